@@ -1,0 +1,29 @@
+// Arithmetic on sizes that come from files: overflow is an answer, not a wrapped number.
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+#include <optional>
+
+namespace isoextract {
+
+// The product of all arguments, or nothing if it does not fit into 64 bits.
+template <std::unsigned_integral... Ts>
+[[nodiscard]] constexpr std::optional<std::uint64_t> checked_product(Ts... factors) {
+  std::uint64_t product = 1;
+  bool overflow = false;
+  ((overflow = __builtin_mul_overflow(product, std::uint64_t{factors}, &product) || overflow), ...);
+  if (overflow) return std::nullopt;
+  return product;
+}
+
+template <std::unsigned_integral... Ts>
+[[nodiscard]] constexpr std::optional<std::uint64_t> checked_sum(Ts... terms) {
+  std::uint64_t sum = 0;
+  bool overflow = false;
+  ((overflow = __builtin_add_overflow(sum, std::uint64_t{terms}, &sum) || overflow), ...);
+  if (overflow) return std::nullopt;
+  return sum;
+}
+
+}  // namespace isoextract

@@ -1,0 +1,60 @@
+#include "base/limits.hpp"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+namespace isoextract {
+
+Limits default_limits() {
+  const long pages = ::sysconf(_SC_PHYS_PAGES);
+  const long page_size = ::sysconf(_SC_PAGESIZE);
+  constexpr std::uint64_t kFallback = 8ULL << 30;
+  if (pages <= 0 || page_size <= 0) return {kFallback};
+  return {static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page_size)};
+}
+
+Result<std::uint64_t> parse_byte_size(std::string_view text) {
+  const auto bad = [&] {
+    return fail(ErrorKind::usage, fmt::format("expected a size such as 512M or 2G, found '{}'", text));
+  };
+  double number = 0;
+  const auto [rest, status] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (status != std::errc{} || !(number >= 0)) return bad();
+  std::string_view suffix(rest, static_cast<std::size_t>(text.data() + text.size() - rest));
+  int power = 0;
+  if (!suffix.empty() && suffix != "B") {
+    constexpr std::string_view kUnits = "KMGT";
+    const std::size_t unit = kUnits.find(suffix.front() & ~0x20);
+    suffix.remove_prefix(1);
+    if (unit == std::string_view::npos || !(suffix.empty() || suffix == "B" || suffix == "iB")) return bad();
+    power = static_cast<int>(unit) + 1;
+  }
+  const double bytes = std::ldexp(number, 10 * power);
+  if (!(bytes < 0x1p63)) return bad();
+  return static_cast<std::uint64_t>(bytes);
+}
+
+std::string format_byte_size(std::uint64_t bytes) {
+  constexpr std::array kUnits{"B", "KiB", "MiB", "GiB", "TiB", "PiB", "EiB"};
+  auto value = static_cast<double>(bytes);
+  std::size_t unit = 0;
+  while (value >= 1024 && unit + 1 < kUnits.size()) {
+    value /= 1024;
+    ++unit;
+  }
+  return unit == 0 ? fmt::format("{} B", bytes) : fmt::format("{:.3g} {}", value, kUnits[unit]);
+}
+
+Result<void> check_memory(std::uint64_t bytes, const Limits& limits, const std::string& what) {
+  if (bytes <= limits.memory_bytes) return {};
+  return fail(ErrorKind::input,
+              fmt::format("{} need {}, the limit is {}", what, format_byte_size(bytes),
+                          format_byte_size(limits.memory_bytes)),
+              "raise it with --memory-limit SIZE if the machine has the memory");
+}
+
+}  // namespace isoextract

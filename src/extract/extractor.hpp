@@ -1,0 +1,70 @@
+// From a field to a mesh. One interface for every method and backend.
+//
+// Inside is value > iso for density, value < iso for level sets; a value equal to iso is outside. Triangles wind
+// counter-clockwise seen from outside, also where a transform mirrors. Every vertex lies on one edge of the grid and
+// is welded by that edge's integer key. The mesh is a closed, oriented 2-manifold wherever the surface does not leave
+// the data, and everywhere if `cap` is set. The same field and options give the same bytes for any number of threads.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/error.hpp"
+#include "base/progress.hpp"
+#include "field/scalar_field.hpp"
+#include "mesh/mesh.hpp"
+
+namespace isoextract {
+
+enum class Method {
+  mc,  // marching cubes
+  mt,  // marching tetrahedra, six a cell (seed S1)
+};
+
+enum class NanPolicy {
+  error,    // a NaN sample is ErrorKind::input; the message says where the first one is
+  outside,  // a NaN sample is outside; the surface passes halfway between it and its inside neighbours
+};
+
+struct ExtractOptions {
+  Method method = Method::mc;
+  double iso = 0;
+  bool smooth_normals = false;     // from the gradient of the field at the vertex (seed S1)
+  bool cap = false;                // close the surface where it leaves the data or the region
+  NanPolicy nan = NanPolicy::error;
+  std::optional<IndexBox> region;  // extract only from cells within this box of samples (clipped to the data)
+  Affine output_from_index;        // places the mesh: index_to_world, or that with turns and scales after it
+  Progress* progress = nullptr;
+};
+
+// What was and was not looked at. A brick is a box of cells that is visited as a whole or not at all.
+struct ExtractStats {
+  std::string brick;                     // "64x8x8 cells", "8x8x8 voxels"
+  std::uint64_t bricks = 0;              // that the data has
+  std::uint64_t bricks_visited = 0;      // that the iso value crosses; the others were left out
+  std::uint64_t samples_classified = 0;  // compared with iso, each once
+  std::uint64_t nan_samples = 0;
+  double classify_seconds = 0;
+  double count_seconds = 0;
+  double emit_seconds = 0;
+};
+
+struct Extraction {
+  Mesh mesh;
+  ExtractStats stats;
+};
+
+class Extractor {
+ public:
+  virtual ~Extractor() = default;
+  [[nodiscard]] virtual std::string_view name() const = 0;  // "cpu"
+  [[nodiscard]] virtual Result<Extraction> extract(const ScalarField& field, const ExtractOptions& options) = 0;
+};
+
+// Dense and sparse fields, on all threads that oneTBB is allowed.
+[[nodiscard]] std::unique_ptr<Extractor> make_cpu_extractor();
+
+}  // namespace isoextract

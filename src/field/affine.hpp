@@ -1,0 +1,43 @@
+// Affine maps in double: index -> world, world -> output.
+#pragma once
+
+#include <cmath>
+
+#include <glm/glm.hpp>
+
+namespace isoextract {
+
+// p -> linear * p + offset. GLM matrices are column-major: linear[a] is the image of the unit step along axis a.
+struct Affine {
+  glm::dmat3 linear{1.0};
+  glm::dvec3 offset{0.0};
+
+  [[nodiscard]] glm::dvec3 operator()(const glm::dvec3& p) const { return linear * p + offset; }
+
+  // (*this)(inner(p))
+  [[nodiscard]] Affine after(const Affine& inner) const {
+    return {linear * inner.linear, linear * inner.offset + offset};
+  }
+
+  [[nodiscard]] double determinant() const { return glm::determinant(linear); }
+
+  [[nodiscard]] Affine inverse() const {
+    const glm::dmat3 inverted = glm::inverse(linear);
+    return {inverted, -(inverted * offset)};
+  }
+
+  // Finite entries and a determinant that is not zero relative to the lengths of the axes: safe to invert.
+  [[nodiscard]] bool is_regular() const {
+    const double scale = glm::length(linear[0]) * glm::length(linear[1]) * glm::length(linear[2]);
+    const bool finite_offset = std::isfinite(offset.x) && std::isfinite(offset.y) && std::isfinite(offset.z);
+    return finite_offset && std::isfinite(scale) && scale > 0 && std::abs(determinant()) > 1e-12 * scale;
+  }
+
+  friend bool operator==(const Affine&, const Affine&) = default;
+};
+
+[[nodiscard]] inline Affine scaling(const glm::dvec3& factors) {
+  return {glm::dmat3(factors.x, 0, 0, 0, factors.y, 0, 0, 0, factors.z), glm::dvec3(0)};
+}
+
+}  // namespace isoextract

@@ -1,0 +1,33 @@
+// Fields by formula, so that everything can be tried without a file: demo:sphere, demo:gyroid?size=256, ...
+//
+// All live on size^3 float samples over the cube [-1, 1]^3 (sample centres on the faces, spacing 2 / (size - 1)), and
+// are positive inside, so that iso 0 is their surface (marschner-lobb: 0.5).
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "base/error.hpp"
+#include "base/limits.hpp"
+#include "base/progress.hpp"
+#include "field/scalar_field.hpp"
+
+namespace isoextract {
+
+struct DemoDescription {
+  std::string_view name;     // as in demo:NAME
+  std::string_view formula;  // one line for the help
+  double iso;                // its natural iso value
+};
+
+[[nodiscard]] std::span<const DemoDescription> demo_fields();
+
+inline constexpr std::string_view kDemoPrefix = "demo:";
+
+// `spec` is "demo:NAME[?key=value[&key=value...]]", keys: size (samples along each axis, 2..2048, default 64). Fails
+// with ErrorKind::usage for an unknown name or key, and with ErrorKind::input where the limit forbids the size.
+[[nodiscard]] Result<ScalarField> make_demo_field(std::string_view spec, const Limits& limits,
+                                                  Progress* progress = nullptr);
+
+}  // namespace isoextract

@@ -1,0 +1,59 @@
+// The types a sample can be stored as. Fields keep the type of their file; values are converted where they are used.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+
+#include <half.h>  // Imath
+
+namespace isoextract {
+
+enum class SampleType { u8, i8, u16, i16, u32, i32, f16, f32, f64 };
+
+using Half = Imath::half;
+
+// Calls f(std::type_identity<T>{}) with the C++ type of `type`.
+template <class F>
+decltype(auto) visit_sample_type(SampleType type, F&& f) {
+  switch (type) {
+    case SampleType::u8: return f(std::type_identity<std::uint8_t>{});
+    case SampleType::i8: return f(std::type_identity<std::int8_t>{});
+    case SampleType::u16: return f(std::type_identity<std::uint16_t>{});
+    case SampleType::i16: return f(std::type_identity<std::int16_t>{});
+    case SampleType::u32: return f(std::type_identity<std::uint32_t>{});
+    case SampleType::i32: return f(std::type_identity<std::int32_t>{});
+    case SampleType::f16: return f(std::type_identity<Half>{});
+    case SampleType::f32: return f(std::type_identity<float>{});
+    case SampleType::f64: break;
+  }
+  return f(std::type_identity<double>{});
+}
+
+template <class T>
+inline constexpr bool is_floating_sample = std::is_floating_point_v<T> || std::is_same_v<T, Half>;
+
+[[nodiscard]] std::size_t sample_size(SampleType type);
+
+// "u8", "i16", "f32", ...: the spelling of --dtype and of reports.
+[[nodiscard]] std::string_view sample_type_name(SampleType type);
+[[nodiscard]] std::optional<SampleType> parse_sample_type(std::string_view name);
+
+// The SampleType of a C++ type.
+template <class T>
+[[nodiscard]] constexpr SampleType sample_type_of() {
+  if constexpr (std::is_same_v<T, std::uint8_t>) return SampleType::u8;
+  if constexpr (std::is_same_v<T, std::int8_t>) return SampleType::i8;
+  if constexpr (std::is_same_v<T, std::uint16_t>) return SampleType::u16;
+  if constexpr (std::is_same_v<T, std::int16_t>) return SampleType::i16;
+  if constexpr (std::is_same_v<T, std::uint32_t>) return SampleType::u32;
+  if constexpr (std::is_same_v<T, std::int32_t>) return SampleType::i32;
+  if constexpr (std::is_same_v<T, Half>) return SampleType::f16;
+  if constexpr (std::is_same_v<T, float>) return SampleType::f32;
+  if constexpr (std::is_same_v<T, double>) return SampleType::f64;
+}
+
+}  // namespace isoextract

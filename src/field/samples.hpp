@@ -1,0 +1,68 @@
+// How the samples of a field lie in memory: dense arrays, or sparse blocks over tiles over a background.
+// Samples are kept in the type they were stored as and are never copied to change representation.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <variant>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "field/sample_type.hpp"
+
+namespace isoextract {
+
+// Inclusive box of sample indices (i, j, k). Empty if any max < min.
+struct IndexBox {
+  glm::ivec3 min{0};
+  glm::ivec3 max{-1};
+
+  [[nodiscard]] glm::i64vec3 dims() const { return glm::i64vec3(max) - glm::i64vec3(min) + glm::i64vec3(1); }
+  [[nodiscard]] bool empty() const { return max.x < min.x || max.y < min.y || max.z < min.z; }
+  friend bool operator==(const IndexBox&, const IndexBox&) = default;
+};
+
+// A full box of samples. i (x) varies fastest: sample (i, j, k) is element i + dims.x * (j + dims.y * k).
+// Index (0, 0, 0) is the first sample. All dims are at least 1.
+struct DenseSamples {
+  SampleType type = SampleType::f32;
+  glm::ivec3 dims{0};
+  std::shared_ptr<const void> owner;  // keeps `data` alive
+  const void* data = nullptr;         // dims.x * dims.y * dims.z values in native byte order, aligned for their type
+
+  [[nodiscard]] std::size_t count() const {
+    return static_cast<std::size_t>(dims.x) * static_cast<std::size_t>(dims.y) * static_cast<std::size_t>(dims.z);
+  }
+};
+
+// 8 x 8 x 8 samples. Sample origin + (x, y, z) is values[x << 6 | y << 3 | z] (z fastest: OpenVDB's leaf layout).
+struct SparseBlock {
+  static constexpr int kSize = 8;
+  glm::ivec3 origin;             // a multiple of 8 in every axis
+  const void* values = nullptr;  // 512 values of the samples' type
+};
+
+// A cube of `size` samples a side (a multiple of 8, at a multiple of 8) that all have one value.
+struct SparseTile {
+  glm::ivec3 origin;
+  int size;
+  double value;
+};
+
+// An unbounded grid: blocks, tiles, and `background` everywhere else. No block lies in a tile and no two overlap.
+// Inactive voxels and inactive tiles have a value like any other; whether a voxel is active plays no part.
+struct SparseSamples {
+  SampleType type = SampleType::f32;
+  std::vector<SparseBlock> blocks;  // sorted by origin: x, then y, then z
+  std::vector<SparseTile> tiles;    // only tiles whose value differs from the background
+  double background = 0;            // exact: every sample type fits into double
+  IndexBox active_box;              // of the active voxels, for `info` and messages; may be empty
+  std::uint64_t active_voxels = 0;
+  std::shared_ptr<const void> owner;  // keeps the blocks' values alive
+};
+
+using Samples = std::variant<DenseSamples, SparseSamples>;
+
+}  // namespace isoextract

@@ -1,0 +1,38 @@
+// What `info` tells of a field's values: range, percentiles, histogram, a suggested iso value.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/progress.hpp"
+#include "field/scalar_field.hpp"
+
+namespace isoextract {
+
+// Dense: over all samples. Sparse: over the blocks' samples and the tiles (a tile counts as all its voxels), without
+// the unbounded background. Values are scaled (ValueScale); NaN and infinities are counted and otherwise left out.
+struct FieldStatistics {
+  std::uint64_t samples = 0;  // finite ones
+  std::uint64_t nan = 0;
+  std::uint64_t infinite = 0;
+  double min = 0;
+  double max = 0;
+  double mean = 0;
+  std::vector<std::uint64_t> histogram;  // 1024 equal bins over [min, max]; empty if there is no finite sample
+
+  // The value below which `fraction` (0..1) of the samples lie, to the width of a bin.
+  [[nodiscard]] double percentile(double fraction) const;
+};
+
+[[nodiscard]] FieldStatistics measure_statistics(const ScalarField& field, Progress* progress = nullptr);
+
+struct IsoSuggestion {
+  double iso;
+  std::string method;  // "the zero of the level set", "Otsu's threshold (1979) of the histogram"
+};
+
+// A value that separates the field in two; for level sets 0. `statistics` must be of `field`.
+[[nodiscard]] IsoSuggestion suggest_iso(const ScalarField& field, const FieldStatistics& statistics);
+
+}  // namespace isoextract

@@ -1,0 +1,31 @@
+// Facts of a mesh's connectivity, found from its indices alone (never by distance).
+#pragma once
+
+#include <cstdint>
+
+#include "mesh/mesh.hpp"
+
+namespace isoextract {
+
+struct Topology {
+  std::uint64_t edges = 0;
+  std::uint64_t open_edges = 0;          // used by one triangle
+  std::uint64_t nonmanifold_edges = 0;   // used by more than two triangles
+  std::uint64_t misoriented_edges = 0;   // used by two triangles that run along it in the same direction
+  std::uint64_t nonmanifold_vertices = 0;  // whose triangles do not form one fan
+  std::uint64_t unused_vertices = 0;
+  std::uint64_t repeated_index_triangles = 0;  // with two equal indices
+  std::uint64_t components = 0;
+  std::int64_t euler = 0;  // vertices in use - edges + triangles
+
+  [[nodiscard]] bool is_closed_oriented_manifold() const {
+    return open_edges == 0 && nonmanifold_edges == 0 && misoriented_edges == 0 && nonmanifold_vertices == 0 &&
+           repeated_index_triangles == 0;
+  }
+  // Of all components together, for closed meshes: euler = 2 * components - 2 * genus.
+  [[nodiscard]] std::int64_t genus() const { return static_cast<std::int64_t>(components) - euler / 2; }
+};
+
+[[nodiscard]] Topology measure_topology(const Mesh& mesh);
+
+}  // namespace isoextract
