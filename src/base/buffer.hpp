@@ -4,12 +4,18 @@
 
 #include <cstddef>
 #include <memory>
-#include <new>
 #include <span>
 #include <type_traits>
 #include <utility>
 
 namespace isoextract {
+
+namespace detail {
+// count * size bytes, aligned to a cache line at least; large blocks ask for huge pages, which makes the first touch of
+// a volume several times cheaper. Null for no bytes; throws std::bad_alloc.
+[[nodiscard]] void* allocate_pages(std::size_t count, std::size_t size);
+void free_pages(void* block);
+}  // namespace detail
 
 template <class T>
 class Buffer {
@@ -21,8 +27,7 @@ class Buffer {
   Buffer() = default;
 
   // Throws std::bad_alloc; callers that take sizes from outside check them against Limits first.
-  explicit Buffer(std::size_t size)
-      : data_(size == 0 ? nullptr : static_cast<T*>(::operator new(size * sizeof(T), kAlignment))), size_(size) {}
+  explicit Buffer(std::size_t size) : data_(static_cast<T*>(detail::allocate_pages(size, sizeof(T)))), size_(size) {}
 
   [[nodiscard]] T* data() { return data_.get(); }
   [[nodiscard]] const T* data() const { return data_.get(); }
@@ -42,10 +47,8 @@ class Buffer {
   [[nodiscard]] std::span<const T> span() const { return {data(), size_}; }
 
  private:
-  static constexpr std::align_val_t kAlignment{64};
-
   struct Free {
-    void operator()(T* p) const { ::operator delete(p, kAlignment); }
+    void operator()(T* p) const { detail::free_pages(p); }
   };
 
   std::unique_ptr<T, Free> data_;

@@ -51,10 +51,10 @@ std::string format_byte_size(std::uint64_t bytes) {
 
 Result<void> check_memory(std::uint64_t bytes, const Limits& limits, const std::string& what) {
   if (bytes <= limits.memory_bytes) return {};
-  return fail(ErrorKind::input,
-              fmt::format("{} need {}, the limit is {}", what, format_byte_size(bytes),
-                          format_byte_size(limits.memory_bytes)),
-              "raise it with --memory-limit SIZE if the machine has the memory");
+  return fail(
+      ErrorKind::input,
+      fmt::format("{} need {}, the limit is {}", what, format_byte_size(bytes), format_byte_size(limits.memory_bytes)),
+      "raise it with --memory-limit SIZE if the machine has the memory");
 }
 
 }  // namespace isoextract

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -32,8 +33,8 @@ enum class NanPolicy {
 struct ExtractOptions {
   Method method = Method::mc;
   double iso = 0;
-  bool smooth_normals = false;     // from the gradient of the field at the vertex (seed S1)
-  bool cap = false;                // close the surface where it leaves the data or the region
+  bool smooth_normals = false;  // from the gradient of the field at the vertex (seed S1)
+  bool cap = false;             // close the surface where it leaves the data or the region
   NanPolicy nan = NanPolicy::error;
   std::optional<IndexBox> region;  // extract only from cells within this box of samples (clipped to the data)
   Affine output_from_index;        // places the mesh: index_to_world, or that with turns and scales after it

@@ -9,9 +9,9 @@ namespace isoextract {
 
 struct Topology {
   std::uint64_t edges = 0;
-  std::uint64_t open_edges = 0;          // used by one triangle
-  std::uint64_t nonmanifold_edges = 0;   // used by more than two triangles
-  std::uint64_t misoriented_edges = 0;   // used by two triangles that run along it in the same direction
+  std::uint64_t open_edges = 0;            // used by one triangle
+  std::uint64_t nonmanifold_edges = 0;     // used by more than two triangles
+  std::uint64_t misoriented_edges = 0;     // used by two triangles that run along it in the same direction
   std::uint64_t nonmanifold_vertices = 0;  // whose triangles do not form one fan
   std::uint64_t unused_vertices = 0;
   std::uint64_t repeated_index_triangles = 0;  // with two equal indices

@@ -1,0 +1,153 @@
+// Closes the surface where it leaves a box of samples: the inside part of every border square becomes triangles.
+//
+// A cap vertex stands at every inside sample of the border; the other corners of cap polygons are vertices that the
+// surface already has on the border's edges, so the cap is welded. Squares decide ambiguous corners like the cells
+// behind them (cell_tables.hpp); for marching tetrahedra a square is the two triangles its tetrahedra show.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "extract/extractor.hpp"
+#include "field/samples.hpp"
+
+namespace isoextract {
+
+struct BorderCap {
+  std::vector<glm::ivec3> samples;    // where the cap vertices stand, in the order of their numbers
+  std::vector<glm::uvec3> triangles;  // counter-clockwise seen from outside in right-handed index space
+};
+
+namespace detail {
+
+struct BoxFace {
+  int axis;     // normal to the face
+  bool at_max;  // at box.max rather than box.min
+  int u, v;     // the axes within it, so that (u, v, outward) is right-handed
+
+  static BoxFace of(int face) {
+    const int axis = face / 2;
+    const bool at_max = face % 2 != 0;
+    const int next = (axis + 1) % 3;
+    const int after = (axis + 2) % 3;
+    return at_max ? BoxFace{axis, at_max, next, after} : BoxFace{axis, at_max, after, next};
+  }
+};
+
+// Numbers of the cap vertices. A sample on several faces belongs to the first of them.
+class CapNumbers {
+ public:
+  explicit CapNumbers(const IndexBox& box) : box_(box), dims_(box.dims()) {
+    for (int face = 0; face < 6; ++face) {
+      const BoxFace f = BoxFace::of(face);
+      numbers_[face].resize(static_cast<std::size_t>(dims_[f.u] * dims_[f.v]));
+    }
+  }
+
+  [[nodiscard]] int first_face(const glm::ivec3& p) const {
+    for (int axis = 0; axis < 3; ++axis) {
+      if (p[axis] == box_.min[axis]) return 2 * axis;
+      if (p[axis] == box_.max[axis]) return 2 * axis + 1;
+    }
+    return -1;
+  }
+
+  std::uint32_t& of(const glm::ivec3& p) {
+    const int face = first_face(p);
+    const BoxFace f = BoxFace::of(face);
+    return numbers_[face][static_cast<std::size_t>(p[f.u] - box_.min[f.u] + dims_[f.u] * (p[f.v] - box_.min[f.v]))];
+  }
+
+ private:
+  IndexBox box_;
+  glm::i64vec3 dims_;
+  std::array<std::vector<std::uint32_t>, 6> numbers_;
+};
+
+}  // namespace detail
+
+// `inside(p)` for a sample; `edge_vertex(p, direction)` is the number of the surface's vertex on the crossed edge from
+// sample p along the axis bits `direction`; cap vertices are numbered from `first_number` on.
+template <class Inside, class EdgeVertex>
+BorderCap make_border_cap(const IndexBox& box, Method method, std::uint32_t first_number, const Inside& inside,
+                          const EdgeVertex& edge_vertex) {
+  BorderCap cap;
+  detail::CapNumbers numbers(box);
+
+  // The inside part of a polygon of samples, corner by corner: each run of inside corners, with the crossings before
+  // and after it, is one convex piece, drawn as a fan from the crossing before (or from a corner, if all are inside).
+  const auto fill = [&](std::span<const glm::ivec3> corners) {
+    const std::size_t count = corners.size();
+    std::array<bool, 4> in{};
+    for (std::size_t c = 0; c < count; ++c) in[c] = inside(corners[c]);
+    const auto crossing = [&](std::size_t c) {
+      const glm::ivec3& a = corners[c];
+      const glm::ivec3& b = corners[(c + 1) % count];
+      const glm::ivec3 low = glm::min(a, b);  // edges run up in every axis they run along
+      const glm::ivec3 step = glm::max(a, b) - low;
+      return edge_vertex(low, step.x | step.y << 1 | step.z << 2);
+    };
+    const auto fan = [&](std::span<const std::uint32_t> ring) {
+      for (std::size_t i = 1; i + 1 < ring.size(); ++i) cap.triangles.push_back({ring[0], ring[i], ring[i + 1]});
+    };
+    std::array<std::uint32_t, 6> ring{};
+    if (std::all_of(in.begin(), in.begin() + static_cast<std::ptrdiff_t>(count), [](bool b) { return b; })) {
+      for (std::size_t c = 0; c < count; ++c) ring[c] = numbers.of(corners[c]);
+      fan({ring.data(), count});
+      return;
+    }
+    for (std::size_t start = 0; start < count; ++start) {
+      if (in[start] || !in[(start + 1) % count]) continue;
+      std::size_t size = 0;
+      ring[size++] = crossing(start);
+      std::size_t c = (start + 1) % count;
+      for (; in[c]; c = (c + 1) % count) ring[size++] = numbers.of(corners[c]);
+      ring[size++] = crossing((c + count - 1) % count);
+      fan({ring.data(), size});
+    }
+  };
+
+  const auto each_face = [&](const auto& visit) {
+    for (int face = 0; face < 6; ++face) {
+      const detail::BoxFace f = detail::BoxFace::of(face);
+      glm::ivec3 p;
+      p[f.axis] = f.at_max ? box.max[f.axis] : box.min[f.axis];
+      for (p[f.v] = box.min[f.v]; p[f.v] <= box.max[f.v]; ++p[f.v]) {
+        for (p[f.u] = box.min[f.u]; p[f.u] <= box.max[f.u]; ++p[f.u]) visit(face, f, p);
+      }
+    }
+  };
+
+  each_face([&](int face, const detail::BoxFace&, const glm::ivec3& p) {
+    if (numbers.first_face(p) != face || !inside(p)) return;
+    numbers.of(p) = first_number + static_cast<std::uint32_t>(cap.samples.size());
+    cap.samples.push_back(p);
+  });
+  each_face([&](int, const detail::BoxFace& f, const glm::ivec3& p) {
+    if (p[f.u] == box.max[f.u] || p[f.v] == box.max[f.v]) return;
+    glm::ivec3 du(0);
+    glm::ivec3 dv(0);
+    du[f.u] = 1;
+    dv[f.v] = 1;
+    const std::array square{p, p + du, p + du + dv, p + dv};  // counter-clockwise seen from outside
+    if (method == Method::mc) {
+      fill(square);
+    } else {
+      fill(std::array{square[0], square[1], square[2]});
+      fill(std::array{square[0], square[2], square[3]});
+    }
+  });
+  return cap;
+}
+
+// The sum of the outward axes of the faces that a border sample lies on, as an index-space covector.
+[[nodiscard]] inline glm::dvec3 border_normal(const IndexBox& box, const glm::ivec3& p) {
+  return glm::dvec3(glm::equal(p, box.max)) - glm::dvec3(glm::equal(p, box.min));
+}
+
+}  // namespace isoextract

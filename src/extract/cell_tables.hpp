@@ -1,0 +1,63 @@
+// What a cell draws for each of its 256 sign cases. The CPU extractors read these tables, and shaders are given them as
+// generated constants, so that both draw the same triangles.
+//
+// Corners and bits. Corner c of a cell stands at (c & 1, c >> 1 & 1, c >> 2 & 1) from the cell's lowest sample; bit c
+// of the case is set where the corner is inside:
+//
+//        6-------7
+//       /|      /|        z
+//      4-------5 |        | y
+//      | 2-----|-3        |/
+//      |/      |/         +--x
+//      0-------1
+//
+// Edges. A cell edge goes from a corner to corner | direction, where direction is a set of axis bits not in the
+// corner: 1, 2, 4 along x, y, z; 3, 5, 6 across a face; 7 through the body (marching tetrahedra only). So every edge of
+// the grid is owned by exactly one sample, its lowest, in one of at most seven directions, and that pair is its key.
+//
+// Triangles wind counter-clockwise seen from outside (from the corners whose bit is 0) in a right-handed index space.
+// Worked case 1 (corner 0 alone inside): one triangle on the edges 0+x, 0+y, 0+z, normal (1, 1, 1).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "extract/extractor.hpp"
+
+namespace isoextract {
+
+struct CellEdge {
+  std::uint8_t corner;     // the lower end
+  std::uint8_t direction;  // axis bits, never shared with the corner's
+
+  friend bool operator==(const CellEdge&, const CellEdge&) = default;
+};
+
+using CellTriangle = std::array<std::uint8_t, 3>;  // indices into CaseTable::edges
+
+struct CaseTable {
+  std::vector<std::uint8_t> directions;    // in the order vertices of one sample are numbered: {1, 2, 4} or {1, ..., 7}
+  std::vector<CellEdge> edges;             // 12 for mc, 19 for mt
+  std::array<std::uint16_t, 257> first{};  // case k draws triangles[first[k]] .. triangles[first[k + 1] - 1]
+  std::vector<CellTriangle> triangles;
+};
+
+// mc: one polygon for every loop of the surface around the cell's faces. Where the corners of a face alternate, its
+// inside corners are kept apart; both cells at the face decide so, therefore the surface closes. No diagonal of a
+// polygon lies in a face, so no edge of the mesh has more than two triangles.
+// mt: the union of what the six tetrahedra around the diagonal 0-7 draw (seed S1, edge table).
+[[nodiscard]] const CaseTable& case_table(Method method);
+
+// Seed S1, section on the edge table: for each of the 16 cases of a tetrahedron (index = b0 << 3 | b1 << 2 | b2 << 1 |
+// b3), four vertex pairs; a triangle strip of three vertices, or of four where the last number is not 0.
+struct TetrahedronCase {
+  std::array<std::array<std::uint8_t, 2>, 4> strip;
+  bool quad;
+};
+[[nodiscard]] const std::array<TetrahedronCase, 16>& tetrahedron_cases();
+
+// The six tetrahedra of a cell, as cell corners; all have the same handedness.
+[[nodiscard]] const std::array<std::array<std::uint8_t, 4>, 6>& cell_tetrahedra();
+
+}  // namespace isoextract

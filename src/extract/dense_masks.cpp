@@ -1,0 +1,49 @@
+#include "extract/dense_masks.hpp"
+
+#include <algorithm>
+#include <atomic>
+
+#include <tbb/parallel_for.h>
+
+namespace isoextract {
+
+template <class T>
+std::uint64_t classify(const DenseView<T>& view, const InsideThreshold<T>& threshold, DenseMasks& masks,
+                       Progress* progress) {
+  const InsideClassifier<T> classifier(threshold);
+  const auto [nx, ny, nz] = std::array{view.dims.x, view.dims.y, view.dims.z};
+  std::atomic<std::uint64_t> nan{0};
+  if (progress != nullptr) progress->begin("classifying samples", static_cast<std::uint64_t>(nz));
+  tbb::parallel_for(0, nz, [&, nx = nx, ny = ny](int k) {
+    std::uint64_t slice_nan = 0;
+    for (int j = 0; j < ny; ++j) {
+      const T* samples = view.row(j, k);
+      std::uint64_t* bits = masks.row(j, k);
+      for (int w = 0; w < masks.words(); ++w) {
+        bits[w] = classifier(samples + 64 * w, std::min(64, nx - 64 * w), slice_nan);
+      }
+      bits[masks.words()] = 0;
+    }
+    if (slice_nan != 0) nan.fetch_add(slice_nan, std::memory_order_relaxed);
+    if (progress != nullptr) progress->advance(1);
+  });
+  return nan.load();
+}
+
+template std::uint64_t classify(const DenseView<std::uint8_t>&, const InsideThreshold<std::uint8_t>&, DenseMasks&,
+                                Progress*);
+template std::uint64_t classify(const DenseView<std::int8_t>&, const InsideThreshold<std::int8_t>&, DenseMasks&,
+                                Progress*);
+template std::uint64_t classify(const DenseView<std::uint16_t>&, const InsideThreshold<std::uint16_t>&, DenseMasks&,
+                                Progress*);
+template std::uint64_t classify(const DenseView<std::int16_t>&, const InsideThreshold<std::int16_t>&, DenseMasks&,
+                                Progress*);
+template std::uint64_t classify(const DenseView<std::uint32_t>&, const InsideThreshold<std::uint32_t>&, DenseMasks&,
+                                Progress*);
+template std::uint64_t classify(const DenseView<std::int32_t>&, const InsideThreshold<std::int32_t>&, DenseMasks&,
+                                Progress*);
+template std::uint64_t classify(const DenseView<Half>&, const InsideThreshold<Half>&, DenseMasks&, Progress*);
+template std::uint64_t classify(const DenseView<float>&, const InsideThreshold<float>&, DenseMasks&, Progress*);
+template std::uint64_t classify(const DenseView<double>&, const InsideThreshold<double>&, DenseMasks&, Progress*);
+
+}  // namespace isoextract

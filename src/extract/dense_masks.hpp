@@ -1,0 +1,58 @@
+// One bit a sample: inside or not. Everything after the classification works on these bits and touches samples only
+// where they differ.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "base/buffer.hpp"
+#include "base/progress.hpp"
+#include "extract/inside_test.hpp"
+
+namespace isoextract {
+
+// A box within a dense array: `data` is its first sample; x is contiguous.
+template <class T>
+struct DenseView {
+  const T* data;
+  glm::ivec3 dims;
+  std::int64_t stride_y;
+  std::int64_t stride_z;
+
+  [[nodiscard]] const T* row(int j, int k) const { return data + j * stride_y + k * stride_z; }
+};
+
+class DenseMasks {
+ public:
+  explicit DenseMasks(const glm::ivec3& dims)
+      : dims_(dims),
+        words_((dims.x + 63) / 64),
+        bits_(static_cast<std::size_t>(words_ + 1) * static_cast<std::size_t>(dims.y) *
+              static_cast<std::size_t>(dims.z)) {}
+
+  [[nodiscard]] const glm::ivec3& dims() const { return dims_; }
+  [[nodiscard]] int words() const { return words_; }
+
+  // words() words and a zero one after them; bits from dims().x on are zero.
+  [[nodiscard]] const std::uint64_t* row(int j, int k) const { return bits_.data() + offset(j, k); }
+  [[nodiscard]] std::uint64_t* row(int j, int k) { return bits_.data() + offset(j, k); }
+
+  [[nodiscard]] bool inside(const glm::ivec3& p) const { return (row(p.y, p.z)[p.x / 64] >> (p.x % 64) & 1) != 0; }
+
+ private:
+  [[nodiscard]] std::size_t offset(int j, int k) const {
+    return static_cast<std::size_t>(words_ + 1) *
+           (static_cast<std::size_t>(j) + static_cast<std::size_t>(dims_.y) * static_cast<std::size_t>(k));
+  }
+
+  glm::ivec3 dims_;
+  int words_;
+  Buffer<std::uint64_t> bits_;
+};
+
+// Reads every sample once, in parallel. Returns the number of NaN.
+template <class T>
+std::uint64_t classify(const DenseView<T>& view, const InsideThreshold<T>& threshold, DenseMasks& masks,
+                       Progress* progress);
+
+}  // namespace isoextract

@@ -1,0 +1,79 @@
+#include "extract/edge_geometry.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace isoextract {
+namespace {
+
+struct Corners {
+  glm::dvec3 min{std::numeric_limits<double>::infinity()};
+  glm::dvec3 max{-std::numeric_limits<double>::infinity()};
+};
+
+Corners placed_corners(const Affine& placement, const IndexBox& box) {
+  Corners corners;
+  for (int c = 0; c < 8; ++c) {
+    const glm::dvec3 p = placement({(c & 1) != 0 ? box.max.x : box.min.x, (c & 2) != 0 ? box.max.y : box.min.y,
+                                    (c & 4) != 0 ? box.max.z : box.min.z});
+    corners.min = glm::min(corners.min, p);
+    corners.max = glm::max(corners.max, p);
+  }
+  return corners;
+}
+
+double max_component(const glm::dvec3& v) { return std::max({v.x, v.y, v.z}); }
+
+// Zero where float32 world coordinates cost at most two bits against coordinates relative to the centre.
+glm::dvec3 choose_origin(const Corners& corners) {
+  const double farthest = max_component(glm::max(glm::abs(corners.min), glm::abs(corners.max)));
+  const double half_extent = max_component((corners.max - corners.min) / 2.0);
+  constexpr double kNear = 4;
+  return farthest <= kNear * half_extent ? glm::dvec3(0) : (corners.min + corners.max) / 2.0;
+}
+
+// Eight times what float32 rounds by, as a fraction of the shortest grid step that the rounding can act against. At 512
+// samples a side this is 0.0002 of an edge.
+double choose_margin(const Affine& local_from_index, const Corners& local) {
+  constexpr double kRounding = 0x1p-24;  // half a unit in the last place of 1
+  constexpr double kFactor = 8;
+  constexpr double kLargest = 0x1p-6;
+  const glm::dvec3 farthest = glm::max(glm::abs(local.min), glm::abs(local.max));
+  double margin = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const glm::dvec3 step = local_from_index.linear[axis];
+    const double length = glm::length(step);
+    for (int component = 0; component < 3; ++component) {
+      if (std::abs(step[component]) <= 1e-9 * length) continue;
+      margin = std::max(margin, kFactor * kRounding * farthest[component] / length);
+    }
+  }
+  return std::min(margin, kLargest);
+}
+
+}  // namespace
+
+Placement::Placement(const Affine& output_from_index, const IndexBox& box, FieldKind kind, const ValueScale& scale)
+    : local_from_index_(output_from_index),
+      covector_map_(glm::transpose(glm::inverse(output_from_index.linear))),
+      outward_((kind == FieldKind::level_set) == (scale.slope > 0) ? 1 : -1),
+      mirrored_(output_from_index.determinant() < 0) {
+  const Corners world = placed_corners(output_from_index, box);
+  origin_ = choose_origin(world);
+  local_from_index_.offset -= origin_;
+  margin_ = choose_margin(local_from_index_, {world.min - origin_, world.max - origin_});
+}
+
+glm::vec3 Placement::normal(const glm::dvec3& gradient, const glm::dvec3& out) const {
+  const glm::dvec3 mapped = covector_map_ * (outward_ * gradient);
+  // Scaled before its length is taken: squares of very large or very small gradients leave the range of double.
+  const double largest = max_component(glm::abs(mapped));
+  if (largest > 0 && std::isfinite(largest)) {
+    const glm::dvec3 scaled = mapped / largest;
+    const double length = glm::length(scaled);
+    if (std::isfinite(length) && length > 0) return scaled / length;
+  }
+  return glm::normalize(local_from_index_.linear * out);
+}
+
+}  // namespace isoextract

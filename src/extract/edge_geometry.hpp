@@ -1,0 +1,74 @@
+// Where on its edge a vertex is, where that is in the output, and which way its normal points. Shared by the dense and
+// the sparse extractor.
+#pragma once
+
+#include <cmath>
+#include <limits>
+
+#include <glm/glm.hpp>
+
+#include "extract/extractor.hpp"
+
+namespace isoextract {
+
+// The parameter of the crossing on an edge from value f0 to f1, of which exactly one is inside: (iso - f0) / (f1 - f0)
+// (seed S1), in double, kept at least `margin` away from both ends.
+//
+// The margin is what makes values that tie with iso harmless: a vertex is always strictly inside its edge, also after
+// rounding to float32. Three points strictly inside three different edges of a cube or a tetrahedron are never
+// collinear, so no triangle has zero area and no two vertices coincide.
+//
+// An infinite value pulls the crossing to the finite end; NaN, or two infinities, leave it in the middle.
+[[nodiscard]] inline double edge_crossing(double f0, double f1, double iso, double margin) {
+  double t = (iso - f0) / (f1 - f0);
+  if (!std::isfinite(f1 - f0)) {
+    const bool finite0 = std::isfinite(f0);
+    const bool finite1 = std::isfinite(f1);
+    if (finite0 && finite1) {
+      t = (iso / 2 - f0 / 2) / (f1 / 2 - f0 / 2);
+    } else if (finite0 == finite1 || std::isnan(f0) || std::isnan(f1)) {
+      t = 0.5;
+    } else {
+      t = finite0 ? 0 : 1;
+    }
+  }
+  return std::min(std::max(t, margin), 1 - margin);
+}
+
+// From index space to the float32 positions of a mesh.
+class Placement {
+ public:
+  // `box` holds every sample of the field (not only the region), so that a region changes no position.
+  Placement(const Affine& output_from_index, const IndexBox& box, FieldKind kind, const ValueScale& scale);
+
+  [[nodiscard]] const glm::dvec3& origin() const { return origin_; }
+  [[nodiscard]] double margin() const { return margin_; }
+  // True if triangles must be turned over, because the transform mirrors.
+  [[nodiscard]] bool mirrored() const { return mirrored_; }
+
+  [[nodiscard]] glm::vec3 position(const glm::dvec3& index) const { return local_from_index_(index); }
+
+  // The outward unit normal for a gradient of the stored samples in index space. `out` is an index-space step that
+  // leads outside; it decides where the gradient is zero or not finite.
+  [[nodiscard]] glm::vec3 normal(const glm::dvec3& gradient, const glm::dvec3& out) const;
+
+  // The unit normal of a plane whose index-space normal is `covector`.
+  [[nodiscard]] glm::vec3 plane_normal(const glm::dvec3& covector) const {
+    return glm::normalize(covector_map_ * covector);
+  }
+
+ private:
+  Affine local_from_index_;
+  glm::dvec3 origin_{0.0};
+  glm::dmat3 covector_map_;  // inverse transpose of the linear part: gradients are covectors
+  double outward_;           // +1 if values grow outward in stored samples
+  double margin_;
+  bool mirrored_;
+};
+
+// The step of a direction's axis bits, see cell_tables.hpp.
+[[nodiscard]] inline glm::ivec3 direction_step(int direction) {
+  return {direction & 1, direction >> 1 & 1, direction >> 2 & 1};
+}
+
+}  // namespace isoextract

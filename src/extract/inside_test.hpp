@@ -1,0 +1,146 @@
+// Which stored samples are inside, as one comparison in the stored type.
+//
+// "value(stored) > iso" (density) and "value(stored) < iso" (level set) are monotone in the stored number, also after
+// rounding, because value = slope * stored + intercept is. So the inside numbers are all from a threshold on, up or
+// down, and the threshold is found once, exactly, by bisection over the ordered numbers of the type. Integers wider
+// than float, doubles at large offsets and scaled integers are classified without rounding.
+#pragma once
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <optional>
+#include <type_traits>
+
+#include "field/scalar_field.hpp"
+
+namespace isoextract {
+
+// The numbers of T in rising order, as unsigned integers; for floats from -infinity to +infinity, NaN left out.
+template <class T>
+struct OrderedKey {
+  using Key = std::make_unsigned_t<T>;
+  static constexpr Key kFlip = std::is_signed_v<T> ? Key{1} << (8 * sizeof(T) - 1) : Key{0};
+  static constexpr Key kLowest = 0;
+  static constexpr Key kHighest = static_cast<Key>(-1);
+
+  static T value(Key key) { return static_cast<T>(static_cast<Key>(key ^ kFlip)); }
+};
+
+template <class Bits>
+struct OrderedFloatBits {
+  static constexpr Bits kSign = static_cast<Bits>(Bits{1} << (8 * sizeof(Bits) - 1));
+  static constexpr Bits key(Bits bits) { return static_cast<Bits>((bits & kSign) != 0 ? ~bits : (bits | kSign)); }
+  static constexpr Bits bits(Bits key) { return static_cast<Bits>((key & kSign) != 0 ? (key & ~kSign) : ~key); }
+};
+
+template <>
+struct OrderedKey<float> {
+  using Key = std::uint32_t;
+  static constexpr Key kLowest = OrderedFloatBits<Key>::key(0xFF800000U);
+  static constexpr Key kHighest = OrderedFloatBits<Key>::key(0x7F800000U);
+  static float value(Key key) { return std::bit_cast<float>(OrderedFloatBits<Key>::bits(key)); }
+};
+
+template <>
+struct OrderedKey<double> {
+  using Key = std::uint64_t;
+  static constexpr Key kLowest = OrderedFloatBits<Key>::key(0xFFF0000000000000ULL);
+  static constexpr Key kHighest = OrderedFloatBits<Key>::key(0x7FF0000000000000ULL);
+  static double value(Key key) { return std::bit_cast<double>(OrderedFloatBits<Key>::bits(key)); }
+};
+
+template <>
+struct OrderedKey<Half> {
+  using Key = std::uint16_t;
+  static constexpr Key kLowest = OrderedFloatBits<Key>::key(0xFC00U);
+  static constexpr Key kHighest = OrderedFloatBits<Key>::key(0x7C00U);
+  static Half value(Key key) { return Half(Half::FromBits, OrderedFloatBits<Key>::bits(key)); }
+};
+
+// The rule itself, in the field's own values. NaN is outside.
+struct InsideRule {
+  FieldKind kind;
+  double iso;
+  bool operator()(double value) const { return kind == FieldKind::density ? value > iso : value < iso; }
+};
+
+template <class T>
+struct InsideThreshold {
+  T threshold;  // the first or last number that is inside
+  bool above;   // inside is stored >= threshold; otherwise stored <= threshold
+};
+
+// Nothing if no number of T is inside.
+template <class T>
+std::optional<InsideThreshold<T>> find_inside_threshold(const InsideRule& rule, const ValueScale& scale) {
+  using Order = OrderedKey<T>;
+  using Key = typename Order::Key;
+  const auto inside = [&](Key key) { return rule(scale(static_cast<double>(Order::value(key)))); };
+  const bool above = (rule.kind == FieldKind::density) == (scale.slope > 0);
+  // `in` is always an inside key, `out` an outside one, until they are neighbours.
+  Key in = above ? Order::kHighest : Order::kLowest;
+  Key out = above ? Order::kLowest : Order::kHighest;
+  if (!inside(in)) return std::nullopt;
+  if (inside(out)) return InsideThreshold<T>{Order::value(out), above};
+  while ((in > out ? in - out : out - in) > 1) {
+    const auto middle = static_cast<Key>(std::min(in, out) + (std::max(in, out) - std::min(in, out)) / 2);
+    (inside(middle) ? in : out) = middle;
+  }
+  return InsideThreshold<T>{Order::value(in), above};
+}
+
+// Compares `count` <= 64 samples; bit b of the answer is set where sample b is inside. Adds to `nan` the number of NaN.
+template <class T>
+class InsideClassifier {
+ public:
+  explicit InsideClassifier(const InsideThreshold<T>& threshold)
+      : threshold_(comparable(threshold.threshold)), above_(threshold.above) {}
+
+  std::uint64_t operator()(const T* samples, int count, std::uint64_t& nan) const {
+    return above_ ? compare<true>(samples, count, nan) : compare<false>(samples, count, nan);
+  }
+
+ private:
+  // What is compared: the number itself, except that halves are compared as ordered integers.
+  static auto comparable(T sample) {
+    if constexpr (std::is_same_v<T, Half>) {
+      return OrderedFloatBits<std::uint16_t>::key(sample.bits());
+    } else {
+      return sample;
+    }
+  }
+  static bool is_nan(T sample) {
+    if constexpr (std::is_same_v<T, Half>) return (sample.bits() & 0x7FFF) > 0x7C00;
+    if constexpr (std::is_floating_point_v<T>) return sample != sample;
+    return false;
+  }
+
+  template <bool kAbove>
+  std::uint64_t compare(const T* samples, int count, std::uint64_t& nan) const {
+    // One byte a sample first: that is a loop compilers vectorise. Then eight bytes to eight bits by a multiplication.
+    std::uint8_t flags[64] = {};
+    unsigned found_nan = 0;
+    for (int b = 0; b < count; ++b) {
+      bool in = kAbove ? comparable(samples[b]) >= threshold_ : comparable(samples[b]) <= threshold_;
+      if constexpr (is_floating_sample<T>) found_nan += is_nan(samples[b]) ? 1U : 0U;
+      if constexpr (std::is_same_v<T, Half>) in = in && !is_nan(samples[b]);
+      flags[b] = in ? 1 : 0;
+    }
+    nan += found_nan;
+    std::uint64_t word = 0;
+    for (int byte = 0; byte < 8; ++byte) {
+      std::uint64_t eight = 0;
+      std::memcpy(&eight, flags + 8 * byte, 8);
+      word |= (eight * 0x0102040810204080ULL >> 56) << (8 * byte);
+    }
+    return word;
+  }
+
+  decltype(comparable(T{})) threshold_;
+  bool above_;
+};
+
+}  // namespace isoextract

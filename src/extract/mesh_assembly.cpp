@@ -1,0 +1,65 @@
+#include "extract/mesh_assembly.hpp"
+
+#include <limits>
+
+#include <fmt/format.h>
+
+namespace isoextract {
+
+Result<IndexBox> clip_region(const ScalarField& field, const IndexBox& box, const ExtractOptions& options) {
+  IndexBox region = box;
+  if (options.region) {
+    region.min = glm::max(region.min, options.region->min);
+    region.max = glm::min(region.max, options.region->max);
+  }
+  if (glm::all(glm::greaterThan(region.max, region.min))) return region;
+  if (!options.region) {
+    const auto dims = box.dims();
+    return fail(ErrorKind::input,
+                fmt::format("{}: a surface needs at least 2 samples along each axis, found {} x {} x {}", field.source,
+                            dims.x, dims.y, dims.z));
+  }
+  return fail(ErrorKind::input,
+              fmt::format("{}: the region holds no cell of the field, whose samples are ({}, {}, {}) to ({}, {}, {})",
+                          field.source, box.min.x, box.min.y, box.min.z, box.max.x, box.max.y, box.max.z),
+              "give --roi a larger box, or leave it out");
+}
+
+Result<void> check_vertex_count(const ScalarField& field, std::uint64_t vertices) {
+  if (vertices <= std::numeric_limits<std::uint32_t>::max()) return {};
+  return fail(ErrorKind::input,
+              fmt::format("{}: the surface has {} vertices, a mesh holds {}", field.source, vertices,
+                          std::numeric_limits<std::uint32_t>::max()),
+              "extract it in parts with --roi");
+}
+
+tl::unexpected<Error> nan_error(const ScalarField& field, std::uint64_t count, const glm::ivec3& first) {
+  return fail(ErrorKind::input,
+              fmt::format("{}: {} of the samples {} not a number (NaN), the first at index ({}, {}, {})", field.source,
+                          count, count == 1 ? "is" : "are", first.x, first.y, first.z),
+              "use --nan outside to take them as outside");
+}
+
+void allocate_mesh(Mesh& mesh, const MeshSizes& surface, const BorderCap& cap, bool normals) {
+  mesh.positions = Buffer<glm::vec3>(surface.vertices + cap.samples.size());
+  if (normals) mesh.normals = Buffer<glm::vec3>(mesh.positions.size());
+  mesh.triangles = Buffer<glm::uvec3>(surface.triangles + cap.triangles.size());
+}
+
+void append_cap(Mesh& mesh, const MeshSizes& surface, const BorderCap& cap, const IndexBox& box,
+                const glm::ivec3& index_origin, const Placement& placement) {
+  for (std::size_t v = 0; v < cap.samples.size(); ++v) {
+    const std::size_t number = surface.vertices + v;
+    mesh.positions[number] = placement.position(glm::dvec3(cap.samples[v] + index_origin));
+    if (!mesh.normals.empty()) {
+      mesh.normals[number] = placement.plane_normal(border_normal(box, cap.samples[v]));
+    }
+  }
+  for (std::size_t t = 0; t < cap.triangles.size(); ++t) {
+    const glm::uvec3 corners = cap.triangles[t];
+    mesh.triangles[surface.triangles + t] =
+        placement.mirrored() ? glm::uvec3(corners.x, corners.z, corners.y) : corners;
+  }
+}
+
+}  // namespace isoextract

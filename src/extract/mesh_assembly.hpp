@@ -1,0 +1,32 @@
+// What the dense and the sparse extractor share around their own passes: checks, allocation, the cap's part of a mesh.
+#pragma once
+
+#include "extract/border_cap.hpp"
+#include "extract/edge_geometry.hpp"
+
+namespace isoextract {
+
+struct MeshSizes {
+  std::uint64_t vertices = 0;
+  std::uint64_t triangles = 0;
+};
+
+// The samples to extract from: the part of options.region within `box`. Fails with ErrorKind::input where that holds no
+// cell (two samples along each axis).
+[[nodiscard]] Result<IndexBox> clip_region(const ScalarField& field, const IndexBox& box,
+                                           const ExtractOptions& options);
+
+// Vertex numbers are 32-bit.
+[[nodiscard]] Result<void> check_vertex_count(const ScalarField& field, std::uint64_t vertices);
+
+[[nodiscard]] tl::unexpected<Error> nan_error(const ScalarField& field, std::uint64_t count, const glm::ivec3& first);
+
+// Room for the surface and the cap; nothing is initialised.
+void allocate_mesh(Mesh& mesh, const MeshSizes& surface, const BorderCap& cap, bool normals);
+
+// Writes the cap behind the surface. `box` is the capped box in the cap's own indices, `index_origin` what must be
+// added to them to get indices of the field.
+void append_cap(Mesh& mesh, const MeshSizes& surface, const BorderCap& cap, const IndexBox& box,
+                const glm::ivec3& index_origin, const Placement& placement);
+
+}  // namespace isoextract
