@@ -7,7 +7,7 @@
 
 add_library(isoextract_options INTERFACE)
 target_compile_options(isoextract_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
-  -Wno-sign-conversion -Wold-style-cast -Wnon-virtual-dtor -Woverloaded-virtual -Wnull-dereference)
+  -Wno-sign-conversion -Wold-style-cast -Wnon-virtual-dtor -Woverloaded-virtual -Wnull-dereference -ffp-contract=off)
 if(ISOEXTRACT_WERROR)
   target_compile_options(isoextract_options INTERFACE -Werror)
 endif()

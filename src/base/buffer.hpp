@@ -1,5 +1,5 @@
 // A fixed-size array on the heap whose elements are not initialised: large outputs are written once, by the threads
-// that compute them, and are never zeroed first. Movable, not copyable; owns its memory.
+// that compute them, and are never zeroed first. Movable (what is moved from is empty), not copyable; owns its memory.
 #pragma once
 
 #include <cstddef>
@@ -28,6 +28,14 @@ class Buffer {
 
   // Throws std::bad_alloc; callers that take sizes from outside check them against Limits first.
   explicit Buffer(std::size_t size) : data_(static_cast<T*>(detail::allocate_pages(size, sizeof(T)))), size_(size) {}
+
+  Buffer(Buffer&& other) noexcept : data_(std::move(other.data_)), size_(std::exchange(other.size_, 0)) {}
+  Buffer& operator=(Buffer&& other) noexcept {
+    data_ = std::move(other.data_);
+    size_ = std::exchange(other.size_, 0);
+    return *this;
+  }
+  ~Buffer() = default;
 
   [[nodiscard]] T* data() { return data_.get(); }
   [[nodiscard]] const T* data() const { return data_.get(); }

@@ -46,6 +46,7 @@ struct ExtractStats {
   std::string brick;                     // "64x8x8 cells", "8x8x8 voxels"
   std::uint64_t bricks = 0;              // that the data has
   std::uint64_t bricks_visited = 0;      // that the iso value crosses; the others were left out
+  std::uint64_t places_visited = 0;      // sparse: of brick size without stored samples, next to stored ones or tiles
   std::uint64_t samples_classified = 0;  // compared with iso, each once
   std::uint64_t nan_samples = 0;
   double classify_seconds = 0;

@@ -1,0 +1,123 @@
+#include "extract/sparse_blocks.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+#include <tuple>
+
+namespace isoextract {
+namespace {
+
+constexpr std::int32_t kEmpty = -1;
+constexpr int kSize = SparseBlock::kSize;
+
+// Appends the places of block size whose 2 x 2 x 2 group is partly in the tile and partly not.
+void add_tile_skin(const SparseTile& tile, std::vector<glm::ivec3>& places) {
+  const int blocks = tile.size / kSize;
+  const auto on_skin = [&](int b) { return b == -1 || b == blocks - 1; };
+  for (int x = -1; x < blocks; ++x) {
+    for (int y = -1; y < blocks; ++y) {
+      const int step = on_skin(x) || on_skin(y) ? 1 : blocks;  // only the two ends along z, where x and y are within
+      for (int z = -1; z < blocks; z += step) places.push_back(tile.origin + kSize * glm::ivec3(x, y, z));
+    }
+  }
+}
+
+}  // namespace
+
+OriginIndex::OriginIndex(std::size_t count) : slots_(std::bit_ceil(2 * count + 1), Slot{glm::ivec3(0), kEmpty}) {}
+
+std::size_t OriginIndex::slot_of(const glm::ivec3& origin) const {
+  const auto part = [](int v) { return static_cast<std::uint64_t>(static_cast<std::uint32_t>(v) >> 3); };
+  std::uint64_t h = part(origin.x) * 0x9E3779B97F4A7C15ULL;
+  h = (h ^ part(origin.y)) * 0xC2B2AE3D27D4EB4FULL;
+  h = (h ^ part(origin.z)) * 0x9E3779B97F4A7C15ULL;
+  return static_cast<std::size_t>(h ^ h >> 32) & (slots_.size() - 1);
+}
+
+void OriginIndex::insert(const glm::ivec3& origin, std::int32_t number) {
+  std::size_t slot = slot_of(origin);
+  while (slots_[slot].number != kEmpty) slot = (slot + 1) & (slots_.size() - 1);
+  slots_[slot] = {origin, number};
+}
+
+std::int32_t OriginIndex::find(const glm::ivec3& origin) const {
+  if (slots_.empty()) return kEmpty;
+  std::size_t slot = slot_of(origin);
+  while (slots_[slot].number != kEmpty && slots_[slot].origin != origin) slot = (slot + 1) & (slots_.size() - 1);
+  return slots_[slot].number;
+}
+
+SparseLookup::SparseLookup(const SparseSamples& samples) : samples_(samples), blocks_(samples.blocks.size()) {
+  for (std::size_t b = 0; b < samples.blocks.size(); ++b) {
+    blocks_.insert(samples.blocks[b].origin, static_cast<std::int32_t>(b));
+  }
+  for (const SparseTile& tile : samples.tiles) {
+    if (std::ranges::none_of(tiles_, [&](const auto& entry) { return entry.first == tile.size; })) {
+      const auto same_size = std::ranges::count(samples.tiles, tile.size, &SparseTile::size);
+      tiles_.emplace_back(tile.size, OriginIndex(static_cast<std::size_t>(same_size)));
+    }
+  }
+  for (std::size_t t = 0; t < samples.tiles.size(); ++t) {
+    const SparseTile& tile = samples.tiles[t];
+    const auto entry = std::ranges::find(tiles_, tile.size, &std::pair<int, OriginIndex>::first);
+    entry->second.insert(tile.origin, static_cast<std::int32_t>(t));
+  }
+}
+
+double SparseLookup::constant(const glm::ivec3& origin) const {
+  for (const auto& [size, index] : tiles_) {
+    // Tile sizes are powers of two.
+    if (const std::int32_t tile = index.find(origin & ~(size - 1)); tile >= 0) return samples_.tiles[tile].value;
+  }
+  return samples_.background;
+}
+
+IndexBox stored_box(const SparseSamples& samples) {
+  IndexBox box{glm::ivec3(std::numeric_limits<int>::max()), glm::ivec3(std::numeric_limits<int>::min())};
+  const auto add = [&](const glm::ivec3& origin, int size) {
+    box.min = glm::min(box.min, origin);
+    box.max = glm::max(box.max, origin + (size - 1));
+  };
+  for (const SparseBlock& block : samples.blocks) add(block.origin, kSize);
+  for (const SparseTile& tile : samples.tiles) add(tile.origin, tile.size);
+  return box;
+}
+
+std::vector<glm::ivec3> unstored_places(const SparseSamples& samples, const SparseLookup& lookup,
+                                        const InsideRule& rule, const ValueScale& scale) {
+  std::vector<glm::ivec3> places;
+  for (const SparseBlock& block : samples.blocks) {
+    for (int d = 1; d < 8; ++d) {
+      const glm::ivec3 place = block.origin - kSize * glm::ivec3(d & 1, d >> 1 & 1, d >> 2 & 1);
+      if (lookup.block(place) < 0) places.push_back(place);
+    }
+  }
+  const bool background_inside = rule(scale(samples.background));
+  std::vector<glm::ivec3> skin;
+  for (const SparseTile& tile : samples.tiles) {
+    if (rule(scale(tile.value)) != background_inside) add_tile_skin(tile, skin);
+  }
+  std::ranges::copy_if(skin, std::back_inserter(places), [&](const glm::ivec3& p) { return lookup.block(p) < 0; });
+  const auto key = [](const glm::ivec3& p) { return std::tuple(p.x, p.y, p.z); };
+  std::ranges::sort(places, {}, key);
+  const auto repeated = std::ranges::unique(places);
+  places.erase(repeated.begin(), repeated.end());
+  return places;
+}
+
+std::uint64_t shifted_word(const std::array<const BlockBits*, 8>& group, int step, int x) {
+  const int past = x + (step & 1);
+  const int block_x = past >> 3;
+  const int word = past & 7;
+  // Within a word y is the byte and z the bit in it.
+  const auto along_y = [&](int block_z) {
+    const std::uint64_t own = (*group[block_x | block_z << 2])[word];
+    return (step & 2) == 0 ? own : own >> 8 | (*group[block_x | 2 | block_z << 2])[word] << 56;
+  };
+  if ((step & 4) == 0) return along_y(0);
+  constexpr std::uint64_t kLowBits = 0x0101010101010101ULL;
+  return (along_y(0) >> 1 & ~(kLowBits << 7)) | (along_y(1) & kLowBits) << 7;
+}
+
+}  // namespace isoextract

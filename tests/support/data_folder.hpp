@@ -17,6 +17,6 @@ inline std::filesystem::path data_file(const std::string& name) {
 }  // namespace isoextract::test
 
 // Ends the test, saying so, where a file of the data folder is not there.
-#define ISOEXTRACT_NEEDS_DATA(name)                                                                        \
-  if (!std::filesystem::exists(isoextract::test::data_file(name)))                                         \
+#define ISOEXTRACT_NEEDS_DATA(name)                                \
+  if (!std::filesystem::exists(isoextract::test::data_file(name))) \
   GTEST_SKIP() << "no " << isoextract::test::data_file(name) << ": set ISOEXTRACT_DATA to the data folder"

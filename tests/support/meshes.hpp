@@ -1,0 +1,64 @@
+// Comparing meshes in tests.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <tuple>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "extract/extractor.hpp"
+#include "mesh/metrics.hpp"
+#include "mesh/topology.hpp"
+
+namespace isoextract::test {
+
+using Point = std::tuple<double, double, double>;
+
+// Triangles as sorted corner positions that start at their least corner: independent of vertex and triangle order, but
+// not of winding.
+inline std::vector<std::array<Point, 3>> triangle_set(const Mesh& mesh) {
+  std::vector<std::array<Point, 3>> set;
+  for (const glm::uvec3& t : mesh.triangles) {
+    std::array<Point, 3> corners;
+    for (int c = 0; c < 3; ++c) {
+      const glm::dvec3 p = mesh.position(t[c]);
+      corners[static_cast<std::size_t>(c)] = {p.x, p.y, p.z};
+    }
+    std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
+    set.push_back(corners);
+  }
+  std::sort(set.begin(), set.end());
+  return set;
+}
+
+// For INSTANTIATE_TEST_SUITE_P over methods.
+inline std::string method_name(const testing::TestParamInfo<Method>& parameter) {
+  return parameter.param == Method::mc ? "mc" : "mt";
+}
+
+inline Extraction extract(const ScalarField& field, const ExtractOptions& options) {
+  Result<Extraction> result = make_cpu_extractor()->extract(field, options);
+  if (!result) {
+    ADD_FAILURE() << result.error().message;
+    return {};
+  }
+  return std::move(*result);
+}
+
+// Closed (if `closed`), oriented, manifold, without unused vertices or zero-area triangles.
+inline void expect_sound(const Mesh& mesh, bool closed) {
+  const Topology t = measure_topology(mesh);
+  if (closed) {
+    EXPECT_EQ(t.open_edges, 0U);
+  }
+  EXPECT_EQ(t.nonmanifold_edges, 0U);
+  EXPECT_EQ(t.misoriented_edges, 0U);
+  EXPECT_EQ(t.nonmanifold_vertices, 0U);
+  EXPECT_EQ(t.repeated_index_triangles, 0U);
+  EXPECT_EQ(t.unused_vertices, 0U);
+  EXPECT_EQ(measure_size(mesh).zero_area_triangles, 0U);
+}
+
+}  // namespace isoextract::test

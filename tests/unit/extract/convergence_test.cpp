@@ -1,0 +1,94 @@
+// Order of convergence: position, area, volume and smooth normals come nearer to the truth with the square of the
+// spacing. Sphere of radius 0.7 and torus (0.6, 0.25) of the demo fields.
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "field/demo_field.hpp"
+#include "support/meshes.hpp"
+
+namespace isoextract {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+struct Truth {
+  const char* demo;
+  double area;
+  double volume;
+  double radius;  // the smallest radius of curvature
+  std::function<double(glm::dvec3)> distance;
+  std::function<glm::dvec3(glm::dvec3)> normal;
+};
+
+Truth sphere() {
+  constexpr double r = 0.7;
+  return {"demo:sphere", 4 * kPi * r * r, 4.0 / 3 * kPi * r * r * r, r, [](glm::dvec3 p) { return glm::length(p) - r; },
+          [](glm::dvec3 p) { return glm::normalize(p); }};
+}
+
+Truth torus() {
+  constexpr double major = 0.6;
+  constexpr double minor = 0.25;
+  return {"demo:torus", 4 * kPi * kPi * major * minor, 2 * kPi * kPi * major * minor * minor, minor,
+          [](glm::dvec3 p) { return std::hypot(std::hypot(p.x, p.y) - major, p.z) - minor; },
+          [](glm::dvec3 p) {
+            const double ring = std::hypot(p.x, p.y);
+            return glm::normalize(p - glm::dvec3(p.x, p.y, 0) * (major / ring));
+          }};
+}
+
+struct Errors {
+  double position = 0;  // greatest distance of a vertex
+  double normal = 0;    // greatest angle
+  double area = 0;
+  double volume = 0;
+};
+
+Errors measure(const Truth& truth, Method method, int size) {
+  const ScalarField field =
+      make_demo_field(std::string(truth.demo) + "?size=" + std::to_string(size), default_limits()).value();
+  ExtractOptions options;
+  options.method = method;
+  options.smooth_normals = true;
+  options.output_from_index = field.index_to_world;
+  const Mesh mesh = test::extract(field, options).mesh;
+  Errors errors;
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    const glm::dvec3 p = mesh.position(v);
+    errors.position = std::max(errors.position, std::abs(truth.distance(p)));
+    const glm::dvec3 n(mesh.normals[v]);
+    EXPECT_NEAR(glm::length(n), 1, 1e-6);
+    errors.normal = std::max(errors.normal, glm::length(glm::cross(n, truth.normal(p))));
+    EXPECT_GT(glm::dot(n, truth.normal(p)), 0.9);
+  }
+  const MeshSize measured = measure_size(mesh);
+  errors.area = std::abs(measured.area / truth.area - 1);
+  errors.volume = std::abs(measured.volume / truth.volume - 1);
+  return errors;
+}
+
+class Convergence : public testing::TestWithParam<Method> {};
+INSTANTIATE_TEST_SUITE_P(Methods, Convergence, testing::Values(Method::mc, Method::mt), test::method_name);
+
+TEST_P(Convergence, IsOfSecondOrder) {
+  for (const Truth& truth : {sphere(), torus()}) {
+    SCOPED_TRACE(truth.demo);
+    const Errors coarse = measure(truth, GetParam(), 33);
+    const Errors fine = measure(truth, GetParam(), 129);
+    const auto order = [](double a, double b) { return std::log2(a / b) / 2; };  // two halvings
+    EXPECT_GT(order(coarse.position, fine.position), 1.8);
+    EXPECT_GT(order(coarse.normal, fine.normal), 1.8);
+    EXPECT_GT(order(coarse.area, fine.area), 1.8);
+    EXPECT_GT(order(coarse.volume, fine.volume), 1.8);
+    // A linear crossing is off by at most (edge length)^2 / (8 radius); the body diagonal is sqrt(3) spacings long.
+    const double edge = 2.0 / 128 * (GetParam() == Method::mt ? std::sqrt(3.0) : 1);
+    EXPECT_LT(fine.position, edge * edge / (8 * truth.radius) * 1.1);
+    EXPECT_LT(fine.volume, 2e-3);
+  }
+}
+
+}  // namespace
+}  // namespace isoextract

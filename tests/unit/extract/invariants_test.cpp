@@ -1,0 +1,203 @@
+// What every mesh must be, whatever the field: closed where it should be, oriented, manifold, without zero-area
+// triangles; and the right genus where that is known.
+#include <cmath>
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "field/demo_field.hpp"
+#include "support/fields.hpp"
+#include "support/meshes.hpp"
+
+namespace isoextract {
+namespace {
+
+using test::dense_field;
+using test::expect_sound;
+using test::extract;
+
+class Invariants : public testing::TestWithParam<Method> {
+ protected:
+  ExtractOptions options(double iso, bool cap = false) const {
+    ExtractOptions o;
+    o.method = GetParam();
+    o.iso = iso;
+    o.cap = cap;
+    return o;
+  }
+  static ScalarField demo(const char* spec) { return make_demo_field(spec, default_limits()).value(); }
+};
+
+INSTANTIATE_TEST_SUITE_P(Methods, Invariants, testing::Values(Method::mc, Method::mt), test::method_name);
+
+TEST_P(Invariants, SphereHasGenusZero) {
+  const Mesh mesh = extract(demo("demo:sphere?size=33"), options(0)).mesh;
+  expect_sound(mesh, true);
+  EXPECT_EQ(measure_topology(mesh).components, 1U);
+  EXPECT_EQ(measure_topology(mesh).genus(), 0);
+  EXPECT_GT(measure_size(mesh).volume, 0) << "wound inside out";
+}
+
+TEST_P(Invariants, TorusHasGenusOne) {
+  const Mesh mesh = extract(demo("demo:torus?size=40"), options(0)).mesh;
+  expect_sound(mesh, true);
+  EXPECT_EQ(measure_topology(mesh).genus(), 1);
+}
+
+TEST_P(Invariants, OpenSurfaceIsOpenOnlyAtTheBorder) {
+  const ScalarField field = demo("demo:gyroid?size=30");
+  const Mesh mesh = extract(field, options(0)).mesh;
+  expect_sound(mesh, false);
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> uses;
+  for (const glm::uvec3& t : mesh.triangles) {
+    for (int c = 0; c < 3; ++c) ++uses[std::minmax(t[c], t[(c + 1) % 3])];
+  }
+  for (const auto& [edge, count] : uses) {
+    if (count == 2) continue;
+    const glm::dvec3 a = mesh.position(edge.first);
+    const glm::dvec3 b = mesh.position(edge.second);
+    bool on_border = false;
+    for (int axis = 0; axis < 3; ++axis) {
+      on_border |= a[axis] == b[axis] && (a[axis] == 0 || a[axis] == 29);
+    }
+    EXPECT_TRUE(on_border);
+  }
+}
+
+TEST_P(Invariants, CapClosesTheGyroid) {
+  const Extraction open = extract(demo("demo:gyroid?size=30"), options(0));
+  const Mesh mesh = extract(demo("demo:gyroid?size=30"), options(0, true)).mesh;
+  expect_sound(mesh, true);
+  EXPECT_GT(mesh.triangles.size(), open.mesh.triangles.size());
+  // The gyroid halves the box.
+  EXPECT_NEAR(measure_size(mesh).volume, std::pow(29.0, 3) / 2, 0.01 * std::pow(29.0, 3));
+}
+
+TEST_P(Invariants, CappedBoxIsTheBox) {
+  // Everything is inside: only the cap is left.
+  const ScalarField field = dense_field<float>({5, 4, 3}, [](int, int, int) { return 1; });
+  const Mesh mesh = extract(field, options(0, true)).mesh;
+  expect_sound(mesh, true);
+  EXPECT_NEAR(measure_size(mesh).volume, 4 * 3 * 2, 1e-12);
+  EXPECT_NEAR(measure_size(mesh).area, 2 * (4 * 3 + 3 * 2 + 2 * 4), 1e-12);
+}
+
+// Uniform values have every case; few distinct integers tie with iso everywhere.
+TEST_P(Invariants, RandomFieldsAreSound) {
+  for (unsigned seed = 0; seed < 60; ++seed) {
+    const int distinct = seed % 3 == 0 ? 2 : seed % 3 == 1 ? 5 : 1 << 20;
+    const glm::ivec3 dims(2 + seed % 7, 2 + seed % 5, 2 + seed % 11);
+    const ScalarField field = test::random_field<float>(dims, seed, distinct);
+    for (const double iso : {0.0, 1.0, 2.0, distinct / 2.0}) {
+      SCOPED_TRACE(testing::Message() << "seed " << seed << ", iso " << iso);
+      expect_sound(extract(field, options(iso)).mesh, false);
+      expect_sound(extract(field, options(iso, true)).mesh, true);
+    }
+  }
+}
+
+TEST_P(Invariants, CheckerboardIsSound) {
+  const ScalarField field = dense_field<std::uint8_t>({9, 8, 7}, [](int i, int j, int k) { return (i + j + k) % 2; });
+  for (const double iso : {0.0, 0.5, 0.999}) {
+    const Mesh mesh = extract(field, options(iso, true)).mesh;
+    EXPECT_FALSE(mesh.triangles.empty());
+    expect_sound(mesh, true);
+  }
+}
+
+TEST_P(Invariants, ValuesEqualToIsoAreOutside) {
+  const ScalarField field = dense_field<std::int16_t>(
+      {6, 6, 6}, [](int i, int j, int k) { return i > 1 && i < 4 && j > 1 && j < 4 && k > 1 && k < 4 ? 7 : 5; });
+  EXPECT_TRUE(extract(field, options(7)).mesh.triangles.empty());
+  const Mesh mesh = extract(field, options(5)).mesh;
+  expect_sound(mesh, true);
+  // The surface hugs the outside samples that tie with iso, from within the edges.
+  const Bounds bounds = measure_bounds(mesh);
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_GT(bounds.min[axis], 1.0);
+    EXPECT_LT(bounds.min[axis], 1.001);
+    EXPECT_LT(bounds.max[axis], 4.0);
+    EXPECT_GT(bounds.max[axis], 3.999);
+  }
+}
+
+TEST_P(Invariants, SmallestFieldsWork) {
+  const ScalarField field = dense_field<float>({2, 2, 2}, [](int i, int j, int k) { return i + j + k == 0 ? 1 : -1; });
+  const Mesh mesh = extract(field, options(0)).mesh;
+  EXPECT_EQ(mesh.positions.size(), GetParam() == Method::mc ? 3U : 7U);
+  expect_sound(mesh, false);
+}
+
+TEST_P(Invariants, RowsLongerThanAWordAreWhole) {
+  // Crossings at, before and after the ends of 64-bit words.
+  for (const int nx : {63, 64, 65, 66, 127, 128, 129, 193}) {
+    const ScalarField field = dense_field<float>({nx, 5, 5}, [&](int i, int j, int k) {
+      const bool middle = j > 0 && j < 4 && k > 0 && k < 4;
+      return middle && i > 0 && i < nx - 1 && i % 3 != 0 ? 1 : -1;
+    });
+    SCOPED_TRACE(nx);
+    const Mesh mesh = extract(field, options(0.25)).mesh;
+    expect_sound(mesh, true);
+    int runs = 0;
+    for (int i = 1; i < nx - 1; ++i) runs += i % 3 == 1 ? 1 : 0;
+    EXPECT_EQ(measure_topology(mesh).components, static_cast<std::uint64_t>(runs));
+  }
+}
+
+TEST_P(Invariants, LevelSetIsTheNegatedDensity) {
+  ScalarField density = test::random_field<float>({12, 9, 10}, 5, 1000);
+  ScalarField level_set = dense_field<float>({12, 9, 10}, [&](int i, int j, int k) {
+    const auto& dense = std::get<DenseSamples>(density.samples);
+    return -static_cast<const float*>(dense.data)[i + 12 * (j + 9 * k)];
+  });
+  level_set.kind = FieldKind::level_set;
+  ExtractOptions negative = options(-500);
+  EXPECT_EQ(test::triangle_set(extract(density, options(500)).mesh),
+            test::triangle_set(extract(level_set, negative).mesh));
+}
+
+// The stored type must not matter: u8, i16, ... hold the same numbers, with and without a scale.
+TEST_P(Invariants, StoredTypesAgree) {
+  const glm::ivec3 dims(10, 11, 12);
+  const auto value = [](int i, int j, int k) { return (i * 7 + j * 13 + k * 29) % 101; };
+  const auto reference = test::triangle_set(extract(dense_field<double>(dims, value), options(50)).mesh);
+  EXPECT_EQ(reference, test::triangle_set(extract(dense_field<std::uint8_t>(dims, value), options(50)).mesh));
+  EXPECT_EQ(reference, test::triangle_set(extract(dense_field<std::int8_t>(dims, value), options(50)).mesh));
+  EXPECT_EQ(reference, test::triangle_set(extract(dense_field<std::uint16_t>(dims, value), options(50)).mesh));
+  EXPECT_EQ(reference, test::triangle_set(extract(dense_field<std::int16_t>(dims, value), options(50)).mesh));
+  EXPECT_EQ(reference, test::triangle_set(extract(dense_field<std::uint32_t>(dims, value), options(50)).mesh));
+  EXPECT_EQ(reference, test::triangle_set(extract(dense_field<std::int32_t>(dims, value), options(50)).mesh));
+  EXPECT_EQ(reference, test::triangle_set(extract(dense_field<Half>(dims, value), options(50)).mesh));
+  EXPECT_EQ(reference, test::triangle_set(extract(dense_field<float>(dims, value), options(50)).mesh));
+  ScalarField scaled = dense_field<std::uint8_t>(dims, value);
+  scaled.scale = {4, -8};
+  EXPECT_EQ(reference, test::triangle_set(extract(scaled, options(4 * 50 - 8)).mesh));
+  scaled.scale = {-4, 8};  // a falling scale turns density into its opposite
+  scaled.kind = FieldKind::level_set;
+  EXPECT_EQ(reference, test::triangle_set(extract(scaled, options(-4 * 50 + 8)).mesh));
+}
+
+TEST_P(Invariants, ExtremeValuesStayInsideTheirEdges) {
+  const double big = 3e38;
+  for (const auto& [low, high, iso] : {std::array{-big, big, 0.0},
+                                       {-1e-45, 1e-45, 0.0},
+                                       {0.0, 1e30, 1.0},
+                                       {-1.7e308, 1.7e308, 1e300},
+                                       {1e7 - 1e-3, 1e7 + 1e-3, 1e7}}) {
+    const ScalarField field = dense_field<double>({4, 4, 4}, [&, lo = low, hi = high](int i, int j, int k) {
+      return i > 0 && i < 3 && j > 0 && j < 3 && k > 0 && k < 3 ? hi : lo;
+    });
+    const Mesh mesh = extract(field, options(iso)).mesh;
+    ASSERT_FALSE(mesh.triangles.empty());
+    expect_sound(mesh, true);
+    for (const glm::vec3& p : mesh.positions) {
+      for (int axis = 0; axis < 3; ++axis) {
+        EXPECT_GE(p[axis], 0);
+        EXPECT_LE(p[axis], 3);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace isoextract

@@ -1,0 +1,76 @@
+#include <gtest/gtest.h>
+
+#include "field/demo_field.hpp"
+#include "support/fields.hpp"
+#include "support/meshes.hpp"
+
+namespace isoextract {
+namespace {
+
+class Region : public testing::TestWithParam<Method> {};
+INSTANTIATE_TEST_SUITE_P(Methods, Region, testing::Values(Method::mc, Method::mt), test::method_name);
+
+bool within(const std::array<test::Point, 3>& triangle, const IndexBox& box) {
+  for (const auto& [x, y, z] : triangle) {
+    if (x < box.min.x || x > box.max.x || y < box.min.y || y > box.max.y || z < box.min.z || z > box.max.z)
+      return false;
+  }
+  return true;
+}
+
+// Extracting a box gives just those triangles of the whole that lie in the box, bit for bit.
+TEST_P(Region, IsAPartOfTheWhole) {
+  const ScalarField dense = test::random_field<float>({80, 24, 16}, 11, 1000);
+  const ScalarField sparse = test::sparse_copy<float>(dense, -1);
+  for (const ScalarField* field : {&dense, &sparse}) {
+    ExtractOptions options;
+    options.method = GetParam();
+    options.iso = 600;
+    const auto whole = test::triangle_set(test::extract(*field, options).mesh);
+    options.region = IndexBox{{3, 5, 2}, {70, 20, 9}};
+    std::vector<std::array<test::Point, 3>> expected;
+    for (const auto& triangle : whole) {
+      if (within(triangle, *options.region)) expected.push_back(triangle);
+    }
+    const Mesh part = test::extract(*field, options).mesh;
+    EXPECT_EQ(test::triangle_set(part), expected);
+    test::expect_sound(part, false);
+  }
+}
+
+TEST_P(Region, CanBeCappedDenseAndSparse) {
+  const ScalarField dense = make_demo_field("demo:gyroid?size=32", default_limits()).value();
+  const ScalarField sparse = test::sparse_copy<float>(dense, -1);
+  ExtractOptions options;
+  options.method = GetParam();
+  options.cap = true;
+  options.region = IndexBox{{4, 3, 2}, {21, 28, 13}};
+  const Mesh a = test::extract(dense, options).mesh;
+  const Mesh b = test::extract(sparse, options).mesh;
+  test::expect_sound(a, true);
+  test::expect_sound(b, true);
+  EXPECT_EQ(test::triangle_set(a), test::triangle_set(b));
+  EXPECT_EQ(measure_bounds(a).min, glm::dvec3(4, 3, 2));
+  EXPECT_EQ(measure_bounds(a).max, glm::dvec3(21, 28, 13));
+}
+
+TEST_P(Region, OutsideTheDataIsAnError) {
+  ExtractOptions options;
+  options.method = GetParam();
+  for (const IndexBox box : {IndexBox{{40, 0, 0}, {50, 9, 9}}, IndexBox{{0, 0, 0}, {0, 5, 5}}}) {
+    options.region = box;
+    const auto result = make_cpu_extractor()->extract(test::random_field<float>({10, 10, 10}, 1, 9), options);
+    ASSERT_FALSE(result);
+    EXPECT_EQ(result.error().kind, ErrorKind::input);
+    EXPECT_NE(result.error().hint.find("--roi"), std::string::npos);
+  }
+}
+
+TEST(Samples, NeedACell) {
+  const auto result = make_cpu_extractor()->extract(test::random_field<float>({10, 1, 10}, 1, 9), {});
+  ASSERT_FALSE(result);
+  EXPECT_NE(result.error().message.find("10 x 1 x 10"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace isoextract

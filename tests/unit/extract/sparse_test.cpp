@@ -1,0 +1,130 @@
+// The sparse extractor against the dense one, which knows nothing of blocks and tiles.
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "field/demo_field.hpp"
+#include "support/fields.hpp"
+#include "support/meshes.hpp"
+
+namespace isoextract {
+namespace {
+
+class Sparse : public testing::TestWithParam<Method> {
+ protected:
+  void expect_same_as_dense(const ScalarField& dense, const ScalarField& sparse, double iso) {
+    ExtractOptions options;
+    options.method = GetParam();
+    options.iso = iso;
+    const Mesh a = test::extract(dense, options).mesh;
+    const Extraction b = test::extract(sparse, options);
+    EXPECT_FALSE(a.triangles.empty());
+    EXPECT_EQ(test::triangle_set(a), test::triangle_set(b.mesh));
+    test::expect_sound(b.mesh, true);
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Methods, Sparse, testing::Values(Method::mc, Method::mt), test::method_name);
+
+// Noise over blocks, some of which are constant inside, constant outside, or background; the outermost layer is
+// background, so that dense and sparse see the same surface.
+TEST_P(Sparse, NoiseWithTilesEqualsDense) {
+  for (unsigned seed = 0; seed < 8; ++seed) {
+    std::mt19937 engine(seed);
+    std::uniform_int_distribution<int> value(0, seed % 2 == 0 ? 4 : 1000);
+    std::uniform_int_distribution<int> kind(0, 3);
+    std::map<std::tuple<int, int, int>, int> kinds;
+    const glm::ivec3 dims(40, 32, 24);
+    const ScalarField dense = test::dense_field<float>(dims, [&](int i, int j, int k) {
+      const int random = value(engine);
+      const auto block = std::tuple(i / 8, j / 8, k / 8);
+      if (!kinds.contains(block)) kinds[block] = kind(engine);
+      const glm::ivec3 p(i, j, k);
+      if (glm::any(glm::equal(p, glm::ivec3(0))) || glm::any(glm::equal(p, dims - 1))) return -1;
+      switch (kinds[block]) {
+        case 0: return -1;    // background
+        case 1: return 2000;  // inside
+        default: return random;
+      }
+    });
+    SCOPED_TRACE(seed);
+    expect_same_as_dense(dense, test::sparse_copy<float>(dense, -1), 2);
+  }
+}
+
+TEST_P(Sparse, TileSkinsAgainstTilesAndBackground) {
+  // A 16^3 box of tiles in a field of background, with nothing stored near it.
+  const glm::ivec3 dims(48, 48, 48);
+  const auto value = [](int i, int j, int k) {
+    return i >= 16 && i < 32 && j >= 16 && j < 32 && k >= 16 && k < 32 ? 3 : 0;
+  };
+  const ScalarField dense = test::dense_field<double>(dims, value);
+  ScalarField sparse = test::sparse_copy<double>(dense, 0);
+  auto& samples = std::get<SparseSamples>(sparse.samples);
+  EXPECT_EQ(samples.blocks.size(), 2U);  // the two that mark the box
+  EXPECT_EQ(samples.tiles.size(), 8U);
+  expect_same_as_dense(dense, sparse, 1);
+  // The same box as one large tile.
+  samples.tiles = {{glm::ivec3(16), 16, 3.0}};
+  expect_same_as_dense(dense, sparse, 1);
+}
+
+TEST_P(Sparse, NegativeIndicesAndLevelSets) {
+  const ScalarField dense = make_demo_field("demo:sphere?size=32", default_limits()).value();
+  ScalarField level_set = test::dense_field<float>({32, 32, 32}, [&](int i, int j, int k) {
+    return -static_cast<const float*>(std::get<DenseSamples>(dense.samples).data)[i + 32 * (j + 32 * k)];
+  });
+  level_set.kind = FieldKind::level_set;
+  ScalarField sparse = test::sparse_copy<float>(level_set, 5);
+  for (SparseBlock& block : std::get<SparseSamples>(sparse.samples).blocks) block.origin -= 16;
+  ExtractOptions options;
+  options.method = GetParam();
+  options.smooth_normals = true;
+  const Mesh mesh = test::extract(sparse, options).mesh;
+  test::expect_sound(mesh, true);
+  EXPECT_EQ(measure_topology(mesh).genus(), 0);
+  const double radius = 0.7 * 31 / 2;
+  const glm::dvec3 centre(15.5 - 16);
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    const glm::dvec3 out = mesh.position(v) - centre;
+    EXPECT_NEAR(glm::length(out), radius, 0.05);
+    EXPECT_GT(glm::dot(glm::dvec3(mesh.normals[v]), glm::normalize(out)), 0.99);
+  }
+}
+
+TEST_P(Sparse, SmoothNormalsEqualDense) {
+  const ScalarField dense = make_demo_field("demo:metaballs?size=40", default_limits()).value();
+  const ScalarField sparse = test::sparse_copy<float>(dense, -1);
+  ExtractOptions options;
+  options.method = GetParam();
+  options.smooth_normals = true;
+  const Mesh a = test::extract(dense, options).mesh;
+  const Mesh b = test::extract(sparse, options).mesh;
+  std::map<test::Point, glm::vec3> normals;
+  for (std::size_t v = 0; v < a.positions.size(); ++v) {
+    normals[{a.positions[v].x, a.positions[v].y, a.positions[v].z}] = a.normals[v];
+  }
+  ASSERT_EQ(a.positions.size(), b.positions.size());
+  for (std::size_t v = 0; v < b.positions.size(); ++v) {
+    EXPECT_EQ((normals[{b.positions[v].x, b.positions[v].y, b.positions[v].z}]), b.normals[v]);
+  }
+}
+
+TEST_P(Sparse, VisitsOnlyBlocksThatTheSurfacePasses) {
+  const ScalarField dense = make_demo_field("demo:sphere?size=128", default_limits()).value();
+  const ScalarField sparse = test::sparse_copy<float>(dense, -9);
+  ExtractOptions options;
+  options.method = GetParam();
+  const ExtractStats stats = test::extract(sparse, options).stats;
+  EXPECT_EQ(stats.bricks, 16U * 16 * 16);
+  EXPECT_LT(stats.bricks_visited, stats.bricks / 4);
+  EXPECT_GT(stats.bricks_visited, 0U);
+}
+
+TEST_P(Sparse, NothingStoredIsAnEmptyMesh) {
+  ScalarField field;
+  field.samples = SparseSamples{};
+  EXPECT_TRUE(test::extract(field, {}).mesh.triangles.empty());
+}
+
+}  // namespace
+}  // namespace isoextract

@@ -1,0 +1,45 @@
+// The same bytes, whatever the number of threads.
+#include <cstring>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "support/fields.hpp"
+#include "support/meshes.hpp"
+
+namespace isoextract {
+namespace {
+
+template <class T>
+bool same_bytes(const Buffer<T>& a, const Buffer<T>& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size_bytes()) == 0);
+}
+
+TEST(Threads, DoNotChangeAByte) {
+  const ScalarField dense = test::random_field<float>({72, 64, 64}, 2, 100);
+  const ScalarField sparse = test::sparse_copy<float>(dense, -1);
+  for (const ScalarField* field : {&dense, &sparse}) {
+    for (const Method method : {Method::mc, Method::mt}) {
+      ExtractOptions options;
+      options.method = method;
+      options.iso = 70;
+      options.cap = true;
+      options.smooth_normals = true;
+      std::optional<Mesh> first;
+      for (const std::size_t threads : {1U, 2U, 5U}) {
+        const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+        Mesh mesh = test::extract(*field, options).mesh;
+        if (!first) {
+          first = std::move(mesh);
+          continue;
+        }
+        EXPECT_TRUE(same_bytes(first->positions, mesh.positions));
+        EXPECT_TRUE(same_bytes(first->normals, mesh.normals));
+        EXPECT_TRUE(same_bytes(first->triangles, mesh.triangles));
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace isoextract

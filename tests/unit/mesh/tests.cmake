@@ -1,0 +1,1 @@
+isoextract_unit_test(mesh metrics_test.cpp topology_test.cpp)

@@ -1,0 +1,74 @@
+#include "mesh/topology.hpp"
+
+#include <gtest/gtest.h>
+
+#include "unit/mesh/shapes.hpp"
+
+namespace isoextract {
+namespace {
+
+using test::make_mesh;
+
+TEST(Topology, TetrahedronIsASphere) {
+  const Topology t = measure_topology(test::tetrahedron());
+  EXPECT_TRUE(t.is_closed_oriented_manifold());
+  EXPECT_EQ(t.edges, 6U);
+  EXPECT_EQ(t.components, 1U);
+  EXPECT_EQ(t.euler, 2);
+  EXPECT_EQ(t.genus(), 0);
+}
+
+TEST(Topology, SevenVertexTorus) {
+  // Moebius and Csaszar: every two of the seven vertices are joined.
+  std::vector<glm::uvec3> triangles;
+  for (unsigned i = 0; i < 7; ++i) {
+    triangles.push_back({i, (i + 1) % 7, (i + 3) % 7});
+    triangles.push_back({i, (i + 3) % 7, (i + 2) % 7});
+  }
+  const Topology t = measure_topology(make_mesh(std::vector<glm::vec3>(7), triangles));
+  EXPECT_TRUE(t.is_closed_oriented_manifold());
+  EXPECT_EQ(t.euler, 0);
+  EXPECT_EQ(t.genus(), 1);
+}
+
+TEST(Topology, OpenEdges) {
+  const Topology t = measure_topology(make_mesh(std::vector<glm::vec3>(4), {{0, 1, 2}, {0, 2, 3}}));
+  EXPECT_EQ(t.open_edges, 4U);
+  EXPECT_EQ(t.edges, 5U);
+  EXPECT_EQ(t.nonmanifold_vertices, 0U);
+}
+
+TEST(Topology, MisorientedEdge) {
+  EXPECT_EQ(measure_topology(make_mesh(std::vector<glm::vec3>(4), {{0, 1, 2}, {0, 2, 3}})).misoriented_edges, 0U);
+  EXPECT_EQ(measure_topology(make_mesh(std::vector<glm::vec3>(4), {{0, 1, 2}, {2, 0, 3}})).misoriented_edges, 1U);
+}
+
+TEST(Topology, ThreeTrianglesAtAnEdge) {
+  const Topology t = measure_topology(make_mesh(std::vector<glm::vec3>(5), {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}}));
+  EXPECT_EQ(t.nonmanifold_edges, 1U);
+}
+
+TEST(Topology, TwoFansAtAVertex) {
+  // Two tetrahedra that share vertex 0 only.
+  const Topology t = measure_topology(
+      make_mesh(std::vector<glm::vec3>(7),
+                {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}, {0, 5, 4}, {0, 4, 6}, {0, 6, 5}, {4, 5, 6}}));
+  EXPECT_EQ(t.nonmanifold_vertices, 1U);
+  EXPECT_EQ(t.nonmanifold_edges, 0U);
+  EXPECT_EQ(t.components, 1U);
+}
+
+TEST(Topology, RepeatedIndicesAndUnusedVertices) {
+  const Topology t = measure_topology(make_mesh(std::vector<glm::vec3>(5), {{0, 1, 2}, {2, 2, 1}}));
+  EXPECT_EQ(t.repeated_index_triangles, 1U);
+  EXPECT_EQ(t.unused_vertices, 2U);
+}
+
+TEST(Topology, EmptyMesh) {
+  const Topology t = measure_topology(Mesh{});
+  EXPECT_EQ(t.components, 0U);
+  EXPECT_TRUE(t.is_closed_oriented_manifold());
+}
+
+}  // namespace
+}  // namespace isoextract
