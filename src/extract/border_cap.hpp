@@ -1,8 +1,8 @@
 // Closes the surface where it leaves a box of samples: the inside part of every border square becomes triangles.
 //
 // A cap vertex stands at every inside sample of the border; the other corners of cap polygons are vertices that the
-// surface already has on the border's edges, so the cap is welded. Squares decide ambiguous corners like the cells
-// behind them (cell_tables.hpp); for marching tetrahedra a square is the two triangles its tetrahedra show.
+// surface already has on the border's edges, so the cap is welded. Squares decide alternating corners like the cells
+// behind them (face_rule.hpp); for marching tetrahedra a square is the two triangles its tetrahedra show.
 #pragma once
 
 #include <algorithm>
@@ -72,10 +72,11 @@ class CapNumbers {
 }  // namespace detail
 
 // `inside(p)` for a sample; `edge_vertex(p, direction)` is the number of the surface's vertex on the crossed edge from
-// sample p along the axis bits `direction`; cap vertices are numbered from `first_number` on.
-template <class Inside, class EdgeVertex>
+// sample p along the axis bits `direction`; `joins(a, b)` decides a square whose outside corners are a and b; cap
+// vertices are numbered from `first_number` on.
+template <class Inside, class EdgeVertex, class Joins>
 BorderCap make_border_cap(const IndexBox& box, Method method, std::uint32_t first_number, const Inside& inside,
-                          const EdgeVertex& edge_vertex) {
+                          const EdgeVertex& edge_vertex, const Joins& joins) {
   BorderCap cap;
   detail::CapNumbers numbers(box);
 
@@ -99,6 +100,15 @@ BorderCap make_border_cap(const IndexBox& box, Method method, std::uint32_t firs
     if (std::all_of(in.begin(), in.begin() + static_cast<std::ptrdiff_t>(count), [](bool b) { return b; })) {
       for (std::size_t c = 0; c < count; ++c) ring[c] = numbers.of(corners[c]);
       fan({ring.data(), count});
+      return;
+    }
+    const bool alternating = count == 4 && in[0] == in[2] && in[1] == in[3];
+    const std::size_t outside = in[0] ? 1 : 0;
+    if (alternating && in[0] != in[1] && joins(corners[outside], corners[outside + 2])) {
+      // From a corner, so that no diagonal joins two crossings: the cell behind the square may draw those.
+      const std::size_t a = 1 - outside;
+      fan(std::array{numbers.of(corners[a]), crossing(a), crossing(a + 1), numbers.of(corners[a + 2]), crossing(a + 2),
+                     crossing((a + 3) % 4)});
       return;
     }
     for (std::size_t start = 0; start < count; ++start) {

@@ -12,7 +12,7 @@ namespace {
 
 using Polygon = std::vector<std::uint8_t>;  // edge indices
 
-constexpr unsigned kAllInside = 255;
+constexpr unsigned kCases = 256;
 
 bool inside(unsigned cell_case, unsigned corner) { return (cell_case >> corner & 1) != 0; }
 
@@ -35,7 +35,6 @@ void add_edges(CaseTable& table) {
 
 // ---- marching cubes
 
-// The corners of each face, counter-clockwise seen from outside the cell.
 constexpr std::array<std::array<std::uint8_t, 4>, 6> kFaces{
     {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
 
@@ -43,21 +42,24 @@ bool on_face(const CellEdge& edge, const std::array<std::uint8_t, 4>& face) {
   return std::ranges::count(face, edge.corner) + std::ranges::count(face, edge.corner | edge.direction) == 2;
 }
 
-bool share_a_face(const CaseTable& table, std::uint8_t a, std::uint8_t b) {
-  return std::ranges::any_of(
-      kFaces, [&](const auto& face) { return on_face(table.edges[a], face) && on_face(table.edges[b], face); });
-}
-
-// For every crossed edge, the edge that the surface reaches next. Walking around a face, the surface goes from an edge
-// where the walk enters the inside to the edge where it next leaves it: so inside corners of one face are kept apart.
-// Every edge is entered on one of its two faces and left on the other, hence the next edges form loops.
-std::array<std::optional<std::uint8_t>, 12> next_edges(const CaseTable& table, unsigned cell_case) {
+// For every crossed edge, the edge that the surface reaches next. Walking around a face, the surface starts at an edge
+// where the walk enters the inside. It ends where the walk next leaves the inside (inside corners apart), or where it
+// last left it (inside corners joined); that is the same place unless the corners alternate. Every edge is a start on
+// one of its two faces and an end on the other, hence the next edges form loops.
+std::array<std::optional<std::uint8_t>, 12> next_edges(const CaseTable& table, unsigned cell_case, unsigned joined) {
   std::array<std::optional<std::uint8_t>, 12> next;
-  for (const auto& face : kFaces) {
+  for (unsigned f = 0; f < kFaces.size(); ++f) {
+    const auto& face = kFaces[f];
     for (unsigned corner = 0; corner < 4; ++corner) {
       if (inside(cell_case, face[corner]) || !inside(cell_case, face[(corner + 1) % 4])) continue;
-      unsigned leave = corner + 1;
-      while (inside(cell_case, face[(leave + 1) % 4])) ++leave;
+      unsigned leave = corner;
+      if ((joined >> f & 1) != 0) {
+        leave += 3;
+        while (!inside(cell_case, face[leave % 4])) --leave;
+      } else {
+        leave += 1;
+        while (inside(cell_case, face[(leave + 1) % 4])) ++leave;
+      }
       next[edge_index(table, face[corner], face[(corner + 1) % 4])] =
           edge_index(table, face[leave % 4], face[(leave + 1) % 4]);
     }
@@ -65,8 +67,8 @@ std::array<std::optional<std::uint8_t>, 12> next_edges(const CaseTable& table, u
   return next;
 }
 
-std::vector<Polygon> surface_polygons(const CaseTable& table, unsigned cell_case) {
-  auto next = next_edges(table, cell_case);
+std::vector<Polygon> surface_polygons(const CaseTable& table, unsigned cell_case, unsigned joined) {
+  auto next = next_edges(table, cell_case, joined);
   std::vector<Polygon> polygons;
   for (std::uint8_t start = 0; start < next.size(); ++start) {
     if (!next[start]) continue;
@@ -81,17 +83,32 @@ std::vector<Polygon> surface_polygons(const CaseTable& table, unsigned cell_case
   return polygons;
 }
 
-// Cuts polygon[begin..end] (whose side begin-end is allowed) into triangles with no diagonal in a face of the cell.
-// False if there is no such cut; `out` is then as it was.
+enum class Diagonals { within_the_cell, also_in_owned_places };
+
+// A diagonal in a face could be drawn from both sides of the face, and would then have four triangles. Most polygons
+// can do without; for the others the cell below a face owns the two diagonals between opposite edges of the face, and
+// the cell above it all others.
+bool may_draw(const CaseTable& table, std::uint8_t a, std::uint8_t b, Diagonals diagonals) {
+  for (unsigned f = 0; f < kFaces.size(); ++f) {
+    if (!on_face(table.edges[a], kFaces[f]) || !on_face(table.edges[b], kFaces[f])) continue;
+    const bool opposite = table.edges[a].direction == table.edges[b].direction;
+    const bool cell_is_below = f % 2 == 1;
+    return diagonals == Diagonals::also_in_owned_places && opposite == cell_is_below;
+  }
+  return true;
+}
+
+// Cuts polygon[begin..end] (whose side begin-end is given) into triangles. False if there is no such cut; `out` is then
+// as it was.
 bool triangulate(const CaseTable& table, const Polygon& polygon, std::size_t begin, std::size_t end,
-                 std::vector<CellTriangle>& out) {
+                 Diagonals diagonals, std::vector<CellTriangle>& out) {
   if (end - begin < 2) return true;
   for (std::size_t apex = begin + 1; apex < end; ++apex) {
-    const bool first_ok = apex == begin + 1 || !share_a_face(table, polygon[begin], polygon[apex]);
-    const bool second_ok = apex + 1 == end || !share_a_face(table, polygon[apex], polygon[end]);
-    if (!first_ok || !second_ok) continue;
+    if (apex > begin + 1 && !may_draw(table, polygon[begin], polygon[apex], diagonals)) continue;
+    if (apex + 1 < end && !may_draw(table, polygon[apex], polygon[end], diagonals)) continue;
     const std::size_t before = out.size();
-    if (triangulate(table, polygon, begin, apex, out) && triangulate(table, polygon, apex, end, out)) {
+    if (triangulate(table, polygon, begin, apex, diagonals, out) &&
+        triangulate(table, polygon, apex, end, diagonals, out)) {
       out.push_back({polygon[begin], polygon[apex], polygon[end]});
       return true;
     }
@@ -100,18 +117,38 @@ bool triangulate(const CaseTable& table, const Polygon& polygon, std::size_t beg
   return false;
 }
 
+std::uint8_t alternating_faces(unsigned cell_case) {
+  unsigned faces = 0;
+  for (unsigned f = 0; f < kFaces.size(); ++f) {
+    const auto in = [&](std::size_t c) { return inside(cell_case, kFaces[f][c]); };
+    if (in(0) == in(2) && in(1) == in(3) && in(0) != in(1)) faces |= 1U << f;
+  }
+  return static_cast<std::uint8_t>(faces);
+}
+
 CaseTable make_cubes_table() {
   CaseTable table;
   table.directions = {1, 2, 4};
   add_edges(table);
-  for (unsigned cell_case = 0; cell_case <= kAllInside; ++cell_case) {
-    table.first[cell_case] = static_cast<std::uint16_t>(table.triangles.size());
-    for (const Polygon& polygon : surface_polygons(table, cell_case)) {
-      [[maybe_unused]] const bool cut = triangulate(table, polygon, 0, polygon.size() - 1, table.triangles);
-      assert(cut);  // the unit tests go through all 256 cases
-    }
+  for (unsigned cell_case = 0; cell_case < kCases; ++cell_case) {
+    const unsigned faces = alternating_faces(cell_case);
+    table.alternating_faces[cell_case] = static_cast<std::uint8_t>(faces);
+    table.variants[cell_case] = static_cast<std::uint16_t>(table.first.size());
+    // The subsets of `faces`, in the order of table.variant().
+    unsigned joined = 0;
+    do {
+      table.first.push_back(static_cast<std::uint16_t>(table.triangles.size()));
+      for (const Polygon& polygon : surface_polygons(table, cell_case, joined)) {
+        const std::size_t last = polygon.size() - 1;
+        [[maybe_unused]] const bool cut =
+            triangulate(table, polygon, 0, last, Diagonals::within_the_cell, table.triangles) ||
+            triangulate(table, polygon, 0, last, Diagonals::also_in_owned_places, table.triangles);
+        assert(cut);  // the unit tests go through all variants
+      }
+      joined = (joined - faces) & faces;
+    } while (joined != 0);
   }
-  table.first[kAllInside + 1] = static_cast<std::uint16_t>(table.triangles.size());
+  table.first.push_back(static_cast<std::uint16_t>(table.triangles.size()));
   return table;
 }
 
@@ -144,8 +181,9 @@ CaseTable make_tetrahedra_table() {
   CaseTable table;
   table.directions = {1, 2, 3, 4, 5, 6, 7};
   add_edges(table);
-  for (unsigned cell_case = 0; cell_case <= kAllInside; ++cell_case) {
-    table.first[cell_case] = static_cast<std::uint16_t>(table.triangles.size());
+  for (unsigned cell_case = 0; cell_case < kCases; ++cell_case) {
+    table.variants[cell_case] = static_cast<std::uint16_t>(table.first.size());
+    table.first.push_back(static_cast<std::uint16_t>(table.triangles.size()));
     for (const auto& corners : kTetrahedra) {
       unsigned index = 0;
       for (const std::uint8_t corner : corners) index = index << 1 | (inside(cell_case, corner) ? 1 : 0);
@@ -159,7 +197,7 @@ CaseTable make_tetrahedra_table() {
       if (drawn.quad) table.triangles.push_back({edge(1), edge(2), edge(3)});
     }
   }
-  table.first[kAllInside + 1] = static_cast<std::uint16_t>(table.triangles.size());
+  table.first.push_back(static_cast<std::uint16_t>(table.triangles.size()));
   return table;
 }
 
@@ -170,6 +208,8 @@ const CaseTable& case_table(Method method) {
   static const CaseTable tetrahedra = make_tetrahedra_table();
   return method == Method::mc ? cubes : tetrahedra;
 }
+
+const std::array<std::array<std::uint8_t, 4>, 6>& cell_faces() { return kFaces; }
 
 const std::array<TetrahedronCase, 16>& tetrahedron_cases() { return kTetrahedronCases; }
 

@@ -36,18 +36,34 @@ struct CellEdge {
 
 using CellTriangle = std::array<std::uint8_t, 3>;  // indices into CaseTable::edges
 
+// What a case draws may depend on how its ambiguous faces are decided: one variant for each set of joined faces.
 struct CaseTable {
-  std::vector<std::uint8_t> directions;    // in the order vertices of one sample are numbered: {1, 2, 4} or {1, ..., 7}
-  std::vector<CellEdge> edges;             // 12 for mc, 19 for mt
-  std::array<std::uint16_t, 257> first{};  // case k draws triangles[first[k]] .. triangles[first[k + 1] - 1]
+  std::vector<std::uint8_t> directions;  // in the order vertices of one sample are numbered: {1, 2, 4} or {1, ..., 7}
+  std::vector<CellEdge> edges;           // 12 for mc, 19 for mt
+  std::array<std::uint8_t, 256> alternating_faces{};  // bit f: the corners of cell_faces()[f] alternate; mt: none
+  std::array<std::uint16_t, 256> variants{};          // the number of the case's first variant
+  std::vector<std::uint16_t> first;  // variant v draws triangles[first[v]] .. triangles[first[v + 1] - 1]
   std::vector<CellTriangle> triangles;
+
+  // `joined` is the set of alternating faces whose inside corners are joined.
+  [[nodiscard]] unsigned variant(unsigned cell_case, unsigned joined) const {
+    unsigned number = 0;
+    unsigned weight = 1;
+    for (unsigned rest = alternating_faces[cell_case]; rest != 0; rest &= rest - 1, weight <<= 1) {
+      if ((joined & rest & (0U - rest)) != 0) number += weight;
+    }
+    return variants[cell_case] + number;
+  }
 };
 
-// mc: one polygon for every loop of the surface around the cell's faces. Where the corners of a face alternate, its
-// inside corners are kept apart; both cells at the face decide so, therefore the surface closes. No diagonal of a
-// polygon lies in a face, so no edge of the mesh has more than two triangles.
-// mt: the union of what the six tetrahedra around the diagonal 0-7 draw (seed S1, edge table).
+// mc: one polygon for every loop of the surface around the cell's faces. Both cells at a face decide alike whether the
+// face's alternating corners are joined (face_rule.hpp), therefore the surface closes. Polygons are cut so that no edge
+// of the mesh has more than two triangles, whatever the neighbours draw.
+// mt: the union of what the six tetrahedra around the diagonal 0-7 draw (seed S1, edge table); nothing is ambiguous.
 [[nodiscard]] const CaseTable& case_table(Method method);
+
+// The corners of the faces x = 0, x = 1, y = 0, y = 1, z = 0, z = 1, counter-clockwise seen from outside the cell.
+[[nodiscard]] const std::array<std::array<std::uint8_t, 4>, 6>& cell_faces();
 
 // Seed S1, section on the edge table: for each of the 16 cases of a tetrahedron (index = b0 << 3 | b1 << 2 | b2 << 1 |
 // b3), four vertex pairs; a triangle strip of three vertices, or of four where the last number is not 0.

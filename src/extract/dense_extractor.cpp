@@ -11,6 +11,7 @@
 #include "extract/border_cap.hpp"
 #include "extract/dense_masks.hpp"
 #include "extract/edge_geometry.hpp"
+#include "extract/face_rule.hpp"
 #include "extract/mesh_assembly.hpp"
 #include "extract/row_walk.hpp"
 
@@ -124,7 +125,10 @@ class DenseExtraction {
       cap = make_border_cap(
           {glm::ivec3(0), view_.dims - 1}, options_.method, static_cast<std::uint32_t>(sizes.vertices),
           [&](const glm::ivec3& p) { return masks_.inside(p); },
-          [&](const glm::ivec3& p, int direction) { return edge_vertex(p, direction); });
+          [&](const glm::ivec3& p, int direction) { return edge_vertex(p, direction); },
+          [&](const glm::ivec3& a, const glm::ivec3& b) {
+            return joins_inside(value(region_.min + a), value(region_.min + b), options_.iso);
+          });
       if (auto fits = check_vertex_count(field_, sizes.vertices + cap.samples.size()); !fits) {
         return tl::unexpected(fits.error());
       }
@@ -201,13 +205,21 @@ class DenseExtraction {
       }
       if (!bits.has_cells()) continue;
       for_each_bit(bits.active_cells(w), [&](int cell) {
-        const unsigned c = bits.cell_case(cell, w);
-        triangles += static_cast<std::uint64_t>(table_.first[c + 1] - table_.first[c]);
+        const unsigned v = variant(bits.cell_case(cell, w), {64 * w + cell, j, k});
+        triangles += static_cast<std::uint64_t>(table_.first[v + 1] - table_.first[v]);
       });
     }
     const std::size_t row = row_index(j, k);
     std::copy(vertices.begin(), vertices.end(), vertex_base_.data() + row * kDirections);
     triangle_base_[row] = triangles;
+  }
+
+  // What the cell at `p` (relative to the region) draws: values are looked at only where its bits do not decide.
+  [[nodiscard]] unsigned variant(unsigned cell_case, const glm::ivec3& p) const {
+    if (table_.alternating_faces[cell_case] == 0) return table_.variants[cell_case];
+    return table_.variant(cell_case, joined_faces(table_, cell_case, options_.iso, [&](int corner) {
+                            return value(region_.min + p + direction_step(corner));
+                          }));
   }
 
   // Counts become first numbers.
@@ -319,8 +331,8 @@ class DenseExtraction {
           const auto& source = streams_.edges[edge];
           return numbers[source.stream][source.next ? 1 : 0];
         };
-        const unsigned c = bits.cell_case(cell, w);
-        for (int t = table_.first[c]; t < table_.first[c + 1]; ++t) {
+        const unsigned v = variant(bits.cell_case(cell, w), {64 * w + cell, j, k});
+        for (int t = table_.first[v]; t < table_.first[v + 1]; ++t) {
           const CellTriangle& triangle = table_.triangles[t];
           const std::uint32_t b = vertex(triangle[1]);
           const std::uint32_t c2 = vertex(triangle[2]);

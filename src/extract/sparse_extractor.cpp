@@ -8,6 +8,7 @@
 #include <tbb/parallel_for.h>
 
 #include "base/stopwatch.hpp"
+#include "extract/face_rule.hpp"
 #include "extract/mesh_assembly.hpp"
 #include "extract/row_walk.hpp"
 #include "extract/sparse_blocks.hpp"
@@ -100,7 +101,8 @@ class SparseExtraction {
       cap = make_border_cap(
           region_, options_.method, static_cast<std::uint32_t>(sizes.vertices),
           [&](const glm::ivec3& p) { return inside(p); },
-          [&](const glm::ivec3& p, int direction) { return edge_vertex(p, direction); });
+          [&](const glm::ivec3& p, int direction) { return edge_vertex(p, direction); },
+          [&](const glm::ivec3& a, const glm::ivec3& b) { return joins_inside(value(a), value(b), options_.iso); });
       if (auto fits = check_vertex_count(field_, sizes.vertices + cap.samples.size()); !fits) {
         return tl::unexpected(fits.error());
       }
@@ -291,14 +293,14 @@ class SparseExtraction {
         edges.first = total;
       }
       std::uint64_t triangles = 0;
-      for_each_active_cell(sites_[s], group, [&](int, int, unsigned c) {
-        triangles += static_cast<std::uint64_t>(table_.first[c + 1] - table_.first[c]);
+      for_each_active_cell(sites_[s], group, [&](int, int, unsigned v) {
+        triangles += static_cast<std::uint64_t>(table_.first[v + 1] - table_.first[v]);
       });
       triangle_base_[s] = triangles;
     });
   }
 
-  // f(x, bit, case)
+  // f(x, bit, variant)
   template <class F>
   void for_each_active_cell(const glm::ivec3& origin, const std::array<const BlockBits*, 8>& group, const F& f) const {
     const BlockBits active = active_cells(origin, group);
@@ -309,9 +311,25 @@ class SparseExtraction {
       for_each_bit(active[x], [&](int bit) {
         unsigned c = 0;
         for (int corner = 0; corner < 8; ++corner) c |= static_cast<unsigned>(corners[corner] >> bit & 1) << corner;
-        f(x, bit, c);
+        f(x, bit, variant(c, origin + glm::ivec3(x, bit >> 3, bit & 7)));
       });
     }
+  }
+
+  // The value of any sample: for the few that are looked at one by one.
+  [[nodiscard]] double value(const glm::ivec3& p) const {
+    const glm::ivec3 origin = block_origin(p);
+    const std::int32_t block = lookup_.block(origin);
+    if (block < 0) return field_.scale(lookup_.constant(origin));
+    const auto* values = static_cast<const T*>(samples_.blocks[static_cast<std::size_t>(block)].values);
+    return field_.scale(static_cast<double>(values[block_offset(p)]));
+  }
+
+  // What the cell at `p` draws: values are looked at only where its bits do not decide.
+  [[nodiscard]] unsigned variant(unsigned cell_case, const glm::ivec3& p) const {
+    if (table_.alternating_faces[cell_case] == 0) return table_.variants[cell_case];
+    return table_.variant(cell_case, joined_faces(table_, cell_case, options_.iso,
+                                                  [&](int corner) { return value(p + direction_step(corner)); }));
   }
 
   MeshSizes place_sites() {
@@ -378,14 +396,14 @@ class SparseExtraction {
     for (int n = 0; n < 8; ++n) near[n] = site_index_.find(origin + kSize * direction_step(n));
     glm::uvec3* out = mesh.triangles.data() + triangle_base_[s];
     const bool mirrored = placement_.mirrored();
-    for_each_active_cell(origin, group_bits(origin), [&](int x, int bit, unsigned c) {
+    for_each_active_cell(origin, group_bits(origin), [&](int x, int bit, unsigned v) {
       const auto vertex = [&](std::uint8_t edge) {
         const CellEdge& e = table_.edges[edge];
         const glm::ivec3 p = glm::ivec3(x, bit >> 3, bit & 7) + direction_step(e.corner);
         const int n = p.x >> 3 | p.y >> 3 << 1 | p.z >> 3 << 2;
         return vertex_at(static_cast<std::size_t>(near[n]), direction_index(e.direction), block_offset(p));
       };
-      for (int t = table_.first[c]; t < table_.first[c + 1]; ++t) {
+      for (int t = table_.first[v]; t < table_.first[v + 1]; ++t) {
         const CellTriangle& triangle = table_.triangles[t];
         const std::uint32_t b = vertex(triangle[1]);
         const std::uint32_t c2 = vertex(triangle[2]);

@@ -25,21 +25,80 @@ class CellTables : public testing::TestWithParam<Method> {
     const CellEdge& e = table_.edges[edge];
     return (corner_position(e.corner) + corner_position(e.corner | e.direction)) / 2.0;
   }
-  std::vector<CellTriangle> triangles(unsigned cell_case) const {
-    return {table_.triangles.begin() + table_.first[cell_case], table_.triangles.begin() + table_.first[cell_case + 1]};
+  std::vector<CellTriangle> triangles(unsigned variant) const {
+    return {table_.triangles.begin() + table_.first[variant], table_.triangles.begin() + table_.first[variant + 1]};
   }
+  // Calls f(case, joined faces, variant) for everything a cell can be.
+  template <class F>
+  void for_each_variant(const F& f) const {
+    for (unsigned cell_case = 0; cell_case < 256; ++cell_case) {
+      for (unsigned joined = 0; joined < 64; ++joined) {
+        if ((joined & ~unsigned{table_.alternating_faces[cell_case]}) != 0) continue;
+        SCOPED_TRACE(testing::Message() << "case " << cell_case << ", joined faces " << joined);
+        f(cell_case, joined, table_.variant(cell_case, joined));
+      }
+    }
+  }
+  using MeshEdge = std::pair<int, int>;  // of two vertices, named by their cell edges
+
   // Directed mesh edges that have no opposite within the cell: they must lie in the cell's faces.
-  std::set<std::pair<int, int>> border(unsigned cell_case) const {
-    std::set<std::pair<int, int>> edges;
-    for (const CellTriangle& t : triangles(cell_case)) {
+  std::set<MeshEdge> border(unsigned variant) const {
+    std::set<MeshEdge> edges;
+    for (const CellTriangle& t : triangles(variant)) {
       for (int c = 0; c < 3; ++c) {
-        const std::pair<int, int> edge(t[c], t[(c + 1) % 3]);
+        const MeshEdge edge(t[c], t[(c + 1) % 3]);
         if (edges.erase({edge.second, edge.first}) == 0) {
-          EXPECT_TRUE(edges.insert(edge).second) << "case " << cell_case << " uses a directed edge twice";
+          EXPECT_TRUE(edges.insert(edge).second) << "a directed edge is used twice";
         }
       }
     }
     return edges;
+  }
+
+  // The face (as in cell_faces()) that both ends of a mesh edge lie on, or -1.
+  int common_face(const MeshEdge& edge) const {
+    const CellEdge& a = table_.edges[static_cast<std::size_t>(edge.first)];
+    const CellEdge& b = table_.edges[static_cast<std::size_t>(edge.second)];
+    for (int axis = 0; axis < 3; ++axis) {
+      const int bit = 1 << axis;
+      if (((a.direction | b.direction) & bit) == 0 && (a.corner & bit) == (b.corner & bit)) {
+        return 2 * axis + ((a.corner & bit) != 0 ? 1 : 0);
+      }
+    }
+    return -1;
+  }
+
+  // A mesh edge in a high face, named as the cell above that face names it.
+  MeshEdge seen_from_above(const MeshEdge& edge, int axis) const {
+    const auto moved = [&](int e) {
+      CellEdge lower = table_.edges[static_cast<std::size_t>(e)];
+      lower.corner = static_cast<std::uint8_t>(lower.corner & ~(1 << axis));
+      return static_cast<int>(std::find(table_.edges.begin(), table_.edges.end(), lower) - table_.edges.begin());
+    };
+    return {moved(edge.first), moved(edge.second)};
+  }
+
+  // What a cell draws in one of its faces: `border` directed, `inner` with rising ends; both as seen from above.
+  struct FacePattern {
+    std::set<MeshEdge> border;
+    std::set<MeshEdge> inner;
+  };
+  FacePattern face_pattern(unsigned variant, int face) const {
+    FacePattern pattern;
+    const std::set<MeshEdge> open = border(variant);
+    for (const CellTriangle& t : triangles(variant)) {
+      for (int c = 0; c < 3; ++c) {
+        const MeshEdge edge(t[c], t[(c + 1) % 3]);
+        if (common_face(edge) != face) continue;
+        const MeshEdge seen = face % 2 != 0 ? seen_from_above(edge, face / 2) : edge;
+        if (open.contains(edge)) {
+          pattern.border.insert(seen);
+        } else {
+          pattern.inner.insert(std::minmax(seen.first, seen.second));
+        }
+      }
+    }
+    return pattern;
   }
 };
 
@@ -52,21 +111,29 @@ TEST_P(CellTables, EdgesAreAllThereOnce) {
   }
 }
 
-TEST_P(CellTables, EveryCaseUsesExactlyItsCrossedEdges) {
-  for (unsigned cell_case = 0; cell_case < 256; ++cell_case) {
+TEST_P(CellTables, VariantsAreNumberedWithoutGaps) {
+  std::set<unsigned> numbers;
+  for_each_variant([&](unsigned, unsigned, unsigned variant) { EXPECT_TRUE(numbers.insert(variant).second); });
+  EXPECT_EQ(numbers.size(), GetParam() == Method::mc ? 656U : 256U);
+  EXPECT_EQ(*numbers.rbegin() + 2, table_.first.size());
+}
+
+TEST_P(CellTables, EveryVariantUsesExactlyItsCrossedEdges) {
+  for_each_variant([&](unsigned cell_case, unsigned, unsigned variant) {
     std::set<int> expected;
     for (std::size_t e = 0; e < table_.edges.size(); ++e) {
       if (crossed(cell_case, table_.edges[e])) expected.insert(static_cast<int>(e));
     }
     std::set<int> used;
-    for (const CellTriangle& t : triangles(cell_case)) used.insert(t.begin(), t.end());
-    EXPECT_EQ(used, expected) << "case " << cell_case;
-  }
+    for (const CellTriangle& t : triangles(variant)) used.insert(t.begin(), t.end());
+    EXPECT_EQ(used, expected);
+  });
 }
 
 TEST_P(CellTables, EveryTriangleFacesOutside) {
-  for (unsigned cell_case = 0; cell_case < 256; ++cell_case) {
-    for (const CellTriangle& t : triangles(cell_case)) {
+  for_each_variant([&](unsigned cell_case, unsigned joined, unsigned variant) {
+    if (joined != 0) return;  // their surface folds back
+    for (const CellTriangle& t : triangles(variant)) {
       const glm::dvec3 normal = glm::cross(middle(t[1]) - middle(t[0]), middle(t[2]) - middle(t[0]));
       glm::dvec3 outward(0);
       for (const std::uint8_t edge : t) {
@@ -74,79 +141,45 @@ TEST_P(CellTables, EveryTriangleFacesOutside) {
         const glm::dvec3 step = corner_position(e.direction);
         outward += inside(cell_case, e.corner) ? step : -step;
       }
-      EXPECT_GT(glm::dot(normal, outward), 0) << "case " << cell_case;
+      EXPECT_GT(glm::dot(normal, outward), 0);
     }
-  }
-}
-
-// What a cell leaves open on a face, the cell behind that face must leave open the other way round. All 2^12 pairs of
-// neighbours, along each axis.
-TEST_P(CellTables, NeighboursMeetWithoutGaps) {
-  for (int axis = 0; axis < 3; ++axis) {
-    const int bit = 1 << axis;
-    // The border edges on the high (low) face, by the case of the face; named by edges as seen from the high cell.
-    std::map<unsigned, std::set<std::set<std::pair<int, int>>>> high;
-    std::map<unsigned, std::set<std::set<std::pair<int, int>>>> low;
-    for (unsigned cell_case = 0; cell_case < 256; ++cell_case) {
-      for (const bool on_high : {true, false}) {
-        const auto on_face = [&](int edge) {
-          const CellEdge& e = table_.edges[static_cast<std::size_t>(edge)];
-          return (e.direction & bit) == 0 && ((e.corner & bit) != 0) == on_high;
-        };
-        const auto moved = [&](int edge) {
-          CellEdge e = table_.edges[static_cast<std::size_t>(edge)];
-          e.corner = static_cast<std::uint8_t>(e.corner & ~bit);
-          return static_cast<int>(std::find(table_.edges.begin(), table_.edges.end(), e) - table_.edges.begin());
-        };
-        unsigned face_case = 0;
-        for (unsigned c = 0; c < 8; ++c) {
-          if (((c & static_cast<unsigned>(bit)) != 0) == on_high && inside(cell_case, c)) {
-            face_case |= 1U << (c & ~static_cast<unsigned>(bit));
-          }
-        }
-        std::set<std::pair<int, int>> open;
-        for (const auto& [a, b] : border(cell_case)) {
-          if (!on_face(a) || !on_face(b)) continue;
-          open.insert(on_high ? std::pair(moved(b), moved(a)) : std::pair(a, b));
-        }
-        (on_high ? high : low)[face_case].insert(open);
-      }
-    }
-    for (const auto& [face_case, patterns] : high) {
-      EXPECT_EQ(patterns.size(), 1U) << "a face's pattern must depend on its own corners alone";
-      EXPECT_EQ(patterns, low[face_case]) << "axis " << axis << ", face case " << face_case;
-    }
-  }
+  });
 }
 
 TEST_P(CellTables, NothingIsLeftOpenWithinTheCell) {
-  for (unsigned cell_case = 0; cell_case < 256; ++cell_case) {
-    for (const auto& [a, b] : border(cell_case)) {
-      const auto& ea = table_.edges[static_cast<std::size_t>(a)];
-      const auto& eb = table_.edges[static_cast<std::size_t>(b)];
-      bool on_common_face = false;
-      for (int axis = 1; axis < 8; axis <<= 1) {
-        on_common_face |= ((ea.direction | eb.direction) & axis) == 0 && (ea.corner & axis) == (eb.corner & axis);
-      }
-      EXPECT_TRUE(on_common_face) << "case " << cell_case;
-    }
-  }
+  for_each_variant([&](unsigned, unsigned, unsigned variant) {
+    for (const MeshEdge& edge : border(variant)) EXPECT_GE(common_face(edge), 0);
+  });
 }
 
-// If it were, a face's mesh edge and a diagonal of the cell behind it could be the same edge, with four triangles.
-TEST_P(CellTables, NoInnerEdgeLiesInAFace) {
-  for (unsigned cell_case = 0; cell_case < 256; ++cell_case) {
-    const auto open = border(cell_case);
-    for (const CellTriangle& t : triangles(cell_case)) {
-      for (int c = 0; c < 3; ++c) {
-        const int a = t[c];
-        const int b = t[(c + 1) % 3];
-        if (open.contains({a, b})) continue;
-        const auto& ea = table_.edges[static_cast<std::size_t>(a)];
-        const auto& eb = table_.edges[static_cast<std::size_t>(b)];
-        for (int axis = 1; axis < 8; axis <<= 1) {
-          EXPECT_FALSE(((ea.direction | eb.direction) & axis) == 0 && (ea.corner & axis) == (eb.corner & axis))
-              << "case " << cell_case;
+// All pairs of neighbours: what a cell leaves open on a face, the cell behind that face leaves open the other way
+// round, and no other edge in the face is drawn from both sides or twice.
+TEST_P(CellTables, NeighboursMeetWithoutGaps) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const unsigned bit = 1U << axis;
+    std::map<std::pair<unsigned, bool>, std::vector<FacePattern>> below;  // by the face's corners and decision
+    std::map<std::pair<unsigned, bool>, std::vector<FacePattern>> above;
+    for_each_variant([&](unsigned cell_case, unsigned joined, unsigned variant) {
+      for (const int face : {2 * axis, 2 * axis + 1}) {
+        unsigned face_case = 0;
+        for (unsigned c = 0; c < 8; ++c) {
+          if (((c & bit) != 0) == (face % 2 != 0) && inside(cell_case, c)) face_case |= 1U << (c & ~bit);
+        }
+        auto& side = face % 2 != 0 ? below : above;
+        side[{face_case, (joined >> face & 1) != 0}].push_back(face_pattern(variant, face));
+      }
+    });
+    ASSERT_EQ(below.size(), above.size());
+    for (const auto& [key, patterns] : below) {
+      for (const FacePattern& low : patterns) {
+        for (const FacePattern& high : above[key]) {
+          std::set<MeshEdge> turned;
+          for (const MeshEdge& edge : high.border) turned.insert({edge.second, edge.first});
+          EXPECT_EQ(low.border, turned);
+          for (const MeshEdge& edge : low.inner) {
+            EXPECT_FALSE(high.inner.contains(edge));
+            EXPECT_FALSE(low.border.contains(edge) || turned.contains(edge));
+          }
         }
       }
     }
@@ -157,14 +190,23 @@ INSTANTIATE_TEST_SUITE_P(Methods, CellTables, testing::Values(Method::mc, Method
 
 TEST(CubesTable, WorkedCaseOne) {
   const CaseTable& table = case_table(Method::mc);
-  ASSERT_EQ(table.first[2] - table.first[1], 1);
-  const CellTriangle& t = table.triangles[table.first[1]];
+  const unsigned variant = table.variant(1, 0);
+  ASSERT_EQ(table.first[variant + 1] - table.first[variant], 1);
+  const CellTriangle& t = table.triangles[table.first[variant]];
   EXPECT_EQ(table.edges[t[0]], (CellEdge{0, 1}));
   EXPECT_EQ(table.edges[t[1]], (CellEdge{0, 2}));
   EXPECT_EQ(table.edges[t[2]], (CellEdge{0, 4}));
 }
 
-TEST(CubesTable, HasTheKnownNumberOfTriangles) { EXPECT_EQ(case_table(Method::mc).triangles.size(), 820U); }
+TEST(CubesTable, HasTheKnownNumberOfTriangles) {
+  const CaseTable& table = case_table(Method::mc);
+  int triangles = 0;
+  for (unsigned cell_case = 0; cell_case < 256; ++cell_case) {
+    const unsigned apart = table.variant(cell_case, 0);
+    triangles += table.first[apart + 1] - table.first[apart];
+  }
+  EXPECT_EQ(triangles, 820);
+}
 
 // Seed S1's table: opposite cases use the same edges, and the strip's length follows from the number of inside corners.
 TEST(TetrahedronCases, AgreeWithTheirCorners) {

@@ -25,14 +25,21 @@ struct Truth {
 
 Truth sphere() {
   constexpr double r = 0.7;
-  return {"demo:sphere", 4 * kPi * r * r, 4.0 / 3 * kPi * r * r * r, r, [](glm::dvec3 p) { return glm::length(p) - r; },
+  return {"demo:sphere",
+          4 * kPi * r * r,
+          4.0 / 3 * kPi * r * r * r,
+          r,
+          [](glm::dvec3 p) { return glm::length(p) - r; },
           [](glm::dvec3 p) { return glm::normalize(p); }};
 }
 
 Truth torus() {
   constexpr double major = 0.6;
   constexpr double minor = 0.25;
-  return {"demo:torus", 4 * kPi * kPi * major * minor, 2 * kPi * kPi * major * minor * minor, minor,
+  return {"demo:torus",
+          4 * kPi * kPi * major * minor,
+          2 * kPi * kPi * major * minor * minor,
+          minor,
           [](glm::dvec3 p) { return std::hypot(std::hypot(p.x, p.y) - major, p.z) - minor; },
           [](glm::dvec3 p) {
             const double ring = std::hypot(p.x, p.y);

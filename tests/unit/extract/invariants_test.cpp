@@ -96,6 +96,22 @@ TEST_P(Invariants, RandomFieldsAreSound) {
   }
 }
 
+// Two inside samples across a face: apart where both others are below iso, joined where one of them has its value.
+TEST(FaceRule, JoinsAcrossTies) {
+  for (const int other : {4, 5}) {
+    const ScalarField field = dense_field<std::uint8_t>({4, 4, 4}, [&](int i, int j, int k) {
+      if (k != 1) return 0;
+      if ((i == 1 && j == 1) || (i == 2 && j == 2)) return 9;
+      return i == 2 && j == 1 ? other : 0;
+    });
+    ExtractOptions o;
+    o.iso = 5;
+    const Mesh mesh = extract(field, o).mesh;
+    expect_sound(mesh, true);
+    EXPECT_EQ(measure_topology(mesh).components, other == 5 ? 1U : 2U);
+  }
+}
+
 TEST_P(Invariants, CheckerboardIsSound) {
   const ScalarField field = dense_field<std::uint8_t>({9, 8, 7}, [](int i, int j, int k) { return (i + j + k) % 2; });
   for (const double iso : {0.0, 0.5, 0.999}) {

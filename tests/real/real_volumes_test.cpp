@@ -1,0 +1,126 @@
+// Volumes of scanners and solvers, read and extracted whole: the figures of EXPECTED.json (VTK 9.1 FlyingEdges3D on the
+// same voxels, index space), and where the headers put them in the world.
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "io/volume_reader.hpp"
+#include "support/data_folder.hpp"
+#include "support/meshes.hpp"
+
+namespace isoextract {
+namespace {
+
+struct Volume {
+  const char* file;
+  const char* expected;  // its name in EXPECTED.json
+  std::optional<RawLayout> raw;
+  // index -> world as the header has it, copied by hand
+  Affine world;
+};
+
+Affine diagonal(const glm::dvec3& spacing, const glm::dvec3& origin) {
+  Affine map = scaling(spacing);
+  map.offset = origin;
+  return map;
+}
+
+const Volume kVolumes[] = {
+    {"med/ch2.nii.gz", "med/ch2.nii.gz", {}, diagonal({1, 1, 1}, {-90, -125, -71})},
+    {"med/MR.nii.gz",
+     "med/MR.nii.gz",
+     {},
+     diagonal({1, 0.8984370231628418, 0.8984370231628418}, {-388.260009765625, -81.11995697021484, 405.4209899902344})},
+    {"med/tooth.nhdr", "med/tooth.nhdr", {}, diagonal({1, 1, 1}, {0, 0, 0})},
+    {"med/FLAIR.nrrd",
+     "med/FLAIR.nrrd",
+     {},
+     {glm::dmat3(-0.99359200921208746, 0.04970492721885441, -0.10151029228632795,    //
+                 -0.016005020190061219, -0.95093665139041228, -0.30897139733494045,  //
+                 -0.11188725988575336, -0.30536684015686016, 0.94563858529983524),
+      {64.898239135742202, 110.4311447143555, -27.92553901672364}}},
+    {"mol/betaGal.npy", "mol/betaGal.npy", {}, diagonal({1, 1, 1}, {0, 0, 0})},
+    {"med/HeadMRVolume.raw", "med/HeadMRVolume.mhd", RawLayout{{48, 62, 42}, SampleType::u8, std::endian::little, 0},
+     diagonal({1, 1, 1}, {0, 0, 0})},
+    {"vdb/smoke.vdb",
+     "vdb/smoke.vdb",
+     {},
+     diagonal(glm::dvec3(0.4761904761904745), {-34.04761904761898, -13.095238095238095, -26.42857142857139})},
+    {"vdb/sphere.vdb", "vdb/sphere.vdb", {}, diagonal(glm::dvec3(0.05), {0, 0, 0})},
+};
+
+void PrintTo(const Volume& volume, std::ostream* out) { *out << volume.file; }
+
+class RealVolume : public testing::TestWithParam<Volume> {
+ protected:
+  void SetUp() override {
+    ISOEXTRACT_NEEDS_DATA(GetParam().file);
+    ISOEXTRACT_NEEDS_DATA("EXPECTED.json");
+    expected_ = nlohmann::json::parse(std::ifstream(test::data_file("EXPECTED.json"))).at(GetParam().expected);
+    ReadOptions read;
+    read.raw = GetParam().raw;
+    auto field = read_volume(test::data_file(GetParam().file).string(), read);
+    ASSERT_TRUE(field) << field.error().message;
+    field_ = std::move(*field);
+  }
+
+  [[nodiscard]] ExtractOptions options(Method method) const {
+    ExtractOptions o;
+    o.method = method;
+    o.iso = expected_.at("iso");
+    return o;
+  }
+
+  nlohmann::json expected_;
+  ScalarField field_;
+};
+
+INSTANTIATE_TEST_SUITE_P(All, RealVolume, testing::ValuesIn(kVolumes), [](const auto& parameter) {
+  std::string name = parameter.param.file;
+  std::replace_if(
+      name.begin(), name.end(), [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; }, '_');
+  return name;
+});
+
+TEST_P(RealVolume, AgreesWithFlyingEdges) {
+  const Mesh mesh = test::extract(field_, options(Method::mc)).mesh;
+  test::expect_sound(mesh,
+                     !expected_.at("border").get<bool>() || std::holds_alternative<SparseSamples>(field_.samples));
+  const double area = expected_.at("area");
+  EXPECT_NEAR(measure_size(mesh).area, area, 0.005 * area);
+  // The figures count from the first voxel of the dense box they were made from: the active box and one voxel around.
+  glm::dvec3 first(0);
+  if (std::holds_alternative<SparseSamples>(field_.samples)) first = glm::dvec3(field_.extents().min - 1);
+  const Bounds bounds = measure_bounds(mesh);
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_NEAR(bounds.min[axis] - first[axis], expected_.at("bounds").at(axis).get<double>(), 0.02);
+    EXPECT_NEAR(bounds.max[axis] - first[axis], expected_.at("bounds").at(3 + axis).get<double>(), 0.02);
+  }
+}
+
+TEST_P(RealVolume, IsClosedWhenCapped) {
+  for (const Method method : {Method::mc, Method::mt}) {
+    ExtractOptions capped = options(method);
+    capped.cap = true;
+    const Mesh mesh = test::extract(field_, capped).mesh;
+    test::expect_sound(mesh, true);
+    EXPECT_GT(measure_size(mesh).volume, 0);
+  }
+}
+
+TEST_P(RealVolume, LiesWhereItsHeaderSays) {
+  const Mesh index = test::extract(field_, options(Method::mc)).mesh;
+  ExtractOptions in_world = options(Method::mc);
+  in_world.output_from_index = field_.index_to_world;
+  const Mesh world = test::extract(field_, in_world).mesh;
+  ASSERT_EQ(index.positions.size(), world.positions.size());
+  const double voxel = glm::length(GetParam().world.linear[0]);
+  for (std::size_t v = 0; v < index.positions.size(); v += 97) {
+    EXPECT_LT(glm::length(world.position(v) - GetParam().world(index.position(v))), 1e-3 * voxel);
+  }
+  test::expect_sound(world, false);
+}
+
+}  // namespace
+}  // namespace isoextract
