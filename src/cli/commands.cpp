@@ -1,0 +1,122 @@
+#include "cli/commands.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <exception>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+
+#include "base/version.hpp"
+#include "cli/command_line.hpp"
+#include "cli/convert_command.hpp"
+#include "cli/generate_docs.hpp"
+#include "cli/help_topics.hpp"
+#include "cli/info_command.hpp"
+#include "cli/messages.hpp"
+#include "cli/plan.hpp"
+
+namespace isoextract {
+namespace {
+
+constexpr int kDone = 0;
+
+int exit_code(const Error& error) { return static_cast<int>(error.kind); }
+
+int report(const Error& error) {
+  Messages(Verbosity::quiet).error(error);
+  return exit_code(error);
+}
+
+int print(std::string_view text) {
+  const auto printed = print_to_stdout(text);
+  return printed ? kDone : report(printed.error());
+}
+
+// Where a standard stream is closed, the next file opened would take its number, and messages would land in the mesh.
+// stdout is opened for reading, so that writing to it still fails.
+void keep_standard_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(stream, F_GETFD) != -1 || errno != EBADF) continue;
+    [[maybe_unused]] const int opened = ::open("/dev/null", stream == STDERR_FILENO ? O_WRONLY : O_RDONLY);
+  }
+}
+
+// Keeps oneTBB to --threads while it lives.
+class ThreadLimit {
+ public:
+  explicit ThreadLimit(const std::optional<int>& threads) {
+    if (threads) control_.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(*threads));
+  }
+
+ private:
+  std::optional<tbb::global_control> control_;
+};
+
+int run_convert_command(const ConvertFlags& flags) {
+  const auto verbosity = plan_verbosity(flags.run);
+  if (!verbosity) return report(verbosity.error());
+  const auto plan = plan_convert(flags);
+  if (!plan) return report(plan.error());
+  const ThreadLimit limit(flags.run.threads);
+  const auto done = run_convert(*plan, Messages(*verbosity));
+  return done ? kDone : report(done.error());
+}
+
+int run_info_command(const InfoFlags& flags, const CLI::App& command) {
+  const auto verbosity = plan_verbosity(flags.run);
+  if (!verbosity) return report(verbosity.error());
+  const auto plan = plan_info(flags, command);
+  if (!plan) return report(plan.error());
+  const ThreadLimit limit(flags.run.threads);
+  const auto failure = run_info(*plan, Messages(*verbosity));
+  return failure ? exit_code(*failure) : kDone;
+}
+
+int run_arguments(std::vector<std::string> arguments) {
+  const auto line = declare_command_line();
+  if (arguments.empty()) {
+    fmt::print(stderr, "{}", short_usage(line->app));
+    return static_cast<int>(ErrorKind::usage);
+  }
+  const auto parsed = parse_command_line(*line, std::move(arguments));
+  if (!parsed) return report(parsed.error());
+  switch (parsed->request) {
+    case Request::version_flag: return print(fmt::format("{}\n", kGenerator));
+    case Request::help_flag:
+      return print(parsed->command == &line->app ? help_overview(line->app) : help_of_command(*parsed->command));
+    case Request::help:
+      return print(line->help_topic ? help_of(line->app, *line->help_topic) : help_overview(line->app));
+    case Request::generate:
+      if (!line->document) {
+        return report({ErrorKind::usage, "generate needs the name of a document", synopsis(*line->generate)});
+      }
+      return print(generate_document(line->app, *line->document));
+    case Request::info: return run_info_command(line->info_flags, *line->info);
+    case Request::convert: break;
+  }
+  return run_convert_command(line->convert_flags);
+}
+
+}  // namespace
+
+int run(int argc, char** argv) {
+  keep_standard_streams();
+  // A reader that closes the pipe is an error of writing, with its message and exit code.
+  std::signal(SIGPIPE, SIG_IGN);
+  try {
+    return run_arguments(std::vector<std::string>(argv + (argc > 0 ? 1 : 0), argv + argc));
+  } catch (const std::bad_alloc&) {
+    return report({ErrorKind::input, "not enough memory", "convert a part with --roi"});
+  } catch (const std::exception& error) {
+    return report({ErrorKind::input, fmt::format("unexpected: {}", error.what()), ""});
+  }
+}
+
+}  // namespace isoextract

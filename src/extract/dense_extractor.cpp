@@ -204,8 +204,9 @@ class DenseExtraction {
         vertices[stream.direction_index] += static_cast<std::uint32_t>(std::popcount(bits.crossed(stream, w)));
       }
       if (!bits.has_cells()) continue;
-      for_each_bit(bits.active_cells(w), [&](int cell) {
-        const unsigned v = variant(bits.cell_case(cell, w), {64 * w + cell, j, k});
+      const RowBits::Corners corners = bits.corners(w);
+      for_each_bit(bits.active_cells(corners, w), [&](int cell) {
+        const unsigned v = variant(RowBits::cell_case(corners, cell), {64 * w + cell, j, k});
         triangles += static_cast<std::uint64_t>(table_.first[v + 1] - table_.first[v]);
       });
     }
@@ -320,7 +321,8 @@ class DenseExtraction {
       if (crossed_bricks[w] == 0) continue;
       std::array<std::uint64_t, Streams::kStreams> crossed;
       for (int s = 0; s < Streams::kStreams; ++s) crossed[s] = bits.crossed(streams_.streams[s], w);
-      for_each_bit(bits.active_cells(w), [&](int cell) {
+      const RowBits::Corners corners = bits.corners(w);
+      for_each_bit(bits.active_cells(corners, w), [&](int cell) {
         std::array<std::array<std::uint32_t, 2>, Streams::kStreams> numbers;  // at the cell's position, and at the next
         for (int s = 0; s < Streams::kStreams; ++s) {
           const auto own = static_cast<std::uint32_t>(crossed[s] >> cell & 1);
@@ -331,7 +333,7 @@ class DenseExtraction {
           const auto& source = streams_.edges[edge];
           return numbers[source.stream][source.next ? 1 : 0];
         };
-        const unsigned v = variant(bits.cell_case(cell, w), {64 * w + cell, j, k});
+        const unsigned v = variant(RowBits::cell_case(corners, cell), {64 * w + cell, j, k});
         for (int t = table_.first[v]; t < table_.first[v + 1]; ++t) {
           const CellTriangle& triangle = table_.triangles[t];
           const std::uint32_t b = vertex(triangle[1]);

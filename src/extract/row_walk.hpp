@@ -41,26 +41,37 @@ class RowBits {
     return (lower[w] ^ (along_x ? next(upper, w) : upper[w])) & valid(w, along_x ? dims_.x - 1 : dims_.x);
   }
 
-  // The inside bits of cell corner c for the cells of word w.
-  [[nodiscard]] std::uint64_t corner(int c, int w) const {
-    const std::uint64_t* row = rows_[c >> 1 & 1][c >> 2 & 1];
-    return (c & 1) != 0 ? next(row, w) : row[w];
+  // The inside bits of the eight cell corners, for the cells of word w. Only where has_cells().
+  using Corners = std::array<std::uint64_t, 8>;
+  [[nodiscard]] Corners corners(int w) const {
+    Corners words;
+    for (int c = 0; c < 8; c += 2) {
+      const std::uint64_t* row = rows_[c >> 1 & 1][c >> 2 & 1];
+      words[c] = row[w];
+      words[c + 1] = next(row, w);
+    }
+    return words;
   }
 
-  // The cells of word w with corners on both sides. Only where has_cells().
-  [[nodiscard]] std::uint64_t active_cells(int w) const {
+  // The cells of word w with corners on both sides.
+  [[nodiscard]] std::uint64_t active_cells(const Corners& corners, int w) const {
+    return mixed(corners) & valid(w, dims_.x - 1);
+  }
+
+  // Positions at which not all eight words agree.
+  static std::uint64_t mixed(const Corners& corners) {
     std::uint64_t any = 0;
     std::uint64_t all = ~std::uint64_t{0};
-    for (int c = 0; c < 8; ++c) {
-      any |= corner(c, w);
-      all &= corner(c, w);
+    for (const std::uint64_t word : corners) {
+      any |= word;
+      all &= word;
     }
-    return any & ~all & valid(w, dims_.x - 1);
+    return any & ~all;
   }
 
-  [[nodiscard]] unsigned cell_case(int cell, int w) const {
+  static unsigned cell_case(const Corners& corners, int cell) {
     unsigned bits = 0;
-    for (int c = 0; c < 8; ++c) bits |= static_cast<unsigned>(corner(c, w) >> cell & 1) << c;
+    for (int c = 0; c < 8; ++c) bits |= static_cast<unsigned>(corners[c] >> cell & 1) << c;
     return bits;
   }
 

@@ -206,19 +206,19 @@ class SparseExtraction {
            glm::all(glm::lessThanEqual(origin + kSize, region_.max));
   }
 
+  // The bits of the eight corners of the cells of word x.
+  static RowBits::Corners corner_words(const std::array<const BlockBits*, 8>& group, int x) {
+    RowBits::Corners words;
+    for (int corner = 0; corner < 8; ++corner) words[corner] = shifted_word(group, corner, x);
+    return words;
+  }
+
   // Cells of the place that the surface passes, and that lie in the region.
   [[nodiscard]] BlockBits active_cells(const glm::ivec3& origin, const std::array<const BlockBits*, 8>& group) const {
     BlockBits active{};
     const bool whole = wholly_in_region(origin);
     for (int x = 0; x < kSize; ++x) {
-      std::uint64_t any = 0;
-      std::uint64_t all = ~std::uint64_t{0};
-      for (int corner = 0; corner < 8; ++corner) {
-        const std::uint64_t word = shifted_word(group, corner, x);
-        any |= word;
-        all &= word;
-      }
-      active[x] = any & ~all;
+      active[x] = RowBits::mixed(corner_words(group, x));
       if (!whole && active[x] != 0) active[x] &= region_bits(origin, glm::ivec3(1), x);
     }
     return active;
@@ -306,11 +306,9 @@ class SparseExtraction {
     const BlockBits active = active_cells(origin, group);
     for (int x = 0; x < kSize; ++x) {
       if (active[x] == 0) continue;
-      std::array<std::uint64_t, 8> corners;
-      for (int corner = 0; corner < 8; ++corner) corners[corner] = shifted_word(group, corner, x);
+      const RowBits::Corners corners = corner_words(group, x);
       for_each_bit(active[x], [&](int bit) {
-        unsigned c = 0;
-        for (int corner = 0; corner < 8; ++corner) c |= static_cast<unsigned>(corners[corner] >> bit & 1) << corner;
+        const unsigned c = RowBits::cell_case(corners, bit);
         f(x, bit, variant(c, origin + glm::ivec3(x, bit >> 3, bit & 7)));
       });
     }

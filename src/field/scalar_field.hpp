@@ -20,16 +20,14 @@ struct ValueScale {
   double slope = 1;
   double intercept = 0;
 
-  [[nodiscard]] double operator()(double stored) const {
-    return is_identity() ? stored : slope * stored + intercept;
-  }
+  [[nodiscard]] double operator()(double stored) const { return is_identity() ? stored : slope * stored + intercept; }
   [[nodiscard]] bool is_identity() const { return slope == 1 && intercept == 0; }
 };
 
 struct ScalarField {
-  std::string name;       // of the grid, or the file's stem where the format has no names
-  std::string source;     // the path or demo: text it was read from, for messages
-  std::string format;     // "OpenVDB", "NRRD", ...
+  std::string name;         // of the grid, or the file's stem where the format has no names
+  std::string source;       // the path or demo: text it was read from, for messages
+  std::string format;       // "OpenVDB", "NRRD", ...
   std::string world_space;  // what the file calls its world: "RAS", "left-posterior-superior", ...; may be empty
   FieldKind kind = FieldKind::density;
   ValueScale scale;

@@ -1,0 +1,342 @@
+#include "field/statistics.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <span>
+#include <type_traits>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
+#include "field/demo_field.hpp"
+
+namespace isoextract {
+namespace {
+
+constexpr std::size_t kBins = 1024;
+constexpr std::size_t kLanes = 8;          // independent accumulators, so that the loops vectorise
+constexpr std::size_t kGrain = 1U << 16U;  // samples a task; fixed, so that sums do not depend on the thread count
+
+// Reduces `body(partial, values)` over all stored samples. Deterministic: always the same tree of joins.
+template <class T, class Partial, class Body, class Join>
+Partial reduce_samples(const Samples& samples, const Partial& identity, const Body& body, const Join& join,
+                       Progress* progress) {
+  if (const auto* dense = std::get_if<DenseSamples>(&samples)) {
+    const std::span<const T> all(static_cast<const T*>(dense->data), dense->count());
+    if (progress != nullptr) progress->begin("measuring", all.size());
+    return tbb::parallel_deterministic_reduce(
+        tbb::blocked_range<std::size_t>(0, all.size(), kGrain), identity,
+        [&](const tbb::blocked_range<std::size_t>& range, Partial partial) {
+          body(partial, all.subspan(range.begin(), range.size()));
+          if (progress != nullptr) progress->advance(range.size());
+          return partial;
+        },
+        join);
+  }
+  constexpr std::size_t kBlockSamples = std::size_t{SparseBlock::kSize} * SparseBlock::kSize * SparseBlock::kSize;
+  const auto& blocks = std::get<SparseSamples>(samples).blocks;
+  if (progress != nullptr) progress->begin("measuring", blocks.size());
+  return tbb::parallel_deterministic_reduce(
+      tbb::blocked_range<std::size_t>(0, blocks.size(), kGrain / kBlockSamples), identity,
+      [&](const tbb::blocked_range<std::size_t>& range, Partial partial) {
+        for (std::size_t b = range.begin(); b != range.end(); ++b) {
+          body(partial, std::span<const T>(static_cast<const T*>(blocks[b].values), kBlockSamples));
+        }
+        if (progress != nullptr) progress->advance(range.size());
+        return partial;
+      },
+      join);
+}
+
+std::uint64_t tile_voxels(const SparseTile& tile) {
+  const auto side = static_cast<std::uint64_t>(tile.size);
+  return side * side * side;
+}
+
+template <class Function>
+void for_each_tile(const Samples& samples, const Function& function) {
+  if (const auto* sparse = std::get_if<SparseSamples>(&samples)) {
+    for (const SparseTile& tile : sparse->tiles) function(tile.value, tile_voxels(tile));
+  }
+}
+
+// First pass: range and counts of what is not finite.
+struct Range {
+  double min = std::numeric_limits<double>::infinity();
+  double max = -std::numeric_limits<double>::infinity();
+  std::uint64_t finite = 0;
+  std::uint64_t nan = 0;
+  std::uint64_t infinite = 0;
+
+  void add(double value, std::uint64_t times) {
+    if (std::isnan(value)) {
+      nan += times;
+    } else if (std::isinf(value)) {
+      infinite += times;
+    } else {
+      min = std::min(min, value);
+      max = std::max(max, value);
+      finite += times;
+    }
+  }
+};
+
+Range join_ranges(const Range& a, const Range& b) {
+  return {std::min(a.min, b.min), std::max(a.max, b.max), a.finite + b.finite, a.nan + b.nan, a.infinite + b.infinite};
+}
+
+// float for everything a float holds exactly, double for the rest.
+template <class T>
+using Work = std::conditional_t<std::is_same_v<T, double> || (std::is_integral_v<T> && sizeof(T) == 4), double, float>;
+
+template <class T>
+void add_range_unscaled(Range& range, std::span<const T> values) {
+  using W = Work<T>;
+  constexpr W kInfinity = std::numeric_limits<W>::infinity();
+  std::array<W, kLanes> low;
+  std::array<W, kLanes> high;
+  std::array<std::uint32_t, kLanes> finite{};
+  std::array<std::uint32_t, kLanes> nan{};
+  low.fill(kInfinity);
+  high.fill(-kInfinity);
+  const std::size_t whole = values.size() / kLanes * kLanes;
+  for (std::size_t i = 0; i < whole; i += kLanes) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      const W value = static_cast<W>(values[i + lane]);
+      // Comparisons with NaN are false, so NaN never enters; an infinity enters only the side that ignores it.
+      const bool is_finite = std::abs(value) < kInfinity;
+      const W for_low = is_finite ? value : kInfinity;
+      const W for_high = is_finite ? value : -kInfinity;
+      low[lane] = for_low < low[lane] ? for_low : low[lane];
+      high[lane] = for_high > high[lane] ? for_high : high[lane];
+      finite[lane] += is_finite ? 1U : 0U;
+      nan[lane] += value != value ? 1U : 0U;
+    }
+  }
+  std::uint64_t others = whole;
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    range.min = std::min(range.min, static_cast<double>(low[lane]));
+    range.max = std::max(range.max, static_cast<double>(high[lane]));
+    range.finite += finite[lane];
+    range.nan += nan[lane];
+    others -= std::uint64_t{finite[lane]} + nan[lane];
+  }
+  range.infinite += others;
+  for (const T value : values.subspan(whole)) range.add(static_cast<double>(value), 1);
+}
+
+template <class T>
+Range measure_range(const ScalarField& field, Progress* progress) {
+  const ValueScale scale = field.scale;
+  Range range = reduce_samples<T>(
+      field.samples, Range{},
+      [&](Range& partial, std::span<const T> values) {
+        if (scale.is_identity()) {
+          add_range_unscaled(partial, values);
+        } else {
+          for (const T value : values) partial.add(scale(static_cast<double>(value)), 1);
+        }
+      },
+      join_ranges, progress);
+  for_each_tile(field.samples, [&](double value, std::uint64_t voxels) { range.add(scale(value), voxels); });
+  return range;
+}
+
+// Second pass: where in the range the values lie. Positions are in [0, 1], so nothing overflows however wide the
+// range is, and the mean is taken of them.
+struct Histogram {
+  std::array<std::uint64_t, kBins> bins{};
+  double position_sum = 0;
+};
+
+class RangeMap {
+ public:
+  RangeMap(double min, double max)
+      : half_(std::isinf(max - min) ? 0.5 : 1), min_(min * half_), width_(max * half_ - min_) {}
+
+  // In [0, 1] for finite values of the range.
+  [[nodiscard]] double operator()(double value) const { return width_ > 0 ? (value * half_ - min_) / width_ : 0; }
+
+ private:
+  double half_;  // scales a range whose width exceeds the largest double
+  double min_;
+  double width_;
+};
+
+std::size_t bin_of(double position) {
+  return std::min(kBins - 1, static_cast<std::size_t>(position * static_cast<double>(kBins)));
+}
+
+void join_histograms(Histogram& into, const Histogram& from) {
+  for (std::size_t i = 0; i < kBins; ++i) into.bins[i] += from.bins[i];
+  into.position_sum += from.position_sum;
+}
+
+template <class T>
+Histogram measure_histogram(const ScalarField& field, const Range& range, Progress* progress) {
+  const ValueScale scale = field.scale;
+  const RangeMap position_of(range.min, range.max);
+  Histogram histogram = reduce_samples<T>(
+      field.samples, Histogram{},
+      [&](Histogram& partial, std::span<const T> values) {
+        double sum = 0;
+        for (const T stored : values) {
+          const double value = scale(static_cast<double>(stored));
+          if (!std::isfinite(value)) continue;
+          const double position = position_of(value);
+          ++partial.bins[bin_of(position)];
+          sum += position;
+        }
+        partial.position_sum += sum;
+      },
+      [](Histogram a, const Histogram& b) {
+        join_histograms(a, b);
+        return a;
+      },
+      progress);
+  for_each_tile(field.samples, [&](double stored, std::uint64_t voxels) {
+    const double value = scale(stored);
+    if (!std::isfinite(value)) return;
+    const double position = position_of(value);
+    histogram.bins[bin_of(position)] += voxels;
+    histogram.position_sum += position * static_cast<double>(voxels);
+  });
+  return histogram;
+}
+
+double interpolate(double min, double max, double position) { return min * (1 - position) + max * position; }
+
+// Between which two bins Otsu's criterion, the variance between the classes, is largest: in (0, 1) of the range.
+// Where an empty gap makes several thresholds equally good, the middle of them.
+double otsu_position(const std::vector<std::uint64_t>& histogram) {
+  double total = 0;
+  double total_moment = 0;
+  for (std::size_t i = 0; i < histogram.size(); ++i) {
+    total += static_cast<double>(histogram[i]);
+    total_moment += static_cast<double>(histogram[i]) * static_cast<double>(i);
+  }
+  double below = 0;
+  double below_moment = 0;
+  double best = -1;
+  std::size_t first = 1;
+  std::size_t last = 1;
+  for (std::size_t cut = 1; cut < histogram.size(); ++cut) {  // classes: bins < cut, bins >= cut
+    below += static_cast<double>(histogram[cut - 1]);
+    below_moment += static_cast<double>(histogram[cut - 1]) * static_cast<double>(cut - 1);
+    if (below == 0 || below == total) continue;
+    const double difference = below_moment / below - (total_moment - below_moment) / (total - below);
+    const double variance = below * (total - below) * difference * difference;
+    if (variance > best) {
+      best = variance;
+      first = cut;
+    }
+    if (variance == best) last = cut;
+  }
+  return 0.5 * static_cast<double>(first + last) / static_cast<double>(histogram.size());
+}
+
+// `value` with no more digits than the width of a histogram bin justifies.
+double rounded_to_bin(double value, double bin_width) {
+  if (!std::isfinite(bin_width) || bin_width < std::numeric_limits<double>::min()) return value;
+  const double exponent = std::floor(std::log10(bin_width));
+  // A power of ten below one is not a double; its reciprocal is.
+  const double rounded = exponent < 0 ? std::round(value * std::pow(10.0, -exponent)) / std::pow(10.0, -exponent)
+                                      : std::round(value / std::pow(10.0, exponent)) * std::pow(10.0, exponent);
+  return std::isfinite(rounded) ? rounded : value;
+}
+
+template <class T>
+std::uint64_t count_crossings(std::span<const T> row, const ScalarField& field, double iso) {
+  const bool below_is_inside = field.kind == FieldKind::level_set;
+  const auto is_inside = [&](T stored) {
+    const double value = field.scale(static_cast<double>(stored));
+    return below_is_inside ? value < iso : value > iso;
+  };
+  std::uint64_t crossings = 0;
+  bool previous = is_inside(row.front());
+  for (const T stored : row.subspan(1)) {
+    const bool inside = is_inside(stored);
+    crossings += inside != previous ? 1 : 0;
+    previous = inside;
+  }
+  return crossings;
+}
+
+}  // namespace
+
+double FieldStatistics::percentile(double fraction) const {
+  if (samples == 0 || min == max) return min;
+  const double wanted = std::clamp(fraction, 0.0, 1.0) * static_cast<double>(samples);
+  if (wanted >= static_cast<double>(samples)) return max;
+  double below = 0;
+  for (std::size_t i = 0; i < histogram.size(); ++i) {
+    const auto here = static_cast<double>(histogram[i]);
+    if (below + here > wanted) {
+      const double within = (wanted - below) / here;
+      return interpolate(min, max, (static_cast<double>(i) + within) / static_cast<double>(histogram.size()));
+    }
+    below += here;
+  }
+  return max;
+}
+
+FieldStatistics measure_statistics(const ScalarField& field, Progress* progress) {
+  return visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) {
+    FieldStatistics statistics;
+    const Range range = measure_range<T>(field, progress);
+    statistics.samples = range.finite;
+    statistics.nan = range.nan;
+    statistics.infinite = range.infinite;
+    if (range.finite == 0) return statistics;
+    const Histogram histogram = measure_histogram<T>(field, range, progress);
+    statistics.min = range.min;
+    statistics.max = range.max;
+    statistics.mean = interpolate(range.min, range.max, histogram.position_sum / static_cast<double>(range.finite));
+    statistics.histogram.assign(histogram.bins.begin(), histogram.bins.end());
+    return statistics;
+  });
+}
+
+IsoSuggestion suggest_iso(const ScalarField& field, const FieldStatistics& statistics) {
+  if (field.kind == FieldKind::level_set) return {0, "the zero of the level set"};
+  for (const DemoDescription& demo : demo_fields()) {
+    if (field.source.starts_with(kDemoPrefix) && field.name == demo.name) return {demo.iso, "the demo field's own"};
+  }
+  if (statistics.samples == 0) return {0, "no finite sample to go by"};
+  if (statistics.min == statistics.max) return {statistics.min, "the only value of a constant field"};
+  const double iso = interpolate(statistics.min, statistics.max, otsu_position(statistics.histogram));
+  const double bin_width = (statistics.max / kBins - statistics.min / kBins);
+  return {rounded_to_bin(iso, bin_width), "Otsu's threshold (1979) of the histogram"};
+}
+
+std::uint64_t estimate_vertices(const ScalarField& field, double iso) {
+  return visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) -> std::uint64_t {
+    if (const auto* dense = std::get_if<DenseSamples>(&field.samples)) {
+      const auto row_length = static_cast<std::size_t>(dense->dims.x);
+      const std::span<const T> all(static_cast<const T*>(dense->data), dense->count());
+      return 3 * tbb::parallel_deterministic_reduce(
+                     tbb::blocked_range<std::size_t>(0, all.size() / row_length, 64), std::uint64_t{0},
+                     [&](const tbb::blocked_range<std::size_t>& rows, std::uint64_t crossings) {
+                       for (std::size_t row = rows.begin(); row != rows.end(); ++row) {
+                         crossings += count_crossings(all.subspan(row * row_length, row_length), field, iso);
+                       }
+                       return crossings;
+                     },
+                     std::plus<>{});
+    }
+    constexpr std::size_t kRow = SparseBlock::kSize;
+    const std::uint64_t crossings = reduce_samples<T>(
+        field.samples, std::uint64_t{0},
+        [&](std::uint64_t& partial, std::span<const T> block) {
+          for (std::size_t i = 0; i < block.size(); i += kRow)
+            partial += count_crossings(block.subspan(i, kRow), field, iso);
+        },
+        std::plus<>{}, nullptr);
+    return 3 * crossings * kRow / (kRow - 1);  // one edge in eight leaves its block
+  });
+}
+
+}  // namespace isoextract

@@ -32,7 +32,12 @@ struct IsoSuggestion {
   std::string method;  // "the zero of the level set", "Otsu's threshold (1979) of the histogram"
 };
 
-// A value that separates the field in two; for level sets 0. `statistics` must be of `field`.
+// A value that separates the field in two; for level sets 0, for demo fields their own. `statistics` must be of
+// `field`.
 [[nodiscard]] IsoSuggestion suggest_iso(const ScalarField& field, const FieldStatistics& statistics);
+
+// About how many vertices the surface at `iso` has: three times its crossings along one axis of the grid, as if it
+// faced every axis alike.
+[[nodiscard]] std::uint64_t estimate_vertices(const ScalarField& field, double iso);
 
 }  // namespace isoextract

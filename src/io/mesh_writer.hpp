@@ -19,11 +19,11 @@ enum class MeshFormat { glb, gltf, ply, obj, stl };
 // One row a format: detection, help and README read it.
 struct MeshFormatInfo {
   MeshFormat format;
-  std::string_view name;       // as in --format, and the extension without its dot
-  std::string_view title;      // "glTF 2.0, one binary file"
-  bool holds_several_meshes;   // several iso values fit into one file
-  bool can_stream;             // may be written to standard output
-  bool has_ascii;              // --ascii applies
+  std::string_view name;      // as in --format, and the extension without its dot
+  std::string_view title;     // "glTF 2.0, one binary file"
+  bool holds_several_meshes;  // several iso values fit into one file
+  bool can_stream;            // may be written to standard output
+  bool has_ascii;             // --ascii applies
 };
 [[nodiscard]] std::span<const MeshFormatInfo> mesh_formats();
 [[nodiscard]] const MeshFormatInfo& mesh_format_info(MeshFormat format);

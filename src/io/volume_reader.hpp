@@ -38,12 +38,12 @@ struct RawLayout {
 };
 
 struct ReadOptions {
-  std::optional<VolumeFormat> format;     // default: by content, then by extension
-  std::optional<std::string> grid;        // VDB: NAME or NAME[k], k counts grids of that name from 0
-  std::optional<RawLayout> raw;           // raw files need it; for others it is an error
-  std::optional<glm::dvec3> spacing;      // replaces what the file says; raw and NPY have 1
-  std::optional<glm::dvec3> origin;       // world position of index (0, 0, 0); likewise
-  std::optional<FieldKind> kind;          // replaces what the file says
+  std::optional<VolumeFormat> format;  // default: by content, then by extension
+  std::optional<std::string> grid;     // VDB: NAME or NAME[k], k counts grids of that name from 0
+  std::optional<RawLayout> raw;        // raw files need it; for others it is an error
+  std::optional<glm::dvec3> spacing;   // replaces what the file says; raw and NPY have 1
+  std::optional<glm::dvec3> origin;    // world position of index (0, 0, 0); likewise
+  std::optional<FieldKind> kind;       // replaces what the file says
   Limits limits = default_limits();
   Progress* progress = nullptr;
 };

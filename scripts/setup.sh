@@ -1,0 +1,80 @@
+#!/usr/bin/env bash
+# Installs the Debian packages that are missing; does nothing, quickly, where all are there.
+#
+#   scripts/setup.sh            what building the program needs
+#   scripts/setup.sh test       the tests' packages as well
+#   scripts/setup.sh test fuzz  and those of the fuzz targets
+set -euo pipefail
+
+# libboost-dev is for OpenVDB's headers, which include Boost's; its package does not say so.
+build_packages=(
+  g++ cmake ninja-build pkg-config
+  libopenvdb-dev libboost-dev libtbb-dev libimath-dev
+  libteem-dev libnifti2-dev zlib1g-dev
+  libtinygltf-dev nlohmann-json3-dev
+  libglm-dev libcli11-dev libfmt-dev libspdlog-dev libexpected-dev
+)
+test_packages=(libgtest-dev clang-format clang-tidy python3 mandoc bash-completion)
+fuzz_packages=(clang libclang-rt-14-dev)
+
+say() { printf 'setup: %s\n' "$*" >&2; }
+
+wanted=("${build_packages[@]}")
+for group in "$@"; do
+  case $group in
+    build) ;;
+    test)
+      wanted+=("${test_packages[@]}")
+      # Another vendor's nodejs brings its own npm and conflicts with Debian's: whatever is on the PATH serves.
+      command -v node >/dev/null || wanted+=(nodejs)
+      command -v npm >/dev/null || wanted+=(npm)
+      ;;
+    fuzz) wanted+=("${fuzz_packages[@]}") ;;
+    *)
+      say "unknown group '$group': expected build, test or fuzz"
+      exit 1
+      ;;
+  esac
+done
+
+if ! command -v dpkg-query >/dev/null; then
+  say "no dpkg here, so nothing is checked or installed; on Debian 12 these packages are used: ${wanted[*]}"
+  exit 0
+fi
+
+# dpkg-query fails, and still lists the others, where it has never heard of one.
+installed=$(dpkg-query -W -f '${db:Status-Status} ${binary:Package}\n' "${wanted[@]}" 2>/dev/null |
+  sed -n 's/^installed \([^:]*\).*/\1/p' || true)
+missing=()
+for package in "${wanted[@]}"; do
+  grep -qxF -e "$package" <<<"$installed" || missing+=("$package")
+done
+[ ${#missing[@]} -gt 0 ] || exit 0
+
+as_root=()
+if [ "$(id -u)" -ne 0 ]; then
+  if ! command -v sudo >/dev/null; then
+    say "these packages are missing, and without root or sudo they cannot be installed; run as root:"
+    say "  apt-get install --no-install-recommends ${missing[*]}"
+    exit 1
+  fi
+  as_root=(sudo)
+fi
+
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+apt() {
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout=300 "$@" </dev/null >"$log" 2>&1
+}
+
+say "installing ${#missing[@]} Debian packages: ${missing[*]}"
+if ! apt update; then
+  say "apt-get update failed; once more"
+  sleep 5
+  apt update || say "apt-get update failed again; going on with the package lists that are here"
+fi
+if ! apt install -y --no-install-recommends "${missing[@]}"; then
+  tail -n 30 "$log" >&2
+  say "apt-get install failed; its last lines are above"
+  exit 1
+fi

@@ -1,0 +1,133 @@
+#include "cli/command_line.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace isoextract {
+namespace {
+
+std::vector<std::string> command_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : commands_of(app)) names.push_back(command->get_name());
+  return names;
+}
+
+bool contains(const std::vector<std::string>& names, std::string_view name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+std::string help_hint(const CLI::App& command) {
+  return fmt::format("'isoextract {} --help' lists the options", command.get_name());
+}
+
+// "--name=..." where the option takes no value, and "--name=" where it takes one: CLI11 would take the former as a
+// truth value, and the next word as the value of the latter.
+Result<void> check_equals_signs(const CLI::App& command, const std::vector<std::string>& arguments) {
+  for (const std::string& argument : arguments) {
+    if (argument == "--") break;
+    const std::size_t equals = argument.find('=');
+    if (!argument.starts_with("--") || equals == std::string::npos) continue;
+    const std::string name = argument.substr(0, equals);
+    const CLI::Option* option = command.get_option_no_throw(name);
+    if (option == nullptr) continue;
+    if (!takes_value(*option)) return fail(ErrorKind::usage, fmt::format("{} takes no value", name));
+    if (equals + 1 == argument.size()) {
+      return fail(ErrorKind::usage, fmt::format("{} needs a value: {}", name, spelling(*option)));
+    }
+  }
+  return {};
+}
+
+// CLI11 hands over one INPUT and leaves the others, as it splits the words of lists: "[a,b]" would be two files.
+// Returns whether the command takes `word`.
+bool take_input(CommandLine& line, const CLI::App* command, const std::string& word) {
+  if (command == line.convert) line.convert_flags.input.inputs.push_back(word);
+  if (command == line.info) line.info_flags.input.inputs.push_back(word);
+  return command == line.convert || command == line.info;
+}
+
+// What CLI11 left over: further inputs, and words that nobody knows.
+Result<void> take_remaining(CommandLine& line, const CLI::App& command) {
+  for (const std::string& word : command.remaining()) {
+    if (word == "--") continue;  // CLI11 keeps it although it has done its work
+    if (!word.starts_with('-')) {
+      if (take_input(line, &command, word)) continue;
+      return fail(ErrorKind::usage, fmt::format("unexpected argument '{}'", word), help_hint(command));
+    }
+    const std::string name = word.substr(0, word.find('='));
+    std::vector<std::string> known;
+    for (const CLI::App* declaring : {&command, static_cast<const CLI::App*>(&line.app)}) {
+      for (const CLI::Option* option : declaring->get_options()) {
+        for (const std::string& long_name : option->get_lnames()) known.push_back("--" + long_name);
+      }
+    }
+    const std::string near = name.starts_with("--") ? nearest_name(name, known) : "";
+    return fail(ErrorKind::usage, fmt::format("unknown option '{}' for '{}'", name, command.get_name()),
+                near.empty() ? help_hint(command) : fmt::format("did you mean '{}'?", near));
+  }
+  return {};
+}
+
+// Why CLI11 stopped, in terms of the declarations: its own texts name types that say nothing to a user.
+tl::unexpected<Error> explain(const CLI::ParseError& error, const CLI::App& command, const std::string& last_argument) {
+  for (const CLI::Option* option : command.get_options()) {
+    const bool repeatable = option->get_items_expected_max() > 1;
+    if (option->count() > 1 && takes_value(*option) && !repeatable) {
+      return fail(ErrorKind::usage,
+                  fmt::format("{} was given {} times; it takes one value",
+                              option->get_positional() ? spelling(*option) : option->get_name(), option->count()));
+    }
+  }
+  const CLI::Option* last = last_argument.starts_with('-') ? command.get_option_no_throw(last_argument) : nullptr;
+  if (last != nullptr && takes_value(*last)) {
+    return fail(ErrorKind::usage, fmt::format("{} needs a value: {}", last_argument, spelling(*last)));
+  }
+  return fail(ErrorKind::usage, error.what(), help_hint(command));
+}
+
+Request request_of(const CommandLine& line, const CLI::App* command) {
+  if (command == line.info) return Request::info;
+  if (command == line.help) return Request::help;
+  if (command == line.generate) return Request::generate;
+  return Request::convert;
+}
+
+}  // namespace
+
+Result<Parsed> parse_command_line(CommandLine& line, std::vector<std::string> arguments) {
+  const std::vector<std::string> names = command_names(line.app);
+  const std::string first = arguments.front();
+  const bool asks_program = first == "-h" || first == "--help" || first == "--version";
+  if (!asks_program && !contains(names, first)) arguments.insert(arguments.begin(), "convert");
+  const CLI::App* command = asks_program ? &line.app : line.app.get_subcommand(arguments.front());
+
+  if (auto checked = check_equals_signs(*command, arguments); !checked) return tl::unexpected(checked.error());
+  try {
+    std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());  // as CLI11 wants them
+    line.app.parse(reversed);
+  } catch (const CLI::CallForVersion&) {
+    return Parsed{Request::version_flag, command};
+  } catch (const CLI::ParseError& error) {
+    if (command->get_help_ptr()->count() > 0) return Parsed{Request::help_flag, command};
+    if (auto checked = take_remaining(line, *command); !checked) return tl::unexpected(checked.error());
+    if (const auto* bad_value = dynamic_cast<const BadValue*>(&error)) return tl::unexpected(bad_value->error);
+    return explain(error, *command, arguments.back());
+  }
+  if (auto checked = take_remaining(line, *command); !checked) return tl::unexpected(checked.error());
+
+  // A misspelt command looks like a second input.
+  const std::vector<std::string>& inputs = line.convert_flags.input.inputs;
+  if (command == line.convert && inputs.size() > 1 && !std::filesystem::exists(inputs.front())) {
+    const std::string near = nearest_name(inputs.front(), names);
+    if (!near.empty()) {
+      return fail(ErrorKind::usage, fmt::format("'{}' is neither a command nor a file", inputs.front()),
+                  fmt::format("did you mean 'isoextract {}'?", near));
+    }
+  }
+  return Parsed{request_of(line, command), command};
+}
+
+}  // namespace isoextract

@@ -1,0 +1,23 @@
+// From the words of the command line to a filled CommandLine, or to a message that says which word is wrong.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/error.hpp"
+#include "cli/options.hpp"
+
+namespace isoextract {
+
+enum class Request { convert, info, help, generate, help_flag, version_flag };
+
+struct Parsed {
+  Request request = Request::convert;
+  const CLI::App* command = nullptr;  // whose help is asked for by help_flag; the program itself has one too
+};
+
+// `arguments` are without the program's name and not empty. Where the first is no command and no request for help or
+// version, "convert" stands before it.
+[[nodiscard]] Result<Parsed> parse_command_line(CommandLine& line, std::vector<std::string> arguments);
+
+}  // namespace isoextract

@@ -1,0 +1,207 @@
+#include "cli/help_topics.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+
+#include <fmt/format.h>
+
+#include "base/version.hpp"
+#include "cli/options.hpp"
+#include "field/demo_field.hpp"
+
+namespace isoextract {
+namespace {
+
+constexpr std::array<std::string_view, 5> kGroups{"Input", "Surface", "Placement", "Output", "Run"};
+constexpr std::array<std::string_view, 4> kCommands{"convert", "info", "help", "generate"};
+
+constexpr std::array kExamples{
+    Example{"isoextract smoke.vdb --iso 0.5 -o smoke.glb", "A fog volume as a glTF file for Blender or a browser."},
+    Example{"isoextract info head.nii.gz", "What a scan holds, and an iso value to start with."},
+    Example{"isoextract head.nii.gz --iso 60 --cap -o head.stl", "A scan as a closed mesh, where the scanner says."},
+    Example{"isoextract fluid.vdb --grid density --iso 0.2 --iso 0.6 -o fluid.glb", "Two surfaces of one grid."},
+    Example{"isoextract head.raw --dims 48,62,42 --spacing 4 --iso 60 -o head.ply", "A file without a header."},
+    Example{"isoextract demo:gyroid?size=128 --iso 0 --format ply -o - > gyroid.ply", "No file at all, and a pipe."},
+};
+
+HelpTopic formats_topic() {
+  HelpTopic topic{"formats", "Formats", "What can be read and written.", {}};
+  HelpBlock read{
+      "Volumes that can be read. The format is found by the content of the file, then by its extension; "
+      "--input-format overrides both.",
+      {}};
+  for (const VolumeFormatInfo& info : volume_formats()) {
+    const std::string extensions = info.extensions.empty() ? "" : fmt::format(" ({})", info.extensions);
+    read.rows.push_back({std::string(info.name), fmt::format("{}{}", info.title, extensions)});
+  }
+  HelpBlock written{"Meshes that can be written. The format is chosen by the extension of the output, or by --format.",
+                    {}};
+  for (const MeshFormatInfo& info : mesh_formats()) {
+    std::string text(info.title);
+    text += info.holds_several_meshes ? "; several surfaces a file" : "; one surface a file";
+    if (!info.can_stream) text += "; not to stdout";
+    written.rows.push_back({std::string(info.name), text});
+  }
+  topic.blocks = {std::move(read), std::move(written)};
+  return topic;
+}
+
+HelpTopic demo_topic() {
+  HelpTopic topic{"demo", "Demo fields", "Inputs that need no file.", {}};
+  HelpBlock block{
+      "demo:NAME is an input like any other, computed from a formula on the cube from -1 to 1. "
+      "demo:NAME?size=N has N samples along each axis (2 to 2048, default 64). Inside is above the iso "
+      "value.",
+      {}};
+  for (const DemoDescription& demo : demo_fields()) {
+    block.rows.push_back({fmt::format("demo:{}", demo.name), fmt::format("{} (iso {})", demo.formula, demo.iso)});
+  }
+  topic.blocks = {std::move(block)};
+  return topic;
+}
+
+HelpTopic coordinates_topic() {
+  return {"coordinates",
+          "Coordinates",
+          "Where the mesh is, and what --up, --scale and --unit do.",
+          {{"By default the mesh stands where the input says: each sample has its place in the input's world, by the "
+            "transform, spacing, axes and origin of the file, and the mesh uses that world. --spacing and --origin "
+            "replace what the file says.",
+            {}},
+           {"Only for glb and gltf, whose standard prescribes that y points up, the world is turned: with --up z, "
+            "the default, (x, y, z) becomes (x, z, -y). With --up y the input's axes are kept. ply, obj and stl "
+            "prescribe nothing, and always keep the input's axes.",
+            {}},
+           {"--scale multiplies the coordinates. --unit names the unit of the input's world and converts it to "
+            "metres; without it coordinates are written as they are, whatever their unit.",
+            {}},
+           {"--space index ignores all of this and gives voxel coordinates: the first sample is at (0, 0, 0), its "
+            "neighbours at distance 1.",
+            {}},
+           {"--roi is a box in the input's world, before --up, --scale and --unit, or in voxel coordinates with "
+            "--space index. The surface is extracted from the samples inside it. Where the samples' axes are oblique "
+            "to the world's, the smallest box of samples that covers it is taken.",
+            {}}}};
+}
+
+HelpTopic exit_codes_topic() {
+  return {"exit-codes",
+          "Exit codes",
+          "What the exit code says.",
+          {{"Data goes to stdout, everything else to stderr. No partial file is ever left behind.",
+            {{"0", "done"},
+             {"1", "usage: the options or their combination make no sense"},
+             {"2", "the input cannot be read, or does not hold what was asked for"},
+             {"3", "a feature that was asked for is not available"},
+             {"4", "the result cannot be written"}}}}};
+}
+
+std::string lower(std::string_view text) {
+  std::string out(text);
+  std::transform(out.begin(), out.end(), out.begin(), [](unsigned char c) { return std::tolower(c); });
+  return out;
+}
+
+const CLI::App& command_named(const CLI::App& app, std::string_view name) {
+  return *app.get_subcommand(std::string(name));
+}
+
+std::string examples_text() {
+  std::string out = "Examples:\n";
+  for (const Example& example : examples()) out += fmt::format("  {}\n      {}\n", example.command, example.text);
+  return out;
+}
+
+std::string help_of_group(const CLI::App& app, std::string_view group) {
+  std::string out =
+      fmt::format("{} options of convert:\n{}", group, plain_text(group_block(command_named(app, "convert"), group)));
+  if (group == "Placement") {
+    for (const HelpBlock& block : coordinates_topic().blocks) out += "\n" + plain_text(block);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<HelpTopic> help_topics() {
+  return {formats_topic(), demo_topic(), coordinates_topic(), exit_codes_topic()};
+}
+
+std::span<const Example> examples() { return kExamples; }
+
+std::span<const std::string_view> option_groups() { return kGroups; }
+
+HelpBlock group_block(const CLI::App& command, std::string_view group) {
+  HelpBlock block;
+  for (const CLI::Option* option : options_in_group(command, std::string(group))) {
+    block.rows.push_back({spelling(*option), option->get_description()});
+  }
+  return block;
+}
+
+std::vector<std::string> help_names() {
+  std::vector<std::string> names(kCommands.begin(), kCommands.end());
+  for (const std::string_view group : kGroups) names.push_back(lower(group));
+  for (const HelpTopic& topic : help_topics()) names.emplace_back(topic.name);
+  return names;
+}
+
+std::string help_overview(const CLI::App& app) {
+  std::string out = fmt::format("{}: {}\n\n", kGenerator, app.get_description());
+  HelpBlock commands;
+  const char* before = "Usage: ";
+  for (const CLI::App* command : commands_of(app)) {
+    out += before + synopsis(*command) + "\n";
+    before = "       ";
+    commands.rows.push_back({command->get_name(), command->get_description()});
+  }
+  out += "\nCommands ('isoextract COMMAND --help' lists their options):\n" + plain_text(commands);
+  HelpBlock topics;
+  for (const std::string_view group : kGroups) {
+    topics.rows.push_back({lower(group), fmt::format("The {} options of convert.", lower(group))});
+  }
+  for (const HelpTopic& topic : help_topics()) {
+    topics.rows.push_back({std::string(topic.name), std::string(topic.summary)});
+  }
+  out += "\nTopics ('isoextract help TOPIC'):\n" + plain_text(topics);
+  out += "\nOptions:\n" + plain_text(group_block(app, "Run"));
+  return out + "\n" + examples_text();
+}
+
+std::string help_of_command(const CLI::App& command) {
+  std::string out = fmt::format("{}\n\nUsage: {}\n", command.get_description(), synopsis(command));
+  for (const std::string_view group : kGroups) {
+    const HelpBlock block = group_block(command, group);
+    if (!block.rows.empty()) out += fmt::format("\n{}:\n{}", group, plain_text(block));
+  }
+  if (command.get_name() == "convert") out += "\n" + examples_text();
+  return out;
+}
+
+std::string help_of(const CLI::App& app, std::string_view name) {
+  if (std::find(kCommands.begin(), kCommands.end(), name) != kCommands.end()) {
+    return help_of_command(command_named(app, name));
+  }
+  for (const std::string_view group : kGroups) {
+    if (lower(group) == name) return help_of_group(app, group);
+  }
+  std::string out;
+  for (const HelpTopic& topic : help_topics()) {
+    if (topic.name != name) continue;
+    for (const HelpBlock& block : topic.blocks) out += (out.empty() ? "" : "\n") + plain_text(block);
+  }
+  return out;
+}
+
+std::string short_usage(const CLI::App& app) {
+  std::string out;
+  const char* before = "usage: ";
+  for (const CLI::App* command : commands_of(app)) {
+    out += before + synopsis(*command) + "\n";
+    before = "       ";
+  }
+  return out + "Try: isoextract demo:gyroid --iso 0 -o gyroid.glb   or: isoextract help\n";
+}
+
+}  // namespace isoextract

@@ -1,0 +1,101 @@
+#include "cli/info_command.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/stopwatch.hpp"
+#include "cli/field_label.hpp"
+#include "cli/info_report.hpp"
+#include "cli/progress_bar.hpp"
+
+namespace isoextract {
+namespace {
+
+std::uint64_t stored_samples(const Samples& samples) {
+  if (const auto* dense = std::get_if<DenseSamples>(&samples)) return dense->count();
+  return std::get<SparseSamples>(samples).blocks.size() * SparseBlock::kSize * SparseBlock::kSize * SparseBlock::kSize;
+}
+
+std::string example_command(const InfoPlan& plan, const std::string& input, double iso) {
+  std::string arguments;
+  for (const std::string& argument : plan.input_arguments) arguments += " " + argument;
+  return fmt::format("isoextract {}{} --iso {} -o {}", shell_quoted(input), arguments, iso,
+                     shell_quoted(input_stem(input) + ".glb"));
+}
+
+Result<FieldReport> measure(const InfoPlan& plan, const std::string& input, const Messages& messages) {
+  ProgressBar bar(messages.verbosity() != Verbosity::quiet);
+  ReadOptions options = plan.read;
+  options.progress = bar.progress();
+  auto field = read_volume(input, options);
+  if (!field) return tl::unexpected(std::move(field.error()));
+  FieldReport report;
+  report.field = std::move(*field);
+  report.statistics = measure_statistics(report.field, bar.progress());
+  report.suggestion = suggest_iso(report.field, report.statistics);
+  report.vertices = estimate_vertices(report.field, report.suggestion.iso);
+  const std::uint64_t samples = stored_samples(report.field.samples);
+  report.sample_bytes = samples * sample_size(report.field.type());
+  report.conversion_bytes = estimated_conversion_bytes(report.sample_bytes, samples, report.vertices);
+  report.command = example_command(plan, input, report.suggestion.iso);
+  return report;
+}
+
+InputReport look_at(const InfoPlan& plan, const std::string& input, const Messages& messages) {
+  InputReport report;
+  report.input = input;
+  auto grids = list_grids(input, plan.read);
+  if (!grids) {
+    report.error = std::move(grids.error());
+    return report;
+  }
+  report.grids = std::move(*grids);
+  const auto scalars =
+      std::count_if(report.grids.begin(), report.grids.end(), [](const GridInfo& grid) { return grid.scalar; });
+  if (scalars != 1 && !plan.read.grid && !report.grids.empty()) return report;
+  auto field = measure(plan, input, messages);
+  if (field) {
+    report.field = std::move(*field);
+  } else {
+    report.error = std::move(field.error());
+  }
+  return report;
+}
+
+}  // namespace
+
+std::optional<Error> run_info(const InfoPlan& plan, const Messages& messages) {
+  std::optional<Error> failure;
+  std::string text;
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const std::string& input : plan.inputs) {
+    const Stopwatch watch;
+    const InputReport report = look_at(plan, input, messages);
+    if (report.error) {
+      messages.error(*report.error);
+      if (!failure) failure = report.error;
+    }
+    if (report.field) {
+      for (const std::string& note : report.field->field.notes) messages.note(note);
+    }
+    messages.detail(fmt::format("{}: {:.2f} s, peak memory {}", input, watch.elapsed().wall_seconds,
+                                format_byte_size(peak_memory())));
+    if (plan.json) {
+      json.push_back(json_of(report));
+    } else if (!report.error) {
+      text += (text.empty() ? "" : "\n") + text_of(report);
+    }
+  }
+  // Names of files and grids may be in any encoding; JSON is UTF-8.
+  if (plan.json) text = json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  if (text.empty()) return failure;
+  if (auto printed = print_to_stdout(text); !printed) {
+    messages.error(printed.error());
+    if (!failure) failure = printed.error();
+  }
+  return failure;
+}
+
+}  // namespace isoextract

@@ -1,0 +1,243 @@
+#include "cli/info_report.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/limits.hpp"
+#include "cli/placement.hpp"
+
+namespace isoextract {
+namespace {
+
+constexpr std::array kPercentiles{1, 5, 25, 50, 75, 95, 99};
+constexpr std::size_t kHistogramRows = 16;
+constexpr std::size_t kBarWidth = 40;
+
+std::string_view kind_name(FieldKind kind) { return kind == FieldKind::level_set ? "level set" : "density"; }
+std::string_view inside_name(FieldKind kind) { return kind == FieldKind::level_set ? "below" : "above"; }
+
+std::string grid_name(const GridInfo& grid) {
+  return grid.name_repeats ? fmt::format("{}[{}]", grid.name, grid.index_of_name) : grid.name;
+}
+
+std::string dims_text(const IndexBox& box) {
+  if (box.empty()) return "no active voxels";
+  const glm::i64vec3 dims = box.dims();
+  return fmt::format("{} x {} x {}", dims.x, dims.y, dims.z);
+}
+
+std::string vector_text(const glm::dvec3& v) { return fmt::format("{:.6g}, {:.6g}, {:.6g}", v.x, v.y, v.z); }
+
+glm::dvec3 spacing_of(const Affine& map) {
+  return {glm::length(map.linear[0]), glm::length(map.linear[1]), glm::length(map.linear[2])};
+}
+
+// Samples that are whole numbers have percentiles that are whole numbers.
+double percentile_of(const FieldReport& report, int percent) {
+  const double value = report.statistics.percentile(percent / 100.0);
+  const bool whole =
+      visit_sample_type(report.field.type(), []<class T>(std::type_identity<T>) { return !is_floating_sample<T>; });
+  return whole && report.field.scale.is_identity() ? std::round(value) : value;
+}
+
+// Collects "  name        text" lines.
+class Lines {
+ public:
+  void add(std::string_view name, std::string_view text) { out_ += fmt::format("  {:<13} {}\n", name, text); }
+  void plain(std::string_view text) { out_ += fmt::format("{}\n", text); }
+  [[nodiscard]] std::string take() { return std::move(out_); }
+
+ private:
+  std::string out_;
+};
+
+void add_grids(Lines& lines, const InputReport& report) {
+  if (report.grids.size() == 1 && report.field) return;
+  lines.add("grids", fmt::format("{}", report.grids.size()));
+  std::size_t name_width = 4;
+  for (const GridInfo& grid : report.grids) name_width = std::max(name_width, grid_name(grid).size());
+  for (const GridInfo& grid : report.grids) {
+    lines.plain(fmt::format("    {:<{}}  {:<8}  {:<18}  {} active voxels{}{}", grid_name(grid), name_width, grid.type,
+                            dims_text(grid.box), grid.voxels,
+                            grid.kind ? fmt::format(", {}", kind_name(*grid.kind)) : "",
+                            grid.scalar ? "" : "; no surface can be extracted from this type"));
+  }
+}
+
+void add_shape(Lines& lines, const FieldReport& report) {
+  const ScalarField& field = report.field;
+  lines.add("format", field.format);
+  if (!field.name.empty()) lines.add("name", field.name);
+  lines.add("kind", fmt::format("{}: {} the iso value is inside", kind_name(field.kind), inside_name(field.kind)));
+  const IndexBox box = field.extents();
+  if (const auto* sparse = std::get_if<SparseSamples>(&field.samples)) {
+    lines.add("samples", fmt::format("{}, sparse: {} active voxels in {} blocks and {} tiles, background {:.6g}",
+                                     sample_type_name(sparse->type), sparse->active_voxels, sparse->blocks.size(),
+                                     sparse->tiles.size(), field.scale(sparse->background)));
+    lines.add("extents", box.empty() ? dims_text(box)
+                                     : fmt::format("{} from ({}, {}, {}) to ({}, {}, {})", dims_text(box), box.min.x,
+                                                   box.min.y, box.min.z, box.max.x, box.max.y, box.max.z));
+  } else {
+    lines.add("samples", fmt::format("{}, dense", sample_type_name(field.type())));
+    lines.add("extents", dims_text(box));
+  }
+  if (!field.scale.is_identity()) {
+    lines.add("scaling", fmt::format("value = {:.9g} * stored + {:.9g}", field.scale.slope, field.scale.intercept));
+  }
+  lines.add("spacing", vector_text(spacing_of(field.index_to_world)));
+  if (!is_axis_aligned(field.index_to_world)) {
+    const glm::dvec3 spacing = spacing_of(field.index_to_world);
+    for (int axis = 0; axis < 3; ++axis) {
+      lines.add(axis == 0 ? "axes" : "", fmt::format("{} along ({})", "ijk"[axis],
+                                                     vector_text(field.index_to_world.linear[axis] / spacing[axis])));
+    }
+  }
+  lines.add("origin", vector_text(field.index_to_world.offset));
+  if (!box.empty()) lines.add("world box", box_text(world_bounds(field)));
+  if (!field.world_space.empty()) lines.add("world space", field.world_space);
+}
+
+void add_histogram(Lines& lines, const FieldStatistics& statistics) {
+  if (statistics.histogram.empty() || statistics.min == statistics.max) return;
+  lines.add("histogram", "from each value to the next; bars show the square root of the share");
+  const std::size_t bins_a_row = statistics.histogram.size() / kHistogramRows;
+  std::array<std::uint64_t, kHistogramRows> rows{};
+  for (std::size_t i = 0; i < statistics.histogram.size(); ++i) rows[i / bins_a_row] += statistics.histogram[i];
+  const double largest = std::sqrt(static_cast<double>(*std::max_element(rows.begin(), rows.end())));
+  for (std::size_t row = 0; row < kHistogramRows; ++row) {
+    const double position = static_cast<double>(row) / kHistogramRows;
+    const double start = statistics.min * (1 - position) + statistics.max * position;
+    const double share = std::sqrt(static_cast<double>(rows[row])) / largest;
+    const auto length = static_cast<std::size_t>(std::ceil(share * kBarWidth));
+    lines.plain(fmt::format("    {:>12.5g} {:<{}} {:6.2f} %", start, std::string(length, '#'), kBarWidth,
+                            100.0 * static_cast<double>(rows[row]) / static_cast<double>(statistics.samples)));
+  }
+}
+
+void add_values(Lines& lines, const FieldReport& report) {
+  const FieldStatistics& statistics = report.statistics;
+  if (statistics.samples > 0) {
+    lines.add("values", fmt::format("{:.6g} .. {:.6g}, mean {:.6g}", statistics.min, statistics.max, statistics.mean));
+    std::array<std::string, 2> percentiles;  // two lines
+    for (std::size_t i = 0; i < kPercentiles.size(); ++i) {
+      percentiles[i / 4] += fmt::format("{}{} %: {:.4g}", i % 4 == 0 ? "" : "   ", kPercentiles[i],
+                                        percentile_of(report, kPercentiles[i]));
+    }
+    lines.add("percentiles", percentiles[0]);
+    lines.add("", percentiles[1]);
+  }
+  if (statistics.nan + statistics.infinite > 0 || statistics.samples == 0) {
+    lines.add("not finite", fmt::format("{} not a number, {} infinite", statistics.nan, statistics.infinite));
+  }
+  add_histogram(lines, statistics);
+}
+
+void add_advice(Lines& lines, const FieldReport& report) {
+  lines.add("memory", fmt::format("{} of samples", format_byte_size(report.sample_bytes)));
+  if (report.statistics.samples == 0) return;
+  lines.add("suggestion", fmt::format("--iso {}: {}", report.suggestion.iso, report.suggestion.method));
+  lines.add("", fmt::format("about {} triangles; converting takes about {} of memory",
+                            estimated_triangles(report.vertices), format_byte_size(report.conversion_bytes)));
+  lines.plain(fmt::format("\n  {}", report.command));
+}
+
+nlohmann::ordered_json json_of(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
+
+nlohmann::ordered_json json_of(const IndexBox& box) {
+  if (box.empty()) return nullptr;
+  return {{"min", {box.min.x, box.min.y, box.min.z}}, {"max", {box.max.x, box.max.y, box.max.z}}};
+}
+
+nlohmann::ordered_json json_of(const GridInfo& grid) {
+  nlohmann::ordered_json json{{"name", grid_name(grid)}, {"type", grid.type}, {"scalar", grid.scalar}};
+  json["kind"] = grid.kind ? nlohmann::ordered_json(kind_name(*grid.kind)) : nullptr;
+  json["box"] = json_of(grid.box);
+  json["voxels"] = grid.voxels;
+  return json;
+}
+
+nlohmann::ordered_json json_of_values(const FieldReport& report) {
+  const FieldStatistics& statistics = report.statistics;
+  nlohmann::ordered_json json{
+      {"finite", statistics.samples}, {"nan", statistics.nan}, {"infinite", statistics.infinite}};
+  if (statistics.samples == 0) return json;
+  json["min"] = statistics.min;
+  json["max"] = statistics.max;
+  json["mean"] = statistics.mean;
+  for (const int percent : kPercentiles) json["percentiles"][std::to_string(percent)] = percentile_of(report, percent);
+  json["histogram"] = statistics.histogram;
+  return json;
+}
+
+nlohmann::ordered_json json_of(const FieldReport& report) {
+  const ScalarField& field = report.field;
+  nlohmann::ordered_json json{{"format", field.format},
+                              {"name", field.name},
+                              {"kind", kind_name(field.kind)},
+                              {"inside", inside_name(field.kind)},
+                              {"type", sample_type_name(field.type())}};
+  const auto* sparse = std::get_if<SparseSamples>(&field.samples);
+  json["sparse"] = sparse != nullptr;
+  if (sparse != nullptr) {
+    json["active_voxels"] = sparse->active_voxels;
+    json["background"] = field.scale(sparse->background);
+  }
+  json["box"] = json_of(field.extents());
+  json["spacing"] = json_of(spacing_of(field.index_to_world));
+  for (int row = 0; row < 3; ++row) {
+    const glm::dmat3& m = field.index_to_world.linear;
+    json["index_to_world"].push_back({m[0][row], m[1][row], m[2][row], field.index_to_world.offset[row]});
+  }
+  const Box world = world_bounds(field);
+  json["world_box"] = field.extents().empty()
+                          ? nlohmann::ordered_json(nullptr)
+                          : nlohmann::ordered_json{{"min", json_of(world.min)}, {"max", json_of(world.max)}};
+  json["world_space"] = field.world_space;
+  json["values"] = json_of_values(report);
+  json["suggestion"] = {{"iso", report.suggestion.iso},
+                        {"method", report.suggestion.method},
+                        {"triangles", estimated_triangles(report.vertices)},
+                        {"command", report.command}};
+  json["memory"] = {{"samples", report.sample_bytes}, {"conversion", report.conversion_bytes}};
+  json["notes"] = field.notes;
+  return json;
+}
+
+}  // namespace
+
+std::uint64_t estimated_triangles(std::uint64_t vertices) { return 2 * vertices; }
+
+std::uint64_t estimated_conversion_bytes(std::uint64_t sample_bytes, std::uint64_t samples, std::uint64_t vertices) {
+  constexpr std::uint64_t kVertexBytes = 2 * sizeof(glm::vec3);  // position and normal
+  constexpr std::uint64_t kProgramBytes = std::uint64_t{40} << 20U;
+  return kProgramBytes + sample_bytes + samples / 4 + vertices * kVertexBytes +
+         estimated_triangles(vertices) * sizeof(glm::uvec3);
+}
+
+std::string text_of(const InputReport& report) {
+  Lines lines;
+  lines.plain(report.input);
+  add_grids(lines, report);
+  if (report.field) {
+    add_shape(lines, *report.field);
+    add_values(lines, *report.field);
+    add_advice(lines, *report.field);
+  } else if (std::any_of(report.grids.begin(), report.grids.end(), [](const GridInfo& grid) { return grid.scalar; })) {
+    lines.plain("  --grid NAME chooses one of them");
+  }
+  return lines.take();
+}
+
+nlohmann::ordered_json json_of(const InputReport& report) {
+  nlohmann::ordered_json json{{"input", report.input}};
+  json["grids"] = nlohmann::ordered_json::array();
+  for (const GridInfo& grid : report.grids) json["grids"].push_back(json_of(grid));
+  json["field"] = report.field ? json_of(*report.field) : nlohmann::ordered_json(nullptr);
+  if (report.error) json["error"] = {{"message", report.error->message}, {"hint", report.error->hint}};
+  return json;
+}
+
+}  // namespace isoextract

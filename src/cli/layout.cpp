@@ -1,0 +1,55 @@
+#include "cli/layout.hpp"
+
+#include <fmt/format.h>
+
+namespace isoextract {
+namespace {
+
+constexpr std::size_t kWidth = 80;
+constexpr std::size_t kTermColumn = 2;
+constexpr std::size_t kTextColumn = 25;
+
+}  // namespace
+
+std::vector<std::string> wrapped(std::string_view text, std::size_t width) {
+  std::vector<std::string> lines;
+  std::string line;
+  while (!text.empty()) {
+    const std::size_t start = text.find_first_not_of(' ');
+    if (start == std::string_view::npos) break;
+    text.remove_prefix(start);
+    const std::size_t end = std::min(text.find(' '), text.size());
+    const std::string_view word = text.substr(0, end);
+    text.remove_prefix(end);
+    if (!line.empty() && line.size() + 1 + word.size() > width) {
+      lines.push_back(std::move(line));
+      line.clear();
+    }
+    if (!line.empty()) line += ' ';
+    line += word;
+  }
+  if (!line.empty()) lines.push_back(std::move(line));
+  return lines;
+}
+
+std::string plain_text(const HelpBlock& block) {
+  std::string out;
+  for (const std::string& line : wrapped(block.paragraph, kWidth)) out += line + "\n";
+  if (!block.paragraph.empty() && !block.rows.empty()) out += "\n";
+  for (const HelpRow& row : block.rows) {
+    std::string line = std::string(kTermColumn, ' ') + row.term;
+    for (const std::string& text : wrapped(row.text, kWidth - kTextColumn)) {
+      if (line.size() + 1 >= kTextColumn && !line.empty()) {
+        out += line + "\n";
+        line.clear();
+      }
+      line.resize(kTextColumn, ' ');
+      out += line + text + "\n";
+      line.clear();
+    }
+    if (!line.empty()) out += line + "\n";
+  }
+  return out;
+}
+
+}  // namespace isoextract

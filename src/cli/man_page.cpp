@@ -1,0 +1,154 @@
+// The man page, in mdoc(7) macros.
+#include <cctype>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "base/version.hpp"
+#include "cli/generate_docs.hpp"
+#include "cli/help_topics.hpp"
+#include "cli/options.hpp"
+
+namespace isoextract {
+namespace {
+
+constexpr std::string_view kDate = "November 21, 2026";  // of the last change to the texts
+constexpr std::size_t kLineWidth = 72;                   // before escapes
+
+// Text that roff prints as it is.
+std::string escaped(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    if (c == '\\') {
+      out += "\\e";
+    } else if (c == '-') {
+      out += "\\-";
+    } else if (c == '\'') {
+      out += "\\(aq";
+    } else if (c == '^') {
+      out += "\\(ha";
+    } else if (c == '~') {
+      out += "\\(ti";
+    } else {
+      out += c;
+    }
+  }
+  return out;
+}
+
+// As a paragraph: a new line after each sentence, as roff wants it, and no line that looks like a macro.
+std::string paragraph(std::string_view text) {
+  std::string out;
+  while (!text.empty()) {
+    const std::size_t stop = text.find(". ");
+    const std::string_view sentence = text.substr(0, stop == std::string_view::npos ? text.size() : stop + 1);
+    text.remove_prefix(std::min(text.size(), sentence.size() + 1));
+    for (const std::string& line : wrapped(sentence, kLineWidth)) {
+      out += fmt::format("{}{}\n", line.front() == '.' || line.front() == '\'' ? "\\&" : "", escaped(line));
+    }
+  }
+  return out;
+}
+
+// ".It" takes macros; a word in quotes is none.
+std::string tagged_list(const std::vector<HelpRow>& rows) {
+  std::string out = ".Bl -tag -width Ds\n";
+  for (const HelpRow& row : rows) {
+    out += fmt::format(".It Sy \"{}\"\n{}", escaped(row.term), paragraph(row.text));
+  }
+  return out + ".El\n";
+}
+
+std::string block_text(const HelpBlock& block) {
+  std::string out = paragraph(block.paragraph);
+  if (!block.rows.empty()) out += tagged_list(block.rows);
+  return out;
+}
+
+std::string upper(std::string_view text) {
+  std::string out;
+  for (const char c : text) out += static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return out;
+}
+
+std::string synopsis_section(const CLI::App& app) {
+  std::string out = ".Sh SYNOPSIS\n";
+  for (const CLI::App* command : commands_of(app)) {
+    const std::string line = synopsis(*command);
+    out += fmt::format(".Nm\n{}\n", escaped(line.substr(line.find(' ') + 1)));
+  }
+  return out;
+}
+
+std::string commands_section(const CLI::App& app) {
+  std::vector<HelpRow> rows;
+  for (const CLI::App* command : commands_of(app)) rows.push_back({command->get_name(), command->get_description()});
+  return ".Sh COMMANDS\n" + tagged_list(rows);
+}
+
+std::string options_section(const CLI::App& command) {
+  std::string out = fmt::format(".Sh OPTIONS OF {}\n", upper(command.get_name()));
+  for (const std::string_view group : option_groups()) {
+    const HelpBlock block = group_block(command, group);
+    if (!block.rows.empty()) out += fmt::format(".Ss {}\n{}", group, tagged_list(block.rows));
+  }
+  return out;
+}
+
+std::string examples_section() {
+  std::string out = ".Sh EXAMPLES\n";
+  for (const Example& example : examples()) {
+    out += fmt::format("{}.Pp\n.Dl {}\n.Pp\n", paragraph(example.text), escaped(example.command));
+  }
+  return out.substr(0, out.size() - std::string_view(".Pp\n").size());
+}
+
+std::string exit_status_section(const HelpTopic& topic) {
+  return ".Sh EXIT STATUS\n" + block_text(topic.blocks.front());
+}
+
+}  // namespace
+
+std::string man_page(const CLI::App& app) {
+  std::string out =
+      "."
+      R"(\" Made by 'isoextract generate man'; do not edit.)"
+      "\n";
+  out += fmt::format(".Dd {}\n.Dt ISOEXTRACT 1\n.Os\n", kDate);
+  out += ".Sh NAME\n.Nm isoextract\n.Nd extract isosurfaces from volumes and write them as meshes\n";
+  out += synopsis_section(app);
+  out += ".Sh DESCRIPTION\n";
+  out += paragraph(
+      "isoextract reads a volume, a scalar field of samples on a grid, and writes the surface where the field has a "
+      "chosen value as a triangle mesh. Inside is where the value is above the iso value, or below it for level sets. "
+      "Meshes are closed wherever the surface does not leave the data, and the same input and options give the same "
+      "bytes whatever the number of threads.");
+  out += commands_section(app);
+  for (const CLI::App* command : commands_of(app)) out += options_section(*command);
+  out += ".Sh OPTIONS WITHOUT A COMMAND\n" + tagged_list(group_block(app, "Run").rows);
+  std::string exit_status;
+  for (const HelpTopic& topic : help_topics()) {
+    if (topic.name == "exit-codes") {
+      exit_status = exit_status_section(topic);
+      continue;
+    }
+    out += fmt::format(".Sh {}\n", upper(topic.title));
+    for (std::size_t i = 0; i < topic.blocks.size(); ++i) {
+      if (i > 0) out += ".Pp\n";
+      out += block_text(topic.blocks[i]);
+    }
+  }
+  return out + exit_status + examples_section();
+}
+
+std::string generate_document(const CLI::App& app, Document document) {
+  switch (document) {
+    case Document::man: return man_page(app);
+    case Document::bash: return bash_completion(app);
+    case Document::zsh: return zsh_completion(app);
+    case Document::fish: break;
+  }
+  return fish_completion(app);
+}
+
+}  // namespace isoextract

@@ -1,0 +1,46 @@
+#include "cli/messages.hpp"
+
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include "io/output_file.hpp"
+
+namespace isoextract {
+namespace {
+
+spdlog::level::level_enum level_of(Verbosity verbosity) {
+  switch (verbosity) {
+    case Verbosity::quiet: return spdlog::level::err;
+    case Verbosity::normal: return spdlog::level::info;
+    case Verbosity::verbose: break;
+  }
+  return spdlog::level::debug;
+}
+
+}  // namespace
+
+Messages::Messages(Verbosity verbosity)
+    : verbosity_(verbosity),
+      log_(std::make_shared<spdlog::logger>("isoextract", std::make_shared<spdlog::sinks::stderr_sink_mt>())) {
+  log_->set_pattern("%v");
+  log_->set_level(level_of(verbosity));
+}
+
+void Messages::error(const Error& error) const {
+  log_->error("isoextract: error: {}", error.message);
+  if (!error.hint.empty()) log_->error("  hint: {}", error.hint);
+}
+
+void Messages::note(std::string_view text) const { log_->warn("isoextract: note: {}", text); }
+void Messages::summary(std::string_view text) const { log_->info("{}", text); }
+void Messages::explanation(std::string_view text) const { log_->info("{}", text); }
+void Messages::detail(std::string_view text) const { log_->debug("{}", text); }
+
+Result<void> print_to_stdout(std::string_view text) {
+  auto out = OutputFile::create("-");
+  if (!out) return tl::unexpected(out.error());
+  if (auto written = out->write(text); !written) return written;
+  return out->commit();
+}
+
+}  // namespace isoextract

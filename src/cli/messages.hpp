@@ -1,0 +1,37 @@
+// What the program says of its work: on stderr, one line each. stdout carries data only.
+#pragma once
+
+#include <memory>
+#include <string_view>
+
+#include "base/error.hpp"
+
+namespace spdlog {
+class logger;
+}
+
+namespace isoextract {
+
+enum class Verbosity { quiet, normal, verbose };
+
+class Messages {
+ public:
+  explicit Messages(Verbosity verbosity);
+
+  void error(const Error& error) const;           // "isoextract: error: ..." and "  hint: ..."; never silent
+  void note(std::string_view text) const;         // "isoextract: note: ..."; not when quiet
+  void summary(std::string_view text) const;      // what was done; not when quiet
+  void explanation(std::string_view text) const;  // for --explain, which asks for it; not when quiet
+  void detail(std::string_view text) const;       // only when verbose
+
+  [[nodiscard]] Verbosity verbosity() const { return verbosity_; }
+
+ private:
+  Verbosity verbosity_;
+  std::shared_ptr<spdlog::logger> log_;
+};
+
+// Writes `text` to stdout as a whole. Fails with ErrorKind::output, for example on a closed pipe or a full disk.
+[[nodiscard]] Result<void> print_to_stdout(std::string_view text);
+
+}  // namespace isoextract

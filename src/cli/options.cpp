@@ -1,0 +1,298 @@
+#include "cli/options.hpp"
+
+#include <algorithm>
+#include <array>
+#include <span>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/version.hpp"
+#include "cli/help_topics.hpp"
+#include "field/demo_field.hpp"
+
+namespace isoextract {
+namespace {
+
+// A word of the command line and what it means.
+template <class T>
+struct Choice {
+  std::string name;
+  T value;
+};
+
+// Declares the options of one group of one command.
+class Group {
+ public:
+  Group(CLI::App& app, std::string name) : app_(app), name_(std::move(name)) {}
+
+  template <class T>
+  CLI::Option* value(const std::string& names, const std::string& metavar, std::optional<T>& target,
+                     Result<T> (*parse)(std::string_view), const std::string& description) const {
+    return declare(names, metavar, description,
+                   [&target, parse, names](const std::string& text) { target = parsed(names, parse(text)); });
+  }
+
+  template <class T>
+  CLI::Option* values(const std::string& names, const std::string& metavar, std::vector<T>& targets,
+                      Result<T> (*parse)(std::string_view), const std::string& description) const {
+    return declare(names, metavar, description,
+                   [&targets, parse, names](const std::string& text) { targets.push_back(parsed(names, parse(text))); })
+        ->expected(1, CLI::detail::expected_max_vector_size)
+        ->allow_extra_args(false);
+  }
+
+  template <class T>
+  CLI::Option* choice(const std::string& names, std::optional<T>& target, std::vector<Choice<T>> choices,
+                      const std::string& description) const {
+    std::vector<std::string> words;
+    for (const Choice<T>& c : choices) words.push_back(c.name);
+    const std::string metavar = fmt::format("{}", fmt::join(words, "|"));
+    return declare(names, metavar, description,
+                   [&target, choices = std::move(choices), words, names](const std::string& text) {
+                     const auto found = std::find(words.begin(), words.end(), text);
+                     if (found == words.end()) throw BadValue(unknown_choice(names, text, words));
+                     target = choices[static_cast<std::size_t>(found - words.begin())].value;
+                   });
+  }
+
+  void flag(const std::string& names, bool& target, const std::string& description) const {
+    app_.add_flag(names, target, description)->disable_flag_override()->group(name_);
+  }
+
+  // CLI11 puts its help flag first; re-declared here it stands where it is looked for, last.
+  void help_flag() const {
+    app_.set_help_flag();
+    app_.set_help_flag("-h,--help", "Show the options of this command and exit.")->group(name_);
+  }
+
+ private:
+  static std::string shown_name(const std::string& names) { return names.substr(names.find(',') + 1); }
+
+  static Error unknown_choice(const std::string& names, const std::string& text,
+                              const std::vector<std::string>& words) {
+    const std::string near = nearest_name(text, words);
+    return {ErrorKind::usage,
+            fmt::format("{}: expected one of {}, found '{}'", shown_name(names), fmt::join(words, ", "), text),
+            near.empty() ? "" : fmt::format("did you mean '{}'?", near)};
+  }
+
+  template <class T>
+  static T parsed(const std::string& names, Result<T> result) {
+    if (result) return std::move(*result);
+    Error error = std::move(result.error());
+    error.message = fmt::format("{}: {}", shown_name(names), error.message);
+    throw BadValue(std::move(error));
+  }
+
+  CLI::Option* declare(const std::string& names, const std::string& metavar, const std::string& description,
+                       std::function<void(const std::string&)> take) const {
+    return app_
+        .add_option(names, CLI::callback_t([take = std::move(take)](const CLI::results_t& given) {
+                      for (const std::string& text : given) take(text);
+                      return true;
+                    }),
+                    description)
+        ->type_name(metavar)
+        ->group(name_);
+  }
+
+  CLI::App& app_;
+  std::string name_;
+};
+
+std::vector<Choice<SampleType>> sample_types() {
+  std::vector<Choice<SampleType>> types;
+  for (const SampleType type : {SampleType::u8, SampleType::i8, SampleType::u16, SampleType::i16, SampleType::u32,
+                                SampleType::i32, SampleType::f16, SampleType::f32, SampleType::f64}) {
+    types.push_back({std::string(sample_type_name(type)), type});
+  }
+  return types;
+}
+
+std::vector<Choice<VolumeFormat>> input_formats() {
+  std::vector<Choice<VolumeFormat>> formats;
+  for (const VolumeFormatInfo& info : volume_formats()) {
+    if (info.format != VolumeFormat::demo) formats.push_back({std::string(info.name), info.format});
+  }
+  return formats;
+}
+
+std::vector<Choice<MeshFormat>> output_formats() {
+  std::vector<Choice<MeshFormat>> formats;
+  for (const MeshFormatInfo& info : mesh_formats()) formats.push_back({std::string(info.name), info.format});
+  return formats;
+}
+
+std::vector<Choice<LengthUnit>> units() {
+  std::vector<Choice<LengthUnit>> choices;
+  for (const LengthUnit& unit : length_units()) choices.push_back({std::string(unit.name), unit});
+  return choices;
+}
+
+void declare_input(CLI::App& app, InputFlags& flags, bool several) {
+  const Group group(app, "Input");
+  group.values<std::string>("INPUT", several ? "INPUT..." : "INPUT", flags.inputs, parse_text,
+                            fmt::format("{}: a path, or demo:NAME (see 'isoextract help demo'). A file that is named "
+                                        "like a command is written ./NAME.",
+                                        several ? "The volumes to look at, each" : "The volume to convert"));
+  group.value<std::string>("--grid", "NAME", flags.grid, parse_text,
+                           "Grid of a VDB file. NAME[k] is the k-th of that name, counted from 0.");
+  group.choice("--input-format", flags.format, input_formats(),
+               "Format of the input (default: by content, then by extension).");
+  group.value("--dims", "NX,NY,NZ", flags.dims, parse_dims,
+              "Samples along x (fastest), y and z of a raw file. 48x62x42 is the same as 48,62,42.");
+  group.choice("--dtype", flags.dtype, sample_types(), "Type of a raw file's samples (default: u8).");
+  group.choice("--endian", flags.endian, {{"little", std::endian::little}, {"big", std::endian::big}},
+               "Byte order of a raw file's samples (default: little).");
+  group.value("--skip", "BYTES", flags.skip, parse_size, "Bytes before a raw file's first sample (default: 0).");
+  group.value("--spacing", "SX,SY,SZ", flags.spacing, parse_spacing,
+              "Distance of the samples along each axis, or one number for all; replaces what the file says.");
+  group.value("--origin", "X,Y,Z", flags.origin, parse_vector,
+              "World position of the first sample; replaces what the file says.");
+  group.choice("--inside", flags.inside, {{"above", FieldKind::density}, {"below", FieldKind::level_set}},
+               "Which side of the iso value is inside: above as in densities, or below as in level sets (default: as "
+               "the file says, else above). A value equal to the iso value is outside.");
+  group.value("--memory-limit", "SIZE", flags.memory_limit, parse_size,
+              "Refuse an input that needs more memory than this, such as 512M or 8G (default: the machine's memory).");
+}
+
+void declare_run(CLI::App& app, RunFlags& flags) {
+  const Group group(app, "Run");
+  group.value("--threads", "N", flags.threads, parse_thread_count,
+              "Threads to use (default: all). The output does not depend on it.");
+  group.flag("-q,--quiet", flags.quiet, "Say nothing but errors.");
+  group.flag("-v,--verbose", flags.verbose, "Say also what each stage took, and the peak of memory.");
+  group.help_flag();
+}
+
+void declare_surface(CLI::App& app, ConvertFlags& flags) {
+  const Group group(app, "Surface");
+  group.values("--iso", "V", flags.isos, parse_number,
+               "The value whose surface is extracted. Required; several times for several surfaces. 'isoextract info "
+               "INPUT' suggests one.");
+  group.choice("--method", flags.method, {{"mc", Method::mc}, {"mt", Method::mt}},
+               "Marching cubes, or marching tetrahedra with six a cell (default: mc).");
+  group.choice("--normals", flags.normals,
+               {{"none", Normals::none}, {"flat", Normals::flat}, {"smooth", Normals::smooth}},
+               "Normals to store: none, one a triangle, or the field's gradient at each vertex (default: smooth for "
+               "glb and gltf, none for ply and obj; stl always has one a triangle).");
+  group.value("--roi", "X0,Y0,Z0,X1,Y1,Z1", flags.roi, parse_box,
+              "Only the samples in this box, given by its smaller and larger corner in the input's world coordinates "
+              "(with --space index in voxel coordinates).");
+  group.flag("--cap", flags.cap, "Close the surface where it leaves the data or the --roi.");
+  group.choice("--nan", flags.nan, {{"error", NanPolicy::error}, {"outside", NanPolicy::outside}},
+               "What a sample that is not a number means: the end, or outside (default: error).");
+  group.choice("--empty", flags.empty,
+               {{"error", EmptyPolicy::error}, {"skip", EmptyPolicy::skip}, {"write", EmptyPolicy::write}},
+               "What to do where there is no surface: fail, write no file, or write an empty one (default: error).");
+}
+
+void declare_placement(CLI::App& app, ConvertFlags& flags) {
+  const Group group(app, "Placement");
+  group.choice("--space", flags.space, {{"world", Space::world}, {"index", Space::index}},
+               "Coordinates of the mesh: the input's world, or voxels counted from 0 (default: world).");
+  group.choice("--up", flags.up, {{"y", UpAxis::y}, {"z", UpAxis::z}},
+               "The axis of the input's world that points up (default: z). glb and gltf prescribe y up, so z-up "
+               "input is turned for them: (x, y, z) becomes (x, z, -y). ply, obj and stl keep the input's axes.");
+  group.value("--scale", "S", flags.scale, parse_positive, "Multiply the world coordinates by S.");
+  group.choice("--unit", flags.unit, units(),
+               "Unit of the input's world; the mesh is written in metres, as glTF prescribes (default: coordinates "
+               "are written as they are). Not together with --scale.");
+}
+
+void declare_output(CLI::App& app, ConvertFlags& flags) {
+  const Group group(app, "Output");
+  group.value<std::string>("-o,--output", "FILE", flags.output, parse_text,
+                           "The mesh file; its extension chooses the format (default: the input's name with .glb, in "
+                           "the current folder). '-' is stdout and needs --format. '{iso}' stands for the iso value "
+                           "and gives each its own file.");
+  group.choice("--format", flags.format, output_formats(), "Format of the mesh, whatever the extension.");
+  group.flag("--ascii", flags.ascii, "Write ply or stl as text instead of binary.");
+}
+
+CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description) {
+  CLI::App* command = app.add_subcommand(name, description);
+  command->allow_extras();  // the caller names what is unknown, with a suggestion
+  return command;
+}
+
+}  // namespace
+
+std::unique_ptr<CommandLine> declare_command_line() {
+  auto line = std::make_unique<CommandLine>();
+  CLI::App& app = line->app;
+  app.name("isoextract");
+  app.description("Extract isosurfaces from volumes and write them as meshes.");
+  app.allow_extras();
+  app.set_help_flag("-h,--help", "Show an overview and exit.")->group("Run");
+  app.set_version_flag("--version", "isoextract " + std::string(kVersion), "Show the version and exit.")->group("Run");
+  app.require_subcommand(1);
+
+  line->convert = add_command(app, "convert", "Extract a surface and write it as a mesh. The default command.");
+  ConvertFlags& convert = line->convert_flags;
+  declare_input(*line->convert, convert.input, false);
+  declare_surface(*line->convert, convert);
+  declare_placement(*line->convert, convert);
+  declare_output(*line->convert, convert);
+  Group(*line->convert, "Run")
+      .flag("--explain", convert.explain, "Tell what was left out and why, with counts and times.");
+  declare_run(*line->convert, convert.run);
+
+  line->info = add_command(app, "info", "Show what a volume holds, and suggest an iso value.");
+  declare_input(*line->info, line->info_flags.input, true);
+  Group(*line->info, "Output")
+      .flag("--json", line->info_flags.json, "Report as JSON, an array with one entry an input.");
+  declare_run(*line->info, line->info_flags.run);
+
+  line->help = add_command(app, "help", "Explain a command or a topic.");
+  std::vector<Choice<std::string>> topics;
+  for (const std::string& name : help_names()) topics.push_back({name, name});
+  Group(*line->help, "Input").choice("TOPIC", line->help_topic, topics, "A command, a group of options, or a subject.");
+  Group(*line->help, "Run").help_flag();
+
+  line->generate = add_command(app, "generate", "Write the man page or a shell completion to stdout.");
+  Group(*line->generate, "Input")
+      .choice("DOCUMENT", line->document,
+              {{"man", Document::man}, {"bash", Document::bash}, {"zsh", Document::zsh}, {"fish", Document::fish}},
+              "The man page, or the completion script of a shell.");
+  Group(*line->generate, "Run").help_flag();
+  return line;
+}
+
+std::string synopsis(const CLI::App& command) {
+  const std::string& name = command.get_name();
+  if (name == "convert") return "isoextract [convert] INPUT --iso V [-o FILE] [options]";
+  if (name == "info") return "isoextract info INPUT... [options]";
+  if (name == "help") return "isoextract help [TOPIC]";
+  return "isoextract generate man|bash|zsh|fish";
+}
+
+bool takes_value(const CLI::Option& option) { return option.get_items_expected_max() > 0; }
+
+std::string spelling(const CLI::Option& option) {
+  if (option.get_positional()) {
+    return choices(option).empty() ? option.get_type_name() : option.get_name(true);
+  }
+  std::string names;
+  for (const std::string& name : option.get_snames()) names += "-" + name + ", ";
+  for (const std::string& name : option.get_lnames()) names += "--" + name + ", ";
+  names.resize(names.size() - 2);
+  return takes_value(option) ? names + " " + option.get_type_name() : names;
+}
+
+std::vector<std::string> choices(const CLI::Option& option) {
+  const std::string metavar = option.get_type_name();
+  if (metavar.find('|') == std::string::npos) return {};
+  return CLI::detail::split(metavar, '|');
+}
+
+std::vector<const CLI::Option*> options_in_group(const CLI::App& command, const std::string& group) {
+  return command.get_options([&](const CLI::Option* option) { return option->get_group() == group; });
+}
+
+std::vector<const CLI::App*> commands_of(const CLI::App& app) {
+  return app.get_subcommands([](const CLI::App*) { return true; });
+}
+
+}  // namespace isoextract

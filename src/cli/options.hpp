@@ -1,0 +1,108 @@
+// The one declaration of every command and option. Parsing, help, the man page and the completions all read it.
+//
+// Conventions that the documents rely on: a metavar with '|' in it ("mc|mt") lists all values; the metavars FILE and
+// INPUT are completed with paths.
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <glm/glm.hpp>
+
+#include "cli/generate_docs.hpp"
+#include "cli/placement.hpp"
+#include "cli/values.hpp"
+#include "extract/extractor.hpp"
+#include "field/scalar_field.hpp"
+#include "io/mesh_writer.hpp"
+#include "io/volume_reader.hpp"
+
+namespace isoextract {
+
+enum class Normals { none, flat, smooth };
+enum class EmptyPolicy { error, skip, write };
+
+// What was given on the command line: each value checked by itself, no default applied yet.
+struct InputFlags {
+  std::vector<std::string> inputs;
+  std::optional<std::string> grid;
+  std::optional<VolumeFormat> format;
+  std::optional<glm::ivec3> dims;
+  std::optional<SampleType> dtype;
+  std::optional<std::endian> endian;
+  std::optional<std::uint64_t> skip;
+  std::optional<glm::dvec3> spacing;
+  std::optional<glm::dvec3> origin;
+  std::optional<FieldKind> inside;
+  std::optional<std::uint64_t> memory_limit;
+};
+
+struct RunFlags {
+  std::optional<int> threads;
+  bool quiet = false;
+  bool verbose = false;
+};
+
+struct ConvertFlags {
+  InputFlags input;
+  std::vector<double> isos;
+  std::optional<Method> method;
+  std::optional<Normals> normals;
+  std::optional<Box> roi;
+  bool cap = false;
+  std::optional<NanPolicy> nan;
+  std::optional<EmptyPolicy> empty;
+  std::optional<Space> space;
+  std::optional<UpAxis> up;
+  std::optional<double> scale;
+  std::optional<LengthUnit> unit;
+  std::optional<std::string> output;
+  std::optional<MeshFormat> format;
+  bool ascii = false;
+  bool explain = false;
+  RunFlags run;
+};
+
+struct InfoFlags {
+  InputFlags input;
+  bool json = false;
+  RunFlags run;
+};
+
+struct CommandLine {
+  CLI::App app;
+  CLI::App* convert = nullptr;
+  CLI::App* info = nullptr;
+  CLI::App* help = nullptr;
+  CLI::App* generate = nullptr;
+
+  ConvertFlags convert_flags;
+  InfoFlags info_flags;
+  std::optional<std::string> help_topic;
+  std::optional<Document> document;
+};
+
+[[nodiscard]] std::unique_ptr<CommandLine> declare_command_line();
+
+// Thrown through CLI11, and caught where the parser is called: a value that its option does not take.
+struct BadValue : CLI::ParseError {
+  explicit BadValue(isoextract::Error why)
+      : CLI::ParseError(why.message, CLI::ExitCodes::ValidationError), error(std::move(why)) {}
+  isoextract::Error error;
+};
+
+// What the documents ask of the declarations.
+[[nodiscard]] std::string synopsis(const CLI::App& command);                // "isoextract info INPUT... [options]"
+[[nodiscard]] std::string spelling(const CLI::Option& option);              // "-o, --output FILE"
+[[nodiscard]] std::vector<std::string> choices(const CLI::Option& option);  // empty if it takes any value
+[[nodiscard]] bool takes_value(const CLI::Option& option);
+[[nodiscard]] std::vector<const CLI::Option*> options_in_group(const CLI::App& command, const std::string& group);
+[[nodiscard]] std::vector<const CLI::App*> commands_of(const CLI::App& app);
+
+}  // namespace isoextract

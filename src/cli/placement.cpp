@@ -1,0 +1,111 @@
+#include "cli/placement.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+namespace isoextract {
+namespace {
+
+constexpr std::array kUnits{LengthUnit{"um", 1e-6}, LengthUnit{"mm", 1e-3},   LengthUnit{"cm", 1e-2},
+                            LengthUnit{"m", 1},     LengthUnit{"in", 0.0254}, LengthUnit{"ft", 0.3048}};
+
+constexpr double kVoxelTolerance = 1e-6;
+constexpr double kAxisTolerance = 1e-6;  // of an axis' length
+
+// The box of `map` applied to all of `box`.
+Box image_of(const Affine& map, const Box& box) {
+  Box image{glm::dvec3(std::numeric_limits<double>::infinity()), glm::dvec3(-std::numeric_limits<double>::infinity())};
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::dvec3 p = map({(corner & 1) != 0 ? box.max.x : box.min.x, (corner & 2) != 0 ? box.max.y : box.min.y,
+                              (corner & 4) != 0 ? box.max.z : box.min.z});
+    image.min = glm::min(image.min, p);
+    image.max = glm::max(image.max, p);
+  }
+  return image;
+}
+
+Box index_bounds(const ScalarField& field) {
+  const IndexBox extents = field.extents();
+  return {glm::dvec3(extents.min), glm::dvec3(extents.max)};
+}
+
+// All samples that are stored; around sparse ones a layer of background, which a surface may border on.
+IndexBox stored_box(const ScalarField& field) {
+  const auto* sparse = std::get_if<SparseSamples>(&field.samples);
+  if (sparse == nullptr) return field.extents();
+  IndexBox box = field.extents();
+  const auto add = [&box](const glm::ivec3& origin, int size) {
+    box = box.empty() ? IndexBox{origin, origin + size - 1}
+                      : IndexBox{glm::min(box.min, origin), glm::max(box.max, origin + size - 1)};
+  };
+  for (const SparseBlock& block : sparse->blocks) add(block.origin, SparseBlock::kSize);
+  for (const SparseTile& tile : sparse->tiles) add(tile.origin, tile.size);
+  return box.empty() ? box : IndexBox{box.min - 1, box.max + 1};
+}
+
+}  // namespace
+
+std::span<const LengthUnit> length_units() { return kUnits; }
+
+Affine output_from_index(const ScalarField& field, const Placement& placement) {
+  if (placement.space == Space::index) return {};
+  Affine map = scaling(glm::dvec3(placement.scale)).after(field.index_to_world);
+  if (placement.turn_z_up_to_y_up) map = Affine{glm::dmat3(1, 0, 0, 0, 0, -1, 0, 1, 0), glm::dvec3(0)}.after(map);
+  return map;
+}
+
+std::string describe(const Placement& placement) {
+  if (placement.space == Space::index) return "voxel coordinates";
+  std::string text = "world coordinates";
+  if (placement.turn_z_up_to_y_up) text += ", turned from z up to y up";
+  if (placement.scale != 1 || !placement.unit.empty()) text += fmt::format(", scaled by {}", placement.scale);
+  if (!placement.unit.empty()) text += fmt::format(" ({} to m)", placement.unit);
+  return text;
+}
+
+Box world_bounds(const ScalarField& field) { return image_of(field.index_to_world, index_bounds(field)); }
+
+bool is_axis_aligned(const Affine& index_to_world) {
+  for (int column = 0; column < 3; ++column) {
+    const glm::dvec3 axis = glm::abs(index_to_world.linear[column]);
+    const double longest = std::max({axis.x, axis.y, axis.z});
+    if (axis.x + axis.y + axis.z - longest > kAxisTolerance * longest) return false;
+  }
+  return true;
+}
+
+Result<IndexBox> samples_in_box(const ScalarField& field, const Box& box, Space space) {
+  const Box wanted = space == Space::index ? box : image_of(field.index_to_world.inverse(), box);
+  const IndexBox stored = stored_box(field);
+  const glm::dvec3 first(stored.min);
+  const glm::dvec3 last(stored.max);
+  IndexBox samples;
+  for (int axis = 0; axis < 3; ++axis) {
+    // Clipped as doubles: the box may reach further than an int.
+    samples.min[axis] =
+        static_cast<int>(std::clamp(std::ceil(wanted.min[axis] - kVoxelTolerance), first[axis], last[axis] + 1));
+    samples.max[axis] =
+        static_cast<int>(std::clamp(std::floor(wanted.max[axis] + kVoxelTolerance), first[axis] - 1, last[axis]));
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    if (samples.max[axis] - samples.min[axis] >= 1) continue;
+    const Box bounds = space == Space::index ? index_bounds(field) : world_bounds(field);
+    return fail(ErrorKind::input,
+                fmt::format("{}: --roi {} holds fewer than two samples along {}; the data is at {}", field.source,
+                            box_text(box), "xyz"[axis], box_text(bounds)),
+                space == Space::index ? "--roi is in voxel coordinates because of --space index"
+                                      : "--roi is in the input's world coordinates, before --up, --scale and --unit");
+  }
+  return samples;
+}
+
+std::string box_text(const Box& box) {
+  return fmt::format("({:.6g}, {:.6g}, {:.6g}) .. ({:.6g}, {:.6g}, {:.6g})", box.min.x, box.min.y, box.min.z, box.max.x,
+                     box.max.y, box.max.z);
+}
+
+}  // namespace isoextract

@@ -1,0 +1,216 @@
+#include "cli/plan.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "field/demo_field.hpp"
+
+namespace isoextract {
+namespace {
+
+constexpr std::string_view kIsoPattern = "{iso}";
+
+tl::unexpected<Error> usage(std::string message, std::string hint = {}) {
+  return fail(ErrorKind::usage, std::move(message), std::move(hint));
+}
+
+bool is_gltf(MeshFormat format) { return format == MeshFormat::glb || format == MeshFormat::gltf; }
+
+Result<ReadOptions> plan_read(const InputFlags& flags) {
+  for (const std::string& input : flags.inputs) {
+    if (input.empty()) return usage("INPUT is empty");
+    if (input == "-") return usage("the input cannot be read from stdin", "give the path of a file");
+  }
+  ReadOptions read;
+  read.format = flags.format;
+  read.grid = flags.grid;
+  read.spacing = flags.spacing;
+  read.origin = flags.origin;
+  read.kind = flags.inside;
+  if (flags.memory_limit) read.limits.memory_bytes = *flags.memory_limit;
+  if (flags.dims) {
+    RawLayout raw;
+    raw.dims = *flags.dims;
+    raw.type = flags.dtype.value_or(raw.type);
+    raw.endian = flags.endian.value_or(raw.endian);
+    raw.skip = flags.skip.value_or(raw.skip);
+    read.raw = raw;
+  } else if (flags.dtype || flags.endian || flags.skip) {
+    return usage(fmt::format("{} describes a raw file, which needs --dims as well", flags.dtype    ? "--dtype"
+                                                                                    : flags.endian ? "--endian"
+                                                                                                   : "--skip"),
+                 "give --dims NX,NY,NZ");
+  }
+  return read;
+}
+
+Result<MeshFormat> plan_format(const ConvertFlags& flags) {
+  if (flags.format) return *flags.format;
+  if (!flags.output) return MeshFormat::glb;
+  if (*flags.output == "-") return usage("-o - needs --format", "for example --format ply");
+  if (const auto format = mesh_format_by_path(*flags.output)) return *format;
+  std::vector<std::string_view> names;
+  for (const MeshFormatInfo& info : mesh_formats()) names.push_back(info.name);
+  return usage(fmt::format("{}: expected an extension of {}", *flags.output, fmt::join(names, ", ")),
+               "choose the format with --format");
+}
+
+Result<Placement> plan_placement(const ConvertFlags& flags, MeshFormat format, std::vector<std::string>& notes) {
+  Placement placement;
+  placement.space = flags.space.value_or(Space::world);
+  if (placement.space == Space::index) {
+    const std::string_view other = flags.up ? "--up" : flags.scale ? "--scale" : flags.unit ? "--unit" : "";
+    if (!other.empty()) {
+      return usage(fmt::format("--space index gives voxel coordinates, which {} cannot change", other),
+                   fmt::format("leave out {} or --space index", other));
+    }
+    return placement;
+  }
+  if (flags.scale && flags.unit) return usage("--scale and --unit exclude each other");
+  placement.turn_z_up_to_y_up = is_gltf(format) && flags.up.value_or(UpAxis::z) == UpAxis::z;
+  if (flags.up && !is_gltf(format)) {
+    notes.push_back(fmt::format("--up changes nothing: {} prescribes no up axis and keeps the input's axes",
+                                mesh_format_info(format).name));
+  }
+  if (flags.scale) placement.scale = *flags.scale;
+  if (flags.unit) {
+    placement.scale = flags.unit->metres;
+    placement.unit = flags.unit->name;
+  }
+  return placement;
+}
+
+Result<Normals> plan_normals(const ConvertFlags& flags, MeshFormat format) {
+  if (format == MeshFormat::stl) {
+    if (flags.normals.value_or(Normals::flat) == Normals::flat) return Normals::flat;
+    return usage(fmt::format("--normals {} does not go with stl, which always stores one normal a triangle",
+                             *flags.normals == Normals::smooth ? "smooth" : "none"),
+                 "leave out --normals, or choose another format");
+  }
+  return flags.normals.value_or(is_gltf(format) ? Normals::smooth : Normals::none);
+}
+
+std::string with_iso(std::string path, double iso) {
+  const std::string text = fmt::format("{}", iso);
+  for (std::size_t at = path.find(kIsoPattern); at != std::string::npos; at = path.find(kIsoPattern, at)) {
+    path.replace(at, kIsoPattern.size(), text);
+    at += text.size();
+  }
+  return path;
+}
+
+Result<std::vector<OutputJob>> plan_jobs(const ConvertFlags& flags, const MeshFormatInfo& format) {
+  std::vector<double> sorted = flags.isos;
+  std::sort(sorted.begin(), sorted.end());
+  const auto repeated = std::adjacent_find(sorted.begin(), sorted.end());
+  if (repeated != sorted.end()) return usage(fmt::format("--iso {} was given twice", *repeated));
+
+  const std::string path =
+      flags.output ? *flags.output : fmt::format("{}.{}", input_stem(flags.input.inputs.front()), format.name);
+  if (path.empty()) return usage("-o needs the name of a file");
+  if (path == "-" && !format.can_stream) {
+    return usage(fmt::format("{} cannot be written to stdout", format.name),
+                 format.format == MeshFormat::gltf ? "it is two files; use --format glb" : "give a file with -o");
+  }
+  if (path.find(kIsoPattern) != std::string::npos) {
+    std::vector<OutputJob> jobs;
+    for (const double iso : flags.isos) jobs.push_back({with_iso(path, iso), {iso}});
+    return jobs;
+  }
+  if (flags.isos.size() > 1 && !format.holds_several_meshes) {
+    return usage(
+        fmt::format("one {} file holds one surface, and {} iso values were given", format.name, flags.isos.size()),
+        fmt::format("write one file each with -o {}_{{iso}}.{}, or all into a glb",
+                    input_stem(flags.input.inputs.front()), format.name));
+  }
+  return std::vector<OutputJob>{{path, flags.isos}};
+}
+
+}  // namespace
+
+Result<Verbosity> plan_verbosity(const RunFlags& flags) {
+  if (flags.quiet && flags.verbose) return usage("--quiet and --verbose exclude each other");
+  return flags.quiet ? Verbosity::quiet : flags.verbose ? Verbosity::verbose : Verbosity::normal;
+}
+
+Result<ConvertPlan> plan_convert(const ConvertFlags& flags) {
+  const std::vector<std::string>& inputs = flags.input.inputs;
+  if (inputs.empty()) return usage("no INPUT was given", "isoextract INPUT --iso V -o OUT.glb");
+  if (inputs.size() > 1) {
+    return usage(fmt::format("convert takes one input, and {} were given: {}", inputs.size(), fmt::join(inputs, ", ")));
+  }
+  if (flags.isos.empty()) {
+    return usage("--iso V is missing: the value whose surface is extracted",
+                 fmt::format("'isoextract info {}' shows the values and suggests one", shell_quoted(inputs.front())));
+  }
+  if (flags.explain && flags.run.quiet) return usage("--quiet and --explain exclude each other");
+
+  ConvertPlan plan;
+  plan.input = inputs.front();
+  auto read = plan_read(flags.input);
+  if (!read) return tl::unexpected(read.error());
+  plan.read = std::move(*read);
+
+  const auto format = plan_format(flags);
+  if (!format) return tl::unexpected(format.error());
+  const MeshFormatInfo& info = mesh_format_info(*format);
+  if (flags.output && mesh_format_by_path(*flags.output).value_or(*format) != *format) {
+    plan.notes.push_back(
+        fmt::format("{}: its format is {}, as --format says, and not what its name says", *flags.output, info.name));
+  }
+  if (flags.ascii && !info.has_ascii) {
+    return usage(fmt::format("--ascii does not go with {}", info.name), "ply and stl can be written as text");
+  }
+  const auto normals = plan_normals(flags, *format);
+  if (!normals) return tl::unexpected(normals.error());
+  plan.write.format = *format;
+  plan.write.ascii = flags.ascii;
+  plan.write.flat_normals = *normals == Normals::flat;
+
+  auto placement = plan_placement(flags, *format, plan.notes);
+  if (!placement) return tl::unexpected(placement.error());
+  plan.placement = *placement;
+  auto jobs = plan_jobs(flags, info);
+  if (!jobs) return tl::unexpected(jobs.error());
+  plan.jobs = std::move(*jobs);
+
+  plan.extract.method = flags.method.value_or(Method::mc);
+  plan.extract.smooth_normals = *normals == Normals::smooth;
+  plan.extract.cap = flags.cap;
+  plan.extract.nan = flags.nan.value_or(NanPolicy::error);
+  plan.roi = flags.roi;
+  plan.empty = flags.empty.value_or(EmptyPolicy::error);
+  plan.explain = flags.explain;
+  return plan;
+}
+
+Result<InfoPlan> plan_info(const InfoFlags& flags, const CLI::App& command) {
+  if (flags.input.inputs.empty()) return usage("no INPUT was given", "isoextract info INPUT");
+  InfoPlan plan;
+  auto read = plan_read(flags.input);
+  if (!read) return tl::unexpected(read.error());
+  plan.inputs = flags.input.inputs;
+  plan.read = std::move(*read);
+  plan.json = flags.json;
+  for (const CLI::Option* option : options_in_group(command, "Input")) {
+    if (option->get_positional() || option->count() == 0) continue;
+    plan.input_arguments.push_back(option->get_name());
+    plan.input_arguments.push_back(shell_quoted(option->results().front()));
+  }
+  return plan;
+}
+
+std::string input_stem(const std::string& input) {
+  if (input.starts_with(kDemoPrefix)) {
+    const std::string name = input.substr(kDemoPrefix.size());
+    return name.substr(0, name.find('?'));
+  }
+  std::filesystem::path path = std::filesystem::path(input).filename();
+  if (path.extension() == ".gz") path = path.stem();
+  return path.stem().string();
+}
+
+}  // namespace isoextract

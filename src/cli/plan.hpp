@@ -1,0 +1,50 @@
+// From flags to a plan: defaults applied, combinations checked. Nothing is opened here.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/error.hpp"
+#include "cli/messages.hpp"
+#include "cli/options.hpp"
+#include "cli/placement.hpp"
+#include "io/mesh_writer.hpp"
+#include "io/volume_reader.hpp"
+
+namespace isoextract {
+
+// One file to write, and the surfaces in it.
+struct OutputJob {
+  std::string path;  // "-" is stdout
+  std::vector<double> isos;
+};
+
+struct ConvertPlan {
+  std::string input;
+  ReadOptions read;
+  ExtractOptions extract;  // without iso, region and placement, which depend on the surface and the field
+  std::optional<Box> roi;
+  EmptyPolicy empty = EmptyPolicy::error;
+  Placement placement;
+  MeshWriteOptions write;
+  std::vector<OutputJob> jobs;
+  bool explain = false;
+  std::vector<std::string> notes;  // what was asked for and changes nothing, one sentence each
+};
+
+struct InfoPlan {
+  std::vector<std::string> inputs;
+  ReadOptions read;
+  std::vector<std::string> input_arguments;  // the input options as they were given, to repeat in an example
+  bool json = false;
+};
+
+[[nodiscard]] Result<Verbosity> plan_verbosity(const RunFlags& flags);
+[[nodiscard]] Result<ConvertPlan> plan_convert(const ConvertFlags& flags);
+[[nodiscard]] Result<InfoPlan> plan_info(const InfoFlags& flags, const CLI::App& command);
+
+// "scan.nii.gz" -> "scan", "demo:torus?size=32" -> "torus"
+[[nodiscard]] std::string input_stem(const std::string& input);
+
+}  // namespace isoextract

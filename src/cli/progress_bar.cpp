@@ -1,0 +1,67 @@
+#include "cli/progress_bar.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+namespace isoextract {
+namespace {
+
+using namespace std::chrono_literals;
+constexpr auto kSilentFor = 1s;
+constexpr auto kRedrawEvery = 100ms;
+constexpr std::size_t kWidth = 30;
+constexpr std::string_view kEraseLine = "\r\x1b[K";
+
+bool stderr_is_terminal() {
+  const char* terminal = std::getenv("TERM");
+  return ::isatty(STDERR_FILENO) == 1 && terminal != nullptr && std::string_view(terminal) != "dumb";
+}
+
+std::string bar_text(const Progress& progress) {
+  const std::uint64_t total = progress.total();
+  if (total == 0) return fmt::format("{}{} ...", kEraseLine, progress.stage());
+  // A stage may begin between the two reads; the bar then stands full for one redraw.
+  const double share = std::min(1.0, static_cast<double>(progress.done()) / static_cast<double>(total));
+  const auto filled = static_cast<std::size_t>(share * static_cast<double>(kWidth));
+  return fmt::format("{}[{}{}] {:3.0f} % {}", kEraseLine, std::string(filled, '#'), std::string(kWidth - filled, '.'),
+                     100 * share, progress.stage());
+}
+
+void write_to_stderr(std::string_view text) {
+  std::fwrite(text.data(), 1, text.size(), stderr);
+  std::fflush(stderr);
+}
+
+}  // namespace
+
+ProgressBar::ProgressBar(bool wanted) {
+  if (wanted && stderr_is_terminal()) thread_ = std::thread([this] { draw_until_done(); });
+}
+
+ProgressBar::~ProgressBar() {
+  if (!thread_.joinable()) return;
+  {
+    const std::lock_guard lock(mutex_);
+    done_ = true;
+  }
+  finished_.notify_one();
+  thread_.join();
+}
+
+void ProgressBar::draw_until_done() {
+  std::unique_lock lock(mutex_);
+  if (finished_.wait_for(lock, kSilentFor, [this] { return done_; })) return;
+  do {
+    write_to_stderr(bar_text(progress_));
+  } while (!finished_.wait_for(lock, kRedrawEvery, [this] { return done_; }));
+  write_to_stderr(kEraseLine);
+}
+
+}  // namespace isoextract

@@ -1,0 +1,34 @@
+// A bar on stderr for work that takes over a second, where stderr is a terminal; otherwise nothing at all.
+#pragma once
+
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+
+#include "base/progress.hpp"
+
+namespace isoextract {
+
+// Lives as long as the work; draws from a thread of its own and erases itself at the end. Nothing else may write to
+// stderr meanwhile.
+class ProgressBar {
+ public:
+  explicit ProgressBar(bool wanted);
+  ~ProgressBar();
+  ProgressBar(const ProgressBar&) = delete;
+  ProgressBar& operator=(const ProgressBar&) = delete;
+
+  // For the rooms that do the work.
+  [[nodiscard]] Progress* progress() { return &progress_; }
+
+ private:
+  void draw_until_done();
+
+  Progress progress_;
+  std::mutex mutex_;
+  std::condition_variable finished_;
+  bool done_ = false;
+  std::thread thread_;
+};
+
+}  // namespace isoextract

@@ -1,0 +1,169 @@
+#include "cli/values.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "base/limits.hpp"
+
+namespace isoextract {
+namespace {
+
+constexpr int kMaxThreads = 1024;
+
+tl::unexpected<Error> expected_found(std::string_view expected, std::string_view found) {
+  return fail(ErrorKind::usage, fmt::format("expected {}, found '{}'", expected, found));
+}
+
+template <class T>
+std::optional<T> whole_text_as(std::string_view text) {
+  if (!text.empty() && text.front() == '+') text.remove_prefix(1);
+  T value{};
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (status != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+std::vector<std::string_view> split(std::string_view text, std::string_view separators) {
+  std::vector<std::string_view> parts;
+  for (;;) {
+    const std::size_t at = text.find_first_of(separators);
+    parts.push_back(text.substr(0, at));
+    if (at == std::string_view::npos) return parts;
+    text.remove_prefix(at + 1);
+  }
+}
+
+// `count` finite numbers separated by commas; nothing if `text` is anything else.
+std::optional<std::vector<double>> numbers_in(std::string_view text, std::size_t count) {
+  std::vector<double> numbers;
+  for (const std::string_view part : split(text, ",")) {
+    const auto number = whole_text_as<double>(part);
+    if (!number || !std::isfinite(*number)) return std::nullopt;
+    numbers.push_back(*number);
+  }
+  if (numbers.size() != count) return std::nullopt;
+  return numbers;
+}
+
+// Letters to insert, remove, replace or swap to get from a to b.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::vector<std::size_t>> cost(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
+  for (std::size_t i = 0; i <= a.size(); ++i) {
+    for (std::size_t j = 0; j <= b.size(); ++j) {
+      if (i == 0 || j == 0) {
+        cost[i][j] = i + j;
+        continue;
+      }
+      cost[i][j] = std::min({cost[i - 1][j] + 1, cost[i][j - 1] + 1, cost[i - 1][j - 1] + (a[i - 1] != b[j - 1])});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) {
+        cost[i][j] = std::min(cost[i][j], cost[i - 2][j - 2] + 1);
+      }
+    }
+  }
+  return cost[a.size()][b.size()];
+}
+
+}  // namespace
+
+Result<std::string> parse_text(std::string_view text) { return std::string(text); }
+
+Result<double> parse_number(std::string_view text) {
+  const auto number = whole_text_as<double>(text);
+  if (!number) return expected_found("a number", text);
+  if (!std::isfinite(*number)) return expected_found("a finite number", text);
+  return *number;
+}
+
+Result<double> parse_positive(std::string_view text) {
+  const auto number = whole_text_as<double>(text);
+  if (!number || !std::isfinite(*number) || *number <= 0) return expected_found("a number above 0", text);
+  return *number;
+}
+
+Result<glm::dvec3> parse_vector(std::string_view text) {
+  const auto numbers = numbers_in(text, 3);
+  if (!numbers) return expected_found("three numbers X,Y,Z", text);
+  return glm::dvec3((*numbers)[0], (*numbers)[1], (*numbers)[2]);
+}
+
+Result<glm::dvec3> parse_spacing(std::string_view text) {
+  auto numbers = numbers_in(text, 3);
+  if (!numbers) numbers = numbers_in(text, 1);
+  if (!numbers || std::any_of(numbers->begin(), numbers->end(), [](double s) { return s <= 0; })) {
+    return expected_found("one or three numbers above 0, such as 0.5,0.5,2", text);
+  }
+  if (numbers->size() == 1) return glm::dvec3(numbers->front());
+  return glm::dvec3((*numbers)[0], (*numbers)[1], (*numbers)[2]);
+}
+
+Result<glm::ivec3> parse_dims(std::string_view text) {
+  const auto bad = [&] { return expected_found("three whole numbers above 0, such as 48,62,42 or 48x62x42", text); };
+  const std::vector<std::string_view> parts = split(text, ",xX");
+  if (parts.size() != 3) return bad();
+  glm::ivec3 dims;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto number = whole_text_as<int>(parts[static_cast<std::size_t>(axis)]);
+    if (!number || *number <= 0) return bad();
+    dims[axis] = *number;
+  }
+  return dims;
+}
+
+Result<Box> parse_box(std::string_view text) {
+  const auto numbers = numbers_in(text, 6);
+  if (!numbers) return expected_found("six numbers X0,Y0,Z0,X1,Y1,Z1", text);
+  const Box box{{(*numbers)[0], (*numbers)[1], (*numbers)[2]}, {(*numbers)[3], (*numbers)[4], (*numbers)[5]}};
+  for (int axis = 0; axis < 3; ++axis) {
+    if (box.min[axis] > box.max[axis]) {
+      return expected_found(fmt::format("the smaller corner first, but {0}0 = {1} is above {0}1 = {2}", "XYZ"[axis],
+                                        box.min[axis], box.max[axis]),
+                            text);
+    }
+  }
+  return box;
+}
+
+Result<int> parse_thread_count(std::string_view text) {
+  const auto number = whole_text_as<int>(text);
+  if (!number || *number < 1 || *number > kMaxThreads) {
+    return expected_found(fmt::format("a whole number from 1 to {}", kMaxThreads), text);
+  }
+  return *number;
+}
+
+Result<std::uint64_t> parse_size(std::string_view text) { return parse_byte_size(text); }
+
+std::string nearest_name(std::string_view text, const std::vector<std::string>& candidates) {
+  const std::size_t tolerance = std::max<std::size_t>(1, text.size() / 3);
+  std::string best;
+  std::size_t best_distance = tolerance + 1;
+  for (const std::string& candidate : candidates) {
+    const bool is_prefix = text.size() >= 3 && candidate.starts_with(text);
+    const std::size_t distance = is_prefix ? 0 : edit_distance(text, candidate);
+    if (distance < best_distance) {
+      best_distance = distance;
+      best = candidate;
+    }
+  }
+  return best;
+}
+
+std::string shell_quoted(std::string_view text) {
+  constexpr std::string_view kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./,:@%";
+  if (!text.empty() && text.find_first_not_of(kPlain) == std::string_view::npos) return std::string(text);
+  std::string quoted = "'";
+  for (const char c : text) {
+    if (c == '\'') {
+      quoted += "'\\''";
+    } else {
+      quoted += c;
+    }
+  }
+  return quoted + "'";
+}
+
+}  // namespace isoextract

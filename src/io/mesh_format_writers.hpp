@@ -1,0 +1,31 @@
+// The writers behind mesh_writer.hpp, one file a format. They write and leave opening and committing to write_meshes.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/error.hpp"
+#include "io/mesh_writer.hpp"
+#include "io/output_file.hpp"
+#include "mesh/mesh.hpp"
+
+namespace isoextract {
+
+// What a format could not hold is added here, one sentence each.
+using Notes = std::vector<std::string>;
+
+[[nodiscard]] Result<void> write_glb(std::span<const Mesh> meshes, const MeshWriteOptions& options, OutputFile& file,
+                                     Notes& notes);
+
+// `binary_name` is the file name of `binary`, as the model refers to it.
+[[nodiscard]] Result<void> write_gltf(std::span<const Mesh> meshes, const MeshWriteOptions& options, OutputFile& model,
+                                      OutputFile& binary, const std::string& binary_name, Notes& notes);
+
+[[nodiscard]] Result<void> write_ply(const Mesh& mesh, const MeshWriteOptions& options, OutputFile& file);
+
+[[nodiscard]] Result<void> write_obj(std::span<const Mesh> meshes, const MeshWriteOptions& options, OutputFile& file);
+
+[[nodiscard]] Result<void> write_stl(const Mesh& mesh, const MeshWriteOptions& options, OutputFile& file, Notes& notes);
+
+}  // namespace isoextract

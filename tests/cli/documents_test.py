@@ -1,0 +1,153 @@
+"""Help, man page and completions: all made from the declarations, so all must know every option."""
+
+import re
+import shutil
+import subprocess
+import unittest
+
+from support import SOURCE, ProgramTest, main
+
+COMMANDS = ("convert", "info", "help", "generate")
+
+
+def needs(program):
+    return unittest.skipUnless(shutil.which(program), f"no {program}")
+
+
+class DocumentsTest(ProgramTest):
+    def text(self, *arguments):
+        run = self.run_program(*arguments)
+        self.assertEqual((run.code, run.err), (0, ""))
+        return run.text
+
+    def options(self, command):
+        """The long options of a command, from the one document that is easiest to read."""
+        lines = [line for line in self.text("generate", "fish").splitlines() if f"command_is {command}'" in line]
+        return [option for line in lines for option in re.findall(r" -l (\S+)", line)]
+
+    def test_every_option_is_in_every_document(self):
+        man = self.text("generate", "man").replace("\\-", "-")
+        scripts = [self.text("generate", shell) for shell in ("bash", "zsh")]
+        for command in COMMANDS:
+            options = self.options(command)
+            self.assertIn("help", options)
+            page = self.text(command, "--help")
+            for option in options:
+                for document in (page, man, *scripts):
+                    self.assertIn(f"--{option}", document)
+        self.assertGreater(len(self.options("convert")), 25)
+
+    def test_topics_cover_the_options_of_convert(self):
+        topics = "".join(self.text("help", topic) for topic in ("input", "surface", "placement", "output", "run"))
+        for option in self.options("convert"):
+            self.assertIn(f"--{option}", topics)
+
+    def test_overview_names_all_commands_and_topics(self):
+        overview = self.text("help")
+        self.assertEqual(overview, self.text("--help"))
+        self.assertEqual(overview, self.text("-h"))
+        for name in (*COMMANDS, "input", "surface", "placement", "output", "run", "formats", "demo", "coordinates",
+                     "exit-codes"):
+            self.assertRegex(overview, rf"\n  {name} ")
+            self.assertGreater(len(self.text("help", name)), 100)
+
+    def test_help_of_a_command(self):
+        self.assertEqual(self.text("help", "info"), self.text("info", "--help"))
+        self.assertEqual(self.text("help", "convert"), self.text("x.vdb", "--iso", "abc", "-h"))
+        self.assertIn("Examples:", self.text("convert", "-h"))
+
+    def test_topics_come_from_the_tables(self):
+        formats = self.text("help", "formats")
+        for name in ("vdb", "nrrd", "nifti", "npy", "raw", "glb", "gltf", "ply", "obj", "stl"):
+            self.assertRegex(formats, rf"\n  {name} ")
+        self.assertIn("demo:gyroid", self.text("help", "demo"))
+
+    def test_help_fits_a_terminal(self):
+        for arguments in (("help",), ("convert", "--help"), ("info", "--help"), ("help", "formats"), ("help", "placement")):
+            for line in self.text(*arguments).splitlines():
+                self.assertLessEqual(len(line), 80, line)
+
+    def test_unknown_topic(self):
+        self.assert_fails(1, self.run_program("help", "fromats"), "TOPIC", "did you mean 'formats'?")
+
+    def test_version(self):
+        self.assertEqual(self.text("--version"), "isoextract 0.1.0\n")
+
+    def test_generate_needs_a_document(self):
+        self.assert_fails(1, self.run_program("generate"), "man|bash|zsh|fish")
+        self.assert_fails(1, self.run_program("generate", "csh"), "man, bash, zsh, fish")
+
+    def test_the_man_page_in_the_sources_is_current(self):
+        self.assertEqual((SOURCE / "man/isoextract.1").read_text(), self.text("generate", "man"),
+                         "update it with: isoextract generate man > man/isoextract.1")
+
+    @needs("mandoc")
+    def test_the_man_page_is_well_formed(self):
+        run = subprocess.run(["mandoc", "-T", "lint", "-W", "warning", SOURCE / "man/isoextract.1"], capture_output=True,
+                             text=True, check=False)
+        self.assertEqual(run.stdout, "")
+        page = subprocess.run(["mandoc", "-T", "ascii", SOURCE / "man/isoextract.1"], capture_output=True, text=True,
+                              check=True).stdout
+        self.assertIn("--normals", re.sub(".\x08", "", page))
+
+    def bash_completes(self, line):
+        script = self.folder / "completion"
+        script.write_text(self.text("generate", "bash"))
+        command = ('source "$1"; COMP_LINE=$2 COMP_POINT=${#2} COMP_WORDBREAKS=$\' \\t\\n"\\\'><=;|&(:\'; _isoextract; '
+                   'printf "%s\\n" "${COMPREPLY[@]}"')
+        run = subprocess.run(["bash", "--norc", "-c", command, "bash", script, line], cwd=self.folder,
+                             capture_output=True, text=True, check=True)
+        self.assertEqual(run.stderr, "")
+        return sorted(run.stdout.split())
+
+    def test_bash(self):
+        (self.folder / "in.vdb").touch()
+        (self.folder / "in.nrrd").touch()
+        for line, wanted in (
+                ("isoextract --meth", ["--method"]),
+                ("isoextract in.vdb --iso 0 --meth", ["--method"]),
+                ("isoextract convert --meth", ["--method"]),
+                ("isoextract in.vdb --method ", ["mc", "mt"]),
+                ("isoextract in.vdb --method=m", ["mc", "mt"]),
+                ("isoextract in.vdb --format g", ["glb", "gltf"]),
+                ("isoextract in.vdb --iso ", []),
+                ("isoextract in.vdb --i", ["--input-format", "--inside", "--iso"]),
+                ("isoextract in", ["in.nrrd", "in.vdb", "info"]),
+                ("isoextract info in", ["in.nrrd", "in.vdb"]),
+                ("isoextract info --js", ["--json"]),
+                ("isoextract info --meth", []),
+                ("isoextract in.vdb -o in.v", ["in.vdb"]),
+                ("isoextract demo:gy", ["gyroid"]),
+                ("isoextract --vers", ["--version"]),
+                ("isoextract generate ", ["bash", "fish", "man", "zsh"]),
+                ("isoextract help form", ["formats"])):
+            self.assertEqual(self.bash_completes(line), wanted, line)
+
+    def test_bash_completes_commands(self):
+        self.assertTrue(set(COMMANDS) <= set(self.bash_completes("isoextract ")))
+
+    def test_bash_keeps_names_with_spaces_whole(self):
+        (self.folder / "a file.vdb").touch()
+        self.assertEqual(self.bash_completes("isoextract a"), ["a", "file.vdb"])  # one line; split() is the test's
+
+    @needs("zsh")
+    def test_zsh_parses(self):
+        script = self.folder / "_isoextract"
+        script.write_text(self.text("generate", "zsh"))
+        subprocess.run(["zsh", "-n", script], check=True)
+
+    @needs("fish")
+    def test_fish(self):
+        script = self.folder / "isoextract.fish"
+        script.write_text(self.text("generate", "fish"))
+        subprocess.run(["fish", "-n", script], check=True)
+        for line, wanted in (("isoextract --meth", ["--method"]), ("isoextract x --method ", ["mc", "mt"]),
+                             ("isoextract info --js", ["--json"]), ("isoextract info --meth", []),
+                             ("isoextract generate ", ["bash", "fish", "man", "zsh"])):
+            run = subprocess.run(["fish", "--no-config", "-c", 'source $argv[1]; complete -C $argv[2]', script, line],
+                                 cwd=self.folder, capture_output=True, text=True, check=True)
+            self.assertEqual(sorted(row.split("\t")[0] for row in run.stdout.splitlines()), wanted, line)
+
+
+if __name__ == "__main__":
+    main()

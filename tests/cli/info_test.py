@@ -1,0 +1,134 @@
+"""isoextract info: text and JSON."""
+
+import json
+import math
+import pathlib
+import subprocess
+
+from support import DATA, PROGRAM, SPHERE, ProgramTest, main, needs_data
+
+RAMP = ("ramp.raw", "--dims", "4,5,6", "--dtype", "f32")
+
+
+class InfoTest(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.write_raw("ramp.raw", (4, 5, 6), lambda x, y, z: float(x))
+
+    def info(self, *arguments):
+        run = self.convert("info", *arguments)
+        self.assertEqual(run.err, "")
+        return run.text
+
+    def json(self, *arguments):
+        return json.loads(self.info("--json", *arguments))
+
+    def test_text(self):
+        text = self.info(*RAMP, "--spacing", "2,3,4", "--origin", "10,20,30")
+        for part in ("ramp.raw\n", "4 x 5 x 6", "2, 3, 4", "(10, 20, 30) .. (16, 32, 50)", "0 .. 3, mean 1.5", "f32",
+                     "480 B", "density", "above", "50 %: ", "##", "Otsu"):
+            self.assertIn(part, text)
+        self.assertNotIn("not finite", text)
+        self.assertLessEqual(max(len(line) for line in text.splitlines()), 110)
+
+    def test_json(self):
+        (report,) = self.json(*RAMP, "--spacing", "2,3,4", "--origin", "10,20,30")
+        self.assertEqual(report["input"], "ramp.raw")
+        field = report["field"]
+        self.assertEqual(field["type"], "f32")
+        self.assertEqual(field["box"], {"min": [0, 0, 0], "max": [3, 4, 5]})
+        self.assertEqual(field["spacing"], [2, 3, 4])
+        self.assertEqual(field["index_to_world"], [[2, 0, 0, 10], [0, 3, 0, 20], [0, 0, 4, 30]])
+        self.assertEqual(field["world_box"], {"min": [10, 20, 30], "max": [16, 32, 50]})
+        values = field["values"]
+        self.assertEqual((values["finite"], values["nan"], values["infinite"]), (120, 0, 0))
+        self.assertEqual((values["min"], values["max"]), (0, 3))
+        self.assertAlmostEqual(values["mean"], 1.5)
+        self.assertEqual(sum(values["histogram"]), 120)
+        self.assertEqual(list(values["percentiles"]), ["1", "5", "25", "50", "75", "95", "99"])
+        self.assertEqual(field["memory"]["samples"], 480)
+        self.assertGreater(field["memory"]["conversion"], 480)
+        self.assertTrue(0 < field["suggestion"]["iso"] < 3)
+
+    def test_not_finite(self):
+        bad = {(0, 0, 0): math.nan, (1, 0, 0): math.inf, (2, 0, 0): -math.inf}
+        self.write_raw("bad.raw", (4, 5, 6), lambda x, y, z: bad.get((x, y, z), float(x)))
+        text = self.info("bad.raw", *RAMP[1:])
+        self.assertIn("1 not a number, 2 infinite", text)
+        (report,) = self.json("bad.raw", *RAMP[1:])
+        self.assertEqual(report["field"]["values"]["nan"], 1)
+        self.assertEqual(report["field"]["values"]["infinite"], 2)
+
+    def test_only_nan(self):
+        self.write_raw("nan.raw", (4, 5, 6), lambda x, y, z: math.nan)
+        text = self.info("nan.raw", *RAMP[1:])
+        self.assertIn("120 not a number", text)
+        self.assertNotIn("suggestion", text)
+        self.json("nan.raw", *RAMP[1:])
+
+    def test_the_suggested_command_works(self):
+        (report,) = self.json(*RAMP, "--spacing", "2,3,4", "--inside", "above")
+        command = report["field"]["suggestion"]["command"]
+        self.assertIn(command, self.info(*RAMP, "--spacing", "2,3,4", "--inside", "above"))
+        self.assertTrue(command.startswith("isoextract ramp.raw --dims 4,5,6 --dtype f32 --spacing 2,3,4 "), command)
+        program = pathlib.Path(PROGRAM)
+        subprocess.run(["bash", "-c", command], cwd=self.folder, check=True, capture_output=True,
+                       env={"PATH": f"{program.parent}:/usr/bin:/bin"})
+        self.assertEqual(self.files(), ["ramp.glb", "ramp.raw"])
+
+    def test_the_estimate_of_triangles_is_near(self):
+        (report,) = self.json("demo:sphere?size=64")
+        iso = report["field"]["suggestion"]["iso"]
+        run = self.convert("demo:sphere?size=64", "--iso", iso)
+        triangles = int(run.err.split(": ")[1].split()[0])
+        self.assertAlmostEqual(report["field"]["suggestion"]["triangles"], triangles, delta=0.25 * triangles)
+
+    def test_several_inputs(self):
+        text = self.info(SPHERE, "demo:torus?size=24")
+        self.assertIn(SPHERE + "\n", text)
+        self.assertIn("\ndemo:torus?size=24\n", text)
+        self.assertEqual([entry["input"] for entry in self.json(SPHERE, "demo:torus?size=24")],
+                         [SPHERE, "demo:torus?size=24"])
+
+    def test_a_bad_input_among_good_ones(self):
+        run = self.run_program("info", SPHERE, "missing.vdb", "demo:torus?size=24")
+        self.assertEqual(run.code, 2)
+        self.assertIn("missing.vdb", run.err)
+        self.assertIn(SPHERE, run.text)
+        self.assertIn("demo:torus", run.text)
+        run = self.run_program("info", "--json", SPHERE, "missing.vdb")
+        self.assertEqual(run.code, 2)
+        entries = json.loads(run.text)
+        self.assertIn("missing.vdb", entries[1]["error"]["message"])
+
+    def test_same_figures_for_any_number_of_threads(self):
+        self.assertEqual(self.info("demo:gyroid?size=64", "--threads", "1"),
+                         self.info("demo:gyroid?size=64", "--threads", "3"))
+
+    @needs_data("vdb/c42_gas_seq/fluid_data_0010.vdb")
+    def test_several_grids_are_listed(self):
+        path = DATA / "vdb/c42_gas_seq/fluid_data_0010.vdb"
+        text = self.info(path)
+        for part in ("24", "density", "velocity", "--grid NAME", "51 x 71 x 29"):
+            self.assertIn(part, text)
+        (report,) = self.json(path)
+        self.assertEqual(len(report["grids"]), 24)
+        self.assertIsNone(report["field"])
+        self.assertIn("percentiles", self.info(path, "--grid", "density"))
+
+    @needs_data("vdb/sphere.vdb")
+    def test_level_set(self):
+        text = self.info(DATA / "vdb/sphere.vdb")
+        for part in ("level set", "below the iso value is inside", "--iso 0: the zero of the level set", "ls_sphere"):
+            self.assertIn(part, text)
+
+    @needs_data("med/MR.nii.gz")
+    def test_scaled_values(self):
+        (report,) = self.json(DATA / "med/MR.nii.gz")
+        self.assertAlmostEqual(report["field"]["values"]["max"], 512, delta=0.01)
+        for got, wanted in zip(report["field"]["spacing"], (1, 0.898, 0.898)):
+            self.assertAlmostEqual(got, wanted, delta=0.001)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,124 @@
+"""Where vertices land. The field is one sample of 1 among zeros, so that at iso 0.5 the surface is an octahedron whose
+corners lie half a voxel from that sample: every coordinate can be computed by hand."""
+
+import math
+import struct
+
+from support import ProgramTest, main, read_glb, read_obj, read_ply, read_stl
+
+DIMS = (3, 4, 5)
+SPIKE = (1, 2, 3)
+RAW = ("spike.raw", "--dims", "3,4,5", "--dtype", "f32", "--iso", "0.5")
+PLACED = (*RAW, "--spacing", "2,3,4", "--origin", "10,20,30")  # the spike is at (12, 26, 42)
+READERS = {"ply": read_ply, "obj": read_obj, "stl": read_stl, "glb": lambda data: next(iter(read_glb(data).values()))}
+
+
+class PlacementTest(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.write_raw("spike.raw", DIMS, lambda x, y, z: float((x, y, z) == SPIKE))
+
+    def bounds(self, name, *arguments):
+        """Bounds of the mesh in the file `name` that the arguments make, which must be turned the right way round."""
+        run = self.convert(*arguments, "-o", name)
+        mesh = READERS[name.split(".")[-1]]((self.folder / name).read_bytes())
+        self.assertGreater(mesh.volume(), 0)
+        return mesh.bounds(), run.err
+
+    def assert_bounds(self, found, low, high):
+        for got, wanted in zip((*found[0], *found[1]), (*low, *high)):
+            self.assertAlmostEqual(got, wanted, delta=1e-6 * max(1.0, abs(wanted)))
+
+    def test_spacing_and_origin(self):
+        for name in ("out.ply", "out.obj", "out.stl"):
+            found, said = self.bounds(name, *PLACED)
+            self.assert_bounds(found, (11, 24.5, 40), (13, 27.5, 44))
+            self.assertIn("; world coordinates;", said)
+
+    def test_gltf_turns_z_up_to_y_up(self):
+        found, said = self.bounds("out.glb", *PLACED)
+        self.assert_bounds(found, (11, 40, -27.5), (13, 44, -24.5))
+        self.assertIn("turned from z up to y up", said)
+        self.assert_bounds(self.bounds("out.glb", *PLACED, "--up", "z")[0], (11, 40, -27.5), (13, 44, -24.5))
+
+    def test_y_up_input_is_not_turned(self):
+        found, said = self.bounds("out.glb", *PLACED, "--up", "y")
+        self.assert_bounds(found, (11, 24.5, 40), (13, 27.5, 44))
+        self.assertNotIn("turned", said)
+
+    def test_up_changes_nothing_for_formats_without_an_up_axis(self):
+        for up in "yz":
+            found, said = self.bounds("out.ply", *PLACED, "--up", up)
+            self.assert_bounds(found, (11, 24.5, 40), (13, 27.5, 44))
+            self.assertIn("note: --up changes nothing", said)
+
+    def test_scale(self):
+        found, said = self.bounds("out.ply", *PLACED, "--scale", "2")
+        self.assert_bounds(found, (22, 49, 80), (26, 55, 88))
+        self.assertIn("scaled by 2", said)
+
+    def test_units_become_metres(self):
+        for unit, metres in (("um", 1e-6), ("mm", 1e-3), ("cm", 1e-2), ("m", 1), ("in", 0.0254), ("ft", 0.3048)):
+            found, said = self.bounds("out.obj", *PLACED, "--unit", unit)
+            for got, wanted in zip((*found[0], *found[1]), (11, 24.5, 40, 13, 27.5, 44)):
+                self.assertAlmostEqual(got, wanted * metres, delta=1e-6 * wanted * metres)
+            self.assertIn(f"({unit} to m)", said)
+
+    def test_turn_and_scale_together(self):
+        found, _ = self.bounds("out.glb", *PLACED, "--unit", "cm")
+        self.assert_bounds(found, (0.11, 0.40, -0.275), (0.13, 0.44, -0.245))
+
+    def test_index_space(self):
+        for name in ("out.ply", "out.glb"):
+            found, said = self.bounds(name, *PLACED, "--space", "index")
+            self.assert_bounds(found, (0.5, 1.5, 2.5), (1.5, 2.5, 3.5))
+            self.assertIn("voxel coordinates", said)
+
+    def test_a_scale_that_leaves_the_numbers(self):
+        for scale in ("1e300", "1e-300"):
+            self.assert_fails(1, self.run_program(*PLACED, "--scale", scale), "leave the range of numbers", "--scale")
+
+    def test_far_away_frames_keep_their_accuracy(self):
+        for name in ("out.ply", "out.obj", "out.glb"):
+            found, _ = self.bounds(name, *RAW, "--spacing", "0.01", "--origin", "10000000,0,0", "--up", "y")
+            self.assertAlmostEqual(found[0][0], 1e7 + 0.005, delta=1e-6)
+            self.assertAlmostEqual(found[1][0], 1e7 + 0.015, delta=1e-6)
+
+    def test_roi_holds_the_samples_on_its_border(self):
+        self.write_raw("ramp.raw", (6, 6, 6), lambda x, y, z: float(x))
+        ramp = ("ramp.raw", "--dims", "6,6,6", "--dtype", "f32", "--iso", "2.5")
+        # 0.3 / 0.1 is a little less than 3.
+        self.convert(*ramp, "--spacing", "0.1", "--roi", "0,0.1,0.1,0.5,0.3,0.3", "-o", "out.ply")
+        found = read_ply((self.folder / "out.ply").read_bytes()).bounds()
+        self.assert_bounds(found, (0.25, 0.1, 0.1), (0.25, 0.3, 0.3))
+        self.convert(*ramp, "--spacing", "0.1", "--space", "index", "--roi", "0,1,1.5,5,3,4.5", "-o", "out.ply")
+        found = read_ply((self.folder / "out.ply").read_bytes()).bounds()
+        self.assert_bounds(found, (2.5, 1, 2), (2.5, 3, 4))
+
+    def test_roi_is_in_the_input_world_whatever_the_output(self):
+        self.convert(*PLACED, "--roi", "8,20,36,14,32,48", "--scale", "10", "-o", "out.glb")
+        self.assert_fails(2, self.run_program(*PLACED, "--roi", "80,200,360,140,320,480", "--scale", "10"), "--roi",
+                          "(10, 20, 30) .. (14, 29, 46)")
+
+    def test_oblique_axes(self):
+        # Turned by 30 degrees about z, x and z mirrored.
+        c, s = math.cos(math.pi / 6), math.sin(math.pi / 6)
+        axes = ((-2 * c, -2 * s, 0.0), (-3 * s, 3 * c, 0.0), (0.0, 0.0, -4.0))
+        directions = " ".join("({!r},{!r},{!r})".format(*axis) for axis in axes)
+        header = ("NRRD0004\ntype: float\ndimension: 3\nsizes: 3 4 5\nencoding: raw\nendian: little\n"
+                  f"space: right-anterior-superior\nspace directions: {directions}\nspace origin: (10,20,30)\n\n")
+        values = [float((x, y, z) == SPIKE) for z in range(5) for y in range(4) for x in range(3)]
+        (self.folder / "turned.nrrd").write_bytes(header.encode() + struct.pack("<60f", *values))
+        found, said = self.bounds("out.obj", "turned.nrrd", "--iso", "0.5")
+        centre = [10 - 2 * c - 6 * s, 20 - 2 * s + 6 * c, 30 - 12]
+        reach = [max(abs(axis[i]) / 2 for axis in axes) for i in range(3)]
+        self.assert_bounds(found, [p - r for p, r in zip(centre, reach)], [p + r for p, r in zip(centre, reach)])
+        self.assertNotIn("oblique", said)
+        run = self.convert("turned.nrrd", "--iso", "0.5", "--roi", "-20,0,-20,20,40,40", "-o", "roi.obj")
+        self.assertIn("note: ", run.err)
+        self.assertIn("oblique", run.err)
+        self.assertEqual((self.folder / "roi.obj").read_bytes(), (self.folder / "out.obj").read_bytes())
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,137 @@
+"""stdout carries data only, stderr the rest: pipes, quietness, terminals."""
+
+import os
+import pty
+import select
+import signal
+import subprocess
+import time
+
+from support import PROGRAM, SPHERE, ProgramTest, main, read_glb, read_ply
+
+
+def output_on_terminal(arguments, folder, stdout=subprocess.DEVNULL, sleep=0.0):
+    """What the program writes to stderr where that is a terminal, and its exit code. Early in its work it is made to
+    sleep, so that the work takes long on fast machines too."""
+    ours, theirs = pty.openpty()
+    environment = {**os.environ, "TERM": "xterm"}
+    options = {"stdout": theirs if stdout == "terminal" else stdout}
+    with subprocess.Popen([PROGRAM, *arguments], cwd=folder, stdin=subprocess.DEVNULL, stderr=theirs, env=environment,
+                          **options) as process:
+        os.close(theirs)
+        if sleep > 0:
+            time.sleep(0.2)
+            process.send_signal(signal.SIGSTOP)
+            time.sleep(sleep)
+            process.send_signal(signal.SIGCONT)
+        text = b""
+        while select.select([ours], [], [], 60)[0]:
+            try:
+                part = os.read(ours, 65536)
+            except OSError:  # the other side is closed
+                break
+            if not part:
+                break
+            text += part
+        code = process.wait(timeout=60)
+    os.close(ours)
+    return text.decode(errors="replace"), code
+
+
+class StreamsTest(ProgramTest):
+    def test_stdout_has_the_bytes_of_the_file(self):
+        for form in ("ply", "glb", "obj", "stl"):
+            self.convert(SPHERE, "--iso", "0", "-o", f"file.{form}")
+            run = self.convert(SPHERE, "--iso", "0", "-o", "-", "--format", form)
+            self.assertEqual(run.out, (self.folder / f"file.{form}").read_bytes())
+            self.assertIn("-> stdout: ", run.err)
+        read_glb(self.convert(SPHERE, "--iso", "0", "-o", "-", "--format", "glb").out)
+
+    def test_a_pipe_can_be_read_while_it_is_written(self):
+        run = subprocess.run(["bash", "-c", '"$0" demo:gyroid?size=64 --iso 0 -q -o - --format ply | cat', PROGRAM],
+                             cwd=self.folder, capture_output=True, check=True)
+        self.assertEqual(run.stderr, b"")
+        self.assertGreater(len(read_ply(run.stdout).triangles), 1000)
+
+    def test_a_reader_that_stops_early_is_an_error_and_no_crash(self):
+        command = '"$0" demo:gyroid?size=96 --iso 0 -q -o - --format obj | head -n 1; exit ${PIPESTATUS[0]}'
+        run = subprocess.run(["bash", "-c", command, PROGRAM], cwd=self.folder, capture_output=True, check=False)
+        self.assertEqual(run.returncode, 4, run.stderr)
+        self.assertEqual(run.stdout.count(b"\n"), 1)
+        self.assertTrue(run.stderr.startswith(b"isoextract: error: "), run.stderr)
+
+    def test_reports_to_a_full_disk_are_errors(self):
+        for arguments in (("info", SPHERE), ("help",), ("--version",), ("generate", "man")):
+            with open("/dev/full", "wb") as full:
+                run = self.run_program(*arguments, stdout=full)
+            self.assert_fails(4, run, "no space left")
+
+    def test_closed_streams_do_not_mix_with_files(self):
+        self.convert(SPHERE, "--iso", "0", "-o", "open.ply")
+        for redirection in ("2>&-", ">&-", "<&-", ">&- 2>&- <&-"):
+            command = f'"$0" demo:sphere?size=24 --iso 0 -v -o closed.ply {redirection}'
+            run = subprocess.run(["bash", "-c", command, PROGRAM], cwd=self.folder, capture_output=True, check=False)
+            self.assertEqual(run.returncode, 0, run.stderr)
+            self.assertEqual((self.folder / "closed.ply").read_bytes(), (self.folder / "open.ply").read_bytes())
+        for arguments in ("info demo:sphere?size=24", "demo:sphere?size=24 --iso 0 -o - --format ply"):
+            run = subprocess.run(["bash", "-c", f'"$0" {arguments} >&-', PROGRAM], cwd=self.folder,
+                                 capture_output=True, check=False)
+            self.assertEqual(run.returncode, 4, run.stderr)
+
+    def test_a_conversion_tells_one_line_a_file(self):
+        run = self.convert(SPHERE, "--iso", "0", "-o", "out.glb")
+        self.assertEqual(run.out, b"")
+        self.assertRegex(run.err, r"^demo:sphere\?size=24 iso 0 -> out\.glb: \d+ triangles, \d+ vertices, [\d.]+ KiB; "
+                                  r"world coordinates, turned from z up to y up; \d+\.\d\d s\n$")
+
+    def test_quiet_is_silent(self):
+        for arguments in ((SPHERE, "--iso", "0"), (SPHERE, "--iso", "9", "--empty", "skip"),
+                          (SPHERE, "--iso", "0", "--up", "y", "-o", "out.ply")):
+            self.assertEqual(self.convert(*arguments, "-q").err, "")
+
+    def test_quiet_still_tells_errors(self):
+        self.assert_fails(2, self.run_program(SPHERE, "--iso", "9", "-q"), "no surface")
+
+    def test_verbose_tells_stages_and_memory(self):
+        err = self.convert(SPHERE, "--iso", "0", "-v").err
+        for part in ("read in ", "extracted in ", "written in ", "peak memory "):
+            self.assertIn(part, err)
+
+    def test_explain_tells_what_was_left_out(self):
+        err = self.convert("demo:sphere?size=64", "--iso", "0", "--explain", "-o", "out.ply").err
+        self.assertRegex(err, r"left out: [1-9]\d* of [1-9]\d* bricks \(.+\), which the iso value does not cross")
+        self.assertRegex(err, r"262144 samples, each once")
+        self.assertIn("normals, which nobody asked for", err)
+
+    def test_no_escape_sequences_without_a_terminal(self):
+        run = self.convert("demo:marschner-lobb?size=96", "--iso", "0.5", "--threads", "1")
+        self.assertNotIn("\x1b", run.err)
+        self.assertNotIn("\r", run.err)
+
+    def test_progress_on_a_terminal(self):
+        arguments = ["demo:marschner-lobb?size=256", "--iso", "0.5", "--threads", "1", "-o", "out.ply"]
+        text, code = output_on_terminal(arguments, self.folder, sleep=1.2)
+        self.assertEqual(code, 0, text)
+        self.assertRegex(text, r"\[#*\.*\] +\d+ % ")
+        summary = text[text.rindex("\x1b[K") + len("\x1b[K"):]  # what stands after the last erasing
+        self.assertRegex(summary, r"^demo:marschner-lobb\?size=256 iso 0\.5 -> out\.ply: ")
+        text, code = output_on_terminal([*arguments, "-q"], self.folder, sleep=1.2)
+        self.assertEqual((text, code), ("", 0))
+
+    def test_short_work_shows_no_progress_on_a_terminal(self):
+        text, code = output_on_terminal([SPHERE, "--iso", "0"], self.folder)
+        self.assertEqual(code, 0)
+        self.assertNotIn("\x1b", text)
+
+    def test_binary_data_does_not_go_to_a_terminal(self):
+        arguments = [SPHERE, "--iso", "0", "-o", "-", "--format"]
+        text, code = output_on_terminal([*arguments, "ply"], self.folder, stdout="terminal")
+        self.assertEqual(code, 1)
+        self.assertIn("terminal", text)
+        text, code = output_on_terminal([*arguments, "ply", "--ascii"], self.folder, stdout="terminal")
+        self.assertEqual(code, 0)
+        self.assertIn("end_header", text)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,8 @@
+# Whole command lines: stdout, stderr, exit codes, and what was written.
+foreach(name usage surface placement output streams info documents)
+  add_test(NAME cli.${name}
+    COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_CURRENT_SOURCE_DIR}/cli/${name}_test.py)
+  set_tests_properties(cli.${name} PROPERTIES
+    ENVIRONMENT "ISOEXTRACT_PROGRAM=$<TARGET_FILE:isoextract>;ISOEXTRACT_SOURCE_DIR=${PROJECT_SOURCE_DIR}"
+    TIMEOUT 120)
+endforeach()

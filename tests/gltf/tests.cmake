@@ -1,0 +1,17 @@
+# Every kind of .glb and .gltf that the writers can make, checked by the Khronos validator.
+add_executable(write_sample_meshes gltf/write_sample_meshes.cpp)
+target_link_libraries(write_sample_meshes PRIVATE isoextract_io isoextract_options)
+target_include_directories(write_sample_meshes PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
+
+set(sample_meshes ${CMAKE_CURRENT_BINARY_DIR}/sample_meshes)
+add_test(NAME gltf.write_samples COMMAND write_sample_meshes ${sample_meshes})
+set_tests_properties(gltf.write_samples PROPERTIES FIXTURES_SETUP sample_meshes)
+
+find_program(NODE NAMES node nodejs)
+if(NODE)
+  add_test(NAME gltf.validate
+    COMMAND ${NODE} ${CMAKE_CURRENT_SOURCE_DIR}/gltf/validate.mjs ${sample_meshes}/glb ${sample_meshes}/gltf)
+  set_tests_properties(gltf.validate PROPERTIES FIXTURES_REQUIRED sample_meshes)
+else()
+  message(WARNING "node was not found: the glTF validator will not run")
+endif()

@@ -1,0 +1,81 @@
+// write_sample_meshes FOLDER: writes every kind of mesh in every format that the writers know, for programs of others
+// to open: the glTF validator here, Blender and MeshLab in scripts/check_in_viewers.py.
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "io/mesh_writer.hpp"
+#include "support/sample_meshes.hpp"
+
+namespace {
+
+using namespace isoextract;
+using namespace isoextract::test;
+
+struct Sample {
+  std::string name;
+  std::function<std::vector<Mesh>()> make;
+  bool flat_normals = false;
+  bool ascii = false;
+};
+
+template <class... Meshes>
+std::vector<Mesh> list(Meshes... meshes) {
+  std::vector<Mesh> all;
+  (all.push_back(std::move(meshes)), ...);
+  return all;
+}
+
+Mesh nothing(std::string name) { return make_mesh(std::move(name), {}, {}); }
+
+Mesh one_triangle() { return make_mesh("triangle", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}); }
+
+std::vector<Sample> samples() {
+  const glm::dvec3 far(4e6 + 1.0 / 3, -7e6, 1.0 / 7);
+  return {
+      {"plain", [] { return list(sphere(24, false)); }},
+      {"normals", [] { return list(sphere(24, true)); }},
+      {"flat", [] { return list(sphere(24, false)); }, true},
+      {"ascii", [] { return list(sphere(24, false)); }, false, true},
+      {"ascii_normals", [] { return list(sphere(24, true)); }, false, true},
+      {"ascii_flat", [] { return list(sphere(24, false)); }, true, true},
+      {"far", [far] { return list(sphere(24, true, "far", far)); }},
+      {"far_flat", [far] { return list(sphere(24, false, "far", far)); }, true},
+      {"several",
+       [] { return list(one_triangle(), sphere(8, true, "iso 1"), tetrahedron(), sphere(200, false, "2")); }},
+      {"several_flat", [] { return list(one_triangle(), sphere(8, false, "iso 1"), tetrahedron()); }, true},
+      {"tiny", [] { return list(one_triangle()); }},
+      {"many", [] { return list(sphere(200, true)); }},
+      {"empty", [] { return list(nothing("nothing")); }},
+      {"no_mesh", [] { return list(); }},
+      {"empty_and_more", [] { return list(nothing("nothing"), tetrahedron(), nothing("")); }},
+      {"ünï \"code\" 50% #1", [] { return list(tetrahedron("Ünï \"quoted\" \\ 等値面 \n\U0001F480")); }},
+  };
+}
+
+bool write(const Sample& sample, const MeshFormatInfo& format, const std::filesystem::path& folder) {
+  const std::vector<Mesh> meshes = sample.make();
+  if ((meshes.size() != 1 && !format.holds_several_meshes) || (sample.ascii && !format.has_ascii)) return true;
+  // One folder a format: the .bin of one model must not have the name of another's.
+  const std::filesystem::path path = folder / format.name / (sample.name + "." + std::string(format.name));
+  std::filesystem::create_directories(path.parent_path());
+  const auto written = write_meshes(meshes, path, {format.format, sample.flat_normals, sample.ascii});
+  if (!written) std::fprintf(stderr, "%s\n", written.error().message.c_str());
+  return written.has_value();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    std::fprintf(stderr, "usage: write_sample_meshes FOLDER\n");
+    return 1;
+  }
+  bool good = true;
+  for (const Sample& sample : samples()) {
+    for (const MeshFormatInfo& format : mesh_formats()) good = write(sample, format, argv[1]) && good;
+  }
+  return good ? 0 : 1;
+}

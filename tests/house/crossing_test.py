@@ -1,0 +1,58 @@
+"""An include that crosses the table of rooms does not compile: each room's real compile command is given a file that
+includes one header of another room."""
+
+import json
+import pathlib
+import shlex
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import rules
+
+SOURCE = pathlib.Path(sys.argv[1]).resolve()
+BUILD = pathlib.Path(sys.argv[2]).resolve()
+
+
+def preprocessors():
+    """The command of each room's first source, without its input and output, told to preprocess only."""
+    commands = {}
+    for entry in json.loads((BUILD / "compile_commands.json").read_text()):
+        path = pathlib.Path(entry["file"])
+        if SOURCE / "src" not in path.parents or path.name == "main.cpp":
+            continue
+        words = shlex.split(entry["command"])
+        while "ccache" in words[0]:
+            words = words[1:]
+        output = words.index("-o")
+        del words[output : output + 2]
+        words[words.index("-c") :] = ["-E", "-o", "/dev/null"]
+        commands.setdefault(path.parent.name, words)
+    return commands
+
+
+class CrossingTest(unittest.TestCase):
+    def test_only_the_rooms_of_the_table_can_be_included(self):
+        commands = preprocessors()
+        headers = {room: sorted((SOURCE / "src" / room).glob("*.hpp")) for room in commands}
+        self.assertGreaterEqual(len(commands), 6, sorted(commands))
+        crossings = 0
+        with tempfile.TemporaryDirectory(prefix="isoextract-house-") as folder:
+            for room, command in commands.items():
+                for other in (other for other in commands if headers[other]):
+                    header = f"{other}/{headers[other][0].name}"
+                    allowed = other in rules.reach(room)
+                    with self.subTest(room=room, includes=header):
+                        probe = pathlib.Path(folder) / "probe.cpp"
+                        probe.write_text(f'#include "{header}"\n')
+                        done = subprocess.run([*command, probe], cwd=BUILD, capture_output=True, text=True)
+                        self.assertEqual(done.returncode == 0, allowed, done.stderr)
+                        if not allowed:
+                            self.assertRegex(done.stderr, f"{header}.*(No such file|not found)")
+                            crossings += 1
+        self.assertGreaterEqual(crossings, 12)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])

@@ -1,0 +1,187 @@
+"""The rules of the house that a compiler does not check. Each check takes the project's root and yields findings."""
+
+import pathlib
+import re
+import subprocess
+import sys
+
+# Which rooms a room's sources may include, besides itself (DESIGN section 2); what those include comes along.
+MAY_INCLUDE = {
+    "base": [],
+    "field": ["base"],
+    "mesh": ["base"],
+    "io": ["field", "mesh"],
+    "extract": ["field", "mesh"],
+    "gpu": ["extract"],
+    "render": ["gpu", "mesh"],
+    "simulate": ["field", "io"],
+    "measure": ["extract", "mesh"],
+    "batch": ["io", "extract"],
+    "cli": ["base", "field", "mesh", "io", "extract", "gpu", "render", "simulate", "measure", "batch"],
+}
+
+LINE_LIMIT = 500
+
+# What only some places may use: pattern, the rooms or files that may, what to do instead.
+RESERVED = [
+    (r"#\s*include\s*[<\"](GL|GLES\d?|EGL|epoxy)/", ["gpu", "render"], "GL and EGL belong to gpu and render"),
+    (r"\b(_|quick_|std::)?exit\s*\(|\bstd::(abort|terminate)\b|\babort\s*\(", ["cli"], "return an Error instead"),
+    (r"\bargv\b", ["cli"], "only cli reads the command line"),
+    (r"\bstd::(cout|cerr|clog)\b|\b(stdout|stderr)\b", ["cli"], "only cli speaks; return text or an Error"),
+    (r"\b(v?f?printf|puts|fputs|putchar|perror)\s*\(|\bfmt::print\b", ["cli"], "only cli speaks"),
+    (r"#\s*include\s*<spdlog/", ["cli"], "only cli speaks"),
+    (r"\bSTDOUT_FILENO\b", ["cli", "io/output_file.cpp"], "write through OutputFile"),
+]
+
+MACHINE_PATH = re.compile(r"(^|[^A-Za-z0-9_.~}])/(work|tmp|root|home|Users)/")
+
+
+def reach(room):
+    """The rooms that `room` may include: itself, and what its neighbours reach."""
+    return {room}.union(*(reach(neighbour) for neighbour in MAY_INCLUDE[room]))
+
+
+def without_comments_and_text(source):
+    """C++ source with comments and the insides of literals blanked; line numbers stay. Include paths are kept."""
+    token = re.compile(
+        r'(?P<include>^[ \t]*#[ \t]*include[^\n]*)'
+        r'|(?P<raw>R"(?P<mark>[^()\s\\]{0,16})\(.*?\)(?P=mark)")'
+        r'|(?P<comment>//[^\n]*|/\*.*?\*/)'
+        r"|(?P<number>\b[0-9][0-9a-fA-FxX']*)"
+        r'|(?P<text>"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\')',
+        re.DOTALL | re.MULTILINE,
+    )
+
+    def blank(match):
+        if match.lastgroup in ("include", "number"):
+            return match.group()
+        return "\n" * match.group().count("\n") or " "
+
+    return token.sub(blank, source)
+
+
+def room_sources(root):
+    """(room, path, code) of every C++ file of src."""
+    for path in sorted((root / "src").rglob("*.[ch]pp")):
+        yield path.relative_to(root / "src").parts[0], path, without_comments_and_text(path.read_text())
+
+
+def project_files(root):
+    """What belongs to the project: what git does not ignore, or without git all but what is built and fetched."""
+    listing = subprocess.run(
+        ["git", "-C", root, "ls-files", "-z", "--cached", "--others", "--exclude-standard"], capture_output=True
+    )
+    if listing.returncode == 0 and listing.stdout:
+        paths = [root / name for name in listing.stdout.decode().split("\0") if name]
+    else:
+        skipped = {"build", ".git", "node_modules", "__pycache__"}
+        paths = [path for path in root.rglob("*") if not skipped & set(path.relative_to(root).parts)]
+    return sorted(path for path in paths if path.is_file())
+
+
+def text_of(path):
+    data = path.read_bytes()
+    return None if b"\0" in data else data.decode(errors="replace")
+
+
+def numbered(root, path, text):
+    for number, line in enumerate(text.splitlines(), 1):
+        yield f"{path.relative_to(root)}:{number}", line
+
+
+def check_includes(root):
+    """A room includes itself and the rooms of its row, by "room/header.hpp" from src."""
+    for room, path, code in room_sources(root):
+        if room not in MAY_INCLUDE:
+            yield f"{path.relative_to(root)}: the room '{room}' is not in the table of rooms"
+            continue
+        for place, line in numbered(root, path, code):
+            include = re.match(r'\s*#\s*include\s*([<"])([^>"]+)[>"]', line)
+            if not include:
+                continue
+            quoted, target = include.group(1) == '"', include.group(2)
+            first = target.split("/")[0]
+            if first in MAY_INCLUDE and "/" in target:
+                if first not in reach(room):
+                    yield f"{place}: {room} may not include {first} ({target})"
+            elif quoted or first in (".", ".."):
+                yield f'{place}: write "{target}" as "room/header.hpp"'
+
+
+def check_links(root):
+    """The link lines allow no more than the table."""
+    for path in sorted((root / "src").glob("*/CMakeLists.txt")):
+        room = path.parent.name
+        text = re.sub(r"#[^\n]*", "", path.read_text())
+        if room not in MAY_INCLUDE or f"isoextract_room({room}" not in text:
+            yield f"{path.relative_to(root)}: declares no room '{room}' of the table"
+            continue
+        arguments = re.search(r"\bROOMS\b([^)]*?)(?=\bLIBRARIES\b|\bSOURCES\b|\))", text)
+        linked = set(arguments.group(1).split()) if arguments else set()
+        linked |= set(re.findall(r"\bisoextract_(\w+)", text)) & set(MAY_INCLUDE)
+        for other in sorted(linked - reach(room)):
+            yield f"{path.relative_to(root)}: {room} may not link {other}"
+
+
+def check_reserved(root):
+    """Graphics headers, output, the command line and the end of the program each have their place."""
+    for room, path, code in room_sources(root):
+        inside = path.relative_to(root / "src").as_posix()
+        for pattern, places, instead in RESERVED:
+            if room in places or inside in places:
+                continue
+            for place, line in numbered(root, path, code):
+                if re.search(pattern, line):
+                    yield f"{place}: `{line.strip()}`: {instead}"
+
+
+def check_map(root):
+    """src/README.md names every file of every room under its room's heading, and none that is not there."""
+    page = root / "src" / "README.md"
+    sections = re.split(r"^## (\w+)", page.read_text() if page.exists() else "", flags=re.MULTILINE)
+    named = {
+        (room, name) for room, text in zip(sections[1::2], sections[2::2]) for name in re.findall(r"^\| `(\w+)`", text, re.M)
+    }
+    there = {(room, path.stem) for room, path, _ in room_sources(root)}
+    for room, name in sorted(there - named):
+        yield f"src/README.md: no line for {room}/{name}"
+    for room, name in sorted(named - there):
+        yield f"src/README.md: names {room}/{name}, which is not there"
+
+
+def check_length(root):
+    """No file of sources, tests or shaders is too long to read."""
+    for path in project_files(root):
+        parts = path.relative_to(root).parts
+        if parts[0] not in ("src", "tests", "shaders") or path.name == "package-lock.json":
+            continue
+        text = text_of(path)
+        lines = len(text.splitlines()) if text is not None else 0
+        if lines > LINE_LIMIT:
+            yield f"{path.relative_to(root)}: {lines} lines, at most {LINE_LIMIT}"
+
+
+def check_machine_paths(root):
+    """No file names a folder of somebody's machine."""
+    for path in project_files(root):
+        text = text_of(path)
+        for place, line in numbered(root, path, text or ""):
+            if MACHINE_PATH.search(line):
+                yield f"{place}: `{line.strip()}`: an absolute path of one machine"
+
+
+CHECKS = [check_includes, check_links, check_reserved, check_map, check_length, check_machine_paths]
+
+
+def main():
+    root = pathlib.Path(sys.argv[1]).resolve()
+    findings = [(check, finding) for check in CHECKS for finding in check(root)]
+    for check, finding in findings:
+        print(f"{finding}\n    rule: {check.__doc__}")
+    if not any(True for _ in room_sources(root)):
+        sys.exit(f"no sources under {root}")
+    sys.exit(1 if findings else 0)
+
+
+if __name__ == "__main__":
+    main()

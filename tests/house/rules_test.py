@@ -1,0 +1,125 @@
+"""Plants one violation of each rule in a small project and sees that it, and nothing else, is found."""
+
+import pathlib
+import shutil
+import tempfile
+import unittest
+
+import rules
+
+CLEAN = {
+    "src/base/CMakeLists.txt": "isoextract_room(base\n  SOURCES a.cpp)\n",
+    "src/base/error.hpp": "#pragma once\n",
+    "src/io/CMakeLists.txt": "isoextract_room(io SOURCES b.cpp ROOMS base field LIBRARIES Some::lib)\n",
+    "src/io/reader.cpp": (
+        '#include "io/reader.hpp"\n#include <vector>\n#include "field/samples.hpp"\n#include "base/error.hpp"\n'
+        '// std::cout and exit(1) in a comment\nconst char* s = "printf(\\"argv\\") // no end";\n'
+        "int big = 1'000'000; char c = '\"';\n/* abort();\n exit(2); */\nvoid atexit_like(int on_exit);\n"
+        'auto r = R"x(std::cerr " )" )x";\n'
+    ),
+    "src/cli/CMakeLists.txt": "isoextract_room(cli SOURCES c.cpp ROOMS base io)\n",
+    "src/cli/main.cpp": "#include <cstdio>\nint main(int, char** argv) { std::puts(argv[0]); std::exit(0); }\n",
+}
+CLEAN["src/README.md"] = "## base: x\n| `error` | x |\n## io: x\n| `reader` | x |\n## cli: x\n| `main` | x |\n"
+SLASH = "/"
+
+
+class RulesTest(unittest.TestCase):
+    def setUp(self):
+        self.root = pathlib.Path(tempfile.mkdtemp(prefix="isoextract-house-"))
+        self.addCleanup(shutil.rmtree, self.root)
+        for name, text in CLEAN.items():
+            self.plant(name, text)
+
+    def plant(self, name, text):
+        path = self.root / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+
+    def plant_in_room(self, room, text):
+        """A file that the map of the rooms knows."""
+        self.plant(f"src/{room}/planted.cpp", text)
+        self.plant("src/README.md", CLEAN["src/README.md"] + f"## {room}: x\n| `planted` | x |\n")
+
+    def findings(self):
+        return [finding for check in rules.CHECKS for finding in check(self.root)]
+
+    def expect_one(self, *parts):
+        findings = self.findings()
+        self.assertEqual(len(findings), 1, findings)
+        for part in parts:
+            self.assertIn(part, findings[0])
+
+    def test_a_clean_project_has_no_findings(self):
+        self.assertEqual(self.findings(), [])
+
+    def test_include_across_rooms(self):
+        self.plant_in_room("base", '#include <string>\n#include "field/samples.hpp"\n')
+        self.expect_one("src/base/planted.cpp:2", "base may not include field")
+
+    def test_include_in_angle_brackets_and_with_spaces(self):
+        self.plant_in_room("io", "  #  include <extract/extractor.hpp>\n")
+        self.expect_one("src/io/planted.cpp:1", "io may not include extract")
+
+    def test_include_by_relative_path(self):
+        self.plant_in_room("base", '#include "../field/samples.hpp"\n')
+        self.expect_one("src/base/planted.cpp:1", "room/header.hpp")
+
+    def test_include_without_room(self):
+        self.plant_in_room("io", '#include "reader.hpp"\n')
+        self.expect_one("src/io/planted.cpp:1", "room/header.hpp")
+
+    def test_room_outside_the_table(self):
+        self.plant_in_room("util", "int x;\n")
+        self.expect_one("src/util/planted.cpp", "'util'")
+
+    def test_link_line_beyond_the_table(self):
+        self.plant("src/io/CMakeLists.txt", "isoextract_room(io SOURCES b.cpp ROOMS base extract LIBRARIES x)\n")
+        self.expect_one("io may not link extract")
+
+    def test_link_beside_the_room_declaration(self):
+        text = CLEAN["src/base/CMakeLists.txt"] + "target_link_libraries(isoextract_base PRIVATE isoextract_mesh)\n"
+        self.plant("src/base/CMakeLists.txt", text)
+        self.expect_one("base may not link mesh")
+
+    def test_graphics_headers(self):
+        self.plant_in_room("io", "#include <epoxy/gl.h>\n")
+        self.expect_one("src/io/planted.cpp:1", "gpu and render")
+
+    def test_what_only_cli_may_do(self):
+        for code in (
+            "exit(1);", "std::exit (1);", "_exit(1);", "std::abort();", "f(argv);", "std::cout << 1;",
+            'std::fprintf(stderr, "x");', 'printf("x");', 'fmt::print("x");', "#include <spdlog/spdlog.h>",
+            "write(STDOUT_FILENO, p, n);",
+        ):  # fmt: skip
+            with self.subTest(code=code):
+                self.plant_in_room("io", f"int x;\n{code}\n")
+                findings = self.findings()
+                self.assertTrue(findings and all("src/io/planted.cpp:2" in finding for finding in findings), findings)
+
+    def test_map_of_the_rooms(self):
+        self.plant("src/io/new.cpp", "int x;\n")
+        self.expect_one("no line for io/new")
+        (self.root / "src/io/new.cpp").rename(self.root / "src/io/reader.hpp")
+        self.assertEqual(self.findings(), [])
+        (self.root / "src/base/error.hpp").unlink()
+        self.expect_one("names base/error")
+
+    def test_length(self):
+        self.plant("tests/long_test.cpp", "int x;\n" * rules.LINE_LIMIT)
+        self.assertEqual(self.findings(), [])
+        self.plant("tests/long_test.cpp", "int x;\n" * (rules.LINE_LIMIT + 1))
+        self.expect_one("tests/long_test.cpp", str(rules.LINE_LIMIT + 1))
+
+    def test_machine_paths(self):
+        self.plant("docs/notes.md", f"see\n{SLASH}home{SLASH}me/x\n")
+        self.expect_one("docs/notes.md:2", "absolute path")
+
+    def test_a_table_without_cycles(self):
+        for room in rules.MAY_INCLUDE:
+            neighbours = [rules.reach(other) for other in rules.MAY_INCLUDE[room]]
+            self.assertFalse(any(room in reached for reached in neighbours), room)
+
+
+if __name__ == "__main__":
+    unittest.main()

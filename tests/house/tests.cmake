@@ -1,0 +1,14 @@
+# The rules of the house: what may include what, who may print, how long a file may be.
+function(isoextract_house_test name)
+  add_test(NAME house.${name} COMMAND Python3::Interpreter -B ${ARGN})
+  set_tests_properties(house.${name} PROPERTIES LABELS house)
+endfunction()
+
+isoextract_house_test(rules ${CMAKE_CURRENT_LIST_DIR}/rules.py ${PROJECT_SOURCE_DIR})
+isoextract_house_test(rules_find_what_is_planted ${CMAKE_CURRENT_LIST_DIR}/rules_test.py)
+isoextract_house_test(crossing_include_does_not_compile
+  ${CMAKE_CURRENT_LIST_DIR}/crossing_test.py ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR})
+
+set_target_properties(make_samples PROPERTIES EXCLUDE_FROM_ALL OFF)
+isoextract_house_test(samples_are_what_make_samples_writes
+  ${CMAKE_CURRENT_LIST_DIR}/samples_test.py $<TARGET_FILE:make_samples> ${PROJECT_SOURCE_DIR}/samples)

@@ -1,0 +1,185 @@
+// VDB files that are cut off, damaged or made to harm: each is an error or a grid, never a crash.
+#include <random>
+
+#include "unit/io/vdb_files.hpp"
+#include "unit/io/volume_files.hpp"
+
+// OpenVDB forgets the node that it reads when it throws.
+extern "C" const char* __lsan_default_suppressions();
+extern "C" const char* __lsan_default_suppressions() { return "leak:openvdb\n"; }
+
+namespace isoextract::test {
+namespace {
+
+// Small, with leaves, tiles, inactive values of two kinds and noise that does not compress.
+template <class Grid>
+std::string small_file(std::uint32_t compression, bool half, const std::string& name = "v") {
+  using Value = typename Grid::ValueType;
+  openvdb::initialize();
+  auto grid = Grid::create(Value(3));
+  std::mt19937 engine(7);
+  auto accessor = grid->getAccessor();
+  for (int n = 0; n < 700; ++n) {
+    const openvdb::Coord ijk(static_cast<int>(engine() % 12), static_cast<int>(engine() % 12),
+                             static_cast<int>(engine() % 12));
+    accessor.setValue(ijk, static_cast<Value>(static_cast<float>(engine()) / 1e5F));
+  }
+  for (int i = 0; i < 12; ++i) accessor.setValueOff({i, 2, 2}, static_cast<Value>(i % 2));
+  grid->tree().addTile(1, {64, 0, 0}, Value(5), true);
+  grid->tree().addTile(3, {8192, 0, 0}, Value(6), false);
+  grid->setName(name);
+  grid->setSaveFloatAsHalf(half);
+  grid->insertMeta("note", openvdb::StringMetadata("some text"));
+  const TempFolder folder;
+  write_vdb(folder / "v.vdb", {grid}, compression);
+  return read_bytes(folder / "v.vdb");
+}
+
+// Reads it and touches every value, so that a tool that watches memory would see a bad pointer.
+void read_and_touch(const std::filesystem::path& path) {
+  ReadOptions options;
+  options.limits.memory_bytes = std::uint64_t{1} << 30;
+  const auto field = read_volume(path.string(), options);
+  static_cast<void>(list_grids(path.string(), options));
+  if (!field) {
+    EXPECT_NE(field.error().message.find(path.filename().string()), std::string::npos);
+    return;
+  }
+  const auto& samples = std::get<SparseSamples>(field->samples);
+  double sum = 0;
+  visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) {
+    for (const SparseBlock& block : samples.blocks) {
+      ASSERT_EQ(block.origin & 7, glm::ivec3(0));
+      for (int i = 0; i < 512; ++i) sum += static_cast<double>(static_cast<const T*>(block.values)[i]);
+    }
+  });
+  static_cast<void>(sum);
+}
+
+struct Layout {
+  std::uint32_t compression;
+  bool half;
+};
+using namespace openvdb::io;
+const std::vector<Layout> kLayouts{{COMPRESS_NONE, false}, {COMPRESS_ACTIVE_MASK, true},
+                                   {COMPRESS_ZIP, false},  {COMPRESS_ZIP | COMPRESS_ACTIVE_MASK, true},
+                                   {COMPRESS_BLOSC, true}, {COMPRESS_BLOSC | COMPRESS_ACTIVE_MASK, false}};
+
+TEST(VdbDamage, TruncationsAreErrors) {
+  for (const Layout& layout : kLayouts) {
+    const std::string good = small_file<openvdb::FloatGrid>(layout.compression, layout.half);
+    const TempFolder folder;
+    const std::size_t step = std::max<std::size_t>(1, good.size() / 60);
+    for (std::size_t length = 1; length < good.size(); length += length < 700 ? 5 : step) {
+      write_bytes(folder / "v.vdb", good.substr(0, length));
+      const Error error = refusal(folder / "v.vdb");
+      EXPECT_EQ(error.kind, ErrorKind::input);
+    }
+    write_bytes(folder / "v.vdb", good.substr(0, good.size() - 1));
+    refusal(folder / "v.vdb");
+  }
+}
+
+template <class Grid>
+void flip_bits(unsigned seed, int count) {
+  testing::internal::CaptureStderr();
+  for (const Layout& layout : kLayouts) {
+    const std::string good = small_file<Grid>(layout.compression, layout.half);
+    // The places that are not values or long runs of zeros are few: most flips go there.
+    const std::size_t head = 700;
+    const std::size_t tail = std::min<std::size_t>(good.size() / 2, 3000);
+    std::mt19937 engine(seed);
+    const TempFolder folder;
+    for (int n = 0; n < count; ++n) {
+      std::string bytes = good;
+      for (int flips = 1 + n % 3; flips > 0; --flips) {
+        const std::size_t range = n % 4;
+        const std::size_t at = range == 0   ? engine() % head
+                               : range == 1 ? good.size() - 1 - engine() % tail
+                                            : engine() % good.size();
+        bytes[at] = static_cast<char>(bytes[at] ^ (1 << (engine() % 8)));
+      }
+      write_bytes(folder / "v.vdb", bytes);
+      read_and_touch(folder / "v.vdb");
+    }
+  }
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+TEST(VdbDamage, FlippedBitsInFloats) { flip_bits<openvdb::FloatGrid>(1, 200); }
+TEST(VdbDamage, FlippedBitsInDoubles) { flip_bits<openvdb::DoubleGrid>(2, 60); }
+TEST(VdbDamage, FlippedBitsInIntegers) { flip_bits<openvdb::Int32Grid>(3, 60); }
+
+TEST(VdbDamage, EveryByteOfTheHeader) {
+  const std::string good = small_file<openvdb::FloatGrid>(COMPRESS_BLOSC | COMPRESS_ACTIVE_MASK, false);
+  const TempFolder folder;
+  for (std::size_t at = 0; at < 600; ++at) {
+    std::string bytes = good;
+    bytes[at] = static_cast<char>(bytes[at] ^ (1 << (at % 8)));
+    write_bytes(folder / "v.vdb", bytes);
+    read_and_touch(folder / "v.vdb");
+  }
+}
+
+// Every 8 bytes that may be a chunk's size, replaced by sizes that would overrun a buffer.
+TEST(VdbDamage, ChunkSizesThatLie) {
+  for (const Layout& layout : kLayouts) {
+    const std::string good = small_file<openvdb::FloatGrid>(layout.compression, layout.half);
+    const TempFolder folder;
+    std::vector<std::size_t> places;
+    for (std::size_t at = good.find("Map"); at + 8 <= good.size(); ++at) {
+      std::int64_t size = 0;
+      std::memcpy(&size, good.data() + at, sizeof size);
+      const bool plausible = size != 0 && std::abs(size) < (1 << 18) && (size & 0xff) != 0;
+      if (plausible) places.push_back(at);
+    }
+    const std::size_t step = 1 + places.size() / 60;
+    for (std::size_t i = 0; i < places.size(); i += step) {
+      for (const std::int64_t size : {std::int64_t{-4096}, std::int64_t{-1}, std::int64_t{1} << 40,
+                                      std::numeric_limits<std::int64_t>::min(), std::int64_t{17}}) {
+        std::string bytes = good;
+        put(bytes, places[i], size);
+        write_bytes(folder / "v.vdb", bytes);
+        read_and_touch(folder / "v.vdb");
+      }
+    }
+  }
+}
+
+TEST(VdbDamage, MalformedFilesAreRefused) {
+  const std::string good = small_file<openvdb::FloatGrid>(COMPRESS_ACTIVE_MASK, false, "thegrid");
+  const auto with = [&](std::size_t at, auto value) {
+    std::string bytes = good;
+    put(bytes, at, value);
+    return bytes;
+  };
+  const std::size_t name = good.find("thegrid");  // of the grid's descriptor; its length comes before it
+  const std::size_t type = good.find("Tree_float_5_4_3");
+  const std::size_t offsets = type + 16 + 4;
+  const std::size_t map =
+      good.find("UniformScaleMap") == std::string::npos ? good.find("Map") : good.find("UniformScaleMap");
+  std::string unknown_type = good;
+  unknown_type.replace(type, 10, "Tree_flort");
+  std::string unknown_map = good;
+  unknown_map[map] = 'X';
+  expect_all_refused("v.vdb",
+                     {{"empty file", "", "empty"},
+                      {"text", "this is some text\n", "not a VDB file"},
+                      {"magic only", good.substr(0, 8), "damaged"},
+                      {"old version", with(8, std::uint32_t{210}), "file version 222 or later, found 210"},
+                      {"no offsets", with(20, char{0}), "written as a stream"},
+                      {"count of metadata", with(57, std::uint32_t{0xffffffff}), "damaged"},
+                      {"negative count of grids", with(61, std::int32_t{-1}), "said to hold -1 grids"},
+                      {"huge count of grids", with(61, std::int32_t{0x7fffffff}), "damaged"},
+                      {"length of the name", with(name - 4, std::uint32_t{0xffffffff}), "4294967295 characters"},
+                      {"unknown type", unknown_type, "found none"},
+                      {"grid before the header", with(offsets, std::int64_t{8}), "is said to be at bytes 8"},
+                      {"grid behind the file", with(offsets + 16, std::int64_t{1} << 40), "is said to be at"},
+                      {"negative position", with(offsets, std::int64_t{-5}), "is said to be at"},
+                      {"unknown transform", unknown_map, "damaged"},
+                      {"NaN in the transform", with(map + 15, std::nan("")), "transform with an inverse"},
+                      {"zero scale", with(map + 15, 0.0), "transform with an inverse"}});
+}
+
+}  // namespace
+}  // namespace isoextract::test
