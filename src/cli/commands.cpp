@@ -109,7 +109,9 @@ int run_arguments(std::vector<std::string> arguments) {
 int run(int argc, char** argv) {
   keep_standard_streams();
   // A reader that closes the pipe is an error of writing, with its message and exit code.
+  // A closed pipe and a file-size limit are errors to report, not reasons to die.
   std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
   try {
     return run_arguments(std::vector<std::string>(argv + (argc > 0 ? 1 : 0), argv + argc));
   } catch (const std::bad_alloc&) {

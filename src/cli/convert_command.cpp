@@ -195,6 +195,9 @@ class Conversion {
         "  left out: {} of {} bricks ({}), which the iso value does not cross ({:.1f} %)", left_out, stats.bricks,
         stats.brick,
         stats.bricks == 0 ? 0.0 : 100.0 * static_cast<double>(left_out) / static_cast<double>(stats.bricks)));
+    if (stats.places_visited > 0) {
+      story.push_back(fmt::format("  visited besides: {} places beside stored bricks", stats.places_visited));
+    }
     story.push_back(fmt::format("  compared with the iso value: {} samples, each once", stats.samples_classified));
     if (stats.nan_samples > 0) {
       story.push_back(fmt::format("  taken as outside: {} samples that are not numbers", stats.nan_samples));

@@ -70,10 +70,10 @@ std::array<std::optional<std::uint8_t>, 12> next_edges(const CaseTable& table, u
 std::vector<Polygon> surface_polygons(const CaseTable& table, unsigned cell_case, unsigned joined) {
   auto next = next_edges(table, cell_case, joined);
   std::vector<Polygon> polygons;
-  for (std::uint8_t start = 0; start < next.size(); ++start) {
+  for (std::size_t start = 0; start < next.size(); ++start) {
     if (!next[start]) continue;
     Polygon& polygon = polygons.emplace_back();
-    for (std::uint8_t edge = start; next[edge];) {
+    for (auto edge = static_cast<std::uint8_t>(start); next[edge];) {
       polygon.push_back(edge);
       const std::uint8_t follower = *next[edge];
       next[edge].reset();

@@ -101,8 +101,7 @@ std::vector<glm::ivec3> unstored_places(const SparseSamples& samples, const Spar
   std::ranges::copy_if(skin, std::back_inserter(places), [&](const glm::ivec3& p) { return lookup.block(p) < 0; });
   const auto key = [](const glm::ivec3& p) { return std::tuple(p.x, p.y, p.z); };
   std::ranges::sort(places, {}, key);
-  const auto repeated = std::ranges::unique(places);
-  places.erase(repeated.begin(), repeated.end());
+  places.erase(std::unique(places.begin(), places.end()), places.end());
   return places;
 }
 

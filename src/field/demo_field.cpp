@@ -3,6 +3,7 @@
 // Flood, OOPSLA 2014.
 #include "field/demo_field.hpp"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -118,6 +119,12 @@ constexpr auto kDescriptions = [] {
   return all;
 }();
 
+const Demo* find_demo(std::string_view name) {
+  const auto* const found =
+      std::find_if(kDemos.begin(), kDemos.end(), [&](const Demo& demo) { return demo.description.name == name; });
+  return found == kDemos.end() ? nullptr : found;
+}
+
 constexpr std::string_view kHint = "isoextract help demo lists the demo fields and their keys";
 constexpr int kDefaultSize = 64;
 constexpr int kMaxSize = 2048;
@@ -154,39 +161,40 @@ Result<int> parse_settings(std::string_view spec, std::string_view settings) {
 
 std::span<const DemoDescription> demo_fields() { return kDescriptions; }
 
-Result<ScalarField> make_demo_field(std::string_view spec, const Limits& limits, Progress* progress) {
+Result<DemoSpec> parse_demo_spec(std::string_view spec) {
   std::string_view name = spec;
   if (name.starts_with(kDemoPrefix)) name.remove_prefix(kDemoPrefix.size());
   const std::size_t query = name.find('?');
   const std::string_view settings = query == std::string_view::npos ? "" : name.substr(query + 1);
   name = name.substr(0, query);
 
-  const Demo* demo = nullptr;
-  std::vector<std::string_view> names;
-  for (const Demo& candidate : kDemos) {
-    names.push_back(candidate.description.name);
-    if (candidate.description.name == name) demo = &candidate;
-  }
-  if (demo == nullptr) {
+  if (find_demo(name) == nullptr) {
+    std::vector<std::string_view> names;
+    for (const DemoDescription& demo : kDescriptions) names.push_back(demo.name);
     return fail(ErrorKind::usage,
                 fmt::format("{}: no demo field '{}'; there are {}", spec, name, fmt::join(names, ", ")),
                 std::string(kHint));
   }
   const Result<int> size = parse_settings(spec, settings);
   if (!size) return tl::unexpected(size.error());
+  return DemoSpec{name, *size};
+}
 
-  const auto n = static_cast<std::size_t>(*size);
+Result<ScalarField> make_demo_field(std::string_view spec, const Limits& limits, Progress* progress) {
+  const Result<DemoSpec> parsed = parse_demo_spec(spec);
+  if (!parsed) return tl::unexpected(parsed.error());
+  const auto n = static_cast<std::size_t>(parsed->size);
   const std::uint64_t bytes = n * n * n * sizeof(float);
   if (auto fits = check_memory(bytes, limits, fmt::format("{}: {}^3 f32 samples", spec, n)); !fits) {
     return tl::unexpected(fits.error());
   }
 
-  const double spacing = 2.0 / (*size - 1);
+  const double spacing = 2.0 / (parsed->size - 1);
   Axis axis(n);
   for (std::size_t i = 0; i < n; ++i) axis[i] = -1 + spacing * static_cast<double>(i);
 
   auto values = std::make_shared<Buffer<float>>(n * n * n);
-  const FillRow fill = demo->make(axis);
+  const FillRow fill = find_demo(parsed->name)->make(axis);
   if (progress != nullptr) progress->begin("making the demo field", n);
   tbb::parallel_for(std::size_t{0}, n, [&](std::size_t k) {
     for (std::size_t j = 0; j < n; ++j) fill(j, k, values->data() + n * (j + n * k));
@@ -194,12 +202,12 @@ Result<ScalarField> make_demo_field(std::string_view spec, const Limits& limits,
   });
 
   ScalarField field;
-  field.name = std::string(name);
+  field.name = std::string(parsed->name);
   field.source = std::string(spec);
   field.format = "demo";
   field.index_to_world = {glm::dmat3(spacing), glm::dvec3(-1)};
   const float* data = values->data();
-  field.samples = DenseSamples{SampleType::f32, glm::ivec3(*size), std::move(values), data};
+  field.samples = DenseSamples{SampleType::f32, glm::ivec3(parsed->size), std::move(values), data};
   return field;
 }
 

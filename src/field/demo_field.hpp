@@ -25,8 +25,16 @@ struct DemoDescription {
 
 inline constexpr std::string_view kDemoPrefix = "demo:";
 
+struct DemoSpec {
+  std::string_view name;
+  int size;  // samples along each axis
+};
+
+// Fails with ErrorKind::usage for an unknown name or key.
+[[nodiscard]] Result<DemoSpec> parse_demo_spec(std::string_view spec);
+
 // `spec` is "demo:NAME[?key=value[&key=value...]]", keys: size (samples along each axis, 2..2048, default 64). Fails
-// with ErrorKind::usage for an unknown name or key, and with ErrorKind::input where the limit forbids the size.
+// like parse_demo_spec, and with ErrorKind::input where the limit forbids the size.
 [[nodiscard]] Result<ScalarField> make_demo_field(std::string_view spec, const Limits& limits,
                                                   Progress* progress = nullptr);
 

@@ -103,8 +103,9 @@ bool has_direction(const Nrrd& nrrd, unsigned axis) {
 bool is_spatial_kind(int kind) { return kind == nrrdKindUnknown || kind == nrrdKindDomain || kind == nrrdKindSpace; }
 
 // The three axes of the volume, fastest first. Axes of length 1 may come on top.
-Result<std::array<unsigned, 3>> spatial_axes(const std::string& file, const Nrrd& nrrd,
+Result<std::array<unsigned, 3>> spatial_axes(const std::string& file, const ParsedNrrd& parsed,
                                              std::vector<std::string>& notes) {
+  const Nrrd& nrrd = *parsed.nrrd;
   const auto describe = [&](unsigned axis) {
     const int kind = nrrd.axis[axis].kind;
     return fmt::format("axis {} ({} values{})", axis, nrrd.axis[axis].size,
@@ -113,7 +114,7 @@ Result<std::array<unsigned, 3>> spatial_axes(const std::string& file, const Nrrd
   std::vector<unsigned> kept;
   std::vector<unsigned> dropped;
   for (unsigned axis = 0; axis < nrrd.dim; ++axis) {
-    const bool without_direction = nrrd.dim > 3 && nrrd.spaceDim > 0 && !has_direction(nrrd, axis);
+    const bool without_direction = nrrd.dim > 3 && parsed.has(nrrdField_space_directions) && !has_direction(nrrd, axis);
     const bool spatial = is_spatial_kind(nrrd.axis[axis].kind) && !without_direction;
     if (!spatial && nrrd.axis[axis].size > 1) {
       return fail(
@@ -303,7 +304,7 @@ Result<DenseFile> open_nrrd(const InputFile& file) {
   if (!type) return tl::unexpected(type.error());
   dense.type = *type;
   if (auto fine = check_encoding(file.name(), *parsed->state); !fine) return tl::unexpected(fine.error());
-  const auto axes = spatial_axes(file.name(), nrrd, dense.notes);
+  const auto axes = spatial_axes(file.name(), *parsed, dense.notes);
   if (!axes) return tl::unexpected(axes.error());
   const auto dims = checked_dims(
       file.name(), {nrrd.axis[(*axes)[0]].size, nrrd.axis[(*axes)[1]].size, nrrd.axis[(*axes)[2]].size}, *type);

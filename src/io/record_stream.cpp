@@ -1,6 +1,7 @@
 #include "io/record_stream.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <span>
 #include <vector>
 
@@ -24,11 +25,12 @@ Result<void> write_records(OutputFile& file, std::size_t count, std::size_t max_
   const std::size_t threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
   std::vector<Block> blocks(std::min(block_count, 2 * threads));
 
-  Result<void> written;
+  Result<void> written;              // of write_block alone until all is done
+  std::atomic<bool> failed = false;  // what begin may know of it
   std::size_t next = 0;
   // At most blocks.size() blocks are under way, and they end in order: block i is free again when i + size begins.
   const auto begin = [&](tbb::flow_control& control) -> Block* {
-    if (next == block_count || !written) {
+    if (next == block_count || failed) {
       control.stop();
       return nullptr;
     }
@@ -44,7 +46,9 @@ Result<void> write_records(OutputFile& file, std::size_t count, std::size_t max_
     return block;
   };
   const auto write_block = [&](const Block* block) {
-    if (written) written = file.write(std::as_bytes(block->bytes.span().first(block->used)));
+    if (!written) return;
+    written = file.write(std::as_bytes(block->bytes.span().first(block->used)));
+    failed = !written;
   };
   if (block_count > 0) {
     tbb::parallel_pipeline(blocks.size(),

@@ -178,18 +178,23 @@ Result<std::vector<GridInfo>> list_file(const std::string& input, const ReadOpti
   return std::vector{info};
 }
 
-Result<std::vector<GridInfo>> list_any(const std::string& input, const ReadOptions& options) {
-  if (!is_demo(input)) return list_file(input, options);
-  const auto field = read_any(input, options);
-  if (!field) return tl::unexpected(field.error());
+// Demo fields hold density unless the options say otherwise; their samples are not made here.
+Result<std::vector<GridInfo>> list_demo(const std::string& input, const ReadOptions& options) {
+  if (auto fine = check_options(input, VolumeFormat::demo, options); !fine) return tl::unexpected(fine.error());
+  const auto demo = parse_demo_spec(input);
+  if (!demo) return tl::unexpected(demo.error());
   GridInfo info;
-  info.name = field->name;
-  info.type = sample_type_name(field->type());
+  info.name = std::string(demo->name);
+  info.type = sample_type_name(SampleType::f32);
   info.scalar = true;
-  info.kind = field->kind;
-  info.box = field->extents();
-  info.voxels = std::get<DenseSamples>(field->samples).count();
+  info.kind = options.kind.value_or(FieldKind::density);
+  info.box = {glm::ivec3(0), glm::ivec3(demo->size - 1)};
+  info.voxels = sample_bytes(glm::ivec3(demo->size), SampleType::f32) / sizeof(float);
   return std::vector{info};
+}
+
+Result<std::vector<GridInfo>> list_any(const std::string& input, const ReadOptions& options) {
+  return is_demo(input) ? list_demo(input, options) : list_file(input, options);
 }
 
 // The border that no exception of a library crosses.
@@ -198,7 +203,7 @@ auto guarded(const std::string& input, F&& work) -> decltype(work()) {
   try {
     return work();
   } catch (const std::bad_alloc&) {
-    return fail(ErrorKind::input, input + ": not enough memory to read it", "lower --memory-limit to fail earlier");
+    return fail(ErrorKind::input, input + ": not enough memory to read it");
   } catch (const std::exception& error) {
     return fail(ErrorKind::input, fmt::format("{}: {}", input, error.what()));
   }

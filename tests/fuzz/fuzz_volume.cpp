@@ -48,7 +48,7 @@ void read_one(const std::uint8_t* data, std::size_t size) {
   static const test::TempFolder folder;  // detached data can only be found within it
   ReadOptions options;
   options.format = format_of_target();
-  options.limits.memory_bytes = std::uint64_t{64} << 20;
+  options.limits.memory_bytes = std::uint64_t{8} << 20;
   if (options.format == VolumeFormat::raw) options.raw = take_layout(data, size);
 
   const std::string bytes(reinterpret_cast<const char*>(data), size);
