@@ -108,8 +108,7 @@ int run_arguments(std::vector<std::string> arguments) {
 
 int run(int argc, char** argv) {
   keep_standard_streams();
-  // A reader that closes the pipe is an error of writing, with its message and exit code.
-  // A closed pipe and a file-size limit are errors to report, not reasons to die.
+  // A closed pipe and a file-size limit are errors of writing, with a message and an exit code.
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
   try {

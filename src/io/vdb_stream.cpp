@@ -52,6 +52,8 @@ void VdbNodeCheck::after_read(const char* bytes, std::uint64_t count, std::uint6
         masked_ = (layout_.compression & kVdbActiveMask) != 0 && code != 6;
         next_ = Next::prefix;
         if (prefix_left_ == 0) choose_after_prefix();
+      } else if (count == 1 && static_cast<unsigned char>(bytes[0]) > 1) {
+        throw VdbDamaged(fmt::format("a tile's flag is {}", static_cast<unsigned char>(bytes[0])));
       } else {
         mask_bits_ = 0;
       }
