@@ -33,18 +33,10 @@ Box index_bounds(const ScalarField& field) {
   return {glm::dvec3(extents.min), glm::dvec3(extents.max)};
 }
 
-// All samples that are stored; around sparse ones a layer of background, which a surface may border on.
-IndexBox stored_box(const ScalarField& field) {
-  const auto* sparse = std::get_if<SparseSamples>(&field.samples);
-  if (sparse == nullptr) return field.extents();
-  IndexBox box = field.extents();
-  const auto add = [&box](const glm::ivec3& origin, int size) {
-    box = box.empty() ? IndexBox{origin, origin + size - 1}
-                      : IndexBox{glm::min(box.min, origin), glm::max(box.max, origin + size - 1)};
-  };
-  for (const SparseBlock& block : sparse->blocks) add(block.origin, SparseBlock::kSize);
-  for (const SparseTile& tile : sparse->tiles) add(tile.origin, tile.size);
-  return box.empty() ? box : IndexBox{box.min - 1, box.max + 1};
+// Where samples are: sparse ones are everywhere, for the background is a value like any other.
+IndexBox sample_box(const ScalarField& field) {
+  if (std::holds_alternative<DenseSamples>(field.samples)) return field.extents();
+  return {glm::ivec3(-kMaxSparseIndex), glm::ivec3(kMaxSparseIndex)};
 }
 
 }  // namespace
@@ -80,7 +72,7 @@ bool is_axis_aligned(const Affine& index_to_world) {
 
 Result<IndexBox> samples_in_box(const ScalarField& field, const Box& box, Space space) {
   const Box wanted = space == Space::index ? box : image_of(field.index_to_world.inverse(), box);
-  const IndexBox stored = stored_box(field);
+  const IndexBox stored = sample_box(field);
   const glm::dvec3 first(stored.min);
   const glm::dvec3 last(stored.max);
   IndexBox samples;

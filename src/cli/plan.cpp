@@ -177,6 +177,7 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& flags) {
   if (!jobs) return tl::unexpected(jobs.error());
   plan.jobs = std::move(*jobs);
 
+  plan.extract.limits = plan.read.limits;
   plan.extract.method = flags.method.value_or(Method::mc);
   plan.extract.smooth_normals = *normals == Normals::smooth;
   plan.extract.cap = flags.cap;

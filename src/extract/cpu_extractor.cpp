@@ -1,5 +1,6 @@
 #include <cmath>
 #include <new>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -29,6 +30,9 @@ class CpuExtractor final : public Extractor {
       return result;
     } catch (const std::bad_alloc&) {
       return fail(ErrorKind::input, fmt::format("{}: not enough memory for the surface", field.source),
+                  "extract it in parts with --roi");
+    } catch (const std::length_error&) {
+      return fail(ErrorKind::input, fmt::format("{}: the surface is larger than memory can be", field.source),
                   "extract it in parts with --roi");
     }
   }

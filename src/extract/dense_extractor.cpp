@@ -101,6 +101,7 @@ class DenseExtraction {
     result.stats.brick = fmt::format("64x{0}x{0} cells", kBrickRows);
     result.stats.bricks = bricks_.count();
 
+    if (auto fits = check_placement(field_, placement_); !fits) return tl::unexpected(fits.error());
     const auto threshold = find_inside_threshold<T>({field_.kind, options_.iso}, field_.scale);
     Stopwatch watch;
     if (!threshold && !(is_floating_sample<T> && options_.nan == NanPolicy::error)) return result;
@@ -119,7 +120,7 @@ class DenseExtraction {
     count();
     result.stats.bricks_visited = bricks_.count_crossed();
     const MeshSizes sizes = place_rows();
-    if (auto fits = check_vertex_count(field_, sizes.vertices); !fits) return tl::unexpected(fits.error());
+    if (auto fits = check_mesh_size(field_, sizes, options_); !fits) return tl::unexpected(fits.error());
     BorderCap cap;
     if (options_.cap) {
       cap = make_border_cap(
@@ -129,7 +130,7 @@ class DenseExtraction {
           [&](const glm::ivec3& a, const glm::ivec3& b) {
             return joins_inside(value(region_.min + a), value(region_.min + b), options_.iso);
           });
-      if (auto fits = check_vertex_count(field_, sizes.vertices + cap.samples.size()); !fits) {
+      if (auto fits = check_mesh_size(field_, with_cap(sizes, cap), options_); !fits) {
         return tl::unexpected(fits.error());
       }
     }
@@ -362,6 +363,11 @@ class DenseExtraction {
 
 Result<Extraction> extract_dense(const ScalarField& field, const DenseSamples& samples, const ExtractOptions& options) {
   const IndexBox all{glm::ivec3(0), samples.dims - 1};
+  constexpr int kMaxDim = 1 << 30;  // positions in a row are ints
+  if (glm::any(glm::greaterThan(samples.dims, glm::ivec3(kMaxDim)))) {
+    return fail(ErrorKind::input, fmt::format("{}: expected at most {} samples along an axis, found {} x {} x {}",
+                                              field.source, kMaxDim, samples.dims.x, samples.dims.y, samples.dims.z));
+  }
   const auto region = clip_region(field, all, options);
   if (!region) return tl::unexpected(region.error());
   return visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) -> Result<Extraction> {

@@ -24,20 +24,23 @@ Corners placed_corners(const Affine& placement, const IndexBox& box) {
 
 double max_component(const glm::dvec3& v) { return std::max({v.x, v.y, v.z}); }
 
-// Zero where float32 world coordinates cost at most two bits against coordinates relative to the centre.
+// Zero where float32 world coordinates cost at most two bits, on every axis, against coordinates relative to the
+// centre.
 glm::dvec3 choose_origin(const Corners& corners) {
-  const double farthest = max_component(glm::max(glm::abs(corners.min), glm::abs(corners.max)));
-  const double half_extent = max_component((corners.max - corners.min) / 2.0);
+  const glm::dvec3 farthest = glm::max(glm::abs(corners.min), glm::abs(corners.max));
+  const glm::dvec3 half_extent = (corners.max - corners.min) / 2.0;
   constexpr double kNear = 4;
-  return farthest <= kNear * half_extent ? glm::dvec3(0) : (corners.min + corners.max) / 2.0;
+  const bool near = glm::all(glm::lessThanEqual(farthest, kNear * half_extent));
+  return near ? glm::dvec3(0) : corners.min / 2.0 + corners.max / 2.0;
 }
+
+constexpr double kLargestMargin = 0x1p-6;
 
 // Eight times what float32 rounds by, as a fraction of the shortest grid step that the rounding can act against. At 512
 // samples a side this is 0.0002 of an edge.
-double choose_margin(const Affine& local_from_index, const Corners& local) {
+double wanted_margin(const Affine& local_from_index, const Corners& local) {
   constexpr double kRounding = 0x1p-24;  // half a unit in the last place of 1
   constexpr double kFactor = 8;
-  constexpr double kLargest = 0x1p-6;
   const glm::dvec3 farthest = glm::max(glm::abs(local.min), glm::abs(local.max));
   double margin = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -48,7 +51,7 @@ double choose_margin(const Affine& local_from_index, const Corners& local) {
       margin = std::max(margin, kFactor * kRounding * farthest[component] / length);
     }
   }
-  return std::min(margin, kLargest);
+  return margin;
 }
 
 }  // namespace
@@ -61,7 +64,16 @@ Placement::Placement(const Affine& output_from_index, const IndexBox& box, Field
   const Corners world = placed_corners(output_from_index, box);
   origin_ = choose_origin(world);
   local_from_index_.offset -= origin_;
-  margin_ = choose_margin(local_from_index_, {world.min - origin_, world.max - origin_});
+  const Corners local{world.min - origin_, world.max - origin_};
+  const double margin = wanted_margin(local_from_index_, local);
+  margin_ = std::min(margin, kLargestMargin);
+
+  const double farthest = max_component(glm::max(glm::abs(local.min), glm::abs(local.max)));
+  double shortest = std::numeric_limits<double>::infinity();
+  for (int axis = 0; axis < 3; ++axis) shortest = std::min(shortest, glm::length(local_from_index_.linear[axis]));
+  constexpr double kRoundingEats = 16;  // times the largest margin: then rounding is of the margin's size
+  fits_float32_ = farthest < std::numeric_limits<float>::max() && margin <= kRoundingEats * kLargestMargin &&
+                  shortest * margin_ > std::numeric_limits<float>::min();
 }
 
 glm::vec3 Placement::normal(const glm::dvec3& gradient, const glm::dvec3& out) const {

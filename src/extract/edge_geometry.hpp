@@ -43,6 +43,9 @@ class Placement {
 
   [[nodiscard]] const glm::dvec3& origin() const { return origin_; }
   [[nodiscard]] double margin() const { return margin_; }
+  // False if float32 cannot hold the positions apart: coordinates or steps leave its range, or the samples reach so far
+  // (more than about 2^19 steps) that rounding eats the margin.
+  [[nodiscard]] bool fits_float32() const { return fits_float32_; }
   // True if triangles must be turned over, because the transform mirrors.
   [[nodiscard]] bool mirrored() const { return mirrored_; }
 
@@ -64,6 +67,7 @@ class Placement {
   double outward_;           // +1 if values grow outward in stored samples
   double margin_;
   bool mirrored_;
+  bool fits_float32_;
 };
 
 // The step of a direction's axis bits, see cell_tables.hpp.

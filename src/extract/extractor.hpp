@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/limits.hpp"
 #include "base/progress.hpp"
 #include "field/scalar_field.hpp"
 #include "mesh/mesh.hpp"
@@ -36,8 +37,9 @@ struct ExtractOptions {
   bool smooth_normals = false;  // from the gradient of the field at the vertex (seed S1)
   bool cap = false;             // close the surface where it leaves the data or the region
   NanPolicy nan = NanPolicy::error;
-  std::optional<IndexBox> region;  // extract only from cells within this box of samples (clipped to the data)
-  Affine output_from_index;        // places the mesh: index_to_world, or that with turns and scales after it
+  std::optional<IndexBox> region;    // extract only from cells within this box of samples (clipped to the data)
+  Affine output_from_index;          // places the mesh: index_to_world, or that with turns and scales after it
+  Limits limits = default_limits();  // held against the exact size of the mesh before it is allocated
   Progress* progress = nullptr;
 };
 

@@ -25,12 +25,34 @@ Result<IndexBox> clip_region(const ScalarField& field, const IndexBox& box, cons
               "give --roi a larger box, or leave it out");
 }
 
-Result<void> check_vertex_count(const ScalarField& field, std::uint64_t vertices) {
-  if (vertices <= std::numeric_limits<std::uint32_t>::max()) return {};
+Result<void> check_placement(const ScalarField& field, const Placement& placement) {
+  if (placement.fits_float32()) return {};
   return fail(ErrorKind::input,
-              fmt::format("{}: the surface has {} vertices, a mesh holds {}", field.source, vertices,
-                          std::numeric_limits<std::uint32_t>::max()),
-              "extract it in parts with --roi");
+              fmt::format("{}: its placed coordinates leave what float32 positions can hold apart", field.source),
+              "choose another --spacing, --scale or --unit, or --space index");
+}
+
+Result<void> check_mesh_size(const ScalarField& field, const MeshSizes& sizes, const ExtractOptions& options) {
+  if (sizes.vertices > std::numeric_limits<std::uint32_t>::max()) {
+    return fail(ErrorKind::input,
+                fmt::format("{}: the surface has {} vertices, a mesh holds {}", field.source, sizes.vertices,
+                            std::numeric_limits<std::uint32_t>::max()),
+                "extract it in parts with --roi");
+  }
+  const std::uint64_t vertex_bytes = sizeof(glm::vec3) * (options.smooth_normals ? 2 : 1);
+  return check_memory(sizes.vertices * vertex_bytes + sizes.triangles * sizeof(glm::uvec3), options.limits,
+                      fmt::format("{}: the {} triangles of its surface", field.source, sizes.triangles));
+}
+
+MeshSizes with_cap(const MeshSizes& surface, const BorderCap& cap) {
+  return {surface.vertices + cap.samples.size(), surface.triangles + cap.triangles.size()};
+}
+
+Result<void> check_cap_size(const ScalarField& field, const IndexBox& box, const ExtractOptions& options) {
+  const glm::u64vec3 dims(box.dims());
+  const std::uint64_t squares = 2 * (dims.x * dims.y + dims.y * dims.z + dims.z * dims.x);
+  return check_memory(squares * sizeof(std::uint32_t), options.limits,
+                      fmt::format("{}: the {} samples of the border to cap", field.source, squares));
 }
 
 tl::unexpected<Error> nan_error(const ScalarField& field, std::uint64_t count, const glm::ivec3& first) {

@@ -16,8 +16,18 @@ struct MeshSizes {
 [[nodiscard]] Result<IndexBox> clip_region(const ScalarField& field, const IndexBox& box,
                                            const ExtractOptions& options);
 
-// Vertex numbers are 32-bit.
-[[nodiscard]] Result<void> check_vertex_count(const ScalarField& field, std::uint64_t vertices);
+// Fails with ErrorKind::input where float32 cannot hold the mesh (Placement::fits_float32).
+[[nodiscard]] Result<void> check_placement(const ScalarField& field, const Placement& placement);
+
+// Vertex numbers are 32-bit, and the mesh must fit into the memory limit.
+[[nodiscard]] Result<void> check_mesh_size(const ScalarField& field, const MeshSizes& sizes,
+                                           const ExtractOptions& options);
+
+// The sizes of surface and cap together.
+[[nodiscard]] MeshSizes with_cap(const MeshSizes& surface, const BorderCap& cap);
+
+// What numbering the cap's vertices needs, held against the memory limit.
+[[nodiscard]] Result<void> check_cap_size(const ScalarField& field, const IndexBox& box, const ExtractOptions& options);
 
 [[nodiscard]] tl::unexpected<Error> nan_error(const ScalarField& field, std::uint64_t count, const glm::ivec3& first);
 

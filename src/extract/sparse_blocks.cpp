@@ -84,6 +84,18 @@ IndexBox stored_box(const SparseSamples& samples) {
   return box;
 }
 
+std::uint64_t tile_skin_bytes(const SparseSamples& samples, const InsideRule& rule, const ValueScale& scale) {
+  constexpr std::uint64_t kBytesAPlace = 128;
+  const bool background_inside = rule(scale(samples.background));
+  std::uint64_t places = 0;
+  for (const SparseTile& tile : samples.tiles) {
+    if (rule(scale(tile.value)) == background_inside) continue;
+    const auto blocks = static_cast<std::uint64_t>(tile.size / kSize);
+    places += (blocks + 1) * (blocks + 1) * (blocks + 1) - (blocks - 1) * (blocks - 1) * (blocks - 1);
+  }
+  return places * kBytesAPlace;
+}
+
 std::vector<glm::ivec3> unstored_places(const SparseSamples& samples, const SparseLookup& lookup,
                                         const InsideRule& rule, const ValueScale& scale) {
   std::vector<glm::ivec3> places;

@@ -63,6 +63,11 @@ class SparseLookup {
 // 512 bits, in the order of a block's values.
 using BlockBits = std::array<std::uint64_t, 8>;
 
+// What listing the skins of the tiles that are not on the background's side will need in memory, about. The mesh on
+// them is counted exactly later.
+[[nodiscard]] std::uint64_t tile_skin_bytes(const SparseSamples& samples, const InsideRule& rule,
+                                            const ValueScale& scale);
+
 // Places without a stored block around which both sides may occur: those that share a cell with a stored block, and the
 // skins of tiles that are not on the background's side. Sorted; a place may be named that turns out to be one-sided.
 [[nodiscard]] std::vector<glm::ivec3> unstored_places(const SparseSamples& samples, const SparseLookup& lookup,

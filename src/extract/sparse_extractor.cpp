@@ -18,7 +18,6 @@ namespace {
 
 constexpr int kSize = SparseBlock::kSize;
 constexpr int kBlockSamples = kSize * kSize * kSize;
-constexpr int kFarthest = 1 << 30;  // index arithmetic around a block must not overflow
 constexpr std::size_t kGrain = 64;
 
 // The values around one place: the block-size places up to one away along each axis.
@@ -82,6 +81,12 @@ class SparseExtraction {
     result.stats.brick = "8x8x8 voxels";
     result.stats.bricks = samples_.blocks.size();
 
+    if (auto fits = check_placement(field_, placement_); !fits) return tl::unexpected(fits.error());
+    if (auto fits = check_memory(tile_skin_bytes(samples_, rule_, field_.scale), options_.limits,
+                                 fmt::format("{}: the skins of its {} tiles", field_.source, samples_.tiles.size()));
+        !fits) {
+      return tl::unexpected(fits.error());
+    }
     Stopwatch watch;
     classify(result.stats);
     if (result.stats.nan_samples != 0 && options_.nan == NanPolicy::error) {
@@ -95,15 +100,16 @@ class SparseExtraction {
     result.stats.bricks_visited = stored_sites_;
     result.stats.places_visited = sites_.size() - stored_sites_;
     const MeshSizes sizes = place_sites();
-    if (auto fits = check_vertex_count(field_, sizes.vertices); !fits) return tl::unexpected(fits.error());
+    if (auto fits = check_mesh_size(field_, sizes, options_); !fits) return tl::unexpected(fits.error());
     BorderCap cap;
     if (options_.cap && options_.region) {
+      if (auto fits = check_cap_size(field_, region_, options_); !fits) return tl::unexpected(fits.error());
       cap = make_border_cap(
           region_, options_.method, static_cast<std::uint32_t>(sizes.vertices),
           [&](const glm::ivec3& p) { return inside(p); },
           [&](const glm::ivec3& p, int direction) { return edge_vertex(p, direction); },
           [&](const glm::ivec3& a, const glm::ivec3& b) { return joins_inside(value(a), value(b), options_.iso); });
-      if (auto fits = check_vertex_count(field_, sizes.vertices + cap.samples.size()); !fits) {
+      if (auto fits = check_mesh_size(field_, with_cap(sizes, cap), options_); !fits) {
         return tl::unexpected(fits.error());
       }
     }
@@ -132,16 +138,29 @@ class SparseExtraction {
         bits_[b][x] = classifier(static_cast<const T*>(samples_.blocks[b].values) + 64 * x, 64, block_nan);
         if (!threshold) bits_[b][x] = 0;
       }
-      if (block_nan != 0) nan.fetch_add(block_nan, std::memory_order_relaxed);
+      if (block_nan != 0 && touches_region(samples_.blocks[b].origin, kSize)) {
+        nan.fetch_add(block_nan, std::memory_order_relaxed);
+      }
     });
     stats.samples_classified = blocks * kBlockSamples;
     stats.nan_samples = nan.load();
-    for (const SparseTile& tile : samples_.tiles) stats.nan_samples += std::isnan(tile.value) ? 1 : 0;
+    for (const SparseTile& tile : samples_.tiles) {
+      if (!std::isnan(tile.value) || !touches_region(tile.origin, tile.size)) continue;
+      const auto side = static_cast<std::uint64_t>(tile.size);
+      stats.nan_samples += side * side * side;
+    }
     stats.nan_samples += std::isnan(samples_.background) ? 1 : 0;
+  }
+
+  // NaN is looked for in what a region touches only.
+  [[nodiscard]] bool touches_region(const glm::ivec3& origin, int size) const {
+    return glm::all(glm::lessThanEqual(origin, region_.max)) &&
+           glm::all(glm::greaterThanEqual(origin + (size - 1), region_.min));
   }
 
   glm::ivec3 first_nan() const {
     for (const SparseBlock& block : samples_.blocks) {
+      if (!touches_region(block.origin, kSize)) continue;
       for (int v = 0; v < kBlockSamples; ++v) {
         if (std::isnan(static_cast<double>(static_cast<const T*>(block.values)[v]))) {
           return block.origin + glm::ivec3(v >> 6, v >> 3 & 7, v & 7);
@@ -149,7 +168,7 @@ class SparseExtraction {
       }
     }
     for (const SparseTile& tile : samples_.tiles) {
-      if (std::isnan(tile.value)) return tile.origin;
+      if (std::isnan(tile.value) && touches_region(tile.origin, tile.size)) return tile.origin;
     }
     return stored_box(samples_).max + 1;  // only the background is left
   }
@@ -436,15 +455,16 @@ Result<Extraction> extract_sparse(const ScalarField& field, const SparseSamples&
     nothing.stats.brick = "8x8x8 voxels";
     return nothing;
   }
-  if (glm::any(glm::lessThan(stored.min, glm::ivec3(-kFarthest))) ||
-      glm::any(glm::greaterThan(stored.max, glm::ivec3(kFarthest)))) {
-    return fail(ErrorKind::input, fmt::format("{}: voxels lie farther than {} from index 0", field.source, kFarthest));
+  if (glm::any(glm::lessThan(stored.min, glm::ivec3(-kMaxSparseIndex))) ||
+      glm::any(glm::greaterThan(stored.max, glm::ivec3(kMaxSparseIndex)))) {
+    return fail(ErrorKind::input,
+                fmt::format("{}: voxels lie farther than {} from index 0", field.source, kMaxSparseIndex));
   }
   // One sample of background all round closes every surface. Where the background itself is inside, a region's cap
   // must stand where the region ends.
   IndexBox reach{stored.min - 1, stored.max + 1};
   if (options.region && InsideRule{field.kind, options.iso}(field.scale(samples.background))) {
-    reach = {glm::ivec3(-kFarthest), glm::ivec3(kFarthest)};
+    reach = {glm::ivec3(-kMaxSparseIndex), glm::ivec3(kMaxSparseIndex)};
   }
   const auto region = clip_region(field, reach, options);
   if (!region) return tl::unexpected(region.error());

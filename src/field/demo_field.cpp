@@ -15,7 +15,6 @@
 #include <tbb/parallel_for.h>
 
 #include "base/buffer.hpp"
-#include "base/checked.hpp"
 
 namespace isoextract {
 namespace {

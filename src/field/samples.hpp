@@ -37,6 +37,9 @@ struct DenseSamples {
   }
 };
 
+// Indices of sparse samples lie within +- this, so that index arithmetic around and between them fits into an int.
+inline constexpr int kMaxSparseIndex = 1 << 29;
+
 // 8 x 8 x 8 samples. Sample origin + (x, y, z) is values[x << 6 | y << 3 | z] (z fastest: OpenVDB's leaf layout).
 struct SparseBlock {
   static constexpr int kSize = 8;
@@ -44,7 +47,7 @@ struct SparseBlock {
   const void* values = nullptr;  // 512 values of the samples' type
 };
 
-// A cube of `size` samples a side (a multiple of 8, at a multiple of 8) that all have one value.
+// A cube of `size` samples a side (a power of two from 8 on, at a multiple of itself) that all have one value.
 struct SparseTile {
   glm::ivec3 origin;
   int size;

@@ -64,13 +64,12 @@ class TreeWalk {
  private:
   // The origin of a node or tile of `size`, checked: the walkers behind rely on it, and on one more voxel all round.
   static glm::ivec3 origin_of(const openvdb::Coord& c, int size) {
-    constexpr int kMaxIndex = 1 << 30;
     for (int axis = 0; axis < 3; ++axis) {
       if (c[axis] % size != 0) {
         throw VdbDamaged(fmt::format("a node of {} voxels a side at index {} along axis {}", size, c[axis], axis));
       }
-      if (c[axis] < -kMaxIndex || c[axis] >= kMaxIndex) {
-        throw VdbDamaged(fmt::format("voxels at index {} along axis {}: the limit is 2^30", c[axis], axis));
+      if (c[axis] < -kMaxSparseIndex || c[axis] >= kMaxSparseIndex) {
+        throw VdbDamaged(fmt::format("voxels at index {} along axis {}: the limit is 2^29", c[axis], axis));
       }
     }
     return to_glm(c);

@@ -47,7 +47,7 @@ void VdbNodeCheck::after_read(const char* bytes, std::uint64_t count, std::uint6
         mask_on_ = count_bits(bytes, count);
       } else if (count == 1 && mask_bits_ > 0) {
         // Codes 2 and 4 come with one inactive value, 5 with two; 3 to 5 with a mask; 6 stores all values.
-        const int code = bytes[0];
+        const auto code = static_cast<unsigned char>(bytes[0]);
         prefix_left_ = (code == 2 || code == 4 ? 1 : 0) + (code == 5 ? 2 : 0) + (code >= 3 && code <= 5 ? 1 : 0);
         masked_ = (layout_.compression & kVdbActiveMask) != 0 && code != 6;
         next_ = Next::prefix;

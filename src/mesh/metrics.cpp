@@ -8,7 +8,8 @@
 namespace isoextract {
 namespace {
 
-// Fixed-size chunks with a deterministic reduction: sums do not depend on the number of threads.
+// Fixed-size chunks, summed by a deterministic reduction, so that nothing depends on the number of threads. Least and
+// greatest coordinates do not depend on the order anyway.
 constexpr std::size_t kGrain = 1 << 15;
 
 using Range = tbb::blocked_range<std::size_t>;

@@ -13,25 +13,27 @@ namespace {
 // One use of an edge by a triangle: the ends in rising order, the direction of travel, and the corner it starts at.
 struct EdgeUse {
   std::uint64_t ends;  // low index << 32 | high index
-  std::uint32_t triangle;
+  std::uint64_t triangle;
   bool forward;  // from the low index to the high one
 };
 
 class DisjointSets {
  public:
-  explicit DisjointSets(std::size_t size) : parent_(size) { std::iota(parent_.begin(), parent_.end(), 0U); }
+  explicit DisjointSets(std::size_t size) : parent_(size) {
+    std::iota(parent_.begin(), parent_.end(), std::uint64_t{0});
+  }
 
-  std::uint32_t find(std::uint32_t element) {
+  std::uint64_t find(std::uint64_t element) {
     while (parent_[element] != element) {
       parent_[element] = parent_[parent_[element]];
       element = parent_[element];
     }
     return element;
   }
-  void join(std::uint32_t a, std::uint32_t b) { parent_[find(a)] = find(b); }
+  void join(std::uint64_t a, std::uint64_t b) { parent_[find(a)] = find(b); }
 
  private:
-  std::vector<std::uint32_t> parent_;
+  std::vector<std::uint64_t> parent_;
 };
 
 bool repeats_index(const glm::uvec3& t) { return t.x == t.y || t.y == t.z || t.z == t.x; }
@@ -39,7 +41,7 @@ bool repeats_index(const glm::uvec3& t) { return t.x == t.y || t.y == t.z || t.z
 std::vector<EdgeUse> sorted_edge_uses(const Mesh& mesh) {
   std::vector<EdgeUse> uses;
   uses.reserve(mesh.triangles.size() * 3);
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+  for (std::uint64_t t = 0; t < mesh.triangles.size(); ++t) {
     const glm::uvec3 triangle = mesh.triangles[t];
     if (repeats_index(triangle)) continue;
     for (int corner = 0; corner < 3; ++corner) {
@@ -79,8 +81,8 @@ Topology measure_topology(const Mesh& mesh) {
     const auto high = static_cast<std::uint32_t>(uses[first].ends);
     vertices.join(low, high);
     for (std::size_t use = first + 1; use < last; ++use) {
-      const std::uint32_t t = uses[use].triangle;
-      const std::uint32_t s = uses[first].triangle;
+      const std::uint64_t t = uses[use].triangle;
+      const std::uint64_t s = uses[first].triangle;
       for (const std::uint32_t vertex : {low, high}) {
         corners.join(3 * t + corner_of(mesh.triangles[t], vertex), 3 * s + corner_of(mesh.triangles[s], vertex));
       }
@@ -89,7 +91,7 @@ Topology measure_topology(const Mesh& mesh) {
   }
 
   std::vector<std::uint32_t> fans(mesh.positions.size(), 0);
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+  for (std::uint64_t t = 0; t < mesh.triangles.size(); ++t) {
     if (repeats_index(mesh.triangles[t])) {
       ++result.repeated_index_triangles;
       continue;

@@ -78,6 +78,35 @@ TEST(Placement, LongRowsWithTiesHaveNoZeroAreaTriangles) {
   }
 }
 
+// A slab whose one thin axis lies far from 0, though not far for the other two.
+TEST(Placement, ThinFarSlabsHaveNoZeroAreaTriangles) {
+  ExtractOptions options;
+  options.output_from_index = scaling({100, 0.0001, 100});
+  options.output_from_index.offset.y = 6000;
+  const Mesh mesh = test::extract(sphere(32), options).mesh;
+  EXPECT_NE(mesh.origin, glm::dvec3(0));
+  test::expect_sound(mesh, true);
+}
+
+TEST(Placement, RefusesWhatFloatsCannotHold) {
+  for (const double scale : {1e60, 1e-50}) {
+    ExtractOptions options;
+    options.output_from_index = scaling(glm::dvec3(scale));
+    const auto result = make_cpu_extractor()->extract(sphere(8), options);
+    ASSERT_FALSE(result) << scale;
+    EXPECT_EQ(result.error().kind, ErrorKind::input);
+    EXPECT_NE(result.error().hint.find("--scale"), std::string::npos);
+  }
+}
+
+TEST(Placement, RefusesMeshesBeyondTheMemoryLimit) {
+  ExtractOptions options;
+  options.limits.memory_bytes = 1000;
+  const auto result = make_cpu_extractor()->extract(sphere(16), options);
+  ASSERT_FALSE(result);
+  EXPECT_NE(result.error().hint.find("--memory-limit"), std::string::npos);
+}
+
 TEST(Placement, RefusesFlatTransforms) {
   ExtractOptions options;
   options.output_from_index = scaling({1, 0, 1});

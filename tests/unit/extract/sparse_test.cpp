@@ -120,6 +120,56 @@ TEST_P(Sparse, VisitsOnlyBlocksThatTheSurfacePasses) {
   EXPECT_GT(stats.bricks_visited, 0U);
 }
 
+TEST_P(Sparse, BlocksAtTheEndsOfTheIndexRangeAreRefusedNotTorn) {
+  const ScalarField dense = make_demo_field("demo:sphere?size=8", default_limits()).value();
+  ScalarField field = test::sparse_copy<float>(dense, -1);
+  auto& samples = std::get<SparseSamples>(field.samples);
+  samples.blocks.push_back(samples.blocks[0]);
+  samples.blocks[0].origin = glm::ivec3(-kMaxSparseIndex);
+  samples.blocks[1].origin = glm::ivec3(kMaxSparseIndex - 8);
+  ExtractOptions options;
+  options.method = GetParam();
+  EXPECT_FALSE(make_cpu_extractor()->extract(field, options)) << "float32 cannot hold them apart";
+  // 2^16 apart they are two whole spheres.
+  samples.blocks[0].origin = glm::ivec3(-(1 << 15));
+  samples.blocks[1].origin = glm::ivec3(1 << 15);
+  const Mesh mesh = test::extract(field, options).mesh;
+  test::expect_sound(mesh, true);
+  EXPECT_EQ(measure_topology(mesh).components, 2U);
+}
+
+TEST_P(Sparse, NanOutsideTheRegionIsNoMatter) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const ScalarField dense = test::dense_field<float>({32, 32, 32}, [&](int i, int j, int k) {
+    if (i == 30 && j == 30 && k == 30) return nan;
+    return i > 1 && i < 6 && j > 1 && j < 6 && k > 1 && k < 6 ? 1.0 : -1.0;
+  });
+  const ScalarField sparse = test::sparse_copy<float>(dense, -1);
+  for (const ScalarField* field : {&dense, &sparse}) {
+    ExtractOptions options;
+    options.method = GetParam();
+    EXPECT_FALSE(make_cpu_extractor()->extract(*field, options));
+    options.region = IndexBox{glm::ivec3(0), glm::ivec3(9)};
+    test::expect_sound(test::extract(*field, options).mesh, true);
+  }
+}
+
+// Where the background is inside, a capped region is the region less the bubbles in it.
+TEST_P(Sparse, CapStandsWhereTheRegionEndsInAnInsideBackground) {
+  const ScalarField dense = make_demo_field("demo:sphere?size=8", default_limits()).value();
+  ScalarField field = test::sparse_copy<float>(dense, -1);
+  field.kind = FieldKind::level_set;  // now the sphere is the outside
+  ExtractOptions options;
+  options.method = GetParam();
+  options.cap = true;
+  options.region = IndexBox{glm::ivec3(-20), glm::ivec3(30)};
+  const Mesh mesh = test::extract(field, options).mesh;
+  test::expect_sound(mesh, true);
+  EXPECT_EQ(measure_bounds(mesh).min, glm::dvec3(-20));
+  EXPECT_EQ(measure_bounds(mesh).max, glm::dvec3(30));
+  EXPECT_EQ(measure_topology(mesh).components, 2U);
+}
+
 TEST_P(Sparse, NothingStoredIsAnEmptyMesh) {
   ScalarField field;
   field.samples = SparseSamples{};

@@ -344,7 +344,7 @@ TEST(VdbReaderLimits, VoxelsTooFarOutAreRefused) {
     grid->tree().setValue(far, 1.0F);
     const TempFolder folder;
     write_vdb(folder / "v.vdb", {grid});
-    expect_in(refusal(folder / "v.vdb").message, "the limit is 2^30");
+    expect_in(refusal(folder / "v.vdb").message, "the limit is 2^29");
   }
 }
 
