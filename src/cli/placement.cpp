@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 
@@ -15,18 +14,6 @@ constexpr std::array kUnits{LengthUnit{"um", 1e-6}, LengthUnit{"mm", 1e-3},   Le
 
 constexpr double kVoxelTolerance = 1e-6;
 constexpr double kAxisTolerance = 1e-6;  // of an axis' length
-
-// The box of `map` applied to all of `box`.
-Box image_of(const Affine& map, const Box& box) {
-  Box image{glm::dvec3(std::numeric_limits<double>::infinity()), glm::dvec3(-std::numeric_limits<double>::infinity())};
-  for (int corner = 0; corner < 8; ++corner) {
-    const glm::dvec3 p = map({(corner & 1) != 0 ? box.max.x : box.min.x, (corner & 2) != 0 ? box.max.y : box.min.y,
-                              (corner & 4) != 0 ? box.max.z : box.min.z});
-    image.min = glm::min(image.min, p);
-    image.max = glm::max(image.max, p);
-  }
-  return image;
-}
 
 Box index_bounds(const ScalarField& field) {
   const IndexBox extents = field.extents();

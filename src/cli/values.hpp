@@ -10,14 +10,9 @@
 #include <glm/glm.hpp>
 
 #include "base/error.hpp"
+#include "field/affine.hpp"
 
 namespace isoextract {
-
-// A box in the world or among the voxels, both corners included.
-struct Box {
-  glm::dvec3 min{0.0};
-  glm::dvec3 max{0.0};
-};
 
 [[nodiscard]] Result<std::string> parse_text(std::string_view text);    // anything, the empty text too
 [[nodiscard]] Result<double> parse_number(std::string_view text);       // finite

@@ -13,6 +13,12 @@
 
 namespace isoextract {
 
+// The place of axis bits in CaseTable::directions.
+template <int kDirections>
+[[nodiscard]] constexpr int direction_index(int direction) {
+  return kDirections == 3 ? direction / 2 : direction - 1;
+}
+
 template <int kDirections>
 struct CellStreams {
   static_assert(kDirections == 3 || kDirections == 7);
@@ -44,8 +50,7 @@ struct CellStreams {
         ++stream;
       }
       if (stream == count) {
-        const int index = kDirections == 3 ? edge.direction / 2 : edge.direction - 1;
-        streams[count++] = {index, edge.direction, row_y, row_z};
+        streams[count++] = {direction_index<kDirections>(edge.direction), edge.direction, row_y, row_z};
       }
       edges[e] = {stream, (edge.corner & 1) != 0};
     }

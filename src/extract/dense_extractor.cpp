@@ -1,7 +1,6 @@
 #include "extract/dense_extractor.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -9,8 +8,8 @@
 
 #include "base/stopwatch.hpp"
 #include "extract/border_cap.hpp"
+#include "extract/cell_output.hpp"
 #include "extract/dense_masks.hpp"
-#include "extract/edge_geometry.hpp"
 #include "extract/face_rule.hpp"
 #include "extract/mesh_assembly.hpp"
 #include "extract/row_walk.hpp"
@@ -216,12 +215,10 @@ class DenseExtraction {
     triangle_base_[row] = triangles;
   }
 
-  // What the cell at `p` (relative to the region) draws: values are looked at only where its bits do not decide.
+  // What the cell at `p` (relative to the region) draws.
   [[nodiscard]] unsigned variant(unsigned cell_case, const glm::ivec3& p) const {
-    if (table_.alternating_faces[cell_case] == 0) return table_.variants[cell_case];
-    return table_.variant(cell_case, joined_faces(table_, cell_case, options_.iso, [&](int corner) {
-                            return value(region_.min + p + direction_step(corner));
-                          }));
+    return cell_variant(table_, cell_case, options_.iso,
+                        [&](int corner) { return value(region_.min + p + direction_step(corner)); });
   }
 
   // Counts become first numbers.
@@ -280,14 +277,9 @@ class DenseExtraction {
 
   // `p` and `p + step` are the edge's ends, in indices of the whole field.
   void emit_vertex(Mesh& mesh, std::size_t number, const glm::ivec3& p, const glm::ivec3& step) const {
-    const double f0 = value(p);
-    const double f1 = value(p + step);
-    const double t = edge_crossing(f0, f1, options_.iso, placement_.margin());
-    mesh.positions[number] = placement_.position(glm::dvec3(p) + t * glm::dvec3(step));
-    if (!options_.smooth_normals) return;
-    const glm::dvec3 gradient = (1 - t) * sample_gradient(p) + t * sample_gradient(p + step);
-    const bool upwards = InsideRule{field_.kind, options_.iso}(f0);
-    mesh.normals[number] = placement_.normal(gradient, (upwards ? 1.0 : -1.0) * glm::dvec3(step));
+    write_vertex(
+        mesh, number, placement_, {field_.kind, options_.iso}, p, step, [&](const glm::ivec3& q) { return value(q); },
+        [&](const glm::ivec3& q) { return sample_gradient(q); });
   }
 
   // Of the stored numbers, at a sample: central differences; at the border of the data one-sided ones of the same
@@ -317,7 +309,6 @@ class DenseExtraction {
                              static_cast<std::size_t>(stream.direction_index)];
     }
     glm::uvec3* out = mesh.triangles.data() + triangle_base_[row_index(j, k)];
-    const bool mirrored = placement_.mirrored();
     for (int w = 0; w < masks_.words(); ++w) {
       if (crossed_bricks[w] == 0) continue;
       std::array<std::uint64_t, Streams::kStreams> crossed;
@@ -335,12 +326,7 @@ class DenseExtraction {
           return numbers[source.stream][source.next ? 1 : 0];
         };
         const unsigned v = variant(RowBits::cell_case(corners, cell), {64 * w + cell, j, k});
-        for (int t = table_.first[v]; t < table_.first[v + 1]; ++t) {
-          const CellTriangle& triangle = table_.triangles[t];
-          const std::uint32_t b = vertex(triangle[1]);
-          const std::uint32_t c2 = vertex(triangle[2]);
-          *out++ = mirrored ? glm::uvec3(vertex(triangle[0]), c2, b) : glm::uvec3(vertex(triangle[0]), b, c2);
-        }
+        out = write_cell(table_, v, placement_.mirrored(), vertex, out);
       });
     }
   }

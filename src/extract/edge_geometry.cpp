@@ -1,44 +1,27 @@
 #include "extract/edge_geometry.hpp"
 
 #include <algorithm>
-#include <array>
 
 namespace isoextract {
 namespace {
-
-struct Corners {
-  glm::dvec3 min{std::numeric_limits<double>::infinity()};
-  glm::dvec3 max{-std::numeric_limits<double>::infinity()};
-};
-
-Corners placed_corners(const Affine& placement, const IndexBox& box) {
-  Corners corners;
-  for (int c = 0; c < 8; ++c) {
-    const glm::dvec3 p = placement({(c & 1) != 0 ? box.max.x : box.min.x, (c & 2) != 0 ? box.max.y : box.min.y,
-                                    (c & 4) != 0 ? box.max.z : box.min.z});
-    corners.min = glm::min(corners.min, p);
-    corners.max = glm::max(corners.max, p);
-  }
-  return corners;
-}
 
 double max_component(const glm::dvec3& v) { return std::max({v.x, v.y, v.z}); }
 
 // Zero where float32 world coordinates cost at most two bits, on every axis, against coordinates relative to the
 // centre.
-glm::dvec3 choose_origin(const Corners& corners) {
-  const glm::dvec3 farthest = glm::max(glm::abs(corners.min), glm::abs(corners.max));
-  const glm::dvec3 half_extent = (corners.max - corners.min) / 2.0;
+glm::dvec3 choose_origin(const Box& box) {
+  const glm::dvec3 farthest = glm::max(glm::abs(box.min), glm::abs(box.max));
+  const glm::dvec3 half_extent = (box.max - box.min) / 2.0;
   constexpr double kNear = 4;
   const bool near = glm::all(glm::lessThanEqual(farthest, kNear * half_extent));
-  return near ? glm::dvec3(0) : corners.min / 2.0 + corners.max / 2.0;
+  return near ? glm::dvec3(0) : box.min / 2.0 + box.max / 2.0;
 }
 
 constexpr double kLargestMargin = 0x1p-6;
 
 // Eight times what float32 rounds by, as a fraction of the shortest grid step that the rounding can act against. At 512
 // samples a side this is 0.0002 of an edge.
-double wanted_margin(const Affine& local_from_index, const Corners& local) {
+double wanted_margin(const Affine& local_from_index, const Box& local) {
   constexpr double kRounding = 0x1p-24;  // half a unit in the last place of 1
   constexpr double kFactor = 8;
   const glm::dvec3 farthest = glm::max(glm::abs(local.min), glm::abs(local.max));
@@ -61,10 +44,10 @@ Placement::Placement(const Affine& output_from_index, const IndexBox& box, Field
       covector_map_(glm::transpose(glm::inverse(output_from_index.linear))),
       outward_((kind == FieldKind::level_set) == (scale.slope > 0) ? 1 : -1),
       mirrored_(output_from_index.determinant() < 0) {
-  const Corners world = placed_corners(output_from_index, box);
+  const Box world = image_of(output_from_index, {glm::dvec3(box.min), glm::dvec3(box.max)});
   origin_ = choose_origin(world);
   local_from_index_.offset -= origin_;
-  const Corners local{world.min - origin_, world.max - origin_};
+  const Box local{world.min - origin_, world.max - origin_};
   const double margin = wanted_margin(local_from_index_, local);
   margin_ = std::min(margin, kLargestMargin);
 

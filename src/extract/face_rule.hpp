@@ -26,4 +26,11 @@ template <class Value>
   return joined;
 }
 
+// The variant that a cell draws. Values are looked at only where the case alone does not decide.
+template <class Value>
+[[nodiscard]] unsigned cell_variant(const CaseTable& table, unsigned cell_case, double iso, const Value& value) {
+  if (table.alternating_faces[cell_case] == 0) return table.variants[cell_case];
+  return table.variant(cell_case, joined_faces(table, cell_case, iso, value));
+}
+
 }  // namespace isoextract

@@ -36,29 +36,20 @@ struct OrderedFloatBits {
   static constexpr Bits bits(Bits key) { return static_cast<Bits>((key & kSign) != 0 ? (key & ~kSign) : ~key); }
 };
 
-template <>
-struct OrderedKey<float> {
-  using Key = std::uint32_t;
-  static constexpr Key kLowest = OrderedFloatBits<Key>::key(0xFF800000U);
-  static constexpr Key kHighest = OrderedFloatBits<Key>::key(0x7F800000U);
-  static float value(Key key) { return std::bit_cast<float>(OrderedFloatBits<Key>::bits(key)); }
+template <class T, class Bits, Bits kInfinity>
+struct OrderedFloat {
+  using Key = Bits;
+  static constexpr Key kLowest = OrderedFloatBits<Bits>::key(OrderedFloatBits<Bits>::kSign | kInfinity);
+  static constexpr Key kHighest = OrderedFloatBits<Bits>::key(kInfinity);
+  static T value(Key key) { return std::bit_cast<T>(OrderedFloatBits<Bits>::bits(key)); }
 };
 
 template <>
-struct OrderedKey<double> {
-  using Key = std::uint64_t;
-  static constexpr Key kLowest = OrderedFloatBits<Key>::key(0xFFF0000000000000ULL);
-  static constexpr Key kHighest = OrderedFloatBits<Key>::key(0x7FF0000000000000ULL);
-  static double value(Key key) { return std::bit_cast<double>(OrderedFloatBits<Key>::bits(key)); }
-};
-
+struct OrderedKey<float> : OrderedFloat<float, std::uint32_t, 0x7F800000U> {};
 template <>
-struct OrderedKey<Half> {
-  using Key = std::uint16_t;
-  static constexpr Key kLowest = OrderedFloatBits<Key>::key(0xFC00U);
-  static constexpr Key kHighest = OrderedFloatBits<Key>::key(0x7C00U);
-  static Half value(Key key) { return Half(Half::FromBits, OrderedFloatBits<Key>::bits(key)); }
-};
+struct OrderedKey<double> : OrderedFloat<double, std::uint64_t, 0x7FF0000000000000ULL> {};
+template <>
+struct OrderedKey<Half> : OrderedFloat<Half, std::uint16_t, 0x7C00U> {};
 
 // The rule itself, in the field's own values. NaN is outside.
 struct InsideRule {

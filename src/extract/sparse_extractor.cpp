@@ -8,6 +8,8 @@
 #include <tbb/parallel_for.h>
 
 #include "base/stopwatch.hpp"
+#include "extract/cell_output.hpp"
+#include "extract/cell_streams.hpp"
 #include "extract/face_rule.hpp"
 #include "extract/mesh_assembly.hpp"
 #include "extract/row_walk.hpp"
@@ -294,7 +296,7 @@ class SparseExtraction {
     return edges_[site * kDirections + static_cast<std::size_t>(direction_index)];
   }
 
-  static constexpr int direction_index(int direction) { return kDirections == 3 ? direction / 2 : direction - 1; }
+  static constexpr int direction_index(int direction) { return isoextract::direction_index<kDirections>(direction); }
 
   void count() {
     edges_ = Buffer<SiteEdges>(sites_.size() * kDirections);
@@ -342,11 +344,9 @@ class SparseExtraction {
     return field_.scale(static_cast<double>(values[block_offset(p)]));
   }
 
-  // What the cell at `p` draws: values are looked at only where its bits do not decide.
+  // What the cell at `p` draws.
   [[nodiscard]] unsigned variant(unsigned cell_case, const glm::ivec3& p) const {
-    if (table_.alternating_faces[cell_case] == 0) return table_.variants[cell_case];
-    return table_.variant(cell_case, joined_faces(table_, cell_case, options_.iso,
-                                                  [&](int corner) { return value(p + direction_step(corner)); }));
+    return cell_variant(table_, cell_case, options_.iso, [&](int corner) { return value(p + direction_step(corner)); });
   }
 
   MeshSizes place_sites() {
@@ -394,17 +394,13 @@ class SparseExtraction {
 
   void emit_vertex(Mesh& mesh, std::size_t number, const Neighbourhood<T>& stored, const glm::ivec3& p,
                    const glm::ivec3& step) const {
-    const double f0 = field_.scale(stored(p));
-    const double f1 = field_.scale(stored(p + step));
-    const double t = edge_crossing(f0, f1, options_.iso, placement_.margin());
-    mesh.positions[number] = placement_.position(glm::dvec3(p) + t * glm::dvec3(step));
-    if (!options_.smooth_normals) return;
     const auto gradient = [&](const glm::ivec3& q) {
       const auto difference = [&](const glm::ivec3& axis) { return (stored(q + axis) - stored(q - axis)) / 2; };
       return glm::dvec3(difference({1, 0, 0}), difference({0, 1, 0}), difference({0, 0, 1}));
     };
-    mesh.normals[number] =
-        placement_.normal((1 - t) * gradient(p) + t * gradient(p + step), (rule_(f0) ? 1.0 : -1.0) * glm::dvec3(step));
+    write_vertex(
+        mesh, number, placement_, rule_, p, step, [&](const glm::ivec3& q) { return field_.scale(stored(q)); },
+        gradient);
   }
 
   void emit_triangles(Mesh& mesh, std::size_t s) const {
@@ -412,7 +408,6 @@ class SparseExtraction {
     std::array<std::int32_t, 8> near;  // the sites that own the edges of this site's cells
     for (int n = 0; n < 8; ++n) near[n] = site_index_.find(origin + kSize * direction_step(n));
     glm::uvec3* out = mesh.triangles.data() + triangle_base_[s];
-    const bool mirrored = placement_.mirrored();
     for_each_active_cell(origin, group_bits(origin), [&](int x, int bit, unsigned v) {
       const auto vertex = [&](std::uint8_t edge) {
         const CellEdge& e = table_.edges[edge];
@@ -420,12 +415,7 @@ class SparseExtraction {
         const int n = p.x >> 3 | p.y >> 3 << 1 | p.z >> 3 << 2;
         return vertex_at(static_cast<std::size_t>(near[n]), direction_index(e.direction), block_offset(p));
       };
-      for (int t = table_.first[v]; t < table_.first[v + 1]; ++t) {
-        const CellTriangle& triangle = table_.triangles[t];
-        const std::uint32_t b = vertex(triangle[1]);
-        const std::uint32_t c2 = vertex(triangle[2]);
-        *out++ = mirrored ? glm::uvec3(vertex(triangle[0]), c2, b) : glm::uvec3(vertex(triangle[0]), b, c2);
-      }
+      out = write_cell(table_, v, placement_.mirrored(), vertex, out);
     });
   }
 

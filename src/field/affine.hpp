@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 
 #include <glm/glm.hpp>
 
@@ -35,6 +36,24 @@ struct Affine {
 
   friend bool operator==(const Affine&, const Affine&) = default;
 };
+
+// A box in the world or among the samples, both corners included.
+struct Box {
+  glm::dvec3 min{0.0};
+  glm::dvec3 max{0.0};
+};
+
+// The box around `map` applied to all of `box`.
+[[nodiscard]] inline Box image_of(const Affine& map, const Box& box) {
+  Box image{glm::dvec3(std::numeric_limits<double>::infinity()), glm::dvec3(-std::numeric_limits<double>::infinity())};
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::dvec3 p = map({(corner & 1) != 0 ? box.max.x : box.min.x, (corner & 2) != 0 ? box.max.y : box.min.y,
+                              (corner & 4) != 0 ? box.max.z : box.min.z});
+    image.min = glm::min(image.min, p);
+    image.max = glm::max(image.max, p);
+  }
+  return image;
+}
 
 [[nodiscard]] inline Affine scaling(const glm::dvec3& factors) {
   return {glm::dmat3(factors.x, 0, 0, 0, factors.y, 0, 0, 0, factors.z), glm::dvec3(0)};
