@@ -1,0 +1,158 @@
+#include "field/interpolant.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace isoextract {
+namespace {
+
+// What each of an axis' samples counts for, in the value and in its derivative.
+struct AxisWeights {
+  std::array<double, 4> value{};
+  std::array<double, 4> slope{};
+};
+
+AxisWeights linear_weights(double t) { return {{1 - t, t}, {-1, 1}}; }
+
+AxisWeights catmull_rom_weights(double t) {
+  const double t2 = t * t;
+  const double t3 = t * t2;
+  return {{(-t + 2 * t2 - t3) / 2, (2 - 5 * t2 + 3 * t3) / 2, (t + 4 * t2 - 3 * t3) / 2, (t3 - t2) / 2},
+          {(-1 + 4 * t - 3 * t2) / 2, (-10 * t + 9 * t2) / 2, (1 + 8 * t - 9 * t2) / 2, (3 * t2 - 2 * t) / 2}};
+}
+
+// A sample beyond the border stands for the parabola through the last three, or the line through the only two; what it
+// counts for goes to those. That makes the slope at the border the one-sided difference of second order.
+void fold_border(std::array<double, 4>& weights, bool low, bool high) {
+  const double before = low ? std::exchange(weights[0], 0.0) : 0.0;
+  const double after = high ? std::exchange(weights[3], 0.0) : 0.0;
+  if (low && high) {
+    weights[1] += 2 * before - after;
+    weights[2] += 2 * after - before;
+    return;
+  }
+  weights[1] += 3 * before - 3 * after;
+  weights[2] += 3 * after - 3 * before;
+  weights[low ? 3 : 0] += before + after;
+}
+
+template <int kSize>
+Interpolated weighted_sum(const std::array<AxisWeights, 3>& weights, const double* values) {
+  const auto& [x, y, z] = weights;
+  Interpolated sum;
+  for (int k = 0; k < kSize; ++k) {
+    Interpolated plane;
+    for (int j = 0; j < kSize; ++j) {
+      double value = 0;
+      double slope = 0;
+      for (int i = 0; i < kSize; ++i, ++values) {
+        value += x.value[i] * *values;
+        slope += x.slope[i] * *values;
+      }
+      plane.value += y.value[j] * value;
+      plane.gradient.x += y.value[j] * slope;
+      plane.gradient.y += y.slope[j] * value;
+    }
+    sum.value += z.value[k] * plane.value;
+    sum.gradient += glm::dvec3(z.value[k] * plane.gradient.x, z.value[k] * plane.gradient.y, z.slope[k] * plane.value);
+  }
+  return sum;
+}
+
+int stencil_size(Interpolation interpolation) { return interpolation == Interpolation::trilinear ? 2 : 4; }
+
+// Calls take(p, slot) for every sample p of the stencil.
+template <class F>
+void for_each_sample(const glm::ivec3& first, int size, const F& take) {
+  int slot = 0;
+  for (int k = 0; k < size; ++k) {
+    for (int j = 0; j < size; ++j) {
+      for (int i = 0; i < size; ++i) take(first + glm::ivec3(i, j, k), slot++);
+    }
+  }
+}
+
+}  // namespace
+
+Interpolant::Interpolant(const ScalarField& field, Interpolation interpolation)
+    : field_(field), interpolation_(interpolation) {
+  if (const auto* sparse = std::get_if<SparseSamples>(&field.samples)) lookup_.emplace(*sparse);
+}
+
+glm::ivec3 Interpolant::cell_of(const glm::dvec3& index) const {
+  const auto* dense = std::get_if<DenseSamples>(&field_.samples);
+  const glm::dvec3 low = dense != nullptr ? glm::dvec3(0) : glm::dvec3(-kMaxSparseIndex);
+  const glm::dvec3 high = dense != nullptr ? glm::dvec3(dense->dims - 2) : glm::dvec3(kMaxSparseIndex);
+  return glm::clamp(glm::floor(index), low, high);
+}
+
+bool Interpolant::load(const glm::ivec3& cell, std::span<double> values) const {
+  const int size = stencil_size(interpolation_);
+  const glm::ivec3 first = cell - (size / 2 - 1);
+  bool finite = true;
+  const auto put = [&](double stored, int slot) {
+    const double value = field_.scale(stored);
+    finite = finite && std::isfinite(value);
+    values[static_cast<std::size_t>(slot)] = value;
+  };
+  visit_sample_type(field_.type(), [&]<class T>(std::type_identity<T>) {
+    if (const auto* dense = std::get_if<DenseSamples>(&field_.samples)) {
+      const glm::i64vec3 dims(dense->dims);
+      for_each_sample(first, size, [&](const glm::ivec3& p, int slot) {
+        const bool inside =
+            glm::all(glm::greaterThanEqual(p, glm::ivec3(0))) && glm::all(glm::lessThan(p, dense->dims));
+        const auto* samples = static_cast<const T*>(dense->data);
+        if (inside) {
+          put(static_cast<double>(samples[p.x + dims.x * (p.y + dims.y * p.z)]), slot);
+        } else {
+          values[static_cast<std::size_t>(slot)] = 0;
+        }
+      });
+      return;
+    }
+    const auto& sparse = std::get<SparseSamples>(field_.samples);
+    glm::ivec3 origin = block_origin(first);
+    std::int32_t block = lookup_->block(origin);
+    for_each_sample(first, size, [&](const glm::ivec3& p, int slot) {
+      if (const glm::ivec3 own = block_origin(p); own != origin) {
+        origin = own;
+        block = lookup_->block(origin);
+      }
+      put(block >= 0 ? static_cast<double>(static_cast<const T*>(sparse.blocks[block].values)[block_offset(p)])
+                     : lookup_->constant(origin),
+          slot);
+    });
+  });
+  return finite;
+}
+
+Interpolated Interpolant::Cursor::operator()(const glm::dvec3& index) {
+  const glm::ivec3 cell = interpolant_.cell_of(index);
+  if (!loaded_ || cell != cell_) {
+    cell_ = cell;
+    loaded_ = true;
+    finite_ = interpolant_.load(cell, values_);
+  }
+  if (!finite_) return {std::numeric_limits<double>::quiet_NaN(), glm::dvec3(0)};
+  const glm::dvec3 t = index - glm::dvec3(cell);
+  std::array<AxisWeights, 3> weights;
+  if (interpolant_.interpolation_ == Interpolation::trilinear) {
+    for (int axis = 0; axis < 3; ++axis) weights[axis] = linear_weights(t[axis]);
+    return weighted_sum<2>(weights, values_.data());
+  }
+  const auto* dense = std::get_if<DenseSamples>(&interpolant_.field_.samples);
+  for (int axis = 0; axis < 3; ++axis) {
+    weights[axis] = catmull_rom_weights(t[axis]);
+    if (dense == nullptr) continue;
+    const bool low = cell[axis] == 0;
+    const bool high = cell[axis] + 2 == dense->dims[axis];
+    if (!low && !high) continue;
+    fold_border(weights[axis].value, low, high);
+    fold_border(weights[axis].slope, low, high);
+  }
+  return weighted_sum<4>(weights, values_.data());
+}
+
+}  // namespace isoextract

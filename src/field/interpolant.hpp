@@ -1,0 +1,61 @@
+// The field between its samples: value and gradient at any position.
+//
+// trilinear: the interpolant whose surface marching cubes approximates.
+// tricubic: the tensor product of Catmull-Rom splines (Catmull and Rom, "A class of local interpolating splines",
+// 1974). It equals the interpolant of Lekien and Marsden, "Tricubic interpolation in three dimensions", Int. J. Numer.
+// Meth. Engng 63, 2005, with all derivatives, the mixed ones too, by central differences; at the border of dense data
+// these become one-sided differences of the same order. It is smooth across cells, so it shows what the creases between
+// trilinear cells cost.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+
+#include <glm/glm.hpp>
+
+#include "field/scalar_field.hpp"
+#include "field/sparse_lookup.hpp"
+
+namespace isoextract {
+
+enum class Interpolation { trilinear, tricubic };
+
+struct Interpolated {
+  double value = 0;          // in the field's own values; NaN where a sample it depends on is not finite
+  glm::dvec3 gradient{0.0};  // of those values, per index step
+};
+
+class Interpolant {
+ public:
+  // `field` must outlive this; dense ones need two samples along each axis.
+  Interpolant(const ScalarField& field, Interpolation interpolation);
+
+  // Looks at one position after the other, in index space. Keeps the samples of the last cell, because neighbours in a
+  // sequence mostly share it: one a thread. Beyond dense data the border cell's polynomial goes on.
+  class Cursor {
+   public:
+    explicit Cursor(const Interpolant& interpolant) : interpolant_(interpolant) {}
+    [[nodiscard]] Interpolated operator()(const glm::dvec3& index);
+
+   private:
+    static constexpr int kMaxSamples = 4 * 4 * 4;
+
+    const Interpolant& interpolant_;
+    glm::ivec3 cell_{0};
+    bool loaded_ = false;
+    bool finite_ = false;
+    std::array<double, kMaxSamples> values_{};  // x fastest
+  };
+
+ private:
+  // Reads the samples around a cell into `values`, those beyond dense data as 0. False if one is not finite.
+  [[nodiscard]] bool load(const glm::ivec3& cell, std::span<double> values) const;
+  [[nodiscard]] glm::ivec3 cell_of(const glm::dvec3& index) const;
+
+  const ScalarField& field_;
+  Interpolation interpolation_;
+  std::optional<SparseLookup> lookup_;
+};
+
+}  // namespace isoextract

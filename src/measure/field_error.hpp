@@ -1,0 +1,41 @@
+// How far a mesh is from the isosurface of the data it came from.
+//
+// At a point p with residual r = f(p) - iso the first-order distance is |r| / |grad f|, with the gradient taken in the
+// mesh's coordinates: a covector, mapped by the inverse transpose of the transform. That number misleads where the
+// gradient changes within it, and most where the gradient is small. So it is only the first guess of a search for the
+// crossing itself, along the gradient's line towards the surface, no further than `reach`: what is reported is the
+// length of the step to the crossing, which the true distance cannot exceed. Where no crossing is within reach, the
+// gradient is zero, or samples are not finite, there is no distance; such points are counted, not left out in silence.
+#pragma once
+
+#include "extract/extractor.hpp"
+#include "field/interpolant.hpp"
+#include "measure/error_statistics.hpp"
+
+namespace isoextract {
+
+struct FieldErrorOptions {
+  Interpolation interpolation = Interpolation::trilinear;  // whose isosurface is the truth
+  double reach = 1;                                        // voxels
+  Progress* progress = nullptr;
+};
+
+struct FieldError {
+  Interpolation interpolation = Interpolation::trilinear;
+  ErrorStatistics interior;  // at seven points inside each triangle (quadrature.hpp), weighted by area
+  ErrorStatistics vertices;  // at the vertices, each alike
+
+  // At vertices on edges along the samples' axes, against the trilinear interpolant, whose crossing there is exact:
+  // what float32 positions and the margin at the ends of edges (extract/edge_geometry.hpp) cost. Marching tetrahedra
+  // have vertices on diagonals besides, where the interpolant is not linear; those are in `vertices` only.
+  ErrorStatistics storage;
+
+  std::uint64_t cap_triangles = 0;  // not measured: they lie in the border of the data, not on the isosurface
+};
+
+// `extracted` is how `mesh` was extracted from `field`: iso value, placement, region and cap are taken from it. The
+// mesh may have fewer triangles since. The same answer for any number of threads.
+[[nodiscard]] FieldError measure_field_error(const Mesh& mesh, const ScalarField& field,
+                                             const ExtractOptions& extracted, const FieldErrorOptions& options);
+
+}  // namespace isoextract

@@ -1,0 +1,163 @@
+#include "measure/field_error.hpp"
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "field/demo_field.hpp"
+#include "support/fields.hpp"
+#include "support/meshes.hpp"
+#include "support/sample_meshes.hpp"
+
+namespace isoextract {
+namespace {
+
+struct Extracted {
+  ExtractOptions options;
+  Mesh mesh;
+};
+
+Extracted extract_at(const ScalarField& field, double iso, Method method = Method::mc) {
+  Extracted result;
+  result.options.iso = iso;
+  result.options.method = method;
+  result.options.output_from_index = field.index_to_world;
+  result.mesh = test::extract(field, result.options).mesh;
+  return result;
+}
+
+// A flat field with a plane through it, in a sheared, mirrored, unevenly spaced frame: a mesh that is moved along the
+// plane's normal is off by exactly that. Only the inverse transpose gives the right distance here.
+TEST(FieldError, OfAMovedPlaneIsTheMove) {
+  const Affine frame{glm::dmat3(-2, 0.3, 0, 0.5, 1, 0.2, 0, -0.4, 0.1), glm::dvec3(5, -3, 2)};
+  const glm::dvec3 normal = glm::normalize(glm::dvec3(1, 2, -0.5));
+  ScalarField field = test::dense_field<double>({9, 8, 7}, [&](int i, int j, int k) {
+    return 3 * glm::dot(normal, frame({i, j, k}) - frame({4, 3.3, 3}));
+  });
+  field.index_to_world = frame;
+  for (const Interpolation interpolation : {Interpolation::trilinear, Interpolation::tricubic}) {
+    Extracted plane = extract_at(field, 0);
+    const FieldError exact = measure_field_error(plane.mesh, field, plane.options, {interpolation});
+    EXPECT_EQ(exact.interior.points, 7 * plane.mesh.triangles.size());
+    EXPECT_EQ(exact.vertices.points, plane.mesh.positions.size());
+    EXPECT_LT(exact.interior.max.world, 2e-6);
+    plane.mesh.origin += 0.01 * normal;
+    const FieldError moved = measure_field_error(plane.mesh, field, plane.options, {interpolation});
+    EXPECT_NEAR(moved.interior.rms.world, 0.01, 2e-6);
+    EXPECT_NEAR(moved.interior.max.world, 0.01, 2e-6);
+    EXPECT_NEAR(moved.interior.percentile99.world, 0.01, 2e-6);
+    EXPECT_NEAR(moved.vertices.rms.world, 0.01, 2e-6);
+    EXPECT_NEAR(moved.interior.rms.voxels, glm::length(glm::inverse(frame.linear) * (0.01 * normal)), 2e-5);
+    EXPECT_EQ(moved.interior.unmeasured() + moved.interior.corrected, 0U);
+  }
+}
+
+// The greatest distance between a trilinear sphere and its triangles is where and what geometry says.
+TEST(FieldError, OfASphereIsTheSagittaOfItsTriangles) {
+  const ScalarField field = make_demo_field("demo:sphere?size=65", default_limits()).value();
+  const Extracted sphere = extract_at(field, 0);
+  const FieldError error = measure_field_error(sphere.mesh, field, sphere.options, {Interpolation::tricubic});
+  const double voxel = 2.0 / 64;
+  EXPECT_NEAR(error.interior.rms.world, error.interior.rms.voxels * voxel, 1e-12);
+  EXPECT_LT(error.interior.max.world, 2 * voxel * voxel / (8 * 0.7) * 1.5)
+      << "a face diagonal's sagitta, and some more";
+  EXPECT_GT(error.interior.max.world, voxel * voxel / (8 * 0.7) / 2);
+  EXPECT_NEAR(glm::length(error.interior.worst), 0.7, voxel);
+  EXPECT_LE(error.interior.rms.world, error.interior.percentile99.world);
+  EXPECT_LE(error.interior.percentile99.world, error.interior.max.world);
+}
+
+TEST(FieldError, OfVerticesIsWhatStorageCosts) {
+  for (const double offset : {0.0, 1e7}) {
+    ScalarField field = make_demo_field("demo:torus?size=40", default_limits()).value();
+    field.index_to_world.offset += offset;
+    for (const Method method : {Method::mc, Method::mt}) {
+      const Extracted torus = extract_at(field, 0, method);
+      const FieldError error = measure_field_error(torus.mesh, field, torus.options, {});
+      EXPECT_LT(error.storage.max.voxels, 40 * 0x1p-20) << "float32 and the margin";
+      EXPECT_GT(error.storage.max.voxels, 0);
+      if (method == Method::mc) {
+        EXPECT_EQ(error.storage.points, error.vertices.points);
+        EXPECT_EQ(error.storage.max.voxels, error.vertices.max.voxels);
+      } else {
+        EXPECT_GT(error.storage.points, error.vertices.points / 5);
+        EXPECT_LT(error.storage.points, error.vertices.points);
+        EXPECT_GT(error.vertices.max.voxels, 1e-3) << "on diagonals the interpolant is not linear";
+      }
+      EXPECT_GT(error.interior.rms.voxels, 1e-3);
+    }
+  }
+}
+
+// Where the field is nearly flat, |f - iso| / |grad f| alone would be 500 voxels; the surface is 0.75 away.
+TEST(FieldError, CorrectsTheFirstOrderEstimateAndSaysSo) {
+  const ScalarField field = test::dense_field<double>({3, 3, 3}, [](int i, int, int) {
+    return i == 0 ? 0 : i == 1 ? 0.001 : 1;
+  });
+  ExtractOptions options;
+  options.iso = 0.50050;
+  const Mesh mesh = test::make_mesh("t", {{0.75F, 0.5F, 0.5F}, {0.75F, 1.5F, 0.5F}, {0.75F, 0.5F, 1.5F}}, {{0, 1, 2}});
+  const FieldError error = measure_field_error(mesh, field, options, {});
+  EXPECT_EQ(error.interior.points, 7U);
+  EXPECT_EQ(error.interior.corrected, 7U);
+  EXPECT_NEAR(error.interior.max.voxels, 0.75, 1e-6);
+  const FieldError short_sighted = measure_field_error(mesh, field, options, {Interpolation::trilinear, 0.5});
+  EXPECT_EQ(short_sighted.interior.points, 0U);
+  EXPECT_EQ(short_sighted.interior.unreached, 7U);
+}
+
+TEST(FieldError, CountsWhatItCannotMeasure) {
+  const Mesh mesh =
+      test::make_mesh("t", {{0.5F, 0.25F, 0.25F}, {0.5F, 0.75F, 0.25F}, {0.5F, 0.25F, 0.75F}}, {{0, 1, 2}});
+  ExtractOptions options;
+  options.iso = 0.5;
+  const ScalarField flat = test::dense_field<float>({3, 3, 3}, [](int, int, int) { return 0; });
+  const FieldError on_flat = measure_field_error(mesh, flat, options, {});
+  EXPECT_EQ(on_flat.interior.flat, 7U);
+  EXPECT_EQ(on_flat.interior.points, 0U);
+  const ScalarField bad = test::dense_field<float>(
+      {3, 3, 3}, [](int i, int, int) { return i == 0 ? std::numeric_limits<float>::quiet_NaN() : 1; });
+  const FieldError beside_nan = measure_field_error(mesh, bad, options, {});
+  EXPECT_EQ(beside_nan.interior.not_finite, 7U);
+  EXPECT_EQ(beside_nan.vertices.not_finite, 3U);
+  EXPECT_EQ(beside_nan.interior.unmeasured(), 7U);
+}
+
+TEST(FieldError, LeavesCapsOut) {
+  const ScalarField field = make_demo_field("demo:gyroid?size=40", default_limits()).value();
+  const Extracted open = extract_at(field, 0.1);
+  ExtractOptions capped = open.options;
+  capped.cap = true;
+  const Mesh closed = test::extract(field, capped).mesh;
+  const FieldError error = measure_field_error(closed, field, capped, {});
+  const FieldError of_open = measure_field_error(open.mesh, field, open.options, {});
+  EXPECT_EQ(error.cap_triangles, closed.triangles.size() - open.mesh.triangles.size());
+  EXPECT_EQ(error.interior.points, of_open.interior.points);
+  EXPECT_EQ(error.interior.max.world, of_open.interior.max.world);
+  EXPECT_EQ(error.vertices.points, of_open.vertices.points);
+}
+
+TEST(FieldError, IsTheSameForSparseSamplesAndForAnyNumberOfThreads) {
+  const ScalarField dense = test::dense_field<float>(
+      {64, 64, 64}, [](int i, int j, int k) { return std::max(-0.2, 20 - std::hypot(i - 31.3, j - 32.1, k - 30.7)); });
+  const ScalarField sparse = test::sparse_copy<float>(dense, static_cast<double>(-0.2F));
+  const Extracted of_dense = extract_at(dense, 0);
+  const Extracted of_sparse = extract_at(sparse, 0);
+  for (const Interpolation interpolation : {Interpolation::trilinear, Interpolation::tricubic}) {
+    const FieldError error = measure_field_error(of_dense.mesh, dense, of_dense.options, {interpolation});
+    const FieldError same = measure_field_error(of_sparse.mesh, sparse, of_sparse.options, {interpolation});
+    EXPECT_NEAR(error.interior.rms.world, same.interior.rms.world, 1e-12);
+    EXPECT_NEAR(error.interior.max.world, same.interior.max.world, 1e-6);
+    const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+    const FieldError alone = measure_field_error(of_dense.mesh, dense, of_dense.options, {interpolation});
+    EXPECT_EQ(error.interior.rms.world, alone.interior.rms.world);
+    EXPECT_EQ(error.interior.percentile99.voxels, alone.interior.percentile99.voxels);
+    EXPECT_EQ(error.interior.worst, alone.interior.worst);
+  }
+}
+
+}  // namespace
+}  // namespace isoextract

@@ -1,0 +1,1 @@
+isoextract_unit_test(measure field_error_test.cpp)
