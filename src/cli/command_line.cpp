@@ -41,6 +41,16 @@ Result<void> check_equals_signs(const CLI::App& command, const std::vector<std::
   return {};
 }
 
+// An option whose value may be left out takes the next word only if that is one of its values: an INPUT may follow it.
+void fill_in_optional_values(const CLI::App& command, std::vector<std::string>& arguments) {
+  for (std::size_t a = 0; a < arguments.size() && arguments[a] != "--"; ++a) {
+    const CLI::Option* option = arguments[a].starts_with("--") ? command.get_option_no_throw(arguments[a]) : nullptr;
+    if (option == nullptr || !value_is_optional(*option)) continue;
+    const std::vector<std::string> values = choices(*option);
+    if (a + 1 == arguments.size() || !contains(values, arguments[a + 1])) arguments[a] += "=" + values.front();
+  }
+}
+
 // CLI11 hands over one INPUT and leaves the others, as it splits the words of lists: "[a,b]" would be two files.
 // Returns whether the command takes `word`.
 bool take_input(CommandLine& line, const CLI::App* command, const std::string& word) {
@@ -105,6 +115,7 @@ Result<Parsed> parse_command_line(CommandLine& line, std::vector<std::string> ar
   const CLI::App* command = asks_program ? &line.app : line.app.get_subcommand(arguments.front());
 
   if (auto checked = check_equals_signs(*command, arguments); !checked) return tl::unexpected(checked.error());
+  fill_in_optional_values(*command, arguments);
   try {
     std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());  // as CLI11 wants them
     line.app.parse(reversed);

@@ -11,6 +11,7 @@
 
 #include "base/stopwatch.hpp"
 #include "cli/field_label.hpp"
+#include "cli/mesh_error.hpp"
 #include "cli/progress_bar.hpp"
 #include "extract/extractor.hpp"
 #include "field/statistics.hpp"
@@ -122,6 +123,7 @@ class Conversion {
   Result<void> run_job(const OutputJob& job) {
     std::vector<Mesh> meshes;
     std::vector<double> isos;
+    std::vector<MeshError> errors;
     std::vector<std::string> story;  // told when the bar is gone
     MeshWriteResult written;
     {
@@ -135,6 +137,7 @@ class Conversion {
           continue;
         }
         if (job.isos.size() > 1) mesh.name = fmt::format("{} iso {}", mesh.name, iso);
+        if (plan_.error) errors.push_back(measure_error(mesh, iso, bar.progress(), story));
         isos.push_back(iso);
         meshes.push_back(std::move(mesh));
       }
@@ -151,17 +154,35 @@ class Conversion {
     for (const std::string& note : written.notes) messages_.note(note);
     tell_skipped(job, isos);
     if (!meshes.empty()) summarize(job, isos, meshes, written);
+    for (const MeshError& error : errors) tell_error(error);
     return {};
   }
 
-  Result<Extraction> extract(double iso, Progress* progress, std::vector<std::string>& story) {
-    const Stopwatch watch;
+  [[nodiscard]] ExtractOptions extract_options(double iso, Progress* progress) const {
     ExtractOptions options = plan_.extract;
     options.iso = iso;
     options.region = region_;
     options.output_from_index = output_from_index_;
     options.progress = progress;
-    auto extraction = extractor_->extract(field_, options);
+    return options;
+  }
+
+  MeshError measure_error(const Mesh& mesh, double iso, Progress* progress, std::vector<std::string>& story) const {
+    const Stopwatch watch;
+    MeshError error = measure_mesh_error(mesh, field_, extract_options(iso, progress), *plan_.error);
+    story.push_back(fmt::format("{} iso {}: error measured in {}", label_, iso, times_text(watch.elapsed())));
+    return error;
+  }
+
+  void tell_error(const MeshError& error) const {
+    for (const std::string& line : error_summary(error)) messages_.summary("  " + line);
+    if (!plan_.explain) return;
+    for (const std::string& line : error_details(error)) messages_.explanation("  " + line);
+  }
+
+  Result<Extraction> extract(double iso, Progress* progress, std::vector<std::string>& story) {
+    const Stopwatch watch;
+    auto extraction = extractor_->extract(field_, extract_options(iso, progress));
     if (!extraction) return extraction;
     const ExtractStats& stats = extraction->stats;
     story.push_back(fmt::format(
@@ -210,6 +231,7 @@ class Conversion {
     if (!plan_.extract.smooth_normals && !plan_.write.flat_normals) {
       story.push_back("  left out: normals, which nobody asked for");
     }
+    if (!plan_.error) story.push_back("  left out: the error of the mesh; --error measures it");
     if (!plan_.extract.cap) story.push_back("  left out: caps where the surface leaves the data; --cap makes them");
   }
 

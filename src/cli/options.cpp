@@ -235,8 +235,14 @@ std::unique_ptr<CommandLine> declare_command_line() {
   declare_surface(*line->convert, convert);
   declare_placement(*line->convert, convert);
   declare_output(*line->convert, convert);
-  Group(*line->convert, "Run")
-      .flag("--explain", convert.explain, "Tell what was left out and why, with counts and times.");
+  const Group convert_run(*line->convert, "Run");
+  convert_run
+      .choice("--error", convert.error,
+              {{"trilinear", Interpolation::trilinear}, {"tricubic", Interpolation::tricubic}},
+              "Measure how far the mesh is from the isosurface of the data, interpolated linearly along each axis "
+              "(the default) or smoothly.")
+      ->expected(0, 1);
+  convert_run.flag("--explain", convert.explain, "Tell what was left out and why, with counts and times.");
   declare_run(*line->convert, convert.run);
 
   line->info = add_command(app, "info", "Show what a volume holds, and suggest an iso value.");
@@ -270,6 +276,10 @@ std::string synopsis(const CLI::App& command) {
 
 bool takes_value(const CLI::Option& option) { return option.get_items_expected_max() > 0; }
 
+bool value_is_optional(const CLI::Option& option) {
+  return takes_value(option) && option.get_items_expected_min() == 0;
+}
+
 std::string spelling(const CLI::Option& option) {
   if (option.get_positional()) {
     return choices(option).empty() ? option.get_type_name() : option.get_name(true);
@@ -278,7 +288,8 @@ std::string spelling(const CLI::Option& option) {
   for (const std::string& name : option.get_snames()) names += "-" + name + ", ";
   for (const std::string& name : option.get_lnames()) names += "--" + name + ", ";
   names.resize(names.size() - 2);
-  return takes_value(option) ? names + " " + option.get_type_name() : names;
+  if (!takes_value(option)) return names;
+  return fmt::format(fmt::runtime(value_is_optional(option) ? "{} [{}]" : "{} {}"), names, option.get_type_name());
 }
 
 std::vector<std::string> choices(const CLI::Option& option) {

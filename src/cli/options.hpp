@@ -19,6 +19,7 @@
 #include "cli/placement.hpp"
 #include "cli/values.hpp"
 #include "extract/extractor.hpp"
+#include "field/interpolant.hpp"
 #include "field/scalar_field.hpp"
 #include "io/mesh_writer.hpp"
 #include "io/volume_reader.hpp"
@@ -65,6 +66,7 @@ struct ConvertFlags {
   std::optional<std::string> output;
   std::optional<MeshFormat> format;
   bool ascii = false;
+  std::optional<Interpolation> error;
   bool explain = false;
   RunFlags run;
 };
@@ -102,6 +104,7 @@ struct BadValue : CLI::ParseError {
 [[nodiscard]] std::string spelling(const CLI::Option& option);              // "-o, --output FILE"
 [[nodiscard]] std::vector<std::string> choices(const CLI::Option& option);  // empty if it takes any value
 [[nodiscard]] bool takes_value(const CLI::Option& option);
+[[nodiscard]] bool value_is_optional(const CLI::Option& option);  // without one the first choice is meant
 [[nodiscard]] std::vector<const CLI::Option*> options_in_group(const CLI::App& command, const std::string& group);
 [[nodiscard]] std::vector<const CLI::App*> commands_of(const CLI::App& app);
 

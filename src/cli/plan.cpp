@@ -184,6 +184,7 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& flags) {
   plan.extract.nan = flags.nan.value_or(NanPolicy::error);
   plan.roi = flags.roi;
   plan.empty = flags.empty.value_or(EmptyPolicy::error);
+  plan.error = flags.error;
   plan.explain = flags.explain;
   return plan;
 }

@@ -29,6 +29,7 @@ struct ConvertPlan {
   Placement placement;
   MeshWriteOptions write;
   std::vector<OutputJob> jobs;
+  std::optional<Interpolation> error;  // to measure the mesh against
   bool explain = false;
   std::vector<std::string> notes;  // what was asked for and changes nothing, one sentence each
 };

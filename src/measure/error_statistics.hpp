@@ -23,8 +23,8 @@ struct ErrorStatistics {
 
   // What is in none of the figures above, because there is no distance to tell.
   std::uint64_t not_finite = 0;  // beside samples that are NaN or infinite
-  std::uint64_t flat = 0;        // off the surface, where the field is constant: no direction leads to it
-  std::uint64_t unreached = 0;   // no surface within reach along the gradient
+  std::uint64_t flat = 0;        // off the surface, where the gradient is zero: no direction leads to it
+  std::uint64_t unreached = 0;   // no surface within reach along the gradient, and none in the cell
 
   // Of `points`: where |f - iso| / |grad f| alone is off by more than half.
   std::uint64_t corrected = 0;

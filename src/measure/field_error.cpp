@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -39,53 +40,64 @@ class SurfaceProbe {
     }
     const glm::dvec3 world = world_from_index_(index);
     if (residual == 0) return into.add({}, weight, world);
-    if (largest == 0) {
-      ++into.counts.flat;
+    std::optional<Length> found;
+    double guess = std::numeric_limits<double>::infinity();  // voxels
+    if (largest > 0) {
+      // The direction in index space of the gradient in the world. The gradient is scaled first: squares of very large
+      // or very small ones leave the range of double.
+      const glm::dvec3 gradient = here.gradient / largest;
+      const glm::dvec3 step = glm::normalize(metric_ * gradient) * (residual > 0 ? -1.0 : 1.0);
+      guess = std::abs(residual / largest / glm::dot(gradient, step));
+      if (const auto distance = search(index, step, residual, guess, reach_)) found = length_of(*distance * step);
+    }
+    if (!found || found->voxels > 2 * guess) look_at_corners(index, residual, found);
+    if (!found) {
+      ++(largest > 0 ? into.counts.unreached : into.counts.flat);
       return;
     }
-    // The direction in index space of the gradient in the world. Scaled by its largest component first: squares of very
-    // large or very small gradients leave the range of double.
-    const glm::dvec3 gradient = here.gradient / largest;
-    const glm::dvec3 step = glm::normalize(metric_ * gradient) * (residual > 0 ? -1.0 : 1.0);
-    const double guess = std::abs(residual / largest / glm::dot(gradient, step));
-    const Search found = search(index, step, residual, guess);
-    if (!std::isfinite(found.value)) {
-      ++into.counts.not_finite;
-      return;
-    }
-    if (!found.distance) {
-      ++into.counts.unreached;
-      return;
-    }
-    if (*found.distance < guess / 2 || *found.distance > 1.5 * guess) ++into.counts.corrected;
-    into.add({*found.distance, *found.distance * glm::length(world_from_index_.linear * step)}, weight, world);
+    if (found->voxels < guess / 2 || found->voxels > 1.5 * guess) ++into.counts.corrected;
+    into.add(*found, weight, world);
   }
 
  private:
-  struct Search {
-    std::optional<double> distance;  // voxels
-    double value = 0;                // the last that was looked at
-  };
-
   static double max_abs(const glm::dvec3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
-  // The first change of sign from `index` along `step`: just beyond the guess, or else an eighth of the reach further,
-  // and so on.
-  Search search(const glm::dvec3& index, const glm::dvec3& step, double residual, double guess) {
+  [[nodiscard]] Length length_of(const glm::dvec3& step) const {
+    return {glm::length(step), glm::length(world_from_index_.linear * step)};
+  }
+
+  // On the way to a corner of the cell that is not on this side there is a crossing. Keeps the nearest.
+  void look_at_corners(const glm::dvec3& index, double residual, std::optional<Length>& nearest) {
+    const glm::dvec3 cell = glm::floor(index);
+    for (int corner = 0; corner < 8; ++corner) {
+      const glm::dvec3 way = cell + glm::dvec3(corner & 1, corner >> 1 & 1, corner >> 2 & 1) - index;
+      const double length = glm::length(way);
+      const double value = field_(index + way).value - iso_;
+      if (length == 0 || !std::isfinite(value) || (value != 0 && (value > 0) == (residual > 0))) continue;
+      const auto distance = search(index, way / length, residual, length, length);
+      const Length found = length_of(way * (distance.value_or(length) / length));
+      if (!nearest || found.world < nearest->world) nearest = found;
+    }
+  }
+
+  // The distance to the first change of sign from `index` along the unit vector `step`: just beyond the guess, or else
+  // an eighth of the reach further, and so on. Nothing if there is none within `reach`, or a sample is not finite.
+  std::optional<double> search(const glm::dvec3& index, const glm::dvec3& step, double residual, double guess,
+                               double reach) {
     const auto at = [&](double s) { return field_(index + s * step).value - iso_; };
     double near = 0;
     double near_value = residual;
-    double far = std::min(1.25 * guess, reach_ / 8);
+    double far = std::min(1.25 * guess, reach / 8);
     for (;;) {
       const double far_value = at(far);
-      if (!std::isfinite(far_value)) return {std::nullopt, far_value};
+      if (!std::isfinite(far_value)) return std::nullopt;
       if (far_value == 0 || (far_value > 0) != (residual > 0)) {
-        return {crossing(at, near, near_value, far, far_value, std::abs(residual)), far_value};
+        return crossing(at, near, near_value, far, far_value, std::abs(residual));
       }
-      if (far >= reach_) return {std::nullopt, far_value};
+      if (far >= reach) return std::nullopt;
       near = far;
       near_value = far_value;
-      far = std::min(far + reach_ / 8, reach_);
+      far = std::min(far + reach / 8, reach);
     }
   }
 

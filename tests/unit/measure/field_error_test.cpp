@@ -109,6 +109,20 @@ TEST(FieldError, CorrectsTheFirstOrderEstimateAndSaysSo) {
   EXPECT_EQ(short_sighted.interior.unreached, 7U);
 }
 
+// A sample with the very iso value between higher ones is all there is of the surface. No gradient leads to it, but the
+// vertices around it are only the margin away.
+TEST(FieldError, FindsTheSurfaceThatOnlyTouchesASample) {
+  const ScalarField field = test::dense_field<std::uint8_t>({5, 5, 5}, [](int i, int j, int k) {
+    return glm::ivec3(i, j, k) == glm::ivec3(2) ? 60 : 70 + i + 3 * j + 7 * k;
+  });
+  const Extracted touching = extract_at(field, 60);
+  ASSERT_EQ(touching.mesh.triangles.size(), 8U);
+  const FieldError error = measure_field_error(touching.mesh, field, touching.options, {});
+  EXPECT_EQ(error.vertices.unmeasured() + error.interior.unmeasured(), 0U);
+  EXPECT_LT(error.vertices.max.voxels, 1e-5);
+  EXPECT_LT(error.interior.max.voxels, 1e-5);
+}
+
 TEST(FieldError, CountsWhatItCannotMeasure) {
   const Mesh mesh =
       test::make_mesh("t", {{0.5F, 0.25F, 0.25F}, {0.5F, 0.75F, 0.25F}, {0.5F, 0.25F, 0.75F}}, {{0, 1, 2}});

@@ -1,0 +1,91 @@
+#include "cli/mesh_error.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace isoextract {
+namespace {
+
+std::string sizes_text(const ErrorStatistics& error) {
+  return fmt::format("rms {:.3g}, 99 % {:.3g}, max {:.3g} voxels", error.rms.voxels, error.percentile99.voxels,
+                     error.max.voxels);
+}
+
+std::string world_text(const ErrorStatistics& error) {
+  return fmt::format("in the mesh's units rms {:.3g}, 99 % {:.3g}, max {:.3g} at ({:.6g}, {:.6g}, {:.6g})",
+                     error.rms.world, error.percentile99.world, error.max.world, error.worst.x, error.worst.y,
+                     error.worst.z);
+}
+
+// "3 beside samples that are not finite, 1 where the field is constant"
+std::string unmeasured_text(const ErrorStatistics& error) {
+  std::vector<std::string> parts;
+  if (error.not_finite > 0) parts.push_back(fmt::format("{} beside samples that are not finite", error.not_finite));
+  if (error.flat > 0) parts.push_back(fmt::format("{} where the gradient is zero", error.flat));
+  if (error.unreached > 0) {
+    parts.push_back(fmt::format("{} with no isosurface within a voxel along the gradient", error.unreached));
+  }
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+void add_unmeasured(std::vector<std::string>& lines, std::string_view what, const ErrorStatistics& error) {
+  if (error.unmeasured() == 0) return;
+  lines.push_back(fmt::format("not in this: {} of {} {}: {}", error.unmeasured(), error.unmeasured() + error.points,
+                              what, unmeasured_text(error)));
+}
+
+}  // namespace
+
+MeshError measure_mesh_error(const Mesh& mesh, const ScalarField& field, const ExtractOptions& extracted,
+                             Interpolation interpolation) {
+  MeshError error;
+  error.iso = extracted.iso;
+  FieldErrorOptions options;
+  options.interpolation = interpolation;
+  options.progress = extracted.progress;
+  error.field = measure_field_error(mesh, field, extracted, options);
+  return error;
+}
+
+std::string_view interpolation_name(Interpolation interpolation) {
+  return interpolation == Interpolation::trilinear ? "trilinear" : "tricubic";
+}
+
+std::vector<std::string> error_summary(const MeshError& error) {
+  const ErrorStatistics& interior = error.field.interior;
+  std::vector<std::string> lines;
+  lines.push_back(interior.points == 0 ? fmt::format("error at iso {}: nothing could be measured", error.iso)
+                                       : fmt::format("error at iso {} against the {} interpolant: {}; {}", error.iso,
+                                                     interpolation_name(error.field.interpolation),
+                                                     sizes_text(interior), world_text(interior)));
+  add_unmeasured(lines, "points", interior);
+  return lines;
+}
+
+std::vector<std::string> error_details(const MeshError& error) {
+  const FieldError& field = error.field;
+  std::vector<std::string> lines;
+  lines.push_back(fmt::format(
+      "measured: the distance to the isosurface along the gradient, at {} points inside the triangles, by area",
+      field.interior.points));
+  if (field.interior.corrected > 0) {
+    lines.push_back(
+        fmt::format("  of which {} have a gradient so uneven that |f - iso| / |grad f| alone is off by half",
+                    field.interior.corrected));
+  }
+  if (field.cap_triangles > 0) {
+    lines.push_back(
+        fmt::format("left out: {} triangles of caps, which are not on the isosurface", field.cap_triangles));
+  }
+  if (field.vertices.points > 0) {
+    lines.push_back(fmt::format("at the {} vertices: {}", field.vertices.points, sizes_text(field.vertices)));
+  }
+  add_unmeasured(lines, "vertices", field.vertices);
+  if (field.storage.points > 0) {
+    lines.push_back(fmt::format("storage error (float32, at the {} vertices on edges along the axes): {}",
+                                field.storage.points, sizes_text(field.storage)));
+  }
+  return lines;
+}
+
+}  // namespace isoextract

@@ -1,0 +1,70 @@
+"""--error: how far the mesh is from the isosurface it stands for."""
+
+import math
+import re
+
+from support import SPHERE, ProgramTest, main
+
+
+class ErrorTest(ProgramTest):
+    def rms_and_max(self, err):
+        """In voxels, of the summary line."""
+        found = re.search(r"interpolant: rms (\S+), 99 % \S+, max (\S+) voxels", err)
+        self.assertTrue(found, err)
+        return float(found.group(1)), float(found.group(2))
+
+    def test_it_is_told_with_and_without_a_value(self):
+        linear = self.convert("--error", "demo:torus?size=40", "--iso", "0", "-o", "a.ply")
+        self.assertIn("error at iso 0 against the trilinear interpolant", linear.err)
+        rms, worst = self.rms_and_max(linear.err)
+        self.assertTrue(0 < rms < worst < 0.2, linear.err)
+        for arguments in (("--error", "tricubic"), ("--error=tricubic",)):
+            cubic = self.convert("demo:torus?size=40", "--iso", "0", "-o", "a.ply", *arguments)
+            self.assertIn("against the tricubic interpolant", cubic.err)
+        self.assertIn("trilinear", self.convert(SPHERE, "--iso", "0", "-o", "a.ply", "--error").err)
+
+    def test_nothing_is_measured_unless_asked_for(self):
+        run = self.convert(SPHERE, "--iso", "0", "-o", "a.ply", "--explain")
+        self.assertNotIn("interpolant", run.err)
+        self.assertIn("left out: the error of the mesh; --error measures it", run.err)
+
+    def test_the_mesh_is_the_same(self):
+        self.convert(SPHERE, "--iso", "0", "-o", "a.ply")
+        self.convert(SPHERE, "--iso", "0", "-o", "b.ply", "--error")
+        self.assertEqual((self.folder / "a.ply").read_bytes(), (self.folder / "b.ply").read_bytes())
+
+    def test_it_is_in_the_units_of_the_mesh(self):
+        world = r"mesh's units rms (\S+), 99 % \S+, max (\S+) at \((\S+), (\S+), (\S+)\)"
+        runs = [self.convert("demo:sphere?size=21", "--iso", "0", "--error", "--scale", scale, "-o", "a.glb").err
+                for scale in ("1", "1000")]
+        small, large = ([float(x) for x in re.search(world, err).groups()] for err in runs)
+        self.assertEqual(self.rms_and_max(runs[0]), self.rms_and_max(runs[1]))
+        self.assertAlmostEqual(large[0] / small[0], 1000, delta=20)
+        self.assertAlmostEqual(math.hypot(*large[2:]), 700, delta=50)
+        rms, _ = self.rms_and_max(runs[0])
+        self.assertAlmostEqual(small[0] / rms, 0.1, delta=0.002)
+
+    def test_each_iso_value_has_its_own(self):
+        run = self.convert(SPHERE, "--iso", "0", "--iso", "0.2", "-o", "a.glb", "--error")
+        self.assertIn("error at iso 0 against", run.err)
+        self.assertIn("error at iso 0.2 against", run.err)
+
+    def test_explain_adds_vertices_and_storage(self):
+        run = self.convert(SPHERE, "--iso", "0", "-o", "a.ply", "--error", "--explain", "--method", "mt")
+        for part in ("at the ", "storage error (float32", "error measured in"):
+            self.assertIn(part, run.err)
+
+    def test_what_cannot_be_measured_is_counted(self):
+        self.write_raw("nan.raw", (6, 6, 6), lambda x, y, z: math.nan if (x, y, z) == (3, 3, 3) else x - 2.5)
+        run = self.convert("nan.raw", "--dims", "6,6,6", "--dtype", "f32", "--iso", "0", "--nan", "outside", "--error",
+                           "-o", "a.ply")
+        self.assertRegex(run.err, r"not in this: \d+ of \d+ points: \d+ beside samples that are not finite")
+
+    def test_other_values_are_refused(self):
+        run = self.run_program(SPHERE, "--iso", "0", "--error=cubic", "-o", "a.ply")
+        self.assert_fails(1, run, "--error", "trilinear, tricubic", "cubic")
+        self.assertEqual(self.files(), [])
+
+
+if __name__ == "__main__":
+    main()
