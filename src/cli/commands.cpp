@@ -8,6 +8,7 @@
 #include <exception>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -59,11 +60,12 @@ class ThreadLimit {
   std::optional<tbb::global_control> control_;
 };
 
-int run_convert_command(const ConvertFlags& flags) {
+int run_convert_command(const ConvertFlags& flags, std::vector<std::string> arguments) {
   const auto verbosity = plan_verbosity(flags.run);
   if (!verbosity) return report(verbosity.error());
-  const auto plan = plan_convert(flags);
+  auto plan = plan_convert(flags);
   if (!plan) return report(plan.error());
+  plan->arguments = std::move(arguments);
   const ThreadLimit limit(flags.run.threads);
   const auto done = run_convert(*plan, Messages(*verbosity));
   return done ? kDone : report(done.error());
@@ -85,7 +87,7 @@ int run_arguments(std::vector<std::string> arguments) {
     fmt::print(stderr, "{}", short_usage(line->app));
     return static_cast<int>(ErrorKind::usage);
   }
-  const auto parsed = parse_command_line(*line, std::move(arguments));
+  const auto parsed = parse_command_line(*line, arguments);
   if (!parsed) return report(parsed.error());
   switch (parsed->request) {
     case Request::version_flag: return print(fmt::format("{}\n", kGenerator));
@@ -101,7 +103,7 @@ int run_arguments(std::vector<std::string> arguments) {
     case Request::info: return run_info_command(line->info_flags, *line->info);
     case Request::convert: break;
   }
-  return run_convert_command(line->convert_flags);
+  return run_convert_command(line->convert_flags, std::move(arguments));
 }
 
 }  // namespace

@@ -1,70 +1,41 @@
 #include "cli/convert_command.hpp"
 
 #include <algorithm>
-#include <filesystem>
 #include <memory>
+#include <new>
 #include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <unistd.h>
 
+#include "base/machine.hpp"
 #include "base/stopwatch.hpp"
+#include "batch/work_facts.hpp"
+#include "cli/convert_report.hpp"
 #include "cli/field_label.hpp"
 #include "cli/mesh_error.hpp"
+#include "cli/output_checks.hpp"
 #include "cli/progress_bar.hpp"
 #include "extract/extractor.hpp"
 #include "field/statistics.hpp"
-#include "io/output_file.hpp"
+#include "io/file_bytes.hpp"
 
 namespace isoextract {
 namespace {
-
-namespace fs = std::filesystem;
-
-// The files that a job writes: glTF is two.
-std::vector<fs::path> files_of(const OutputJob& job, MeshFormat format) {
-  std::vector<fs::path> files{job.path};
-  if (format == MeshFormat::gltf) files.push_back(fs::path(job.path).replace_extension(".bin"));
-  return files;
-}
-
-// Finds out before the work whether the result could be written at its end. Devices and pipes are left alone: opening
-// a pipe twice would end it for its reader.
-Result<void> check_output(const fs::path& path, const std::string& input) {
-  std::error_code none;
-  if (fs::equivalent(path, input, none)) {
-    return fail(ErrorKind::usage, fmt::format("{}: this is the input; it is not overwritten", path.string()),
-                "choose another name with -o");
-  }
-  const fs::file_status status = fs::status(path, none);
-  if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status)) return {};
-  auto probe = OutputFile::create(path);
-  if (!probe) return tl::unexpected(probe.error());
-  return {};
-}
-
-Result<void> check_stdout(const MeshWriteOptions& options) {
-  const bool is_text = options.ascii || options.format == MeshFormat::obj;
-  if (is_text || ::isatty(STDOUT_FILENO) == 0) return {};
-  return fail(ErrorKind::usage,
-              fmt::format("stdout is a terminal, and {} is binary data", mesh_format_info(options.format).name),
-              "redirect it to a file or a pipe");
-}
 
 std::string times_text(const StageTime& time) {
   return fmt::format("{:.2f} s ({:.2f} s of processor time)", time.wall_seconds, time.cpu_seconds);
 }
 
+// One conversion. It keeps its report as it goes, so that the report of a failure says how far it came.
 class Conversion {
  public:
-  Conversion(const ConvertPlan& plan, const Messages& messages) : plan_(plan), messages_(messages) {}
+  Conversion(const ConvertPlan& plan, const Messages& messages)
+      : plan_(plan), messages_(messages), report_(begin_report(plan)) {}
 
   Result<void> run() {
-    for (const std::string& note : plan_.notes) messages_.note(note);
-    for (const OutputJob& job : plan_.jobs) {
-      if (auto checked = check_outputs(job); !checked) return checked;
-    }
+    for (const std::string& text : plan_.notes) note(text);
+    if (auto checked = check_mesh_files(plan_); !checked) return checked;
     if (auto done = read(); !done) return done;
     for (const OutputJob& job : plan_.jobs) {
       if (auto done = run_job(job); !done) return done;
@@ -73,15 +44,16 @@ class Conversion {
     return {};
   }
 
- private:
-  Result<void> check_outputs(const OutputJob& job) const {
-    if (job.path == "-") return check_stdout(plan_.write);
-    for (const fs::path& file : files_of(job, plan_.write.format)) {
-      if (auto checked = check_output(file, plan_.input); !checked) return checked;
-    }
-    return {};
+  // Call once, after run().
+  ConversionReport take_report(const Result<void>& done) {
+    report_.total = total_.elapsed();
+    report_.bytes_read = bytes_read();
+    report_.peak_memory = peak_memory();
+    if (!done) report_.error = done.error();
+    return std::move(report_);
   }
 
+ private:
   Result<void> read() {
     const Stopwatch watch;
     {
@@ -92,16 +64,30 @@ class Conversion {
       if (!field) return tl::unexpected(std::move(field.error()));
       field_ = std::move(*field);
     }
-    for (const std::string& note : field_.notes) messages_.note(note);
+    const StageTime time = watch.elapsed();
+    for (const std::string& text : field_.notes) note(text);
     label_ = field_label(field_);
-    tell_stage(fmt::format("{}: read in {}", label_, times_text(watch.elapsed())));
-    if (plan_.explain) explain_reading();
+    tell_stage(fmt::format("{}: read in {}", label_, times_text(time)));
+    report_.stages.push_back({"read", std::nullopt, time});
+    report_.input = input_facts(plan_.input, field_);
+    look_at_other_grids();
     return place();
+  }
+
+  // How much of the file was not even read. Only sparse formats have more than one grid.
+  void look_at_other_grids() {
+    if (!(plan_.explain || plan_.report) || !std::holds_alternative<SparseSamples>(field_.samples)) return;
+    const auto grids = list_grids(plan_.input, plan_.read);
+    if (!grids) return;
+    report_.work = reading_facts(grids->size());
+    if (!plan_.explain) return;
+    for (const WorkFact& fact : report_.work) messages_.explanation(fact_text(fact));
   }
 
   // What of the field is wanted, and where it goes.
   Result<void> place() {
     output_from_index_ = output_from_index(field_, plan_.placement);
+    report_.output_from_index = output_from_index_;
     if (field_.index_to_world.is_regular() && !output_from_index_.is_regular()) {
       return fail(
           ErrorKind::usage,
@@ -111,11 +97,11 @@ class Conversion {
     if (!plan_.roi) return {};
     auto region = samples_in_box(field_, *plan_.roi, plan_.placement.space);
     if (!region) return tl::unexpected(region.error());
-    region_ = *region;
+    report_.region = *region;
     if (plan_.placement.space == Space::world && !is_axis_aligned(field_.index_to_world)) {
-      const glm::i64vec3 dims = region_->dims();
-      messages_.note(fmt::format("{}: its axes are oblique, so --roi takes the {} x {} x {} samples that cover the box",
-                                 label_, dims.x, dims.y, dims.z));
+      const glm::i64vec3 dims = region->dims();
+      note(fmt::format("{}: its axes are oblique, so --roi takes the {} x {} x {} samples that cover the box", label_,
+                       dims.x, dims.y, dims.z));
     }
     return {};
   }
@@ -147,11 +133,15 @@ class Conversion {
         auto result = write_meshes(meshes, job.path, plan_.write);
         if (!result) return tl::unexpected(std::move(result.error()));
         written = std::move(*result);
-        story.push_back(fmt::format("{}: written in {}", shown_path(job), times_text(watch.elapsed())));
+        const StageTime time = watch.elapsed();
+        story.push_back(fmt::format("{}: written in {}", shown_path(job), times_text(time)));
+        report_.stages.push_back({"write", std::nullopt, time});
+        if (plan_.report) record_meshes(job, isos, meshes, bar.progress());
       }
     }
+    for (const WrittenFile& file : written.files) report_.files.push_back({file.path, file.bytes});
     for (const std::string& line : story) tell_stage(line);
-    for (const std::string& note : written.notes) messages_.note(note);
+    for (const std::string& text : written.notes) note(text);
     tell_skipped(job, isos);
     if (!meshes.empty()) summarize(job, isos, meshes, written);
     for (const MeshError& error : errors) tell_error(error);
@@ -161,16 +151,18 @@ class Conversion {
   [[nodiscard]] ExtractOptions extract_options(double iso, Progress* progress) const {
     ExtractOptions options = plan_.extract;
     options.iso = iso;
-    options.region = region_;
+    options.region = report_.region;
     options.output_from_index = output_from_index_;
     options.progress = progress;
     return options;
   }
 
-  MeshError measure_error(const Mesh& mesh, double iso, Progress* progress, std::vector<std::string>& story) const {
+  MeshError measure_error(const Mesh& mesh, double iso, Progress* progress, std::vector<std::string>& story) {
     const Stopwatch watch;
     MeshError error = measure_mesh_error(mesh, field_, extract_options(iso, progress), *plan_.error);
-    story.push_back(fmt::format("{} iso {}: error measured in {}", label_, iso, times_text(watch.elapsed())));
+    const StageTime time = watch.elapsed();
+    story.push_back(fmt::format("{} iso {}: error measured in {}", label_, iso, times_text(time)));
+    report_.stages.push_back({"error", iso, time});
     return error;
   }
 
@@ -182,15 +174,37 @@ class Conversion {
 
   Result<Extraction> extract(double iso, Progress* progress, std::vector<std::string>& story) {
     const Stopwatch watch;
-    auto extraction = extractor_->extract(field_, extract_options(iso, progress));
+    const ExtractOptions options = extract_options(iso, progress);
+    auto extraction = extractor_->extract(field_, options);
     if (!extraction) return extraction;
     const ExtractStats& stats = extraction->stats;
-    story.push_back(fmt::format(
-        "{} iso {}: extracted in {}: {:.3f} s to compare samples, {:.3f} s to count, {:.3f} s "
-        "to make the mesh",
-        label_, iso, times_text(watch.elapsed()), stats.classify_seconds, stats.count_seconds, stats.emit_seconds));
-    if (plan_.explain) explain_extraction(stats, story);
+    story.push_back(
+        fmt::format("{} iso {}: extracted in {}: {:.3f} s to compare samples, {:.3f} s to count, {:.3f} s "
+                    "to make the mesh",
+                    label_, iso, times_text(watch.elapsed()), stats.classify.wall_seconds, stats.count.wall_seconds,
+                    stats.emit.wall_seconds));
+    report_.stages.push_back({"classify", iso, stats.classify});
+    report_.stages.push_back({"count", iso, stats.count});
+    report_.stages.push_back({"emit", iso, stats.emit});
+    const AskedFor asked{.flat_normals = plan_.write.flat_normals, .error = plan_.error.has_value()};
+    const std::vector<WorkFact> facts = extraction_facts(stats, options, asked);
+    if (plan_.explain) {
+      for (const WorkFact& fact : facts) story.push_back(fact_text(fact));
+    }
+    report_.extractions.push_back({iso, extraction->mesh.triangles.size(), facts});
     return extraction;
+  }
+
+  // What only the report asks for: finding components and open edges takes about as long as writing.
+  void record_meshes(const OutputJob& job, const std::vector<double>& isos, const std::vector<Mesh>& meshes,
+                     Progress* progress) {
+    const Stopwatch watch;
+    progress->begin("measuring", meshes.size());
+    for (std::size_t m = 0; m < meshes.size(); ++m) {
+      report_.meshes.push_back(mesh_record(isos[m], job.path, meshes[m]));
+      progress->advance(1);
+    }
+    report_.stages.push_back({"mesh facts", std::nullopt, watch.elapsed()});
   }
 
   void tell_stage(const std::string& line) const {
@@ -201,65 +215,40 @@ class Conversion {
     }
   }
 
-  // How much of the file was not even read. Only sparse formats have more than one grid.
-  void explain_reading() const {
-    if (!std::holds_alternative<SparseSamples>(field_.samples)) return;
-    if (const auto grids = list_grids(plan_.input, plan_.read); grids && grids->size() > 1) {
-      messages_.explanation(
-          fmt::format("  left out: the other {} grids of the file, which were not read", grids->size() - 1));
-    }
+  static std::string fact_text(const WorkFact& fact) { return fmt::format("  {}: {}", fact.done, fact.text); }
+
+  void note(const std::string& text) {
+    messages_.note(text);
+    report_.notes.push_back(text);
   }
 
-  void explain_extraction(const ExtractStats& stats, std::vector<std::string>& story) const {
-    const std::uint64_t left_out = stats.bricks - stats.bricks_visited;
-    story.push_back(fmt::format(
-        "  left out: {} of {} bricks ({}), which the iso value does not cross ({:.1f} %)", left_out, stats.bricks,
-        stats.brick,
-        stats.bricks == 0 ? 0.0 : 100.0 * static_cast<double>(left_out) / static_cast<double>(stats.bricks)));
-    if (stats.places_visited > 0) {
-      story.push_back(fmt::format("  visited besides: {} places beside stored bricks", stats.places_visited));
-    }
-    story.push_back(fmt::format("  compared with the iso value: {} samples, each once", stats.samples_classified));
-    if (stats.nan_samples > 0) {
-      story.push_back(fmt::format("  taken as outside: {} samples that are not numbers", stats.nan_samples));
-    }
-    if (region_) {
-      const glm::i64vec3 dims = region_->dims();
-      story.push_back(
-          fmt::format("  left out: what --roi does not hold; it holds {} x {} x {} samples", dims.x, dims.y, dims.z));
-    }
-    if (!plan_.extract.smooth_normals && !plan_.write.flat_normals) {
-      story.push_back("  left out: normals, which nobody asked for");
-    }
-    if (!plan_.error) story.push_back("  left out: the error of the mesh; --error measures it");
-    if (!plan_.extract.cap) story.push_back("  left out: caps where the surface leaves the data; --cap makes them");
-  }
-
-  Error no_surface(double iso) const {
+  Error no_surface(double iso) {
+    const Stopwatch watch;
     const FieldStatistics statistics = measure_statistics(field_);
+    report_.stages.push_back({"statistics", std::nullopt, watch.elapsed()});
     if (statistics.samples == 0) {
       return {ErrorKind::input, fmt::format("{}: there is no surface: no sample is a finite number", label_), ""};
     }
-    const bool roi_hides_it = region_ && statistics.min <= iso && iso <= statistics.max;
+    const bool roi_hides_it = report_.region && statistics.min <= iso && iso <= statistics.max;
     const IsoSuggestion suggestion = suggest_iso(field_, statistics);
     return {ErrorKind::input,
             fmt::format("{}: no surface at iso {}{}; the values {}run from {:.6g} to {:.6g}", label_, iso,
-                        region_ ? " in the --roi" : "", region_ ? "of the whole field " : "", statistics.min,
-                        statistics.max),
+                        report_.region ? " in the --roi" : "", report_.region ? "of the whole field " : "",
+                        statistics.min, statistics.max),
             roi_hides_it ? "widen the --roi; --empty skip makes this no error"
                          : fmt::format("try --iso {} ({}); --empty skip makes this no error", suggestion.iso,
                                        suggestion.method)};
   }
 
-  void tell_skipped(const OutputJob& job, const std::vector<double>& isos) const {
+  void tell_skipped(const OutputJob& job, const std::vector<double>& isos) {
     std::vector<double> skipped;
     for (const double iso : job.isos) {
       if (std::find(isos.begin(), isos.end(), iso) == isos.end()) skipped.push_back(iso);
     }
     if (skipped.empty()) return;
-    messages_.note(fmt::format("{}: no surface at iso {}; {}", label_, fmt::join(skipped, ", "),
-                               isos.empty() ? fmt::format("{} was not written", shown_path(job))
-                                            : fmt::format("{} is without it", shown_path(job))));
+    note(fmt::format("{}: no surface at iso {}; {}", label_, fmt::join(skipped, ", "),
+                     isos.empty() ? fmt::format("{} was not written", shown_path(job))
+                                  : fmt::format("{} is without it", shown_path(job))));
   }
 
   void summarize(const OutputJob& job, const std::vector<double>& isos, const std::vector<Mesh>& meshes,
@@ -283,16 +272,33 @@ class Conversion {
 
   const ConvertPlan& plan_;
   const Messages& messages_;
+  Stopwatch total_;
   Stopwatch watch_;  // since the start, or since the last file
+  ConversionReport report_;
   ScalarField field_;
   std::string label_;
   Affine output_from_index_;
-  std::optional<IndexBox> region_;
   std::unique_ptr<Extractor> extractor_ = make_cpu_extractor();
 };
 
 }  // namespace
 
-Result<void> run_convert(const ConvertPlan& plan, const Messages& messages) { return Conversion(plan, messages).run(); }
+Result<void> run_convert(const ConvertPlan& plan, const Messages& messages) {
+  if (plan.report) {
+    if (auto checked = check_report_file(plan); !checked) return checked;
+  }
+  Conversion conversion(plan, messages);
+  Result<void> done;
+  try {
+    done = conversion.run();
+  } catch (const std::bad_alloc&) {
+    done = fail(ErrorKind::input, fmt::format("{}: not enough memory", plan.input), "convert a part with --roi");
+  }
+  if (!plan.report) return done;
+  auto reported = write_report(*plan.report, conversion.take_report(done));
+  if (done) return reported;
+  if (!reported) messages.error(reported.error());
+  return done;
+}
 
 }  // namespace isoextract

@@ -1,7 +1,6 @@
-// Small facts that several commands show.
+// What several commands call a field.
 #pragma once
 
-#include <cstdint>
 #include <string>
 
 #include "field/scalar_field.hpp"
@@ -10,8 +9,5 @@ namespace isoextract {
 
 // "smoke.vdb[density]", or "head.nrrd" where the format has no grids.
 [[nodiscard]] std::string field_label(const ScalarField& field);
-
-// The most memory that this process has held so far, in bytes.
-[[nodiscard]] std::uint64_t peak_memory();
 
 }  // namespace isoextract

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/machine.hpp"
 #include "base/stopwatch.hpp"
 #include "cli/field_label.hpp"
 #include "cli/info_report.hpp"
@@ -69,7 +70,7 @@ InputReport look_at(const InfoPlan& plan, const std::string& input, const Messag
 std::optional<Error> run_info(const InfoPlan& plan, const Messages& messages) {
   std::optional<Error> failure;
   std::string text;
-  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  Json json = Json::array();
   for (const std::string& input : plan.inputs) {
     const Stopwatch watch;
     const InputReport report = look_at(plan, input, messages);
@@ -88,8 +89,7 @@ std::optional<Error> run_info(const InfoPlan& plan, const Messages& messages) {
       text += (text.empty() ? "" : "\n") + text_of(report);
     }
   }
-  // Names of files and grids may be in any encoding; JSON is UTF-8.
-  if (plan.json) text = json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  if (plan.json) text = json_text(json);
   if (text.empty()) return failure;
   if (auto printed = print_to_stdout(text); !printed) {
     messages.error(printed.error());

@@ -12,12 +12,11 @@
 namespace isoextract {
 namespace {
 
+using isoextract::json_of;
+
 constexpr std::array kPercentiles{1, 5, 25, 50, 75, 95, 99};
 constexpr std::size_t kHistogramRows = 16;
 constexpr std::size_t kBarWidth = 40;
-
-std::string_view kind_name(FieldKind kind) { return kind == FieldKind::level_set ? "level set" : "density"; }
-std::string_view inside_name(FieldKind kind) { return kind == FieldKind::level_set ? "below" : "above"; }
 
 std::string grid_name(const GridInfo& grid) {
   return grid.name_repeats ? fmt::format("{}[{}]", grid.name, grid.index_of_name) : grid.name;
@@ -144,25 +143,17 @@ void add_advice(Lines& lines, const FieldReport& report) {
   lines.plain(fmt::format("\n  {}", report.command));
 }
 
-nlohmann::ordered_json json_of(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
-
-nlohmann::ordered_json json_of(const IndexBox& box) {
-  if (box.empty()) return nullptr;
-  return {{"min", {box.min.x, box.min.y, box.min.z}}, {"max", {box.max.x, box.max.y, box.max.z}}};
-}
-
-nlohmann::ordered_json json_of(const GridInfo& grid) {
-  nlohmann::ordered_json json{{"name", grid_name(grid)}, {"type", grid.type}, {"scalar", grid.scalar}};
-  json["kind"] = grid.kind ? nlohmann::ordered_json(kind_name(*grid.kind)) : nullptr;
+Json json_of(const GridInfo& grid) {
+  Json json{{"name", grid_name(grid)}, {"type", grid.type}, {"scalar", grid.scalar}};
+  json["kind"] = grid.kind ? Json(kind_name(*grid.kind)) : nullptr;
   json["box"] = json_of(grid.box);
   json["voxels"] = grid.voxels;
   return json;
 }
 
-nlohmann::ordered_json json_of_values(const FieldReport& report) {
+Json json_of_values(const FieldReport& report) {
   const FieldStatistics& statistics = report.statistics;
-  nlohmann::ordered_json json{
-      {"finite", statistics.samples}, {"nan", statistics.nan}, {"infinite", statistics.infinite}};
+  Json json{{"finite", statistics.samples}, {"nan", statistics.nan}, {"infinite", statistics.infinite}};
   if (statistics.samples == 0) return json;
   json["min"] = statistics.min;
   json["max"] = statistics.max;
@@ -172,13 +163,13 @@ nlohmann::ordered_json json_of_values(const FieldReport& report) {
   return json;
 }
 
-nlohmann::ordered_json json_of(const FieldReport& report) {
+Json json_of(const FieldReport& report) {
   const ScalarField& field = report.field;
-  nlohmann::ordered_json json{{"format", field.format},
-                              {"name", field.name},
-                              {"kind", kind_name(field.kind)},
-                              {"inside", inside_name(field.kind)},
-                              {"type", sample_type_name(field.type())}};
+  Json json{{"format", field.format},
+            {"name", field.name},
+            {"kind", kind_name(field.kind)},
+            {"inside", inside_name(field.kind)},
+            {"type", sample_type_name(field.type())}};
   const auto* sparse = std::get_if<SparseSamples>(&field.samples);
   json["sparse"] = sparse != nullptr;
   if (sparse != nullptr) {
@@ -187,14 +178,8 @@ nlohmann::ordered_json json_of(const FieldReport& report) {
   }
   json["box"] = json_of(field.extents());
   json["spacing"] = json_of(spacing_of(field.index_to_world));
-  for (int row = 0; row < 3; ++row) {
-    const glm::dmat3& m = field.index_to_world.linear;
-    json["index_to_world"].push_back({m[0][row], m[1][row], m[2][row], field.index_to_world.offset[row]});
-  }
-  const Box world = world_bounds(field);
-  json["world_box"] = field.extents().empty()
-                          ? nlohmann::ordered_json(nullptr)
-                          : nlohmann::ordered_json{{"min", json_of(world.min)}, {"max", json_of(world.max)}};
+  json["index_to_world"] = json_of(field.index_to_world);
+  json["world_box"] = field.extents().empty() ? Json(nullptr) : json_of(world_bounds(field));
   json["world_space"] = field.world_space;
   json["values"] = json_of_values(report);
   json["suggestion"] = {{"iso", report.suggestion.iso},
@@ -231,11 +216,11 @@ std::string text_of(const InputReport& report) {
   return lines.take();
 }
 
-nlohmann::ordered_json json_of(const InputReport& report) {
-  nlohmann::ordered_json json{{"input", report.input}};
-  json["grids"] = nlohmann::ordered_json::array();
+Json json_of(const InputReport& report) {
+  Json json{{"input", report.input}};
+  json["grids"] = Json::array();
   for (const GridInfo& grid : report.grids) json["grids"].push_back(json_of(grid));
-  json["field"] = report.field ? json_of(*report.field) : nlohmann::ordered_json(nullptr);
+  json["field"] = report.field ? json_of(*report.field) : Json(nullptr);
   if (report.error) json["error"] = {{"message", report.error->message}, {"hint", report.error->hint}};
   return json;
 }

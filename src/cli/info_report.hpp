@@ -6,9 +6,8 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "base/error.hpp"
+#include "batch/json_values.hpp"
 #include "field/scalar_field.hpp"
 #include "field/statistics.hpp"
 #include "io/volume_reader.hpp"
@@ -41,6 +40,6 @@ struct InputReport {
 [[nodiscard]] std::uint64_t estimated_triangles(std::uint64_t vertices);
 
 [[nodiscard]] std::string text_of(const InputReport& report);
-[[nodiscard]] nlohmann::ordered_json json_of(const InputReport& report);
+[[nodiscard]] Json json_of(const InputReport& report);
 
 }  // namespace isoextract

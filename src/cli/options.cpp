@@ -208,6 +208,9 @@ void declare_output(CLI::App& app, ConvertFlags& flags) {
                            "the current folder). '-' is stdout and needs --format. '{iso}' stands for the iso value "
                            "and gives each its own file.");
   group.choice("--format", flags.format, output_formats(), "Format of the mesh, whatever the extension.");
+  group.value<std::string>("--report", "FILE", flags.report, parse_text,
+                           "Write a JSON report of the conversion: options, input, stages with time and memory, what "
+                           "was left out, and the facts of each mesh. Of a conversion that fails, it says why.");
   group.flag("--ascii", flags.ascii, "Write ply or stl as text instead of binary.");
 }
 

@@ -68,6 +68,7 @@ struct ConvertFlags {
   bool ascii = false;
   std::optional<Interpolation> error;
   bool explain = false;
+  std::optional<std::string> report;
   RunFlags run;
 };
 

@@ -24,6 +24,7 @@ struct LengthUnit {
 // What happens between the samples' indices and the coordinates in the file.
 struct Placement {
   Space space = Space::world;
+  UpAxis up = UpAxis::z;           // of the input's world
   bool turn_z_up_to_y_up = false;  // (x, y, z) -> (x, z, -y)
   double scale = 1;
   std::string_view unit;  // that `scale` converts to metres; empty if none was named

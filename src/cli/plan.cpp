@@ -61,6 +61,7 @@ Result<MeshFormat> plan_format(const ConvertFlags& flags) {
 Result<Placement> plan_placement(const ConvertFlags& flags, MeshFormat format, std::vector<std::string>& notes) {
   Placement placement;
   placement.space = flags.space.value_or(Space::world);
+  placement.up = flags.up.value_or(UpAxis::z);
   if (placement.space == Space::index) {
     const std::string_view other = flags.up ? "--up" : flags.scale ? "--scale" : flags.unit ? "--unit" : "";
     if (!other.empty()) {
@@ -70,7 +71,7 @@ Result<Placement> plan_placement(const ConvertFlags& flags, MeshFormat format, s
     return placement;
   }
   if (flags.scale && flags.unit) return usage("--scale and --unit exclude each other");
-  placement.turn_z_up_to_y_up = is_gltf(format) && flags.up.value_or(UpAxis::z) == UpAxis::z;
+  placement.turn_z_up_to_y_up = is_gltf(format) && placement.up == UpAxis::z;
   if (flags.up && !is_gltf(format)) {
     notes.push_back(fmt::format("--up changes nothing: {} prescribes no up axis and keeps the input's axes",
                                 mesh_format_info(format).name));
@@ -186,6 +187,10 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& flags) {
   plan.empty = flags.empty.value_or(EmptyPolicy::error);
   plan.error = flags.error;
   plan.explain = flags.explain;
+  if (flags.report && (flags.report->empty() || *flags.report == "-")) {
+    return usage(fmt::format("--report needs the name of a file, found '{}'", *flags.report));
+  }
+  plan.report = flags.report;
   return plan;
 }
 

@@ -31,7 +31,9 @@ struct ConvertPlan {
   std::vector<OutputJob> jobs;
   std::optional<Interpolation> error;  // to measure the mesh against
   bool explain = false;
-  std::vector<std::string> notes;  // what was asked for and changes nothing, one sentence each
+  std::optional<std::string> report;   // the path of the JSON report
+  std::vector<std::string> arguments;  // the words of the command line, for the report
+  std::vector<std::string> notes;      // what was asked for and changes nothing, one sentence each
 };
 
 struct InfoPlan {

@@ -112,7 +112,7 @@ class DenseExtraction {
     if (result.stats.nan_samples != 0 && options_.nan == NanPolicy::error) {
       return nan_error(field_, result.stats.nan_samples, first_nan());
     }
-    result.stats.classify_seconds = watch.elapsed().wall_seconds;
+    result.stats.classify = watch.elapsed();
     if (!threshold) return result;
 
     watch.restart();
@@ -133,13 +133,13 @@ class DenseExtraction {
         return tl::unexpected(fits.error());
       }
     }
-    result.stats.count_seconds = watch.elapsed().wall_seconds;
+    result.stats.count = watch.elapsed();
 
     watch.restart();
     allocate_mesh(result.mesh, sizes, cap, options_.smooth_normals);
     emit(result.mesh);
     append_cap(result.mesh, sizes, cap, {glm::ivec3(0), view_.dims - 1}, region_.min, placement_);
-    result.stats.emit_seconds = watch.elapsed().wall_seconds;
+    result.stats.emit = watch.elapsed();
     return result;
   }
 

@@ -16,6 +16,7 @@
 #include "base/error.hpp"
 #include "base/limits.hpp"
 #include "base/progress.hpp"
+#include "base/stopwatch.hpp"
 #include "field/scalar_field.hpp"
 #include "mesh/mesh.hpp"
 
@@ -51,9 +52,9 @@ struct ExtractStats {
   std::uint64_t places_visited = 0;      // sparse: of brick size without stored samples, next to stored ones or tiles
   std::uint64_t samples_classified = 0;  // compared with iso, each once
   std::uint64_t nan_samples = 0;
-  double classify_seconds = 0;
-  double count_seconds = 0;
-  double emit_seconds = 0;
+  StageTime classify;
+  StageTime count;
+  StageTime emit;
 };
 
 struct Extraction {

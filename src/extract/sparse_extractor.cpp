@@ -94,7 +94,7 @@ class SparseExtraction {
     if (result.stats.nan_samples != 0 && options_.nan == NanPolicy::error) {
       return nan_error(field_, result.stats.nan_samples, first_nan());
     }
-    result.stats.classify_seconds = watch.elapsed().wall_seconds;
+    result.stats.classify = watch.elapsed();
 
     watch.restart();
     find_sites();
@@ -115,13 +115,13 @@ class SparseExtraction {
         return tl::unexpected(fits.error());
       }
     }
-    result.stats.count_seconds = watch.elapsed().wall_seconds;
+    result.stats.count = watch.elapsed();
 
     watch.restart();
     allocate_mesh(result.mesh, sizes, cap, options_.smooth_normals);
     emit(result.mesh);
     append_cap(result.mesh, sizes, cap, region_, glm::ivec3(0), placement_);
-    result.stats.emit_seconds = watch.elapsed().wall_seconds;
+    result.stats.emit = watch.elapsed();
     return result;
   }
 

@@ -1,6 +1,7 @@
 #include "io/file_bytes.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <memory>
@@ -14,6 +15,8 @@
 
 namespace isoextract {
 namespace {
+
+std::atomic<std::uint64_t> bytes_read_so_far{0};
 
 std::string system_message(int error) { return std::generic_category().message(error); }
 
@@ -70,11 +73,15 @@ Result<void> InputFile::read_at(std::uint64_t offset, std::span<std::byte> bytes
       return fail(ErrorKind::input,
                   fmt::format("{}: ends at byte {}, expected {} more bytes", name(), offset, bytes.size()));
     }
+    count_bytes_read(static_cast<std::uint64_t>(got));
     offset += static_cast<std::uint64_t>(got);
     bytes = bytes.subspan(static_cast<std::size_t>(got));
   }
   return {};
 }
+
+std::uint64_t bytes_read() { return bytes_read_so_far.load(std::memory_order_relaxed); }
+void count_bytes_read(std::uint64_t bytes) { bytes_read_so_far.fetch_add(bytes, std::memory_order_relaxed); }
 
 bool is_gzip(std::span<const std::byte> content) {
   return content.size() >= 2 && content[0] == std::byte{0x1f} && content[1] == std::byte{0x8b};

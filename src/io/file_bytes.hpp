@@ -37,6 +37,10 @@ class InputFile {
   std::uint64_t size_ = 0;
 };
 
+// Bytes that this process has read from input files so far. Packed bytes count as they lie in the file.
+[[nodiscard]] std::uint64_t bytes_read();
+void count_bytes_read(std::uint64_t bytes);  // for readers that go past InputFile::read_at
+
 [[nodiscard]] bool is_gzip(std::span<const std::byte> content);
 
 // At most `count` bytes from the start of the content, inflated where the file is gzip. Fewer where the content is

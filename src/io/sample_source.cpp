@@ -67,7 +67,12 @@ Result<void> read_range(const InputFile& file, std::uint64_t offset, std::span<s
 }
 
 struct GzipClose {
-  void operator()(gzFile file) const { ::gzclose_r(file); }
+  std::uint64_t start = 0;  // where in the file the packed data begins
+  void operator()(gzFile file) const {
+    const auto end = static_cast<std::int64_t>(::gzoffset(file));
+    if (end > static_cast<std::int64_t>(start)) count_bytes_read(static_cast<std::uint64_t>(end) - start);
+    ::gzclose_r(file);
+  }
 };
 using GzipFile = std::unique_ptr<gzFile_s, GzipClose>;
 
@@ -82,7 +87,7 @@ Result<GzipFile> open_gzip(const InputFile& file, std::uint64_t offset) {
     return cannot();
   }
   ::gzbuffer(gzip, 1 << 18);
-  return GzipFile(gzip);
+  return GzipFile(gzip, GzipClose{offset});
 }
 
 // How many bytes came; fewer than asked for only at the end of intact data.
@@ -100,7 +105,7 @@ Result<std::size_t> inflate_into(gzFile gzip, const InputFile& file, std::span<s
 // True if there is more after the samples.
 Result<bool> read_gzip(const InputFile& file, const SamplePiece& piece, std::span<std::byte> out,
                        const SampleSource& source, Progress* progress) {
-  auto gzip = open_gzip(file, piece.offset);
+  const auto gzip = open_gzip(file, piece.offset);
   if (!gzip) return tl::unexpected(gzip.error());
   const auto ends_early = [&](std::uint64_t at) {
     return fail(ErrorKind::input,

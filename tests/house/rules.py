@@ -16,7 +16,7 @@ MAY_INCLUDE = {
     "render": ["gpu", "mesh"],
     "simulate": ["field", "io"],
     "measure": ["extract", "mesh"],
-    "batch": ["io", "extract"],
+    "batch": ["io", "extract", "measure"],
     "cli": ["base", "field", "mesh", "io", "extract", "gpu", "render", "simulate", "measure", "batch"],
 }
 

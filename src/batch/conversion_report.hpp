@@ -1,0 +1,117 @@
+// What one conversion did, for `--report FILE.json`. docs/report.schema.json describes the document; the two change
+// together, and kSchemaVersion rises where a reader of the old document would misread the new one.
+//
+// What only some conversions know is optional here and absent or null in the document. A later section (error figures
+// of a mesh, say) is one more optional member, a line in json_of, and an optional property of the schema.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/stopwatch.hpp"
+#include "batch/json_values.hpp"
+#include "batch/work_facts.hpp"
+#include "mesh/metrics.hpp"
+#include "mesh/topology.hpp"
+
+namespace isoextract {
+
+inline constexpr int kReportSchemaVersion = 1;
+
+// Every option of the conversion after defaults, in the words of the command line.
+struct ResolvedOptions {
+  std::string method;
+  std::vector<double> isos;
+  std::string normals;
+  std::string nan;
+  std::string empty;
+  bool cap = false;
+  std::optional<Box> roi;
+  std::string space;
+  std::string up;
+  bool turned_to_y_up = false;  // whether (x, y, z) became (x, z, -y)
+  double scale = 1;
+  std::string unit;  // empty if none was named
+  std::string format;
+  bool ascii = false;
+  std::string error;  // "trilinear", "tricubic"; empty if it is not measured
+  std::uint64_t memory_limit = 0;
+};
+
+struct InputFacts {
+  std::string path;    // as given
+  std::string format;  // "OpenVDB"
+  std::string name;    // of the grid, or the file's stem
+  std::string world_space;
+  bool sparse = false;
+  SampleType type = SampleType::f32;
+  FieldKind kind = FieldKind::density;
+  ValueScale scale;
+  Affine index_to_world;
+  IndexBox box;                             // of all samples, or of the active voxels
+  std::uint64_t samples = 0;                // all of them, or the active voxels
+  std::uint64_t stored_bytes = 0;           // of samples in memory
+  std::optional<std::uint64_t> file_bytes;  // of the file that was named; none for demo fields
+};
+
+[[nodiscard]] InputFacts input_facts(const std::string& path, const ScalarField& field);
+
+struct StageRecord {
+  std::string stage;          // "read", "classify", "count", "emit", "error", "mesh facts", "statistics", "write"
+  std::optional<double> iso;  // where the stage belongs to one surface
+  StageTime time;
+};
+
+struct ExtractionRecord {
+  double iso = 0;
+  std::uint64_t triangles = 0;
+  std::vector<WorkFact> work;
+};
+
+// Of a mesh that was written.
+struct MeshRecord {
+  double iso = 0;
+  std::string file;  // "-" is standard output
+  std::string name;  // of the mesh in the file
+  std::uint64_t vertices = 0;
+  std::uint64_t triangles = 0;
+  glm::dvec3 origin{0.0};
+  Bounds bounds;
+  MeshSize size;  // its volume means something only where the mesh is closed
+  Topology topology;
+};
+
+[[nodiscard]] MeshRecord mesh_record(double iso, const std::string& file, const Mesh& mesh);
+
+struct FileRecord {
+  std::string path;
+  std::uint64_t bytes = 0;
+};
+
+struct ConversionReport {
+  std::vector<std::string> arguments;  // the words of the command line, without the program
+  ResolvedOptions options;
+  std::string backend = "cpu";
+  std::string device;  // the processor's name
+  int threads = 0;
+  std::optional<InputFacts> input;          // absent if it could not be read
+  std::optional<Affine> output_from_index;  // what placed the meshes
+  std::optional<IndexBox> region;           // samples that --roi holds
+  std::vector<StageRecord> stages;
+  StageTime total;
+  std::uint64_t bytes_read = 0;
+  std::uint64_t bytes_uploaded = 0;  // to a device; 0 on the CPU
+  std::uint64_t peak_memory = 0;
+  std::vector<WorkFact> work;  // of reading
+  std::vector<ExtractionRecord> extractions;
+  std::vector<MeshRecord> meshes;
+  std::vector<FileRecord> files;
+  std::vector<std::string> notes;  // what was shown as notes
+  std::optional<Error> error;      // why the conversion failed
+};
+
+[[nodiscard]] Json json_of(const ConversionReport& report);
+
+}  // namespace isoextract

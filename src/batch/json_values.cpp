@@ -1,0 +1,48 @@
+#include "batch/json_values.hpp"
+
+namespace isoextract {
+namespace {
+
+std::string_view kind_name(ErrorKind kind) {
+  switch (kind) {
+    case ErrorKind::usage: return "usage";
+    case ErrorKind::input: return "input";
+    case ErrorKind::unavailable: return "unavailable";
+    case ErrorKind::output: break;
+  }
+  return "output";
+}
+
+}  // namespace
+
+std::string_view kind_name(FieldKind kind) { return kind == FieldKind::level_set ? "level set" : "density"; }
+std::string_view inside_name(FieldKind kind) { return kind == FieldKind::level_set ? "below" : "above"; }
+
+Json json_of(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
+
+Json json_of(const Box& box) { return {{"min", json_of(box.min)}, {"max", json_of(box.max)}}; }
+
+Json json_of(const IndexBox& box) {
+  if (box.empty()) return nullptr;
+  return {{"min", {box.min.x, box.min.y, box.min.z}}, {"max", {box.max.x, box.max.y, box.max.z}}};
+}
+
+Json json_of(const Affine& map) {
+  Json rows = Json::array();
+  const glm::dmat3& m = map.linear;
+  for (int row = 0; row < 3; ++row) rows.push_back({m[0][row], m[1][row], m[2][row], map.offset[row]});
+  return rows;
+}
+
+Json json_of(const Error& error) {
+  return {{"kind", kind_name(error.kind)},
+          {"exit_code", static_cast<int>(error.kind)},
+          {"message", error.message},
+          {"hint", error.hint}};
+}
+
+std::string json_text(const Json& document) {
+  return document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace isoextract

@@ -1,0 +1,56 @@
+#include "batch/work_facts.hpp"
+
+#include <fmt/format.h>
+
+namespace isoextract {
+namespace {
+
+WorkFact bricks_left_out(const ExtractStats& stats) {
+  const std::uint64_t count = stats.bricks - stats.bricks_visited;
+  const double percent =
+      stats.bricks == 0 ? 0.0 : 100.0 * static_cast<double>(count) / static_cast<double>(stats.bricks);
+  return {"bricks", "left out", count, stats.bricks,
+          fmt::format("{} of {} bricks ({}), which the iso value does not cross ({:.1f} %)", count, stats.bricks,
+                      stats.brick, percent)};
+}
+
+}  // namespace
+
+std::vector<WorkFact> reading_facts(std::uint64_t grids) {
+  if (grids < 2) return {};
+  return {{"grids", "left out", grids - 1, grids,
+           fmt::format("the other {} grids of the file, which were not read", grids - 1)}};
+}
+
+std::vector<WorkFact> extraction_facts(const ExtractStats& stats, const ExtractOptions& options,
+                                       const AskedFor& asked) {
+  std::vector<WorkFact> facts{bricks_left_out(stats)};
+  if (stats.places_visited > 0) {
+    facts.push_back({"places", "visited", stats.places_visited, std::nullopt,
+                     fmt::format("{} places beside stored bricks", stats.places_visited)});
+  }
+  facts.push_back({"samples", "compared", stats.samples_classified, std::nullopt,
+                   fmt::format("{} samples, each once, with the iso value", stats.samples_classified)});
+  if (stats.nan_samples > 0) {
+    facts.push_back({"nan_samples", "taken as outside", stats.nan_samples, std::nullopt,
+                     fmt::format("{} samples that are not numbers", stats.nan_samples)});
+  }
+  if (options.region) {
+    const glm::i64vec3 dims = options.region->dims();
+    facts.push_back({"roi", "left out", std::nullopt, std::nullopt,
+                     fmt::format("what --roi does not hold; it holds {} x {} x {} samples", dims.x, dims.y, dims.z)});
+  }
+  if (!options.smooth_normals && !asked.flat_normals) {
+    facts.push_back({"normals", "left out", std::nullopt, std::nullopt, "normals, which nobody asked for"});
+  }
+  if (!asked.error) {
+    facts.push_back({"error", "left out", std::nullopt, std::nullopt, "the error of the mesh; --error measures it"});
+  }
+  if (!options.cap) {
+    facts.push_back(
+        {"caps", "left out", std::nullopt, std::nullopt, "caps where the surface leaves the data; --cap makes them"});
+  }
+  return facts;
+}
+
+}  // namespace isoextract

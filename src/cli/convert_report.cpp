@@ -1,0 +1,70 @@
+#include "cli/convert_report.hpp"
+
+#include <algorithm>
+
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include "base/machine.hpp"
+#include "cli/mesh_error.hpp"
+#include "io/output_file.hpp"
+
+namespace isoextract {
+namespace {
+
+std::string nan_word(NanPolicy policy) { return policy == NanPolicy::error ? "error" : "outside"; }
+
+std::string empty_word(EmptyPolicy policy) {
+  switch (policy) {
+    case EmptyPolicy::error: return "error";
+    case EmptyPolicy::skip: return "skip";
+    case EmptyPolicy::write: break;
+  }
+  return "write";
+}
+
+ResolvedOptions resolved_options(const ConvertPlan& plan) {
+  ResolvedOptions options;
+  options.method = plan.extract.method == Method::mc ? "mc" : "mt";
+  for (const OutputJob& job : plan.jobs) options.isos.insert(options.isos.end(), job.isos.begin(), job.isos.end());
+  options.normals = plan.extract.smooth_normals ? "smooth" : plan.write.flat_normals ? "flat" : "none";
+  options.nan = nan_word(plan.extract.nan);
+  options.empty = empty_word(plan.empty);
+  options.cap = plan.extract.cap;
+  options.roi = plan.roi;
+  options.space = plan.placement.space == Space::index ? "index" : "world";
+  options.up = plan.placement.up == UpAxis::y ? "y" : "z";
+  options.turned_to_y_up = plan.placement.turn_z_up_to_y_up;
+  options.scale = plan.placement.scale;
+  options.unit = plan.placement.unit;
+  options.format = mesh_format_info(plan.write.format).name;
+  options.ascii = plan.write.ascii;
+  if (plan.error) options.error = interpolation_name(*plan.error);
+  options.memory_limit = plan.read.limits.memory_bytes;
+  return options;
+}
+
+int thread_count() {
+  const auto allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  return std::min(static_cast<int>(std::min<std::size_t>(allowed, 1 << 16)), tbb::this_task_arena::max_concurrency());
+}
+
+}  // namespace
+
+ConversionReport begin_report(const ConvertPlan& plan) {
+  ConversionReport report;
+  report.arguments = plan.arguments;
+  report.options = resolved_options(plan);
+  report.device = cpu_name();
+  report.threads = thread_count();
+  return report;
+}
+
+Result<void> write_report(const std::string& path, const ConversionReport& report) {
+  auto file = OutputFile::create(path);
+  if (!file) return tl::unexpected(file.error());
+  if (auto written = file->write(json_text(json_of(report))); !written) return written;
+  return file->commit();
+}
+
+}  // namespace isoextract

@@ -1,0 +1,81 @@
+#include "cli/output_checks.hpp"
+
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "io/output_file.hpp"
+
+namespace isoextract {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The files that a job writes: glTF is two.
+std::vector<fs::path> files_of(const OutputJob& job, MeshFormat format) {
+  std::vector<fs::path> files{job.path};
+  if (format == MeshFormat::gltf) files.push_back(fs::path(job.path).replace_extension(".bin"));
+  return files;
+}
+
+// Devices and pipes are left alone: opening a pipe twice would end it for its reader.
+Result<void> check_output(const fs::path& path, const std::string& input) {
+  std::error_code none;
+  if (fs::equivalent(path, input, none)) {
+    return fail(ErrorKind::usage, fmt::format("{}: this is the input; it is not overwritten", path.string()),
+                "choose another name with -o");
+  }
+  const fs::file_status status = fs::status(path, none);
+  if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status)) return {};
+  auto probe = OutputFile::create(path);
+  if (!probe) return tl::unexpected(probe.error());
+  return {};
+}
+
+Result<void> check_stdout(const MeshWriteOptions& options) {
+  const bool is_text = options.ascii || options.format == MeshFormat::obj;
+  if (is_text || ::isatty(STDOUT_FILENO) == 0) return {};
+  return fail(ErrorKind::usage,
+              fmt::format("stdout is a terminal, and {} is binary data", mesh_format_info(options.format).name),
+              "redirect it to a file or a pipe");
+}
+
+// Whether two paths name one file, whether it exists or not.
+bool same_file(const fs::path& a, const fs::path& b) {
+  std::error_code none;
+  if (fs::equivalent(a, b, none)) return true;
+  return fs::weakly_canonical(fs::absolute(a, none), none) == fs::weakly_canonical(fs::absolute(b, none), none);
+}
+
+}  // namespace
+
+Result<void> check_report_file(const ConvertPlan& plan) {
+  const fs::path report(*plan.report);
+  for (const OutputJob& job : plan.jobs) {
+    if (job.path == "-") continue;
+    for (const fs::path& file : files_of(job, plan.write.format)) {
+      if (!same_file(report, file)) continue;
+      return fail(ErrorKind::usage, fmt::format("{}: this is the mesh as well as the report", report.string()),
+                  "choose another name with --report");
+    }
+  }
+  auto checked = check_output(report, plan.input);
+  if (!checked && checked.error().kind == ErrorKind::usage) checked.error().hint = "choose another name with --report";
+  return checked;
+}
+
+Result<void> check_mesh_files(const ConvertPlan& plan) {
+  for (const OutputJob& job : plan.jobs) {
+    if (job.path == "-") {
+      if (auto checked = check_stdout(plan.write); !checked) return checked;
+      continue;
+    }
+    for (const fs::path& file : files_of(job, plan.write.format)) {
+      if (auto checked = check_output(file, plan.input); !checked) return checked;
+    }
+  }
+  return {};
+}
+
+}  // namespace isoextract

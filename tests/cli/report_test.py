@@ -1,0 +1,223 @@
+"""--report: every document fits its schema, and its figures are those of the files themselves."""
+
+import json
+import os
+import pathlib
+import time
+import unittest
+
+from support import DATA, SOURCE, SPHERE, ProgramTest, main, needs_data, read_glb, read_ply
+
+try:
+    import jsonschema
+except ImportError:
+    jsonschema = None
+
+SCHEMA = json.loads((SOURCE / "docs" / "report.schema.json").read_text())
+METABALLS = SOURCE / "samples" / "metaballs.vdb"
+
+
+class ReportTest(ProgramTest):
+    def report(self, *arguments, code=0, name="report.json"):
+        """The report of a run, checked against its schema; and the run."""
+        run = self.run_program(*arguments, "--report", name)
+        self.assertEqual(run.code, code, run.err)
+        report = json.loads((self.folder / name).read_text(encoding="utf-8"))
+        if jsonschema is not None:
+            jsonschema.Draft202012Validator(SCHEMA).validate(report)
+        self.assertEqual(report["status"], "done" if code == 0 else "failed")
+        self.assertEqual(report["bytes"]["written"], sum(entry["bytes"] for entry in report["files"]))
+        return report, run
+
+    def fact(self, facts, what):
+        (found,) = [fact for fact in facts if fact["what"] == what]
+        return found
+
+    @unittest.skipIf(jsonschema is None, "no python3-jsonschema")
+    def test_the_schema_is_one_and_refuses_what_it_does_not_know(self):
+        jsonschema.Draft202012Validator.check_schema(SCHEMA)
+        report, _ = self.report(SPHERE, "--iso", "0")
+        valid = jsonschema.Draft202012Validator(SCHEMA).is_valid
+        self.assertTrue(valid(report))
+        for change in ({"new": 1}, {"schema_version": 2}, {"status": "failed"}, {"input": None},
+                       {"meshes": [{**report["meshes"][0], "volume": "much"}]}):
+            self.assertFalse(valid({**report, **change}), change)
+
+    def test_figures_of_a_closed_mesh_are_those_of_the_file(self):
+        report, run = self.report(SPHERE, "--iso", "0", "-o", "a.ply", "--threads", "1")
+        mesh = read_ply((self.folder / "a.ply").read_bytes())
+        (facts,) = report["meshes"]
+        self.assertEqual(facts["vertices"], len(mesh.vertices))
+        self.assertEqual(facts["triangles"], len(mesh.triangles))
+        self.assertEqual((facts["closed"], facts["open_edges"]), (True, mesh.open_edges()))
+        edges = {tuple(sorted(edge)) for a, b, c in mesh.triangles for edge in ((a, b), (b, c), (c, a))}
+        self.assertEqual(facts["euler"], len(mesh.vertices) - len(edges) + len(mesh.triangles))
+        self.assertEqual((facts["components"], facts["genus"]), (1, 0))
+        self.assertAlmostEqual(facts["volume"], mesh.volume(), delta=1e-6 * mesh.volume())
+        self.assertEqual((facts["bounds"]["min"], facts["bounds"]["max"]), mesh.bounds())
+        self.assertEqual(report["files"], [{"path": "a.ply", "bytes": (self.folder / "a.ply").stat().st_size}])
+        self.assertEqual(report["arguments"], [SPHERE, "--iso", "0", "-o", "a.ply", "--threads", "1", "--report",
+                                               "report.json"])
+        self.assertEqual(report["device"]["threads"], 1)
+        self.assertEqual(report["bytes"]["uploaded"], 0)
+        self.assertEqual((report["input"]["format"], report["input"]["file_bytes"]), ("demo", None))
+        self.assertIn(f"{facts['triangles']} triangles", run.err)
+
+    def test_an_open_mesh_has_no_volume_and_no_genus(self):
+        report, _ = self.report("demo:gyroid?size=20", "--iso", "0", "-o", "a.ply")
+        (facts,) = report["meshes"]
+        mesh = read_ply((self.folder / "a.ply").read_bytes())
+        self.assertEqual((facts["closed"], facts["volume"], facts["genus"]), (False, None, None))
+        self.assertEqual(facts["open_edges"], mesh.open_edges())
+        report, _ = self.report("demo:gyroid?size=20", "--iso", "0", "-o", "a.ply", "--cap")
+        self.assertTrue(report["meshes"][0]["closed"])
+        self.assertNotIn("caps", [fact["what"] for fact in report["extractions"][0]["work"]])
+
+    def test_report_and_explain_tell_the_same(self):
+        arguments = (METABALLS, "--iso", "0.5", "--roi", "-9,-9,-9,9,9,9", "--empty", "skip", "-o", "a.glb")
+        report, run = self.report(*arguments, "--explain")
+        facts = report["work"] + report["extractions"][0]["work"]
+        self.assertGreater(len(facts), 3)
+        for fact in facts:
+            self.assertIn(f"  {fact['done']}: {fact['text']}\n", run.err)
+        told = [line for line in run.err.splitlines() if line.startswith("  ") and ": " in line]
+        self.assertEqual(len(told), len(facts))
+
+    def test_input_facts_of_a_raw_file(self):
+        self.write_raw("a.raw", (6, 5, 4), lambda x, y, z: x + y + z)
+        report, _ = self.report("a.raw", "--dims", "6,5,4", "--dtype", "f32", "--iso", "3.5", "--spacing", "1,2,3",
+                                "--origin", "7,8,9", "-o", "a.glb", "--unit", "mm")
+        given = report["input"]
+        self.assertEqual((given["path"], given["name"], given["sample_type"]), ("a.raw", "a", "f32"))
+        self.assertEqual((given["samples"], given["file_bytes"], given["stored_bytes"]), (120, 480, 480))
+        self.assertEqual((given["dims"], given["box"]), ([6, 5, 4], {"min": [0, 0, 0], "max": [5, 4, 3]}))
+        self.assertEqual(given["index_to_world"], [[1, 0, 0, 7], [0, 2, 0, 8], [0, 0, 3, 9]])
+        self.assertTrue(480 <= report["bytes"]["read"] < 480 + 4096, report["bytes"])
+        # z up became y up, and millimetres metres.
+        rows = [[1, 0, 0, 7], [0, 0, 3, 9], [0, -2, 0, -8]]
+        for row, expected in zip(report["output_from_index"], rows):
+            for value, number in zip(row, expected):
+                self.assertAlmostEqual(value, number * 1e-3)
+        options = report["options"]
+        self.assertEqual((options["unit"], options["scale"], options["up"], options["turned_to_y_up"]),
+                         ("mm", 0.001, "z", True))
+        self.assertEqual((options["normals"], options["format"], options["method"]), ("smooth", "glb", "mc"))
+
+    def test_several_surfaces_and_a_missing_one(self):
+        report, _ = self.report(SPHERE, "--iso", "0", "--iso", "0.2", "--iso", "9", "--empty", "skip", "-o", "a.glb")
+        self.assertEqual([e["iso"] for e in report["extractions"]], [0, 0.2, 9])
+        self.assertEqual([m["iso"] for m in report["meshes"]], [0, 0.2])
+        meshes = read_glb((self.folder / "a.glb").read_bytes())
+        self.assertEqual({m["name"]: m["triangles"] for m in report["meshes"]},
+                         {name: len(mesh.triangles) for name, mesh in meshes.items()})
+        self.assertTrue(any("no surface at iso 9" in note for note in report["notes"]))
+        stages = [(stage["stage"], stage.get("iso")) for stage in report["stages"]]
+        self.assertEqual(stages[0], ("read", None))
+        for iso in (0, 0.2, 9):
+            for stage in ("classify", "count", "emit"):
+                self.assertIn((stage, iso), stages)
+        self.assertLessEqual(sum(stage["wall_seconds"] for stage in report["stages"]), report["total"]["wall_seconds"])
+
+    def test_a_skipped_surface_is_reported_with_no_mesh(self):
+        report, _ = self.report(SPHERE, "--iso", "9", "--empty", "skip", "-o", "a.glb")
+        self.assertEqual((report["meshes"], report["files"]), ([], []))
+        self.assertEqual(report["extractions"][0]["triangles"], 0)
+        self.assertEqual(self.files(), ["report.json"])
+
+    def test_an_empty_mesh_has_no_bounds(self):
+        report, _ = self.report(SPHERE, "--iso", "9", "--empty", "write", "-o", "a.ply")
+        self.assertEqual((report["meshes"][0]["vertices"], report["meshes"][0]["bounds"]), (0, None))
+
+    def test_nan_samples_are_counted(self):
+        nan = float("nan")
+        self.write_raw("a.raw", (4, 4, 4), lambda x, y, z: nan if (x, y, z) in ((1, 1, 1), (2, 2, 2)) else x)
+        report, _ = self.report("a.raw", "--dims", "4,4,4", "--dtype", "f32", "--iso", "1.5", "--nan", "outside")
+        fact = self.fact(report["extractions"][0]["work"], "nan_samples")
+        self.assertEqual((fact["done"], fact["count"]), ("taken as outside", 2))
+        self.assertEqual(report["options"]["nan"], "outside")
+
+    def test_other_grids_are_left_out(self):
+        run = self.run_program("info", "--json", METABALLS)
+        grids = json.loads(run.text)[0]["grids"]
+        report, _ = self.report(METABALLS, "--grid", grids[0]["name"], "--iso", "0.5")
+        if len(grids) > 1:
+            self.assertEqual(self.fact(report["work"], "grids")["count"], len(grids) - 1)
+        else:
+            self.assertEqual(report["work"], [])
+        self.assertTrue(report["input"]["sparse"])
+        self.assertEqual(report["input"]["samples"], grids[0]["voxels"])
+
+    def test_to_stdout(self):
+        report, run = self.report(SPHERE, "--iso", "0", "-o", "-", "--format", "ply")
+        self.assertEqual(report["meshes"][0]["triangles"], len(read_ply(run.out).triangles))
+        self.assertEqual(report["files"], [{"path": "-", "bytes": len(run.out)}])
+
+    def test_a_failure_is_reported_with_its_reason(self):
+        report, run = self.report("missing.vdb", "--iso", "0", code=2)
+        self.assertEqual((report["error"]["kind"], report["error"]["exit_code"]), ("input", 2))
+        self.assertIn(report["error"]["message"], run.err)
+        self.assertIsNone(report["input"])
+
+        report, run = self.report(SPHERE, "--iso", "9", "-o", "a.glb", code=2)
+        self.assertIn("no surface at iso 9", report["error"]["message"])
+        self.assertIn(report["error"]["hint"], run.err)
+        self.assertEqual((report["meshes"], report["files"]), ([], []))
+        self.assertEqual([stage["stage"] for stage in report["stages"]],
+                         ["read", "classify", "count", "emit", "statistics"])
+
+        report, run = self.report(SPHERE, "--iso", "0", "-o", "nowhere/a.glb", code=4)
+        self.assertEqual(report["error"]["kind"], "output")
+        self.assertIsNone(report["input"], "the output is checked before anything is read")
+
+    def test_a_failing_stdout_is_reported(self):
+        with open("/dev/full", "wb") as full:
+            run = self.run_program(SPHERE, "--iso", "0", "-o", "-", "--format", "ply", "--report", "r.json", stdout=full)
+        self.assertEqual(run.code, 4)
+        report = json.loads((self.folder / "r.json").read_text())
+        self.assertEqual((report["status"], report["error"]["exit_code"], report["meshes"]), ("failed", 4, []))
+
+    def test_the_report_is_checked_before_the_work(self):
+        start = time.monotonic()
+        run = self.run_program("demo:gyroid?size=400", "--iso", "0", "-o", "a.ply", "--report", "nowhere/r.json")
+        self.assert_fails(4, run, "nowhere/r.json")
+        self.assertLess(time.monotonic() - start, 10)
+        self.assertEqual(self.files(), [])
+
+    def test_the_report_overwrites_neither_input_nor_mesh(self):
+        self.write_raw("a.raw", (4, 4, 4), lambda x, y, z: x)
+        before = (self.folder / "a.raw").read_bytes()
+        raw = ("a.raw", "--dims", "4,4,4", "--dtype", "f32", "--iso", "1.5")
+        self.assert_fails(1, self.run_program(*raw, "--report", "./a.raw"), "this is the input", "--report")
+        self.assertEqual((self.folder / "a.raw").read_bytes(), before)
+        run = self.run_program(*raw, "-o", "x.gltf", "--report", f"../{self.folder.name}/x.bin")
+        self.assert_fails(1, run, "mesh as well as the report", "--report")
+        for name in ("", "-"):
+            self.assert_fails(1, self.run_program(*raw, "--report", name), "--report", "file")
+        self.assertEqual(self.files(), ["a.raw"])
+
+    def test_names_in_any_encoding(self):
+        name = os.fsdecode(b"caf\xe9.raw")
+        self.write_raw(name, (4, 4, 4), lambda x, y, z: x)
+        report, _ = self.report(name, "--dims", "4,4,4", "--dtype", "f32", "--iso", "1.5", "-o", "a.glb", "-q")
+        self.assertEqual(report["input"]["path"], "caf\ufffd.raw")
+
+    def test_mesh_bytes_do_not_depend_on_the_report(self):
+        self.convert(SPHERE, "--iso", "0", "-o", "a.glb")
+        self.report(SPHERE, "--iso", "0", "-o", "b.glb")
+        self.assertEqual((self.folder / "a.glb").read_bytes(), (self.folder / "b.glb").read_bytes())
+
+    @needs_data("med")
+    def test_packed_input_counts_as_it_lies_in_the_file(self):
+        path = pathlib.Path(DATA) / "med" / "ch2.nii.gz"
+        if not path.exists():
+            self.skipTest(f"no {path}")
+        report, _ = self.report(path, "--iso", "60", "-o", "a.ply")
+        size = path.stat().st_size
+        self.assertEqual(report["input"]["file_bytes"], size)
+        self.assertTrue(0.9 * size < report["bytes"]["read"] < 1.1 * size + 8192, (size, report["bytes"]))
+        self.assertGreater(report["input"]["stored_bytes"], size)
+        self.assertGreater(report["peak_memory_bytes"], report["input"]["stored_bytes"])
+
+
+if __name__ == "__main__":
+    main()
