@@ -31,7 +31,12 @@ std::vector<WorkFact> extraction_facts(const ExtractStats& stats, const ExtractO
   }
   facts.push_back({"samples", "compared", stats.samples_classified, std::nullopt,
                    fmt::format("{} samples, each once, with the iso value", stats.samples_classified)});
-  if (stats.nan_samples > 0) {
+  if (stats.nan_samples > 0 && options.nan == NanPolicy::hole) {
+    facts.push_back({"nan_samples", "left as holes", stats.nan_samples, std::nullopt,
+                     fmt::format("{} samples that are not numbers", stats.nan_samples)});
+    facts.push_back({"hole_cells", "left out", stats.hole_cells, std::nullopt,
+                     fmt::format("{} cells that touch such a sample, and the inside", stats.hole_cells)});
+  } else if (stats.nan_samples > 0) {
     facts.push_back({"nan_samples", "taken as outside", stats.nan_samples, std::nullopt,
                      fmt::format("{} samples that are not numbers", stats.nan_samples)});
   }

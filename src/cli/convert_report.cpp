@@ -12,7 +12,14 @@
 namespace isoextract {
 namespace {
 
-std::string nan_word(NanPolicy policy) { return policy == NanPolicy::error ? "error" : "outside"; }
+std::string nan_word(NanPolicy policy) {
+  switch (policy) {
+    case NanPolicy::error: return "error";
+    case NanPolicy::outside: return "outside";
+    case NanPolicy::hole: break;
+  }
+  return "hole";
+}
 
 std::string empty_word(EmptyPolicy policy) {
   switch (policy) {

@@ -181,8 +181,10 @@ void declare_surface(CLI::App& app, ConvertFlags& flags) {
               "Only the samples in this box, given by its smaller and larger corner in the input's world coordinates "
               "(with --space index in voxel coordinates).");
   group.flag("--cap", flags.cap, "Close the surface where it leaves the data or the --roi.");
-  group.choice("--nan", flags.nan, {{"error", NanPolicy::error}, {"outside", NanPolicy::outside}},
-               "What a sample that is not a number means: the end, or outside (default: error).");
+  group.choice("--nan", flags.nan,
+               {{"error", NanPolicy::error}, {"outside", NanPolicy::outside}, {"hole", NanPolicy::hole}},
+               "What a sample that is not a number means: the end, outside, or a hole in the surface, left by the "
+               "cells that touch it (default: error).");
   group.choice("--empty", flags.empty,
                {{"error", EmptyPolicy::error}, {"skip", EmptyPolicy::skip}, {"write", EmptyPolicy::write}},
                "What to do where there is no surface: fail, write no file, or write an empty one (default: error).");

@@ -73,10 +73,10 @@ class CapNumbers {
 
 // `inside(p)` for a sample; `edge_vertex(p, direction)` is the number of the surface's vertex on the crossed edge from
 // sample p along the axis bits `direction`; `joins(a, b)` decides a square whose outside corners are a and b; cap
-// vertices are numbered from `first_number` on.
-template <class Inside, class EdgeVertex, class Joins>
+// vertices are numbered from `first_number` on; squares with a corner that is `missing(p)` are left out.
+template <class Inside, class EdgeVertex, class Joins, class Missing>
 BorderCap make_border_cap(const IndexBox& box, Method method, std::uint32_t first_number, const Inside& inside,
-                          const EdgeVertex& edge_vertex, const Joins& joins) {
+                          const EdgeVertex& edge_vertex, const Joins& joins, const Missing& missing) {
   BorderCap cap;
   detail::CapNumbers numbers(box);
 
@@ -145,6 +145,7 @@ BorderCap make_border_cap(const IndexBox& box, Method method, std::uint32_t firs
     du[f.u] = 1;
     dv[f.v] = 1;
     const std::array square{p, p + du, p + du + dv, p + dv};  // counter-clockwise seen from outside
+    if (std::any_of(square.begin(), square.end(), missing)) return;
     if (method == Method::mc) {
       fill(square);
     } else {

@@ -1,6 +1,8 @@
 #include "extract/dense_extractor.hpp"
 
 #include <algorithm>
+#include <atomic>
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -13,6 +15,7 @@
 #include "extract/face_rule.hpp"
 #include "extract/mesh_assembly.hpp"
 #include "extract/row_walk.hpp"
+#include "mesh/vertex_fans.hpp"
 
 namespace isoextract {
 namespace {
@@ -114,10 +117,12 @@ class DenseExtraction {
     }
     result.stats.classify = watch.elapsed();
     if (!threshold) return result;
+    has_holes_ = result.stats.nan_samples != 0 && options_.nan == NanPolicy::hole;
 
     watch.restart();
     count();
     result.stats.bricks_visited = bricks_.count_crossed();
+    result.stats.hole_cells = hole_cells_.load();
     const MeshSizes sizes = place_rows();
     if (auto fits = check_mesh_size(field_, sizes, options_); !fits) return tl::unexpected(fits.error());
     BorderCap cap;
@@ -128,7 +133,8 @@ class DenseExtraction {
           [&](const glm::ivec3& p, int direction) { return edge_vertex(p, direction); },
           [&](const glm::ivec3& a, const glm::ivec3& b) {
             return joins_inside(value(region_.min + a), value(region_.min + b), options_.iso);
-          });
+          },
+          [&](const glm::ivec3& p) { return has_holes_ && std::isnan(value(region_.min + p)); });
       if (auto fits = check_mesh_size(field_, with_cap(sizes, cap), options_); !fits) {
         return tl::unexpected(fits.error());
       }
@@ -139,6 +145,11 @@ class DenseExtraction {
     allocate_mesh(result.mesh, sizes, cap, options_.smooth_normals);
     emit(result.mesh);
     append_cap(result.mesh, sizes, cap, {glm::ivec3(0), view_.dims - 1}, region_.min, placement_);
+    if (has_holes_) {
+      if (auto done = make_one_vertex_a_fan(result.mesh, options_.limits, field_.source); !done) {
+        return tl::unexpected(done.error());
+      }
+    }
     result.stats.emit = watch.elapsed();
     return result;
   }
@@ -206,7 +217,12 @@ class DenseExtraction {
       if (!bits.has_cells()) continue;
       const RowBits::Corners corners = bits.corners(w);
       for_each_bit(bits.active_cells(corners, w), [&](int cell) {
-        const unsigned v = variant(RowBits::cell_case(corners, cell), {64 * w + cell, j, k});
+        const glm::ivec3 p(64 * w + cell, j, k);
+        if (has_holes_ && touches_nan(p)) {
+          hole_cells_.fetch_add(1, std::memory_order_relaxed);
+          return;
+        }
+        const unsigned v = variant(RowBits::cell_case(corners, cell), p);
         triangles += static_cast<std::uint64_t>(table_.first[v + 1] - table_.first[v]);
       });
     }
@@ -219,6 +235,14 @@ class DenseExtraction {
   [[nodiscard]] unsigned variant(unsigned cell_case, const glm::ivec3& p) const {
     return cell_variant(table_, cell_case, options_.iso,
                         [&](int corner) { return value(region_.min + p + direction_step(corner)); });
+  }
+
+  // Whether a corner of the cell at `p` (relative to the region) is not a number.
+  [[nodiscard]] bool touches_nan(const glm::ivec3& p) const {
+    for (int corner = 0; corner < 8; ++corner) {
+      if (std::isnan(value(region_.min + p + direction_step(corner)))) return true;
+    }
+    return false;
   }
 
   // Counts become first numbers.
@@ -325,7 +349,9 @@ class DenseExtraction {
           const auto& source = streams_.edges[edge];
           return numbers[source.stream][source.next ? 1 : 0];
         };
-        const unsigned v = variant(RowBits::cell_case(corners, cell), {64 * w + cell, j, k});
+        const glm::ivec3 p(64 * w + cell, j, k);
+        if (has_holes_ && touches_nan(p)) return;
+        const unsigned v = variant(RowBits::cell_case(corners, cell), p);
         out = write_cell(table_, v, placement_.mirrored(), vertex, out);
       });
     }
@@ -343,6 +369,8 @@ class DenseExtraction {
   BrickFlags bricks_;
   Buffer<std::uint32_t> vertex_base_;    // per row and direction: first a count, then the first vertex number
   Buffer<std::uint64_t> triangle_base_;  // per row, likewise
+  bool has_holes_ = false;               // some samples are NaN, and NanPolicy::hole
+  std::atomic<std::uint64_t> hole_cells_{0};
 };
 
 }  // namespace

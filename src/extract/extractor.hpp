@@ -30,6 +30,8 @@ enum class Method {
 enum class NanPolicy {
   error,    // a NaN sample is ErrorKind::input; the message says where the first one is
   outside,  // a NaN sample is outside; the surface passes halfway between it and its inside neighbours
+  hole,     // a cell with a NaN corner draws nothing, nor does a square of the cap; all else is as if none were NaN.
+            // Where only a point would join what is left on both sides, each side has a vertex of its own there.
 };
 
 struct ExtractOptions {
@@ -52,6 +54,7 @@ struct ExtractStats {
   std::uint64_t places_visited = 0;      // sparse: of brick size without stored samples, next to stored ones or tiles
   std::uint64_t samples_classified = 0;  // compared with iso, each once
   std::uint64_t nan_samples = 0;
+  std::uint64_t hole_cells = 0;  // NanPolicy::hole: left out, though they have an inside corner
   StageTime classify;
   StageTime count;
   StageTime emit;

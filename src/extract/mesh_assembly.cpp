@@ -59,7 +59,7 @@ tl::unexpected<Error> nan_error(const ScalarField& field, std::uint64_t count, c
   return fail(ErrorKind::input,
               fmt::format("{}: {} of the samples {} not a number (NaN), the first at index ({}, {}, {})", field.source,
                           count, count == 1 ? "is" : "are", first.x, first.y, first.z),
-              "use --nan outside to take them as outside");
+              "use --nan outside to take them as outside, or --nan hole to leave the surface open around them");
 }
 
 void allocate_mesh(Mesh& mesh, const MeshSizes& surface, const BorderCap& cap, bool normals) {

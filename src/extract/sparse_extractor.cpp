@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -14,6 +15,7 @@
 #include "extract/mesh_assembly.hpp"
 #include "extract/row_walk.hpp"
 #include "extract/sparse_blocks.hpp"
+#include "mesh/vertex_fans.hpp"
 
 namespace isoextract {
 namespace {
@@ -95,10 +97,11 @@ class SparseExtraction {
       return nan_error(field_, result.stats.nan_samples, first_nan());
     }
     result.stats.classify = watch.elapsed();
+    has_holes_ = result.stats.nan_samples != 0 && options_.nan == NanPolicy::hole;
 
     watch.restart();
     find_sites();
-    count();
+    result.stats.hole_cells = count();
     result.stats.bricks_visited = stored_sites_;
     result.stats.places_visited = sites_.size() - stored_sites_;
     const MeshSizes sizes = place_sites();
@@ -110,7 +113,8 @@ class SparseExtraction {
           region_, options_.method, static_cast<std::uint32_t>(sizes.vertices),
           [&](const glm::ivec3& p) { return inside(p); },
           [&](const glm::ivec3& p, int direction) { return edge_vertex(p, direction); },
-          [&](const glm::ivec3& a, const glm::ivec3& b) { return joins_inside(value(a), value(b), options_.iso); });
+          [&](const glm::ivec3& a, const glm::ivec3& b) { return joins_inside(value(a), value(b), options_.iso); },
+          [&](const glm::ivec3& p) { return has_holes_ && std::isnan(value(p)); });
       if (auto fits = check_mesh_size(field_, with_cap(sizes, cap), options_); !fits) {
         return tl::unexpected(fits.error());
       }
@@ -121,6 +125,11 @@ class SparseExtraction {
     allocate_mesh(result.mesh, sizes, cap, options_.smooth_normals);
     emit(result.mesh);
     append_cap(result.mesh, sizes, cap, region_, glm::ivec3(0), placement_);
+    if (has_holes_) {
+      if (auto done = make_one_vertex_a_fan(result.mesh, options_.limits, field_.source); !done) {
+        return tl::unexpected(done.error());
+      }
+    }
     result.stats.emit = watch.elapsed();
     return result;
   }
@@ -298,7 +307,9 @@ class SparseExtraction {
 
   static constexpr int direction_index(int direction) { return isoextract::direction_index<kDirections>(direction); }
 
-  void count() {
+  // Returns how many cells NanPolicy::hole leaves out.
+  std::uint64_t count() {
+    std::atomic<std::uint64_t> hole_cells{0};
     edges_ = Buffer<SiteEdges>(sites_.size() * kDirections);
     triangle_base_ = Buffer<std::uint64_t>(sites_.size());
     for_each("counting", sites_.size(), [&](std::size_t s) {
@@ -314,25 +325,42 @@ class SparseExtraction {
         edges.first = total;
       }
       std::uint64_t triangles = 0;
-      for_each_active_cell(sites_[s], group, [&](int, int, unsigned v) {
+      const std::uint64_t left_out = for_each_active_cell(sites_[s], group, [&](int, int, unsigned v) {
         triangles += static_cast<std::uint64_t>(table_.first[v + 1] - table_.first[v]);
       });
       triangle_base_[s] = triangles;
+      if (left_out != 0) hole_cells.fetch_add(left_out, std::memory_order_relaxed);
     });
+    return hole_cells.load();
   }
 
-  // f(x, bit, variant)
+  // f(x, bit, variant). Returns how many cells were left out as holes.
   template <class F>
-  void for_each_active_cell(const glm::ivec3& origin, const std::array<const BlockBits*, 8>& group, const F& f) const {
+  std::uint64_t for_each_active_cell(const glm::ivec3& origin, const std::array<const BlockBits*, 8>& group,
+                                     const F& f) const {
+    std::uint64_t left_out = 0;
     const BlockBits active = active_cells(origin, group);
     for (int x = 0; x < kSize; ++x) {
       if (active[x] == 0) continue;
       const RowBits::Corners corners = corner_words(group, x);
       for_each_bit(active[x], [&](int bit) {
-        const unsigned c = RowBits::cell_case(corners, bit);
-        f(x, bit, variant(c, origin + glm::ivec3(x, bit >> 3, bit & 7)));
+        const glm::ivec3 p = origin + glm::ivec3(x, bit >> 3, bit & 7);
+        if (has_holes_ && touches_nan(p)) {
+          ++left_out;
+          return;
+        }
+        f(x, bit, variant(RowBits::cell_case(corners, bit), p));
       });
     }
+    return left_out;
+  }
+
+  // Whether a corner of the cell at `p` is not a number.
+  [[nodiscard]] bool touches_nan(const glm::ivec3& p) const {
+    for (int corner = 0; corner < 8; ++corner) {
+      if (std::isnan(value(p + direction_step(corner)))) return true;
+    }
+    return false;
   }
 
   // The value of any sample: for the few that are looked at one by one.
@@ -433,6 +461,7 @@ class SparseExtraction {
   OriginIndex site_index_;
   Buffer<SiteEdges> edges_;              // per site and direction
   Buffer<std::uint64_t> triangle_base_;  // per site: first a count, then the first triangle
+  bool has_holes_ = false;               // some samples are NaN, and NanPolicy::hole
 };
 
 }  // namespace

@@ -135,6 +135,14 @@ class ReportTest(ProgramTest):
         fact = self.fact(report["extractions"][0]["work"], "nan_samples")
         self.assertEqual((fact["done"], fact["count"]), ("taken as outside", 2))
         self.assertEqual(report["options"]["nan"], "outside")
+        report, run = self.report("a.raw", "--dims", "4,4,4", "--dtype", "f32", "--iso", "1.5", "--nan", "hole",
+                                  "--explain")
+        work = report["extractions"][0]["work"]
+        self.assertEqual((self.fact(work, "nan_samples")["done"], self.fact(work, "nan_samples")["count"]),
+                         ("left as holes", 2))
+        # Two blocks of eight cells that share one; all have a corner at x > 1 but the four at x = 0.
+        self.assertEqual(self.fact(work, "hole_cells")["count"], 8 + 8 - 1 - 4)
+        self.assertIn("11 cells", run.err)
 
     def test_other_grids_are_left_out(self):
         run = self.run_program("info", "--json", METABALLS)

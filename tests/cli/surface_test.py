@@ -94,6 +94,16 @@ class SurfaceTest(ProgramTest):
         for vertex in mesh.vertices:
             self.assertTrue(all(math.isfinite(c) for c in vertex))
 
+    def test_holes_where_samples_are_not_numbers(self):
+        self.write_raw("nan.raw", (6, 6, 6), lambda x, y, z: math.nan if (x, y, z) == (3, 2, 2) else float(x))
+        raw = ("nan.raw", "--dims", "6,6,6", "--dtype", "f32", "--iso", "2.5")
+        hole = self.ply(*raw, "--nan", "hole")
+        # A plane of five by five cells, less two by two: the outer border of 20 sides, and one of 8.
+        self.assertEqual(len(hole.triangles), 2 * (25 - 4))
+        self.assertEqual(hole.open_edges(), 20 + 8)
+        self.assertTrue(all(vertex[0] == 2.5 for vertex in hole.vertices))
+        self.assertEqual({index for triangle in hole.triangles for index in triangle}, set(range(len(hole.vertices))))
+
     def test_an_empty_surface_is_an_error_with_advice(self):
         run = self.run_program(SPHERE, "--iso", "9", "-o", "out.ply")
         self.assert_fails(2, run, "no surface at iso 9", "run from -1.03", "to 0.6", "try --iso 0 (the demo field's own)")

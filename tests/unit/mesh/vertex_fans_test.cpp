@@ -1,0 +1,46 @@
+#include "mesh/vertex_fans.hpp"
+
+#include <gtest/gtest.h>
+
+#include "mesh/topology.hpp"
+#include "unit/mesh/shapes.hpp"
+
+namespace isoextract {
+namespace {
+
+using test::make_mesh;
+
+TEST(VertexFans, PartsSurfacesThatMeetInAPointAndDropsUnusedVertices) {
+  // Two triangles that share vertex 2 only, and vertices 0 and 4 that nobody uses.
+  Mesh mesh =
+      make_mesh({{9, 9, 9}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}, {9, 9, 9}, {5, 0, 0}, {6, 0, 0}}, {{1, 2, 3}, {2, 5, 6}});
+  mesh.normals = Buffer<glm::vec3>(7);
+  std::copy(mesh.positions.begin(), mesh.positions.end(), mesh.normals.begin());
+  ASSERT_TRUE(make_one_vertex_a_fan(mesh, default_limits(), "test"));
+  ASSERT_EQ(mesh.positions.size(), 6U);
+  EXPECT_EQ(mesh.triangles[0], glm::uvec3(0, 1, 3));
+  EXPECT_EQ(mesh.triangles[1], glm::uvec3(2, 4, 5));
+  for (std::size_t v = 0; v < 6; ++v) EXPECT_EQ(mesh.normals[v], mesh.positions[v]);
+  EXPECT_EQ(mesh.positions[1], mesh.positions[2]);
+  const Topology topology = measure_topology(mesh);
+  EXPECT_EQ(topology.nonmanifold_vertices + topology.unused_vertices, 0U);
+  EXPECT_EQ(topology.components, 2U);
+}
+
+TEST(VertexFans, LeavesAManifoldAsItIs) {
+  const Mesh before = test::tetrahedron();
+  Mesh mesh = test::tetrahedron();
+  ASSERT_TRUE(make_one_vertex_a_fan(mesh, default_limits(), "test"));
+  EXPECT_TRUE(std::ranges::equal(mesh.positions, before.positions));
+  EXPECT_TRUE(std::ranges::equal(mesh.triangles, before.triangles));
+}
+
+TEST(VertexFans, KeepsToTheMemoryLimit) {
+  Mesh mesh = test::tetrahedron();
+  const auto done = make_one_vertex_a_fan(mesh, Limits{100}, "a.raw");
+  ASSERT_FALSE(done);
+  EXPECT_NE(done.error().message.find("a.raw"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace isoextract
