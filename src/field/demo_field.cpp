@@ -1,6 +1,4 @@
-// Sources of the formulas: the gyroid, Schoen (1970); the test signal, Marschner and Lobb, "An evaluation of
-// reconstruction filters for volume rendering", IEEE Visualization 1994, equations 3 and 4; splitmix64, Steele, Lea and
-// Flood, OOPSLA 2014.
+// Source of the random numbers: splitmix64, Steele, Lea and Flood, OOPSLA 2014. The formulas are in demo_formulas.hpp.
 #include "field/demo_field.hpp"
 
 #include <algorithm>
@@ -8,18 +6,16 @@
 #include <charconv>
 #include <cmath>
 #include <functional>
-#include <numbers>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <tbb/parallel_for.h>
 
 #include "base/buffer.hpp"
+#include "field/demo_formulas.hpp"
 
 namespace isoextract {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 // World coordinates of the samples along one axis; the same for all three.
 using Axis = std::vector<double>;
@@ -27,62 +23,27 @@ using Axis = std::vector<double>;
 // Fills one row (all x) of the field at (y, z) = (axis[j], axis[k]).
 using FillRow = std::function<void(std::size_t j, std::size_t k, float* row)>;
 
-FillRow pointwise(const Axis& axis, double (*value)(double x, double y, double z)) {
-  return [&axis, value](std::size_t j, std::size_t k, float* row) {
-    for (std::size_t i = 0; i < axis.size(); ++i) row[i] = static_cast<float>(value(axis[i], axis[j], axis[k]));
-  };
-}
-
-FillRow sphere(const Axis& axis) {
+template <class Formula>
+FillRow pointwise(const Axis& axis) {
   return [&axis](std::size_t j, std::size_t k, float* row) {
-    const double yz = axis[j] * axis[j] + axis[k] * axis[k];
-    for (std::size_t i = 0; i < axis.size(); ++i) {
-      row[i] = static_cast<float>(0.7 - std::sqrt(axis[i] * axis[i] + yz));
-    }
+    for (std::size_t i = 0; i < axis.size(); ++i) row[i] = static_cast<float>(Formula{}(axis[i], axis[j], axis[k]));
   };
 }
 
-FillRow torus(const Axis& axis) {
-  return pointwise(axis, [](double x, double y, double z) { return 0.25 - std::hypot(std::hypot(x, y) - 0.6, z); });
-}
-
-// Four periods along each axis. The sines and cosines depend on one coordinate each, so they are tabulated.
+// The sines and cosines depend on one coordinate each, so they are tabulated.
 FillRow gyroid(const Axis& axis) {
+  using formulas::Gyroid;
   std::vector<double> sine;
   std::vector<double> cosine;
   for (const double c : axis) {
-    sine.push_back(std::sin(4 * kPi * c));
-    cosine.push_back(std::cos(4 * kPi * c));
+    sine.push_back(std::sin(Gyroid::kFrequency * c));
+    cosine.push_back(std::cos(Gyroid::kFrequency * c));
   }
   return [s = std::move(sine), c = std::move(cosine)](std::size_t j, std::size_t k, float* row) {
-    const double yz = s[j] * c[k];
-    for (std::size_t i = 0; i < s.size(); ++i) row[i] = static_cast<float>(s[i] * c[j] + yz + s[k] * c[i]);
-  };
-}
-
-FillRow marschner_lobb(const Axis& axis) {
-  return pointwise(axis, [](double x, double y, double z) {
-    constexpr double kFrequency = 6;
-    constexpr double kAlpha = 0.25;
-    const double ring = std::cos(2 * kPi * kFrequency * std::cos(kPi * std::hypot(x, y) / 2));
-    return (1 - std::sin(kPi * z / 2) + kAlpha * (1 + ring)) / (2 * (1 + kAlpha));
-  });
-}
-
-FillRow metaballs(const Axis& axis) {
-  return pointwise(axis, [](double x, double y, double z) {
-    constexpr std::array<std::array<double, 4>, 5> kBalls{{{-0.35, -0.2, 0.1, 0.35},
-                                                           {0.3, -0.3, -0.15, 0.3},
-                                                           {0.1, 0.35, 0.2, 0.32},
-                                                           {-0.15, 0.1, -0.45, 0.22},
-                                                           {0.45, 0.2, 0.45, 0.18}}};
-    double sum = -1;
-    for (const auto& [bx, by, bz, radius] : kBalls) {
-      const double d2 = (x - bx) * (x - bx) + (y - by) * (y - by) + (z - bz) * (z - bz);
-      sum += radius * radius / (d2 + 0.01);
+    for (std::size_t i = 0; i < s.size(); ++i) {
+      row[i] = static_cast<float>(Gyroid::sum(s[i], c[i], s[j], c[j], s[k], c[k]));
     }
-    return sum;
-  });
+  };
 }
 
 // Independent uniform values in [-1, 1): every case of every table, and every ambiguity, many times over.
@@ -103,12 +64,12 @@ struct Demo {
 };
 
 constexpr std::array kDemos{
-    Demo{{"sphere", "0.7 - |p|: radius 0.7", 0}, sphere},
-    Demo{{"torus", "radii 0.6 and 0.25 around the z axis", 0}, torus},
+    Demo{{"sphere", "0.7 - |p|: radius 0.7", 0}, pointwise<formulas::Sphere>},
+    Demo{{"torus", "radii 0.6 and 0.25 around the z axis", 0}, pointwise<formulas::Torus>},
     Demo{{"gyroid", "sin x cos y + sin y cos z + sin z cos x, four periods; leaves the data", 0}, gyroid},
     Demo{{"marschner-lobb", "the resampling test signal of 1994 (f = 6, alpha = 0.25); leaves the data", 0.5},
-         marschner_lobb},
-    Demo{{"metaballs", "five blended balls", 0}, metaballs},
+         pointwise<formulas::MarschnerLobb>},
+    Demo{{"metaballs", "five blended balls", 0}, pointwise<formulas::Metaballs>},
     Demo{{"random", "independent uniform values in [-1, 1): the hardest topology there is", 0}, random},
 };
 

@@ -10,6 +10,10 @@ namespace isoextract {
 struct TrianglePoint {
   glm::dvec3 weights;  // barycentric: of the three corners
   double share;        // of the triangle's area
+
+  [[nodiscard]] glm::dvec3 in(const std::array<glm::dvec3, 3>& corners) const {
+    return weights.x * corners[0] + weights.y * corners[1] + weights.z * corners[2];
+  }
 };
 
 // Radon's rule, exact to degree five: "Zur mechanischen Kubatur", Monatshefte fuer Mathematik 52, 1948. All points are

@@ -1,1 +1,1 @@
-isoextract_unit_test(measure field_error_test.cpp)
+isoextract_unit_test(measure analytic_error_test.cpp benchmark_test.cpp field_error_test.cpp)

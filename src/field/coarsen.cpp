@@ -1,0 +1,158 @@
+#include "field/coarsen.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include "base/buffer.hpp"
+#include "field/sparse_lookup.hpp"
+
+namespace isoextract {
+namespace {
+
+template <class T>
+using Coarse = std::conditional_t<std::is_same_v<T, double>, double, float>;
+
+Affine coarse_transform(const Affine& fine, int factor) {
+  Affine coarse = fine;
+  coarse.offset = fine(glm::dvec3((factor - 1) / 2.0));
+  coarse.linear *= static_cast<double>(factor);
+  return coarse;
+}
+
+// The mean of value(p) over the factor^3 samples p from `first` on.
+template <class F>
+double mean(const glm::ivec3& first, int factor, const F& value) {
+  double sum = 0;
+  for (int k = 0; k < factor; ++k) {
+    for (int j = 0; j < factor; ++j) {
+      for (int i = 0; i < factor; ++i) sum += value(first + glm::ivec3(i, j, k));
+    }
+  }
+  return sum / (static_cast<double>(factor) * factor * factor);
+}
+
+template <class T>
+Result<Samples> coarsen_dense(const ScalarField& field, const DenseSamples& fine, int factor, const Limits& limits,
+                              Progress* progress) {
+  DenseSamples coarse;
+  coarse.type = sample_type_of<Coarse<T>>();
+  coarse.dims = fine.dims / factor;
+  if (glm::any(glm::lessThan(coarse.dims, glm::ivec3(2)))) {
+    return fail(ErrorKind::input, fmt::format("{}: of its {} x {} x {} samples, one for each {}^3 is too few",
+                                              field.source, fine.dims.x, fine.dims.y, fine.dims.z, factor));
+  }
+  if (auto fits = check_memory(coarse.count() * sizeof(Coarse<T>), limits,
+                               fmt::format("{}: one sample for each {}^3", field.source, factor));
+      !fits) {
+    return tl::unexpected(fits.error());
+  }
+  auto values = std::make_shared<Buffer<Coarse<T>>>(coarse.count());
+  const glm::i64vec3 dims(fine.dims);
+  const auto* source = static_cast<const T*>(fine.data);
+  if (progress != nullptr) progress->begin("making the field coarser", static_cast<std::uint64_t>(coarse.dims.z));
+  tbb::parallel_for(0, coarse.dims.z, [&](int k) {
+    auto* row = values->data() + static_cast<std::size_t>(coarse.dims.x) * static_cast<std::size_t>(coarse.dims.y) *
+                                     static_cast<std::size_t>(k);
+    for (int j = 0; j < coarse.dims.y; ++j) {
+      for (int i = 0; i < coarse.dims.x; ++i) {
+        *row++ = static_cast<Coarse<T>>(mean(factor * glm::ivec3(i, j, k), factor, [&](const glm::ivec3& p) {
+          return static_cast<double>(source[p.x + dims.x * (p.y + dims.y * p.z)]);
+        }));
+      }
+    }
+    if (progress != nullptr) progress->advance(1);
+  });
+  coarse.data = values->data();
+  coarse.owner = std::move(values);
+  return coarse;
+}
+
+int floor_divided(int a, int b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
+
+template <class T>
+Result<Samples> coarsen_sparse(const ScalarField& field, const SparseSamples& fine, int factor, const Limits& limits,
+                               Progress* progress) {
+  constexpr int kSize = SparseBlock::kSize;
+  constexpr int kBlockSamples = kSize * kSize * kSize;
+  SparseSamples coarse;
+  coarse.type = sample_type_of<Coarse<T>>();
+  coarse.background = static_cast<double>(static_cast<Coarse<T>>(fine.background));
+  // A tile that fills coarse blocks stays one. What is smaller goes into blocks, as blocks do.
+  std::vector<glm::ivec3> origins;
+  const auto add_block = [&](const glm::ivec3& p) {
+    origins.emplace_back(floor_divided(p.x, kSize * factor) * kSize, floor_divided(p.y, kSize * factor) * kSize,
+                         floor_divided(p.z, kSize * factor) * kSize);
+  };
+  for (const SparseBlock& block : fine.blocks) add_block(block.origin);
+  for (const SparseTile& tile : fine.tiles) {
+    if (tile.size < kSize * factor) {
+      add_block(tile.origin);
+    } else {
+      coarse.tiles.push_back({tile.origin / factor, tile.size / factor, tile.value});
+    }
+  }
+  const auto key = [](const glm::ivec3& p) { return std::tuple(p.x, p.y, p.z); };
+  std::ranges::sort(origins, {}, key);
+  origins.erase(std::unique(origins.begin(), origins.end()), origins.end());
+  if (auto fits = check_memory(origins.size() * kBlockSamples * sizeof(Coarse<T>), limits,
+                               fmt::format("{}: one sample for each {}^3", field.source, factor));
+      !fits) {
+    return tl::unexpected(fits.error());
+  }
+  auto values = std::make_shared<Buffer<Coarse<T>>>(origins.size() * kBlockSamples);
+  const SparseLookup lookup(fine);
+  if (progress != nullptr) progress->begin("making the field coarser", origins.size());
+  tbb::parallel_for(std::size_t{0}, origins.size(), [&](std::size_t b) {
+    for (int v = 0; v < kBlockSamples; ++v) {
+      const glm::ivec3 p = origins[b] + glm::ivec3(v >> 6, v >> 3 & 7, v & 7);
+      (*values)[b * kBlockSamples + static_cast<std::size_t>(v)] =
+          static_cast<Coarse<T>>(mean(factor * p, factor, [&](const glm::ivec3& q) {
+            const glm::ivec3 origin = block_origin(q);
+            const std::int32_t block = lookup.block(origin);
+            return block >= 0 ? static_cast<double>(static_cast<const T*>(fine.blocks[block].values)[block_offset(q)])
+                              : lookup.constant(origin);
+          }));
+    }
+    if (progress != nullptr) progress->advance(1);
+  });
+  for (std::size_t b = 0; b < origins.size(); ++b) {
+    coarse.blocks.push_back({origins[b], values->data() + b * kBlockSamples});
+  }
+  const IndexBox& active = fine.active_box;
+  if (!active.empty()) {
+    for (int axis = 0; axis < 3; ++axis) {
+      coarse.active_box.min[axis] = floor_divided(active.min[axis], factor);
+      coarse.active_box.max[axis] = floor_divided(active.max[axis], factor);
+    }
+  }
+  coarse.active_voxels = fine.active_voxels / (static_cast<std::uint64_t>(factor) * factor * factor);
+  coarse.owner = std::move(values);
+  return coarse;
+}
+
+}  // namespace
+
+Result<ScalarField> coarsen(const ScalarField& field, int factor, const Limits& limits, Progress* progress) {
+  auto samples = visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) {
+    if (const auto* dense = std::get_if<DenseSamples>(&field.samples)) {
+      return coarsen_dense<T>(field, *dense, factor, limits, progress);
+    }
+    return coarsen_sparse<T>(field, std::get<SparseSamples>(field.samples), factor, limits, progress);
+  });
+  if (!samples) return tl::unexpected(samples.error());
+  ScalarField coarse;
+  coarse.name = field.name;
+  coarse.source = field.source;
+  coarse.format = field.format;
+  coarse.world_space = field.world_space;
+  coarse.kind = field.kind;
+  coarse.scale = field.scale;
+  coarse.index_to_world = coarse_transform(field.index_to_world, factor);
+  coarse.samples = std::move(*samples);
+  return coarse;
+}
+
+}  // namespace isoextract

@@ -1,0 +1,19 @@
+// Coarser versions of a field.
+#pragma once
+
+#include "base/error.hpp"
+#include "base/limits.hpp"
+#include "base/progress.hpp"
+#include "field/scalar_field.hpp"
+
+namespace isoextract {
+
+// One sample for each `factor`^3 (a power of two, 2 or more), their mean: a box filter. It stands at the centre of
+// those samples. Dense stays dense, without the last samples of an axis where `factor` does not divide their number;
+// sparse stays sparse, its blocks aligned with multiples of 8 * `factor`. Samples are f64 if they were, otherwise f32;
+// a sample that is not finite makes the mean not finite. Fails with ErrorKind::input where an axis would have fewer
+// than two samples, or the limit forbids the size.
+[[nodiscard]] Result<ScalarField> coarsen(const ScalarField& field, int factor, const Limits& limits,
+                                          Progress* progress = nullptr);
+
+}  // namespace isoextract

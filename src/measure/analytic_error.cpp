@@ -1,0 +1,210 @@
+#include "measure/analytic_error.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "measure/index_mesh.hpp"
+#include "measure/quadrature.hpp"
+#include "measure/reduction.hpp"
+#include "mesh/metrics.hpp"
+
+namespace isoextract {
+namespace {
+
+// The nearest point of the surface, and the gradient there.
+struct Foot {
+  glm::dvec3 point{0.0};
+  glm::dvec3 gradient{0.0};
+  bool found = false;
+};
+
+class ClosestPoint {
+ public:
+  ClosestPoint(const AnalyticField& field, double iso)
+      : field_(field), iso_(iso), closed_form_(field.is_distance && field.size(iso)) {}
+
+  [[nodiscard]] bool closed_form() const { return closed_form_; }
+
+  // From the last guess q to the foot of p on the plane tangent to the level set through q: fixed where q is on the
+  // surface and p - q is normal to it. Converges by the factor |p - q| / radius of curvature a step.
+  [[nodiscard]] Foot operator()(const glm::dvec3& p) const {
+    constexpr int kMaxSteps = 50;
+    constexpr double kTolerance = 1e-10;
+    glm::dvec3 q = p;
+    for (int step = 0; step < kMaxSteps; ++step) {
+      const Dual here = field_.value_and_gradient(q);
+      const double squared = glm::dot(here.gradient, here.gradient);
+      if (!(squared > 0)) return {};
+      const double residual = here.value - iso_ + glm::dot(here.gradient, p - q);
+      const glm::dvec3 next = p - here.gradient * (residual / squared);
+      const double moved = glm::length(next - q);
+      q = next;
+      if (closed_form_ || moved <= kTolerance) return {q, here.gradient, true};
+    }
+    return {};
+  }
+
+ private:
+  const AnalyticField& field_;
+  double iso_;
+  bool closed_form_;
+};
+
+class AngleSums {
+ public:
+  void add(const glm::dvec3& a, const glm::dvec3& b, double weight) {
+    const double angle = std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
+    ++points_;
+    weight_ += weight;
+    squares_ += weight * angle * angle;
+    max_ = std::max(max_, angle);
+  }
+  void merge(const AngleSums& other) {
+    points_ += other.points_;
+    weight_ += other.weight_;
+    squares_ += other.squares_;
+    max_ = std::max(max_, other.max_);
+  }
+  [[nodiscard]] AngleStatistics result() const {
+    constexpr double kDegrees = 180 / std::numbers::pi;
+    return {points_, weight_ > 0 ? kDegrees * std::sqrt(squares_ / weight_) : 0, kDegrees * max_};
+  }
+
+ private:
+  std::uint64_t points_ = 0;
+  double weight_ = 0;
+  double squares_ = 0;
+  double max_ = 0;
+};
+
+struct TriangleSums {
+  ErrorAccumulator distance;
+  AngleSums smooth;
+  AngleSums flat;
+  double area = 0;
+  std::uint64_t cap_triangles = 0;
+
+  void merge(const TriangleSums& other) {
+    distance.merge(other.distance);
+    smooth.merge(other.smooth);
+    flat.merge(other.flat);
+    area += other.area;
+    cap_triangles += other.cap_triangles;
+  }
+};
+
+// Turn, scale and shift, to rounding.
+bool is_similarity(const glm::dmat3& linear) {
+  const glm::dmat3 product = glm::transpose(linear) * linear;
+  const double square = (product[0][0] + product[1][1] + product[2][2]) / 3;
+  const glm::dmat3 rest = product - glm::dmat3(square);
+  for (int column = 0; column < 3; ++column) {
+    for (int row = 0; row < 3; ++row) {
+      if (std::abs(rest[column][row]) > 1e-9 * square) return false;
+    }
+  }
+  return true;
+}
+
+class AnalyticMeasurement {
+ public:
+  AnalyticMeasurement(const Mesh& mesh, const ScalarField& field, const ExtractOptions& extracted,
+                      const AnalyticField& formula)
+      : mesh_(mesh),
+        extracted_(extracted),
+        placed_(mesh, field, extracted),
+        closest_(formula, extracted.iso),
+        step_(2.0 / (std::get<DenseSamples>(field.samples).dims.x - 1)),
+        unit_(placed_.voxel() / step_),
+        // Gradients are covectors; of a similarity the inverse transpose is the map itself, but for its scale.
+        normal_map_((field.kind == FieldKind::density ? -1.0 : 1.0) / placed_.voxel() *
+                    extracted.output_from_index.linear) {}
+
+  AnalyticError run() {
+    AnalyticError result;
+    result.closed_form = closest_.closed_form();
+    result.unit = unit_;
+    if (extracted_.progress != nullptr) {
+      extracted_.progress->begin("measuring the true error", mesh_.triangles.size() + mesh_.positions.size());
+    }
+    const ErrorAccumulator none(placed_.voxel());
+    const auto triangles =
+        reduce_in_order(mesh_.triangles.size(), TriangleSums{none, {}, {}}, extracted_.progress,
+                        [&](const PointRange& range, TriangleSums& sums) { measure_triangles(range, sums); });
+    result.interior = triangles.distance.result();
+    result.smooth_normals = triangles.smooth.result();
+    result.flat_normals = triangles.flat.result();
+    result.area = triangles.area;
+    result.cap_triangles = triangles.cap_triangles;
+    const std::vector<std::uint8_t> used = placed_.surface_vertices();
+    result.vertices = reduce_in_order(mesh_.positions.size(), none, extracted_.progress,
+                                      [&](const PointRange& range, ErrorAccumulator& sums) {
+                                        for (std::size_t v = range.begin(); v != range.end(); ++v) {
+                                          if (used[v] != 0) measure_point(placed_.vertex(v), 1, sums);
+                                        }
+                                      })
+                          .result();
+    if (!extracted_.region && (extracted_.cap || result.closed_form)) result.volume = measure_size(mesh_).volume;
+    return result;
+  }
+
+ private:
+  // Adds the distance of a point in index space, and returns the true outward normal at its foot; zero if there is
+  // none.
+  glm::dvec3 measure_point(const glm::dvec3& index, double weight, ErrorAccumulator& sums) const {
+    const glm::dvec3 p = step_ * index - 1.0;
+    const Foot foot = closest_(p);
+    if (!foot.found) {
+      ++sums.counts.unreached;
+      return glm::dvec3(0);
+    }
+    const double distance = glm::length(foot.point - p);
+    sums.add({distance / step_, distance * unit_}, weight, extracted_.output_from_index(index));
+    return glm::normalize(normal_map_ * foot.gradient);
+  }
+
+  void measure_triangles(const PointRange& range, TriangleSums& sums) const {
+    for (std::size_t t = range.begin(); t != range.end(); ++t) {
+      const auto corners = placed_.corners(t);
+      if (placed_.is_cap(corners)) {
+        ++sums.cap_triangles;
+        continue;
+      }
+      const glm::uvec3 triangle = mesh_.triangles[t];
+      const glm::dvec3 along = placed_.area_vector(corners);
+      const double area = glm::length(along) / 2;
+      sums.area += area;
+      for (const TrianglePoint& point : kTrianglePoints) {
+        const glm::dvec3 normal = measure_point(point.in(corners), point.share * area, sums.distance);
+        if (normal == glm::dvec3(0)) continue;
+        if (area > 0) sums.flat.add(along, normal, point.share * area);
+        if (mesh_.normals.empty()) continue;
+        const glm::dvec3 smooth =
+            point.in({glm::dvec3(mesh_.normals[triangle.x]), glm::dvec3(mesh_.normals[triangle.y]),
+                      glm::dvec3(mesh_.normals[triangle.z])});
+        sums.smooth.add(smooth, normal, point.share * area);
+      }
+    }
+  }
+
+  const Mesh& mesh_;
+  const ExtractOptions& extracted_;
+  IndexMesh placed_;
+  ClosestPoint closest_;
+  double step_;  // of the samples, in the formula's units
+  double unit_;
+  glm::dmat3 normal_map_;
+};
+
+}  // namespace
+
+std::optional<AnalyticError> measure_analytic_error(const Mesh& mesh, const ScalarField& field,
+                                                    const ExtractOptions& extracted) {
+  const AnalyticField* formula = field.format == "demo" ? find_analytic_field(field.name) : nullptr;
+  if (formula == nullptr || !is_similarity(extracted.output_from_index.linear)) return std::nullopt;
+  return AnalyticMeasurement(mesh, field, extracted, *formula).run();
+}
+
+}  // namespace isoextract

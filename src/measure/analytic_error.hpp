@@ -1,0 +1,42 @@
+// How far a mesh of a demo field is from the true surface of its formula.
+#pragma once
+
+#include <optional>
+
+#include "extract/extractor.hpp"
+#include "field/analytic_field.hpp"
+#include "measure/error_statistics.hpp"
+
+namespace isoextract {
+
+// Of angles between normals, weighted by area.
+struct AngleStatistics {
+  std::uint64_t points = 0;
+  double rms_degrees = 0;
+  double max_degrees = 0;
+};
+
+struct AnalyticError {
+  bool closed_form = false;  // distances and normals: in closed form (sphere, torus), or by a closest-point iteration
+                             // that ends when a step is at most 1e-10 of the cube [-1, 1]^3
+  ErrorStatistics interior;  // true distance at seven points inside each triangle, by area; `unreached` counts points
+                             // whose iteration did not end, and `corrected` nothing
+  ErrorStatistics vertices;
+  AngleStatistics
+      smooth_normals;  // interpolated across the triangle, as a renderer does; without points if there are none
+  AngleStatistics flat_normals;  // the triangles' own
+
+  double area = 0;               // of the triangles that are no cap, in the mesh's units
+  std::optional<double> volume;  // only of a mesh that the cap or the formula makes closed
+  double unit = 1;               // what the formula's unit of length is in the mesh's
+
+  std::uint64_t cap_triangles = 0;  // in the volume only
+};
+
+// `extracted` is how `mesh` was extracted from `field`, which must be a demo field. Nothing where there is no formula,
+// or where the placement is more than a turn, a scale and a shift, so that it stretches distances. The same answer for
+// any number of threads.
+[[nodiscard]] std::optional<AnalyticError> measure_analytic_error(const Mesh& mesh, const ScalarField& field,
+                                                                  const ExtractOptions& extracted);
+
+}  // namespace isoextract

@@ -1,0 +1,291 @@
+#include "measure/benchmark.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+
+#include "base/stopwatch.hpp"
+#include "field/coarsen.hpp"
+#include "field/demo_field.hpp"
+#include "measure/field_error.hpp"
+#include "measure/reference_size.hpp"
+#include "mesh/metrics.hpp"
+
+namespace isoextract {
+namespace {
+
+// Relative errors up to this are float32 rounding, and follow no order.
+constexpr double kRounding = 1e-7;
+
+ExtractOptions extract_options(const ScalarField& field, Method method, const BenchOptions& options) {
+  ExtractOptions extract;
+  extract.method = method;
+  extract.iso = options.iso;
+  extract.nan = options.nan;
+  extract.output_from_index = field.index_to_world;
+  extract.limits = options.limits;
+  return extract;
+}
+
+double spacing_of(const ScalarField& field) { return std::cbrt(std::abs(field.index_to_world.determinant())); }
+
+std::string size_text(const ScalarField& field) {
+  const glm::i64vec3 dims = field.extents().dims();
+  return dims.x == dims.y && dims.y == dims.z ? fmt::format("{}", dims.x)
+                                              : fmt::format("{}x{}x{}", dims.x, dims.y, dims.z);
+}
+
+// One method and backend at one resolution, and its times by number of threads.
+struct Setting {
+  Method method;
+  const BenchBackend* backend;
+  int threads;
+  std::uint64_t triangles = 0;
+  std::vector<double> seconds;
+};
+
+Result<void> run_once(const ScalarField& field, const BenchOptions& options, bool timed, Setting& setting) {
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                  static_cast<std::size_t>(setting.threads));
+  const Stopwatch watch;
+  const auto extraction = setting.backend->extractor->extract(field, extract_options(field, setting.method, options));
+  const double seconds = watch.elapsed().wall_seconds;
+  if (!extraction) return tl::unexpected(extraction.error());
+  setting.triangles = extraction->mesh.triangles.size();
+  if (timed) setting.seconds.push_back(seconds);
+  return {};
+}
+
+Result<std::vector<BenchRow>> time_level(const ScalarField& field, std::size_t level, const BenchOptions& options) {
+  std::vector<Setting> settings;
+  for (const Method method : options.methods) {
+    for (const BenchBackend& backend : options.backends) {
+      for (const int threads : options.threads) settings.push_back({method, &backend, threads, 0, {}});
+    }
+  }
+  const auto rounds = static_cast<std::size_t>(options.repeats) + 1;
+  if (options.progress != nullptr) options.progress->begin("timing", rounds * settings.size());
+  for (std::size_t round = 0; round < rounds; ++round) {
+    for (Setting& setting : settings) {
+      if (auto run = run_once(field, options, round > 0, setting); !run) return tl::unexpected(run.error());
+      if (options.progress != nullptr) options.progress->advance(1);
+    }
+    std::ranges::reverse(settings);
+  }
+  if (rounds % 2 != 0) std::ranges::reverse(settings);
+  std::vector<BenchRow> rows;
+  for (Setting& setting : settings) {
+    BenchRow row;
+    row.level = level;
+    row.method = setting.method;
+    row.backend = setting.backend->name;
+    row.threads = setting.threads;
+    row.triangles = setting.triangles;
+    std::ranges::sort(setting.seconds);
+    row.min_seconds = setting.seconds.front();
+    row.max_seconds = setting.seconds.back();
+    const std::size_t half = setting.seconds.size() / 2;
+    row.median_seconds = setting.seconds.size() % 2 != 0 ? setting.seconds[half]
+                                                         : (setting.seconds[half - 1] + setting.seconds[half]) / 2;
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+// What one method and backend made of one resolution, for the errors.
+struct Specimen {
+  const ScalarField& field;
+  const ExtractOptions& extracted;
+  const Mesh& mesh;
+  double volume;  // of the capped mesh
+};
+
+// Fills the errors of a row.
+using Judge = std::function<void(const Specimen& specimen, BenchRow& row)>;
+
+Result<void> judge_level(const ScalarField& field, const BenchOptions& options, const Judge& judge,
+                         std::vector<BenchRow>& rows) {
+  for (const Method method : options.methods) {
+    for (const BenchBackend& backend : options.backends) {
+      ExtractOptions extract = extract_options(field, method, options);
+      extract.cap = true;
+      const auto capped = backend.extractor->extract(field, extract);
+      if (!capped) return tl::unexpected(capped.error());
+      const double volume = measure_size(capped->mesh).volume;
+      extract.cap = false;
+      extract.smooth_normals = true;
+      extract.progress = options.progress;
+      const auto open = backend.extractor->extract(field, extract);
+      if (!open) return tl::unexpected(open.error());
+      if (open->mesh.triangles.empty()) {
+        return fail(ErrorKind::input,
+                    fmt::format("{}: no surface at iso {} with {} samples along an axis", field.source, options.iso,
+                                size_text(field)),
+                    fmt::format("isoextract info {} shows the values", field.source));
+      }
+      BenchRow judged;
+      judge({field, extract, open->mesh, volume}, judged);
+      for (BenchRow& row : rows) {
+        if (row.method != method || row.backend != backend.name) continue;
+        row.position = judged.position;
+        row.smooth_normals = judged.smooth_normals;
+        row.flat_normals = judged.flat_normals;
+        row.area_error = judged.area_error;
+        row.volume_error = judged.volume_error;
+      }
+    }
+  }
+  return {};
+}
+
+Result<void> add_level(BenchResult& result, const ScalarField& field, const BenchOptions& options, const Judge& judge) {
+  auto rows = time_level(field, result.levels.size(), options);
+  if (!rows) return tl::unexpected(rows.error());
+  if (auto judged = judge_level(field, options, judge, *rows); !judged) return judged;
+  result.levels.push_back({size_text(field), spacing_of(field)});
+  result.rows.insert(result.rows.end(), rows->begin(), rows->end());
+  return {};
+}
+
+double relative_error(double measured, double exact) { return std::abs(measured / exact - 1); }
+
+// The order of one error over the levels of one method and backend.
+std::optional<ConvergenceOrder> order_of(const BenchResult& result, const BenchOrders& of, double floor,
+                                         const std::function<std::optional<double>(const BenchRow&)>& error) {
+  std::vector<double> spacings;
+  std::vector<double> errors;
+  for (const BenchRow& row : result.rows) {
+    if (row.method != of.method || row.backend != of.backend) continue;
+    const double spacing = result.levels[row.level].spacing;
+    if (!spacings.empty() && spacings.back() == spacing) continue;  // the same mesh by other threads
+    const auto value = error(row);
+    if (!value) continue;
+    spacings.push_back(spacing);
+    errors.push_back(*value);
+  }
+  return observed_order(spacings, errors, floor);
+}
+
+void conclude(BenchResult& result, const BenchOptions& options) {
+  for (const Method method : options.methods) {
+    for (const BenchBackend& backend : options.backends) {
+      BenchOrders orders;
+      orders.method = method;
+      orders.backend = backend.name;
+      const auto angle = [](const std::optional<AngleStatistics>& normals) {
+        return normals ? std::optional(normals->rms_degrees) : std::nullopt;
+      };
+      orders.position = order_of(result, orders, 0, [](const BenchRow& row) { return row.position.rms.world; });
+      orders.smooth_normals =
+          order_of(result, orders, 0, [&](const BenchRow& row) { return angle(row.smooth_normals); });
+      orders.flat_normals = order_of(result, orders, 0, [&](const BenchRow& row) { return angle(row.flat_normals); });
+      orders.area = order_of(result, orders, kRounding, [](const BenchRow& row) { return row.area_error; });
+      orders.volume = order_of(result, orders, kRounding, [](const BenchRow& row) { return row.volume_error; });
+      result.orders.push_back(std::move(orders));
+    }
+  }
+  std::vector<Cost> costs;
+  for (const BenchRow& row : result.rows) costs.push_back({row.position.rms.world, row.median_seconds});
+  const std::vector<bool> front = pareto_front(costs);
+  for (std::size_t r = 0; r < front.size(); ++r) result.rows[r].on_front = front[r];
+}
+
+std::string truth_of(const ReferenceSize& reference) {
+  if (reference.closed_form) return "the formula, all in closed form";
+  return fmt::format(
+      "the formula; points by closest-point iteration to 1e-10, area and volume by integration along columns to {:.1g} "
+      "and {:.1g}",
+      reference.uncertainty.area / reference.size.area, reference.uncertainty.volume / reference.size.volume);
+}
+
+}  // namespace
+
+Result<BenchResult> bench_demo(std::string_view name, const std::vector<int>& sizes, const BenchOptions& options) {
+  const AnalyticField* formula = find_analytic_field(name);
+  if (formula == nullptr) {
+    return fail(ErrorKind::usage, fmt::format("{}{}: there is no formula to measure errors against", kDemoPrefix, name),
+                "take another demo field, or a file");
+  }
+  const ReferenceSize reference = find_reference_size(*formula, options.iso, options.progress);
+  BenchResult result;
+  result.input = fmt::format("{}{}", kDemoPrefix, name);
+  result.iso = options.iso;
+  result.truth = truth_of(reference);
+  for (const int size : sizes) {
+    const auto field = make_demo_field(fmt::format("{}?size={}", result.input, size), options.limits, options.progress);
+    if (!field) return tl::unexpected(field.error());
+    const Judge judge = [&](const Specimen& specimen, BenchRow& row) {
+      const auto error = measure_analytic_error(specimen.mesh, specimen.field, specimen.extracted);
+      if (!error) return;
+      row.position = error->interior;
+      row.smooth_normals = error->smooth_normals;
+      row.flat_normals = error->flat_normals;
+      row.area_error = relative_error(error->area, reference.size.area * error->unit * error->unit);
+      row.volume_error =
+          relative_error(specimen.volume, reference.size.volume * error->unit * error->unit * error->unit);
+    };
+    if (auto added = add_level(result, *field, options, judge); !added) return tl::unexpected(added.error());
+  }
+  conclude(result, options);
+  return result;
+}
+
+Result<BenchResult> bench_field(const ScalarField& field, const std::vector<int>& factors,
+                                const BenchOptions& options) {
+  BenchResult result;
+  result.input = field.source;
+  result.iso = options.iso;
+  result.truth = fmt::format("the trilinear interpolant of the finest data ({}); area and volume against its meshes",
+                             size_text(field));
+  // The finest meshes' sizes, by method and backend in the order of the judgements.
+  std::vector<SurfaceSize> finest;
+  for (const Method method : options.methods) {
+    for (const BenchBackend& backend : options.backends) {
+      ExtractOptions extract = extract_options(field, method, options);
+      const auto open = backend.extractor->extract(field, extract);
+      if (!open) return tl::unexpected(open.error());
+      extract.cap = true;
+      const auto capped = backend.extractor->extract(field, extract);
+      if (!capped) return tl::unexpected(capped.error());
+      finest.push_back({measure_size(open->mesh).area, measure_size(capped->mesh).volume});
+    }
+  }
+  for (const int factor : factors) {
+    std::optional<ScalarField> coarse;
+    if (factor > 1) {
+      auto made = coarsen(field, factor, options.limits, options.progress);
+      if (!made) return tl::unexpected(made.error());
+      coarse = std::move(*made);
+    }
+    auto exact = finest.begin();
+    const Judge judge = [&](const Specimen& specimen, BenchRow& row) {
+      ExtractOptions of_finest = specimen.extracted;
+      of_finest.output_from_index = field.index_to_world;
+      FieldErrorOptions error;
+      error.reach = 2.0 * factor;
+      error.progress = options.progress;
+      row.position = measure_field_error(specimen.mesh, field, of_finest, error).interior;
+      for (Length* length : {&row.position.rms, &row.position.percentile99, &row.position.max}) {
+        length->voxels /= factor;
+      }
+      if (factor > 1) {
+        row.area_error = relative_error(measure_size(specimen.mesh).area, exact->area);
+        row.volume_error = relative_error(specimen.volume, exact->volume);
+      }
+      ++exact;
+    };
+    if (auto added = add_level(result, coarse ? *coarse : field, options, judge); !added) {
+      return tl::unexpected(added.error());
+    }
+  }
+  conclude(result, options);
+  return result;
+}
+
+std::string_view method_name(Method method) { return method == Method::mc ? "mc" : "mt"; }
+
+}  // namespace isoextract

@@ -1,0 +1,92 @@
+// Error against run time: every method, backend and number of threads at several resolutions of one field.
+//
+// Timed is the extraction alone, positions and triangles without normals and caps, in memory. After one warm-up each
+// setting runs `repeats` times; the settings of a resolution take turns, in alternating order, so that what the machine
+// does besides hits all of them alike. The error is measured once for each method, backend and resolution.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "extract/extractor.hpp"
+#include "measure/analytic_error.hpp"
+#include "measure/convergence.hpp"
+#include "measure/error_statistics.hpp"
+
+namespace isoextract {
+
+struct BenchBackend {
+  std::string name;  // "cpu"
+  std::shared_ptr<Extractor> extractor;
+};
+
+struct BenchOptions {
+  double iso = 0;
+  NanPolicy nan = NanPolicy::error;
+  std::vector<Method> methods;
+  std::vector<BenchBackend> backends;
+  std::vector<int> threads;
+  int repeats = 5;
+  Limits limits = default_limits();
+  Progress* progress = nullptr;
+};
+
+// One resolution.
+struct BenchLevel {
+  std::string size;    // samples along an axis, or along each: "64", "91x109x91"
+  double spacing = 0;  // the side of a cube of a voxel's volume, in the world's units
+};
+
+struct BenchRow {
+  std::size_t level = 0;
+  Method method = Method::mc;
+  std::string backend;
+  int threads = 1;
+  std::uint64_t triangles = 0;
+  double median_seconds = 0;
+  double min_seconds = 0;
+  double max_seconds = 0;
+  ErrorStatistics position;  // inside the triangles; in voxels of its resolution and in world units
+  std::optional<AngleStatistics> smooth_normals;  // these where the truth is a formula
+  std::optional<AngleStatistics> flat_normals;
+  std::optional<double> area_error;  // |measured / true - 1|; of the finest data nothing where they are the truth
+  std::optional<double> volume_error;
+  bool on_front = false;  // no other row is at least as good in rms position error and median time, and better in one
+};
+
+struct BenchOrders {
+  Method method = Method::mc;
+  std::string backend;
+  std::optional<ConvergenceOrder> position;  // of the rms
+  std::optional<ConvergenceOrder> smooth_normals;
+  std::optional<ConvergenceOrder> flat_normals;
+  std::optional<ConvergenceOrder> area;
+  std::optional<ConvergenceOrder> volume;
+};
+
+struct BenchResult {
+  std::string input;
+  double iso = 0;
+  std::string truth;               // what the errors are measured against, as a sentence without its full stop
+  std::vector<BenchLevel> levels;  // coarse to fine
+  std::vector<BenchRow> rows;
+  std::vector<BenchOrders> orders;
+};
+
+// A demo field with a formula at `sizes` samples along each axis. Areas and volumes are compared with
+// find_reference_size(); volumes are those of capped meshes. Fails with ErrorKind::usage for a demo without formula,
+// and as extraction does; with ErrorKind::input where there is no surface.
+[[nodiscard]] Result<BenchResult> bench_demo(std::string_view name, const std::vector<int>& sizes,
+                                             const BenchOptions& options);
+
+// A field and coarser versions of it, `factors` (powers of two, falling, the last may be 1). The truth is the field's
+// own trilinear interpolant; areas and volumes are compared with those of the same method on the field itself.
+[[nodiscard]] Result<BenchResult> bench_field(const ScalarField& field, const std::vector<int>& factors,
+                                              const BenchOptions& options);
+
+// "mc", "mt"
+[[nodiscard]] std::string_view method_name(Method method);
+
+}  // namespace isoextract

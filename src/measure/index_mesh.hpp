@@ -1,0 +1,73 @@
+// A mesh seen in the index space of the field it came from.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "extract/extractor.hpp"
+
+namespace isoextract {
+
+class IndexMesh {
+ public:
+  // `extracted` is how `mesh` was extracted from `field`. All three must outlive this.
+  IndexMesh(const Mesh& mesh, const ScalarField& field, const ExtractOptions& extracted);
+
+  // The two large numbers of a far-away frame are subtracted first.
+  [[nodiscard]] glm::dvec3 vertex(std::size_t v) const {
+    return index_from_local_ * (glm::dvec3(mesh_.positions[v]) + local_offset_);
+  }
+  [[nodiscard]] std::array<glm::dvec3, 3> corners(std::size_t triangle) const {
+    const glm::uvec3 t = mesh_.triangles[triangle];
+    return {vertex(t.x), vertex(t.y), vertex(t.z)};
+  }
+
+  // Twice the triangle's area in the mesh's own coordinates, along its normal.
+  [[nodiscard]] glm::dvec3 area_vector(const std::array<glm::dvec3, 3>& corners) const {
+    return glm::cross(linear_ * (corners[1] - corners[0]), linear_ * (corners[2] - corners[0]));
+  }
+
+  // All corners in one face of the box that was capped.
+  [[nodiscard]] bool is_cap(const std::array<glm::dvec3, 3>& corners) const {
+    if (!cap_) return false;
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const int face : {cap_->min[axis], cap_->max[axis]}) {
+        if (std::ranges::all_of(corners, [&](const glm::dvec3& p) { return std::abs(p[axis] - face) < tolerance_; })) {
+          return true;
+        }
+      }
+    }
+    return false;
+  }
+
+  // For each vertex whether a triangle that is no cap uses it. The others stand on samples.
+  [[nodiscard]] std::vector<std::uint8_t> surface_vertices() const;
+
+  // At least two of the three indices are those of samples.
+  [[nodiscard]] bool on_axis_edge(const glm::dvec3& index) const {
+    int on_samples = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      on_samples += std::abs(index[axis] - std::round(index[axis])) < tolerance_ ? 1 : 0;
+    }
+    return on_samples >= 2;
+  }
+
+  // About how long a voxel is in the mesh's coordinates: the side of a cube of its volume.
+  [[nodiscard]] double voxel() const { return std::cbrt(std::abs(glm::determinant(linear_))); }
+
+ private:
+  const Mesh& mesh_;
+  glm::dmat3 linear_;
+  glm::dmat3 index_from_local_;
+  glm::dvec3 local_offset_;
+  double tolerance_;  // voxels
+  std::optional<IndexBox> cap_;
+};
+
+}  // namespace isoextract
