@@ -1,8 +1,8 @@
 // What one conversion did, for `--report FILE.json`. docs/report.schema.json describes the document; the two change
 // together, and kSchemaVersion rises where a reader of the old document would misread the new one.
 //
-// What only some conversions know is optional here and absent or null in the document. A later section (error figures
-// of a mesh, say) is one more optional member, a line in json_of, and an optional property of the schema.
+// What only some conversions know is optional here and absent or null in the document. A later section is one more
+// optional member, a line in json_of, and an optional property of the schema.
 #pragma once
 
 #include <cstdint>
@@ -81,6 +81,7 @@ struct MeshRecord {
   Bounds bounds;
   MeshSize size;  // its volume means something only where the mesh is closed
   Topology topology;
+  std::optional<Json> error;  // what --error measured of it
 };
 
 [[nodiscard]] MeshRecord mesh_record(double iso, const std::string& file, const Mesh& mesh);

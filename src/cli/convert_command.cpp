@@ -136,7 +136,7 @@ class Conversion {
         const StageTime time = watch.elapsed();
         story.push_back(fmt::format("{}: written in {}", shown_path(job), times_text(time)));
         report_.stages.push_back({"write", std::nullopt, time});
-        if (plan_.report) record_meshes(job, isos, meshes, bar.progress());
+        if (plan_.report) record_meshes(job, meshes, isos, errors, bar.progress());
       }
     }
     for (const WrittenFile& file : written.files) report_.files.push_back({file.path, file.bytes});
@@ -196,12 +196,13 @@ class Conversion {
   }
 
   // What only the report asks for: finding components and open edges takes about as long as writing.
-  void record_meshes(const OutputJob& job, const std::vector<double>& isos, const std::vector<Mesh>& meshes,
-                     Progress* progress) {
+  void record_meshes(const OutputJob& job, const std::vector<Mesh>& meshes, const std::vector<double>& isos,
+                     const std::vector<MeshError>& errors, Progress* progress) {
     const Stopwatch watch;
     progress->begin("measuring", meshes.size());
     for (std::size_t m = 0; m < meshes.size(); ++m) {
       report_.meshes.push_back(mesh_record(isos[m], job.path, meshes[m]));
+      if (!errors.empty()) report_.meshes.back().error = json_of(errors[m]);
       progress->advance(1);
     }
     report_.stages.push_back({"mesh facts", std::nullopt, watch.elapsed()});

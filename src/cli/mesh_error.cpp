@@ -23,7 +23,7 @@ std::string unmeasured_text(const ErrorStatistics& error) {
   if (error.not_finite > 0) parts.push_back(fmt::format("{} beside samples that are not finite", error.not_finite));
   if (error.flat > 0) parts.push_back(fmt::format("{} where the gradient is zero", error.flat));
   if (error.unreached > 0) {
-    parts.push_back(fmt::format("{} with no isosurface within a voxel along the gradient", error.unreached));
+    parts.push_back(fmt::format("{} with no surface near along the gradient", error.unreached));
   }
   return fmt::format("{}", fmt::join(parts, ", "));
 }
@@ -32,6 +32,59 @@ void add_unmeasured(std::vector<std::string>& lines, std::string_view what, cons
   if (error.unmeasured() == 0) return;
   lines.push_back(fmt::format("not in this: {} of {} {}: {}", error.unmeasured(), error.unmeasured() + error.points,
                               what, unmeasured_text(error)));
+}
+
+std::string percent_text(double measured, double exact) {
+  return fmt::format("{:+.3g} %", 100 * (measured / exact - 1));
+}
+
+std::string analytic_text(const MeshError& error) {
+  const AnalyticError& analytic = *error.analytic;
+  std::string text = fmt::format("error at iso {} against the formula: {}; normals rms {}{:.3g} degrees flat",
+                                 error.iso, sizes_text(analytic.interior),
+                                 analytic.smooth_normals.points == 0
+                                     ? ""
+                                     : fmt::format("{:.3g} degrees smooth, ", analytic.smooth_normals.rms_degrees),
+                                 analytic.flat_normals.rms_degrees);
+  if (error.exact) text += "; area " + percent_text(analytic.area, error.exact->area);
+  if (error.exact && analytic.volume) text += ", volume " + percent_text(*analytic.volume, error.exact->volume);
+  return text;
+}
+
+Json json_of(const Length& length) { return {{"voxels", length.voxels}, {"world", length.world}}; }
+
+Json json_of(const ErrorStatistics& error) {
+  Json json{{"points", error.points}};
+  if (error.points > 0) {
+    json["rms"] = json_of(error.rms);
+    json["percentile99"] = json_of(error.percentile99);
+    json["max"] = json_of(error.max);
+    json["worst"] = isoextract::json_of(error.worst);
+  }
+  json["not_finite"] = error.not_finite;
+  json["flat"] = error.flat;
+  json["unreached"] = error.unreached;
+  json["corrected"] = error.corrected;
+  return json;
+}
+
+Json json_of(const AngleStatistics& angles) {
+  if (angles.points == 0) return nullptr;
+  return {{"points", angles.points}, {"rms_degrees", angles.rms_degrees}, {"max_degrees", angles.max_degrees}};
+}
+
+Json json_of_size(double measured, double exact) {
+  return {{"measured", measured}, {"exact", exact}, {"relative_error", measured / exact - 1}};
+}
+
+Json json_of(const AnalyticError& analytic, const std::optional<SurfaceSize>& exact) {
+  return {{"closed_form", analytic.closed_form},
+          {"interior", json_of(analytic.interior)},
+          {"vertices", json_of(analytic.vertices)},
+          {"smooth_normals", json_of(analytic.smooth_normals)},
+          {"flat_normals", json_of(analytic.flat_normals)},
+          {"area", exact ? json_of_size(analytic.area, exact->area) : Json(nullptr)},
+          {"volume", exact && analytic.volume ? json_of_size(*analytic.volume, exact->volume) : Json(nullptr)}};
 }
 
 }  // namespace
@@ -44,6 +97,13 @@ MeshError measure_mesh_error(const Mesh& mesh, const ScalarField& field, const E
   options.interpolation = interpolation;
   options.progress = extracted.progress;
   error.field = measure_field_error(mesh, field, extracted, options);
+  error.analytic = measure_analytic_error(mesh, field, extracted);
+  if (error.analytic && !extracted.region && field.kind == FieldKind::density) {
+    const double unit = error.analytic->unit;
+    error.exact = find_analytic_field(field.name)->size(extracted.iso);
+    if (error.exact)
+      error.exact = SurfaceSize{error.exact->area * unit * unit, error.exact->volume * unit * unit * unit};
+  }
   return error;
 }
 
@@ -59,6 +119,10 @@ std::vector<std::string> error_summary(const MeshError& error) {
                                                      interpolation_name(error.field.interpolation),
                                                      sizes_text(interior), world_text(interior)));
   add_unmeasured(lines, "points", interior);
+  if (error.analytic && error.analytic->interior.points > 0) {
+    lines.push_back(analytic_text(error));
+    add_unmeasured(lines, "points", error.analytic->interior);
+  }
   return lines;
 }
 
@@ -86,6 +150,15 @@ std::vector<std::string> error_details(const MeshError& error) {
                                 field.storage.points, sizes_text(field.storage)));
   }
   return lines;
+}
+
+Json json_of(const MeshError& error) {
+  return {{"interpolant", interpolation_name(error.field.interpolation)},
+          {"interior", json_of(error.field.interior)},
+          {"vertices", json_of(error.field.vertices)},
+          {"storage", json_of(error.field.storage)},
+          {"cap_triangles", error.field.cap_triangles},
+          {"analytic", error.analytic ? json_of(*error.analytic, error.exact) : Json(nullptr)}};
 }
 
 }  // namespace isoextract

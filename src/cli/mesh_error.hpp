@@ -1,9 +1,12 @@
 // What `--error` measures of a mesh, and how it is told.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "batch/json_values.hpp"
+#include "measure/analytic_error.hpp"
 #include "measure/field_error.hpp"
 
 namespace isoextract {
@@ -11,6 +14,8 @@ namespace isoextract {
 struct MeshError {
   double iso = 0;
   FieldError field;
+  std::optional<AnalyticError> analytic;  // of demo fields with a formula
+  std::optional<SurfaceSize> exact;       // likewise, where their size is known, in the mesh's units
 };
 
 // `extracted` is how the mesh was extracted from `field`.
@@ -24,5 +29,8 @@ struct MeshError {
 [[nodiscard]] std::vector<std::string> error_summary(const MeshError& error);
 // What --explain adds: vertices, storage, what was left out.
 [[nodiscard]] std::vector<std::string> error_details(const MeshError& error);
+
+// For the report: "error" of a mesh in docs/report.schema.json.
+[[nodiscard]] Json json_of(const MeshError& error);
 
 }  // namespace isoextract

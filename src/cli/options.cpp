@@ -245,7 +245,7 @@ std::unique_ptr<CommandLine> declare_command_line() {
       .choice("--error", convert.error,
               {{"trilinear", Interpolation::trilinear}, {"tricubic", Interpolation::tricubic}},
               "Measure how far the mesh is from the isosurface of the data, interpolated linearly along each axis "
-              "(the default) or smoothly.")
+              "(the default) or smoothly; of demo fields also how far from the formula.")
       ->expected(0, 1);
   convert_run.flag("--explain", convert.explain, "Tell what was left out and why, with counts and times.");
   declare_run(*line->convert, convert.run);

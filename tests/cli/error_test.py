@@ -44,6 +44,17 @@ class ErrorTest(ProgramTest):
         rms, _ = self.rms_and_max(runs[0])
         self.assertAlmostEqual(small[0] / rms, 0.1, delta=0.002)
 
+    def test_demo_fields_are_measured_against_their_formula(self):
+        run = self.convert("demo:torus?size=64", "--iso", "0", "-o", "a.glb", "--error")
+        line = re.search(r"against the formula: rms (\S+), .*normals rms (\S+) degrees smooth, (\S+) degrees flat; "
+                         r"area ([-+]\S+) %, volume ([-+]\S+) %", run.err)
+        self.assertTrue(line, run.err)
+        rms, smooth, flat, area, volume = (float(text) for text in line.groups())
+        self.assertTrue(0 < rms < 0.05 and smooth < flat / 5 and abs(area) < 1 and -1 < volume < 0, run.err)
+        run = self.convert("demo:gyroid?size=32", "--iso", "0", "-o", "a.ply", "--error")
+        self.assertRegex(run.err, r"against the formula: .* degrees flat\n")
+        self.assertNotIn("formula", self.convert("demo:random?size=9", "--iso", "0", "-o", "a.ply", "--error").err)
+
     def test_each_iso_value_has_its_own(self):
         run = self.convert(SPHERE, "--iso", "0", "--iso", "0.2", "-o", "a.glb", "--error")
         self.assertIn("error at iso 0 against", run.err)

@@ -1,6 +1,7 @@
 """--report: every document fits its schema, and its figures are those of the files themselves."""
 
 import json
+import math
 import os
 import pathlib
 import time
@@ -62,6 +63,25 @@ class ReportTest(ProgramTest):
         self.assertEqual(report["bytes"]["uploaded"], 0)
         self.assertEqual((report["input"]["format"], report["input"]["file_bytes"]), ("demo", None))
         self.assertIn(f"{facts['triangles']} triangles", run.err)
+
+    def test_error_is_there_when_asked_for_and_is_what_was_told(self):
+        report, _ = self.report(SPHERE, "--iso", "0", "-o", "a.ply")
+        self.assertNotIn("error", report["meshes"][0])
+        report, run = self.report(SPHERE, "--iso", "0", "-o", "a.glb", "--error", "tricubic", "--scale", "100")
+        error = report["meshes"][0]["error"]
+        self.assertEqual((error["interpolant"], report["options"]["error"]), ("tricubic", "tricubic"))
+        self.assertEqual(error["interior"]["points"], 7 * report["meshes"][0]["triangles"])
+        self.assertEqual(error["vertices"]["points"], report["meshes"][0]["vertices"])
+        self.assertIn(f"rms {error['interior']['rms']['voxels']:.3g}, ", run.err)
+        self.assertAlmostEqual(error["interior"]["rms"]["world"] / error["interior"]["rms"]["voxels"], 100 * 2 / 23)
+        self.assertLess(error["storage"]["max"]["voxels"], 1e-5)
+        truth = error["analytic"]
+        self.assertTrue(truth["closed_form"])
+        self.assertEqual(truth["area"]["measured"], report["meshes"][0]["area"])
+        self.assertAlmostEqual(truth["volume"]["exact"], 4 / 3 * math.pi * 70**3, delta=1)
+        self.assertLess(truth["smooth_normals"]["rms_degrees"], truth["flat_normals"]["rms_degrees"])
+        report, _ = self.report("demo:random?size=9", "--iso", "0", "-o", "a.ply", "--error")
+        self.assertIsNone(report["meshes"][0]["error"]["analytic"])
 
     def test_an_open_mesh_has_no_volume_and_no_genus(self):
         report, _ = self.report("demo:gyroid?size=20", "--iso", "0", "-o", "a.ply")
