@@ -2,7 +2,7 @@
 //
 // A cap vertex stands at every inside sample of the border; the other corners of cap polygons are vertices that the
 // surface already has on the border's edges, so the cap is welded. Squares decide alternating corners like the cells
-// behind them (face_rule.hpp); for marching tetrahedra a square is the two triangles its tetrahedra show.
+// behind them (asymptotic_decider.hpp); for marching tetrahedra a square is the two triangles its tetrahedra show.
 #pragma once
 
 #include <algorithm>
@@ -13,6 +13,7 @@
 
 #include <glm/glm.hpp>
 
+#include "extract/asymptotic_decider.hpp"
 #include "extract/extractor.hpp"
 #include "field/samples.hpp"
 
@@ -72,11 +73,11 @@ class CapNumbers {
 }  // namespace detail
 
 // `inside(p)` for a sample; `edge_vertex(p, direction)` is the number of the surface's vertex on the crossed edge from
-// sample p along the axis bits `direction`; `joins(a, b)` decides a square whose outside corners are a and b; cap
-// vertices are numbered from `first_number` on; squares with a corner that is `missing(p)` are left out.
-template <class Inside, class EdgeVertex, class Joins, class Missing>
+// sample p along the axis bits `direction`; `depth(p)` is InsideRule::depth of a sample; cap vertices are numbered from
+// `first_number` on; squares with a corner that is `missing(p)` are left out.
+template <class Inside, class EdgeVertex, class Depth, class Missing>
 BorderCap make_border_cap(const IndexBox& box, Method method, std::uint32_t first_number, const Inside& inside,
-                          const EdgeVertex& edge_vertex, const Joins& joins, const Missing& missing) {
+                          const EdgeVertex& edge_vertex, const Depth& depth, const Missing& missing) {
   BorderCap cap;
   detail::CapNumbers numbers(box);
 
@@ -103,10 +104,11 @@ BorderCap make_border_cap(const IndexBox& box, Method method, std::uint32_t firs
       return;
     }
     const bool alternating = count == 4 && in[0] == in[2] && in[1] == in[3];
-    const std::size_t outside = in[0] ? 1 : 0;
-    if (alternating && in[0] != in[1] && joins(corners[outside], corners[outside + 2])) {
+    const std::size_t a = in[0] ? 0 : 1;  // inside, if the square alternates
+    const std::size_t b = 1 - a;
+    if (alternating && in[0] != in[1] &&
+        joins_inside(depth(corners[a]), depth(corners[a + 2]), depth(corners[b]), depth(corners[b + 2]))) {
       // From a corner, so that no diagonal joins two crossings: the cell behind the square may draw those.
-      const std::size_t a = 1 - outside;
       fan(std::array{numbers.of(corners[a]), crossing(a), crossing(a + 1), numbers.of(corners[a + 2]), crossing(a + 2),
                      crossing((a + 3) % 4)});
       return;

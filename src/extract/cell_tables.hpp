@@ -36,12 +36,23 @@ struct CellEdge {
 
 using CellTriangle = std::array<std::uint8_t, 3>;  // indices into CaseTable::edges
 
-// What a case draws may depend on how its ambiguous faces are decided: one variant for each set of joined faces.
+// A variant that is drawn instead of another one where the surface has a tunnel through the cell; 0 if it cannot have.
+struct Tunnel {
+  std::uint16_t variant = 0;
+  bool joins_inside = false;  // the tunnel joins inside corners, or outside corners
+};
+
+// What a case draws may depend on how its ambiguous faces are decided, and on tunnels: one variant for each set of
+// joined faces, and after those of all cases one for each tunnel. asymptotic_decider.hpp chooses.
 struct CaseTable {
   std::vector<std::uint8_t> directions;  // in the order vertices of one sample are numbered: {1, 2, 4} or {1, ..., 7}
   std::vector<CellEdge> edges;           // 12 for mc, 19 for mt
+  std::array<bool, 256> ambiguous{};     // the case does not say alone what is drawn; mt: never
   std::array<std::uint8_t, 256> alternating_faces{};  // bit f: the corners of cell_faces()[f] alternate; mt: none
   std::array<std::uint16_t, 256> variants{};          // the number of the case's first variant
+  // By variant (none for tunnels themselves; mt: empty) and by which corners are inside in alternating slices across
+  // z: 0 and 3 with those above them, or 1 and 2.
+  std::vector<std::array<Tunnel, 2>> tunnels;
   std::vector<std::uint16_t> first;  // variant v draws triangles[first[v]] .. triangles[first[v + 1] - 1]
   std::vector<CellTriangle> triangles;
 
@@ -54,11 +65,14 @@ struct CaseTable {
     }
     return variants[cell_case] + number;
   }
+
+  // Fills `edges` with all edges along `directions`.
+  void add_edges();
 };
 
-// mc: one polygon for every loop of the surface around the cell's faces. Both cells at a face decide alike whether the
-// face's alternating corners are joined (face_rule.hpp), therefore the surface closes. Polygons are cut so that no edge
-// of the mesh has more than two triangles, whatever the neighbours draw.
+// mc: a disc for every loop of the surface around the cell's faces, or an annulus for two loops with a tunnel. Both
+// cells at a face decide alike whether the face's alternating corners are joined, therefore the surface closes. Loops
+// are cut so that no edge of the mesh has more than two triangles, whatever the neighbours draw.
 // mt: the union of what the six tetrahedra around the diagonal 0-7 draw (seed S1, edge table); nothing is ambiguous.
 [[nodiscard]] const CaseTable& case_table(Method method);
 

@@ -9,10 +9,10 @@
 #include <tbb/parallel_for.h>
 
 #include "base/stopwatch.hpp"
+#include "extract/asymptotic_decider.hpp"
 #include "extract/border_cap.hpp"
 #include "extract/cell_output.hpp"
 #include "extract/dense_masks.hpp"
-#include "extract/face_rule.hpp"
 #include "extract/mesh_assembly.hpp"
 #include "extract/row_walk.hpp"
 #include "mesh/vertex_fans.hpp"
@@ -87,6 +87,7 @@ class DenseExtraction {
                   const ExtractOptions& options)
       : field_(field),
         options_(options),
+        rule_{field.kind, options.iso},
         whole_(whole),
         view_{whole.row(region.min.y, region.min.z) + region.min.x, glm::ivec3(region.dims()), whole.stride_y,
               whole.stride_z},
@@ -104,7 +105,7 @@ class DenseExtraction {
     result.stats.bricks = bricks_.count();
 
     if (auto fits = check_placement(field_, placement_); !fits) return tl::unexpected(fits.error());
-    const auto threshold = find_inside_threshold<T>({field_.kind, options_.iso}, field_.scale);
+    const auto threshold = find_inside_threshold<T>(rule_, field_.scale);
     Stopwatch watch;
     if (!threshold && !(is_floating_sample<T> && options_.nan == NanPolicy::error)) return result;
     // Without a threshold nothing is inside, but NaN must still be found.
@@ -131,9 +132,7 @@ class DenseExtraction {
           {glm::ivec3(0), view_.dims - 1}, options_.method, static_cast<std::uint32_t>(sizes.vertices),
           [&](const glm::ivec3& p) { return masks_.inside(p); },
           [&](const glm::ivec3& p, int direction) { return edge_vertex(p, direction); },
-          [&](const glm::ivec3& a, const glm::ivec3& b) {
-            return joins_inside(value(region_.min + a), value(region_.min + b), options_.iso);
-          },
+          [&](const glm::ivec3& p) { return rule_.depth(value(region_.min + p)); },
           [&](const glm::ivec3& p) { return has_holes_ && std::isnan(value(region_.min + p)); });
       if (auto fits = check_mesh_size(field_, with_cap(sizes, cap), options_); !fits) {
         return tl::unexpected(fits.error());
@@ -233,7 +232,7 @@ class DenseExtraction {
 
   // What the cell at `p` (relative to the region) draws.
   [[nodiscard]] unsigned variant(unsigned cell_case, const glm::ivec3& p) const {
-    return cell_variant(table_, cell_case, options_.iso,
+    return cell_variant(table_, cell_case, rule_,
                         [&](int corner) { return value(region_.min + p + direction_step(corner)); });
   }
 
@@ -302,7 +301,7 @@ class DenseExtraction {
   // `p` and `p + step` are the edge's ends, in indices of the whole field.
   void emit_vertex(Mesh& mesh, std::size_t number, const glm::ivec3& p, const glm::ivec3& step) const {
     write_vertex(
-        mesh, number, placement_, {field_.kind, options_.iso}, p, step, [&](const glm::ivec3& q) { return value(q); },
+        mesh, number, placement_, rule_, p, step, [&](const glm::ivec3& q) { return value(q); },
         [&](const glm::ivec3& q) { return sample_gradient(q); });
   }
 
@@ -359,6 +358,7 @@ class DenseExtraction {
 
   const ScalarField& field_;
   const ExtractOptions& options_;
+  InsideRule rule_;
   DenseView<T> whole_;
   DenseView<T> view_;  // of the region
   IndexBox region_;

@@ -3,7 +3,8 @@
 // Inside is value > iso for density, value < iso for level sets; a value equal to iso is outside. Triangles wind
 // counter-clockwise seen from outside, also where a transform mirrors. Every vertex lies on one edge of the grid and
 // is welded by that edge's integer key. The mesh is a closed, oriented 2-manifold wherever the surface does not leave
-// the data, and everywhere if `cap` is set. The same field and options give the same bytes for any number of threads.
+// the data, and everywhere if `cap` is set; by `mc` it has the topology of the trilinear interpolant. The same field
+// and options give the same bytes for any number of threads.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +24,7 @@
 namespace isoextract {
 
 enum class Method {
-  mc,  // marching cubes
+  mc,  // marching cubes, with the topology of the trilinear interpolant (asymptotic_decider.hpp)
   mt,  // marching tetrahedra, six a cell (seed S1)
 };
 

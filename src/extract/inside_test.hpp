@@ -56,6 +56,12 @@ struct InsideRule {
   FieldKind kind;
   double iso;
   bool operator()(double value) const { return kind == FieldKind::density ? value > iso : value < iso; }
+
+  // How far a value is inside; not rounded to nothing, and without overflow, for all values and iso values.
+  [[nodiscard]] long double depth(double value) const {
+    const long double above = static_cast<long double>(value) - static_cast<long double>(iso);
+    return kind == FieldKind::density ? above : -above;
+  }
 };
 
 template <class T>

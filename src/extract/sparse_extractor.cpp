@@ -9,9 +9,9 @@
 #include <tbb/parallel_for.h>
 
 #include "base/stopwatch.hpp"
+#include "extract/asymptotic_decider.hpp"
 #include "extract/cell_output.hpp"
 #include "extract/cell_streams.hpp"
-#include "extract/face_rule.hpp"
 #include "extract/mesh_assembly.hpp"
 #include "extract/row_walk.hpp"
 #include "extract/sparse_blocks.hpp"
@@ -113,7 +113,7 @@ class SparseExtraction {
           region_, options_.method, static_cast<std::uint32_t>(sizes.vertices),
           [&](const glm::ivec3& p) { return inside(p); },
           [&](const glm::ivec3& p, int direction) { return edge_vertex(p, direction); },
-          [&](const glm::ivec3& a, const glm::ivec3& b) { return joins_inside(value(a), value(b), options_.iso); },
+          [&](const glm::ivec3& p) { return rule_.depth(value(p)); },
           [&](const glm::ivec3& p) { return has_holes_ && std::isnan(value(p)); });
       if (auto fits = check_mesh_size(field_, with_cap(sizes, cap), options_); !fits) {
         return tl::unexpected(fits.error());
@@ -374,7 +374,7 @@ class SparseExtraction {
 
   // What the cell at `p` draws.
   [[nodiscard]] unsigned variant(unsigned cell_case, const glm::ivec3& p) const {
-    return cell_variant(table_, cell_case, options_.iso, [&](int corner) { return value(p + direction_step(corner)); });
+    return cell_variant(table_, cell_case, rule_, [&](int corner) { return value(p + direction_step(corner)); });
   }
 
   MeshSizes place_sites() {

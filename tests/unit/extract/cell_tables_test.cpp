@@ -28,14 +28,25 @@ class CellTables : public testing::TestWithParam<Method> {
   std::vector<CellTriangle> triangles(unsigned variant) const {
     return {table_.triangles.begin() + table_.first[variant], table_.triangles.begin() + table_.first[variant + 1]};
   }
-  // Calls f(case, joined faces, variant) for everything a cell can be.
+  // The variants with a tunnel that a variant has instead of itself.
+  std::set<unsigned> tunnels(unsigned variant) const {
+    std::set<unsigned> numbers;
+    if (variant >= table_.tunnels.size()) return numbers;
+    for (const Tunnel& tunnel : table_.tunnels[variant]) {
+      if (tunnel.variant != 0) numbers.insert(tunnel.variant);
+    }
+    return numbers;
+  }
+  // Calls f(case, joined faces, variant) for everything a cell can be: without a tunnel, and with each it can have.
   template <class F>
   void for_each_variant(const F& f) const {
     for (unsigned cell_case = 0; cell_case < 256; ++cell_case) {
       for (unsigned joined = 0; joined < 64; ++joined) {
         if ((joined & ~unsigned{table_.alternating_faces[cell_case]}) != 0) continue;
         SCOPED_TRACE(testing::Message() << "case " << cell_case << ", joined faces " << joined);
-        f(cell_case, joined, table_.variant(cell_case, joined));
+        const unsigned variant = table_.variant(cell_case, joined);
+        f(cell_case, joined, variant);
+        for (const unsigned tunnel : tunnels(variant)) f(cell_case, joined, tunnel);
       }
     }
   }
@@ -114,7 +125,7 @@ TEST_P(CellTables, EdgesAreAllThereOnce) {
 TEST_P(CellTables, VariantsAreNumberedWithoutGaps) {
   std::set<unsigned> numbers;
   for_each_variant([&](unsigned, unsigned, unsigned variant) { EXPECT_TRUE(numbers.insert(variant).second); });
-  EXPECT_EQ(numbers.size(), GetParam() == Method::mc ? 656U : 256U);
+  EXPECT_EQ(numbers.size(), GetParam() == Method::mc ? 656U + 148U : 256U);
   EXPECT_EQ(*numbers.rbegin() + 2, table_.first.size());
 }
 
@@ -132,7 +143,7 @@ TEST_P(CellTables, EveryVariantUsesExactlyItsCrossedEdges) {
 
 TEST_P(CellTables, EveryTriangleFacesOutside) {
   for_each_variant([&](unsigned cell_case, unsigned joined, unsigned variant) {
-    if (joined != 0) return;  // their surface folds back
+    if (joined != 0 || variant >= 656) return;  // their surface folds back
     for (const CellTriangle& t : triangles(variant)) {
       const glm::dvec3 normal = glm::cross(middle(t[1]) - middle(t[0]), middle(t[2]) - middle(t[0]));
       glm::dvec3 outward(0);
@@ -144,6 +155,40 @@ TEST_P(CellTables, EveryTriangleFacesOutside) {
       EXPECT_GT(glm::dot(normal, outward), 0);
     }
   });
+}
+
+TEST_P(CellTables, NoTriangleLiesInAFace) {
+  for_each_variant([&](unsigned, unsigned, unsigned variant) {
+    for (const CellTriangle& t : triangles(variant)) {
+      const int face = common_face({t[0], t[1]});
+      EXPECT_TRUE(face < 0 || common_face({t[1], t[2]}) != face || common_face({t[2], t[0]}) != face);
+    }
+  });
+}
+
+// A tunnel takes two loops that bound a disc each and lets them bound an annulus: two triangles more for
+// each of them, an Euler number less by two, the same border.
+TEST_P(CellTables, TunnelsJoinTwoLoops) {
+  const auto euler = [&](unsigned variant) {
+    std::set<int> vertices;
+    std::set<MeshEdge> edges;
+    for (const CellTriangle& t : triangles(variant)) {
+      for (int c = 0; c < 3; ++c) {
+        vertices.insert(t[c]);
+        edges.insert(std::minmax<int>(t[c], t[(c + 1) % 3]));
+      }
+    }
+    return static_cast<int>(vertices.size()) - static_cast<int>(edges.size()) +
+           static_cast<int>(triangles(variant).size());
+  };
+  for (unsigned variant = 0; variant < table_.tunnels.size(); ++variant) {
+    for (const unsigned tunnel : tunnels(variant)) {
+      SCOPED_TRACE(testing::Message() << "variant " << variant << " with tunnel " << tunnel);
+      EXPECT_EQ(euler(tunnel), euler(variant) - 2);
+      EXPECT_EQ(triangles(tunnel).size(), triangles(variant).size() + 4);
+      EXPECT_EQ(border(tunnel), border(variant));
+    }
+  }
 }
 
 TEST_P(CellTables, NothingIsLeftOpenWithinTheCell) {

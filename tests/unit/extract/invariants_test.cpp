@@ -96,19 +96,56 @@ TEST_P(Invariants, RandomFieldsAreSound) {
   }
 }
 
-// Two inside samples across a face: apart where both others are below iso, joined where one of them has its value.
-TEST(FaceRule, JoinsAcrossTies) {
-  for (const int other : {4, 5}) {
+// Two inside samples across a face: joined where the saddle between them is inside, apart where it is outside or has
+// the very value iso; joined where another corner has it, because the field beside it is inside on the way.
+TEST(AsymptoticDecider, DecidesFacesBySaddles) {
+  struct Case {
+    int other;
+    std::size_t components;
+  };
+  for (const Case c : {Case{1, 2}, Case{2, 2}, Case{3, 1}, Case{5, 1}}) {
     const ScalarField field = dense_field<std::uint8_t>({4, 4, 4}, [&](int i, int j, int k) {
       if (k != 1) return 0;
-      if ((i == 1 && j == 1) || (i == 2 && j == 2)) return 9;
-      return i == 2 && j == 1 ? other : 0;
+      if ((i == 1 && j == 1) || (i == 2 && j == 2)) return 8;
+      if (i == 2 && j == 1) return c.other;
+      return i == 1 && j == 2 ? 2 : 0;
     });
     ExtractOptions o;
-    o.iso = 5;
+    o.iso = 5;  // saddle: (8 - 5)^2 against (5 - other) * (5 - 2)
     const Mesh mesh = extract(field, o).mesh;
     expect_sound(mesh, true);
-    EXPECT_EQ(measure_topology(mesh).components, other == 5 ? 1U : 2U);
+    EXPECT_EQ(measure_topology(mesh).components, c.components) << "other corner " << c.other;
+  }
+}
+
+// Products of depths would leave the range of double.
+TEST(AsymptoticDecider, DecidesExtremeValues) {
+  for (const double size : {1e300, 1e-300}) {
+    for (const bool joined : {false, true}) {
+      const ScalarField field = dense_field<double>({4, 4, 4}, [&](int i, int j, int k) {
+        if (k != 1) return -size;
+        if ((i == 1 && j == 1) || (i == 2 && j == 2)) return joined ? 3 * size : size;
+        return (i == 1 || i == 2) && (j == 1 || j == 2) ? -2 * size : -size;
+      });
+      const Mesh mesh = extract(field, ExtractOptions{}).mesh;
+      expect_sound(mesh, true);
+      EXPECT_EQ(measure_topology(mesh).components, joined ? 1U : 2U) << "values about " << size;
+    }
+  }
+}
+
+// Below iso in a level set is what above iso is in a density.
+TEST_P(Invariants, LevelSetsAreMirrorImages) {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    const ScalarField density = test::random_field<std::int16_t>({7, 6, 5}, seed, 9);
+    const auto& samples = std::get<DenseSamples>(density.samples);
+    const auto* values = static_cast<const std::int16_t*>(samples.data);
+    ScalarField level_set = dense_field<std::int16_t>(
+        samples.dims, [&](int i, int j, int k) { return -values[i + samples.dims.x * (j + samples.dims.y * k)]; });
+    level_set.kind = FieldKind::level_set;
+    const Mesh a = extract(density, options(4, true)).mesh;
+    const Mesh b = extract(level_set, options(-4, true)).mesh;
+    EXPECT_EQ(test::triangle_set(a), test::triangle_set(b));
   }
 }
 

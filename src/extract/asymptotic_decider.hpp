@@ -1,0 +1,87 @@
+// What an ambiguous cell draws, so that its surface has the topology of the trilinear interpolant of its corners.
+//
+// Faces: Nielson and Hamann, "The asymptotic decider", IEEE Visualization 1991. Tunnels: the same decision in slices of
+// the cell, tunnel_cases.hpp.
+//
+// Ties follow one rule, the rule for samples: what equals iso is outside, or, which is the same, iso stands for a value
+// infinitesimally further inside than it says. So a sample of value iso is outside, and a saddle of value iso keeps
+// inside corners apart. The field at that other iso is a field without ties; its topology is what is drawn.
+//
+// Differences and products are made in long double, so that no sample of any type overflows, and a product of float32
+// differences is exact. Both cells at a face decide by the same products of the same four values, hence alike.
+#pragma once
+
+#include <array>
+#include <cmath>
+
+#include "extract/cell_tables.hpp"
+#include "extract/inside_test.hpp"
+
+namespace isoextract {
+
+// On a face (or a slice of a cell) whose corners alternate: whether the bilinear interpolant joins the two inside
+// corners. Corners are given by their depths (inside_test.hpp). Where infinities leave it open, and for NaN, they are
+// apart.
+[[nodiscard]] inline bool joins_inside(long double inside_a, long double inside_b, long double outside_a,
+                                       long double outside_b) {
+  return inside_a * inside_b > outside_a * outside_b;
+}
+
+using CornerValues = std::array<long double, 8>;  // depths (inside_test.hpp) by corner
+
+// The set of faces of a cell that are joined.
+[[nodiscard]] inline unsigned joined_faces(const CaseTable& table, unsigned cell_case, const CornerValues& corners) {
+  unsigned joined = 0;
+  for (unsigned f = 0; f < 6; ++f) {
+    if ((table.alternating_faces[cell_case] >> f & 1) == 0) continue;
+    const auto& face = cell_faces()[f];
+    const std::size_t in = (cell_case >> face[0] & 1) != 0 ? 0 : 1;
+    const std::size_t out = 1 - in;
+    if (joins_inside(corners[face[in]], corners[face[in + 2]], corners[face[out]], corners[face[out + 2]])) {
+      joined |= 1U << f;
+    }
+  }
+  return joined;
+}
+
+// The variant with the tunnel that the values make, or `variant`. Slices across z at height z = t / (s + t) have the
+// corners s * lower + t * upper (up to a factor); D(z), a quadratic polynomial, has its extremum where s : t = D2 - D1
+// : D0 - D1 in Bernstein coefficients. The ends of the range of alternating slices are decided alike
+// (tunnel_cases.hpp), so there is a tunnel exactly if the extremum lies in the range and is decided differently.
+[[nodiscard]] inline unsigned with_tunnel(const CaseTable& table, unsigned variant, const CornerValues& c) {
+  const std::array<Tunnel, 2>& tunnels = table.tunnels[variant];
+  if (tunnels[0].variant == 0 && tunnels[1].variant == 0) return variant;
+  const long double d0 = c[0] * c[3] - c[1] * c[2];
+  const long double d1 = (c[0] * c[7] + c[4] * c[3] - c[1] * c[6] - c[5] * c[2]) / 2;
+  const long double d2 = c[4] * c[7] - c[5] * c[6];
+  long double s = d2 - d1;
+  long double t = d0 - d1;
+  if (!(s * t > 0)) return variant;
+  s = std::abs(s);
+  t = std::abs(t);
+  std::array<long double, 4> slice;
+  for (std::size_t k = 0; k < 4; ++k) slice[k] = s * c[k] + t * c[k + 4];
+  const auto alternate = [&](std::size_t in, std::size_t out) {
+    return slice[in] > 0 && slice[3 - in] > 0 && slice[out] <= 0 && slice[3 - out] <= 0;
+  };
+  for (const std::size_t pattern : {0, 1}) {
+    const std::size_t out = 1 - pattern;
+    if (tunnels[pattern].variant == 0 || !alternate(pattern, out)) continue;
+    const bool joined = joins_inside(slice[pattern], slice[3 - pattern], slice[out], slice[3 - out]);
+    if (joined == tunnels[pattern].joins_inside) return tunnels[pattern].variant;
+  }
+  return variant;
+}
+
+// The variant that a cell draws; `value(c)` is the field at corner c. Values are looked at only where the case alone
+// does not decide.
+template <class Value>
+[[nodiscard]] unsigned cell_variant(const CaseTable& table, unsigned cell_case, const InsideRule& rule,
+                                    const Value& value) {
+  if (!table.ambiguous[cell_case]) return table.variants[cell_case];
+  CornerValues corners;
+  for (std::size_t c = 0; c < corners.size(); ++c) corners[c] = rule.depth(value(static_cast<int>(c)));
+  return with_tunnel(table, table.variant(cell_case, joined_faces(table, cell_case, corners)), corners);
+}
+
+}  // namespace isoextract
