@@ -131,11 +131,16 @@ namespace detail {
   return samples;
 }
 
-// The topology that the surface at iso 0 must have. Where samples or saddles may have that very value, the field is
-// looked at infinitesimally further inside, as the rule for ties says; for small integers there is no other critical
-// value nearer than this.
-[[nodiscard]] inline std::optional<SurfaceTopology> true_topology(RandomKind kind, const std::vector<float>& samples) {
-  return TrilinearTopology(samples, kRandomSize, kind == RandomKind::small_integers ? 0x1p-14 : 0.0)();
+// Where samples or saddles have the very value iso, the surface has two topologies: that of the field just above iso,
+// which our rule for ties asks for, and that just below it, which a program that takes iso for inside may have.
+enum class Side { above, below };
+
+// The topology of the surface at iso 0, by the oracle. Small integers have no other critical value as near as looked
+// at.
+[[nodiscard]] inline std::optional<SurfaceTopology> true_topology(RandomKind kind, const std::vector<float>& samples,
+                                                                  Side side) {
+  const double beside = kind == RandomKind::small_integers ? 0x1p-14 : 0.0;
+  return TrilinearTopology(samples, kRandomSize, side == Side::above ? beside : -beside)();
 }
 
 [[nodiscard]] inline ScalarField as_field(std::vector<float> samples) {

@@ -1,11 +1,11 @@
 // Marching cubes against an oracle that counts voxels (support/trilinear_topology.hpp).
 #include <atomic>
-#include <map>
 
 #include <gtest/gtest.h>
 #include <tbb/parallel_for.h>
 
 #include "support/fields.hpp"
+#include "support/mesh_components.hpp"
 #include "support/meshes.hpp"
 #include "support/random_trilinear.hpp"
 
@@ -14,23 +14,6 @@ namespace {
 
 using test::RandomKind;
 using test::SurfaceTopology;
-
-SurfaceTopology mesh_topology(const Mesh& mesh) {
-  test::DisjointSets components;
-  for (std::size_t v = 0; v < mesh.positions.size(); ++v) components.add();
-  for (const glm::uvec3& t : mesh.triangles) {
-    components.join(t.x, t.y);
-    components.join(t.x, t.z);
-  }
-  // Euler number: vertices - edges + triangles, with 3/2 edges a triangle where the mesh is closed.
-  std::map<std::size_t, int> twice_euler;
-  for (std::size_t v = 0; v < mesh.positions.size(); ++v) twice_euler[components.find(v)] += 2;
-  for (const glm::uvec3& t : mesh.triangles) twice_euler[components.find(t.x)] -= 1;
-  SurfaceTopology topology;
-  for (const auto& [component, number] : twice_euler) topology.push_back(number / 2);
-  std::sort(topology.begin(), topology.end());
-  return topology;
-}
 
 ExtractOptions at_zero(Method method) {
   ExtractOptions options;
@@ -88,10 +71,10 @@ TEST_P(ExactTopology, IsThatOfTheTrilinearInterpolant) {
         continue;
       }
       if (method == Method::mt) continue;
-      const auto expected = test::true_topology(GetParam(), samples);
+      const auto expected = test::true_topology(GetParam(), samples, test::Side::above);
       if (!expected) {
         ++undecided;
-      } else if (*expected != mesh_topology(extraction->mesh)) {
+      } else if (*expected != test::component_euler_numbers(extraction->mesh)) {
         ++wrong;
         for (unsigned least = first_wrong; seed < least && !first_wrong.compare_exchange_weak(least, seed);) {
         }
