@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Topology of random trilinear fields: isoextract and other programs against an oracle that counts voxels.
 
     scripts/compare_topology.py [--fields N]
