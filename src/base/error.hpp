@@ -11,10 +11,11 @@ namespace isoextract {
 
 // The numeric values are the program's exit codes.
 enum class ErrorKind {
-  usage = 1,        // the options or their combination make no sense
-  input = 2,        // the input cannot be read, or does not hold what was asked for
-  unavailable = 3,  // a feature or device that was asked for is not there
-  output = 4,       // the result cannot be written
+  usage = 1,         // the options or their combination make no sense
+  input = 2,         // the input cannot be read, or does not hold what was asked for
+  unavailable = 3,   // a feature or device that was asked for is not there
+  output = 4,        // the result cannot be written
+  verification = 6,  // what was to be verified does not hold
 };
 
 struct Error {

@@ -8,9 +8,10 @@ std::string_view kind_name(ErrorKind kind) {
     case ErrorKind::usage: return "usage";
     case ErrorKind::input: return "input";
     case ErrorKind::unavailable: return "unavailable";
-    case ErrorKind::output: break;
+    case ErrorKind::output: return "output";
+    case ErrorKind::verification: break;
   }
-  return "output";
+  return "verification";
 }
 
 }  // namespace

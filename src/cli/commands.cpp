@@ -16,6 +16,7 @@
 
 #include "base/version.hpp"
 #include "cli/command_line.hpp"
+#include "cli/compare_command.hpp"
 #include "cli/convert_command.hpp"
 #include "cli/generate_docs.hpp"
 #include "cli/help_topics.hpp"
@@ -81,6 +82,16 @@ int run_info_command(const InfoFlags& flags, const CLI::App& command) {
   return failure ? exit_code(*failure) : kDone;
 }
 
+int run_compare_command(const CompareFlags& flags) {
+  const auto verbosity = plan_verbosity(flags.run);
+  if (!verbosity) return report(verbosity.error());
+  const auto plan = plan_compare(flags);
+  if (!plan) return report(plan.error());
+  const ThreadLimit limit(flags.run.threads);
+  const auto done = run_compare(*plan, Messages(*verbosity));
+  return done ? kDone : report(done.error());
+}
+
 int run_arguments(std::vector<std::string> arguments) {
   const auto line = declare_command_line();
   if (arguments.empty()) {
@@ -101,6 +112,7 @@ int run_arguments(std::vector<std::string> arguments) {
       }
       return print(generate_document(line->app, *line->document));
     case Request::info: return run_info_command(line->info_flags, *line->info);
+    case Request::compare: return run_compare_command(line->compare_flags);
     case Request::convert: break;
   }
   return run_convert_command(line->convert_flags, std::move(arguments));

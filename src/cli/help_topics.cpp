@@ -14,7 +14,7 @@ namespace isoextract {
 namespace {
 
 constexpr std::array<std::string_view, 5> kGroups{"Input", "Surface", "Placement", "Output", "Run"};
-constexpr std::array<std::string_view, 4> kCommands{"convert", "info", "help", "generate"};
+constexpr std::array<std::string_view, 5> kCommands{"convert", "info", "compare", "help", "generate"};
 
 constexpr std::array kExamples{
     Example{"isoextract smoke.vdb --iso 0.5 -o smoke.glb", "A fog volume as a glTF file for Blender or a browser."},
@@ -22,6 +22,7 @@ constexpr std::array kExamples{
     Example{"isoextract head.nii.gz --iso 60 --cap -o head.stl", "A scan as a closed mesh, where the scanner says."},
     Example{"isoextract fluid.vdb --grid density --iso 0.2 --iso 0.6 -o fluid.glb", "Two surfaces of one grid."},
     Example{"isoextract head.raw --dims 48,62,42 --spacing 4 --iso 60 -o head.ply", "A file without a header."},
+    Example{"isoextract compare a.glb b.ply --max-distance 0.1", "Whether two meshes are the same surface, to 0.1."},
     Example{"isoextract demo:gyroid?size=128 --iso 0 --format ply -o - > gyroid.ply", "No file at all, and a pipe."},
 };
 
@@ -94,7 +95,8 @@ HelpTopic exit_codes_topic() {
              {"1", "usage: the options or their combination make no sense"},
              {"2", "the input cannot be read, or does not hold what was asked for"},
              {"3", "a feature that was asked for is not available"},
-             {"4", "the result cannot be written"}}}}};
+             {"4", "the result cannot be written"},
+             {"6", "what was to be verified does not hold"}}}}};
 }
 
 std::string lower(std::string_view text) {

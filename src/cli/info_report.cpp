@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/limits.hpp"
+#include "cli/layout.hpp"
 #include "cli/placement.hpp"
 
 namespace isoextract {
@@ -42,18 +43,7 @@ double percentile_of(const FieldReport& report, int percent) {
   return whole && report.field.scale.is_identity() ? std::round(value) : value;
 }
 
-// Collects "  name        text" lines.
-class Lines {
- public:
-  void add(std::string_view name, std::string_view text) { out_ += fmt::format("  {:<13} {}\n", name, text); }
-  void plain(std::string_view text) { out_ += fmt::format("{}\n", text); }
-  [[nodiscard]] std::string take() { return std::move(out_); }
-
- private:
-  std::string out_;
-};
-
-void add_grids(Lines& lines, const InputReport& report) {
+void add_grids(NamedLines& lines, const InputReport& report) {
   if (report.grids.size() == 1 && report.field) return;
   lines.add("grids", fmt::format("{}", report.grids.size()));
   std::size_t name_width = 4;
@@ -66,7 +56,7 @@ void add_grids(Lines& lines, const InputReport& report) {
   }
 }
 
-void add_shape(Lines& lines, const FieldReport& report) {
+void add_shape(NamedLines& lines, const FieldReport& report) {
   const ScalarField& field = report.field;
   lines.add("format", field.format);
   if (!field.name.empty()) lines.add("name", field.name);
@@ -99,7 +89,7 @@ void add_shape(Lines& lines, const FieldReport& report) {
   if (!field.world_space.empty()) lines.add("world space", field.world_space);
 }
 
-void add_histogram(Lines& lines, const FieldStatistics& statistics) {
+void add_histogram(NamedLines& lines, const FieldStatistics& statistics) {
   if (statistics.histogram.empty() || statistics.min == statistics.max) return;
   lines.add("histogram", "from each value to the next; bars show the square root of the share");
   const std::size_t bins_a_row = statistics.histogram.size() / kHistogramRows;
@@ -116,7 +106,7 @@ void add_histogram(Lines& lines, const FieldStatistics& statistics) {
   }
 }
 
-void add_values(Lines& lines, const FieldReport& report) {
+void add_values(NamedLines& lines, const FieldReport& report) {
   const FieldStatistics& statistics = report.statistics;
   if (statistics.samples > 0) {
     lines.add("values", fmt::format("{:.6g} .. {:.6g}, mean {:.6g}", statistics.min, statistics.max, statistics.mean));
@@ -134,7 +124,7 @@ void add_values(Lines& lines, const FieldReport& report) {
   add_histogram(lines, statistics);
 }
 
-void add_advice(Lines& lines, const FieldReport& report) {
+void add_advice(NamedLines& lines, const FieldReport& report) {
   lines.add("memory", fmt::format("{} of samples", format_byte_size(report.sample_bytes)));
   if (report.statistics.samples == 0) return;
   lines.add("suggestion", fmt::format("--iso {}: {}", report.suggestion.iso, report.suggestion.method));
@@ -203,7 +193,7 @@ std::uint64_t estimated_conversion_bytes(std::uint64_t sample_bytes, std::uint64
 }
 
 std::string text_of(const InputReport& report) {
-  Lines lines;
+  NamedLines lines;
   lines.plain(report.input);
   add_grids(lines, report);
   if (report.field) {

@@ -52,4 +52,7 @@ std::string plain_text(const HelpBlock& block) {
   return out;
 }
 
+void NamedLines::add(std::string_view name, std::string_view text) { out_ += fmt::format("  {:<13} {}\n", name, text); }
+void NamedLines::plain(std::string_view text) { out_ += fmt::format("{}\n", text); }
+
 }  // namespace isoextract

@@ -130,6 +130,9 @@ std::vector<Choice<LengthUnit>> units() {
   return choices;
 }
 
+constexpr const char* kMemoryLimitText =
+    "Refuse an input that needs more memory than this, such as 512M or 8G (default: the machine's memory).";
+
 void declare_input(CLI::App& app, InputFlags& flags, bool several) {
   const Group group(app, "Input");
   group.values<std::string>("INPUT", several ? "INPUT..." : "INPUT", flags.inputs, parse_text,
@@ -153,8 +156,7 @@ void declare_input(CLI::App& app, InputFlags& flags, bool several) {
   group.choice("--inside", flags.inside, {{"above", FieldKind::density}, {"below", FieldKind::level_set}},
                "Which side of the iso value is inside: above as in densities, or below as in level sets (default: as "
                "the file says, else above). A value equal to the iso value is outside.");
-  group.value("--memory-limit", "SIZE", flags.memory_limit, parse_size,
-              "Refuse an input that needs more memory than this, such as 512M or 8G (default: the machine's memory).");
+  group.value("--memory-limit", "SIZE", flags.memory_limit, parse_size, kMemoryLimitText);
 }
 
 void declare_run(CLI::App& app, RunFlags& flags) {
@@ -216,6 +218,19 @@ void declare_output(CLI::App& app, ConvertFlags& flags) {
   group.flag("--ascii", flags.ascii, "Write ply or stl as text instead of binary.");
 }
 
+void declare_compare(CLI::App& app, CompareFlags& flags) {
+  const Group input(app, "Input");
+  input.values<std::string>("FILE", "FILE", flags.meshes, parse_text,
+                            "The two meshes: .glb, .gltf, .ply, .obj or .stl. Corners without connectivity, as in "
+                            "stl, are welded where their coordinates are identical.");
+  input.value("--memory-limit", "SIZE", flags.memory_limit, parse_size, kMemoryLimitText);
+  const Group output(app, "Output");
+  output.value("--max-distance", "D", flags.max_distance, parse_not_negative,
+               "Exit with code 6 unless no point of either mesh is farther than this from the other, in the meshes' "
+               "unit.");
+  output.flag("--json", flags.json, "Report as JSON.");
+}
+
 CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description) {
   CLI::App* command = app.add_subcommand(name, description);
   command->allow_extras();  // the caller names what is unknown, with a suggestion
@@ -256,6 +271,10 @@ std::unique_ptr<CommandLine> declare_command_line() {
       .flag("--json", line->info_flags.json, "Report as JSON, an array with one entry an input.");
   declare_run(*line->info, line->info_flags.run);
 
+  line->compare = add_command(app, "compare", "Compare two meshes: their topology, and the distances between them.");
+  declare_compare(*line->compare, line->compare_flags);
+  declare_run(*line->compare, line->compare_flags.run);
+
   line->help = add_command(app, "help", "Explain a command or a topic.");
   std::vector<Choice<std::string>> topics;
   for (const std::string& name : help_names()) topics.push_back({name, name});
@@ -275,6 +294,7 @@ std::string synopsis(const CLI::App& command) {
   const std::string& name = command.get_name();
   if (name == "convert") return "isoextract [convert] INPUT --iso V [-o FILE] [options]";
   if (name == "info") return "isoextract info INPUT... [options]";
+  if (name == "compare") return "isoextract compare A B [options]";
   if (name == "help") return "isoextract help [TOPIC]";
   return "isoextract generate man|bash|zsh|fish";
 }

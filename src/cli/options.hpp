@@ -78,15 +78,25 @@ struct InfoFlags {
   RunFlags run;
 };
 
+struct CompareFlags {
+  std::vector<std::string> meshes;
+  std::optional<double> max_distance;
+  std::optional<std::uint64_t> memory_limit;
+  bool json = false;
+  RunFlags run;
+};
+
 struct CommandLine {
   CLI::App app;
   CLI::App* convert = nullptr;
   CLI::App* info = nullptr;
+  CLI::App* compare = nullptr;
   CLI::App* help = nullptr;
   CLI::App* generate = nullptr;
 
   ConvertFlags convert_flags;
   InfoFlags info_flags;
+  CompareFlags compare_flags;
   std::optional<std::string> help_topic;
   std::optional<Document> document;
 };

@@ -210,6 +210,20 @@ Result<InfoPlan> plan_info(const InfoFlags& flags, const CLI::App& command) {
   return plan;
 }
 
+Result<ComparePlan> plan_compare(const CompareFlags& flags) {
+  if (flags.meshes.size() != 2) {
+    return usage(fmt::format("compare takes two meshes, and {} were given{}{}", flags.meshes.size(),
+                             flags.meshes.empty() ? "" : ": ", fmt::join(flags.meshes, ", ")),
+                 "isoextract compare A.glb B.glb");
+  }
+  ComparePlan plan;
+  plan.meshes = {flags.meshes[0], flags.meshes[1]};
+  plan.max_distance = flags.max_distance;
+  if (flags.memory_limit) plan.limits.memory_bytes = *flags.memory_limit;
+  plan.json = flags.json;
+  return plan;
+}
+
 std::string input_stem(const std::string& input) {
   if (input.starts_with(kDemoPrefix)) {
     const std::string name = input.substr(kDemoPrefix.size());

@@ -1,6 +1,7 @@
 // From flags to a plan: defaults applied, combinations checked. Nothing is opened here.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -43,9 +44,17 @@ struct InfoPlan {
   bool json = false;
 };
 
+struct ComparePlan {
+  std::array<std::string, 2> meshes;
+  std::optional<double> max_distance;
+  Limits limits = default_limits();
+  bool json = false;
+};
+
 [[nodiscard]] Result<Verbosity> plan_verbosity(const RunFlags& flags);
 [[nodiscard]] Result<ConvertPlan> plan_convert(const ConvertFlags& flags);
 [[nodiscard]] Result<InfoPlan> plan_info(const InfoFlags& flags, const CLI::App& command);
+[[nodiscard]] Result<ComparePlan> plan_compare(const CompareFlags& flags);
 
 // "scan.nii.gz" -> "scan", "demo:torus?size=32" -> "torus"
 [[nodiscard]] std::string input_stem(const std::string& input);

@@ -84,6 +84,12 @@ Result<double> parse_positive(std::string_view text) {
   return *number;
 }
 
+Result<double> parse_not_negative(std::string_view text) {
+  const auto number = whole_text_as<double>(text);
+  if (!number || !std::isfinite(*number) || *number < 0) return expected_found("a number, 0 or above", text);
+  return *number;
+}
+
 Result<glm::dvec3> parse_vector(std::string_view text) {
   const auto numbers = numbers_in(text, 3);
   if (!numbers) return expected_found("three numbers X,Y,Z", text);

@@ -2,20 +2,12 @@
 
 #include <algorithm>
 
+#include "mesh/local_origin.hpp"
+
 namespace isoextract {
 namespace {
 
 double max_component(const glm::dvec3& v) { return std::max({v.x, v.y, v.z}); }
-
-// Zero where float32 world coordinates cost at most two bits, on every axis, against coordinates relative to the
-// centre.
-glm::dvec3 choose_origin(const Box& box) {
-  const glm::dvec3 farthest = glm::max(glm::abs(box.min), glm::abs(box.max));
-  const glm::dvec3 half_extent = (box.max - box.min) / 2.0;
-  constexpr double kNear = 4;
-  const bool near = glm::all(glm::lessThanEqual(farthest, kNear * half_extent));
-  return near ? glm::dvec3(0) : box.min / 2.0 + box.max / 2.0;
-}
 
 constexpr double kLargestMargin = 0x1p-6;
 
@@ -45,7 +37,7 @@ Placement::Placement(const Affine& output_from_index, const IndexBox& box, Field
       outward_((kind == FieldKind::level_set) == (scale.slope > 0) ? 1 : -1),
       mirrored_(output_from_index.determinant() < 0) {
   const Box world = image_of(output_from_index, {glm::dvec3(box.min), glm::dvec3(box.max)});
-  origin_ = choose_origin(world);
+  origin_ = choose_local_origin(world.min, world.max);
   local_from_index_.offset -= origin_;
   const Box local{world.min - origin_, world.max - origin_};
   const double margin = wanted_margin(local_from_index_, local);

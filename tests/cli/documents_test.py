@@ -7,7 +7,7 @@ import unittest
 
 from support import SOURCE, ProgramTest, main
 
-COMMANDS = ("convert", "info", "help", "generate")
+COMMANDS = ("convert", "info", "compare", "help", "generate")
 
 
 def needs(program):

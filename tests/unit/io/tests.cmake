@@ -3,6 +3,7 @@ find_package(TinyGLTF REQUIRED)
 isoextract_unit_test(io
   gltf_writer_test.cpp
   mesh_file_parsers.cpp
+  mesh_reader_test.cpp
   mesh_writer_test.cpp
   obj_writer_test.cpp
   output_file_test.cpp

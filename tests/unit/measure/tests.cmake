@@ -1,1 +1,3 @@
-isoextract_unit_test(measure analytic_error_test.cpp benchmark_test.cpp field_error_test.cpp)
+isoextract_unit_test(measure
+  analytic_error_test.cpp benchmark_test.cpp field_error_test.cpp
+  mesh_distance_test.cpp)

@@ -1,0 +1,179 @@
+#include "cli/compare_command.hpp"
+
+#include <array>
+
+#include <fmt/format.h>
+
+#include "base/limits.hpp"
+#include "base/machine.hpp"
+#include "base/stopwatch.hpp"
+#include "batch/json_values.hpp"
+#include "cli/layout.hpp"
+#include "cli/progress_bar.hpp"
+#include "io/mesh_reader.hpp"
+#include "measure/mesh_distance.hpp"
+#include "mesh/metrics.hpp"
+#include "mesh/topology.hpp"
+
+namespace isoextract {
+namespace {
+
+struct Side {
+  std::string path;
+  MeshFile file;
+  Topology topology;
+  MeshSize size;
+  Bounds bounds;
+};
+
+Result<Side> read_side(const std::string& path, const Limits& limits) {
+  auto file = read_mesh(path, limits);
+  if (!file) return tl::unexpected(std::move(file.error()));
+  Side side;
+  side.path = path;
+  side.file = std::move(*file);
+  side.file.mesh.name = path;
+  side.topology = measure_topology(side.file.mesh);
+  side.size = measure_size(side.file.mesh);
+  side.bounds = measure_bounds(side.file.mesh);
+  return side;
+}
+
+// "no: 12 open edges, 1 non-manifold vertex", or the genus.
+std::string closed_text(const Topology& topology) {
+  if (topology.is_closed_oriented_manifold()) return fmt::format("yes; genus {}", topology.genus());
+  std::string text = "no";
+  const char* before = ": ";
+  const auto add = [&](std::uint64_t count, std::string_view what) {
+    if (count == 0) return;
+    text += fmt::format("{}{} {}", before, count, what);
+    before = ", ";
+  };
+  add(topology.open_edges, "open edges");
+  add(topology.nonmanifold_edges, "edges of more than two triangles");
+  add(topology.misoriented_edges, "edges whose triangles wind against each other");
+  add(topology.nonmanifold_vertices, "vertices where surfaces touch");
+  add(topology.repeated_index_triangles, "triangles that repeat a vertex");
+  return text;
+}
+
+void add_side(NamedLines& lines, const Side& side) {
+  lines.plain(side.path);
+  lines.add("format", side.file.format);
+  lines.add("vertices", fmt::format("{}", side.file.mesh.positions.size()));
+  lines.add("triangles", side.size.zero_area_triangles == 0
+                             ? fmt::format("{}", side.file.mesh.triangles.size())
+                             : fmt::format("{}, {} of them without area", side.file.mesh.triangles.size(),
+                                           side.size.zero_area_triangles));
+  lines.add("components", fmt::format("{}", side.topology.components));
+  lines.add("closed", closed_text(side.topology));
+  lines.add("area", fmt::format("{:.9g}", side.size.area));
+  if (side.topology.is_closed_oriented_manifold()) lines.add("volume", fmt::format("{:.9g}", side.size.volume));
+  const auto vector = [](const glm::dvec3& v) { return fmt::format("({:.9g}, {:.9g}, {:.9g})", v.x, v.y, v.z); };
+  lines.add("bounds", fmt::format("{} .. {}", vector(side.bounds.min), vector(side.bounds.max)));
+  lines.plain("");
+}
+
+std::string interval_text(double lower, double upper) { return fmt::format("{:.6g} to {:.6g}", lower, upper); }
+
+void add_direction(NamedLines& lines, std::string_view name, const DirectedDistance& distance) {
+  lines.add(name, fmt::format("max {}, rms {:.6g}, mean {:.6g}, 99 % {:.6g}",
+                              interval_text(distance.max_lower, distance.max_upper), distance.rms, distance.mean,
+                              distance.percentile99));
+  lines.add("",
+            fmt::format("farthest at ({:.9g}, {:.9g}, {:.9g})", distance.place.x, distance.place.y, distance.place.z));
+}
+
+std::string text_of(const std::array<Side, 2>& sides, const MeshDistance& distance) {
+  NamedLines lines;
+  for (const Side& side : sides) add_side(lines, side);
+  lines.plain("distances, in the unit of the meshes");
+  add_direction(lines, "first to 2nd", distance.a_to_b);
+  add_direction(lines, "2nd to first", distance.b_to_a);
+  lines.add("Hausdorff", interval_text(distance.hausdorff_lower, distance.hausdorff_upper));
+  lines.add("rms", fmt::format("{:.6g}", distance.rms));
+  lines.add("mean", fmt::format("{:.6g}", distance.mean));
+  lines.add("99 %", fmt::format("{:.6g}", distance.percentile99));
+  return lines.take();
+}
+
+Json side_json(const Side& side) {
+  const bool closed = side.topology.is_closed_oriented_manifold();
+  return {{"file", side.path},
+          {"format", side.file.format},
+          {"vertices", side.file.mesh.positions.size()},
+          {"triangles", side.file.mesh.triangles.size()},
+          {"zero_area_triangles", side.size.zero_area_triangles},
+          {"components", side.topology.components},
+          {"closed", closed},
+          {"open_edges", side.topology.open_edges},
+          {"nonmanifold_edges", side.topology.nonmanifold_edges},
+          {"misoriented_edges", side.topology.misoriented_edges},
+          {"nonmanifold_vertices", side.topology.nonmanifold_vertices},
+          {"genus", closed ? Json(side.topology.genus()) : Json(nullptr)},
+          {"area", side.size.area},
+          {"volume", closed ? Json(side.size.volume) : Json(nullptr)},
+          {"bounds", json_of(Box{side.bounds.min, side.bounds.max})}};
+}
+
+Json direction_json(const DirectedDistance& distance) {
+  return {{"max", {distance.max_lower, distance.max_upper}},
+          {"place", json_of(distance.place)},
+          {"nearest", json_of(distance.nearest)},
+          {"rms", distance.rms},
+          {"mean", distance.mean},
+          {"percentile99", distance.percentile99}};
+}
+
+Json comparison_json(const std::array<Side, 2>& sides, const MeshDistance& distance) {
+  return {{"a", side_json(sides[0])},
+          {"b", side_json(sides[1])},
+          {"a_to_b", direction_json(distance.a_to_b)},
+          {"b_to_a", direction_json(distance.b_to_a)},
+          {"hausdorff", {distance.hausdorff_lower, distance.hausdorff_upper}},
+          {"rms", distance.rms},
+          {"mean", distance.mean},
+          {"percentile99", distance.percentile99},
+          {"resolution", distance.resolution}};
+}
+
+Result<void> check_distance(const ComparePlan& plan, const MeshDistance& distance) {
+  if (!plan.max_distance || distance.hausdorff_upper <= *plan.max_distance) return {};
+  const bool surely = distance.hausdorff_lower > *plan.max_distance;
+  return fail(ErrorKind::verification,
+              fmt::format("{} and {}: their Hausdorff distance is {} {:.6g}, and --max-distance is {}", plan.meshes[0],
+                          plan.meshes[1], surely ? "at least" : "not known to be below",
+                          surely ? distance.hausdorff_lower : distance.hausdorff_upper, *plan.max_distance));
+}
+
+}  // namespace
+
+Result<void> run_compare(const ComparePlan& plan, const Messages& messages) {
+  const Stopwatch watch;
+  std::array<Side, 2> sides;
+  MeshDistance distance;
+  {
+    ProgressBar bar(messages.verbosity() != Verbosity::quiet);
+    for (std::size_t i = 0; i < sides.size(); ++i) {
+      bar.progress()->begin("reading meshes", 0);
+      auto side = read_side(plan.meshes[i], plan.limits);
+      if (!side) return tl::unexpected(std::move(side.error()));
+      sides[i] = std::move(*side);
+    }
+    DistanceOptions options;
+    options.progress = bar.progress();
+    auto measured = measure_distance(sides[0].file.mesh, sides[1].file.mesh, options);
+    if (!measured) return tl::unexpected(std::move(measured.error()));
+    distance = *measured;
+  }
+  for (const Side& side : sides) {
+    for (const std::string& note : side.file.notes) messages.note(note);
+  }
+  messages.detail(fmt::format("compared in {:.2f} s, peak memory {}", watch.elapsed().wall_seconds,
+                              format_byte_size(peak_memory())));
+  const std::string text = plan.json ? json_text(comparison_json(sides, distance)) : text_of(sides, distance);
+  if (auto printed = print_to_stdout(text); !printed) return printed;
+  return check_distance(plan, distance);
+}
+
+}  // namespace isoextract

@@ -1,0 +1,77 @@
+// STL (3D Systems, 1989), binary and text: triangles without connectivity.
+#include <cstring>
+
+#include <fmt/format.h>
+
+#include "io/mesh_format_readers.hpp"
+
+namespace isoextract {
+namespace {
+
+constexpr std::size_t kHeaderBytes = 80 + sizeof(std::uint32_t);
+constexpr std::size_t kRecordBytes = 4 * sizeof(glm::vec3) + sizeof(std::uint16_t);
+constexpr std::uint64_t kWeldBytes = 3 * (2 * sizeof(std::uint32_t) * 4 + sizeof(glm::vec3) + sizeof(glm::dvec3));
+
+FileSurface weld(const std::vector<glm::vec3>& corners, const MeshSource& source, std::string_view format) {
+  require_vertex_count(corners.size());
+  require_memory(corners.size() / 3 * kWeldBytes, source.limits, fmt::format("{} triangles", corners.size() / 3));
+  FileSurface surface;
+  surface.format = format;
+  weld_corners(corners, surface);
+  return surface;
+}
+
+// The file's size says whether it is binary: text begins with "solid", but so do the headers of some binary files.
+std::uint64_t binary_size(std::span<const std::byte> content) {
+  std::uint32_t count = 0;
+  std::memcpy(&count, content.data() + kHeaderBytes - sizeof count, sizeof count);
+  return kHeaderBytes + kRecordBytes * std::uint64_t{count};
+}
+
+FileSurface read_binary(const MeshSource& source) {
+  const std::size_t count = (source.content.size() - kHeaderBytes) / kRecordBytes;
+  require_memory(count * 3 * sizeof(glm::vec3), source.limits, fmt::format("{} triangles", count));
+  std::vector<glm::vec3> corners(3 * count);
+  for (std::size_t t = 0; t < count; ++t) {
+    const std::byte* record = source.content.data() + kHeaderBytes + t * kRecordBytes;
+    std::memcpy(&corners[3 * t], record + sizeof(glm::vec3), 3 * sizeof(glm::vec3));
+  }
+  return weld(corners, source, "STL, binary");
+}
+
+FileSurface read_text(const MeshSource& source) {
+  TextScanner scanner(source.text());
+  std::vector<glm::vec3> corners;
+  bool ended = false;
+  while (scanner.next_line()) {
+    const std::string_view keyword = scanner.word();
+    if (keyword == "vertex") {
+      glm::vec3 p;
+      for (int axis = 0; axis < 3; ++axis) p[axis] = static_cast<float>(scanner.number(scanner.word()));
+      corners.push_back(p);
+    } else if (keyword == "endloop" && corners.size() % 3 != 0) {
+      scanner.expected("3 corners a facet", fmt::format("{} in all so far", corners.size()));
+    }
+    ended = ended || keyword == "endsolid";
+  }
+  if (!ended) scanner.expected("'endsolid'", "the end of the file");
+  return weld(corners, source, "STL, text");
+}
+
+}  // namespace
+
+FileSurface read_stl(const MeshSource& source) {
+  const std::size_t size = source.content.size();
+  const bool has_header = size >= kHeaderBytes;
+  if (has_header && binary_size(source.content) == size) return read_binary(source);
+  if (source.text().starts_with("solid")) return read_text(source);
+  if (!has_header) {
+    throw DamagedMesh(
+        fmt::format("expected at least the {} bytes of a binary STL's header, found {}", kHeaderBytes, size));
+  }
+  const std::uint64_t wanted = binary_size(source.content);
+  throw DamagedMesh(fmt::format("expected {} bytes for the {} triangles that its header announces, found {}", wanted,
+                                (wanted - kHeaderBytes) / kRecordBytes, size));
+}
+
+}  // namespace isoextract

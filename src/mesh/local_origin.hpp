@@ -1,0 +1,18 @@
+// The origin that a mesh's float32 positions are relative to.
+#pragma once
+
+#include <glm/glm.hpp>
+
+namespace isoextract {
+
+// For coordinates between `min` and `max`: zero where float32 costs them at most two bits, on every axis, against
+// coordinates relative to the centre; the centre otherwise.
+[[nodiscard]] inline glm::dvec3 choose_local_origin(const glm::dvec3& min, const glm::dvec3& max) {
+  const glm::dvec3 farthest = glm::max(glm::abs(min), glm::abs(max));
+  const glm::dvec3 half_extent = (max - min) / 2.0;
+  constexpr double kNear = 4;
+  const bool near = glm::all(glm::lessThanEqual(farthest, kNear * half_extent));
+  return near ? glm::dvec3(0) : min / 2.0 + max / 2.0;
+}
+
+}  // namespace isoextract

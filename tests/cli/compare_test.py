@@ -1,0 +1,82 @@
+"""isoextract compare: facts of two meshes, distances, exit code 6."""
+
+import json
+
+from support import SPHERE, ProgramTest, main
+
+
+class CompareTest(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.convert(SPHERE, "--iso", 0, "-o", "sphere.glb", "--up", "y")
+
+    def json(self, *arguments):
+        run = self.convert("compare", "--json", *arguments)
+        self.assertEqual(run.err, "")
+        return json.loads(run.text)
+
+    def test_a_mesh_and_itself_in_every_format(self):
+        for name in ("sphere.ply", "sphere.obj", "sphere.stl", "sphere.gltf"):
+            self.convert(SPHERE, "--iso", 0, "-o", name, *(["--up", "y"] if name.endswith("f") else []))
+            report = self.json("sphere.glb", name)
+            for side in (report["a"], report["b"]):
+                self.assertTrue(side["closed"], name)
+                self.assertEqual((side["components"], side["genus"]), (1, 0))
+            self.assertEqual(report["a"]["vertices"], report["b"]["vertices"])
+            self.assertAlmostEqual(report["a"]["volume"], report["b"]["volume"])
+            self.assertLessEqual(report["hausdorff"][1], report["resolution"])
+
+    def test_moved_apart(self):
+        self.convert(SPHERE, "--iso", 0, "--origin", "-0.75,-1,-1", "-o", "moved.ply")
+        report = self.json("sphere.glb", "moved.ply")
+        lower, upper = report["hausdorff"]
+        self.assertLessEqual(lower, 0.25 + 1e-6)
+        self.assertGreaterEqual(upper, 0.24)
+        self.assertLess(report["rms"], lower)
+        self.assertLess(report["mean"], report["rms"])
+        self.assertLessEqual(report["percentile99"], upper)
+        text = self.convert("compare", "sphere.glb", "moved.ply").text
+        for part in ("sphere.glb\n", "moved.ply\n", "PLY, binary", "yes; genus 0", "first to 2nd", "Hausdorff", "farthest at",
+                     "volume", "bounds"):
+            self.assertIn(part, text)
+
+    def test_open_meshes(self):
+        self.convert("demo:gyroid?size=24", "--iso", 0, "-o", "open.obj")
+        report = self.json("open.obj", "open.obj")
+        self.assertFalse(report["a"]["closed"])
+        self.assertIsNone(report["a"]["genus"])
+        self.assertGreater(report["a"]["open_edges"], 0)
+        self.assertIn(" open edges", self.convert("compare", "open.obj", "open.obj").text)
+
+    def test_max_distance(self):
+        self.convert(SPHERE, "--iso", 0, "--origin", "-0.75,-1,-1", "-o", "moved.ply")
+        self.convert("compare", "sphere.glb", "moved.ply", "--max-distance", "0.3")
+        run = self.run_program("compare", "sphere.glb", "moved.ply", "--max-distance", "0.1")
+        self.assertEqual(run.code, 6)
+        self.assertIn("Hausdorff", run.text)
+        self.assertTrue(run.err.startswith("isoextract: error: sphere.glb and moved.ply: their Hausdorff distance is "
+                                           "at least 0.2"), run.err)
+
+    def test_usage(self):
+        self.assert_fails(1, self.run_program("compare", "sphere.glb"), "two meshes, and 1 were given: sphere.glb")
+        self.assert_fails(1, self.run_program("compare"), "two meshes, and 0 were given")
+        self.assert_fails(1, self.run_program("compare", "a", "b", "c"), "3 were given")
+        self.assert_fails(1, self.run_program("compare", "a", "b", "--max-distance", "-1"), "0 or above")
+
+    def test_bad_meshes(self):
+        self.assert_fails(2, self.run_program("compare", "sphere.glb", "missing.ply"), "missing.ply")
+        (self.folder / "bad.ply").write_text("ply\nformat ascii 1.0\n")
+        self.assert_fails(2, self.run_program("compare", "bad.ply", "sphere.glb"), "bad.ply: expected 'end_header'")
+        self.convert(SPHERE, "--iso", 9, "--empty", "write", "-o", "empty.ply")
+        self.assert_fails(2, self.run_program("compare", "sphere.glb", "empty.ply"), "empty.ply has no triangles")
+        self.assert_fails(2, self.run_program("compare", "sphere.glb", "sphere.glb", "--memory-limit", "1K"),
+                          "--memory-limit")
+
+    def test_same_figures_for_any_number_of_threads(self):
+        self.convert("demo:sphere?size=40", "--iso", 0, "-o", "fine.ply")
+        one = self.convert("compare", "sphere.glb", "fine.ply", "--json", "--threads", 1).out
+        self.assertEqual(one, self.convert("compare", "sphere.glb", "fine.ply", "--json", "--threads", 3).out)
+
+
+if __name__ == "__main__":
+    main()
