@@ -7,7 +7,6 @@
 #include <cassert>
 #include <limits>
 #include <optional>
-#include <ranges>
 
 #include <glm/glm.hpp>
 
@@ -134,10 +133,10 @@ class LoopCutter {
 
   // Such a triangle could overlap one of the neighbour's.
   [[nodiscard]] bool lies_in_a_face(const CellTriangle& t) const {
-    const auto all_on_face = [&](unsigned f) {
-      return std::ranges::all_of(t, [&](std::uint8_t edge) { return on_face(edge, f); });
-    };
-    return std::ranges::any_of(std::views::iota(0U, 6U), all_on_face);
+    for (unsigned f = 0; f < kCubeFaces.size(); ++f) {
+      if (on_face(t[0], f) && on_face(t[1], f) && on_face(t[2], f)) return true;
+    }
+    return false;
   }
 
   // loop[begin..end], whose side begin-end is given.
