@@ -14,7 +14,7 @@ build_packages=(
   libtinygltf-dev nlohmann-json3-dev
   libglm-dev libcli11-dev libfmt-dev libspdlog-dev libexpected-dev
 )
-test_packages=(libgtest-dev clang-format clang-tidy python3 python3-jsonschema shellcheck mandoc bash-completion)
+test_packages=(libgtest-dev clang-format clang-tidy python3 python3-jsonschema shellcheck mandoc bash-completion gnuplot-nox)
 fuzz_packages=(clang libclang-rt-14-dev)
 
 say() { printf 'setup: %s\n' "$*" >&2; }

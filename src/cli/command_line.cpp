@@ -57,7 +57,8 @@ bool take_input(CommandLine& line, const CLI::App* command, const std::string& w
   if (command == line.convert) line.convert_flags.input.inputs.push_back(word);
   if (command == line.info) line.info_flags.input.inputs.push_back(word);
   if (command == line.compare) line.compare_flags.meshes.push_back(word);
-  return command == line.convert || command == line.info || command == line.compare;
+  if (command == line.bench) line.bench_flags.input.inputs.push_back(word);
+  return command == line.convert || command == line.info || command == line.compare || command == line.bench;
 }
 
 // What CLI11 left over: further inputs, and words that nobody knows.
@@ -102,6 +103,7 @@ tl::unexpected<Error> explain(const CLI::ParseError& error, const CLI::App& comm
 Request request_of(const CommandLine& line, const CLI::App* command) {
   if (command == line.info) return Request::info;
   if (command == line.compare) return Request::compare;
+  if (command == line.bench) return Request::bench;
   if (command == line.help) return Request::help;
   if (command == line.generate) return Request::generate;
   return Request::convert;

@@ -15,6 +15,7 @@
 #include <tbb/global_control.h>
 
 #include "base/version.hpp"
+#include "cli/bench_command.hpp"
 #include "cli/command_line.hpp"
 #include "cli/compare_command.hpp"
 #include "cli/convert_command.hpp"
@@ -92,6 +93,15 @@ int run_compare_command(const CompareFlags& flags) {
   return done ? kDone : report(done.error());
 }
 
+int run_bench_command(const BenchFlags& flags) {
+  const auto verbosity = plan_verbosity(flags.run);
+  if (!verbosity) return report(verbosity.error());
+  const auto plan = plan_bench(flags);
+  if (!plan) return report(plan.error());
+  const auto done = run_bench(*plan, Messages(*verbosity));
+  return done ? kDone : report(done.error());
+}
+
 int run_arguments(std::vector<std::string> arguments) {
   const auto line = declare_command_line();
   if (arguments.empty()) {
@@ -113,6 +123,7 @@ int run_arguments(std::vector<std::string> arguments) {
       return print(generate_document(line->app, *line->document));
     case Request::info: return run_info_command(line->info_flags, *line->info);
     case Request::compare: return run_compare_command(line->compare_flags);
+    case Request::bench: return run_bench_command(line->bench_flags);
     case Request::convert: break;
   }
   return run_convert_command(line->convert_flags, std::move(arguments));

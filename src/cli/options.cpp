@@ -133,12 +133,13 @@ std::vector<Choice<LengthUnit>> units() {
 constexpr const char* kMemoryLimitText =
     "Refuse an input that needs more memory than this, such as 512M or 8G (default: the machine's memory).";
 
-void declare_input(CLI::App& app, InputFlags& flags, bool several) {
+// `what` says of the inputs what they are for.
+void declare_input(CLI::App& app, InputFlags& flags, const std::string& metavar, const std::string& what) {
   const Group group(app, "Input");
-  group.values<std::string>("INPUT", several ? "INPUT..." : "INPUT", flags.inputs, parse_text,
+  group.values<std::string>("INPUT", metavar, flags.inputs, parse_text,
                             fmt::format("{}: a path, or demo:NAME (see 'isoextract help demo'). A file that is named "
                                         "like a command is written ./NAME.",
-                                        several ? "The volumes to look at, each" : "The volume to convert"));
+                                        what));
   group.value<std::string>("--grid", "NAME", flags.grid, parse_text,
                            "Grid of a VDB file. NAME[k] is the k-th of that name, counted from 0.");
   group.choice("--input-format", flags.format, input_formats(),
@@ -159,13 +160,25 @@ void declare_input(CLI::App& app, InputFlags& flags, bool several) {
   group.value("--memory-limit", "SIZE", flags.memory_limit, parse_size, kMemoryLimitText);
 }
 
+// Last of a command's options.
+void declare_verbosity(const Group& group, RunFlags& flags) {
+  group.flag("-q,--quiet", flags.quiet, "Say nothing but errors.");
+  group.flag("-v,--verbose", flags.verbose, "Say also what each stage took, and the peak of memory.");
+  group.help_flag();
+}
+
 void declare_run(CLI::App& app, RunFlags& flags) {
   const Group group(app, "Run");
   group.value("--threads", "N", flags.threads, parse_thread_count,
               "Threads to use (default: all). The output does not depend on it.");
-  group.flag("-q,--quiet", flags.quiet, "Say nothing but errors.");
-  group.flag("-v,--verbose", flags.verbose, "Say also what each stage took, and the peak of memory.");
-  group.help_flag();
+  declare_verbosity(group, flags);
+}
+
+void declare_nan(const Group& group, std::optional<NanPolicy>& policy) {
+  group.choice("--nan", policy,
+               {{"error", NanPolicy::error}, {"outside", NanPolicy::outside}, {"hole", NanPolicy::hole}},
+               "What a sample that is not a number means: the end, outside, or a hole in the surface, left by the "
+               "cells that touch it (default: error).");
 }
 
 void declare_surface(CLI::App& app, ConvertFlags& flags) {
@@ -183,10 +196,7 @@ void declare_surface(CLI::App& app, ConvertFlags& flags) {
               "Only the samples in this box, given by its smaller and larger corner in the input's world coordinates "
               "(with --space index in voxel coordinates).");
   group.flag("--cap", flags.cap, "Close the surface where it leaves the data or the --roi.");
-  group.choice("--nan", flags.nan,
-               {{"error", NanPolicy::error}, {"outside", NanPolicy::outside}, {"hole", NanPolicy::hole}},
-               "What a sample that is not a number means: the end, outside, or a hole in the surface, left by the "
-               "cells that touch it (default: error).");
+  declare_nan(group, flags.nan);
   group.choice("--empty", flags.empty,
                {{"error", EmptyPolicy::error}, {"skip", EmptyPolicy::skip}, {"write", EmptyPolicy::write}},
                "What to do where there is no surface: fail, write no file, or write an empty one (default: error).");
@@ -231,6 +241,33 @@ void declare_compare(CLI::App& app, CompareFlags& flags) {
   output.flag("--json", flags.json, "Report as JSON.");
 }
 
+void declare_bench(CLI::App& app, BenchFlags& flags) {
+  declare_input(app, flags.input, "INPUT...", "What to extract from (default: demo:torus), each");
+  const Group input(app, "Input");
+  input.value("--sizes", "N,N,...", flags.sizes, parse_demo_sizes,
+              "Samples along each axis of demo fields (default: 32,64,128,256).");
+  input.value(
+      "--coarser", "F,F,...", flags.coarser, parse_coarse_factors,
+      "Of files besides the data themselves: one sample, their mean, for each F^3; powers of two (default: 2,4,8 "
+      "where that leaves 8 samples along each axis). The data's own surface is the truth.");
+  const Group surface(app, "Surface");
+  surface.value("--iso", "V", flags.iso, parse_number,
+                "The value whose surface is extracted (default: the demo field's own). Files need it.");
+  surface.value("--methods", "M,M,...", flags.methods, parse_methods, "Of mc and mt (default: mc,mt).");
+  declare_nan(surface, flags.nan);
+  const Group output(app, "Output");
+  output.value<std::string>("--csv", "FILE", flags.csv, parse_text, "Write the rows of the table as CSV.");
+  output.value<std::string>("--json", "FILE", flags.json, parse_text, "Write everything as JSON.");
+  output.value<std::string>("--plot", "FILE", flags.plot, parse_text,
+                            "Draw error over run time with gnuplot, as .svg or .png.");
+  const Group run(app, "Run");
+  run.value("--threads", "N,N,...", flags.threads, parse_thread_counts,
+            "Numbers of threads to compare (default: 1 and all).");
+  run.value("--repeats", "N", flags.repeats, parse_repeats,
+            "Times to run each setting after a warm-up; the median counts (default: 5).");
+  declare_verbosity(run, flags.run);
+}
+
 CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description) {
   CLI::App* command = app.add_subcommand(name, description);
   command->allow_extras();  // the caller names what is unknown, with a suggestion
@@ -251,7 +288,7 @@ std::unique_ptr<CommandLine> declare_command_line() {
 
   line->convert = add_command(app, "convert", "Extract a surface and write it as a mesh. The default command.");
   ConvertFlags& convert = line->convert_flags;
-  declare_input(*line->convert, convert.input, false);
+  declare_input(*line->convert, convert.input, "INPUT", "The volume to convert");
   declare_surface(*line->convert, convert);
   declare_placement(*line->convert, convert);
   declare_output(*line->convert, convert);
@@ -266,7 +303,7 @@ std::unique_ptr<CommandLine> declare_command_line() {
   declare_run(*line->convert, convert.run);
 
   line->info = add_command(app, "info", "Show what a volume holds, and suggest an iso value.");
-  declare_input(*line->info, line->info_flags.input, true);
+  declare_input(*line->info, line->info_flags.input, "INPUT...", "The volumes to look at, each");
   Group(*line->info, "Output")
       .flag("--json", line->info_flags.json, "Report as JSON, an array with one entry an input.");
   declare_run(*line->info, line->info_flags.run);
@@ -274,6 +311,8 @@ std::unique_ptr<CommandLine> declare_command_line() {
   line->compare = add_command(app, "compare", "Compare two meshes: their topology, and the distances between them.");
   declare_compare(*line->compare, line->compare_flags);
   declare_run(*line->compare, line->compare_flags.run);
+  line->bench = add_command(app, "bench", "Measure error against run time of all methods, and draw it.");
+  declare_bench(*line->bench, line->bench_flags);
 
   line->help = add_command(app, "help", "Explain a command or a topic.");
   std::vector<Choice<std::string>> topics;
@@ -295,6 +334,7 @@ std::string synopsis(const CLI::App& command) {
   if (name == "convert") return "isoextract [convert] INPUT --iso V [-o FILE] [options]";
   if (name == "info") return "isoextract info INPUT... [options]";
   if (name == "compare") return "isoextract compare A B [options]";
+  if (name == "bench") return "isoextract bench [INPUT...] [options]";
   if (name == "help") return "isoextract help [TOPIC]";
   return "isoextract generate man|bash|zsh|fish";
 }

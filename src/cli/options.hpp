@@ -86,17 +86,34 @@ struct CompareFlags {
   RunFlags run;
 };
 
+struct BenchFlags {
+  InputFlags input;
+  std::optional<std::vector<int>> sizes;
+  std::optional<std::vector<int>> coarser;
+  std::optional<double> iso;
+  std::optional<std::vector<Method>> methods;
+  std::optional<NanPolicy> nan;
+  std::optional<std::vector<int>> threads;
+  std::optional<int> repeats;
+  std::optional<std::string> csv;
+  std::optional<std::string> json;
+  std::optional<std::string> plot;
+  RunFlags run;
+};
+
 struct CommandLine {
   CLI::App app;
   CLI::App* convert = nullptr;
   CLI::App* info = nullptr;
   CLI::App* compare = nullptr;
+  CLI::App* bench = nullptr;
   CLI::App* help = nullptr;
   CLI::App* generate = nullptr;
 
   ConvertFlags convert_flags;
   InfoFlags info_flags;
   CompareFlags compare_flags;
+  BenchFlags bench_flags;
   std::optional<std::string> help_topic;
   std::optional<Document> document;
 };

@@ -19,8 +19,18 @@ std::vector<fs::path> files_of(const OutputJob& job, MeshFormat format) {
   return files;
 }
 
+Result<void> check_stdout(const MeshWriteOptions& options) {
+  const bool is_text = options.ascii || options.format == MeshFormat::obj;
+  if (is_text || ::isatty(STDOUT_FILENO) == 0) return {};
+  return fail(ErrorKind::usage,
+              fmt::format("stdout is a terminal, and {} is binary data", mesh_format_info(options.format).name),
+              "redirect it to a file or a pipe");
+}
+
+}  // namespace
+
 // Devices and pipes are left alone: opening a pipe twice would end it for its reader.
-Result<void> check_output(const fs::path& path, const std::string& input) {
+Result<void> check_output_file(const fs::path& path, const std::string& input) {
   std::error_code none;
   if (fs::equivalent(path, input, none)) {
     return fail(ErrorKind::usage, fmt::format("{}: this is the input; it is not overwritten", path.string()),
@@ -33,22 +43,11 @@ Result<void> check_output(const fs::path& path, const std::string& input) {
   return {};
 }
 
-Result<void> check_stdout(const MeshWriteOptions& options) {
-  const bool is_text = options.ascii || options.format == MeshFormat::obj;
-  if (is_text || ::isatty(STDOUT_FILENO) == 0) return {};
-  return fail(ErrorKind::usage,
-              fmt::format("stdout is a terminal, and {} is binary data", mesh_format_info(options.format).name),
-              "redirect it to a file or a pipe");
-}
-
-// Whether two paths name one file, whether it exists or not.
 bool same_file(const fs::path& a, const fs::path& b) {
   std::error_code none;
   if (fs::equivalent(a, b, none)) return true;
   return fs::weakly_canonical(fs::absolute(a, none), none) == fs::weakly_canonical(fs::absolute(b, none), none);
 }
-
-}  // namespace
 
 Result<void> check_report_file(const ConvertPlan& plan) {
   const fs::path report(*plan.report);
@@ -60,7 +59,7 @@ Result<void> check_report_file(const ConvertPlan& plan) {
                   "choose another name with --report");
     }
   }
-  auto checked = check_output(report, plan.input);
+  auto checked = check_output_file(report, plan.input);
   if (!checked && checked.error().kind == ErrorKind::usage) checked.error().hint = "choose another name with --report";
   return checked;
 }
@@ -72,7 +71,7 @@ Result<void> check_mesh_files(const ConvertPlan& plan) {
       continue;
     }
     for (const fs::path& file : files_of(job, plan.write.format)) {
-      if (auto checked = check_output(file, plan.input); !checked) return checked;
+      if (auto checked = check_output_file(file, plan.input); !checked) return checked;
     }
   }
   return {};

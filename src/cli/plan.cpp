@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <tbb/task_arena.h>
 
 #include "field/demo_field.hpp"
 
@@ -221,6 +222,64 @@ Result<ComparePlan> plan_compare(const CompareFlags& flags) {
   plan.max_distance = flags.max_distance;
   if (flags.memory_limit) plan.limits.memory_bytes = *flags.memory_limit;
   plan.json = flags.json;
+  return plan;
+}
+
+Result<BenchPlan> plan_bench(const BenchFlags& flags) {
+  BenchPlan plan;
+  auto read = plan_read(flags.input);
+  if (!read) return tl::unexpected(read.error());
+  plan.read = std::move(*read);
+  plan.inputs = flags.input.inputs;
+  if (plan.inputs.empty()) plan.inputs.push_back(fmt::format("{}torus", kDemoPrefix));
+  const auto is_demo = [](const std::string& input) { return input.starts_with(kDemoPrefix); };
+  const auto file = std::ranges::find_if_not(plan.inputs, is_demo);
+  const auto demo = std::ranges::find_if(plan.inputs, is_demo);
+  if (file != plan.inputs.end() && !flags.iso) {
+    return usage(fmt::format("{}: a file needs --iso V, the value whose surface is extracted", *file),
+                 fmt::format("'isoextract info {}' shows the values and suggests one", shell_quoted(*file)));
+  }
+  if (flags.sizes && demo == plan.inputs.end()) {
+    return usage("--sizes are those of demo fields", "files have their own size, and coarser ones with --coarser");
+  }
+  if (flags.coarser && file == plan.inputs.end()) {
+    return usage("--coarser is for files", "demo fields are made in the --sizes that are asked for");
+  }
+  for (const std::string& input : plan.inputs) {
+    if (!is_demo(input)) continue;
+    if (const auto spec = parse_demo_spec(input); !spec) return tl::unexpected(spec.error());
+    if (input.find('?') != std::string::npos) {
+      plan.notes.push_back(fmt::format("{}: its size is not used; --sizes says which ones are", input));
+    }
+  }
+  plan.iso = flags.iso;
+  plan.sizes = flags.sizes.value_or(std::vector<int>{32, 64, 128, 256});
+  plan.coarser = flags.coarser.value_or(std::vector<int>{});
+  std::ranges::reverse(plan.coarser);
+  plan.options.nan = flags.nan.value_or(NanPolicy::error);
+  plan.options.methods = flags.methods.value_or(std::vector<Method>{Method::mc, Method::mt});
+  plan.options.backends = {{"cpu", make_cpu_extractor()}};
+  plan.options.repeats = flags.repeats.value_or(plan.options.repeats);
+  plan.options.limits = plan.read.limits;
+  plan.options.threads = flags.threads.value_or(std::vector<int>{1});
+  const int all = tbb::this_task_arena::max_concurrency();
+  if (!flags.threads && all > 1) plan.options.threads.push_back(all);
+
+  for (const auto& path : {flags.csv, flags.json, flags.plot}) {
+    if (path && (path->empty() || *path == "-")) {
+      return usage("--csv, --json and --plot need the name of a file", "the table goes to stdout");
+    }
+  }
+  plan.csv = flags.csv;
+  plan.json = flags.json;
+  plan.plot = flags.plot;
+  if (plan.plot) {
+    const std::string extension = std::filesystem::path(*plan.plot).extension();
+    if (extension != ".svg" && extension != ".png") {
+      return usage(fmt::format("{}: expected a name that ends in .svg or .png", *plan.plot));
+    }
+    plan.picture = extension == ".svg" ? PictureFormat::svg : PictureFormat::png;
+  }
   return plan;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "cli/error_plot.hpp"
 #include "cli/messages.hpp"
 #include "cli/options.hpp"
 #include "cli/placement.hpp"
@@ -51,8 +52,23 @@ struct ComparePlan {
   bool json = false;
 };
 
+struct BenchPlan {
+  std::vector<std::string> inputs;
+  ReadOptions read;
+  std::optional<double> iso;  // none: each demo field's own
+  std::vector<int> sizes;     // of demo fields
+  std::vector<int> coarser;   // of files, falling, without 1; empty: as far as they allow
+  BenchOptions options;       // without iso
+  std::optional<std::string> csv;
+  std::optional<std::string> json;
+  std::optional<std::string> plot;
+  PictureFormat picture = PictureFormat::svg;
+  std::vector<std::string> notes;
+};
+
 [[nodiscard]] Result<Verbosity> plan_verbosity(const RunFlags& flags);
 [[nodiscard]] Result<ConvertPlan> plan_convert(const ConvertFlags& flags);
+[[nodiscard]] Result<BenchPlan> plan_bench(const BenchFlags& flags);
 [[nodiscard]] Result<InfoPlan> plan_info(const InfoFlags& flags, const CLI::App& command);
 [[nodiscard]] Result<ComparePlan> plan_compare(const CompareFlags& flags);
 

@@ -1,6 +1,7 @@
 #include "cli/values.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <charconv>
 #include <cmath>
 #include <optional>
@@ -46,6 +47,20 @@ std::optional<std::vector<double>> numbers_in(std::string_view text, std::size_t
     numbers.push_back(*number);
   }
   if (numbers.size() != count) return std::nullopt;
+  return numbers;
+}
+
+// Whole numbers separated by commas, all different, sorted; `expected` says what they must be.
+template <class Allowed>
+Result<std::vector<int>> whole_numbers(std::string_view text, std::string_view expected, const Allowed& allowed) {
+  std::vector<int> numbers;
+  for (const std::string_view part : split(text, ",")) {
+    const auto number = whole_text_as<int>(part);
+    if (!number || !allowed(*number)) return expected_found(expected, text);
+    numbers.push_back(*number);
+  }
+  std::ranges::sort(numbers);
+  if (std::ranges::adjacent_find(numbers) != numbers.end()) return expected_found("each number once", text);
   return numbers;
 }
 
@@ -138,6 +153,38 @@ Result<int> parse_thread_count(std::string_view text) {
   if (!number || *number < 1 || *number > kMaxThreads) {
     return expected_found(fmt::format("a whole number from 1 to {}", kMaxThreads), text);
   }
+  return *number;
+}
+
+Result<std::vector<int>> parse_thread_counts(std::string_view text) {
+  return whole_numbers(text, fmt::format("whole numbers from 1 to {}, such as 1,2,4", kMaxThreads),
+                       [](int n) { return n >= 1 && n <= kMaxThreads; });
+}
+
+Result<std::vector<int>> parse_demo_sizes(std::string_view text) {
+  return whole_numbers(text, "whole numbers from 8 to 2048, such as 32,64,128",
+                       [](int n) { return n >= 8 && n <= 2048; });
+}
+
+Result<std::vector<int>> parse_coarse_factors(std::string_view text) {
+  return whole_numbers(text, "powers of two from 2 to 64, such as 2,4,8",
+                       [](int n) { return n >= 2 && n <= 64 && std::has_single_bit(static_cast<unsigned>(n)); });
+}
+
+Result<std::vector<Method>> parse_methods(std::string_view text) {
+  std::vector<Method> methods;
+  for (const std::string_view word : split(text, ",")) {
+    if (word != "mc" && word != "mt") return expected_found("some of mc, mt, such as mc,mt", text);
+    const Method method = word == "mc" ? Method::mc : Method::mt;
+    if (std::ranges::find(methods, method) != methods.end()) return expected_found("each method once", text);
+    methods.push_back(method);
+  }
+  return methods;
+}
+
+Result<int> parse_repeats(std::string_view text) {
+  const auto number = whole_text_as<int>(text);
+  if (!number || *number < 1 || *number > 1000) return expected_found("a whole number from 1 to 1000", text);
   return *number;
 }
 

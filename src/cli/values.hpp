@@ -10,6 +10,7 @@
 #include <glm/glm.hpp>
 
 #include "base/error.hpp"
+#include "extract/extractor.hpp"
 #include "field/affine.hpp"
 
 namespace isoextract {
@@ -24,6 +25,14 @@ namespace isoextract {
 [[nodiscard]] Result<Box> parse_box(std::string_view text);              // X0,Y0,Z0,X1,Y1,Z1, min <= max
 [[nodiscard]] Result<int> parse_thread_count(std::string_view text);     // 1..1024
 [[nodiscard]] Result<std::uint64_t> parse_size(std::string_view text);   // bytes, with or without K, M, G, T
+
+// Lists, separated by commas and without repetition, in rising order.
+[[nodiscard]] Result<std::vector<int>> parse_thread_counts(std::string_view text);   // each as one
+[[nodiscard]] Result<std::vector<int>> parse_demo_sizes(std::string_view text);      // 8..2048
+[[nodiscard]] Result<std::vector<int>> parse_coarse_factors(std::string_view text);  // powers of two from 2 to 64
+[[nodiscard]] Result<std::vector<Method>> parse_methods(std::string_view text);      // in the order given
+
+[[nodiscard]] Result<int> parse_repeats(std::string_view text);  // 1..1000
 
 // The candidate that `text` is most likely a slip of: it starts with `text`, or differs by few letters. Empty if none.
 [[nodiscard]] std::string nearest_name(std::string_view text, const std::vector<std::string>& candidates);

@@ -7,7 +7,7 @@ import unittest
 
 from support import SOURCE, ProgramTest, main
 
-COMMANDS = ("convert", "info", "compare", "help", "generate")
+COMMANDS = ("convert", "info", "compare", "bench", "help", "generate")
 
 
 def needs(program):

@@ -1,0 +1,152 @@
+#include "cli/bench_command.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "cli/bench_report.hpp"
+#include "cli/gnuplot.hpp"
+#include "cli/output_checks.hpp"
+#include "cli/progress_bar.hpp"
+#include "field/demo_field.hpp"
+#include "io/output_file.hpp"
+
+namespace isoextract {
+namespace {
+
+Result<void> write_file(const std::string& path, std::string_view text) {
+  auto file = OutputFile::create(path);
+  if (!file) return tl::unexpected(file.error());
+  if (auto written = file->write(text); !written) return written;
+  return file->commit();
+}
+
+class Bench {
+ public:
+  Bench(const BenchPlan& plan, const Messages& messages) : plan_(plan), messages_(messages) {}
+
+  Result<void> run() {
+    if (auto checked = check(); !checked) return checked;
+    for (const std::string& text : plan_.notes) messages_.note(text);
+    for (const std::string& input : plan_.inputs) {
+      auto result = input.starts_with(kDemoPrefix) ? measure_demo(input) : measure_file(input);
+      if (!result) return tl::unexpected(result.error());
+      const std::string before = results_.empty() ? "" : "\n";
+      if (auto printed = print_to_stdout(before + bench_table(*result, plan_.options.repeats)); !printed)
+        return printed;
+      results_.push_back(std::move(*result));
+    }
+    return write();
+  }
+
+ private:
+  // Before the work: what could fail at its end.
+  [[nodiscard]] Result<void> check() const {
+    std::vector<std::string> files;
+    for (const auto& file : {plan_.csv, plan_.json, plan_.plot}) {
+      if (!file) continue;
+      for (const std::string& input : plan_.inputs) {
+        if (auto checked = check_output_file(*file, input); !checked) return checked;
+      }
+      for (const std::string& other : files) {
+        if (!same_file(*file, other)) continue;
+        return fail(ErrorKind::usage, fmt::format("{}: this is the name of two files to write", *file),
+                    "choose another name for one");
+      }
+      files.push_back(*file);
+    }
+    return plan_.plot ? check_gnuplot() : Result<void>();
+  }
+
+  Result<BenchResult> measure_demo(const std::string& input) const {
+    const auto spec = parse_demo_spec(input);
+    if (!spec) return tl::unexpected(spec.error());
+    ProgressBar bar(bar_wanted());
+    BenchOptions options = plan_.options;
+    options.progress = bar.progress();
+    if (plan_.iso) {
+      options.iso = *plan_.iso;
+    } else {
+      options.iso = std::ranges::find(demo_fields(), spec->name, &DemoDescription::name)->iso;
+    }
+    return bench_demo(spec->name, plan_.sizes, options);
+  }
+
+  Result<BenchResult> measure_file(const std::string& input) const {
+    std::optional<ScalarField> field;
+    {
+      ProgressBar bar(bar_wanted());
+      ReadOptions read = plan_.read;
+      read.progress = bar.progress();
+      auto found = read_volume(input, read);
+      if (!found) return tl::unexpected(found.error());
+      field = std::move(*found);
+    }
+    for (const std::string& text : field->notes) messages_.note(text);
+    const std::vector<int> factors = factors_for(*field);
+    ProgressBar bar(bar_wanted());
+    BenchOptions options = plan_.options;
+    options.iso = *plan_.iso;
+    options.progress = bar.progress();
+    return bench_field(*field, factors, options);
+  }
+
+  // Those of the plan, or those that leave enough samples; then the data as they are.
+  [[nodiscard]] std::vector<int> factors_for(const ScalarField& field) const {
+    std::vector<int> factors = plan_.coarser;
+    if (factors.empty()) {
+      constexpr int kFewest = 8;
+      const glm::i64vec3 dims = field.extents().dims();
+      const std::int64_t smallest = std::min({dims.x, dims.y, dims.z});
+      for (const int factor : {8, 4, 2}) {
+        if (smallest / factor >= kFewest) {
+          factors.push_back(factor);
+        } else {
+          messages_.note(fmt::format("{}: not coarser by {}, which leaves fewer than {} samples along an axis",
+                                     field.source, factor, kFewest));
+        }
+      }
+    }
+    factors.push_back(1);
+    return factors;
+  }
+
+  [[nodiscard]] Result<void> write() const {
+    std::optional<std::string> picture;
+    if (plan_.plot) {
+      auto made = run_gnuplot(error_plot_script(results_, plan_.options.repeats, plan_.picture));
+      if (!made) return tl::unexpected(made.error());
+      picture = std::move(*made);
+    }
+    if (plan_.csv) {
+      if (auto written = write_file(*plan_.csv, bench_csv(results_)); !written) return written;
+    }
+    if (plan_.json) {
+      if (auto written = write_file(*plan_.json, json_text(bench_json(results_, plan_.options.repeats))); !written) {
+        return written;
+      }
+    }
+    if (picture) {
+      if (auto written = write_file(*plan_.plot, *picture); !written) return written;
+    }
+    for (const auto& file : {plan_.csv, plan_.json, plan_.plot}) {
+      if (file) messages_.summary(fmt::format("-> {}", *file));
+    }
+    return {};
+  }
+
+  [[nodiscard]] bool bar_wanted() const { return messages_.verbosity() != Verbosity::quiet; }
+
+  const BenchPlan& plan_;
+  const Messages& messages_;
+  std::vector<BenchResult> results_;
+};
+
+}  // namespace
+
+Result<void> run_bench(const BenchPlan& plan, const Messages& messages) { return Bench(plan, messages).run(); }
+
+}  // namespace isoextract

@@ -1,0 +1,205 @@
+#include "cli/bench_report.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/machine.hpp"
+#include "base/version.hpp"
+
+namespace isoextract {
+namespace {
+
+// Columns as wide as their widest cell, right-aligned but for the first `left` of them.
+std::string aligned(const std::vector<std::vector<std::string>>& rows, std::size_t left) {
+  std::vector<std::size_t> widths;
+  for (const auto& row : rows) {
+    widths.resize(std::max(widths.size(), row.size()));
+    for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], row[c].size());
+  }
+  std::string text;
+  for (const auto& row : rows) {
+    std::string line;
+    for (std::size_t c = 0; c < row.size(); ++c) {
+      line += c < left ? fmt::format("  {:<{}}", row[c], widths[c]) : fmt::format("  {:>{}}", row[c], widths[c]);
+    }
+    line.erase(line.find_last_not_of(' ') + 1);
+    text += line + "\n";
+  }
+  return text;
+}
+
+std::string milliseconds(double seconds) { return fmt::format("{:.3g}", 1e3 * seconds); }
+
+std::string angle_text(const std::optional<AngleStatistics>& angles) {
+  return angles ? fmt::format("{:.3g}", angles->rms_degrees) : "-";
+}
+
+std::string percent_text(const std::optional<double>& error) {
+  return error ? fmt::format("{:.2g}", 100 * *error) : "-";
+}
+
+std::string order_text(const std::optional<ConvergenceOrder>& order) {
+  return order ? fmt::format("{:.2f} ({:.2f})", order->slope, order->last) : "-";
+}
+
+std::string setting_text(const BenchResult& result, const BenchRow& row) {
+  return fmt::format("{} {} {}, {} thread{}", method_name(row.method), row.backend, result.levels[row.level].size,
+                     row.threads, row.threads == 1 ? "" : "s");
+}
+
+std::uint64_t unmeasured_points(const BenchResult& result) {
+  std::uint64_t most = 0;
+  for (const BenchRow& row : result.rows) most = std::max(most, row.position.unmeasured());
+  return most;
+}
+
+std::string front_text(const BenchResult& result) {
+  std::vector<const BenchRow*> front;
+  for (const BenchRow& row : result.rows) {
+    if (row.on_front) front.push_back(&row);
+  }
+  std::ranges::sort(front, {}, &BenchRow::median_seconds);
+  std::string text = "Nothing is better in both, error and time (*):\n";
+  for (const BenchRow* row : front) {
+    text += fmt::format("  {}: {} ms, rms {:.3g}\n", setting_text(result, *row), milliseconds(row->median_seconds),
+                        row->position.rms.world);
+  }
+  return text;
+}
+
+Json json_or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+
+Json json_of(const std::optional<AngleStatistics>& angles) {
+  if (!angles) return nullptr;
+  return {{"rms_degrees", angles->rms_degrees}, {"max_degrees", angles->max_degrees}};
+}
+
+Json json_of(const std::optional<ConvergenceOrder>& order) {
+  if (!order) return nullptr;
+  return {{"slope", order->slope}, {"last", order->last}};
+}
+
+Json json_of(const Length& length) { return {{"voxels", length.voxels}, {"world", length.world}}; }
+
+Json json_of(const BenchRow& row, const BenchResult& result) {
+  return {{"method", method_name(row.method)},
+          {"backend", row.backend},
+          {"size", result.levels[row.level].size},
+          {"threads", row.threads},
+          {"triangles", row.triangles},
+          {"seconds", {{"median", row.median_seconds}, {"min", row.min_seconds}, {"max", row.max_seconds}}},
+          {"position",
+           {{"rms", json_of(row.position.rms)},
+            {"percentile99", json_of(row.position.percentile99)},
+            {"max", json_of(row.position.max)},
+            {"worst", isoextract::json_of(row.position.worst)},
+            {"unmeasured", row.position.unmeasured()}}},
+          {"smooth_normals", json_of(row.smooth_normals)},
+          {"flat_normals", json_of(row.flat_normals)},
+          {"area_error", json_or_null(row.area_error)},
+          {"volume_error", json_or_null(row.volume_error)},
+          {"on_front", row.on_front}};
+}
+
+std::string csv_cell(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"') quoted += '"';
+    quoted += c;
+  }
+  return quoted + "\"";
+}
+
+std::string csv_cell(const std::optional<double>& value) { return value ? fmt::format("{}", *value) : ""; }
+
+}  // namespace
+
+std::string bench_table(const BenchResult& result, int repeats) {
+  std::string text = fmt::format("{} at iso {}\n", result.input, result.iso);
+  text += fmt::format("Truth: {}.\n", result.truth);
+  text += fmt::format("Times: extraction alone, median of {} (least .. most), {}.\n\n", repeats, cpu_name());
+  std::vector<std::vector<std::string>> rows{
+      {"method", "backend", "size", "threads", "triangles", "ms", "", "rms", "max", "rms", "max", "smooth", "flat",
+       "area", "volume", ""},
+      {"", "", "", "", "", "", "", "voxels", "voxels", "world", "world", "deg", "deg", "%", "%", ""}};
+  for (const BenchRow& row : result.rows) {
+    const ErrorStatistics& position = row.position;
+    rows.push_back({std::string(method_name(row.method)), row.backend, result.levels[row.level].size,
+                    fmt::format("{}", row.threads), fmt::format("{}", row.triangles), milliseconds(row.median_seconds),
+                    fmt::format("({} .. {})", milliseconds(row.min_seconds), milliseconds(row.max_seconds)),
+                    fmt::format("{:.3g}", position.rms.voxels), fmt::format("{:.3g}", position.max.voxels),
+                    fmt::format("{:.3g}", position.rms.world), fmt::format("{:.3g}", position.max.world),
+                    angle_text(row.smooth_normals), angle_text(row.flat_normals), percent_text(row.area_error),
+                    percent_text(row.volume_error), row.on_front ? "*" : ""});
+  }
+  text += aligned(rows, 2);
+  if (const std::uint64_t points = unmeasured_points(result); points > 0) {
+    text += fmt::format("Not in this: up to {} points of a mesh without a surface to measure to.\n", points);
+  }
+  text += "\nOrders of convergence, error ~ spacing^order: slope over all sizes (between the last two)\n";
+  std::vector<std::vector<std::string>> orders{
+      {"method", "backend", "position", "smooth normals", "flat normals", "area", "volume"}};
+  for (const BenchOrders& order : result.orders) {
+    orders.push_back({std::string(method_name(order.method)), order.backend, order_text(order.position),
+                      order_text(order.smooth_normals), order_text(order.flat_normals), order_text(order.area),
+                      order_text(order.volume)});
+  }
+  return text + aligned(orders, 2) + "\n" + front_text(result);
+}
+
+std::string bench_csv(const std::vector<BenchResult>& results) {
+  std::string text =
+      "input,iso,method,backend,size,spacing,threads,triangles,median_seconds,min_seconds,max_seconds,rms_voxels,"
+      "max_voxels,rms_world,max_world,unmeasured_points,smooth_normals_degrees,flat_normals_degrees,area_error,"
+      "volume_error,on_front\n";
+  for (const BenchResult& result : results) {
+    for (const BenchRow& row : result.rows) {
+      const BenchLevel& level = result.levels[row.level];
+      const ErrorStatistics& position = row.position;
+      const auto degrees = [](const std::optional<AngleStatistics>& angles) {
+        return csv_cell(angles ? std::optional(angles->rms_degrees) : std::nullopt);
+      };
+      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_cell(result.input),
+                          result.iso, method_name(row.method), row.backend, level.size, level.spacing, row.threads,
+                          row.triangles, row.median_seconds, row.min_seconds, row.max_seconds, position.rms.voxels,
+                          position.max.voxels, position.rms.world, position.max.world, position.unmeasured(),
+                          degrees(row.smooth_normals), degrees(row.flat_normals), csv_cell(row.area_error),
+                          csv_cell(row.volume_error), row.on_front ? 1 : 0);
+    }
+  }
+  return text;
+}
+
+Json bench_json(const std::vector<BenchResult>& results, int repeats) {
+  Json benchmarks = Json::array();
+  for (const BenchResult& result : results) {
+    Json levels = Json::array();
+    for (const BenchLevel& level : result.levels) levels.push_back({{"size", level.size}, {"spacing", level.spacing}});
+    Json rows = Json::array();
+    for (const BenchRow& row : result.rows) rows.push_back(json_of(row, result));
+    Json orders = Json::array();
+    for (const BenchOrders& order : result.orders) {
+      orders.push_back({{"method", method_name(order.method)},
+                        {"backend", order.backend},
+                        {"position", json_of(order.position)},
+                        {"smooth_normals", json_of(order.smooth_normals)},
+                        {"flat_normals", json_of(order.flat_normals)},
+                        {"area", json_of(order.area)},
+                        {"volume", json_of(order.volume)}});
+    }
+    benchmarks.push_back({{"input", result.input},
+                          {"iso", result.iso},
+                          {"truth", result.truth},
+                          {"levels", std::move(levels)},
+                          {"rows", std::move(rows)},
+                          {"orders", std::move(orders)}});
+  }
+  return {
+      {"generator", kGenerator}, {"device", cpu_name()}, {"repeats", repeats}, {"benchmarks", std::move(benchmarks)}};
+}
+
+}  // namespace isoextract

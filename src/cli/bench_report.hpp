@@ -1,0 +1,21 @@
+// What `isoextract bench` found, as a table, as CSV and as JSON.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "batch/json_values.hpp"
+#include "measure/benchmark.hpp"
+
+namespace isoextract {
+
+// For a terminal: the rows, the orders of convergence, the front.
+[[nodiscard]] std::string bench_table(const BenchResult& result, int repeats);
+
+// One line a row under a line of names; cells that are not known are empty. RFC 4180 with "\n".
+[[nodiscard]] std::string bench_csv(const std::vector<BenchResult>& results);
+
+// {"generator", "device", "repeats", "benchmarks": [{"input", "iso", "truth", "levels", "rows", "orders"}]}
+[[nodiscard]] Json bench_json(const std::vector<BenchResult>& results, int repeats);
+
+}  // namespace isoextract

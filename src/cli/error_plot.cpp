@@ -1,0 +1,144 @@
+#include "cli/error_plot.hpp"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "cli/gnuplot.hpp"
+
+namespace isoextract {
+namespace {
+
+// Okabe and Ito, "Color universal design", 2008: told apart with any colour vision.
+constexpr std::array<std::string_view, 6> kColours{"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"};
+constexpr std::array<int, 4> kPoints{7, 5, 9, 13};  // filled circle, square, triangle, diamond
+
+// One line of the plot: what shares input, method, backend and threads.
+struct Line {
+  std::string hue;  // lines of one hue differ in their threads only
+  int threads = 1;
+  std::string title;
+  std::string data;
+};
+
+template <class T>
+std::size_t place_of(std::vector<T>& known, const T& value) {
+  const auto found = std::ranges::find(known, value);
+  const auto place = static_cast<std::size_t>(found - known.begin());
+  if (found == known.end()) known.push_back(value);
+  return place;
+}
+
+std::string data_row(const BenchResult& result, const BenchRow& row) {
+  return fmt::format("{:.9g} {:.9g} {}\n", 1e3 * row.median_seconds, row.position.rms.world,
+                     result.levels[row.level].size);
+}
+
+std::vector<Line> lines_of(const std::vector<BenchResult>& results) {
+  std::vector<Line> lines;
+  for (const BenchResult& result : results) {
+    for (const BenchRow& row : result.rows) {
+      std::string hue = row.method == Method::mc ? "marching cubes" : "marching tetrahedra";
+      if (row.backend != "cpu") hue += " on " + row.backend;
+      if (results.size() > 1) hue = fmt::format("{}: {}", result.input, hue);
+      auto line = std::ranges::find_if(
+          lines, [&](const Line& known) { return known.hue == hue && known.threads == row.threads; });
+      if (line == lines.end()) {
+        const std::string title = fmt::format("{}, {} thread{}", hue, row.threads, row.threads == 1 ? "" : "s");
+        line = lines.insert(line, {hue, row.threads, title, ""});
+      }
+      line->data += data_row(result, row);
+    }
+  }
+  return lines;
+}
+
+std::string front_of(const std::vector<BenchResult>& results) {
+  std::string data;
+  for (const BenchResult& result : results) {
+    for (const BenchRow& row : result.rows) {
+      if (row.on_front) data += data_row(result, row);
+    }
+  }
+  return data;
+}
+
+// Some room around the points, in decades as both axes are logarithmic.
+std::string ranges(const std::vector<BenchResult>& results) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  double least[2] = {kInfinity, kInfinity};
+  double most[2] = {0, 0};
+  for (const BenchResult& result : results) {
+    for (const BenchRow& row : result.rows) {
+      const double place[2] = {1e3 * row.median_seconds, row.position.rms.world};
+      for (int axis = 0; axis < 2; ++axis) {
+        if (!(place[axis] > 0)) continue;
+        least[axis] = std::min(least[axis], place[axis]);
+        most[axis] = std::max(most[axis], place[axis]);
+      }
+    }
+  }
+  return fmt::format("set xrange [{:.6g}:{:.6g}]\nset yrange [{:.6g}:{:.6g}]\n", least[0] / 2, most[0] * 2.5,
+                     least[1] / 2, most[1] * 3);
+}
+
+std::string terminal(PictureFormat format) {
+  return format == PictureFormat::svg
+             ? "set terminal svg size 900,600 dynamic font 'Helvetica,Arial,sans-serif,15' background '#ffffff'\n"
+             : "set terminal pngcairo size 1350,900 font 'Sans,16' background '#ffffff'\n";
+}
+
+}  // namespace
+
+std::string error_plot_script(const std::vector<BenchResult>& results, int repeats, PictureFormat format) {
+  std::string script = terminal(format);
+  std::vector<std::string> inputs;
+  for (const BenchResult& result : results) inputs.push_back(fmt::format("{} at iso {}", result.input, result.iso));
+  script += fmt::format("set title {} noenhanced\n",
+                        gnuplot_quoted(fmt::format("Error against run time: {}", fmt::join(inputs, ", "))));
+  script += fmt::format("set xlabel 'extraction, ms (median of {})'\n", repeats);
+  script +=
+      "set ylabel 'distance from the true surface, rms, world units'\n"
+      "set logscale xy\n"
+      "set format x '%g'\n"
+      "set format y '10^{%T}'\n"
+      "set grid xtics ytics mxtics mytics linecolor '#d8d8d8' linewidth 1, linecolor '#efefef' linewidth 0.5\n"
+      "set border 3 linecolor '#606060'\n"
+      "set tics nomirror textcolor '#303030'\n"
+      "set key top right noenhanced samplen 2.5 spacing 1.2\n";
+  script += ranges(results);
+  const std::vector<Line> lines = lines_of(results);
+  std::vector<std::string> hues;
+  std::vector<int> threads;
+  std::vector<std::string> plots;
+  for (std::size_t l = 0; l < lines.size(); ++l) {
+    const Line& line = lines[l];
+    script += fmt::format("$line{} << END\n{}END\n", l, line.data);
+    const std::string_view colour = kColours[place_of(hues, line.hue) % kColours.size()];
+    const std::size_t shape = place_of(threads, line.threads);
+    plots.push_back(
+        fmt::format("$line{} using 1:2 with linespoints linecolor '{}' linewidth 2 dashtype {} pointtype {} "
+                    "pointsize 0.8 title {}",
+                    l, colour, shape % 4 + 1, kPoints[shape % kPoints.size()], gnuplot_quoted(line.title)));
+    // Lines of one hue have the same sizes at the same heights, so one of them has the labels: on the left below the
+    // first hue, on the right above the next.
+    const std::size_t hue = place_of(hues, line.hue);
+    const bool left = hue % 2 == 0;
+    const bool first = l == 0 || lines[l - 1].hue != line.hue;
+    const bool last = l + 1 == lines.size() || lines[l + 1].hue != line.hue;
+    if (left ? !last : !first) continue;
+    plots.push_back(fmt::format("$line{} using 1:2:3 with labels noenhanced {} textcolor '{}' font ',12' notitle", l,
+                                left ? "right offset -1.1,-0.8" : "left offset 1.1,0.8", colour));
+  }
+  script += fmt::format("$front << END\n{}END\n", front_of(results));
+  plots.emplace_back(
+      "$front using 1:2 with points pointtype 6 pointsize 1.9 linewidth 1.5 linecolor '#000000' "
+      "title 'nothing is better in both'");
+  return script + fmt::format("plot {}\n", fmt::join(plots, ", \\\n     "));
+}
+
+}  // namespace isoextract

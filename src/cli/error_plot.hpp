@@ -1,0 +1,17 @@
+// The picture of `isoextract bench`: error over run time, as a gnuplot script.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "measure/benchmark.hpp"
+
+namespace isoextract {
+
+enum class PictureFormat { svg, png };
+
+// Both axes logarithmic; one line for each input, method, backend and number of threads, points labelled with their
+// size, and rings around those that nothing beats on both.
+[[nodiscard]] std::string error_plot_script(const std::vector<BenchResult>& results, int repeats, PictureFormat format);
+
+}  // namespace isoextract

@@ -1,0 +1,21 @@
+// gnuplot as a process of its own: a script in, a picture out. No shell, no files besides.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "base/error.hpp"
+
+namespace isoextract {
+
+// Fails with ErrorKind::unavailable where there is no gnuplot to run; the hint names its package.
+[[nodiscard]] Result<void> check_gnuplot();
+
+// What `script` writes to its standard output, without the user's settings. Fails with ErrorKind::unavailable, and
+// gnuplot's own words, if it does not end well or writes nothing.
+[[nodiscard]] Result<std::string> run_gnuplot(const std::string& script);
+
+// `text` as a string of a script, whatever is in it.
+[[nodiscard]] std::string gnuplot_quoted(std::string_view text);
+
+}  // namespace isoextract
