@@ -178,7 +178,8 @@ Json bench_json(const std::vector<BenchResult>& results, int repeats) {
   Json benchmarks = Json::array();
   for (const BenchResult& result : results) {
     Json levels = Json::array();
-    for (const BenchLevel& level : result.levels) levels.push_back({{"size", level.size}, {"spacing", level.spacing}});
+    for (const BenchLevel& level : result.levels)
+      levels.push_back({{"size", level.size}, {"spacing", level.spacing}, {"is_truth", level.is_truth}});
     Json rows = Json::array();
     for (const BenchRow& row : result.rows) rows.push_back(json_of(row, result));
     Json orders = Json::array();

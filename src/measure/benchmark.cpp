@@ -104,6 +104,13 @@ struct Specimen {
   double volume;  // of the capped mesh
 };
 
+tl::unexpected<Error> no_surface(const ScalarField& field, double iso) {
+  return fail(
+      ErrorKind::input,
+      fmt::format("{}: no surface at iso {}, with {} samples along an axis", field.source, iso, size_text(field)),
+      "choose another --iso, or leave out the coarsest with --sizes (demo fields) or --coarser (files)");
+}
+
 // Fills the errors of a row.
 using Judge = std::function<void(const Specimen& specimen, BenchRow& row)>;
 
@@ -122,10 +129,7 @@ Result<void> judge_level(const ScalarField& field, const BenchOptions& options, 
       const auto open = backend.extractor->extract(field, extract);
       if (!open) return tl::unexpected(open.error());
       if (open->mesh.triangles.empty()) {
-        return fail(ErrorKind::input,
-                    fmt::format("{}: no surface at iso {} with {} samples along an axis", field.source, options.iso,
-                                size_text(field)),
-                    fmt::format("isoextract info {} shows the values", field.source));
+        return no_surface(field, options.iso);
       }
       BenchRow judged;
       judge({field, extract, open->mesh, volume}, judged);
@@ -160,6 +164,7 @@ std::optional<ConvergenceOrder> order_of(const BenchResult& result, const BenchO
   std::vector<double> errors;
   for (const BenchRow& row : result.rows) {
     if (row.method != of.method || row.backend != of.backend) continue;
+    if (result.levels[row.level].is_truth) continue;
     const double spacing = result.levels[row.level].spacing;
     if (!spacings.empty() && spacings.back() == spacing) continue;  // the same mesh by other threads
     const auto value = error(row);
@@ -239,8 +244,10 @@ Result<BenchResult> bench_field(const ScalarField& field, const std::vector<int>
   BenchResult result;
   result.input = field.source;
   result.iso = options.iso;
-  result.truth = fmt::format("the trilinear interpolant of the finest data ({}); area and volume against its meshes",
-                             size_text(field));
+  result.truth = fmt::format(
+      "the trilinear interpolant of the finest data ({}); area and volume against its meshes; it "
+      "counts in no order of convergence",
+      size_text(field));
   // The finest meshes' sizes, by method and backend in the order of the judgements.
   std::vector<SurfaceSize> finest;
   for (const Method method : options.methods) {
@@ -248,6 +255,7 @@ Result<BenchResult> bench_field(const ScalarField& field, const std::vector<int>
       ExtractOptions extract = extract_options(field, method, options);
       const auto open = backend.extractor->extract(field, extract);
       if (!open) return tl::unexpected(open.error());
+      if (open->mesh.triangles.empty()) return no_surface(field, options.iso);
       extract.cap = true;
       const auto capped = backend.extractor->extract(field, extract);
       if (!capped) return tl::unexpected(capped.error());
@@ -281,6 +289,7 @@ Result<BenchResult> bench_field(const ScalarField& field, const std::vector<int>
     if (auto added = add_level(result, coarse ? *coarse : field, options, judge); !added) {
       return tl::unexpected(added.error());
     }
+    result.levels.back().is_truth = factor == 1;
   }
   conclude(result, options);
   return result;

@@ -35,8 +35,9 @@ struct BenchOptions {
 
 // One resolution.
 struct BenchLevel {
-  std::string size;    // samples along an axis, or along each: "64", "91x109x91"
-  double spacing = 0;  // the side of a cube of a voxel's volume, in the world's units
+  std::string size;       // samples along an axis, or along each: "64", "91x109x91"
+  double spacing = 0;     // the side of a cube of a voxel's volume, in the world's units
+  bool is_truth = false;  // the data that the others are measured against: in no order of convergence
 };
 
 struct BenchRow {
