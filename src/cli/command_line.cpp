@@ -104,6 +104,7 @@ Request request_of(const CommandLine& line, const CLI::App* command) {
   if (command == line.info) return Request::info;
   if (command == line.compare) return Request::compare;
   if (command == line.bench) return Request::bench;
+  if (command == line.stability) return Request::stability;
   if (command == line.help) return Request::help;
   if (command == line.generate) return Request::generate;
   return Request::convert;

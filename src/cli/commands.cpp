@@ -24,6 +24,7 @@
 #include "cli/info_command.hpp"
 #include "cli/messages.hpp"
 #include "cli/plan.hpp"
+#include "cli/stability_command.hpp"
 
 namespace isoextract {
 namespace {
@@ -102,6 +103,14 @@ int run_bench_command(const BenchFlags& flags) {
   return done ? kDone : report(done.error());
 }
 
+int run_stability_command(const StabilityFlags& flags) {
+  const auto verbosity = plan_verbosity(flags.run);
+  if (!verbosity) return report(verbosity.error());
+  const ThreadLimit limit(flags.run.threads);
+  const auto done = run_stability(flags);
+  return done ? kDone : report(done.error());
+}
+
 int run_arguments(std::vector<std::string> arguments) {
   const auto line = declare_command_line();
   if (arguments.empty()) {
@@ -124,6 +133,7 @@ int run_arguments(std::vector<std::string> arguments) {
     case Request::info: return run_info_command(line->info_flags, *line->info);
     case Request::compare: return run_compare_command(line->compare_flags);
     case Request::bench: return run_bench_command(line->bench_flags);
+    case Request::stability: return run_stability_command(line->stability_flags);
     case Request::convert: break;
   }
   return run_convert_command(line->convert_flags, std::move(arguments));

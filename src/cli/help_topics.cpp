@@ -14,7 +14,8 @@ namespace isoextract {
 namespace {
 
 constexpr std::array<std::string_view, 5> kGroups{"Input", "Surface", "Placement", "Output", "Run"};
-constexpr std::array<std::string_view, 6> kCommands{"convert", "info", "compare", "bench", "help", "generate"};
+constexpr std::array<std::string_view, 7> kCommands{"convert",   "info", "compare", "bench",
+                                                    "stability", "help", "generate"};
 
 constexpr std::array kExamples{
     Example{"isoextract smoke.vdb --iso 0.5 -o smoke.glb", "A fog volume as a glTF file for Blender or a browser."},

@@ -268,6 +268,16 @@ void declare_bench(CLI::App& app, BenchFlags& flags) {
   declare_verbosity(run, flags.run);
 }
 
+void declare_stability(CLI::App& app, StabilityFlags& flags) {
+  Group(app, "Input")
+      .values<std::string>("--case", "NAME", flags.cases, parse_text,
+                           "Run this case only; several times for several cases (default: all).");
+  const Group output(app, "Output");
+  output.flag("--list", flags.list, "List the cases, what is extreme about each, and run none.");
+  output.flag("--json", flags.json, "Report as JSON.");
+  declare_run(app, flags.run);
+}
+
 CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description) {
   CLI::App* command = app.add_subcommand(name, description);
   command->allow_extras();  // the caller names what is unknown, with a suggestion
@@ -314,6 +324,9 @@ std::unique_ptr<CommandLine> declare_command_line() {
   line->bench = add_command(app, "bench", "Measure error against run time of all methods, and draw it.");
   declare_bench(*line->bench, line->bench_flags);
 
+  line->stability = add_command(app, "stability", "Extract extreme fields with every method, and check every vertex.");
+  declare_stability(*line->stability, line->stability_flags);
+
   line->help = add_command(app, "help", "Explain a command or a topic.");
   std::vector<Choice<std::string>> topics;
   for (const std::string& name : help_names()) topics.push_back({name, name});
@@ -335,6 +348,7 @@ std::string synopsis(const CLI::App& command) {
   if (name == "info") return "isoextract info INPUT... [options]";
   if (name == "compare") return "isoextract compare A B [options]";
   if (name == "bench") return "isoextract bench [INPUT...] [options]";
+  if (name == "stability") return "isoextract stability [options]";
   if (name == "help") return "isoextract help [TOPIC]";
   return "isoextract generate man|bash|zsh|fish";
 }

@@ -101,12 +101,20 @@ struct BenchFlags {
   RunFlags run;
 };
 
+struct StabilityFlags {
+  std::vector<std::string> cases;  // all if empty
+  bool list = false;
+  bool json = false;
+  RunFlags run;
+};
+
 struct CommandLine {
   CLI::App app;
   CLI::App* convert = nullptr;
   CLI::App* info = nullptr;
   CLI::App* compare = nullptr;
   CLI::App* bench = nullptr;
+  CLI::App* stability = nullptr;
   CLI::App* help = nullptr;
   CLI::App* generate = nullptr;
 
@@ -114,6 +122,7 @@ struct CommandLine {
   InfoFlags info_flags;
   CompareFlags compare_flags;
   BenchFlags bench_flags;
+  StabilityFlags stability_flags;
   std::optional<std::string> help_topic;
   std::optional<Document> document;
 };

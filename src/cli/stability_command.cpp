@@ -1,0 +1,124 @@
+#include "cli/stability_command.hpp"
+
+#include <algorithm>
+#include <memory>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/version.hpp"
+#include "batch/json_values.hpp"
+#include "cli/messages.hpp"
+#include "measure/stability.hpp"
+
+namespace isoextract {
+namespace {
+
+std::vector<std::unique_ptr<Extractor>> make_backends() {
+  std::vector<std::unique_ptr<Extractor>> backends;
+  backends.push_back(make_cpu_extractor());
+  return backends;
+}
+
+std::string_view method_word(Method method) { return method == Method::mc ? "mc" : "mt"; }
+
+Result<std::vector<const StabilityCase*>> chosen_cases(const std::vector<std::string>& names) {
+  std::vector<std::string> known;
+  for (const StabilityCase& test : stability_cases()) known.emplace_back(test.name);
+  for (const std::string& name : names) {
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    const std::string near = nearest_name(name, known);
+    return fail(ErrorKind::usage, fmt::format("--case: there is no case '{}'", name),
+                near.empty() ? "'isoextract stability --list' names them" : fmt::format("did you mean '{}'?", near));
+  }
+  std::vector<const StabilityCase*> chosen;
+  for (const StabilityCase& test : stability_cases()) {
+    if (names.empty() || std::find(names.begin(), names.end(), test.name) != names.end()) chosen.push_back(&test);
+  }
+  return chosen;
+}
+
+std::string list_text(const std::vector<const StabilityCase*>& cases) {
+  std::string text;
+  for (const StabilityCase* test : cases) {
+    text += fmt::format("{}\n  {}\n  Plain float32: {}.\n", test->name, test->extreme, test->plain);
+  }
+  return text;
+}
+
+Json list_json(const std::vector<const StabilityCase*>& cases) {
+  Json json = Json::array();
+  for (const StabilityCase* test : cases) {
+    json.push_back({{"case", test->name},
+                    {"extreme", test->extreme},
+                    {"plain_float32", test->plain},
+                    {"plain_float32_fails", test->plain_fails}});
+  }
+  return json;
+}
+
+std::size_t count_failed(const std::vector<StabilityRow>& rows) {
+  return static_cast<std::size_t>(
+      std::count_if(rows.begin(), rows.end(), [](const StabilityRow& row) { return !row.failures.empty(); }));
+}
+
+std::string table_text(const std::vector<StabilityRow>& rows) {
+  std::string text = fmt::format("{:<18} {:<6} {:<7} {:>8} {:>9} {:>6} {:>8} {:>8}  {}\n", "case", "method", "backend",
+                                 "vertices", "triangles", "ulps", "voxels", "allowed", "verdict");
+  for (const StabilityRow& row : rows) {
+    const StabilityFindings& found = row.findings;
+    text += fmt::format("{:<18} {:<6} {:<7} {:>8} {:>9} {:>6.2f} {:>8.1e} {:>8.1e}  {}\n", row.name,
+                        method_word(row.method), row.backend, found.vertices, found.triangles, found.ulps, found.voxels,
+                        row.voxels_allowed,
+                        row.failures.empty() ? "pass" : fmt::format("FAIL: {}", fmt::join(row.failures, "; ")));
+  }
+  return text + fmt::format("{} of {} passed\n", rows.size() - count_failed(rows), rows.size());
+}
+
+Json row_json(const StabilityRow& row) {
+  const StabilityFindings& found = row.findings;
+  return {{"case", row.name},
+          {"method", method_word(row.method)},
+          {"backend", row.backend},
+          {"passed", row.failures.empty()},
+          {"failures", row.failures},
+          {"vertices", found.vertices},
+          {"triangles", found.triangles},
+          {"not_finite", found.not_finite},
+          {"off_edge", found.off_edge},
+          {"repeated", found.repeated},
+          {"zero_area", found.zero_area},
+          {"open_edges", found.open_edges},
+          {"unsound", found.unsound},
+          {"ulps", found.ulps},
+          {"ulps_allowed", kStabilityUlps},
+          {"voxels", found.voxels},
+          {"voxels_allowed", row.voxels_allowed}};
+}
+
+}  // namespace
+
+Result<void> run_stability(const StabilityFlags& flags) {
+  const auto cases = chosen_cases(flags.cases);
+  if (!cases) return tl::unexpected(cases.error());
+  if (flags.list) {
+    return print_to_stdout(flags.json ? json_text(list_json(*cases)) : list_text(*cases));
+  }
+  const auto backends = make_backends();
+  std::vector<StabilityRow> rows;
+  for (const StabilityCase* test : *cases) {
+    for (const Method method : {Method::mc, Method::mt}) {
+      for (const auto& backend : backends) rows.push_back(run_stability_case(*test, method, *backend));
+    }
+  }
+  const std::size_t failed = count_failed(rows);
+  Json json{{"version", kVersion}, {"passed", failed == 0}};
+  json["rows"] = Json::array();
+  for (const StabilityRow& row : rows) json["rows"].push_back(row_json(row));
+  if (auto printed = print_to_stdout(flags.json ? json_text(json) : table_text(rows)); !printed) return printed;
+  if (failed == 0) return {};
+  return fail(ErrorKind::verification, fmt::format("{} of {} cases failed", failed, rows.size()),
+              "the verdicts say how; please report them");
+}
+
+}  // namespace isoextract

@@ -1,0 +1,13 @@
+// `isoextract stability`: extreme fields on every method and backend, checked vertex by vertex.
+#pragma once
+
+#include "base/error.hpp"
+#include "cli/options.hpp"
+
+namespace isoextract {
+
+// Prints the table, the JSON or the list of cases. Fails with ErrorKind::usage for a case that is not there, and with
+// ErrorKind::verification, after the table, where a case does not pass.
+[[nodiscard]] Result<void> run_stability(const StabilityFlags& flags);
+
+}  // namespace isoextract

@@ -1,0 +1,50 @@
+#include "measure/stability.hpp"
+
+#include <fmt/format.h>
+
+namespace isoextract {
+namespace {
+
+bool expects_triangles(StabilityOutcome outcome, bool cap) {
+  return outcome == StabilityOutcome::surface || (outcome == StabilityOutcome::cap_only && cap);
+}
+
+void run_once(const StabilityScene& scene, ExtractOptions options, Extractor& extractor, StabilityRow& row) {
+  const auto add = [&](std::string_view what) {
+    row.failures.push_back(fmt::format("{}{}", options.cap ? "with a cap: " : "", what));
+  };
+  const auto extraction = extractor.extract(scene.field, options);
+  if (scene.outcome == StabilityOutcome::refusal) {
+    if (extraction || extraction.error().kind != ErrorKind::input) add("the samples were not refused");
+    return;
+  }
+  if (!extraction) return add(extraction.error().message);
+  const Mesh& mesh = extraction->mesh;
+  const bool expected = expects_triangles(scene.outcome, options.cap);
+  if (mesh.triangles.empty() == expected) add(expected ? "no surface" : "a surface where there is none");
+  const StabilityFindings findings = check_stability(mesh, scene.field, options);
+  const bool must_be_closed = options.nan != NanPolicy::hole && (options.cap || scene.closed);
+  for (const std::string& failure : failures(findings, must_be_closed, kStabilityUlps, scene.voxels)) add(failure);
+  row.findings.add(findings);
+}
+
+}  // namespace
+
+StabilityRow run_stability_case(const StabilityCase& test, Method method, Extractor& extractor) {
+  const StabilityScene scene = test.make();
+  StabilityRow row;
+  row.name = test.name;
+  row.method = method;
+  row.backend = extractor.name();
+  row.voxels_allowed = scene.voxels;
+  for (const bool cap : {false, true}) {
+    ExtractOptions options = scene.options;
+    options.method = method;
+    options.smooth_normals = true;
+    options.cap = cap;
+    run_once(scene, options, extractor, row);
+  }
+  return row;
+}
+
+}  // namespace isoextract

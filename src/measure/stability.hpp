@@ -1,0 +1,30 @@
+// Runs a stability case on a method and a backend, without and with a cap.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "measure/stability_cases.hpp"
+#include "measure/stability_checks.hpp"
+
+namespace isoextract {
+
+// What GPU and CPU may differ by (DESIGN section 3, identity), and more than rounding once costs.
+inline constexpr double kStabilityUlps = 2;
+
+struct StabilityRow {
+  std::string_view name;
+  Method method = Method::mc;
+  std::string backend;
+  StabilityFindings findings;  // of both meshes together
+  double voxels_allowed = 0;
+  std::vector<std::string> failures;  // empty if the case passes
+};
+
+// What must hold: vertices are finite, each strictly within its own edge of the grid and near the crossing; triangles
+// have an area and are there once; the mesh is oriented and manifold, closed with a cap (unless holes are asked for),
+// and without one where the scene says so; there is a surface exactly where there should be one.
+[[nodiscard]] StabilityRow run_stability_case(const StabilityCase& test, Method method, Extractor& extractor);
+
+}  // namespace isoextract

@@ -1,0 +1,50 @@
+"""isoextract stability: the table, its JSON, its exit codes."""
+
+import json
+
+from support import ProgramTest, main
+
+
+class StabilityTest(ProgramTest):
+    def test_all_cases_pass_on_every_method(self):
+        run = self.run_program("stability", "--json")
+        self.assertEqual((run.code, run.err), (0, ""))
+        report = json.loads(run.text)
+        self.assertTrue(report["passed"])
+        names = [entry["case"] for entry in json.loads(self.run_program("stability", "--list", "--json").text)]
+        self.assertGreaterEqual(len(names), 30)
+        self.assertEqual([(row["case"], row["method"], row["backend"]) for row in report["rows"]],
+                         [(name, method, "cpu") for name in names for method in ("mc", "mt")])
+        for row in report["rows"]:
+            self.assertEqual((row["passed"], row["failures"]), (True, []))
+            self.assertLessEqual(row["ulps"], row["ulps_allowed"])
+            self.assertLessEqual(row["voxels"], row["voxels_allowed"])
+        self.assertGreater(sum(row["vertices"] > 100 for row in report["rows"]), 40)
+
+    def test_the_table_has_a_line_a_run(self):
+        run = self.run_program("stability", "--case", "jump", "--case", "float-max")
+        self.assertEqual((run.code, run.err), (0, ""))
+        lines = run.text.splitlines()
+        self.assertEqual([line.split()[0] for line in lines[1:-1]], ["float-max", "float-max", "jump", "jump"])
+        self.assertTrue(all(line.endswith("pass") for line in lines[1:-1]), run.text)
+        self.assertEqual(lines[-1], "4 of 4 passed")
+
+    def test_threads_do_not_matter(self):
+        texts = {self.run_program("stability", "--threads", threads).text for threads in ("1", "3")}
+        self.assertEqual(len(texts), 1)
+
+    def test_the_list_says_what_is_extreme(self):
+        run = self.run_program("stability", "--list", "--case", "far-frame")
+        self.assertEqual(run.text.splitlines()[0], "far-frame")
+        self.assertIn("1e7", run.text)
+        self.assertIn("Plain float32: ", run.text)
+
+    def test_what_is_not_there(self):
+        self.assert_fails(1, self.run_program("stability", "--case", "flaot-max"), "flaot-max", "'float-max'")
+        self.assert_fails(1, self.run_program("stability", "far-frame"), "unexpected argument", "far-frame")
+        with open("/dev/full", "wb") as full:
+            self.assertEqual(self.run_program("stability", "--list", stdout=full).code, 4)
+
+
+if __name__ == "__main__":
+    main()
