@@ -232,13 +232,15 @@ class Conversion {
     }
     const bool roi_hides_it = report_.region && statistics.min <= iso && iso <= statistics.max;
     const IsoSuggestion suggestion = suggest_iso(field_, statistics);
+    const bool helps = statistics.min < suggestion.iso && suggestion.iso < statistics.max;
+    const std::string other = helps ? fmt::format("try --iso {} ({})", suggestion.iso, suggestion.method)
+                                    : std::string("try another input: this one has no surface worth suggesting");
     return {ErrorKind::input,
             fmt::format("{}: no surface at iso {}{}; the values {}run from {:.6g} to {:.6g}", label_, iso,
                         report_.region ? " in the --roi" : "", report_.region ? "of the whole field " : "",
                         statistics.min, statistics.max),
             roi_hides_it ? "widen the --roi; --empty skip makes this no error"
-                         : fmt::format("try --iso {} ({}); --empty skip makes this no error", suggestion.iso,
-                                       suggestion.method)};
+                         : other + "; --empty skip makes this no error"};
   }
 
   void tell_skipped(const OutputJob& job, const std::vector<double>& isos) {

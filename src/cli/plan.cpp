@@ -213,7 +213,7 @@ Result<InfoPlan> plan_info(const InfoFlags& flags, const CLI::App& command) {
 
 Result<ComparePlan> plan_compare(const CompareFlags& flags) {
   if (flags.meshes.size() != 2) {
-    return usage(fmt::format("compare takes two meshes, and {} were given{}{}", flags.meshes.size(),
+    return usage(fmt::format("compare takes two meshes, found {}{}{}", flags.meshes.size(),
                              flags.meshes.empty() ? "" : ": ", fmt::join(flags.meshes, ", ")),
                  "isoextract compare A.glb B.glb");
   }

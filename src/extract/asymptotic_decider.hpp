@@ -7,8 +7,9 @@
 // infinitesimally further inside than it says. So a sample of value iso is outside, and a saddle of value iso keeps
 // inside corners apart. The field at that other iso is a field without ties; its topology is what is drawn.
 //
-// Differences and products are made in long double, so that no sample of any type overflows, and a product of float32
-// differences is exact. Both cells at a face decide by the same products of the same four values, hence alike.
+// Differences and products are made in long double, so that no sample of any type overflows or vanishes. They are
+// rounded where depths need more than half its digits; then a saddle within rounding of iso may be taken for either
+// side, and the mesh is closed all the same: both cells at a face decide by the same products of the same four values.
 #pragma once
 
 #include <array>

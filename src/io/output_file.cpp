@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kBufferBytes = std::size_t{1} << 20;
 constexpr std::size_t kDirectBytes = std::size_t{1} << 16;  // spans from this size on are not copied
 constexpr mode_t kPermissionBits = S_IRWXU | S_IRWXG | S_IRWXO;
-constexpr const char* kAnotherPlace = "choose another place with -o";
+constexpr const char* kAnotherPlace = "choose another place for the file";
 
 Error system_error(const std::string& shown, std::string_view action, int code) {
   const auto error = [&](std::string_view reason, std::string hint) {
@@ -126,7 +126,7 @@ Result<void> OutputFile::State::open_file(const fs::path& path, const std::optio
   folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
   if (!target.has_filename()) {
     return fail(ErrorKind::output, fmt::format("{}: expected a file name, found the name of a folder", shown),
-                "add a file name to -o");
+                "add a file name");
   }
   std::error_code error;
   if (!fs::is_directory(folder, error)) {
@@ -216,7 +216,7 @@ Result<OutputFile> OutputFile::create(const fs::path& path) {
   if (!exists && errno != ENOENT) return state->failed("write", errno);
   if (exists && S_ISDIR(found.st_mode)) {
     return fail(ErrorKind::output, fmt::format("{}: expected a file, found a folder", state->shown),
-                "add a file name to -o");
+                "add a file name");
   }
   const auto old_mode = exists ? std::optional<mode_t>(found.st_mode & kPermissionBits) : std::nullopt;
   auto opened = exists && !S_ISREG(found.st_mode) ? state->open_device(path) : state->open_file(path, old_mode);

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <optional>
 #include <span>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -94,7 +95,9 @@ Result<GzipFile> open_gzip(const InputFile& file, std::uint64_t offset) {
 Result<std::size_t> inflate_into(gzFile gzip, const InputFile& file, std::span<std::byte> out) {
   const int got = ::gzread(gzip, out.data(), static_cast<unsigned>(out.size()));
   int code = Z_OK;
-  const char* text = ::gzerror(gzip, &code);
+  // zlib starts its text with its own name of the file: "<fd:5>: ".
+  std::string_view text = ::gzerror(gzip, &code);
+  if (const std::size_t colon = text.find(": "); colon != std::string_view::npos) text.remove_prefix(colon + 2);
   if (::gzdirect(gzip) != 0) return fail(ErrorKind::input, file.name() + ": expected gzip data, found other bytes");
   if (got < 0 || (code != Z_OK && code != Z_STREAM_END)) {
     return fail(ErrorKind::input, fmt::format("{}: the gzip data is damaged or cut off: {}", file.name(), text));

@@ -58,9 +58,9 @@ class CompareTest(ProgramTest):
                                            "at least 0.2"), run.err)
 
     def test_usage(self):
-        self.assert_fails(1, self.run_program("compare", "sphere.glb"), "two meshes, and 1 were given: sphere.glb")
-        self.assert_fails(1, self.run_program("compare"), "two meshes, and 0 were given")
-        self.assert_fails(1, self.run_program("compare", "a", "b", "c"), "3 were given")
+        self.assert_fails(1, self.run_program("compare", "sphere.glb"), "two meshes, found 1: sphere.glb")
+        self.assert_fails(1, self.run_program("compare"), "two meshes, found 0")
+        self.assert_fails(1, self.run_program("compare", "a", "b", "c"), "found 3")
         self.assert_fails(1, self.run_program("compare", "a", "b", "--max-distance", "-1"), "0 or above")
 
     def test_bad_meshes(self):

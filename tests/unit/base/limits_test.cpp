@@ -28,6 +28,7 @@ TEST(ByteSize, Formats) {
   EXPECT_EQ(format_byte_size(0), "0 B");
   EXPECT_EQ(format_byte_size(1023), "1023 B");
   EXPECT_EQ(format_byte_size(1536), "1.5 KiB");
+  EXPECT_EQ(format_byte_size(1023 * 1024), "0.999 MiB");
   EXPECT_EQ(format_byte_size(std::uint64_t{2} << 30), "2 GiB");
 }
 
