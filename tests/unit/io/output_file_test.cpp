@@ -231,7 +231,7 @@ TEST(OutputFile, AFullDeviceIsAnErrorThatStays) {
   ASSERT_FALSE(first);
   EXPECT_EQ(first.error().kind, ErrorKind::output);
   EXPECT_EQ(first.error().message, "/dev/full: cannot write: no space left on the device");
-  EXPECT_EQ(first.error().hint, "choose another place for the file");
+  EXPECT_EQ(first.error().hint, "free some space or choose another place for the file");
   const auto later = file.write("y");
   ASSERT_FALSE(later);
   EXPECT_EQ(later.error().message, first.error().message);
