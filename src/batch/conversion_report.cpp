@@ -30,6 +30,7 @@ Json json_of(const ResolvedOptions& o) {
           {"unit", o.unit.empty() ? Json(nullptr) : Json(o.unit)},
           {"format", o.format},
           {"ascii", o.ascii},
+          {"simplify", o.simplify.empty() ? Json(nullptr) : Json(o.simplify)},
           {"error", o.error.empty() ? Json(nullptr) : Json(o.error)},
           {"memory_limit", o.memory_limit}};
 }
@@ -90,6 +91,17 @@ Json json_of(const MeshRecord& mesh) {
             {"origin", json_of(mesh.origin)}};
   if (mesh.error) json["error"] = *mesh.error;
   return json;
+}
+
+Json json_of(const SimplificationRecord& record) {
+  const auto range = [](const DistanceRange& r) { return Json{{"lower", r.lower}, {"upper", r.upper}}; };
+  return {{"iso", record.iso},
+          {"asked", {{"distance", record.asked}, {"unit", record.asked_in_voxels ? "voxel" : "world"}}},
+          {"measured", {{"voxels", range(record.voxels)}, {"world", range(record.world)}}},
+          {"triangles_before", record.triangles_before},
+          {"triangles_after", record.triangles_after},
+          {"passes", record.passes},
+          {"time", json_of(record.time)}};
 }
 
 Json json_of(const FileRecord& file) { return {{"path", file.path}, {"bytes", file.bytes}}; }
@@ -169,6 +181,7 @@ Json json_of(const ConversionReport& report) {
   json["peak_memory_bytes"] = report.peak_memory;
   json["work"] = array_of(report.work);
   json["extractions"] = array_of(report.extractions);
+  json["simplifications"] = array_of(report.simplifications);
   json["meshes"] = array_of(report.meshes);
   json["files"] = array_of(report.files);
   json["notes"] = report.notes;

@@ -36,7 +36,8 @@ struct ResolvedOptions {
   std::string unit;  // empty if none was named
   std::string format;
   bool ascii = false;
-  std::string error;  // "trilinear", "tricubic"; empty if it is not measured
+  std::string simplify;  // "0.1voxel", "0.5world"; empty if nothing is simplified
+  std::string error;     // "trilinear", "tricubic"; empty if it is not measured
   std::uint64_t memory_limit = 0;
 };
 
@@ -59,7 +60,7 @@ struct InputFacts {
 [[nodiscard]] InputFacts input_facts(const std::string& path, const ScalarField& field);
 
 struct StageRecord {
-  std::string stage;          // "read", "classify", "count", "emit", "error", "mesh facts", "statistics", "write"
+  std::string stage;  // "read", "classify", "count", "emit", "simplify", "error", "mesh facts", "statistics", "write"
   std::optional<double> iso;  // where the stage belongs to one surface
   StageTime time;
 };
@@ -68,6 +69,24 @@ struct ExtractionRecord {
   double iso = 0;
   std::uint64_t triangles = 0;
   std::vector<WorkFact> work;
+};
+
+struct DistanceRange {
+  double lower = 0;
+  double upper = 0;
+};
+
+// Of a mesh that was simplified: the Hausdorff distance to what it was, at least and at most.
+struct SimplificationRecord {
+  double iso = 0;
+  double asked = 0;
+  bool asked_in_voxels = true;  // else in the mesh's units
+  DistanceRange voxels;
+  DistanceRange world;
+  std::uint64_t triangles_before = 0;
+  std::uint64_t triangles_after = 0;
+  int passes = 0;
+  StageTime time;
 };
 
 // Of a mesh that was written.
@@ -107,6 +126,7 @@ struct ConversionReport {
   std::uint64_t peak_memory = 0;
   std::vector<WorkFact> work;  // of reading
   std::vector<ExtractionRecord> extractions;
+  std::vector<SimplificationRecord> simplifications;
   std::vector<MeshRecord> meshes;
   std::vector<FileRecord> files;
   std::vector<std::string> notes;  // what was shown as notes

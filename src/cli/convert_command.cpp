@@ -14,6 +14,7 @@
 #include "cli/convert_report.hpp"
 #include "cli/field_label.hpp"
 #include "cli/mesh_error.hpp"
+#include "cli/mesh_simplify.hpp"
 #include "cli/output_checks.hpp"
 #include "cli/progress_bar.hpp"
 #include "extract/extractor.hpp"
@@ -109,6 +110,7 @@ class Conversion {
   Result<void> run_job(const OutputJob& job) {
     std::vector<Mesh> meshes;
     std::vector<double> isos;
+    std::vector<MeshSimplification> simplifications;
     std::vector<MeshError> errors;
     std::vector<std::string> story;  // told when the bar is gone
     MeshWriteResult written;
@@ -123,6 +125,7 @@ class Conversion {
           continue;
         }
         if (job.isos.size() > 1) mesh.name = fmt::format("{} iso {}", mesh.name, iso);
+        if (plan_.simplify) simplify(mesh, iso, bar.progress(), simplifications, story);
         if (plan_.error) errors.push_back(measure_error(mesh, iso, bar.progress(), story));
         isos.push_back(iso);
         meshes.push_back(std::move(mesh));
@@ -144,6 +147,9 @@ class Conversion {
     for (const std::string& text : written.notes) note(text);
     tell_skipped(job, isos);
     if (!meshes.empty()) summarize(job, isos, meshes, written);
+    for (const MeshSimplification& simplification : simplifications) {
+      messages_.summary("  " + simplification_summary(simplification));
+    }
     for (const MeshError& error : errors) tell_error(error);
     return {};
   }
@@ -155,6 +161,16 @@ class Conversion {
     options.output_from_index = output_from_index_;
     options.progress = progress;
     return options;
+  }
+
+  void simplify(Mesh& mesh, double iso, Progress* progress, std::vector<MeshSimplification>& simplifications,
+                std::vector<std::string>& story) {
+    simplifications.push_back(simplify_mesh(mesh, iso, *plan_.simplify, output_from_index_, progress));
+    const MeshSimplification& done = simplifications.back();
+    story.push_back(fmt::format("{} iso {}: simplified in {}: {}", label_, iso, times_text(done.record.time),
+                                simplification_details(done)));
+    report_.stages.push_back({"simplify", iso, done.record.time});
+    report_.simplifications.push_back(done.record);
   }
 
   MeshError measure_error(const Mesh& mesh, double iso, Progress* progress, std::vector<std::string>& story) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
@@ -46,6 +47,9 @@ ResolvedOptions resolved_options(const ConvertPlan& plan) {
   options.unit = plan.placement.unit;
   options.format = mesh_format_info(plan.write.format).name;
   options.ascii = plan.write.ascii;
+  if (plan.simplify) {
+    options.simplify = fmt::format("{}{}", plan.simplify->distance, plan.simplify->in_world_units ? "world" : "voxel");
+  }
   if (plan.error) options.error = interpolation_name(*plan.error);
   options.memory_limit = plan.read.limits.memory_bytes;
   return options;

@@ -196,6 +196,10 @@ void declare_surface(CLI::App& app, ConvertFlags& flags) {
               "Only the samples in this box, given by its smaller and larger corner in the input's world coordinates "
               "(with --space index in voxel coordinates).");
   group.flag("--cap", flags.cap, "Close the surface where it leaves the data or the --roi.");
+  group.value("--simplify", "ERR", flags.simplify, parse_simplify_error,
+              "Leave out triangles as long as no point of either mesh is farther than ERR from the other: 0.1 or "
+              "0.1voxel in voxels, 0.5world in the units of the written mesh. The distance is measured and told. Open "
+              "borders keep their vertices.");
   declare_nan(group, flags.nan);
   group.choice("--empty", flags.empty,
                {{"error", EmptyPolicy::error}, {"skip", EmptyPolicy::skip}, {"write", EmptyPolicy::write}},

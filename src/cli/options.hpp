@@ -57,6 +57,7 @@ struct ConvertFlags {
   std::optional<Normals> normals;
   std::optional<Box> roi;
   bool cap = false;
+  std::optional<SimplifyError> simplify;
   std::optional<NanPolicy> nan;
   std::optional<EmptyPolicy> empty;
   std::optional<Space> space;

@@ -105,6 +105,21 @@ Result<double> parse_not_negative(std::string_view text) {
   return *number;
 }
 
+Result<SimplifyError> parse_simplify_error(std::string_view text) {
+  constexpr std::string_view kVoxel = "voxel";
+  constexpr std::string_view kWorld = "world";
+  std::string_view number = text;
+  const bool in_world_units = text.ends_with(kWorld);
+  if (in_world_units) number.remove_suffix(kWorld.size());
+  if (text.ends_with(kVoxel)) number.remove_suffix(kVoxel.size());
+  const auto distance = whole_text_as<double>(number);
+  if (!distance || !std::isfinite(*distance) || *distance <= 0) {
+    return expected_found(
+        "a distance above 0, in voxels such as 0.1 or in the units of the written mesh such as 0.5world", text);
+  }
+  return SimplifyError{*distance, in_world_units};
+}
+
 Result<glm::dvec3> parse_vector(std::string_view text) {
   const auto numbers = numbers_in(text, 3);
   if (!numbers) return expected_found("three numbers X,Y,Z", text);

@@ -103,7 +103,6 @@ std::array<Polygon, 2> halve_corners(const Polygon& polygon) {
 
 TriangleBound bound_distance(const std::array<glm::dvec3, 3>& corners, const TriangleTree& tree,
                              const DistanceLimits& limits, double known, std::uint32_t hint) {
-  constexpr std::size_t kMostParts = 1 << 22;
   TriangleBound bound;
   double lower = known;
   std::vector<Polygon> waiting(1);
@@ -115,6 +114,7 @@ TriangleBound bound_distance(const std::array<glm::dvec3, 3>& corners, const Tri
     const glm::dvec3 centre = polygon.centre();
     const TriangleTree::Nearest nearest = tree.nearest(centre, polygon.hint);
     const double distance = std::sqrt(nearest.distance_squared);
+    if (parts == 0) bound.slot = nearest.slot;
     if (distance > bound.lower) {
       bound.lower = distance;
       bound.place = centre;
@@ -133,7 +133,13 @@ TriangleBound bound_distance(const std::array<glm::dvec3, 3>& corners, const Tri
       bound.upper = std::max(bound.upper, upper);
       continue;
     }
-    if (parts + waiting.size() > kMostParts || lower > limits.refuse) {
+    const bool too_many = parts + waiting.size() > limits.most_parts;
+    if (lower > limits.refuse || (too_many && std::isfinite(limits.refuse))) {
+      bound.upper = std::numeric_limits<double>::infinity();
+      bound.unfinished = true;
+      return bound;
+    }
+    if (too_many) {
       bound.upper = std::max(bound.upper, upper);
       bound.unfinished = true;
       continue;

@@ -22,7 +22,8 @@ struct DistanceLimits {
   double tolerance = 0.01;  // the interval may be this wide, as a fraction of its lower end,
   double floor = 0;         // and this wide in any case
   double enough = 0;        // upper ends up to this need no cutting
-  double refuse = std::numeric_limits<double>::infinity();  // a lower end above this ends the search
+  double refuse = std::numeric_limits<double>::infinity();  // a lower end above this ends the search: upper is infinite
+  std::size_t most_parts = std::size_t{1} << 22;            // so many parts of one triangle end it, too
 
   // Upper ends up to this need no cutting where distances up to `lower` are known.
   [[nodiscard]] double good_upper(double lower) const {
@@ -36,12 +37,13 @@ struct TriangleBound {
   double upper = 0;       // no point of the triangle is farther
   glm::dvec3 place{0.0};  // in the frame of the tree, as the nearest point
   glm::dvec3 nearest{0.0};
+  std::uint32_t slot = 0;   // of the tree: nearest to the centroid of the triangle
   bool unfinished = false;  // ended by `refuse`, or after very many parts: wider than it should be, but it holds
 };
 
 // `known` is a distance that occurs anyway, elsewhere: below it nothing needs to be told apart. `hint` is a slot of the
-// tree, near if possible. In double; its rounding is not accounted for: some 1e-16 of the coordinates, and up to 1e-8 of
-// the size of a triangle that is all but a line.
+// tree, near if possible. In double; its rounding is not accounted for: some 1e-16 of the coordinates, and up to 1e-8
+// of the size of a triangle that is all but a line.
 [[nodiscard]] TriangleBound bound_distance(const std::array<glm::dvec3, 3>& corners, const TriangleTree& tree,
                                            const DistanceLimits& limits, double known, std::uint32_t hint);
 

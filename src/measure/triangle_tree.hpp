@@ -14,10 +14,6 @@
 
 namespace isoextract {
 
-// The closest point to `p` of the triangle a, b, c, which may be without area. In double.
-[[nodiscard]] glm::dvec3 closest_on_triangle(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b,
-                                             const glm::dvec3& c);
-
 class TriangleTree {
  public:
   struct Corners {

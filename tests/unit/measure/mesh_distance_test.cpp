@@ -8,6 +8,7 @@
 #include <tbb/global_control.h>
 
 #include "measure/triangle_tree.hpp"
+#include "mesh/closest_point.hpp"
 #include "support/sample_meshes.hpp"
 
 namespace isoextract {

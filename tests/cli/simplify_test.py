@@ -1,0 +1,89 @@
+"""--simplify: fewer triangles within a stated distance, told, reported, and checked by compare."""
+
+import json
+import re
+
+from support import DATA, SPHERE, ProgramTest, main, needs_data, read_ply
+
+FINE = "demo:sphere?size=48"
+
+
+class SimplifyTest(ProgramTest):
+    def both(self, name, *arguments):
+        """The mesh as it is and simplified; what compare says of the two."""
+        self.convert(*arguments, "-o", f"full_{name}")
+        run = self.convert(*arguments, "--simplify", "0.1", "-o", name, "--report", "report.json")
+        (record,) = json.loads((self.folder / "report.json").read_text())["simplifications"]
+        report = json.loads(self.convert("compare", "--json", f"full_{name}", name).text)
+        self.assertEqual(record["triangles_before"], report["a"]["triangles"])
+        self.assertEqual(record["triangles_after"], report["b"]["triangles"])
+        self.assertEqual(record["asked"], {"distance": 0.1, "unit": "voxel"})
+        self.assertLessEqual(record["measured"]["voxels"]["upper"], 0.1)
+        self.assertLessEqual(report["hausdorff"][0], record["measured"]["world"]["upper"] + report["resolution"])
+        for fact in ("closed", "components", "genus", "open_edges"):
+            self.assertEqual(report["a"][fact], report["b"][fact], fact)
+        self.assertLess((self.folder / name).stat().st_size, (self.folder / f"full_{name}").stat().st_size)
+        return run, record, report
+
+    def test_every_format(self):
+        for name in ("a.glb", "a.ply", "a.obj", "a.stl", "a.gltf"):
+            run, record, _ = self.both(name, FINE, "--iso", "0")
+            self.assertLess(record["triangles_after"], 0.3 * record["triangles_before"])
+            self.assertRegex(run.err, rf"simplified at iso 0: {record['triangles_after']} of "
+                                      rf"{record['triangles_before']} triangles left .* asked for at most 0.1 voxels, "
+                                      r"measured \S+ to \S+ voxels, in the mesh's units \S+ to \S+; \S+ s")
+
+    def test_uneven_spacing_and_scale(self):
+        _, record, report = self.both("a.ply", FINE, "--iso", "0", "--spacing", "1,2,5", "--scale", "0.001")
+        self.assertTrue(report["b"]["closed"])
+        self.assertLess(record["triangles_after"], 0.5 * record["triangles_before"])
+
+    def test_world_units(self):
+        self.convert(FINE, "--iso", "0", "-o", "full.ply")
+        run = self.convert(FINE, "--iso", "0", "--simplify", "0.004world", "-o", "a.ply")
+        self.assertIn("asked for at most 0.004 of the mesh's units", run.err)
+        self.convert("compare", "full.ply", "a.ply", "--max-distance", "0.00405")
+
+    def test_several_isos_and_the_explanation(self):
+        run = self.convert(FINE, "--iso", "0", "--iso", "0.2", "--simplify", "0.05voxel", "--explain", "-o", "a.glb")
+        self.assertEqual(len(re.findall("simplified at iso", run.err)), 2)
+        self.assertEqual(len(re.findall(r"simplified in .* passes over \d+ patches", run.err)), 2)
+
+    def test_smooth_normals_are_kept(self):
+        self.convert(FINE, "--iso", "0", "--normals", "smooth", "-o", "full.ply")
+        self.convert(FINE, "--iso", "0", "--normals", "smooth", "--simplify", "0.1", "-o", "a.ply")
+        full, less = (read_ply((self.folder / name).read_bytes()) for name in ("full.ply", "a.ply"))
+        known = dict(zip(full.vertices, full.normals))
+        self.assertTrue(less.vertices)
+        for vertex, normal in zip(less.vertices, less.normals):
+            self.assertEqual(known[vertex], normal)
+
+    def test_nothing_to_gain_is_told(self):
+        self.convert(SPHERE, "--iso", "0", "-o", "full.ply")
+        run = self.convert(SPHERE, "--iso", "0", "--simplify", "1e-9", "-o", "a.ply")
+        self.assertIn("not simplified at iso 0: none of its", run.err)
+        self.assertEqual((self.folder / "a.ply").read_bytes(), (self.folder / "full.ply").read_bytes())
+
+    def test_same_bytes_for_any_number_of_threads(self):
+        for threads in (1, 3):
+            self.convert("demo:gyroid?size=40", "--iso", "0", "--simplify", "0.1", "--threads", threads, "-o",
+                         f"a{threads}.ply")
+        self.assertEqual((self.folder / "a1.ply").read_bytes(), (self.folder / "a3.ply").read_bytes())
+
+    def test_no_surface(self):
+        run = self.convert(SPHERE, "--iso", "9", "--empty", "write", "--simplify", "0.1", "-o", "a.ply")
+        self.assertIn("none of its 0 triangles", run.err)
+
+    def test_usage(self):
+        for wrong in ("0", "-1", "0.1mm", "world", "nan", "1e999", ""):
+            self.assert_fails(1, self.run_program(SPHERE, "--iso", "0", "--simplify", wrong), "--simplify")
+
+    @needs_data("med/MR.nii.gz")
+    def test_a_noisy_scan(self):
+        _, record, _ = self.both("a.glb", DATA / "med/MR.nii.gz", "--iso", "120", "--roi", "-340,-20,440,-300,60,500",
+                                 "--cap")
+        self.assertLess(record["triangles_after"], record["triangles_before"])
+
+
+if __name__ == "__main__":
+    main()
