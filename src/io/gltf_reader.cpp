@@ -110,9 +110,7 @@ Transform transform_of(const json& node) {
   Transform transform;
   if (const auto matrix = node.find("matrix"); matrix != node.end()) {
     const auto m = numbers<16>(*matrix, "matrix");
-    for (int column = 0; column < 3; ++column) {
-      for (int row = 0; row < 3; ++row) transform.linear[column][row] = m[static_cast<std::size_t>(4 * column + row)];
-    }
+    transform.linear = {m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10]};
     transform.offset = {m[12], m[13], m[14]};
     return transform;
   }
