@@ -135,6 +135,37 @@ TEST(ClosestOnTriangle, AgreesWithSamplesAlsoWithoutArea) {
   }
 }
 
+// Corners on one line in a random direction, or a float32 rounding beside it, and points near that line.
+TEST(ClosestOnTriangle, IsRightForNeedles) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> place(-5, 5);
+  const auto point = [&] {
+    const float x = std::round(place(random));
+    const float y = std::round(place(random));
+    return glm::vec3(x, y, std::round(place(random)));
+  };
+  for (int round = 0; round < 3000; ++round) {
+    const glm::vec3 start = point();
+    const glm::vec3 direction = point();
+    Mesh needle;
+    needle.positions = Buffer<glm::vec3>(3);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float t = place(random);
+      needle.positions[c] = start + (round % 2 == 0 ? std::round(t) : t) * direction;
+    }
+    const glm::dvec3 a = needle.positions[0];
+    const glm::dvec3 b = needle.positions[1];
+    const glm::dvec3 c = needle.positions[2];
+    const glm::dvec3 p = glm::dvec3(start + place(random) * direction) + glm::dvec3(0.01, -0.02, 0.01);
+    const double found = glm::length(p - closest_on_triangle(p, a, b, c));
+    const double sides =
+        std::min({glm::length(p - closest_on_segment(p, a, b)), glm::length(p - closest_on_segment(p, b, c)),
+                  glm::length(p - closest_on_segment(p, c, a))});
+    EXPECT_LE(found, sides) << round;
+    EXPECT_GE(found, sides - 1e-5) << round;  // the needle's width
+  }
+}
+
 TEST(TriangleTree, NearestAgreesWithBruteForce) {
   std::mt19937 random(2);
   std::uniform_real_distribution<double> place(-2, 2);
