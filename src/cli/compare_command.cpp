@@ -1,5 +1,6 @@
 #include "cli/compare_command.hpp"
 
+#include <algorithm>
 #include <array>
 
 #include <fmt/format.h>
@@ -137,6 +138,27 @@ Json comparison_json(const std::array<Side, 2>& sides, const MeshDistance& dista
           {"resolution", distance.resolution}};
 }
 
+// Where the limit lies within the interval of the greatest distance, a narrower one says on which side it is.
+void look_closer(const std::array<Side, 2>& sides, double limit, DistanceOptions options, MeshDistance& distance) {
+  if (distance.hausdorff_upper <= limit) return;
+  options.tolerance = 1e-4;
+  options.enough = limit;
+  options.samples = 0;
+  const auto closer = measure_distance(sides[0].file.mesh, sides[1].file.mesh, options);
+  if (!closer) return;
+  const auto narrow = [](DirectedDistance& wide, const DirectedDistance& found) {
+    wide.max_upper = std::min(wide.max_upper, found.max_upper);
+    if (found.max_lower <= wide.max_lower) return;
+    wide.max_lower = found.max_lower;
+    wide.place = found.place;
+    wide.nearest = found.nearest;
+  };
+  narrow(distance.a_to_b, closer->a_to_b);
+  narrow(distance.b_to_a, closer->b_to_a);
+  distance.hausdorff_lower = std::max(distance.a_to_b.max_lower, distance.b_to_a.max_lower);
+  distance.hausdorff_upper = std::max(distance.a_to_b.max_upper, distance.b_to_a.max_upper);
+}
+
 Result<void> check_distance(const ComparePlan& plan, const MeshDistance& distance) {
   if (!plan.max_distance || distance.hausdorff_upper <= *plan.max_distance) return {};
   const bool surely = distance.hausdorff_lower > *plan.max_distance;
@@ -165,6 +187,9 @@ Result<void> run_compare(const ComparePlan& plan, const Messages& messages) {
     auto measured = measure_distance(sides[0].file.mesh, sides[1].file.mesh, options);
     if (!measured) return tl::unexpected(std::move(measured.error()));
     distance = *measured;
+    if (plan.max_distance && distance.hausdorff_lower <= *plan.max_distance) {
+      look_closer(sides, *plan.max_distance, options, distance);
+    }
   }
   for (const Side& side : sides) {
     for (const std::string& note : side.file.notes) messages.note(note);
