@@ -30,7 +30,6 @@ class Bench {
 
   Result<void> run() {
     if (auto checked = check(); !checked) return checked;
-    for (const std::string& text : plan_.notes) messages_.note(text);
     for (const std::string& input : plan_.inputs) {
       auto result = input.starts_with(kDemoPrefix) ? measure_demo(input) : measure_file(input);
       if (!result) return tl::unexpected(result.error());

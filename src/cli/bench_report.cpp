@@ -70,6 +70,18 @@ std::string front_text(const BenchResult& result) {
   return text;
 }
 
+std::string orders_text(const BenchResult& result) {
+  std::vector<std::vector<std::string>> orders{
+      {"method", "backend", "position", "smooth normals", "flat normals", "area", "volume"}};
+  for (const BenchOrders& order : result.orders) {
+    orders.push_back({std::string(method_name(order.method)), order.backend, order_text(order.position),
+                      order_text(order.smooth_normals), order_text(order.flat_normals), order_text(order.area),
+                      order_text(order.volume)});
+  }
+  return "Orders of convergence, error ~ spacing^order: slope over all sizes (between the last two)\n" +
+         aligned(orders, 2);
+}
+
 Json json_or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 
 Json json_of(const std::optional<AngleStatistics>& angles) {
@@ -96,6 +108,7 @@ Json json_of(const BenchRow& row, const BenchResult& result) {
             {"percentile99", json_of(row.position.percentile99)},
             {"max", json_of(row.position.max)},
             {"worst", isoextract::json_of(row.position.worst)},
+            {"rounding", row.rounding},
             {"unmeasured", row.position.unmeasured()}}},
           {"smooth_normals", json_of(row.smooth_normals)},
           {"flat_normals", json_of(row.flat_normals)},
@@ -137,20 +150,14 @@ std::string bench_table(const BenchResult& result, int repeats) {
                     percent_text(row.volume_error), row.on_front ? "*" : ""});
   }
   text += aligned(rows, 2);
+  for (const std::string& note : result.notes) text += fmt::format("Note: {}.\n", note);
   if (const std::uint64_t points = unmeasured_points(result); points > 0) {
     text += fmt::format("Not in this: up to {} points of a mesh without a surface to measure to.\n", points);
   }
-  text += "\nOrders of convergence, error ~ spacing^order: slope over all sizes (between the last two)\n";
-  std::vector<std::vector<std::string>> orders{
-      {"method", "backend", "position", "smooth normals", "flat normals", "area", "volume"}};
-  for (const BenchOrders& order : result.orders) {
-    orders.push_back({std::string(method_name(order.method)), order.backend, order_text(order.position),
-                      order_text(order.smooth_normals), order_text(order.flat_normals), order_text(order.area),
-                      order_text(order.volume)});
-  }
-  return text + aligned(orders, 2) + "\n" + front_text(result);
+  text += "\n";
+  if (std::ranges::count(result.levels, false, &BenchLevel::is_truth) >= 2) text += orders_text(result) + "\n";
+  return text + front_text(result);
 }
-
 std::string bench_csv(const std::vector<BenchResult>& results) {
   std::string text =
       "input,iso,method,backend,size,spacing,threads,triangles,median_seconds,min_seconds,max_seconds,rms_voxels,"
@@ -195,6 +202,7 @@ Json bench_json(const std::vector<BenchResult>& results, int repeats) {
     benchmarks.push_back({{"input", result.input},
                           {"iso", result.iso},
                           {"truth", result.truth},
+                          {"notes", result.notes},
                           {"levels", std::move(levels)},
                           {"rows", std::move(rows)},
                           {"orders", std::move(orders)}});

@@ -9,13 +9,13 @@
 
 namespace isoextract {
 
-// For a terminal: the rows, the orders of convergence, the front.
+// For a terminal: the rows, the notes, the orders of convergence (of two sizes or more), the front.
 [[nodiscard]] std::string bench_table(const BenchResult& result, int repeats);
 
 // One line a row under a line of names; cells that are not known are empty. RFC 4180 with "\n".
 [[nodiscard]] std::string bench_csv(const std::vector<BenchResult>& results);
 
-// {"generator", "device", "repeats", "benchmarks": [{"input", "iso", "truth", "levels", "rows", "orders"}]}
+// {"generator", "device", "repeats", "benchmarks": [{"input", "iso", "truth", "notes", "levels", "rows", "orders"}]}
 [[nodiscard]] Json bench_json(const std::vector<BenchResult>& results, int repeats);
 
 }  // namespace isoextract

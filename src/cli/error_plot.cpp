@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <string_view>
 
@@ -34,7 +35,7 @@ std::size_t place_of(std::vector<T>& known, const T& value) {
 }
 
 std::string data_row(const BenchResult& result, const BenchRow& row) {
-  return fmt::format("{:.9g} {:.9g} {}\n", 1e3 * row.median_seconds, row.position.rms.world,
+  return fmt::format("{:.9g} {:.9g} {}\n", 1e3 * row.median_seconds, row.rms_above_rounding(),
                      result.levels[row.level].size);
 }
 
@@ -67,14 +68,23 @@ std::string front_of(const std::vector<BenchResult>& results) {
   return data;
 }
 
-// Some room around the points, in decades as both axes are logarithmic.
+// Both axes are logarithmic and have numbers at powers of ten. With fewer than two of these a scale cannot be read.
+std::string range_with_numbers(double low, double high) {
+  if (std::floor(std::log10(high)) - std::ceil(std::log10(low)) < 1) {
+    low = std::pow(10, std::floor(std::log10(low)));
+    high = std::pow(10, std::ceil(std::log10(high)));
+  }
+  return fmt::format("[{:.6g}:{:.6g}]", low, high);
+}
+
+// Some room around the points.
 std::string ranges(const std::vector<BenchResult>& results) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   double least[2] = {kInfinity, kInfinity};
   double most[2] = {0, 0};
   for (const BenchResult& result : results) {
     for (const BenchRow& row : result.rows) {
-      const double place[2] = {1e3 * row.median_seconds, row.position.rms.world};
+      const double place[2] = {1e3 * row.median_seconds, row.rms_above_rounding()};
       for (int axis = 0; axis < 2; ++axis) {
         if (!(place[axis] > 0)) continue;
         least[axis] = std::min(least[axis], place[axis]);
@@ -82,8 +92,8 @@ std::string ranges(const std::vector<BenchResult>& results) {
       }
     }
   }
-  return fmt::format("set xrange [{:.6g}:{:.6g}]\nset yrange [{:.6g}:{:.6g}]\n", least[0] / 2, most[0] * 2.5,
-                     least[1] / 2, most[1] * 3);
+  return fmt::format("set xrange {}\nset yrange {}\n", range_with_numbers(least[0] / 2, most[0] * 2.5),
+                     range_with_numbers(least[1] / 2, most[1] * 3));
 }
 
 std::string terminal(PictureFormat format) {

@@ -266,7 +266,7 @@ void declare_bench(CLI::App& app, BenchFlags& flags) {
                             "Draw error over run time with gnuplot, as .svg or .png.");
   const Group run(app, "Run");
   run.value("--threads", "N,N,...", flags.threads, parse_thread_counts,
-            "Numbers of threads to compare (default: 1 and all).");
+            "Numbers of threads to compare, none above that of the machine (default: 1 and all).");
   run.value("--repeats", "N", flags.repeats, parse_repeats,
             "Times to run each setting after a warm-up; the median counts (default: 5).");
   declare_verbosity(run, flags.run);

@@ -237,6 +237,10 @@ Result<BenchPlan> plan_bench(const BenchFlags& flags) {
   const auto file = std::ranges::find_if_not(plan.inputs, is_demo);
   const auto demo = std::ranges::find_if(plan.inputs, is_demo);
   if (file != plan.inputs.end() && !flags.iso) {
+    std::error_code unknown;
+    if (!std::filesystem::exists(*file, unknown)) {
+      return fail(ErrorKind::input, fmt::format("{}: there is no such file", *file));
+    }
     return usage(fmt::format("{}: a file needs --iso V, the value whose surface is extracted", *file),
                  fmt::format("'isoextract info {}' shows the values and suggests one", shell_quoted(*file)));
   }
@@ -248,9 +252,11 @@ Result<BenchPlan> plan_bench(const BenchFlags& flags) {
   }
   for (const std::string& input : plan.inputs) {
     if (!is_demo(input)) continue;
-    if (const auto spec = parse_demo_spec(input); !spec) return tl::unexpected(spec.error());
+    const auto spec = parse_demo_spec(input);
+    if (!spec) return tl::unexpected(spec.error());
     if (input.find('?') != std::string::npos) {
-      plan.notes.push_back(fmt::format("{}: its size is not used; --sizes says which ones are", input));
+      return usage(fmt::format("{}: expected a demo field without a size, found one", input),
+                   fmt::format("bench measures several sizes: {}{} --sizes {}", kDemoPrefix, spec->name, spec->size));
     }
   }
   plan.iso = flags.iso;
@@ -263,6 +269,7 @@ Result<BenchPlan> plan_bench(const BenchFlags& flags) {
   plan.options.repeats = flags.repeats.value_or(plan.options.repeats);
   plan.options.limits = plan.read.limits;
   plan.options.threads = flags.threads.value_or(std::vector<int>{1});
+  if (auto checked = check_thread_counts(plan.options.threads); !checked) return tl::unexpected(checked.error());
   const int all = tbb::this_task_arena::max_concurrency();
   if (!flags.threads && all > 1) plan.options.threads.push_back(all);
 

@@ -64,7 +64,6 @@ struct BenchPlan {
   std::optional<std::string> json;
   std::optional<std::string> plot;
   PictureFormat picture = PictureFormat::svg;
-  std::vector<std::string> notes;
 };
 
 [[nodiscard]] Result<Verbosity> plan_verbosity(const RunFlags& flags);

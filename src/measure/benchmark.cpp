@@ -3,17 +3,23 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <tbb/global_control.h>
+#include <tbb/task_arena.h>
 
 #include "base/stopwatch.hpp"
 #include "field/coarsen.hpp"
 #include "field/demo_field.hpp"
+#include "field/statistics.hpp"
 #include "measure/field_error.hpp"
+#include "measure/index_mesh.hpp"
 #include "measure/reference_size.hpp"
 #include "mesh/metrics.hpp"
+#include "mesh/topology.hpp"
 
 namespace isoextract {
 namespace {
@@ -104,17 +110,24 @@ struct Specimen {
   double volume;  // of the capped mesh
 };
 
-tl::unexpected<Error> no_surface(const ScalarField& field, double iso) {
+// `in_finer`: finer data do have one.
+tl::unexpected<Error> no_surface(const ScalarField& field, double iso, bool in_finer) {
+  const FieldStatistics statistics = measure_statistics(field);
+  if (statistics.samples == 0) {
+    return fail(ErrorKind::input, fmt::format("{}: there is no surface: no sample is a finite number", field.source));
+  }
   return fail(
       ErrorKind::input,
-      fmt::format("{}: no surface at iso {}, with {} samples along an axis", field.source, iso, size_text(field)),
-      "choose another --iso, or leave out the coarsest with --sizes (demo fields) or --coarser (files)");
+      fmt::format("{}: no surface at iso {} with {} samples along an axis; the values run from {:.6g} to {:.6g}",
+                  field.source, iso, size_text(field), statistics.min, statistics.max),
+      in_finer ? "leave out the coarsest with --sizes (demo fields) or --coarser (files), or choose another --iso"
+               : fmt::format("try --iso {}", suggest_iso(field, statistics).iso));
 }
 
 // Fills the errors of a row.
 using Judge = std::function<void(const Specimen& specimen, BenchRow& row)>;
 
-Result<void> judge_level(const ScalarField& field, const BenchOptions& options, const Judge& judge,
+Result<void> judge_level(const ScalarField& field, const BenchOptions& options, const Judge& judge, bool in_finer,
                          std::vector<BenchRow>& rows) {
   for (const Method method : options.methods) {
     for (const BenchBackend& backend : options.backends) {
@@ -128,14 +141,14 @@ Result<void> judge_level(const ScalarField& field, const BenchOptions& options, 
       extract.progress = options.progress;
       const auto open = backend.extractor->extract(field, extract);
       if (!open) return tl::unexpected(open.error());
-      if (open->mesh.triangles.empty()) {
-        return no_surface(field, options.iso);
-      }
+      if (open->mesh.triangles.empty()) return no_surface(field, options.iso, in_finer);
       BenchRow judged;
+      judged.rounding = IndexMesh(open->mesh, field, extract).rounding();
       judge({field, extract, open->mesh, volume}, judged);
       for (BenchRow& row : rows) {
         if (row.method != method || row.backend != backend.name) continue;
         row.position = judged.position;
+        row.rounding = judged.rounding;
         row.smooth_normals = judged.smooth_normals;
         row.flat_normals = judged.flat_normals;
         row.area_error = judged.area_error;
@@ -146,10 +159,11 @@ Result<void> judge_level(const ScalarField& field, const BenchOptions& options, 
   return {};
 }
 
-Result<void> add_level(BenchResult& result, const ScalarField& field, const BenchOptions& options, const Judge& judge) {
+Result<void> add_level(BenchResult& result, const ScalarField& field, const BenchOptions& options, const Judge& judge,
+                       bool in_finer) {
   auto rows = time_level(field, result.levels.size(), options);
   if (!rows) return tl::unexpected(rows.error());
-  if (auto judged = judge_level(field, options, judge, *rows); !judged) return judged;
+  if (auto judged = judge_level(field, options, judge, in_finer, *rows); !judged) return judged;
   result.levels.push_back({size_text(field), spacing_of(field)});
   result.rows.insert(result.rows.end(), rows->begin(), rows->end());
   return {};
@@ -175,7 +189,11 @@ std::optional<ConvergenceOrder> order_of(const BenchResult& result, const BenchO
   return observed_order(spacings, errors, floor);
 }
 
-void conclude(BenchResult& result, const BenchOptions& options) {
+// `uncertainty`: how far the true area and volume may be off, as fractions.
+void conclude(BenchResult& result, const BenchOptions& options, const SurfaceSize& uncertainty = {}) {
+  double rounding = 0;
+  for (const BenchRow& row : result.rows) rounding = std::max(rounding, row.rounding);
+  const SurfaceSize floor{std::max(kRounding, uncertainty.area), std::max(kRounding, uncertainty.volume)};
   for (const Method method : options.methods) {
     for (const BenchBackend& backend : options.backends) {
       BenchOrders orders;
@@ -184,30 +202,96 @@ void conclude(BenchResult& result, const BenchOptions& options) {
       const auto angle = [](const std::optional<AngleStatistics>& normals) {
         return normals ? std::optional(normals->rms_degrees) : std::nullopt;
       };
-      orders.position = order_of(result, orders, 0, [](const BenchRow& row) { return row.position.rms.world; });
+      orders.position = order_of(result, orders, rounding, [](const BenchRow& row) { return row.position.rms.world; });
       orders.smooth_normals =
           order_of(result, orders, 0, [&](const BenchRow& row) { return angle(row.smooth_normals); });
       orders.flat_normals = order_of(result, orders, 0, [&](const BenchRow& row) { return angle(row.flat_normals); });
-      orders.area = order_of(result, orders, kRounding, [](const BenchRow& row) { return row.area_error; });
-      orders.volume = order_of(result, orders, kRounding, [](const BenchRow& row) { return row.volume_error; });
+      orders.area = order_of(result, orders, floor.area, [](const BenchRow& row) { return row.area_error; });
+      orders.volume = order_of(result, orders, floor.volume, [](const BenchRow& row) { return row.volume_error; });
       result.orders.push_back(std::move(orders));
     }
   }
   std::vector<Cost> costs;
-  for (const BenchRow& row : result.rows) costs.push_back({row.position.rms.world, row.median_seconds});
+  for (const BenchRow& row : result.rows) costs.push_back({row.rms_above_rounding(), row.median_seconds});
   const std::vector<bool> front = pareto_front(costs);
   for (std::size_t r = 0; r < front.size(); ++r) result.rows[r].on_front = front[r];
 }
 
+SurfaceSize relative_uncertainty(const ReferenceSize& reference) {
+  return {reference.uncertainty.area / reference.size.area, reference.uncertainty.volume / reference.size.volume};
+}
+
 std::string truth_of(const ReferenceSize& reference) {
+  const SurfaceSize uncertainty = relative_uncertainty(reference);
   if (reference.closed_form) return "the formula, all in closed form";
   return fmt::format(
       "the formula; points by closest-point iteration to 1e-10, area and volume by integration along columns to {:.1g} "
       "and {:.1g}",
-      reference.uncertainty.area / reference.size.area, reference.uncertainty.volume / reference.size.volume);
+      uncertainty.area, uncertainty.volume);
+}
+
+// The surface of the data that are the truth, by one method and backend.
+struct FinestSurface {
+  SurfaceSize size;
+  bool closed = false;
+  glm::dvec3 low{std::numeric_limits<double>::infinity()};  // its box, in index space
+  glm::dvec3 high{-std::numeric_limits<double>::infinity()};
+};
+
+bool is_closed(const Mesh& mesh) { return measure_topology(mesh).open_edges == 0; }
+
+Result<FinestSurface> finest_surface(const ScalarField& field, const Method method, Extractor& extractor,
+                                     const BenchOptions& options) {
+  ExtractOptions extract = extract_options(field, method, options);
+  const auto open = extractor.extract(field, extract);
+  if (!open) return tl::unexpected(open.error());
+  if (open->mesh.triangles.empty()) return no_surface(field, options.iso, false);
+  FinestSurface surface;
+  surface.size.area = measure_size(open->mesh).area;
+  surface.closed = is_closed(open->mesh);
+  const IndexMesh placed(open->mesh, field, extract);
+  for (std::size_t v = 0; v < open->mesh.positions.size(); ++v) {
+    surface.low = glm::min(surface.low, placed.vertex(v));
+    surface.high = glm::max(surface.high, placed.vertex(v));
+  }
+  extract.cap = true;
+  const auto capped = extractor.extract(field, extract);
+  if (!capped) return tl::unexpected(capped.error());
+  surface.size.volume = measure_size(capped->mesh).volume;
+  return surface;
+}
+
+// Whether the box of samples of dense `coarse`, the finest data coarser by `factor`, holds the surface.
+bool covers(const ScalarField& coarse, int factor, const FinestSurface& surface) {
+  const auto* dense = std::get_if<DenseSamples>(&coarse.samples);
+  if (dense == nullptr) return true;
+  const glm::dvec3 low((factor - 1) / 2.0);
+  const glm::dvec3 high = low + static_cast<double>(factor) * glm::dvec3(dense->dims - 1);
+  return glm::all(glm::greaterThanEqual(surface.low, low)) && glm::all(glm::lessThanEqual(surface.high, high));
+}
+
+// What coarsen() drops, as a note; empty if nothing.
+std::string dropped_samples(const ScalarField& field, int factor) {
+  const auto* dense = std::get_if<DenseSamples>(&field.samples);
+  if (dense == nullptr) return "";
+  const glm::ivec3 rest = dense->dims % factor;
+  if (rest == glm::ivec3(0)) return "";
+  return fmt::format("coarser by {}: left out are the last {}, {} and {} samples along x, y and z, which fill no {}^3",
+                     factor, rest.x, rest.y, rest.z, factor);
 }
 
 }  // namespace
+
+Result<void> check_thread_counts(std::span<const int> threads) {
+  const int most = tbb::this_task_arena::max_concurrency();
+  for (const int count : threads) {
+    if (count <= most) continue;
+    return fail(ErrorKind::usage,
+                fmt::format("--threads: expected at most {}, which can run at a time here, found {}", most, count),
+                "more would run no faster, and the times would have the wrong name");
+  }
+  return {};
+}
 
 Result<BenchResult> bench_demo(std::string_view name, const std::vector<int>& sizes, const BenchOptions& options) {
   const AnalyticField* formula = find_analytic_field(name);
@@ -215,6 +299,7 @@ Result<BenchResult> bench_demo(std::string_view name, const std::vector<int>& si
     return fail(ErrorKind::usage, fmt::format("{}{}: there is no formula to measure errors against", kDemoPrefix, name),
                 "take another demo field, or a file");
   }
+  if (auto checked = check_thread_counts(options.threads); !checked) return tl::unexpected(checked.error());
   const ReferenceSize reference = find_reference_size(*formula, options.iso, options.progress);
   BenchResult result;
   result.input = fmt::format("{}{}", kDemoPrefix, name);
@@ -233,14 +318,16 @@ Result<BenchResult> bench_demo(std::string_view name, const std::vector<int>& si
       row.volume_error =
           relative_error(specimen.volume, reference.size.volume * error->unit * error->unit * error->unit);
     };
-    if (auto added = add_level(result, *field, options, judge); !added) return tl::unexpected(added.error());
+    const bool in_finer = size != sizes.back() && reference.size.area > 0;
+    if (auto added = add_level(result, *field, options, judge, in_finer); !added) return tl::unexpected(added.error());
   }
-  conclude(result, options);
+  conclude(result, options, relative_uncertainty(reference));
   return result;
 }
 
 Result<BenchResult> bench_field(const ScalarField& field, const std::vector<int>& factors,
                                 const BenchOptions& options) {
+  if (auto checked = check_thread_counts(options.threads); !checked) return tl::unexpected(checked.error());
   BenchResult result;
   result.input = field.source;
   result.iso = options.iso;
@@ -248,26 +335,24 @@ Result<BenchResult> bench_field(const ScalarField& field, const std::vector<int>
       "the trilinear interpolant of the finest data ({}); area and volume against its meshes; it "
       "counts in no order of convergence",
       size_text(field));
-  // The finest meshes' sizes, by method and backend in the order of the judgements.
-  std::vector<SurfaceSize> finest;
+  std::vector<FinestSurface> finest;  // by method and backend, in the order of the judgements
   for (const Method method : options.methods) {
     for (const BenchBackend& backend : options.backends) {
-      ExtractOptions extract = extract_options(field, method, options);
-      const auto open = backend.extractor->extract(field, extract);
-      if (!open) return tl::unexpected(open.error());
-      if (open->mesh.triangles.empty()) return no_surface(field, options.iso);
-      extract.cap = true;
-      const auto capped = backend.extractor->extract(field, extract);
-      if (!capped) return tl::unexpected(capped.error());
-      finest.push_back({measure_size(open->mesh).area, measure_size(capped->mesh).volume});
+      auto surface = finest_surface(field, method, *backend.extractor, options);
+      if (!surface) return tl::unexpected(surface.error());
+      finest.push_back(*surface);
     }
   }
+  std::vector<std::string> not_comparable;  // sizes
   for (const int factor : factors) {
     std::optional<ScalarField> coarse;
     if (factor > 1) {
       auto made = coarsen(field, factor, options.limits, options.progress);
       if (!made) return tl::unexpected(made.error());
       coarse = std::move(*made);
+      if (std::string dropped = dropped_samples(field, factor); !dropped.empty()) {
+        result.notes.push_back(std::move(dropped));
+      }
     }
     auto exact = finest.begin();
     const Judge judge = [&](const Specimen& specimen, BenchRow& row) {
@@ -281,15 +366,26 @@ Result<BenchResult> bench_field(const ScalarField& field, const std::vector<int>
         length->voxels /= factor;
       }
       if (factor > 1) {
-        row.area_error = relative_error(measure_size(specimen.mesh).area, exact->area);
-        row.volume_error = relative_error(specimen.volume, exact->volume);
+        if (exact->closed && covers(specimen.field, factor, *exact) && is_closed(specimen.mesh)) {
+          row.area_error = relative_error(measure_size(specimen.mesh).area, exact->size.area);
+          row.volume_error = relative_error(specimen.volume, exact->size.volume);
+        } else if (const std::string size = size_text(specimen.field);
+                   not_comparable.empty() || not_comparable.back() != size) {
+          not_comparable.push_back(size);
+        }
       }
       ++exact;
     };
-    if (auto added = add_level(result, coarse ? *coarse : field, options, judge); !added) {
+    if (auto added = add_level(result, coarse ? *coarse : field, options, judge, factor > 1); !added) {
       return tl::unexpected(added.error());
     }
     result.levels.back().is_truth = factor == 1;
+  }
+  if (!not_comparable.empty()) {
+    result.notes.push_back(
+        fmt::format("area and volume are not compared with {} samples along an axis: the surface is open there, or in "
+                    "the finest data leaves the smaller box that the coarser data cover",
+                    fmt::join(not_comparable, ", ")));
   }
   conclude(result, options);
   return result;

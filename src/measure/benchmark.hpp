@@ -5,7 +5,10 @@
 // does besides hits all of them alike. The error is measured once for each method, backend and resolution.
 #pragma once
 
+#include <algorithm>
+#include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -50,11 +53,15 @@ struct BenchRow {
   double min_seconds = 0;
   double max_seconds = 0;
   ErrorStatistics position;  // inside the triangles; in voxels of its resolution and in world units
+  double rounding = 0;       // how far float32 moves vertices, in world units; smaller errors are all alike
   std::optional<AngleStatistics> smooth_normals;  // these where the truth is a formula
   std::optional<AngleStatistics> flat_normals;
-  std::optional<double> area_error;  // |measured / true - 1|; of the finest data nothing where they are the truth
+  std::optional<double> area_error;  // |measured / true - 1|; nothing where there is nothing to compare with
   std::optional<double> volume_error;
-  bool on_front = false;  // no other row is at least as good in rms position error and median time, and better in one
+  bool on_front = false;  // no other row is at least as good in rms_above_rounding() and median time, and better in one
+
+  // In world units.
+  [[nodiscard]] double rms_above_rounding() const { return std::max(position.rms.world, rounding); }
 };
 
 struct BenchOrders {
@@ -71,19 +78,25 @@ struct BenchResult {
   std::string input;
   double iso = 0;
   std::string truth;               // what the errors are measured against, as a sentence without its full stop
+  std::vector<std::string> notes;  // what was left out and why, likewise
   std::vector<BenchLevel> levels;  // coarse to fine
   std::vector<BenchRow> rows;
   std::vector<BenchOrders> orders;
 };
 
+// More threads than this process may run at a time would be those threads in name only: ErrorKind::usage.
+[[nodiscard]] Result<void> check_thread_counts(std::span<const int> threads);
+
 // A demo field with a formula at `sizes` samples along each axis. Areas and volumes are compared with
-// find_reference_size(); volumes are those of capped meshes. Fails with ErrorKind::usage for a demo without formula,
-// and as extraction does; with ErrorKind::input where there is no surface.
+// find_reference_size(); volumes are those of capped meshes. Fails with ErrorKind::usage for a demo without formula
+// or for too many threads, and as extraction does; with ErrorKind::input where there is no surface.
 [[nodiscard]] Result<BenchResult> bench_demo(std::string_view name, const std::vector<int>& sizes,
                                              const BenchOptions& options);
 
 // A field and coarser versions of it, `factors` (powers of two, falling, the last may be 1). The truth is the field's
-// own trilinear interpolant; areas and volumes are compared with those of the same method on the field itself.
+// own trilinear interpolant; areas and volumes are compared with those of the same method on the field itself. Coarser
+// data cover a smaller box. Where the surface is open, or the field's own leaves that box, there is no such comparison,
+// and a note says so. Fails as bench_demo() does.
 [[nodiscard]] Result<BenchResult> bench_field(const ScalarField& field, const std::vector<int>& factors,
                                               const BenchOptions& options);
 

@@ -17,8 +17,15 @@ namespace {
 // Looks for the isosurface from one point after the other. Like the cursor it holds: one a thread.
 class SurfaceProbe {
  public:
-  SurfaceProbe(const Interpolant& interpolant, const Affine& world_from_index, double iso, double reach)
+  // `rounding`: how far out of the data a point may be, in voxels.
+  SurfaceProbe(const Interpolant& interpolant, const ScalarField& field, double rounding,
+               const Affine& world_from_index, double iso, double reach)
       : field_(interpolant), world_from_index_(world_from_index), iso_(iso), reach_(reach) {
+    if (const auto* dense = std::get_if<DenseSamples>(&field.samples)) {
+      last_cell_ = dense->dims - 2;
+      low_ = glm::dvec3(-rounding);
+      high_ = glm::dvec3(dense->dims - 1) + rounding;
+    }
     const glm::dmat3 inverse = glm::inverse(world_from_index.linear);
     metric_ = inverse * glm::transpose(inverse);
   }
@@ -41,7 +48,7 @@ class SurfaceProbe {
       const glm::dvec3 gradient = here.gradient / largest;
       const glm::dvec3 step = glm::normalize(metric_ * gradient) * (residual > 0 ? -1.0 : 1.0);
       guess = std::abs(residual / largest / glm::dot(gradient, step));
-      if (const auto distance = search(index, step, residual, guess, reach_)) found = length_of(*distance * step);
+      found = search_in_data(index, step, residual, guess);
     }
     if (!found || found->voxels > 2 * guess) look_at_corners(index, residual, found);
     if (!found) {
@@ -53,44 +60,86 @@ class SurfaceProbe {
   }
 
  private:
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
   static double max_abs(const glm::dvec3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
   [[nodiscard]] Length length_of(const glm::dvec3& step) const {
     return {glm::length(step), glm::length(world_from_index_.linear * step)};
   }
 
+  [[nodiscard]] bool in_data(const glm::dvec3& index) const {
+    return glm::all(glm::greaterThanEqual(index, low_)) && glm::all(glm::lessThanEqual(index, high_));
+  }
+
+  // How far along `step` the faces of the data are, the nearest of those that it leads to.
+  [[nodiscard]] double way_out(const glm::dvec3& index, const glm::dvec3& step) const {
+    double nearest = kInfinity;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (step[axis] == 0) continue;
+      nearest = std::min(nearest, ((step[axis] > 0 ? high_ : low_)[axis] - index[axis]) / step[axis]);
+    }
+    return std::max(nearest, 0.0);
+  }
+
+  // Along `step`, and where that leaves the data before the surface, along the face from there.
+  std::optional<Length> search_in_data(const glm::dvec3& index, const glm::dvec3& step, double residual, double guess) {
+    const double out = way_out(index, step);
+    const bool from_inside = in_data(index);
+    if (const auto distance = search(index, step, residual, guess, reach_, std::min(reach_, out))) {
+      if (from_inside || in_data(index + *distance * step)) return length_of(*distance * step);
+      return std::nullopt;
+    }
+    if (!from_inside || out >= reach_) return std::nullopt;
+    const glm::dvec3 border = glm::clamp(index + out * step, low_, high_);
+    glm::dvec3 slide = step;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (step[axis] > 0 ? border[axis] == high_[axis] : border[axis] == low_[axis]) {
+        slide[axis] = 0;
+      }
+    }
+    const double length = glm::length(slide);
+    if (!(length > 0)) return std::nullopt;
+    slide /= length;
+    const double limit = std::min(reach_ - out, way_out(border, slide));
+    const auto distance = search(border, slide, residual, guess, reach_, limit);
+    return distance ? std::optional(length_of(border + *distance * slide - index)) : std::nullopt;
+  }
+
   // On the way to a corner of the cell that is not on this side there is a crossing. Keeps the nearest.
   void look_at_corners(const glm::dvec3& index, double residual, std::optional<Length>& nearest) {
-    const glm::dvec3 cell = glm::floor(index);
+    glm::dvec3 cell = glm::floor(index);
+    if (last_cell_) cell = glm::clamp(cell, glm::dvec3(0), glm::dvec3(*last_cell_));
     for (int corner = 0; corner < 8; ++corner) {
       const glm::dvec3 way = cell + glm::dvec3(corner & 1, corner >> 1 & 1, corner >> 2 & 1) - index;
       const double length = glm::length(way);
       const double value = field_(index + way).value - iso_;
       if (length == 0 || !std::isfinite(value) || (value != 0 && (value > 0) == (residual > 0))) continue;
-      const auto distance = search(index, way / length, residual, length, length);
+      const auto distance = search(index, way / length, residual, length, length, length);
+      if (!in_data(index) && !in_data(index + way * (distance.value_or(length) / length))) continue;
       const Length found = length_of(way * (distance.value_or(length) / length));
       if (!nearest || found.world < nearest->world) nearest = found;
     }
   }
 
   // The distance to the first change of sign from `index` along the unit vector `step`: just beyond the guess, or else
-  // an eighth of the reach further, and so on. Nothing if there is none within `reach`, or a sample is not finite.
+  // an eighth of the reach further, and so on. Nothing if there is none within `limit`, or a sample is not finite.
   std::optional<double> search(const glm::dvec3& index, const glm::dvec3& step, double residual, double guess,
-                               double reach) {
+                               double reach, double limit) {
     const auto at = [&](double s) { return field_(index + s * step).value - iso_; };
     double near = 0;
     double near_value = residual;
-    double far = std::min(1.25 * guess, reach / 8);
+    double far = std::min({1.25 * guess, reach / 8, limit});
     for (;;) {
       const double far_value = at(far);
       if (!std::isfinite(far_value)) return std::nullopt;
       if (far_value == 0 || (far_value > 0) != (residual > 0)) {
         return find_crossing(at, near, near_value, far, far_value, 1e-9 * std::abs(residual));
       }
-      if (far >= reach) return std::nullopt;
+      if (far >= limit) return std::nullopt;
       near = far;
       near_value = far_value;
-      far = std::min(far + reach / 8, reach);
+      far = std::min(far + reach / 8, limit);
     }
   }
 
@@ -99,6 +148,9 @@ class SurfaceProbe {
   glm::dmat3 metric_;  // from gradients in index space to index-space steps along the world's gradient
   double iso_;
   double reach_;
+  std::optional<glm::ivec3> last_cell_;  // dense data only; sparse data have no border
+  glm::dvec3 low_{-kInfinity};
+  glm::dvec3 high_{kInfinity};
 };
 
 struct TriangleSums {
@@ -126,6 +178,7 @@ class FieldMeasurement {
   FieldMeasurement(const Mesh& mesh, const ScalarField& field, const ExtractOptions& extracted,
                    const FieldErrorOptions& options)
       : mesh_(mesh),
+        field_(field),
         extracted_(extracted),
         options_(options),
         chosen_(field, options.interpolation),
@@ -155,7 +208,7 @@ class FieldMeasurement {
 
  private:
   [[nodiscard]] SurfaceProbe probe(const Interpolant& interpolant) const {
-    return {interpolant, extracted_.output_from_index, extracted_.iso, options_.reach};
+    return {interpolant, field_, placed_.tolerance(), extracted_.output_from_index, extracted_.iso, options_.reach};
   }
 
   void measure_triangles(const PointRange& range, TriangleSums& sums) const {
@@ -185,6 +238,7 @@ class FieldMeasurement {
   }
 
   const Mesh& mesh_;
+  const ScalarField& field_;
   const ExtractOptions& extracted_;
   const FieldErrorOptions& options_;
   Interpolant chosen_;

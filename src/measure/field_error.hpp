@@ -3,8 +3,9 @@
 // At a point p with residual r = f(p) - iso the first-order distance is |r| / |grad f|, with the gradient taken in the
 // mesh's coordinates: a covector, mapped by the inverse transpose of the transform. That number misleads where the
 // gradient changes within it, and most where the gradient is small. So it is only the first guess of a search for the
-// crossing itself, along the gradient's line towards the surface, no further than `reach`; where that finds nothing, or
-// only something twice as far, also towards those corners of the point's cell that are on the other side. What is
+// crossing itself, along the gradient's line towards the surface, no further than `reach`, and where that line leaves
+// dense data, along the border from there: beyond it there is no surface. Where that finds nothing, or only something
+// twice as far, the search goes also towards those corners of the point's cell that are on the other side. What is
 // reported is the length of the step to the nearest crossing found, which the true distance cannot exceed. Where there
 // is none, or samples are not finite, there is no distance; such points are counted, not left out in silence.
 #pragma once

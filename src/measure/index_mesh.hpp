@@ -58,6 +58,17 @@ class IndexMesh {
     return on_samples >= 2;
   }
 
+  // How far from its place rounding may bring a vertex, in voxels.
+  [[nodiscard]] double tolerance() const { return tolerance_; }
+
+  // How far the margin at the ends of edges and float32 rounding together move a vertex at most, in the mesh's
+  // coordinates.
+  [[nodiscard]] double rounding() const {
+    constexpr double kMarginAndRounding = 9.0 / 8;  // of the margin, which is eight times the rounding
+    const double longest = std::max({glm::length(linear_[0]), glm::length(linear_[1]), glm::length(linear_[2])});
+    return kMarginAndRounding * 2 * tolerance_ * longest;
+  }
+
   // About how long a voxel is in the mesh's coordinates: the side of a cube of its volume.
   [[nodiscard]] double voxel() const { return std::cbrt(std::abs(glm::determinant(linear_))); }
 

@@ -52,12 +52,26 @@ class BenchTest(ProgramTest):
     def test_the_default_input_is_the_torus(self):
         self.assertTrue(self.bench(*QUICK, "--methods", "mt").startswith("demo:torus at iso 0\n"))
 
-    def test_several_inputs_and_the_sizes_of_a_demo(self):
-        run = self.convert("bench", "demo:sphere?size=99", "demo:metaballs", *QUICK, "--iso", "0.1", "--methods", "mc")
+    def test_several_inputs(self):
+        run = self.convert("bench", "demo:sphere", "demo:metaballs", *QUICK, "--iso", "0.1", "--methods", "mc")
         self.assertIn("demo:sphere at iso 0.1\n", run.text)
         self.assertIn("\ndemo:metaballs at iso 0.1\n", run.text)
-        self.assertIn("its size is not used", run.err)
-        self.assertNotIn(" 99 ", run.text)
+        self.assertEqual(run.text.count("Orders of convergence"), 2)
+        self.assertNotIn("Orders", self.bench("--sizes", "8", "--repeats", "1", "--threads", "1"))
+
+    def test_an_open_surface_has_no_area_or_volume_to_compare(self):
+        self.write_raw("plane.raw", (35, 35, 35), lambda x, y, z: x + y / 2 + z / 3 - 30.1)
+        text = self.bench("plane.raw", "--dims", "35,35,35", "--dtype", "f32", "--iso", "0", "--threads", "1",
+                          "--repeats", "1", "--methods", "mc", "--csv", "b.csv", "--json", "b.json")
+        rows = list(csv.DictReader(io.StringIO((self.folder / "b.csv").read_text())))
+        self.assertEqual([(row["area_error"], row["volume_error"]) for row in rows], [("", "")] * 3)
+        (benchmark,) = json.loads((self.folder / "b.json").read_text())["benchmarks"]
+        self.assertEqual([row["area_error"] for row in benchmark["rows"]], [None] * 3)
+        self.assertEqual(benchmark["orders"][0]["area"], None)
+        self.assertEqual(benchmark["orders"][0]["position"], None, "an exact surface: rounding has no order")
+        for part in ("not compared with 8, 17 samples", "coarser by 4: left out are the last 3, 3 and 3 samples"):
+            self.assertIn(part, text)
+            self.assertTrue(any(part in note for note in benchmark["notes"]), benchmark["notes"])
 
     def test_a_file_is_compared_with_coarser_versions_of_itself(self):
         self.write_raw("ball.raw", (33, 33, 33), lambda x, y, z: 10 - ((x - 16) ** 2 + (y - 16) ** 2 + (z - 15.7) ** 2) ** 0.5)
@@ -81,6 +95,10 @@ class BenchTest(ProgramTest):
         text = "".join(tree.getroot().itertext())
         for part in (name, "marching cubes, 1 thread", "marching tetrahedra", "extraction, ms"):
             self.assertIn(part, text)
+        self.bench("--sizes", "8", "--threads", "1", "--repeats", "1", "--plot", "p.svg")
+        tree = xml.etree.ElementTree.parse(self.folder / "p.svg")
+        numbers = [part.strip() for part in tree.getroot().itertext()]
+        self.assertGreaterEqual(len([n for n in numbers if n in ("0.001", "0.01", "0.1", "1", "10", "100")]), 2, numbers)
         self.bench(*QUICK, "--plot", "p.png")
         self.assertTrue((self.folder / "p.png").read_bytes().startswith(b"\x89PNG\r\n"))
         self.assertEqual(self.files(), sorted([name, "p.png", "p.svg"]))
@@ -103,6 +121,7 @@ class BenchTest(ProgramTest):
         self.assertEqual(self.files(), ["gnuplot"])
 
     def test_what_is_refused(self):
+        self.write_raw("a.vdb", (2, 2, 2), lambda x, y, z: x)
         for arguments, part in (
                 (("demo:random",), "no formula"),
                 (("demo:cube",), "no demo field 'cube'"),
@@ -114,6 +133,8 @@ class BenchTest(ProgramTest):
                 (("--coarser", "3", "a.vdb", "--iso", "1"), "powers of two"),
                 (("--methods", "mc,cubes"), "--methods: expected"),
                 (("--threads", "0"), "--threads: expected"),
+                (("--threads", "1,1024"), "found 1024"),
+                (("demo:torus?size=16",), "--sizes 16"),
                 (("--repeats", "0"), "--repeats: expected"),
                 (("--plot", "p.pdf"), ".svg or .png"),
                 (("--csv", "-"), "name of a file"),
@@ -121,7 +142,9 @@ class BenchTest(ProgramTest):
                 (("--frobnicate",), "unknown option")):
             self.assertIn(part, self.refused(1, *arguments))
         self.assertIn("no surface at iso 9", self.refused(2, "--iso", "9", "--sizes", "16", "--repeats", "1"))
+        self.assertIn("the values run from", self.refused(2, "--iso", "9", "--sizes", "16", "--repeats", "1"))
         self.refused(2, "missing.vdb", "--iso", "1")
+        self.assertIn("no such file", self.refused(2, "demo:torus", "missing.npy"))
         self.refused(4, *QUICK, "--csv", "no/folder/b.csv")
 
     def test_a_closed_pipe_is_an_error(self):

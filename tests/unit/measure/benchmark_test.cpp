@@ -1,6 +1,9 @@
 #include "measure/benchmark.hpp"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
+#include <tbb/task_arena.h>
 
 #include "field/demo_field.hpp"
 #include "support/fields.hpp"
@@ -42,16 +45,21 @@ TEST(Benchmark, OrdersOfConvergence) {
 
 TEST(Benchmark, RowsAreWhatWasAskedFor) {
   BenchOptions options = quick();
-  options.threads = {1, 2};
+  const int most = tbb::this_task_arena::max_concurrency();
+  options.threads = most > 1 ? std::vector<int>{1, 2} : std::vector<int>{1};
   options.repeats = 3;
   const BenchResult result = bench_demo("sphere", {16, 24}, options).value();
   EXPECT_EQ(result.input, "demo:sphere");
   ASSERT_EQ(result.levels.size(), 2U);
   EXPECT_EQ(result.levels[1].size, "24");
   EXPECT_NEAR(result.levels[1].spacing, 2.0 / 23, 1e-12);
-  ASSERT_EQ(result.rows.size(), 2U * 2 * 2);
+  ASSERT_EQ(result.rows.size(), 2 * 2 * options.threads.size());
   bool front = false;
-  for (const BenchRow& row : result.rows) {
+  for (std::size_t r = 0; r < result.rows.size(); ++r) {
+    const BenchRow& row = result.rows[r];
+    EXPECT_EQ(row.threads, options.threads[r % options.threads.size()]);
+    EXPECT_EQ(row.method, r / options.threads.size() % 2 == 0 ? Method::mc : Method::mt);
+    EXPECT_EQ(row.level, r / options.threads.size() / 2);
     EXPECT_LE(row.min_seconds, row.median_seconds);
     EXPECT_LE(row.median_seconds, row.max_seconds);
     EXPECT_GT(row.triangles, 0U);
@@ -60,7 +68,71 @@ TEST(Benchmark, RowsAreWhatWasAskedFor) {
   }
   EXPECT_TRUE(front);
   EXPECT_EQ(bench_demo("random", {16}, options).error().kind, ErrorKind::usage);
-  EXPECT_EQ(bench_demo("sphere", {16}, quick(9)).error().kind, ErrorKind::input);
+  options.threads = {1, most + 1};
+  EXPECT_EQ(bench_demo("sphere", {16}, options).error().kind, ErrorKind::usage) << "threads in name only";
+  const ScalarField field = make_demo_field("demo:sphere?size=16", default_limits()).value();
+  EXPECT_EQ(bench_field(field, {1}, options).error().kind, ErrorKind::usage);
+}
+
+TEST(Benchmark, TellsWhereThereIsNoSurface) {
+  const Error none = bench_demo("sphere", {16, 32}, quick(9)).error();
+  EXPECT_EQ(none.kind, ErrorKind::input);
+  EXPECT_NE(none.message.find("the values run from -1.03"), std::string::npos) << none.message;
+  EXPECT_EQ(none.hint, "try --iso 0");
+  const Error coarse = bench_demo("sphere", {8, 32}, quick(0.6)).error();
+  EXPECT_NE(coarse.message.find("with 8 samples"), std::string::npos) << coarse.message;
+  EXPECT_NE(coarse.hint.find("leave out the coarsest"), std::string::npos) << coarse.hint;
+  const ScalarField field = make_demo_field("demo:sphere?size=32", default_limits()).value();
+  EXPECT_EQ(bench_field(field, {4, 1}, quick(9)).error().hint, "try --iso 0");
+  EXPECT_NE(bench_field(field, {4, 1}, quick(0.6)).error().hint.find("leave out the coarsest"), std::string::npos);
+}
+
+bool has_note(const BenchResult& result, std::string_view text) {
+  return std::ranges::any_of(result.notes,
+                             [&](const std::string& note) { return note.find(text) != std::string::npos; });
+}
+
+// Coarser data cover a smaller box, so a plane's area in them is no error. Its position is exact, and rounding follows
+// no order, nor is it better or worse than other rounding.
+TEST(Benchmark, OfAnExactPlaneThereIsNothingToCompare) {
+  const glm::dvec3 normal = glm::normalize(glm::dvec3(1, 2, -0.7));
+  const ScalarField field = test::dense_field<float>({39, 40, 41}, [&](int i, int j, int k) {
+    return glm::dot(normal, glm::dvec3(i, j, k) - glm::dvec3(18.3, 19.1, 20.2));
+  });
+  const BenchResult result = bench_field(field, {4, 2, 1}, quick()).value();
+  ASSERT_EQ(result.rows.size(), 6U);
+  std::size_t on_front = 0;
+  for (const BenchRow& row : result.rows) {
+    EXPECT_LT(row.position.rms.world, row.rounding);
+    EXPECT_LT(row.rounding, 1e-4);
+    EXPECT_FALSE(row.area_error || row.volume_error);
+    on_front += row.on_front ? 1 : 0;
+  }
+  EXPECT_EQ(on_front, 1U) << "the fastest; all have the same error";
+  for (const BenchOrders& orders : result.orders) {
+    EXPECT_FALSE(orders.position || orders.area || orders.volume);
+  }
+  EXPECT_TRUE(has_note(result, "area and volume are not compared with 9x10x10, 19x20x20 samples"));
+  EXPECT_TRUE(has_note(result, "coarser by 4: left out are the last 3, 0 and 1 samples"));
+  EXPECT_TRUE(has_note(result, "coarser by 2: left out are the last 1, 0 and 1 samples"));
+}
+
+// A closed surface in data whose size no factor divides: what is left out holds nothing of it.
+TEST(Benchmark, OfAnOddSizeComparesWhatLiesInside) {
+  const auto ball = [](double centre) {
+    return test::dense_field<float>({47, 47, 47}, [&](int i, int j, int k) {
+      return 12 - glm::length(glm::dvec3(i, j, k) - glm::dvec3(23.2, 22.7, centre));
+    });
+  };
+  const BenchResult inside = bench_field(ball(23.4), {4, 2, 1}, quick()).value();
+  for (const BenchRow& row : inside.rows) EXPECT_EQ(row.area_error && row.volume_error, row.level < 2);
+  for (const BenchOrders& orders : inside.orders) EXPECT_NEAR(orders.area->slope, 2, 0.4);
+  EXPECT_FALSE(has_note(inside, "not compared"));
+  EXPECT_TRUE(has_note(inside, "left out are the last 3, 3 and 3 samples"));
+  // Closed at z = 45.2, but the samples of 4^3 end at 41.5, those of 2^3 at 44.5.
+  const BenchResult at_end = bench_field(ball(33.2), {4, 2, 1}, quick()).value();
+  for (const BenchRow& row : at_end.rows) EXPECT_FALSE(row.area_error || row.volume_error);
+  EXPECT_TRUE(has_note(at_end, "not compared with 11, 23 samples"));
 }
 
 // The finest data are the truth; what is coarser is worse, with the order of the box filter and the mesh: two.

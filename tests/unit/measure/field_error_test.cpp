@@ -123,6 +123,31 @@ TEST(FieldError, FindsTheSurfaceThatOnlyTouchesASample) {
   EXPECT_LT(error.interior.max.voxels, 1e-5);
 }
 
+// The border cell's polynomial goes on beyond the data, and crosses iso there; that is no surface.
+TEST(FieldError, EndsAtTheBorderOfTheData) {
+  const Mesh near_border =
+      test::make_mesh("t", {{0.1F, 1, 1}, {0.1F, 1.5F, 1}, {0.1F, 1, 1.5F}, {3.9F, 1, 1}}, {{0, 1, 2}});
+  ExtractOptions options;
+  const ScalarField beyond = test::dense_field<float>({5, 5, 5}, [](int i, int, int) { return i + 0.25; });
+  const ScalarField before = test::dense_field<float>({5, 5, 5}, [](int i, int, int) { return i - 4.25; });
+  for (const Interpolation interpolation : {Interpolation::trilinear, Interpolation::tricubic}) {
+    const FieldError low = measure_field_error(near_border, beyond, options, {interpolation});
+    EXPECT_EQ(low.interior.points + low.vertices.points, 0U);
+    EXPECT_EQ(low.interior.unreached, 7U);
+    EXPECT_EQ(low.vertices.unreached, 4U);
+    EXPECT_EQ(measure_field_error(near_border, before, options, {interpolation, 8}).vertices.unreached, 4U);
+  }
+
+  // The plane x + z / 2 = 1 meets the border x = 0 at z = 2. The foot of these points on it is outside, so that edge is
+  // the nearest of it.
+  const ScalarField plane = test::dense_field<double>({5, 5, 5}, [](int i, int, int k) { return i + k / 2.0 - 1; });
+  const Mesh mesh = test::make_mesh("t", {{0.05F, 1, 2.3F}, {0.05F, 1.5F, 2.3F}, {0.05F, 1.2F, 2.3F}}, {{0, 1, 2}});
+  const FieldError error = measure_field_error(mesh, plane, options, {});
+  EXPECT_EQ(error.vertices.points, 3U);
+  EXPECT_NEAR(error.vertices.max.voxels, std::hypot(0.05, 0.3), 1e-5);
+  EXPECT_NEAR(error.vertices.rms.voxels, error.vertices.max.voxels, 1e-5);
+}
+
 TEST(FieldError, CountsWhatItCannotMeasure) {
   const Mesh mesh =
       test::make_mesh("t", {{0.5F, 0.25F, 0.25F}, {0.5F, 0.75F, 0.25F}, {0.5F, 0.25F, 0.75F}}, {{0, 1, 2}});
