@@ -215,8 +215,7 @@ Result<OutputFile> OutputFile::create(const fs::path& path) {
   const bool exists = ::stat(path.c_str(), &found) == 0;
   if (!exists && errno != ENOENT) return state->failed("write", errno);
   if (exists && S_ISDIR(found.st_mode)) {
-    return fail(ErrorKind::output, fmt::format("{}: expected a file, found a folder", state->shown),
-                "add a file name");
+    return fail(ErrorKind::output, fmt::format("{}: expected a file, found a folder", state->shown), "add a file name");
   }
   const auto old_mode = exists ? std::optional<mode_t>(found.st_mode & kPermissionBits) : std::nullopt;
   auto opened = exists && !S_ISREG(found.st_mode) ? state->open_device(path) : state->open_file(path, old_mode);
