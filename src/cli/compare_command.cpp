@@ -160,7 +160,9 @@ void look_closer(const std::array<Side, 2>& sides, double limit, DistanceOptions
 }
 
 Result<void> check_distance(const ComparePlan& plan, const MeshDistance& distance) {
-  if (!plan.max_distance || distance.hausdorff_upper <= *plan.max_distance) return {};
+  // Written so that figures that are not numbers fail.
+  const bool known = distance.hausdorff_lower <= distance.hausdorff_upper;
+  if (!plan.max_distance || (known && distance.hausdorff_upper <= *plan.max_distance)) return {};
   const bool surely = distance.hausdorff_lower > *plan.max_distance;
   return fail(ErrorKind::verification,
               fmt::format("{} and {}: their Hausdorff distance is {} {:.6g}, and --max-distance is {}", plan.meshes[0],
@@ -173,15 +175,20 @@ Result<void> check_distance(const ComparePlan& plan, const MeshDistance& distanc
 Result<void> run_compare(const ComparePlan& plan, const Messages& messages) {
   const Stopwatch watch;
   std::array<Side, 2> sides;
-  MeshDistance distance;
-  {
-    ProgressBar bar(messages.verbosity() != Verbosity::quiet);
-    for (std::size_t i = 0; i < sides.size(); ++i) {
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    {
+      ProgressBar bar(messages.verbosity() != Verbosity::quiet);
       bar.progress()->begin("reading meshes", 0);
       auto side = read_side(plan.meshes[i], plan.limits);
       if (!side) return tl::unexpected(std::move(side.error()));
       sides[i] = std::move(*side);
     }
+    // What was left out may be why the next step fails.
+    for (const std::string& note : sides[i].file.notes) messages.note(note);
+  }
+  MeshDistance distance;
+  {
+    ProgressBar bar(messages.verbosity() != Verbosity::quiet);
     DistanceOptions options;
     options.progress = bar.progress();
     auto measured = measure_distance(sides[0].file.mesh, sides[1].file.mesh, options);
@@ -190,9 +197,6 @@ Result<void> run_compare(const ComparePlan& plan, const Messages& messages) {
     if (plan.max_distance && distance.hausdorff_lower <= *plan.max_distance) {
       look_closer(sides, *plan.max_distance, options, distance);
     }
-  }
-  for (const Side& side : sides) {
-    for (const std::string& note : side.file.notes) messages.note(note);
   }
   messages.detail(fmt::format("compared in {:.2f} s, peak memory {}", watch.elapsed().wall_seconds,
                               format_byte_size(peak_memory())));

@@ -1,7 +1,6 @@
 // glTF 2.0 (ISO/IEC 12113), .glb and .gltf: the triangles of the default scene, placed by its nodes in double. The JSON
 // is read here and not by TinyGLTF, which trusts offsets of images and of animations that nobody asked for.
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <utility>
@@ -21,7 +20,29 @@ constexpr int kUnsignedByte = 5121;
 constexpr int kUnsignedShort = 5123;
 constexpr int kUnsignedInt = 5125;
 constexpr int kFloat = 5126;
-constexpr int kTriangles = 4;
+// Modes of primitives; those below are points and lines.
+constexpr std::uint64_t kTriangles = 4;
+constexpr std::uint64_t kStrip = 5;
+constexpr std::uint64_t kFan = 6;
+
+constexpr int kMaxDepth = 64;
+// What a value of the JSON may take, with its key, its node in a map and the room of a growing list.
+constexpr std::uint64_t kJsonValueBytes = 128;
+
+// Values within values are visited by recursion, so hostile ones must not be deep.
+json parse_json(std::string_view text, MemoryUse& memory) {
+  memory.take(text.size());
+  const auto check = [&](int depth, json::parse_event_t event, const json&) {
+    if (event == json::parse_event_t::object_end || event == json::parse_event_t::array_end) return true;
+    if (depth > kMaxDepth) {
+      throw DamagedMesh(
+          fmt::format("expected JSON nested at most {} deep, found a value at depth {}", kMaxDepth, depth));
+    }
+    memory.take(kJsonValueBytes);
+    return true;
+  };
+  return json::parse(text, check, false);
+}
 
 std::string shown(const json& value) {
   return printable(value.dump(-1, ' ', true, json::error_handler_t::replace), 60);
@@ -61,41 +82,6 @@ std::array<double, kCount> numbers(const json& list, const char* key) {
   return out;
 }
 
-std::vector<std::byte> decode_base64(std::string_view text) {
-  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::vector<std::byte> bytes;
-  bytes.reserve(text.size() / 4 * 3);
-  std::uint32_t bits = 0;
-  int count = 0;
-  while (text.ends_with('=')) text.remove_suffix(1);
-  for (const char c : text) {
-    const std::size_t digit = kDigits.find(c);
-    if (digit == std::string_view::npos)
-      throw DamagedMesh("expected base64 data in a buffer's URI, found other letters");
-    bits = bits << 6 | static_cast<std::uint32_t>(digit);
-    count += 6;
-    if (count < 8) continue;
-    count -= 8;
-    bytes.push_back(static_cast<std::byte>(bits >> count & 0xFFU));
-  }
-  return bytes;
-}
-
-std::string decode_percent(std::string_view uri) {
-  std::string text;
-  for (std::size_t i = 0; i < uri.size(); ++i) {
-    unsigned value = 0;
-    if (uri[i] == '%' && i + 2 < uri.size() &&
-        std::from_chars(uri.data() + i + 1, uri.data() + i + 3, value, 16).ptr == uri.data() + i + 3) {
-      text += static_cast<char>(value);
-      i += 2;
-    } else {
-      text += uri[i];
-    }
-  }
-  return text;
-}
-
 // Affine map of a node in double.
 struct Transform {
   glm::dmat3 linear{1.0};
@@ -103,6 +89,10 @@ struct Transform {
 
   [[nodiscard]] Transform after(const Transform& inner) const {
     return {linear * inner.linear, linear * inner.offset + offset};
+  }
+  [[nodiscard]] bool is_finite() const {
+    return isoextract::is_finite(linear[0]) && isoextract::is_finite(linear[1]) && isoextract::is_finite(linear[2]) &&
+           isoextract::is_finite(offset);
   }
 };
 
@@ -140,13 +130,13 @@ struct Instance {
 class ModelReader {
  public:
   ModelReader(const MeshSource& source, std::string_view text, std::span<const std::byte> binary)
-      : source_(source), binary_(binary), model_(json::parse(text, nullptr, false)) {
+      : source_(source), binary_(binary), model_(parse_json(text, source.memory)) {
     if (!model_.is_object()) throw DamagedMesh("expected JSON in a glTF file, found something else");
   }
 
   FileSurface read() {
     const auto asset = model_.find("asset");
-    const std::string version = asset != model_.end() && asset->is_object() ? text_of(*asset, "version") : "";
+    const std::string_view version = asset != model_.end() && asset->is_object() ? text_of(*asset, "version") : "";
     if (!version.starts_with("2.")) {
       throw DamagedMesh(fmt::format("expected glTF of version 2, found '{}'", printable(version, 16)));
     }
@@ -167,7 +157,7 @@ class ModelReader {
       add_mesh(entry(model_, "meshes", instance.mesh), transform);
     }
     if (other_primitives_ > 0) {
-      surface_.notes.push_back(fmt::format("{} primitives that are not triangles were left out", other_primitives_));
+      surface_.notes.push_back(fmt::format("{} primitives of points or lines were left out", other_primitives_));
     }
     return std::move(surface_);
   }
@@ -180,9 +170,9 @@ class ModelReader {
     int component = 0;
   };
 
-  static std::string text_of(const json& object, const char* key) {
+  static std::string_view text_of(const json& object, const char* key) {
     const auto found = object.find(key);
-    return found != object.end() && found->is_string() ? found->get<std::string>() : "";
+    return found != object.end() && found->is_string() ? std::string_view(found->get_ref<const std::string&>()) : "";
   }
 
   void load_buffers() {
@@ -194,10 +184,10 @@ class ModelReader {
 
   void load_buffer(const json& buffer, std::uint64_t index) {
     const std::uint64_t size = whole(buffer, "byteLength");
-    const std::string uri = text_of(buffer, "uri");
+    const std::string_view uri = text_of(buffer, "uri");
     std::span<const std::byte> bytes = binary_;
     if (!uri.empty()) {
-      owned_.push_back(uri.starts_with("data:") ? decode_base64(std::string_view(uri).substr(uri.find(',') + 1))
+      owned_.push_back(uri.starts_with("data:") ? decode_data_uri(uri, source_.memory)
                                                 : load_file(decode_percent(uri)));
       bytes = owned_.back();
     } else if (index != 0) {
@@ -214,8 +204,9 @@ class ModelReader {
     if (!path) throw DamagedMesh(path.error().message, path.error().hint);
     const auto file = InputFile::open(*path);
     if (!file) throw DamagedMesh(file.error().message);
-    require_memory(file->size(), source_.limits, file->name());
-    std::vector<std::byte> bytes(file->size());
+    std::vector<std::byte> bytes;
+    source_.memory.make_room(bytes, file->size());
+    bytes.resize(file->size());
     if (auto read = file->read_at(0, bytes); !read) throw DamagedMesh(read.error().message);
     return bytes;
   }
@@ -231,6 +222,7 @@ class ModelReader {
       const auto list = object.find(key);
       if (list == object.end()) return;
       if (!list->is_array()) throw DamagedMesh(fmt::format("expected a list as '{}', found {}", key, shown(*list)));
+      source_.memory.make_room(waiting, list->size());
       for (auto node = list->rbegin(); node != list->rend(); ++node) {
         if (!node->is_number_unsigned()) {
           throw DamagedMesh(fmt::format("expected indices of nodes as '{}', found {}", key, shown(*list)));
@@ -248,6 +240,10 @@ class ModelReader {
       if (met[index]) throw DamagedMesh(fmt::format("expected a tree of nodes, found node {} in two places", index));
       met[index] = true;
       const Transform transform = parent.after(transform_of(node));
+      if (!transform.is_finite()) {
+        throw DamagedMesh(fmt::format("expected a finite place of node {} within the scene, found ({}, {}, {})", index,
+                                      transform.offset.x, transform.offset.y, transform.offset.z));
+      }
       if (node.contains("mesh")) instances.push_back({whole(node, "mesh"), transform});
       wait_for(node, "children", transform);
     }
@@ -298,15 +294,35 @@ class ModelReader {
     }
     for (const json& primitive : *primitives) {
       if (!primitive.is_object()) throw DamagedMesh(fmt::format("expected a primitive, found {}", shown(primitive)));
-      if (whole(primitive, "mode", kTriangles) != kTriangles) {
+      const std::uint64_t mode = whole(primitive, "mode", kTriangles);
+      if (mode > kFan) throw DamagedMesh(fmt::format("expected a 'mode' from 0 to {}, found {}", kFan, mode));
+      if (mode < kTriangles) {
         ++other_primitives_;
       } else {
-        add_primitive(primitive, transform);
+        add_primitive(primitive, mode, transform);
       }
     }
   }
 
-  void add_primitive(const json& primitive, const Transform& transform) {
+  // How many triangles `corners` corners make.
+  static std::uint64_t triangle_count(std::uint64_t mode, std::uint64_t corners, const char* what) {
+    if (mode == kTriangles && corners % 3 != 0) {
+      throw DamagedMesh(fmt::format("expected three {} a triangle, found {} in all", what, corners));
+    }
+    if (mode != kTriangles && corners < 3) {
+      throw DamagedMesh(fmt::format("expected at least three {} of a strip or fan, found {}", what, corners));
+    }
+    return mode == kTriangles ? corners / 3 : corners - 2;
+  }
+
+  // Which of the primitive's corners are those of triangle t; glTF 2.0, 3.7.2.1.
+  static std::array<std::uint64_t, 3> corners_of(std::uint64_t mode, std::uint64_t t) {
+    if (mode == kStrip) return {t, t + 1 + t % 2, t + 2 - t % 2};
+    if (mode == kFan) return {t + 1, t + 2, 0};
+    return {3 * t, 3 * t + 1, 3 * t + 2};
+  }
+
+  void add_primitive(const json& primitive, std::uint64_t mode, const Transform& transform) {
     const auto attributes = primitive.find("attributes");
     if (attributes == primitive.end() || !attributes->is_object()) {
       throw DamagedMesh(fmt::format("expected 'attributes' of a primitive, found {}", shown(primitive)));
@@ -318,20 +334,25 @@ class ModelReader {
     const std::size_t first_vertex = surface_.positions.size();
     const std::size_t first_triangle = surface_.triangles.size();
     require_vertex_count(first_vertex + places.count);
-    require_memory((first_vertex + places.count) * (sizeof(glm::dvec3) + sizeof(glm::vec3)), source_.limits,
-                   fmt::format("{} vertices", first_vertex + places.count));
-    std::vector<glm::vec3> points(places.count);
-    for (std::uint64_t v = 0; v < places.count; ++v) {
-      std::memcpy(&points[v], places.first + v * places.stride, sizeof(glm::vec3));
-    }
+    const auto point = [&](std::uint64_t v) {
+      glm::vec3 p;
+      std::memcpy(&p, places.first + v * places.stride, sizeof p);
+      return p;
+    };
     if (primitive.contains("indices")) {
-      surface_.positions.insert(surface_.positions.end(), points.begin(), points.end());
-      add_indexed(view_of(whole(primitive, "indices"), "SCALAR", 1), first_vertex, places.count);
+      source_.memory.make_room(surface_.positions, places.count);
+      for (std::uint64_t v = 0; v < places.count; ++v) surface_.positions.emplace_back(point(v));
+      add_indexed(view_of(whole(primitive, "indices"), "SCALAR", 1), mode, first_vertex, places.count);
     } else {
-      if (points.size() % 3 != 0) {
-        throw DamagedMesh(fmt::format("expected three vertices a triangle, found {} in all", points.size()));
+      const std::uint64_t triangles = triangle_count(mode, places.count, "vertices");
+      std::vector<glm::vec3> corners;
+      source_.memory.make_room(corners, 3 * triangles);
+      for (std::uint64_t t = 0; t < triangles; ++t) {
+        for (const std::uint64_t corner : corners_of(mode, t)) corners.push_back(point(corner));
       }
-      weld_corners(points, surface_);
+      require_vertex_count(first_vertex + corners.size());
+      weld_corners(corners, surface_, source_.memory);
+      source_.memory.give_back(corners.capacity() * sizeof(glm::vec3));
     }
     for (std::size_t v = first_vertex; v < surface_.positions.size(); ++v) {
       surface_.positions[v] = transform.linear * surface_.positions[v] + transform.offset;
@@ -344,17 +365,13 @@ class ModelReader {
     }
   }
 
-  void add_indexed(const View& indices, std::size_t first_vertex, std::uint64_t vertices) {
+  void add_indexed(const View& indices, std::uint64_t mode, std::size_t first_vertex, std::uint64_t vertices) {
     if (indices.component != kUnsignedByte && indices.component != kUnsignedShort &&
         indices.component != kUnsignedInt) {
       throw DamagedMesh(
           fmt::format("expected indices of an unsigned type, found component type {}", indices.component));
     }
-    if (indices.count % 3 != 0) {
-      throw DamagedMesh(fmt::format("expected three indices a triangle, found {} in all", indices.count));
-    }
-    require_memory((surface_.triangles.size() + indices.count / 3) * sizeof(glm::uvec3), source_.limits,
-                   fmt::format("{} indices", indices.count));
+    const std::uint64_t triangles = triangle_count(mode, indices.count, "indices");
     const auto index_at = [&](std::uint64_t i) {
       const std::size_t size = indices.component == kUnsignedByte ? 1 : indices.component == kUnsignedShort ? 2 : 4;
       std::uint32_t index = 0;
@@ -364,9 +381,10 @@ class ModelReader {
       }
       return static_cast<std::uint32_t>(first_vertex) + index;
     };
-    surface_.triangles.reserve(surface_.triangles.size() + indices.count / 3);
-    for (std::uint64_t i = 0; i < indices.count; i += 3) {
-      surface_.triangles.emplace_back(index_at(i), index_at(i + 1), index_at(i + 2));
+    source_.memory.make_room(surface_.triangles, triangles);
+    for (std::uint64_t t = 0; t < triangles; ++t) {
+      const auto [a, b, c] = corners_of(mode, t);
+      surface_.triangles.emplace_back(index_at(a), index_at(b), index_at(c));
     }
   }
 

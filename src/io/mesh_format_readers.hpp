@@ -2,6 +2,7 @@
 // read_mesh makes a mesh of them. Private to io.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -35,10 +36,36 @@ struct FileSurface {
   std::vector<std::string> notes;
 };
 
+// What the reading of one file holds in memory, all parts together. Asked before every growth: sizes in a file, and
+// files that a file names again and again, may ask for far more than its own bytes.
+class MemoryUse {
+ public:
+  explicit MemoryUse(const Limits& limits) : limits_(limits) {}
+
+  // Throws DamagedMesh beyond the limit.
+  void take(std::uint64_t bytes);
+  void give_back(std::uint64_t bytes) { used_ -= bytes; }
+
+  // Room for `more` values behind those that are there.
+  template <class T>
+  void make_room(std::vector<T>& values, std::uint64_t more) {
+    if (more <= values.capacity() - values.size()) return;
+    const std::uint64_t before = values.capacity();
+    const std::uint64_t after = std::max(values.size() + more, 2 * before);
+    take(after * sizeof(T));  // the old values stay until they are copied
+    values.reserve(after);
+    give_back(before * sizeof(T));
+  }
+
+ private:
+  const Limits& limits_;
+  std::uint64_t used_ = 0;
+};
+
 struct MeshSource {
   const InputFile& file;
   std::span<const std::byte> content;
-  const Limits& limits;
+  MemoryUse& memory;
   [[nodiscard]] std::string_view text() const {
     return {reinterpret_cast<const char*>(content.data()), content.size()};
   }
@@ -50,19 +77,24 @@ struct MeshSource {
 [[nodiscard]] FileSurface read_glb(const MeshSource& source);
 [[nodiscard]] FileSurface read_gltf(const MeshSource& source);
 
-// A polygon as triangles around its first corner.
+// "my%20mesh.bin" -> "my mesh.bin"
+[[nodiscard]] std::string decode_percent(std::string_view uri);
+// The bytes of "data:...". Throws DamagedMesh.
+[[nodiscard]] std::vector<std::byte> decode_data_uri(std::string_view uri, MemoryUse& memory);
+
+// A polygon of at least 3 corners as triangles around its first corner.
 template <class Corners>
-void add_fan(std::vector<glm::uvec3>& triangles, const Corners& corners) {
+void add_fan(std::vector<glm::uvec3>& triangles, const Corners& corners, MemoryUse& memory) {
+  memory.make_room(triangles, corners.size() - 2);
   for (std::size_t i = 2; i < corners.size(); ++i) triangles.emplace_back(corners[0], corners[i - 1], corners[i]);
 }
 
-// Before memory is taken. Throws DamagedMesh.
-void require_memory(std::uint64_t bytes, const Limits& limits, const std::string& what);
+[[nodiscard]] bool is_finite(const glm::dvec3& v);
 // A mesh's indices have 32 bits. Throws DamagedMesh.
 void require_vertex_count(std::uint64_t count);
 
 // Makes one vertex of all corners whose coordinates have identical bytes. `corners` come three a triangle.
-void weld_corners(std::span<const glm::vec3> corners, FileSurface& surface);
+void weld_corners(std::span<const glm::vec3> corners, FileSurface& surface, MemoryUse& memory);
 
 // Words and numbers of a text, line by line.
 class TextScanner {
@@ -77,8 +109,11 @@ class TextScanner {
   std::string_view word_anywhere();
 
   [[nodiscard]] std::size_t line_number() const { return line_number_; }
+  // The text after this line.
+  [[nodiscard]] std::string_view rest() const { return rest_; }
   // Throws DamagedMesh with the line's number.
   [[noreturn]] void expected(std::string_view what, std::string_view found) const;
+  // Too small for double is 0, too large is infinite.
   [[nodiscard]] double number(std::string_view word) const;
   [[nodiscard]] std::int64_t whole_number(std::string_view word) const;
 

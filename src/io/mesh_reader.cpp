@@ -4,6 +4,7 @@
 #include <bit>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <limits>
@@ -38,8 +39,9 @@ Reader reader_of(const MeshSource& source) {
 }
 
 Mesh mesh_of(const FileSurface& surface, const Limits& limits) {
-  require_memory(surface.positions.size() * sizeof(glm::vec3) + surface.triangles.size() * sizeof(glm::uvec3), limits,
-                 "its mesh");
+  MemoryUse memory(limits);
+  memory.take(surface.positions.capacity() * sizeof(glm::dvec3) + surface.positions.size() * sizeof(glm::vec3));
+  memory.take((surface.triangles.capacity() + surface.triangles.size()) * sizeof(glm::uvec3));
   Mesh mesh;
   mesh.positions = Buffer<glm::vec3>(surface.positions.size());
   mesh.triangles = Buffer<glm::uvec3>(surface.triangles.size());
@@ -50,7 +52,7 @@ Mesh mesh_of(const FileSurface& surface, const Limits& limits) {
   glm::dvec3 high = low;
   for (std::size_t v = 0; v < surface.positions.size(); ++v) {
     const glm::dvec3& p = surface.positions[v];
-    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) {
+    if (!is_finite(p)) {
       throw DamagedMesh(fmt::format("expected finite coordinates, found ({}, {}, {}) at vertex {}, counted from 0", p.x,
                                     p.y, p.z, v));
     }
@@ -58,6 +60,10 @@ Mesh mesh_of(const FileSurface& surface, const Limits& limits) {
     high = glm::max(high, p);
   }
   mesh.origin = surface.origin ? *surface.origin : choose_local_origin(low, high);
+  if (!is_finite(mesh.origin)) {
+    throw DamagedMesh(fmt::format("expected a finite place of the mesh, found its origin at ({}, {}, {})",
+                                  mesh.origin.x, mesh.origin.y, mesh.origin.z));
+  }
   const glm::dvec3 shift = surface.origin ? glm::dvec3(0) : mesh.origin;
   const glm::dvec3 farthest = glm::max(glm::abs(low - shift), glm::abs(high - shift));
   if (!(std::max({farthest.x, farthest.y, farthest.z}) <= static_cast<double>(std::numeric_limits<float>::max()))) {
@@ -79,12 +85,17 @@ Mesh mesh_of(const FileSurface& surface, const Limits& limits) {
   return mesh;
 }
 
-MeshFile read_file(const InputFile& file, const Limits& limits) {
-  require_memory(file.size(), limits, "its bytes");
+FileSurface read_surface(const InputFile& file, const Limits& limits) {
+  MemoryUse memory(limits);
+  memory.take(file.size());
   Buffer<std::byte> content(file.size());
   if (auto read = file.read_at(0, content.span()); !read) throw DamagedMesh(read.error().message);
-  const MeshSource source{file, content.span(), limits};
-  FileSurface surface = reader_of(source)(source);
+  const MeshSource source{file, content.span(), memory};
+  return reader_of(source)(source);
+}
+
+MeshFile read_file(const InputFile& file, const Limits& limits) {
+  const FileSurface surface = read_surface(file, limits);
   if (surface.positions.empty() && !surface.triangles.empty()) {
     throw DamagedMesh("expected vertices, found triangles without any");
   }
@@ -112,11 +123,14 @@ Result<MeshFile> read_mesh(const std::filesystem::path& path, const Limits& limi
   }
 }
 
-void require_memory(std::uint64_t bytes, const Limits& limits, const std::string& what) {
-  if (const auto fits = check_memory(bytes, limits, what); !fits) {
-    throw DamagedMesh(fits.error().message, fits.error().hint);
-  }
+void MemoryUse::take(std::uint64_t bytes) {
+  used_ = checked_sum(used_, bytes).value_or(std::numeric_limits<std::uint64_t>::max());
+  if (used_ <= limits_.memory_bytes) return;
+  const auto fits = check_memory(used_, limits_, "its bytes, vertices and triangles");
+  throw DamagedMesh(fits.error().message, fits.error().hint);
 }
+
+bool is_finite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 void require_vertex_count(std::uint64_t count) {
   if (count <= std::numeric_limits<std::uint32_t>::max()) return;
@@ -124,16 +138,21 @@ void require_vertex_count(std::uint64_t count) {
       fmt::format("expected at most {} vertices, found {}", std::numeric_limits<std::uint32_t>::max(), count));
 }
 
-void weld_corners(std::span<const glm::vec3> corners, FileSurface& surface) {
+void weld_corners(std::span<const glm::vec3> corners, FileSurface& surface, MemoryUse& memory) {
   const auto first = static_cast<std::uint32_t>(surface.positions.size());
   constexpr std::uint32_t kFree = std::numeric_limits<std::uint32_t>::max();
-  std::vector<std::uint32_t> table(std::bit_ceil(2 * corners.size() + 1), kFree);
+  const std::size_t table_size = std::bit_ceil(2 * corners.size() + 1);
+  const std::uint64_t bytes =
+      (table_size + corners.size()) * sizeof(std::uint32_t) + corners.size() * sizeof(glm::vec3);
+  memory.take(bytes);
+  std::vector<std::uint32_t> table(table_size, kFree);
   const auto bits_of = [](const glm::vec3& p) {
     return glm::u64vec3(std::bit_cast<std::uint32_t>(p.x), std::bit_cast<std::uint32_t>(p.y),
                         std::bit_cast<std::uint32_t>(p.z));
   };
   std::vector<std::uint32_t> vertex_of(corners.size());
   std::vector<glm::vec3> vertices;
+  vertices.reserve(corners.size());
   for (std::size_t c = 0; c < corners.size(); ++c) {
     const glm::u64vec3 bits = bits_of(corners[c]);
     // Multiplicative hashing with odd constants; the high bits are the well-mixed ones.
@@ -146,10 +165,13 @@ void weld_corners(std::span<const glm::vec3> corners, FileSurface& surface) {
     }
     vertex_of[c] = first + table[place];
   }
+  memory.make_room(surface.positions, vertices.size());
+  memory.make_room(surface.triangles, corners.size() / 3);
   surface.positions.insert(surface.positions.end(), vertices.begin(), vertices.end());
   for (std::size_t c = 0; c + 2 < corners.size(); c += 3) {
     surface.triangles.emplace_back(vertex_of[c], vertex_of[c + 1], vertex_of[c + 2]);
   }
+  memory.give_back(bytes);
 }
 
 bool TextScanner::next_line() {
@@ -188,15 +210,9 @@ double TextScanner::number(std::string_view word) const {
   const std::string_view digits = word.starts_with('+') ? word.substr(1) : word;
   double value = 0;
   const auto [end, status] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  // Out of range is either too small, which is 0, or too large, which is not finite.
-  if (status == std::errc::result_out_of_range) {
-    return std::string_view(digits.data(), static_cast<std::size_t>(end - digits.data())).find("e-") !=
-                   std::string_view::npos
-               ? 0.0
-               : std::numeric_limits<double>::infinity();
-  }
-  if (status != std::errc{} || end != digits.data() + digits.size()) expected("a number", word);
-  return value;
+  if (end != digits.data() + digits.size() || status == std::errc::invalid_argument) expected("a number", word);
+  // from_chars does not say on which side it is out of range.
+  return status == std::errc::result_out_of_range ? std::strtod(std::string(digits).c_str(), nullptr) : value;
 }
 
 std::int64_t TextScanner::whole_number(std::string_view word) const {

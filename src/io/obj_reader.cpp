@@ -34,14 +34,16 @@ FileSurface read_obj(const MeshSource& source) {
     if (keyword == "v") {
       std::array<double, 3> p{};
       for (double& coordinate : p) coordinate = scanner.number(scanner.word());
+      source.memory.make_room(surface.positions, 1);
       surface.positions.emplace_back(p[0], p[1], p[2]);
     } else if (keyword == "f") {
       corners.clear();
       for (std::string_view corner = scanner.word(); !corner.empty(); corner = scanner.word()) {
+        source.memory.make_room(corners, 1);
         corners.push_back(vertex_index(scanner, corner, surface.positions.size()));
       }
       if (corners.size() < 3) scanner.expected("at least 3 corners of a face", std::to_string(corners.size()));
-      add_fan(surface.triangles, corners);
+      add_fan(surface.triangles, corners, source.memory);
     } else if (keyword == "l" || keyword == "p") {
       ++lines_and_points;
     } else if (keyword == "curv" || keyword == "surf") {
@@ -51,7 +53,6 @@ FileSurface read_obj(const MeshSource& source) {
     }
   }
   require_vertex_count(surface.positions.size());
-  if (surface.positions.empty()) throw DamagedMesh("expected vertices (lines with 'v'), found none");
   if (lines_and_points > 0) {
     surface.notes.push_back(fmt::format("{} lines and points, which are no surface, were left out", lines_and_points));
   }

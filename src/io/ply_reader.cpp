@@ -69,18 +69,18 @@ struct Header {
   std::size_t bytes = 0;
 };
 
-Header read_header(std::string_view text) {
-  constexpr std::string_view kEnd = "end_header";
-  const std::size_t end = text.find(kEnd);
-  const std::size_t line_end = end == std::string_view::npos ? end : text.find('\n', end);
-  if (line_end == std::string_view::npos) throw DamagedMesh("expected 'end_header' in a PLY file, found none");
+// What a line of the header may take: a property with its names, and the values of one element.
+constexpr std::uint64_t kHeaderLineBytes = 512;
+
+Header read_header(std::string_view text, MemoryUse& memory) {
   Header header;
-  header.bytes = line_end + 1;
-  TextScanner scanner(text.substr(0, end));
+  TextScanner scanner(text);
   scanner.next_line();  // "ply"
   bool has_format = false;
-  while (scanner.next_line()) {
+  bool ended = false;
+  while (!ended && scanner.next_line()) {
     const std::string_view keyword = scanner.word();
+    memory.take(kHeaderLineBytes);
     if (keyword == "format") {
       const std::string_view name = scanner.word();
       has_format = true;
@@ -108,10 +108,16 @@ Header read_header(std::string_view text) {
       property.type = type_named(scanner, word == "list" ? scanner.word() : word);
       property.name = scanner.word();
       header.elements.back().properties.push_back(std::move(property));
+    } else if (keyword == "end_header") {
+      if (const std::string_view more = scanner.word(); !more.empty())
+        scanner.expected("nothing after end_header", more);
+      ended = true;
     } else if (keyword != "comment" && keyword != "obj_info" && !keyword.empty()) {
       scanner.expected("format, element, property or comment", keyword);
     }
   }
+  if (!ended) throw DamagedMesh("expected 'end_header' in a PLY file, found none");
+  header.bytes = text.size() - scanner.rest().size();
   if (!has_format) throw DamagedMesh("expected a line 'format ...' in the header of a PLY file, found none");
   return header;
 }
@@ -126,6 +132,8 @@ class TextBody {
       throw DamagedMesh("expected more numbers after the header of a PLY file, found the end of the file");
     return scanner_.number(word);
   }
+  // What is left, as far as there is any: a text for a note.
+  std::string_view left() { return scanner_.word_anywhere(); }
 
  private:
   TextScanner scanner_;
@@ -149,6 +157,7 @@ class BinaryBody {
     }
     return as<double>();
   }
+  [[nodiscard]] std::string_view left() const { return rest_; }
 
  private:
   template <class T>
@@ -173,10 +182,12 @@ class BinaryBody {
 template <class Body>
 class ElementReader {
  public:
-  ElementReader(Body& body, const Element& element)
-      : body_(body), element_(element), lists_(element.properties.size()) {
-    scalars_.resize(element.properties.size());
-  }
+  ElementReader(Body& body, const Element& element, MemoryUse& memory)
+      : body_(body),
+        element_(element),
+        memory_(memory),
+        scalars_(element.properties.size()),
+        lists_(element.properties.size()) {}
 
   void next() {
     for (std::size_t i = 0; i < element_.properties.size(); ++i) {
@@ -191,7 +202,10 @@ class ElementReader {
       }
       std::vector<double>& list = lists_[i];
       list.clear();
-      for (double k = 0; k < count; ++k) list.push_back(body_.next(property.type));
+      for (double k = 0; k < count; ++k) {
+        memory_.make_room(list, 1);
+        list.push_back(body_.next(property.type));
+      }
     }
   }
   [[nodiscard]] double scalar(std::size_t property) const { return scalars_[property]; }
@@ -200,12 +214,13 @@ class ElementReader {
  private:
   Body& body_;
   const Element& element_;
+  MemoryUse& memory_;
   std::vector<double> scalars_;
   std::vector<std::vector<double>> lists_;
 };
 
 template <class Body>
-void read_vertices(Body& body, const Element& element, FileSurface& surface) {
+void read_vertices(Body& body, const Element& element, MemoryUse& memory, FileSurface& surface) {
   std::array<std::size_t, 3> columns{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::string_view name = std::string_view("xyz").substr(axis, 1);
@@ -216,8 +231,8 @@ void read_vertices(Body& body, const Element& element, FileSurface& surface) {
     columns[axis] = *found;
   }
   require_vertex_count(element.count);
-  surface.positions.reserve(element.count);
-  ElementReader reader(body, element);
+  memory.make_room(surface.positions, element.count);
+  ElementReader reader(body, element, memory);
   for (std::uint64_t v = 0; v < element.count; ++v) {
     reader.next();
     surface.positions.emplace_back(reader.scalar(columns[0]), reader.scalar(columns[1]), reader.scalar(columns[2]));
@@ -225,18 +240,19 @@ void read_vertices(Body& body, const Element& element, FileSurface& surface) {
 }
 
 template <class Body>
-void read_faces(Body& body, const Element& element, FileSurface& surface) {
+void read_faces(Body& body, const Element& element, MemoryUse& memory, FileSurface& surface) {
   auto column = element.find("vertex_indices");
   if (!column) column = element.find("vertex_index");
   if (!column || !element.properties[*column].count_type) {
     throw DamagedMesh("expected a list 'vertex_indices' of each face in the header, found none");
   }
-  surface.triangles.reserve(element.count);
-  ElementReader reader(body, element);
+  memory.make_room(surface.triangles, element.count);
+  ElementReader reader(body, element, memory);
   std::vector<std::uint32_t> corners;
   for (std::uint64_t f = 0; f < element.count; ++f) {
     reader.next();
     corners.clear();
+    memory.make_room(corners, reader.list(*column).size());
     for (const double index : reader.list(*column)) {
       if (!(index >= 0 && index <= std::numeric_limits<std::uint32_t>::max()) || index != std::floor(index)) {
         throw DamagedMesh(fmt::format("expected the index of a vertex in face {}, found {}", f, index));
@@ -246,12 +262,12 @@ void read_faces(Body& body, const Element& element, FileSurface& surface) {
     if (corners.size() < 3) {
       throw DamagedMesh(fmt::format("expected at least 3 corners of face {}, found {}", f, corners.size()));
     }
-    add_fan(surface.triangles, corners);
+    add_fan(surface.triangles, corners, memory);
   }
 }
 
 template <class Body>
-void read_body(Body body, const Header& header, const Limits& limits, FileSurface& surface) {
+void read_body(Body body, const Header& header, MemoryUse& memory, FileSurface& surface) {
   std::uint64_t left = body.size();
   for (const Element& element : header.elements) {
     const std::uint64_t least = element.least_bytes(header.encoding == Encoding::text);
@@ -265,19 +281,17 @@ void read_body(Body body, const Header& header, const Limits& limits, FileSurfac
     if (element.count > 0 && element.properties.empty()) {
       throw DamagedMesh(fmt::format("expected properties of the element '{}' in the header, found none", element.name));
     }
-    const std::string what = fmt::format("{} elements '{}'", element.count, element.name);
     if (element.name == "vertex") {
-      require_memory(element.count * sizeof(glm::dvec3), limits, what);
-      read_vertices(body, element, surface);
+      read_vertices(body, element, memory, surface);
     } else if (element.name == "face") {
-      require_memory(element.count * sizeof(glm::uvec3), limits, what);
-      read_faces(body, element, surface);
+      read_faces(body, element, memory, surface);
     } else {
-      ElementReader reader(body, element);
+      ElementReader reader(body, element, memory);
       for (std::uint64_t i = 0; i < element.count; ++i) reader.next();
-      surface.notes.push_back(what + " were left out");
+      surface.notes.push_back(fmt::format("{} elements '{}' were left out", element.count, element.name));
     }
   }
+  if (!body.left().empty()) surface.notes.emplace_back("the data after its last element were left out");
 }
 
 }  // namespace
@@ -287,14 +301,14 @@ FileSurface read_ply(const MeshSource& source) {
   if (!text.starts_with("ply")) {
     throw DamagedMesh(fmt::format("expected 'ply' at the start of a PLY file, found '{}'", printable(text, 16)));
   }
-  const Header header = read_header(text);
+  const Header header = read_header(text, source.memory);
   FileSurface surface;
   surface.format = header.encoding == Encoding::text ? "PLY, text" : "PLY, binary";
   const std::string_view body = text.substr(header.bytes);
   if (header.encoding == Encoding::text) {
-    read_body(TextBody(body), header, source.limits, surface);
+    read_body(TextBody(body), header, source.memory, surface);
   } else {
-    read_body(BinaryBody(body, header.encoding == Encoding::big), header, source.limits, surface);
+    read_body(BinaryBody(body, header.encoding == Encoding::big), header, source.memory, surface);
   }
   return surface;
 }

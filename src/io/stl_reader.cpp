@@ -10,14 +10,12 @@ namespace {
 
 constexpr std::size_t kHeaderBytes = 80 + sizeof(std::uint32_t);
 constexpr std::size_t kRecordBytes = 4 * sizeof(glm::vec3) + sizeof(std::uint16_t);
-constexpr std::uint64_t kWeldBytes = 3 * (2 * sizeof(std::uint32_t) * 4 + sizeof(glm::vec3) + sizeof(glm::dvec3));
 
 FileSurface weld(const std::vector<glm::vec3>& corners, const MeshSource& source, std::string_view format) {
   require_vertex_count(corners.size());
-  require_memory(corners.size() / 3 * kWeldBytes, source.limits, fmt::format("{} triangles", corners.size() / 3));
   FileSurface surface;
   surface.format = format;
-  weld_corners(corners, surface);
+  weld_corners(corners, surface, source.memory);
   return surface;
 }
 
@@ -30,8 +28,9 @@ std::uint64_t binary_size(std::span<const std::byte> content) {
 
 FileSurface read_binary(const MeshSource& source) {
   const std::size_t count = (source.content.size() - kHeaderBytes) / kRecordBytes;
-  require_memory(count * 3 * sizeof(glm::vec3), source.limits, fmt::format("{} triangles", count));
-  std::vector<glm::vec3> corners(3 * count);
+  std::vector<glm::vec3> corners;
+  source.memory.make_room(corners, 3 * count);
+  corners.resize(3 * count);
   for (std::size_t t = 0; t < count; ++t) {
     const std::byte* record = source.content.data() + kHeaderBytes + t * kRecordBytes;
     std::memcpy(&corners[3 * t], record + sizeof(glm::vec3), 3 * sizeof(glm::vec3));
@@ -42,17 +41,24 @@ FileSurface read_binary(const MeshSource& source) {
 FileSurface read_text(const MeshSource& source) {
   TextScanner scanner(source.text());
   std::vector<glm::vec3> corners;
+  std::size_t closed = 0;  // corners whose facet has ended
   bool ended = false;
   while (scanner.next_line()) {
     const std::string_view keyword = scanner.word();
     if (keyword == "vertex") {
       glm::vec3 p;
       for (int axis = 0; axis < 3; ++axis) p[axis] = static_cast<float>(scanner.number(scanner.word()));
+      source.memory.make_room(corners, 1);
       corners.push_back(p);
-    } else if (keyword == "endloop" && corners.size() % 3 != 0) {
-      scanner.expected("3 corners a facet", fmt::format("{} in all so far", corners.size()));
+      ended = false;
+    } else if (keyword == "endloop" || keyword == "endfacet" || keyword == "endsolid") {
+      const std::size_t count = corners.size() - closed;
+      if (count != 3 && (count != 0 || keyword == "endloop")) {
+        scanner.expected(fmt::format("3 corners before '{}'", keyword), std::to_string(count));
+      }
+      closed = corners.size();
+      ended = ended || keyword == "endsolid";
     }
-    ended = ended || keyword == "endsolid";
   }
   if (!ended) scanner.expected("'endsolid'", "the end of the file");
   return weld(corners, source, "STL, text");

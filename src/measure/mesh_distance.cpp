@@ -246,8 +246,16 @@ Result<MeshDistance> measure_distance(const Mesh& a, const Mesh& b, const Distan
   for (const Mesh* mesh : {&a, &b}) {
     if (!mesh->triangles.empty()) continue;
     return fail(ErrorKind::input,
-                fmt::format("{} mesh{}{} has no triangles, so there is no distance to it",
-                            mesh == &a ? "the first" : "the second", mesh->name.empty() ? "" : ", ", mesh->name));
+                fmt::format("{} mesh{} has no triangles, so there is no distance to it",
+                            mesh == &a ? "the first" : "the second",
+                            mesh->name.empty() ? "" : fmt::format(", {},", mesh->name)),
+                "a surface is empty where the iso value lies outside the data; 'isoextract info' shows their range");
+  }
+  constexpr double kFarthest = 1e150;
+  if (const double apart = glm::length(a.origin - b.origin); !(apart <= kFarthest)) {
+    return fail(ErrorKind::input,
+                fmt::format("expected meshes at most {:g} apart, found {} and {} farther from each other", kFarthest,
+                            a.name, b.name));
   }
   MeshDistance result;
   result.resolution = std::max(float32_resolution(a), float32_resolution(b));

@@ -49,7 +49,8 @@ struct MeshDistance {
   double resolution = 0;
 };
 
-// Fails with ErrorKind::input if a mesh has no triangles: nothing has a distance to nothing. Positions must be finite.
+// Fails with ErrorKind::input if a mesh has no triangles: nothing has a distance to nothing; or if the origins
+// are more than 1e150 apart, where squared distances leave the range of double. Positions must be finite.
 [[nodiscard]] Result<MeshDistance> measure_distance(const Mesh& a, const Mesh& b, const DistanceOptions& options = {});
 
 }  // namespace isoextract

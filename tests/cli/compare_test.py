@@ -68,9 +68,25 @@ class CompareTest(ProgramTest):
         (self.folder / "bad.ply").write_text("ply\nformat ascii 1.0\n")
         self.assert_fails(2, self.run_program("compare", "bad.ply", "sphere.glb"), "bad.ply: expected 'end_header'")
         self.convert(SPHERE, "--iso", 9, "--empty", "write", "-o", "empty.ply")
-        self.assert_fails(2, self.run_program("compare", "sphere.glb", "empty.ply"), "empty.ply has no triangles")
+        self.assert_fails(2, self.run_program("compare", "sphere.glb", "empty.ply"), "empty.ply, has no triangles")
+        self.convert(SPHERE, "--iso", 9, "--empty", "write", "-o", "empty.obj")
+        self.assert_fails(2, self.run_program("compare", "sphere.glb", "empty.obj"), "empty.obj, has no triangles")
         self.assert_fails(2, self.run_program("compare", "sphere.glb", "sphere.glb", "--memory-limit", "1K"),
                           "--memory-limit")
+
+    def test_what_was_left_out_is_said_before_the_distance_fails(self):
+        (self.folder / "lines.obj").write_text("v 0 0 0\nv 1 0 0\nl 1 2\n")
+        run = self.run_program("compare", "lines.obj", "sphere.glb")
+        self.assertEqual((run.code, run.text), (2, ""))
+        note, error, hint = run.err.splitlines()
+        self.assertIn("note: lines.obj: 1 lines and points", note)
+        self.assertIn("the first mesh, lines.obj, has no triangles", error)
+        self.assertIn("isoextract info", hint)
+
+    def test_far_places_are_no_small_distance(self):
+        (self.folder / "far.obj").write_text("v 1e200 0 0\nv 1e200 1 0\nv 1e200 0 1\nf 1 2 3\n")
+        run = self.run_program("compare", "sphere.glb", "far.obj", "--max-distance", "0.1")
+        self.assert_fails(2, run, "1e+150 apart")
 
     def test_same_figures_for_any_number_of_threads(self):
         self.convert("demo:sphere?size=40", "--iso", 0, "-o", "fine.ply")

@@ -145,8 +145,11 @@ TEST_F(MeshReaderTest, EmptyMeshes) {
   const auto nothing = test::one(Mesh{});
   test::must_write(nothing, folder_ / "none.glb", {MeshFormat::glb, false, false});
   EXPECT_TRUE(must_read("none.glb").mesh.triangles.empty());
-  test::must_write(nothing, folder_ / "none.ply", {MeshFormat::ply, false, false});
-  EXPECT_TRUE(must_read("none.ply").mesh.triangles.empty());
+  for (const auto& [name, format] : {std::pair("none.ply", MeshFormat::ply), std::pair("none.obj", MeshFormat::obj),
+                                     std::pair("none.stl", MeshFormat::stl)}) {
+    test::must_write(nothing, folder_ / name, {format, format == MeshFormat::stl, false});
+    EXPECT_TRUE(must_read(name).mesh.triangles.empty());
+  }
 }
 
 TEST_F(MeshReaderTest, ObjPolygonsRelativeIndicesAndWhatIsNoSurface) {
@@ -187,6 +190,17 @@ TEST_F(MeshReaderTest, PlyOfOthers) {
   const MeshFile swapped = read_text("big.ply", big + body);
   EXPECT_EQ(swapped.mesh.position(2), glm::dvec3(7, 8, 10));
   EXPECT_EQ(swapped.mesh.triangles[0], glm::uvec3(2, 1, 0));
+}
+
+TEST_F(MeshReaderTest, NumbersOutsideTheRangeOfDouble) {
+  const std::string zeros(400, '0');
+  const auto with = [](const std::string& x) { return fmt::format("v {} 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", x); };
+  const std::vector<std::string> small{"1E-400", "-1e-400", "0." + zeros + "1", "0." + zeros + "1e5", "1e-99999999999"};
+  for (const std::string& x : small) EXPECT_EQ(read_text("a.obj", with(x)).mesh.position(0).x, 0) << x;
+  for (const char* x : {"1e400", "-1E+400", "1e99999999999"}) expect_error("a.obj", with(x), "finite");
+  for (const std::string& x : {"1" + zeros, "1" + zeros + "e-5"}) expect_error("a.obj", with(x), "finite");
+  EXPECT_EQ(read_text("a.obj", with("1" + zeros + "e-400")).mesh.position(0).x, 1);
+  expect_error("a.obj", with("1e400x"), "line 1: expected a number, found '1e400x'");
 }
 
 // One triangle; `nodes` and `scene` as given.
@@ -236,11 +250,23 @@ TEST_F(MeshReaderTest, DamagedGltf) {
   expect_error("a.gltf", replaced("\"asset\"", "\"extensionsRequired\":[\"KHR_draco_mesh_compression\"],\"asset\""),
                "KHR_draco_mesh_compression");
   expect_error("a.gltf", replaced("data:;base64,", "data:;base64,!"), "base64");
+  expect_error("a.gltf", replaced("data:;base64,", "data:;base64;"), "expected a comma");
+  expect_error("a.gltf", replaced("data:;base64,AAAAAAAAAAAAAAAA", "data:,"),
+               "expected 36 bytes of buffer 0, found 32");
+  expect_error("a.gltf", replaced("\"attributes\"", "\"mode\":7,\"attributes\""), "found 7");
   expect_error("a.gltf", gltf(R"({"mesh":0,"children":[0]})"), "found node 0 in two places");
   expect_error("a.gltf", gltf(R"({"mesh":7})"), "index into 'meshes', found 7");
   expect_error("a.gltf", gltf(R"({"mesh":0,"matrix":[1,2]})"), "expected 16 numbers as 'matrix'");
   expect_error("a.gltf", gltf(R"({"mesh":0,"scale":[1,null,1]})"), "expected numbers as 'scale'");
   expect_error("a.gltf", gltf(R"({"mesh":0,"scale":[1e308,1e308,1e308],"translation":[1e308,1e308,0]})"), "expected");
+  expect_error("a.gltf", gltf(R"({"translation":[1.7e308,0,0],"children":[1]},{"mesh":0,"translation":[1.7e308,0,0]})"),
+               "expected a finite place of node 1 within the scene, found (inf, 0, 0)");
+  expect_error("a.gltf", gltf(R"({"scale":[1e200,1,1],"children":[1]},{"mesh":0,"scale":[1e200,1,1]})"), "node 1");
+  // What is nested as deep as this must not be visited by recursion.
+  const std::string deep = std::string(300000, '[') + std::string(300000, ']');
+  expect_error("a.gltf", replaced("\"asset\"", "\"extensionsRequired\":" + deep + ",\"asset\""),
+               "expected JSON nested at most 64 deep, found a value at depth 65");
+  expect_error("a.gltf", deep, "nested at most 64 deep");
 
   const auto meshes = test::one(test::sphere(4, false));
   test::must_write(meshes, folder_ / "b.gltf", {MeshFormat::gltf, false, false});
@@ -248,6 +274,58 @@ TEST_F(MeshReaderTest, DamagedGltf) {
   expect_error("b.gltf", test::read_bytes(folder_ / "b.gltf"), "names the data file 'b.bin'");
   expect_error("a.gltf", R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":1,"uri":"..%2Fsecret"}]})",
                "not beside or below");
+}
+
+TEST_F(MeshReaderTest, GltfStripsFansAndDataWithoutBase64) {
+  // A square of four corners, as a strip and as a fan; their bytes percent-encoded. With indices, the first corner
+  // last.
+  const auto square = [&](int mode, const std::vector<glm::vec3>& corners, const std::string& rest) {
+    std::string data;
+    for (const glm::vec3& p : corners) {
+      for (const char byte : bytes_of({p.x, p.y, p.z}))
+        data += fmt::format("%{:02X}", static_cast<unsigned char>(byte));
+    }
+    data += "%03%00%01%02";
+    return fmt::format(
+        R"({{"asset":{{"version":"2.0"}},"scenes":[{{"nodes":[0]}}],"nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[)"
+        R"({{"mode":{},"attributes":{{"POSITION":0}}{}}}]}}],"accessors":[{{"bufferView":0,"componentType":5126,)"
+        R"("count":4,"type":"VEC3"}},{{"bufferView":1,"componentType":5121,"count":4,"type":"SCALAR"}}],"bufferViews":[)"
+        R"({{"buffer":0,"byteLength":48}},{{"buffer":0,"byteOffset":48,"byteLength":4}}],)"
+        R"("buffers":[{{"byteLength":52,"uri":"data:text/plain,{}"}}]}})",
+        mode, rest, data);
+  };
+  const std::string indexed = R"(,"indices":1)";
+  const glm::vec3 a(0, 0, 0);
+  const glm::vec3 b(1, 0, 0);
+  const glm::vec3 c(1, 1, 0);
+  const glm::vec3 d(0, 1, 0);
+  for (const auto& [name, text] : {
+           std::pair("strip", square(5, {a, b, d, c}, "")),
+           std::pair("indexed strip", square(5, {b, d, c, a}, indexed)),
+           std::pair("fan", square(6, {a, b, c, d}, "")),
+           std::pair("indexed fan", square(6, {b, c, d, a}, indexed)),
+       }) {
+    SCOPED_TRACE(name);
+    const MeshFile read = read_text("a.gltf", text);
+    EXPECT_TRUE(read.notes.empty());
+    ASSERT_EQ(read.mesh.triangles.size(), 2U);
+    EXPECT_EQ(read.mesh.positions.size(), 4U);
+    EXPECT_EQ(measure_size(read.mesh).area, 1);
+    const Topology topology = measure_topology(read.mesh);
+    EXPECT_EQ(topology.open_edges, 4U);
+    EXPECT_EQ(topology.misoriented_edges, 0U);
+    for (const glm::uvec3& t : read.mesh.triangles) {
+      const glm::dvec3 p = read.mesh.position(t.x);
+      EXPECT_GT(glm::cross(read.mesh.position(t.y) - p, read.mesh.position(t.z) - p).z, 0);
+    }
+  }
+  const MeshFile lines = read_text("a.gltf", square(3, {a, b, c, d}, ""));
+  EXPECT_TRUE(lines.mesh.triangles.empty());
+  ASSERT_EQ(lines.notes.size(), 1U);
+  EXPECT_NE(lines.notes[0].find("1 primitives of points or lines were left out"), std::string::npos);
+  std::string two = square(5, {a, b, c, d}, "");
+  two.replace(two.find("\"count\":4"), 9, "\"count\":2");
+  expect_error("a.gltf", two, "expected at least three vertices of a strip or fan, found 2");
 }
 
 TEST_F(MeshReaderTest, DamagedGlb) {
@@ -294,6 +372,15 @@ TEST_F(MeshReaderTest, DamagedPly) {
   expect_error("a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n",
                "expected a number 'y'");
 
+  const std::string triangle = points + "3 0 1 2\n";
+  const MeshFile more =
+      read_text("more.ply", head + "comment made with end_header marker\n" + faces + triangle + "7 8");
+  EXPECT_EQ(more.mesh.triangles.size(), 1U);
+  ASSERT_EQ(more.notes.size(), 1U);
+  EXPECT_NE(more.notes[0].find("the data after its last element were left out"), std::string::npos);
+  EXPECT_TRUE(read_text("blanks.ply", head + faces + triangle + "\n \r\n").notes.empty());
+  expect_error("a.ply", head + "end_header now\n" + points, "expected nothing after end_header, found 'now'");
+
   const auto meshes = test::one(test::sphere(4, false));
   test::must_write(meshes, folder_ / "good.ply", {MeshFormat::ply, false, false});
   const std::string good = test::read_bytes(folder_ / "good.ply");
@@ -309,7 +396,7 @@ TEST_F(MeshReaderTest, DamagedObj) {
   expect_error("a.obj", "v 0 0\n", "line 1: expected a number, found nothing");
   expect_error("a.obj", "v 0 0 0\nf 1 1 99999999999999999999\n", "expected a whole number");
   expect_error("a.obj", "v 0 nan 0\nf 1 1 1\n", "finite");
-  expect_error("a.obj", "# nothing\n", "expected vertices");
+  expect_error("a.obj", "f 1 2 3\n", "expected vertices");
   expect_error("a.obj",
                std::string("\x7f"
                            "ELF\0\0\1",
@@ -331,6 +418,16 @@ TEST_F(MeshReaderTest, DamagedStl) {
   expect_error("a.stl", bad, "finite");
   expect_error("a.stl", "solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nendloop\n", "3 corners");
   expect_error("a.stl", "solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n", "'endsolid'");
+  const std::string facet = "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n";
+  const std::string end = "endloop\nendfacet\n";
+  EXPECT_EQ(read_text("two.stl", "solid x\n" + facet + end + "endsolid x\nsolid y\n" + facet + end + "endsolid y\n")
+                .mesh.triangles.size(),
+            2U);
+  expect_error("a.stl", "solid x\n" + facet + end + "facet\nouter loop\nvertex 5 5 5\nvertex 6 5 5\nendsolid x\n",
+               "line 13: expected 3 corners before 'endsolid', found '2'");
+  expect_error("a.stl", "solid x\n" + facet + "vertex 1 1 0\nvertex 1 2 0\nvertex 1 3 0\n" + end + "endsolid\n",
+               "expected 3 corners before 'endloop', found '6'");
+  expect_error("a.stl", "solid x\n" + facet + end + "endsolid x\nsolid y\n" + facet, "'endsolid'");
 }
 
 TEST_F(MeshReaderTest, OtherFilesAndLimits) {
@@ -346,6 +443,51 @@ TEST_F(MeshReaderTest, OtherFilesAndLimits) {
     EXPECT_NE(read.error().message.find("the limit is 100 B"), std::string::npos) << read.error().message;
     EXPECT_NE(read.error().hint.find("--memory-limit"), std::string::npos) << read.error().hint;
   }
+}
+
+// Files whose meshes need far more than their bytes.
+TEST_F(MeshReaderTest, MemoryLimitIsKept) {
+  const auto expect_beyond = [&](const std::string& name, const std::string& bytes, std::uint64_t limit) {
+    write_bytes(folder_ / name, bytes);
+    ASSERT_LT(bytes.size(), limit);
+    EXPECT_TRUE(read_mesh(folder_ / name)) << name;
+    const auto read = read_mesh(folder_ / name, Limits{limit});
+    ASSERT_FALSE(read) << name;
+    EXPECT_NE(read.error().message.find("its bytes, vertices and triangles need"), std::string::npos)
+        << read.error().message;
+    EXPECT_NE(read.error().hint.find("--memory-limit"), std::string::npos) << read.error().hint;
+  };
+  constexpr std::uint64_t kMega = 1 << 20;
+
+  write_bytes(folder_ / "big.bin", std::string(kMega, '\0'));
+  std::string many = gltf(R"({"mesh":0})");
+  const std::size_t end_of_buffers = many.rfind(']');
+  for (int i = 0; i < 8; ++i) many.insert(end_of_buffers, R"(,{"byteLength":36,"uri":"big.bin"})");
+  expect_beyond("many.gltf", many, 5 * kMega);
+
+  std::string values = gltf(R"({"mesh":0})");
+  std::string list = "0";
+  for (int i = 0; i < 100000; ++i) list += ",0";
+  values.insert(1, R"("extras":[)" + list + "],");
+  expect_beyond("values.gltf", values, 4 * kMega);
+
+  std::string polygon = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf";
+  for (int i = 0; i < 100000; ++i) polygon += " 1";
+  expect_beyond("polygon.obj", polygon + "\n", kMega);
+
+  std::string vertices;
+  for (int i = 0; i < 50000; ++i) vertices += "v 0 0 0\n";
+  expect_beyond("vertices.obj", vertices, kMega);
+
+  const std::string fan =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 1\nproperty list uint uchar vertex_indices\nend_header\n" +
+      std::string(12, '\0') + word(200000) + std::string(200000, '\0');
+  expect_beyond("fan.ply", fan, 3 * kMega);
+
+  std::string soup = "solid x\n";
+  for (int i = 0; i < 5000; ++i) soup += "vertex 0 0 0\nvertex 0 0 0\nvertex 0 0 0\nendloop\n";
+  expect_beyond("soup.stl", soup + "endsolid\n", 500000);
 }
 
 }  // namespace

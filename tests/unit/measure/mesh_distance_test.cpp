@@ -1,6 +1,7 @@
 #include "measure/mesh_distance.hpp"
 
 #include <cmath>
+#include <limits>
 #include <cstring>
 #include <random>
 
@@ -345,8 +346,25 @@ TEST(MeshDistance, EmptyMeshesHaveNoDistance) {
   for (const auto& result : {measure_distance(some, none), measure_distance(none, some)}) {
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().kind, ErrorKind::input);
-    EXPECT_NE(result.error().message.find("nothing has no triangles"), std::string::npos);
+    EXPECT_NE(result.error().message.find("nothing, has no triangles"), std::string::npos);
   }
+}
+
+// Squared distances would be infinite, and no interval would hold the greatest.
+TEST(MeshDistance, MeshesTooFarApart) {
+  const Mesh here = test::tetrahedron();
+  for (const double place : {1e151, 1e308, std::numeric_limits<double>::infinity()}) {
+    Mesh there = test::tetrahedron();
+    there.origin.x = place;
+    for (const auto& result : {measure_distance(here, there), measure_distance(there, here)}) {
+      ASSERT_FALSE(result) << place;
+      EXPECT_EQ(result.error().kind, ErrorKind::input);
+      EXPECT_NE(result.error().message.find("1e+150 apart"), std::string::npos) << result.error().message;
+    }
+  }
+  Mesh there = test::tetrahedron();
+  there.origin.x = 1e149;
+  EXPECT_NEAR(distance(here, there).hausdorff_upper / 1e149, 1, 1e-6);
 }
 
 // Vertices that no triangle uses are no part of the surface.
