@@ -1,8 +1,8 @@
 #include "measure/mesh_distance.hpp"
 
 #include <cmath>
-#include <limits>
 #include <cstring>
+#include <limits>
 #include <random>
 
 #include <gtest/gtest.h>
