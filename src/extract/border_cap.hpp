@@ -14,6 +14,7 @@
 #include <glm/glm.hpp>
 
 #include "extract/asymptotic_decider.hpp"
+#include "extract/edge_geometry.hpp"
 #include "extract/extractor.hpp"
 #include "field/samples.hpp"
 
@@ -91,8 +92,7 @@ BorderCap make_border_cap(const IndexBox& box, Method method, std::uint32_t firs
       const glm::ivec3& a = corners[c];
       const glm::ivec3& b = corners[(c + 1) % count];
       const glm::ivec3 low = glm::min(a, b);  // edges run up in every axis they run along
-      const glm::ivec3 step = glm::max(a, b) - low;
-      return edge_vertex(low, step.x | step.y << 1 | step.z << 2);
+      return edge_vertex(low, step_direction(glm::max(a, b) - low));
     };
     const auto fan = [&](std::span<const std::uint32_t> ring) {
       for (std::size_t i = 1; i + 1 < ring.size(); ++i) cap.triangles.push_back({ring[0], ring[i], ring[i + 1]});

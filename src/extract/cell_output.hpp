@@ -15,6 +15,7 @@ void write_vertex(Mesh& mesh, std::size_t number, const Placement& placement, co
   const double f0 = value(p);
   const double t = edge_crossing(f0, value(p + step), rule.iso, placement.margin());
   mesh.positions[number] = placement.position(glm::dvec3(p) + t * glm::dvec3(step));
+  if (!mesh.edges.empty()) mesh.edges[number] = {p, step_direction(step)};
   if (mesh.normals.empty()) return;
   mesh.normals[number] =
       placement.normal((1 - t) * gradient(p) + t * gradient(p + step), (rule(f0) ? 1.0 : -1.0) * glm::dvec3(step));

@@ -141,7 +141,7 @@ class DenseExtraction {
     result.stats.count = watch.elapsed();
 
     watch.restart();
-    allocate_mesh(result.mesh, sizes, cap, options_.smooth_normals);
+    allocate_mesh(result.mesh, sizes, cap, options_);
     emit(result.mesh);
     append_cap(result.mesh, sizes, cap, {glm::ivec3(0), view_.dims - 1}, region_.min, placement_);
     if (has_holes_) {

@@ -75,4 +75,7 @@ class Placement {
   return {direction & 1, direction >> 1 & 1, direction >> 2 & 1};
 }
 
+// And back.
+[[nodiscard]] inline int step_direction(const glm::ivec3& step) { return step.x | step.y << 1 | step.z << 2; }
+
 }  // namespace isoextract

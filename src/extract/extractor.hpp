@@ -39,6 +39,7 @@ struct ExtractOptions {
   Method method = Method::mc;
   double iso = 0;
   bool smooth_normals = false;  // from the gradient of the field at the vertex (seed S1)
+  bool edge_keys = false;       // fill Mesh::edges: for who compares meshes
   bool cap = false;             // close the surface where it leaves the data or the region
   NanPolicy nan = NanPolicy::error;
   std::optional<IndexBox> region;    // extract only from cells within this box of samples (clipped to the data)

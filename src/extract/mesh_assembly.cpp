@@ -39,7 +39,8 @@ Result<void> check_mesh_size(const ScalarField& field, const MeshSizes& sizes, c
                             std::numeric_limits<std::uint32_t>::max()),
                 "extract it in parts with --roi");
   }
-  const std::uint64_t vertex_bytes = sizeof(glm::vec3) * (options.smooth_normals ? 2 : 1);
+  const std::uint64_t vertex_bytes =
+      sizeof(glm::vec3) * (options.smooth_normals ? 2 : 1) + (options.edge_keys ? sizeof(EdgeKey) : 0);
   return check_memory(sizes.vertices * vertex_bytes + sizes.triangles * sizeof(glm::uvec3), options.limits,
                       fmt::format("{}: the {} triangles of its surface", field.source, sizes.triangles));
 }
@@ -62,9 +63,10 @@ tl::unexpected<Error> nan_error(const ScalarField& field, std::uint64_t count, c
               "use --nan outside to take them as outside, or --nan hole to leave the surface open around them");
 }
 
-void allocate_mesh(Mesh& mesh, const MeshSizes& surface, const BorderCap& cap, bool normals) {
+void allocate_mesh(Mesh& mesh, const MeshSizes& surface, const BorderCap& cap, const ExtractOptions& options) {
   mesh.positions = Buffer<glm::vec3>(surface.vertices + cap.samples.size());
-  if (normals) mesh.normals = Buffer<glm::vec3>(mesh.positions.size());
+  if (options.smooth_normals) mesh.normals = Buffer<glm::vec3>(mesh.positions.size());
+  if (options.edge_keys) mesh.edges = Buffer<EdgeKey>(mesh.positions.size());
   mesh.triangles = Buffer<glm::uvec3>(surface.triangles + cap.triangles.size());
 }
 
@@ -72,7 +74,9 @@ void append_cap(Mesh& mesh, const MeshSizes& surface, const BorderCap& cap, cons
                 const glm::ivec3& index_origin, const Placement& placement) {
   for (std::size_t v = 0; v < cap.samples.size(); ++v) {
     const std::size_t number = surface.vertices + v;
-    mesh.positions[number] = placement.position(glm::dvec3(cap.samples[v] + index_origin));
+    const glm::ivec3 sample = cap.samples[v] + index_origin;
+    mesh.positions[number] = placement.position(glm::dvec3(sample));
+    if (!mesh.edges.empty()) mesh.edges[number] = {sample, 0};
     if (!mesh.normals.empty()) {
       mesh.normals[number] = placement.plane_normal(border_normal(box, cap.samples[v]));
     }

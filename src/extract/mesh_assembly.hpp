@@ -32,7 +32,7 @@ struct MeshSizes {
 [[nodiscard]] tl::unexpected<Error> nan_error(const ScalarField& field, std::uint64_t count, const glm::ivec3& first);
 
 // Room for the surface and the cap; nothing is initialised.
-void allocate_mesh(Mesh& mesh, const MeshSizes& surface, const BorderCap& cap, bool normals);
+void allocate_mesh(Mesh& mesh, const MeshSizes& surface, const BorderCap& cap, const ExtractOptions& options);
 
 // Writes the cap behind the surface. `box` is the capped box in the cap's own indices, `index_origin` what must be
 // added to them to get indices of the field.

@@ -122,7 +122,7 @@ class SparseExtraction {
     result.stats.count = watch.elapsed();
 
     watch.restart();
-    allocate_mesh(result.mesh, sizes, cap, options_.smooth_normals);
+    allocate_mesh(result.mesh, sizes, cap, options_);
     emit(result.mesh);
     append_cap(result.mesh, sizes, cap, region_, glm::ivec3(0), placement_);
     if (has_holes_) {

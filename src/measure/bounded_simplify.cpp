@@ -348,7 +348,8 @@ class Simplifier {
   std::vector<Known> known_of_original_;  // of the distance of that mesh's triangles to the current mesh
 };
 
-// Vertices that no triangle uses any more are left out; the others keep their order.
+// Vertices that no triangle uses any more are left out; the others keep their order. Edge keys go: they are of meshes
+// as they were extracted.
 Mesh with_triangles(const Mesh& mesh, const Triangles& triangles) {
   constexpr std::uint32_t kUnused = ~0U;
   std::vector<std::uint32_t> number(mesh.positions.size(), kUnused);

@@ -3,12 +3,26 @@
 
 #include <cstdint>
 #include <string>
+#include <tuple>
 
 #include <glm/glm.hpp>
 
 #include "base/buffer.hpp"
 
 namespace isoextract {
+
+// The edge of the grid that a vertex lies on: its lower sample, in indices of the whole field, and the axes that it
+// runs along as bits (1 is x, 2 is y, 4 is z). Direction 0 is a vertex of a cap, at the sample itself.
+struct EdgeKey {
+  glm::ivec3 low{0};
+  std::int32_t direction = 0;
+
+  friend bool operator==(const EdgeKey&, const EdgeKey&) = default;
+  // Samples in the order of dense memory, x fastest.
+  friend bool operator<(const EdgeKey& a, const EdgeKey& b) {
+    return std::tie(a.low.z, a.low.y, a.low.x, a.direction) < std::tie(b.low.z, b.low.y, b.low.x, b.direction);
+  }
+};
 
 // Triangles wind counter-clockwise seen from outside. Vertices are welded: no two have the same grid edge.
 // A position is origin + positions[v]: float32 relative to an origin in double, so that far-away frames keep their
@@ -18,6 +32,7 @@ struct Mesh {
   glm::dvec3 origin{0.0};
   Buffer<glm::vec3> positions;
   Buffer<glm::vec3> normals;     // unit length, outward, one a vertex; or empty
+  Buffer<EdgeKey> edges;         // one a vertex, where they were asked for; or empty
   Buffer<glm::uvec3> triangles;  // vertex indices
 
   [[nodiscard]] glm::dvec3 position(std::size_t vertex) const { return origin + glm::dvec3(positions[vertex]); }

@@ -16,11 +16,19 @@ TEST(VertexFans, PartsSurfacesThatMeetInAPointAndDropsUnusedVertices) {
       make_mesh({{9, 9, 9}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}, {9, 9, 9}, {5, 0, 0}, {6, 0, 0}}, {{1, 2, 3}, {2, 5, 6}});
   mesh.normals = Buffer<glm::vec3>(7);
   std::copy(mesh.positions.begin(), mesh.positions.end(), mesh.normals.begin());
+  mesh.edges = Buffer<EdgeKey>(7);
+  std::ranges::transform(mesh.positions, mesh.edges.begin(), [](const glm::vec3& p) {
+    return EdgeKey{glm::ivec3(p), 4};
+  });
   ASSERT_TRUE(make_one_vertex_a_fan(mesh, default_limits(), "test"));
   ASSERT_EQ(mesh.positions.size(), 6U);
   EXPECT_EQ(mesh.triangles[0], glm::uvec3(0, 1, 3));
   EXPECT_EQ(mesh.triangles[1], glm::uvec3(2, 4, 5));
-  for (std::size_t v = 0; v < 6; ++v) EXPECT_EQ(mesh.normals[v], mesh.positions[v]);
+  ASSERT_EQ(mesh.edges.size(), 6U);
+  for (std::size_t v = 0; v < 6; ++v) {
+    EXPECT_EQ(mesh.normals[v], mesh.positions[v]);
+    EXPECT_EQ(mesh.edges[v], (EdgeKey{glm::ivec3(mesh.positions[v]), 4}));
+  }
   EXPECT_EQ(mesh.positions[1], mesh.positions[2]);
   const Topology topology = measure_topology(mesh);
   EXPECT_EQ(topology.nonmanifold_vertices + topology.unused_vertices, 0U);
