@@ -6,12 +6,14 @@
 #   scripts/setup.sh test fuzz  and those of the fuzz targets
 set -euo pipefail
 
+# libepoxy-dev is for the GPU backend, and the Mesa packages after it let it run where there is no GPU.
 # libboost-dev is for OpenVDB's headers, which include Boost's; its package does not say so.
 build_packages=(
   g++ cmake ninja-build pkg-config
   libopenvdb-dev libboost-dev libtbb-dev libimath-dev
   libteem-dev libnifti2-dev zlib1g-dev
   libtinygltf-dev nlohmann-json3-dev
+  libepoxy-dev libegl1 libopengl0 libegl-mesa0 libgl1-mesa-dri
   libglm-dev libcli11-dev libfmt-dev libspdlog-dev libexpected-dev
 )
 test_packages=(libgtest-dev clang-format clang-tidy python3 python3-jsonschema shellcheck mandoc bash-completion gnuplot-nox)

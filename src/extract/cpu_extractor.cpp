@@ -1,11 +1,12 @@
-#include <cmath>
 #include <new>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
+#include "base/machine.hpp"
 #include "extract/dense_extractor.hpp"
 #include "extract/extractor.hpp"
+#include "extract/mesh_assembly.hpp"
 #include "extract/sparse_extractor.hpp"
 
 namespace isoextract {
@@ -14,15 +15,10 @@ namespace {
 class CpuExtractor final : public Extractor {
  public:
   [[nodiscard]] std::string_view name() const override { return "cpu"; }
+  [[nodiscard]] std::string device() const override { return cpu_name(); }
 
   [[nodiscard]] Result<Extraction> extract(const ScalarField& field, const ExtractOptions& options) override {
-    if (!std::isfinite(options.iso)) {
-      return fail(ErrorKind::usage, fmt::format("the iso value must be a finite number, found {}", options.iso));
-    }
-    if (!options.output_from_index.is_regular()) {
-      return fail(ErrorKind::input, fmt::format("{}: its transform flattens space or is not finite", field.source),
-                  "replace it with --spacing and --origin");
-    }
+    if (auto sound = check_request(field, options); !sound) return tl::unexpected(sound.error());
     try {
       Result<Extraction> result =
           std::visit([&](const auto& samples) { return extract_from(field, samples, options); }, field.samples);

@@ -12,8 +12,7 @@
 #include "extract/asymptotic_decider.hpp"
 #include "extract/border_cap.hpp"
 #include "extract/cell_output.hpp"
-#include "extract/dense_masks.hpp"
-#include "extract/mesh_assembly.hpp"
+#include "extract/dense_input.hpp"
 #include "extract/row_walk.hpp"
 #include "mesh/vertex_fans.hpp"
 
@@ -89,8 +88,7 @@ class DenseExtraction {
         options_(options),
         rule_{field.kind, options.iso},
         whole_(whole),
-        view_{whole.row(region.min.y, region.min.z) + region.min.x, glm::ivec3(region.dims()), whole.stride_y,
-              whole.stride_z},
+        view_(part_of(whole, region)),
         region_(region),
         table_(case_table(options.method)),
         streams_(table_),
@@ -105,22 +103,12 @@ class DenseExtraction {
     result.stats.bricks = bricks_.count();
 
     if (auto fits = check_placement(field_, placement_); !fits) return tl::unexpected(fits.error());
-    const auto threshold = find_inside_threshold<T>(rule_, field_.scale);
-    Stopwatch watch;
-    if (!threshold && !(is_floating_sample<T> && options_.nan == NanPolicy::error)) return result;
-    // Without a threshold nothing is inside, but NaN must still be found.
-    result.stats.nan_samples = classify(view_, threshold.value_or(InsideThreshold<T>{}), masks_, options_.progress);
-    result.stats.samples_classified = static_cast<std::uint64_t>(view_.dims.x) *
-                                      static_cast<std::uint64_t>(view_.dims.y) *
-                                      static_cast<std::uint64_t>(view_.dims.z);
-    if (result.stats.nan_samples != 0 && options_.nan == NanPolicy::error) {
-      return nan_error(field_, result.stats.nan_samples, first_nan());
-    }
-    result.stats.classify = watch.elapsed();
-    if (!threshold) return result;
+    const auto threshold = classify_dense(field_, view_, region_.min, options_, masks_, result.stats);
+    if (!threshold) return tl::unexpected(threshold.error());
+    if (!*threshold) return result;
     has_holes_ = result.stats.nan_samples != 0 && options_.nan == NanPolicy::hole;
 
-    watch.restart();
+    Stopwatch watch;
     count();
     result.stats.bricks_visited = bricks_.count_crossed();
     result.stats.hole_cells = hole_cells_.load();
@@ -156,17 +144,6 @@ class DenseExtraction {
  private:
   [[nodiscard]] std::size_t row_index(int j, int k) const {
     return static_cast<std::size_t>(j) + static_cast<std::size_t>(view_.dims.y) * static_cast<std::size_t>(k);
-  }
-
-  glm::ivec3 first_nan() const {
-    for (int k = 0; k < view_.dims.z; ++k) {
-      for (int j = 0; j < view_.dims.y; ++j) {
-        for (int i = 0; i < view_.dims.x; ++i) {
-          if (std::isnan(static_cast<double>(view_.row(j, k)[i]))) return region_.min + glm::ivec3(i, j, k);
-        }
-      }
-    }
-    return region_.min;
   }
 
   // Runs f(bj, bk) for every row of bricks, in parallel.
@@ -376,17 +353,10 @@ class DenseExtraction {
 }  // namespace
 
 Result<Extraction> extract_dense(const ScalarField& field, const DenseSamples& samples, const ExtractOptions& options) {
-  const IndexBox all{glm::ivec3(0), samples.dims - 1};
-  constexpr int kMaxDim = 1 << 30;  // positions in a row are ints
-  if (glm::any(glm::greaterThan(samples.dims, glm::ivec3(kMaxDim)))) {
-    return fail(ErrorKind::input, fmt::format("{}: expected at most {} samples along an axis, found {} x {} x {}",
-                                              field.source, kMaxDim, samples.dims.x, samples.dims.y, samples.dims.z));
-  }
-  const auto region = clip_region(field, all, options);
+  const auto region = dense_region(field, samples, options);
   if (!region) return tl::unexpected(region.error());
   return visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) -> Result<Extraction> {
-    const std::int64_t stride_y = samples.dims.x;
-    const DenseView<T> view{static_cast<const T*>(samples.data), samples.dims, stride_y, stride_y * samples.dims.y};
+    const DenseView<T> view = dense_view<T>(samples);
     if (options.method == Method::mc) return DenseExtraction<T, 3>(field, view, *region, options).run();
     return DenseExtraction<T, 7>(field, view, *region, options).run();
   });

@@ -2,6 +2,7 @@
 // where they differ.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 
@@ -49,6 +50,21 @@ class DenseMasks {
   int words_;
   Buffer<std::uint64_t> bits_;
 };
+
+// Where the first NaN of a view is; there must be one.
+template <class T>
+[[nodiscard]] glm::ivec3 first_nan(const DenseView<T>& view) {
+  glm::ivec3 p(0);
+  for (; p.z < view.dims.z; ++p.z) {
+    for (p.y = 0; p.y < view.dims.y; ++p.y) {
+      const T* row = view.row(p.y, p.z);
+      for (p.x = 0; p.x < view.dims.x; ++p.x) {
+        if (std::isnan(static_cast<double>(row[p.x]))) return p;
+      }
+    }
+  }
+  return glm::ivec3(0);
+}
 
 // Reads every sample once, in parallel. Returns the number of NaN.
 template <class T>

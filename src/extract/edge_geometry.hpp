@@ -49,6 +49,10 @@ class Placement {
   // True if triangles must be turned over, because the transform mirrors.
   [[nodiscard]] bool mirrored() const { return mirrored_; }
 
+  [[nodiscard]] const Affine& local_from_index() const { return local_from_index_; }
+  // Maps gradients of the stored samples in index space to outward normals, which are yet to be made unit length.
+  [[nodiscard]] glm::dmat3 outward_covectors() const { return outward_ * covector_map_; }
+
   [[nodiscard]] glm::vec3 position(const glm::dvec3& index) const { return local_from_index_(index); }
 
   // The outward unit normal for a gradient of the stored samples in index space. `out` is an index-space step that

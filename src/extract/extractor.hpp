@@ -48,6 +48,18 @@ struct ExtractOptions {
   Progress* progress = nullptr;
 };
 
+// What only a backend with a device of its own has to tell.
+struct DeviceStats {
+  std::uint64_t bytes_uploaded = 0;    // of samples
+  std::uint64_t samples_left_out = 0;  // not uploaded, because no crossed brick needs them
+  std::uint64_t bytes_captured = 0;    // of triangles
+  std::uint64_t cells_decided = 0;     // ambiguous cells that the host decided
+  StageTime upload;
+  StageTime capture;  // `count` and `emit` below are sums of such stages
+  StageTime read_back;
+  StageTime weld;
+};
+
 // What was and was not looked at. A brick is a box of cells that is visited as a whole or not at all.
 struct ExtractStats {
   std::string brick;                     // "64x8x8 cells", "8x8x8 voxels"
@@ -60,6 +72,7 @@ struct ExtractStats {
   StageTime classify;
   StageTime count;
   StageTime emit;
+  std::optional<DeviceStats> device;
 };
 
 struct Extraction {
@@ -70,7 +83,8 @@ struct Extraction {
 class Extractor {
  public:
   virtual ~Extractor() = default;
-  [[nodiscard]] virtual std::string_view name() const = 0;  // "cpu"
+  [[nodiscard]] virtual std::string_view name() const = 0;  // "cpu", "gpu"
+  [[nodiscard]] virtual std::string device() const = 0;     // what it runs on: "AMD EPYC 7763 64-Core Processor"
   [[nodiscard]] virtual Result<Extraction> extract(const ScalarField& field, const ExtractOptions& options) = 0;
 };
 

@@ -27,6 +27,7 @@ struct OrderedKey {
   static constexpr Key kHighest = static_cast<Key>(-1);
 
   static T value(Key key) { return static_cast<T>(static_cast<Key>(key ^ kFlip)); }
+  static Key key(T value) { return static_cast<Key>(static_cast<Key>(value) ^ kFlip); }
 };
 
 template <class Bits>
@@ -42,6 +43,7 @@ struct OrderedFloat {
   static constexpr Key kLowest = OrderedFloatBits<Bits>::key(OrderedFloatBits<Bits>::kSign | kInfinity);
   static constexpr Key kHighest = OrderedFloatBits<Bits>::key(kInfinity);
   static T value(Key key) { return std::bit_cast<T>(OrderedFloatBits<Bits>::bits(key)); }
+  static Key key(T value) { return OrderedFloatBits<Bits>::key(std::bit_cast<Bits>(value)); }
 };
 
 template <>

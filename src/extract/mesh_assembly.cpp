@@ -1,10 +1,22 @@
 #include "extract/mesh_assembly.hpp"
 
+#include <cmath>
 #include <limits>
 
 #include <fmt/format.h>
 
 namespace isoextract {
+
+Result<void> check_request(const ScalarField& field, const ExtractOptions& options) {
+  if (!std::isfinite(options.iso)) {
+    return fail(ErrorKind::usage, fmt::format("the iso value must be a finite number, found {}", options.iso));
+  }
+  if (!options.output_from_index.is_regular()) {
+    return fail(ErrorKind::input, fmt::format("{}: its transform flattens space or is not finite", field.source),
+                "replace it with --spacing and --origin");
+  }
+  return {};
+}
 
 Result<IndexBox> clip_region(const ScalarField& field, const IndexBox& box, const ExtractOptions& options) {
   IndexBox region = box;

@@ -11,6 +11,10 @@ struct MeshSizes {
   std::uint64_t triangles = 0;
 };
 
+// What no extraction can be made with: ErrorKind::usage for an iso value that is not finite, ErrorKind::input for a
+// placement that flattens space.
+[[nodiscard]] Result<void> check_request(const ScalarField& field, const ExtractOptions& options);
+
 // The samples to extract from: the part of options.region within `box`. Fails with ErrorKind::input where that holds no
 // cell (two samples along each axis).
 [[nodiscard]] Result<IndexBox> clip_region(const ScalarField& field, const IndexBox& box,

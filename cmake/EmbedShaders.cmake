@@ -1,0 +1,13 @@
+# cmake -DOUTPUT=file.cpp -DFOLDER=shaders -DNAMES=a.glsl,b.vert -P EmbedShaders.cmake: the shaders' text as C++.
+string(REPLACE "," ";" names "${NAMES}")
+set(text "// Generated from the folder shaders.\n#include \"gpu/shader_text.hpp\"\n\n#include <array>\n#include <utility>\n\n")
+string(APPEND text "namespace isoextract {\nnamespace {\n\n")
+string(APPEND text "constexpr std::pair<std::string_view, std::string_view> kShaders[] = {\n")
+foreach(name IN LISTS names)
+  file(READ "${FOLDER}/${name}" body)
+  string(APPEND text "    {\"${name}\", R\"glsl(${body})glsl\"},\n")
+endforeach()
+string(APPEND text "};\n\n}  // namespace\n\nstd::string_view shader_text(std::string_view name) {\n")
+string(APPEND text "  for (const auto& [known, body] : kShaders) {\n    if (known == name) return body;\n  }\n  return {};\n}\n\n")
+string(APPEND text "}  // namespace isoextract\n")
+file(WRITE "${OUTPUT}" "${text}")

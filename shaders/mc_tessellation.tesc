@@ -1,0 +1,12 @@
+// Seed S2, control stage: a patch is a site, and becomes a grid of 64 x 8 vertices, one a cell.
+
+layout(vertices = 1) out;
+
+void main() {
+  gl_TessLevelInner[0] = 63.0;
+  gl_TessLevelInner[1] = 7.0;
+  gl_TessLevelOuter[0] = 7.0;
+  gl_TessLevelOuter[1] = 63.0;
+  gl_TessLevelOuter[2] = 7.0;
+  gl_TessLevelOuter[3] = 63.0;
+}

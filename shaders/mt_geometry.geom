@@ -1,0 +1,59 @@
+// Seed S1: one tetrahedron comes as four vertices with adjacency; a strip of up to two triangles goes.
+
+layout(lines_adjacency) in;
+layout(triangle_strip, max_vertices = 4) out;
+
+flat in ivec3 corner_low[];
+flat in uvec2 corner_bits[];
+flat in int corner_site[];
+
+void set_crossing(Site site, int ends) {
+  int a = ends >> 2;
+  int b = ends & 3;
+  ivec3 step = corner_low[b] - corner_low[a];
+  if (step.x + step.y + step.z < 0) {  // edges run up in every axis they run along
+    int lower = b;
+    b = a;
+    a = lower;
+    step = -step;
+  }
+  set_vertex(site, corner_low[a], step.x | step.y << 1 | step.z << 2, corner_bits[a], corner_bits[b], 0u);
+}
+
+void main() {
+  if (corner_site[0] < 0) return;
+  int index = 0;
+  for (int corner = 0; corner < 4; ++corner) index = index << 1 | int(is_inside(corner_bits[corner]));
+  if (index == 0 || index == 15) return;
+  Site site = site_of(corner_site[0]);
+#ifdef NAN_HOLES
+  if (is_hole(site, min(corner_low[0], corner_low[3]))) return;  // all tetrahedra have the cell's corners 0 and 7
+#endif
+  int strip = tetrahedron_strips[index];
+  int count = strip >> 16;
+#ifdef NORMALS_FLAT
+  vec3 corners[4];
+  for (int v = 0; v < count; ++v) {
+    set_crossing(site, strip >> (4 * v) & 15);
+    corners[v] = position;
+  }
+  // The whole quad has its two triangles' normals one after the other: a strip's vertex belongs to one of them only.
+  for (int first = 0; first + 2 < count; ++first) {
+    vec3 turned = cross(corners[first + 1] - corners[first], corners[first + 2] - corners[first]);
+    vec3 face = normalize(first == 0 ? turned : -turned);
+    for (int v = 0; v < 3; ++v) {
+      int at = first == 0 || v == 0 ? first + v : first + 3 - v;
+      set_crossing(site, strip >> (4 * at) & 15);
+      normal = face;
+      EmitVertex();
+    }
+    EndPrimitive();
+  }
+#else
+  for (int v = 0; v < count; ++v) {
+    set_crossing(site, strip >> (4 * v) & 15);
+    EmitVertex();
+  }
+  EndPrimitive();
+#endif
+}

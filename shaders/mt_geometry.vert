@@ -1,0 +1,18 @@
+// Seed S1: corners of tetrahedra by number alone. Vertex 4 * (6 * (512 * site + cell) + tetrahedron) + corner.
+
+flat out ivec3 corner_low;   // of the site's samples
+flat out uvec2 corner_bits;
+flat out int corner_site;    // in the draw; -1 where the region has no such cell
+
+void main() {
+  int tetrahedron = (gl_VertexID >> 2) % 6;
+  int cell = (gl_VertexID >> 2) / 6;
+  Site site = site_of(cell >> 9);
+  ivec3 low = cell_position(cell & 511);
+  corner_site = -1;
+  corner_low = low + axis_bits(tetrahedron_corners[4 * tetrahedron + (gl_VertexID & 3)]);
+  corner_bits = uvec2(0u);
+  if (any(greaterThan(site.origin + low, last_cell))) return;
+  corner_site = site.number;
+  corner_bits = sample_bits(site, site.origin + corner_low);
+}

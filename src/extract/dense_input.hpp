@@ -1,0 +1,51 @@
+// What every backend does with dense samples before it looks for the surface.
+#pragma once
+
+#include <optional>
+
+#include "base/stopwatch.hpp"
+#include "extract/dense_masks.hpp"
+#include "extract/mesh_assembly.hpp"
+
+namespace isoextract {
+
+// The samples to extract from. Fails with ErrorKind::input for more samples along an axis than an extractor can number,
+// and where options.region holds no cell.
+[[nodiscard]] Result<IndexBox> dense_region(const ScalarField& field, const DenseSamples& samples,
+                                            const ExtractOptions& options);
+
+template <class T>
+[[nodiscard]] DenseView<T> dense_view(const DenseSamples& samples) {
+  const std::int64_t stride_y = samples.dims.x;
+  return {static_cast<const T*>(samples.data), samples.dims, stride_y, stride_y * samples.dims.y};
+}
+
+template <class T>
+[[nodiscard]] DenseView<T> part_of(const DenseView<T>& whole, const IndexBox& region) {
+  return {whole.row(region.min.y, region.min.z) + region.min.x, glm::ivec3(region.dims()), whole.stride_y,
+          whole.stride_z};
+}
+
+// Fills `masks` and the figures of classification. `view` is the part of the field from sample `low` on. Returns the
+// inside numbers, or nothing where no number of the type is inside; then the masks are not filled. Fails with
+// ErrorKind::input for NaN, if that is an error.
+template <class T>
+[[nodiscard]] Result<std::optional<InsideThreshold<T>>> classify_dense(const ScalarField& field,
+                                                                       const DenseView<T>& view, const glm::ivec3& low,
+                                                                       const ExtractOptions& options, DenseMasks& masks,
+                                                                       ExtractStats& stats) {
+  const Stopwatch watch;
+  const auto threshold = find_inside_threshold<T>({field.kind, options.iso}, field.scale);
+  if (!threshold && !(is_floating_sample<T> && options.nan == NanPolicy::error)) return threshold;
+  // Without a threshold nothing is inside, but NaN must still be found.
+  stats.nan_samples = classify(view, threshold.value_or(InsideThreshold<T>{}), masks, options.progress);
+  const glm::u64vec3 dims(view.dims);
+  stats.samples_classified = dims.x * dims.y * dims.z;
+  if (stats.nan_samples != 0 && options.nan == NanPolicy::error) {
+    return nan_error(field, stats.nan_samples, low + first_nan(view));
+  }
+  stats.classify = watch.elapsed();
+  return threshold;
+}
+
+}  // namespace isoextract

@@ -1,0 +1,137 @@
+// The places of sparse samples that a surface passes, and what each sample there is: inside, a value, not a number.
+// Both backends start from here.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include <tbb/parallel_for.h>
+
+#include "extract/asymptotic_decider.hpp"
+#include "extract/edge_geometry.hpp"
+#include "extract/extractor.hpp"
+#include "extract/row_walk.hpp"
+#include "extract/sparse_blocks.hpp"
+
+namespace isoextract {
+
+// The samples to extract from, and one of background all round, which closes every surface. Empty if nothing is stored.
+// Fails with ErrorKind::input where voxels lie too far from index 0, and where options.region holds no cell.
+[[nodiscard]] Result<IndexBox> sparse_region(const ScalarField& field, const SparseSamples& samples,
+                                             const ExtractOptions& options);
+
+// A site is a place of 8 x 8 x 8 samples that owns a crossed edge: the lower end of the edge is one of its samples.
+class SparseSites {
+ public:
+  // All arguments must outlive it.
+  SparseSites(const ScalarField& field, const SparseSamples& samples, const IndexBox& region,
+              const ExtractOptions& options);
+
+  // Compares every sample with iso, then lists the sites. Fails with ErrorKind::input for NaN samples in the region, if
+  // those are errors, and where that needs more memory than the limit.
+  [[nodiscard]] Result<void> find(ExtractStats& stats);
+
+  // Stored blocks first, then places without one; each part sorted by x, y, z.
+  [[nodiscard]] const std::vector<glm::ivec3>& origins() const { return sites_; }
+  [[nodiscard]] std::size_t stored() const { return stored_sites_; }
+  // The site at a place, or -1.
+  [[nodiscard]] std::int32_t site(const glm::ivec3& origin) const { return site_index_.find(origin); }
+  // The sites that own the edges of this site's cells, itself first.
+  [[nodiscard]] std::array<std::int32_t, 8> near(std::size_t site) const {
+    std::array<std::int32_t, 8> sites;
+    for (int n = 0; n < 8; ++n) sites[n] = site_index_.find(sites_[site] + SparseBlock::kSize * direction_step(n));
+    return sites;
+  }
+
+  [[nodiscard]] const SparseLookup& lookup() const { return lookup_; }
+  [[nodiscard]] bool has_holes() const { return has_holes_; }  // some samples are NaN, and NanPolicy::hole
+
+  // Of any sample: for the few that are looked at one by one.
+  [[nodiscard]] bool inside(const glm::ivec3& p) const {
+    const int offset = block_offset(p);
+    return ((*place_bits(block_origin(p)))[offset >> 6] >> (offset & 63) & 1) != 0;
+  }
+  [[nodiscard]] double value(const glm::ivec3& p) const;
+
+  // Whether a corner of the cell at `p` is not a number.
+  [[nodiscard]] bool touches_nan(const glm::ivec3& p) const {
+    for (int corner = 0; corner < 8; ++corner) {
+      if (std::isnan(value(p + direction_step(corner)))) return true;
+    }
+    return false;
+  }
+
+  // What the cell at `p` draws.
+  [[nodiscard]] unsigned variant(const CaseTable& table, unsigned cell_case, const glm::ivec3& p) const {
+    return cell_variant(table, cell_case, rule_, [&](int corner) { return value(p + direction_step(corner)); });
+  }
+
+  // The bits of a site's place and of those at +1 along x, y, z, as shifted_word() takes them.
+  using Group = std::array<const BlockBits*, 8>;
+  [[nodiscard]] Group group_bits(const glm::ivec3& origin) const;
+
+  // Edges of one direction owned by the place's samples that are crossed and lie in the region.
+  [[nodiscard]] BlockBits crossed_edges(const glm::ivec3& origin, const Group& group, int direction) const;
+
+  // f(x, bit, variant) for each cell of a place that the surface passes and that lies in the region, holes left out.
+  // Returns how many those are.
+  template <class F>
+  std::uint64_t for_each_active_cell(const CaseTable& table, const glm::ivec3& origin, const Group& group,
+                                     const F& f) const {
+    std::uint64_t left_out = 0;
+    const BlockBits active = active_cells(origin, group);
+    for (int x = 0; x < SparseBlock::kSize; ++x) {
+      if (active[x] == 0) continue;
+      const RowBits::Corners corners = corner_words(group, x);
+      for_each_bit(active[x], [&](int bit) {
+        const glm::ivec3 p = origin + glm::ivec3(x, bit >> 3, bit & 7);
+        if (has_holes_ && touches_nan(p)) {
+          ++left_out;
+          return;
+        }
+        f(x, bit, variant(table, RowBits::cell_case(corners, bit), p));
+      });
+    }
+    return left_out;
+  }
+
+  // Runs f(i) for 0 <= i < count in parallel.
+  template <class F>
+  void for_each(const char* stage, std::size_t count, const F& f) const {
+    constexpr std::size_t kGrain = 64;
+    if (options_.progress != nullptr) options_.progress->begin(stage, count);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kGrain), [&](const auto& range) {
+      for (std::size_t i = range.begin(); i != range.end(); ++i) f(i);
+      if (options_.progress != nullptr) options_.progress->advance(range.size());
+    });
+  }
+
+ private:
+  template <class T>
+  void classify(ExtractStats& stats);
+  void list_sites();
+  [[nodiscard]] glm::ivec3 first_nan() const;
+  [[nodiscard]] bool touches_region(const glm::ivec3& origin, int size) const;
+  [[nodiscard]] const BlockBits* place_bits(const glm::ivec3& origin) const;
+  [[nodiscard]] std::uint64_t region_bits(const glm::ivec3& origin, const glm::ivec3& step, int x) const;
+  [[nodiscard]] bool wholly_in_region(const glm::ivec3& origin) const;
+  static RowBits::Corners corner_words(const Group& group, int x);
+  [[nodiscard]] BlockBits active_cells(const glm::ivec3& origin, const Group& group) const;
+
+  const ScalarField& field_;
+  const SparseSamples& samples_;
+  IndexBox region_;
+  const ExtractOptions& options_;
+  InsideRule rule_;
+  SparseLookup lookup_;
+  double (*stored_number_)(const void* values, int offset);
+  Buffer<BlockBits> bits_;  // of the stored blocks
+  std::vector<glm::ivec3> sites_;
+  std::size_t stored_sites_ = 0;
+  OriginIndex site_index_;
+  bool has_holes_ = false;
+};
+
+}  // namespace isoextract

@@ -1,0 +1,138 @@
+#include "gpu/cell_capture.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace isoextract {
+namespace {
+
+constexpr int kCellsPerSite = 512;
+constexpr std::size_t kMaxSites = 65536;    // of a draw: a site has 16 bits in a key
+constexpr std::size_t kTexelsPerSite = 27;  // of the largest texture buffer, that of a leaf's neighbours
+
+void add(StageTime& sum, const StageTime& time) {
+  sum.wall_seconds += time.wall_seconds;
+  sum.cpu_seconds += time.cpu_seconds;
+}
+
+}  // namespace
+
+CellCapture::CellCapture(const GlContext& context, GpuPipeline pipeline, std::size_t words_per_vertex,
+                         std::uint64_t feedback_bytes)
+    : context_(context),
+      pipeline_(pipeline),
+      words_(words_per_vertex),
+      feedback_bytes_(feedback_bytes),
+      // llvmpipe repeats vertices in a draw of more than 65,536 tessellated ones (DESIGN section 6).
+      patches_per_draw_(context.device().software ? 65536 / kCellsPerSite : kMaxSites),
+      max_sites_(0),
+      feedback_(GlBuffer::make()),
+      site_buffer_(GlBuffer::make()),
+      site_texture_(GlTexture::make()),
+      generated_(GlQuery::make()),
+      written_(GlQuery::make()) {
+  GLint texels = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
+  max_sites_ = std::min(kMaxSites, static_cast<std::size_t>(texels) / kTexelsPerSite);
+}
+
+void CellCapture::draw_sites(const CellProgram& program, std::size_t sites) const {
+  const auto cells = static_cast<GLsizei>(sites * kCellsPerSite);
+  switch (pipeline_) {
+    case GpuPipeline::mt_geometry: glDrawArrays(GL_LINES_ADJACENCY, 0, 24 * cells); return;
+    case GpuPipeline::mc_points: glDrawArrays(GL_POINTS, 0, cells); return;
+    case GpuPipeline::mc_tessellation: break;
+  }
+  for (std::size_t first = 0; first < sites; first += patches_per_draw_) {
+    program.set("first_site", static_cast<int>(first));
+    glDrawArrays(GL_PATCHES, 0, static_cast<GLsizei>(std::min(patches_per_draw_, sites - first)));
+  }
+}
+
+Result<std::uint64_t> CellCapture::count(const CellProgram& program, std::size_t sites) {
+  const Stopwatch watch;
+  program.use();
+  glBeginQuery(GL_PRIMITIVES_GENERATED, generated_.name());
+  draw_sites(program, sites);
+  glEndQuery(GL_PRIMITIVES_GENERATED);
+  GLuint64 triangles = 0;
+  glGetQueryObjectui64v(generated_.name(), GL_QUERY_RESULT, &triangles);
+  add(times_.count, watch.elapsed());
+  if (auto checked = context_.check("counting triangles"); !checked) return tl::unexpected(checked.error());
+  return triangles;
+}
+
+Result<void> CellCapture::draw(const CellPass& pass, std::span<const glm::ivec3> origins, const Bind& bind,
+                               const Take& take) {
+  std::vector<glm::ivec4> texels;
+  for (std::size_t first = 0, many = max_sites_; first < origins.size();) {
+    many = std::min(many, origins.size() - first);
+    texels.resize(many);
+    for (std::size_t s = 0; s < many; ++s) texels[s] = glm::ivec4(origins[first + s], 0);
+    glBindBuffer(GL_TEXTURE_BUFFER, site_buffer_.name());
+    glBufferData(GL_TEXTURE_BUFFER, static_cast<GLsizeiptr>(many * sizeof(glm::ivec4)), texels.data(), GL_STREAM_DRAW);
+    glActiveTexture(GL_TEXTURE0);
+    glBindTexture(GL_TEXTURE_BUFFER, site_texture_.name());
+    glTexBuffer(GL_TEXTURE_BUFFER, GL_RGBA32I, site_buffer_.name());
+    for (const CellProgram* program : {pass.count, pass.capture}) {
+      program->set("sites", 0);
+      bind(*program, first, many);
+    }
+
+    const auto triangles = count(*pass.count, many);
+    if (!triangles) return tl::unexpected(triangles.error());
+    const std::uint64_t words = *triangles * 3 * words_;
+    const std::uint64_t bytes = words * sizeof(std::uint32_t);
+    // The next draw is sized by what this one needs a site.
+    constexpr double kRoom = 0.8;
+    const std::size_t drawn = many;
+    const double fitting =
+        kRoom * static_cast<double>(feedback_bytes_) / static_cast<double>(std::max<std::uint64_t>(bytes, 1));
+    many = static_cast<std::size_t>(
+        std::clamp(static_cast<double>(drawn) * fitting, 1.0, static_cast<double>(max_sites_)));
+    if (bytes > feedback_bytes_ && drawn > 1) {
+      many = std::min(many, drawn - 1);
+      continue;
+    }
+    if (*triangles > 0) {
+      Stopwatch watch;
+      glBindBuffer(GL_TRANSFORM_FEEDBACK_BUFFER, feedback_.name());
+      if (bytes > feedback_size_) {
+        glBufferData(GL_TRANSFORM_FEEDBACK_BUFFER, static_cast<GLsizeiptr>(bytes), nullptr, GL_DYNAMIC_READ);
+        feedback_size_ = bytes;
+        if (auto checked = context_.check(fmt::format("taking {} for triangles", format_byte_size(bytes))); !checked) {
+          return checked;
+        }
+      }
+      glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, feedback_.name());
+      pass.capture->use();
+      glBeginQuery(GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN, written_.name());
+      glBeginTransformFeedback(GL_TRIANGLES);
+      draw_sites(*pass.capture, drawn);
+      glEndTransformFeedback();
+      glEndQuery(GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN);
+      GLuint64 written = 0;
+      glGetQueryObjectui64v(written_.name(), GL_QUERY_RESULT, &written);
+      add(times_.capture, watch.elapsed());
+      if (auto checked = context_.check("capturing triangles"); !checked) return checked;
+      if (written != *triangles) {
+        return fail(
+            ErrorKind::unavailable,
+            fmt::format("{}: counted {} triangles and captured {}", context_.device().renderer, *triangles, written),
+            "please report it; --backend cpu needs no GPU");
+      }
+      watch.restart();
+      if (soup_.size() < words) soup_ = Buffer<std::uint32_t>(words);
+      glGetBufferSubData(GL_TRANSFORM_FEEDBACK_BUFFER, 0, static_cast<GLsizeiptr>(bytes), soup_.data());
+      add(times_.read_back, watch.elapsed());
+      if (auto checked = context_.check("reading triangles back"); !checked) return checked;
+      captured_bytes_ += bytes;
+    }
+    take(first, drawn, CapturedSoup{{soup_.data(), words}, words_});
+    first += drawn;
+  }
+  return {};
+}
+
+}  // namespace isoextract

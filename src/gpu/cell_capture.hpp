@@ -1,0 +1,93 @@
+// Drawing the cells of sites, and capturing the triangles by transform feedback: a count pass first, then a buffer of
+// exactly that size (seeds S1 and S2).
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "base/buffer.hpp"
+#include "base/limits.hpp"
+#include "base/stopwatch.hpp"
+#include "gpu/gl_context.hpp"
+#include "gpu/gl_object.hpp"
+#include "gpu/gl_program.hpp"
+
+namespace isoextract {
+
+enum class GpuPipeline {
+  mt_geometry,      // seed S1: vertex and geometry shaders, tetrahedra as lines with adjacency
+  mc_tessellation,  // seed S2: a patch a site, the tessellator makes one thread a cell
+  mc_points,        // one point a cell by its number alone: what S2 is compared with
+};
+
+// Captured vertices, three a triangle, as they lie in memory: position, key (captured_vertex.glsl), perhaps a normal.
+struct CapturedSoup {
+  std::span<const std::uint32_t> words;
+  std::size_t stride = 4;  // words a vertex; 7 with normals
+
+  [[nodiscard]] std::size_t vertices() const { return words.size() / stride; }
+  [[nodiscard]] glm::vec3 position(std::size_t v) const { return floats(v, 0); }
+  [[nodiscard]] std::uint32_t key(std::size_t v) const { return words[v * stride + 3]; }
+  [[nodiscard]] glm::vec3 normal(std::size_t v) const { return floats(v, 4); }
+
+ private:
+  [[nodiscard]] glm::vec3 floats(std::size_t v, std::size_t first) const {
+    const std::uint32_t* at = words.data() + v * stride + first;
+    return {std::bit_cast<float>(at[0]), std::bit_cast<float>(at[1]), std::bit_cast<float>(at[2])};
+  }
+};
+
+struct CaptureTimes {
+  StageTime count;
+  StageTime capture;
+  StageTime read_back;
+};
+
+// The same cells, for the two passes.
+struct CellPass {
+  const CellProgram* count = nullptr;
+  const CellProgram* capture = nullptr;
+};
+
+class CellCapture {
+ public:
+  // Captures no more than `feedback_bytes` at a time, or what one site needs.
+  CellCapture(const GlContext& context, GpuPipeline pipeline, std::size_t words_per_vertex,
+              std::uint64_t feedback_bytes);
+
+  // Draws the sites, whose lowest samples are given; `bind` is called before each draw with the range
+  // of sites that it draws and for each program, which knows them by number from 0 on. `take` gets the triangles of
+  // each draw: by rising site, except where the driver chose otherwise, and those of one cell one after the other.
+  using Bind = std::function<void(const CellProgram& program, std::size_t first, std::size_t count)>;
+  using Take = std::function<void(std::size_t first, std::size_t count, const CapturedSoup& soup)>;
+  [[nodiscard]] Result<void> draw(const CellPass& pass, std::span<const glm::ivec3> origins, const Bind& bind,
+                                  const Take& take);
+
+  [[nodiscard]] const CaptureTimes& times() const { return times_; }
+  [[nodiscard]] std::uint64_t captured_bytes() const { return captured_bytes_; }
+
+ private:
+  Result<std::uint64_t> count(const CellProgram& program, std::size_t sites);
+  void draw_sites(const CellProgram& program, std::size_t sites) const;
+
+  const GlContext& context_;
+  GpuPipeline pipeline_;
+  std::size_t words_;
+  std::uint64_t feedback_bytes_;
+  std::size_t patches_per_draw_;
+  std::size_t max_sites_;  // of a draw
+  GlBuffer feedback_;
+  std::uint64_t feedback_size_ = 0;
+  GlBuffer site_buffer_;
+  GlTexture site_texture_;
+  GlQuery generated_;  // a query object has one target for life
+  GlQuery written_;
+  Buffer<std::uint32_t> soup_;
+  CaptureTimes times_;
+  std::uint64_t captured_bytes_ = 0;
+};
+
+}  // namespace isoextract

@@ -1,0 +1,62 @@
+// Dense samples on the device: a toroidal window (toroidal_window.hpp) that slides through the field in z, over columns
+// of bricks where a whole slice is too large. Only bricks that the surface's sites need are uploaded; within a column
+// every sample at most once, and samples that two columns share once for each.
+#pragma once
+
+#include "extract/extractor.hpp"
+#include "gpu/field_source.hpp"
+#include "gpu/gl_object.hpp"
+#include "gpu/sample_format.hpp"
+#include "gpu/toroidal_window.hpp"
+
+namespace isoextract {
+
+struct DenseSourceOptions {
+  IndexBox region;           // samples that cells may touch
+  bool gradients = false;    // samples around a vertex are read as well
+  std::uint64_t bytes = 0;   // what the window may take on the device
+  int max_texture_size = 0;  // of the device, in 3D
+};
+
+class DenseSource final : public FieldSource {
+ public:
+  // `sites` are the lowest samples of bricks of 8 x 8 x 8 cells of `samples`, from options.region.min on; by rising z,
+  // then y, then x. All arguments must outlive the source. Fails with ErrorKind::usage where the bytes are too few.
+  [[nodiscard]] static Result<DenseSource> make(const GlContext& context, const DenseSamples& samples,
+                                                std::span<const glm::ivec3> sites, const DenseSourceOptions& options);
+
+  [[nodiscard]] Result<std::span<const std::uint32_t>> advance() override;
+  void bind(const CellProgram& program, std::span<const std::uint32_t> sites) override;
+  [[nodiscard]] UploadFigures uploads() const override;
+
+ private:
+  DenseSource(const GlContext& context, const DenseSamples& samples, std::span<const glm::ivec3> sites,
+              const DenseSourceOptions& options);
+  [[nodiscard]] Result<void> choose_window();
+  void begin_column();
+  [[nodiscard]] IndexBox needed_samples(const glm::ivec3& site) const;
+  void upload(const IndexBox& entered);
+  void upload_pieces(const IndexBox& box);
+
+  const GlContext* context_;
+  const DenseSamples* samples_;
+  std::span<const glm::ivec3> sites_;
+  DenseSourceOptions options_;
+  SampleFormat format_;
+  int apron_;                // samples beyond a site's cells, on each side
+  IndexBox reach_;           // all samples that may be needed; window coordinates count from its minimum
+  glm::ivec2 column_cells_;  // of a column, in x and y
+  ToroidalWindow window_;
+  GlTexture texture_;
+
+  glm::ivec2 columns_{0};
+  int column_ = -1;                          // in x, then y
+  std::vector<std::uint32_t> column_sites_;  // by rising z
+  std::size_t next_ = 0;                     // into column_sites_
+  glm::ivec3 bricks_{0};                     // of `needed_`
+  IndexBox column_reach_;                    // samples of the column
+  std::vector<std::uint8_t> needed_;         // by brick of 8 x 8 x 8 samples from column_reach_.min on
+  UploadFigures uploads_;
+};
+
+}  // namespace isoextract

@@ -1,0 +1,53 @@
+// Linked programs whose output is captured by transform feedback.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "gpu/gl_context.hpp"
+#include "gpu/gl_object.hpp"
+
+namespace isoextract {
+
+struct ShaderStage {
+  GLenum type;                          // GL_VERTEX_SHADER, ...
+  std::vector<std::string_view> parts;  // names of shaders, put together in this order
+};
+
+struct ProgramSource {
+  std::vector<std::string> defines;  // "SAMPLE_F32"
+  std::string constants;             // GLSL before the first part
+  std::vector<ShaderStage> stages;
+  std::vector<const char*> captured;  // varyings, interleaved; may be empty
+};
+
+// Uniforms that a variant of a program does not use are set without effect.
+class CellProgram {
+ public:
+  // Fails with ErrorKind::unavailable, the driver's log in the message.
+  [[nodiscard]] static Result<CellProgram> link(const GlContext& context, const ProgramSource& source);
+
+  void use() const { glUseProgram(program_.name()); }
+
+  [[nodiscard]] GLint location(const char* name) const { return glGetUniformLocation(program_.name(), name); }
+  void set(const char* name, int value) const { glProgramUniform1i(program_.name(), location(name), value); }
+  void set(const char* name, double value) const { glProgramUniform1d(program_.name(), location(name), value); }
+  void set(const char* name, const glm::ivec3& v) const {
+    glProgramUniform3i(program_.name(), location(name), v.x, v.y, v.z);
+  }
+  void set(const char* name, const glm::uvec2& v) const {
+    glProgramUniform2ui(program_.name(), location(name), v.x, v.y);
+  }
+  void set(const char* name, const glm::dvec3& v) const {
+    glProgramUniform3d(program_.name(), location(name), v.x, v.y, v.z);
+  }
+
+ private:
+  GlProgram program_;
+};
+
+}  // namespace isoextract

@@ -1,0 +1,348 @@
+#include "gpu/gpu_extractor.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <new>
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include "extract/border_cap.hpp"
+#include "extract/dense_input.hpp"
+#include "gpu/cell_programs.hpp"
+#include "gpu/dense_sites.hpp"
+#include "gpu/dense_source.hpp"
+#include "gpu/site_weld.hpp"
+#include "gpu/sparse_source.hpp"
+#include "mesh/vertex_fans.hpp"
+
+namespace isoextract {
+namespace {
+
+constexpr std::uint64_t kMiB = 1 << 20;
+
+// How a device's memory is shared out.
+struct MemoryShares {
+  std::uint64_t samples;
+  std::uint64_t feedback;
+};
+
+MemoryShares share_memory(const GpuOptions& options, const GpuDevice& device) {
+  const std::uint64_t all = options.memory_bytes.value_or(device.memory_bytes ? *device.memory_bytes / 2 : 1024 * kMiB);
+  const std::uint64_t feedback = std::min(all / 4, 256 * kMiB);
+  return {all - feedback, feedback};
+}
+
+// What drawing and welding ask of a field, dense or sparse. Samples are given by their index in the field.
+struct SurfaceSites {
+  std::span<const glm::ivec3> origins;
+  NearSites near;
+  std::function<std::int32_t(const glm::ivec3&)> site;  // that owns a sample
+  std::function<bool(const glm::ivec3&)> inside;
+  std::function<double(const glm::ivec3&)> value;
+  KeyRange inside_keys;
+  IndexBox region;
+  IndexBox stored;  // every sample of the field
+  bool holes = false;
+  bool sparse = false;
+  bool can_cap = true;
+};
+
+class GpuExtractor final : public Extractor {
+ public:
+  GpuExtractor(std::unique_ptr<GlContext> context, const GpuOptions& options)
+      : context_(std::move(context)), options_(options), memory_(share_memory(options, context_->device())) {
+    glGetIntegerv(GL_MAX_3D_TEXTURE_SIZE, &max_texture_size_);
+  }
+
+  [[nodiscard]] std::string_view name() const override { return "gpu"; }
+  [[nodiscard]] std::string device() const override { return describe(context_->device()); }
+
+  [[nodiscard]] Result<Extraction> extract(const ScalarField& field, const ExtractOptions& options) override {
+    if (auto sound = check_request(field, options); !sound) return tl::unexpected(sound.error());
+    try {
+      Result<Extraction> result =
+          std::visit([&](const auto& samples) { return extract_from(field, samples, options); }, field.samples);
+      if (result) result->mesh.name = field.name;
+      return result;
+    } catch (const std::bad_alloc&) {
+      return out_of_memory(field);
+    } catch (const std::length_error&) {
+      return out_of_memory(field);
+    }
+  }
+
+ private:
+  Result<Extraction> extract_from(const ScalarField& field, const DenseSamples& samples,
+                                  const ExtractOptions& options) {
+    const auto region = dense_region(field, samples, options);
+    if (!region) return tl::unexpected(region.error());
+    return visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) {
+      return extract_dense<T>(field, samples, *region, options);
+    });
+  }
+
+  template <class T>
+  Result<Extraction> extract_dense(const ScalarField& field, const DenseSamples& samples, const IndexBox& region,
+                                   const ExtractOptions& options) {
+    const DenseView<T> whole = dense_view<T>(samples);
+    const DenseView<T> view = part_of(whole, region);
+    const Placement placement(options.output_from_index, {glm::ivec3(0), samples.dims - 1}, field.kind, field.scale);
+    Extraction result;
+    result.mesh.origin = placement.origin();
+    result.stats.brick = "8x8x8 cells";
+    if (auto fits = check_placement(field, placement); !fits) return tl::unexpected(fits.error());
+    DenseMasks masks(view.dims);
+    const auto threshold = classify_dense(field, view, region.min, options, masks, result.stats);
+    if (!threshold) return tl::unexpected(threshold.error());
+    if (!*threshold) return result;
+    const Stopwatch watch;
+    const DenseSites bricks(masks, region.min);
+    result.stats.bricks = bricks.bricks();
+    result.stats.bricks_visited = bricks.origins().size();
+    result.stats.classify.wall_seconds += watch.elapsed().wall_seconds;
+    result.stats.classify.cpu_seconds += watch.elapsed().cpu_seconds;
+
+    SurfaceSites sites;
+    sites.origins = bricks.origins();
+    sites.near = [&](std::size_t s) { return bricks.near(s); };
+    sites.site = [&](const glm::ivec3& p) { return bricks.site(p); };
+    sites.inside = [&](const glm::ivec3& p) { return masks.inside(p - region.min); };
+    sites.value = [&](const glm::ivec3& p) { return field.scale(static_cast<double>(whole.row(p.y, p.z)[p.x])); };
+    sites.inside_keys = inside_keys(**threshold);
+    sites.region = region;
+    sites.stored = {glm::ivec3(0), samples.dims - 1};
+    sites.holes = result.stats.nan_samples != 0 && options.nan == NanPolicy::hole;
+    auto source = DenseSource::make(*context_, samples, sites.origins,
+                                    {region, options.smooth_normals, memory_.samples, max_texture_size_});
+    if (!source) return tl::unexpected(source.error());
+    if (auto done = draw(field, options, placement, sites, *source, result); !done) return tl::unexpected(done.error());
+    return result;
+  }
+
+  Result<Extraction> extract_from(const ScalarField& field, const SparseSamples& samples,
+                                  const ExtractOptions& options) {
+    const auto region = sparse_region(field, samples, options);
+    if (!region) return tl::unexpected(region.error());
+    Extraction result;
+    result.stats.brick = "8x8x8 voxels";
+    if (region->empty()) return result;
+    const Placement placement(options.output_from_index, stored_box(samples), field.kind, field.scale);
+    result.mesh.origin = placement.origin();
+    if (auto fits = check_placement(field, placement); !fits) return tl::unexpected(fits.error());
+    SparseSites leaves(field, samples, *region, options);
+    if (auto found = leaves.find(result.stats); !found) return tl::unexpected(found.error());
+    const auto keys = visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) -> std::optional<KeyRange> {
+      const auto threshold = find_inside_threshold<T>(InsideRule{field.kind, options.iso}, field.scale);
+      if (!threshold) return std::nullopt;
+      return inside_keys(*threshold);
+    });
+    if (!keys) return result;
+
+    SurfaceSites sites;
+    sites.origins = leaves.origins();
+    sites.near = [&](std::size_t s) { return leaves.near(s); };
+    sites.site = [&](const glm::ivec3& p) { return leaves.site(block_origin(p)); };
+    sites.inside = [&](const glm::ivec3& p) { return leaves.inside(p); };
+    sites.value = [&](const glm::ivec3& p) { return leaves.value(p); };
+    sites.inside_keys = *keys;
+    sites.region = *region;
+    sites.holes = leaves.has_holes();
+    sites.sparse = true;
+    sites.can_cap = options.region.has_value();
+    auto source =
+        SparseSource::make(*context_, samples, leaves, {options.smooth_normals, memory_.samples, max_texture_size_});
+    if (!source) return tl::unexpected(source.error());
+    if (auto done = draw(field, options, placement, sites, *source, result); !done) return tl::unexpected(done.error());
+    return result;
+  }
+
+  static CellProgramKind with_normals(CellProgramKind kind, bool wanted) {
+    kind.normals = wanted ? CapturedNormals::gradient : CapturedNormals::none;
+    return kind;
+  }
+
+  [[nodiscard]] GpuPipeline pipeline(Method method) const {
+    if (method == Method::mt) return GpuPipeline::mt_geometry;
+    return options_.tessellation ? GpuPipeline::mc_tessellation : GpuPipeline::mc_points;
+  }
+
+  Result<void> draw(const ScalarField& field, const ExtractOptions& options, const Placement& placement,
+                    const SurfaceSites& sites, FieldSource& source, Extraction& result) {
+    CellProgramKind kind;
+    kind.pipeline = pipeline(options.method);
+    kind.sample_define = sample_format(field.type()).define;
+    kind.sparse = sites.sparse;
+    kind.scaled = !field.scale.is_identity();
+    kind.holes = sites.holes;
+    kind.swizzle = options_.swizzle;
+    const auto capturing = programs_.find(*context_, with_normals(kind, options.smooth_normals));
+    if (!capturing) return tl::unexpected(capturing.error());
+    kind.counting = true;
+    const auto counting = programs_.find(*context_, kind);
+    if (!counting) return tl::unexpected(counting.error());
+    const CellPass pass{*counting, *capturing};
+    for (const CellProgram* program : {pass.count, pass.capture}) {
+      set_uniforms(*program, field, options, placement, sites);
+    }
+
+    const CaseTable& table = case_table(options.method);
+    const InsideRule rule{field.kind, options.iso};
+    const auto decide = [&](const glm::ivec3& cell) {
+      unsigned cell_case = 0;
+      for (int c = 0; c < 8; ++c) cell_case |= (sites.inside(cell + direction_step(c)) ? 1U : 0U) << c;
+      return cell_variant(table, cell_case, rule, [&](int c) { return sites.value(cell + direction_step(c)); });
+    };
+    SiteWeld weld(table, sites.origins, sites.near, decide);
+    CellCapture capture(*context_, kind.pipeline, options.smooth_normals ? 7 : 4, memory_.feedback);
+    if (options.progress != nullptr) options.progress->begin("drawing cells", sites.origins.size());
+    while (true) {
+      const auto ready = source.advance();
+      if (!ready) return tl::unexpected(ready.error());
+      if (ready->empty()) break;
+      if (auto drawn = draw_batch(pass, *ready, sites, source, capture, weld, options); !drawn) return drawn;
+    }
+    if (auto quiet = check_messages(); !quiet) return quiet;
+    if (sites.holes) result.stats.hole_cells = count_holes(sites);
+
+    const auto sizes = weld.number();
+    if (!sizes) return tl::unexpected(sizes.error());
+    if (auto fits = check_mesh_size(field, *sizes, options); !fits) return fits;
+    const Stopwatch watch;
+    if (auto made = make_mesh(field, options, placement, sites, weld, *sizes, result.mesh); !made) return made;
+    result.stats.emit = watch.elapsed();
+    tell(capture, weld, source.uploads(), result.stats);
+    return {};
+  }
+
+  Result<void> draw_batch(const CellPass& pass, std::span<const std::uint32_t> ready, const SurfaceSites& sites,
+                          FieldSource& source, CellCapture& capture, SiteWeld& weld, const ExtractOptions& options) {
+    std::vector<glm::ivec3> origins(ready.size());
+    for (std::size_t s = 0; s < ready.size(); ++s) origins[s] = sites.origins[ready[s]];
+    return capture.draw(
+        pass, origins,
+        [&](const CellProgram& program, std::size_t first, std::size_t count) {
+          source.bind(program, ready.subspan(first, count));
+        },
+        [&](std::size_t first, std::size_t count, const CapturedSoup& soup) {
+          weld.add(ready.subspan(first, count), soup);
+          if (options.progress != nullptr) options.progress->advance(count);
+        });
+  }
+
+  static void set_uniforms(const CellProgram& program, const ScalarField& field, const ExtractOptions& options,
+                           const Placement& placement, const SurfaceSites& sites) {
+    program.set("inside_from", sites.inside_keys.from);
+    program.set("inside_to", sites.inside_keys.to);
+    program.set("last_cell", sites.region.max - 1);
+    program.set("last_sample", sites.stored.max);
+    program.set("iso_value", options.iso);
+    program.set("edge_margin", placement.margin());
+    program.set("value_slope", field.scale.slope);
+    program.set("value_intercept", field.scale.intercept);
+    const Affine& local = placement.local_from_index();
+    program.set("local_x", local.linear[0]);
+    program.set("local_y", local.linear[1]);
+    program.set("local_z", local.linear[2]);
+    program.set("local_offset", local.offset);
+    const glm::dmat3 outward = placement.outward_covectors();
+    program.set("covector_x", outward[0]);
+    program.set("covector_y", outward[1]);
+    program.set("covector_z", outward[2]);
+  }
+
+  Result<void> make_mesh(const ScalarField& field, const ExtractOptions& options, const Placement& placement,
+                         const SurfaceSites& sites, const SiteWeld& weld, const MeshSizes& sizes, Mesh& mesh) {
+    BorderCap cap;
+    if (options.cap && sites.can_cap) {
+      if (auto fits = check_cap_size(field, sites.region, options); !fits) return fits;
+      const InsideRule rule{field.kind, options.iso};
+      cap = make_border_cap(
+          sites.region, options.method, static_cast<std::uint32_t>(sizes.vertices), sites.inside,
+          [&](const glm::ivec3& p, int direction) {
+            const auto site = static_cast<std::size_t>(sites.site(p));
+            return weld.vertex_at(site, direction, block_offset(p - sites.origins[site]));
+          },
+          [&](const glm::ivec3& p) { return rule.depth(sites.value(p)); },
+          [&](const glm::ivec3& p) { return sites.holes && std::isnan(sites.value(p)); });
+      if (auto fits = check_mesh_size(field, with_cap(sizes, cap), options); !fits) return fits;
+    }
+    allocate_mesh(mesh, sizes, cap, options);
+    weld.write(mesh, placement.mirrored());
+    append_cap(mesh, sizes, cap, sites.region, glm::ivec3(0), placement);
+    return sites.holes ? make_one_vertex_a_fan(mesh, options.limits, field.source) : Result<void>();
+  }
+
+  // The cells that NanPolicy::hole leaves out though the surface would pass them.
+  static std::uint64_t count_holes(const SurfaceSites& sites) {
+    std::atomic<std::uint64_t> holes{0};
+    tbb::parallel_for(std::size_t{0}, sites.origins.size(), [&](std::size_t s) {
+      std::uint64_t found = 0;
+      for (int cell = 0; cell < 512; ++cell) {
+        const glm::ivec3 p = sites.origins[s] + glm::ivec3(cell & 7, cell >> 3 & 7, cell >> 6);
+        if (glm::any(glm::greaterThanEqual(p, sites.region.max)) || glm::any(glm::lessThan(p, sites.region.min)))
+          continue;
+        int inside = 0;
+        bool nan = false;
+        for (int c = 0; c < 8; ++c) {
+          inside += sites.inside(p + direction_step(c)) ? 1 : 0;
+          nan = nan || std::isnan(sites.value(p + direction_step(c)));
+        }
+        found += nan && inside > 0 ? 1 : 0;
+      }
+      if (found != 0) holes.fetch_add(found, std::memory_order_relaxed);
+    });
+    return holes.load();
+  }
+
+  void tell(const CellCapture& capture, const SiteWeld& weld, const UploadFigures& uploads, ExtractStats& stats) const {
+    DeviceStats device;
+    device.bytes_uploaded = uploads.bytes;
+    device.samples_left_out = uploads.left_out;
+    device.bytes_captured = capture.captured_bytes();
+    device.cells_decided = weld.decided_cells();
+    device.upload = uploads.time;
+    device.capture = capture.times().capture;
+    device.read_back = capture.times().read_back;
+    device.weld = weld.time();
+    stats.count = capture.times().count;
+    for (const StageTime& part : {device.capture, device.read_back, device.weld}) {
+      stats.emit.wall_seconds += part.wall_seconds;
+      stats.emit.cpu_seconds += part.cpu_seconds;
+    }
+    stats.device = device;
+  }
+
+  [[nodiscard]] Result<void> check_messages() const {
+    if (!options_.debug || context_->debug_messages().empty()) return {};
+    return fail(ErrorKind::unavailable,
+                fmt::format("{}: the driver complains: {}", device(), context_->debug_messages().front()));
+  }
+
+  static tl::unexpected<Error> out_of_memory(const ScalarField& field) {
+    return fail(ErrorKind::input, fmt::format("{}: not enough memory for the surface", field.source),
+                "extract it in parts with --roi");
+  }
+
+  std::unique_ptr<GlContext> context_;  // first, so that it goes last
+  GpuOptions options_;
+  MemoryShares memory_;
+  GLint max_texture_size_ = 0;
+  CellPrograms programs_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Extractor>> make_gpu_extractor(const GpuOptions& options) {
+  if (options.memory_bytes && *options.memory_bytes < kMiB) {
+    return fail(ErrorKind::usage,
+                fmt::format("--gpu-memory: expected 1 MiB or more, found {}", format_byte_size(*options.memory_bytes)),
+                "for example --gpu-memory 256M");
+  }
+  auto context = GlContext::open({options.device, options.debug});
+  if (!context) return tl::unexpected(context.error());
+  return std::make_unique<GpuExtractor>(std::move(*context), options);
+}
+
+}  // namespace isoextract

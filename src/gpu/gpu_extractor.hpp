@@ -1,0 +1,32 @@
+// The extractor that draws on a GPU and captures the triangles. Same triangles as the CPU extractor's, as a set;
+// positions within 2 units in the last place of the local coordinates.
+//
+// The host compares all samples with iso once, at memory speed, to find the bricks that the surface passes; only those
+// are uploaded and drawn. The device compares again, interpolates and writes triangles with the integer keys of their
+// edges. Ambiguous cells of marching cubes come back marked and are decided on the host with the CPU's own code: near
+// ties need more digits than a shader has. Then the soup is welded by key.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "extract/extractor.hpp"
+#include "gpu/gpu_device.hpp"
+
+namespace isoextract {
+
+struct GpuOptions {
+  DeviceChoice device;
+  std::optional<std::uint64_t> memory_bytes;  // what samples and captured triangles may take on the device together;
+                                              // default: half of what it has, 1 GiB where it does not tell
+  bool tessellation = true;  // threads of marching cubes are made by the tessellator (seed S2), else by number alone
+  bool swizzle = true;       // cells in groups of 2 x 2 x 2 (seed S1)
+  bool debug = false;        // ErrorKind::unavailable for whatever the driver complains about; for tests
+};
+
+// Opens the device. Fails with ErrorKind::unavailable where there is none, ErrorKind::usage for too little memory. The
+// extractor is used and dropped on this thread.
+[[nodiscard]] Result<std::unique_ptr<Extractor>> make_gpu_extractor(const GpuOptions& options);
+
+}  // namespace isoextract
