@@ -32,6 +32,7 @@ Json json_of(const ResolvedOptions& o) {
           {"ascii", o.ascii},
           {"simplify", o.simplify.empty() ? Json(nullptr) : Json(o.simplify)},
           {"error", o.error.empty() ? Json(nullptr) : Json(o.error)},
+          {"verify", o.verify},
           {"memory_limit", o.memory_limit}};
 }
 
@@ -50,8 +51,6 @@ Json json_of(const InputFacts& input) {
   json["world_space"] = input.world_space;
   return json;
 }
-
-Json json_of(const StageTime& time) { return {{"wall_seconds", time.wall_seconds}, {"cpu_seconds", time.cpu_seconds}}; }
 
 Json json_of(const StageRecord& stage) {
   Json json{{"stage", stage.stage}};
@@ -181,6 +180,7 @@ Json json_of(const ConversionReport& report) {
   json["peak_memory_bytes"] = report.peak_memory;
   json["work"] = array_of(report.work);
   json["extractions"] = array_of(report.extractions);
+  if (report.options.verify) json["verification"] = array_of(report.verifications);
   json["simplifications"] = array_of(report.simplifications);
   json["meshes"] = array_of(report.meshes);
   json["files"] = array_of(report.files);

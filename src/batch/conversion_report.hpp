@@ -12,6 +12,7 @@
 
 #include "base/stopwatch.hpp"
 #include "batch/json_values.hpp"
+#include "batch/verification_record.hpp"
 #include "batch/work_facts.hpp"
 #include "mesh/metrics.hpp"
 #include "mesh/topology.hpp"
@@ -38,6 +39,7 @@ struct ResolvedOptions {
   bool ascii = false;
   std::string simplify;  // "0.1voxel", "0.5world"; empty if nothing is simplified
   std::string error;     // "trilinear", "tricubic"; empty if it is not measured
+  bool verify = false;
   std::uint64_t memory_limit = 0;
 };
 
@@ -60,7 +62,8 @@ struct InputFacts {
 [[nodiscard]] InputFacts input_facts(const std::string& path, const ScalarField& field);
 
 struct StageRecord {
-  std::string stage;  // "read", "classify", "count", "emit", "simplify", "error", "mesh facts", "statistics", "write"
+  std::string
+      stage;  // "read", "classify", "count", "emit", "verify", "simplify", "error", "mesh facts", "statistics", "write"
   std::optional<double> iso;  // where the stage belongs to one surface
   StageTime time;
 };
@@ -126,6 +129,7 @@ struct ConversionReport {
   std::uint64_t peak_memory = 0;
   std::vector<WorkFact> work;  // of reading
   std::vector<ExtractionRecord> extractions;
+  std::vector<VerificationRecord> verifications;
   std::vector<SimplificationRecord> simplifications;
   std::vector<MeshRecord> meshes;
   std::vector<FileRecord> files;

@@ -42,6 +42,8 @@ Json json_of(const Error& error) {
           {"hint", error.hint}};
 }
 
+Json json_of(const StageTime& time) { return {{"wall_seconds", time.wall_seconds}, {"cpu_seconds", time.cpu_seconds}}; }
+
 std::string json_text(const Json& document) {
   return document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

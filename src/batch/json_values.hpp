@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.hpp"
+#include "base/stopwatch.hpp"
 #include "field/scalar_field.hpp"
 
 namespace isoextract {
@@ -16,11 +17,12 @@ using Json = nlohmann::ordered_json;
 [[nodiscard]] std::string_view kind_name(FieldKind kind);    // "density", "level set"
 [[nodiscard]] std::string_view inside_name(FieldKind kind);  // "above", "below"
 
-[[nodiscard]] Json json_of(const glm::dvec3& v);  // [x, y, z]
-[[nodiscard]] Json json_of(const Box& box);       // {"min": [x, y, z], "max": [x, y, z]}
-[[nodiscard]] Json json_of(const IndexBox& box);  // likewise; null if it is empty
-[[nodiscard]] Json json_of(const Affine& map);    // three rows of four numbers: the matrix, then the offset
-[[nodiscard]] Json json_of(const Error& error);   // kind, exit_code, message, hint
+[[nodiscard]] Json json_of(const glm::dvec3& v);    // [x, y, z]
+[[nodiscard]] Json json_of(const Box& box);         // {"min": [x, y, z], "max": [x, y, z]}
+[[nodiscard]] Json json_of(const IndexBox& box);    // likewise; null if it is empty
+[[nodiscard]] Json json_of(const Affine& map);      // three rows of four numbers: the matrix, then the offset
+[[nodiscard]] Json json_of(const Error& error);     // kind, exit_code, message, hint
+[[nodiscard]] Json json_of(const StageTime& time);  // wall_seconds, cpu_seconds
 
 // A document as text. Names of files and grids may be in any encoding, JSON is UTF-8: every other byte becomes U+FFFD.
 // Numbers that are not finite become null.

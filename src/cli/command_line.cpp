@@ -102,6 +102,7 @@ tl::unexpected<Error> explain(const CLI::ParseError& error, const CLI::App& comm
 
 Request request_of(const CommandLine& line, const CLI::App* command) {
   if (command == line.info) return Request::info;
+  if (command == line.verify) return Request::verify;
   if (command == line.compare) return Request::compare;
   if (command == line.bench) return Request::bench;
   if (command == line.stability) return Request::stability;

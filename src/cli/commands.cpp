@@ -25,6 +25,7 @@
 #include "cli/messages.hpp"
 #include "cli/plan.hpp"
 #include "cli/stability_command.hpp"
+#include "cli/verify_command.hpp"
 
 namespace isoextract {
 namespace {
@@ -84,6 +85,16 @@ int run_info_command(const InfoFlags& flags, const CLI::App& command) {
   return failure ? exit_code(*failure) : kDone;
 }
 
+int run_verify_command(const VerifyFlags& flags) {
+  const auto verbosity = plan_verbosity(flags.run);
+  if (!verbosity) return report(verbosity.error());
+  const auto plan = plan_verify(flags);
+  if (!plan) return report(plan.error());
+  const ThreadLimit limit(flags.run.threads);
+  const auto done = run_verify(*plan, Messages(*verbosity));
+  return done ? kDone : report(done.error());
+}
+
 int run_compare_command(const CompareFlags& flags) {
   const auto verbosity = plan_verbosity(flags.run);
   if (!verbosity) return report(verbosity.error());
@@ -131,6 +142,7 @@ int run_arguments(std::vector<std::string> arguments) {
       }
       return print(generate_document(line->app, *line->document));
     case Request::info: return run_info_command(line->info_flags, *line->info);
+    case Request::verify: return run_verify_command(line->verify_flags);
     case Request::compare: return run_compare_command(line->compare_flags);
     case Request::bench: return run_bench_command(line->bench_flags);
     case Request::stability: return run_stability_command(line->stability_flags);

@@ -108,7 +108,7 @@ std::string zsh_command(const CLI::App& command) {
   std::string out = fmt::format("_isoextract_{}() {{\n  _arguments -s -S", command.get_name());
   for (const CLI::Option* option : command.get_options()) {
     if (option->get_positional()) {
-      out += fmt::format(" \\\n    '*{}'", zsh_action(*option));
+      if (option == positional_of(command)) out += fmt::format(" \\\n    '*{}'", zsh_action(*option));
       continue;
     }
     const bool repeatable = option->get_items_expected_max() > 1;

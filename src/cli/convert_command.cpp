@@ -11,12 +11,14 @@
 #include "base/machine.hpp"
 #include "base/stopwatch.hpp"
 #include "batch/work_facts.hpp"
+#include "cli/backends.hpp"
 #include "cli/convert_report.hpp"
 #include "cli/field_label.hpp"
 #include "cli/mesh_error.hpp"
 #include "cli/mesh_simplify.hpp"
 #include "cli/output_checks.hpp"
 #include "cli/progress_bar.hpp"
+#include "cli/verification.hpp"
 #include "extract/extractor.hpp"
 #include "field/statistics.hpp"
 #include "io/file_bytes.hpp"
@@ -36,6 +38,11 @@ class Conversion {
 
   Result<void> run() {
     for (const std::string& text : plan_.notes) note(text);
+    if (plan_.verify) {
+      auto opened = open_backend(Backend::gpu);
+      if (!opened) return tl::unexpected(std::move(opened.error()));
+      other_extractor_ = std::move(*opened);
+    }
     if (auto checked = check_mesh_files(plan_); !checked) return checked;
     if (auto done = read(); !done) return done;
     for (const OutputJob& job : plan_.jobs) {
@@ -87,23 +94,12 @@ class Conversion {
 
   // What of the field is wanted, and where it goes.
   Result<void> place() {
-    output_from_index_ = output_from_index(field_, plan_.placement);
+    auto placed = place_field(field_, plan_.placement, plan_.roi);
+    if (!placed) return tl::unexpected(std::move(placed.error()));
+    output_from_index_ = placed->output_from_index;
     report_.output_from_index = output_from_index_;
-    if (field_.index_to_world.is_regular() && !output_from_index_.is_regular()) {
-      return fail(
-          ErrorKind::usage,
-          fmt::format("{}: scaled by {}, coordinates leave the range of numbers", label_, plan_.placement.scale),
-          "choose another --scale or --unit");
-    }
-    if (!plan_.roi) return {};
-    auto region = samples_in_box(field_, *plan_.roi, plan_.placement.space);
-    if (!region) return tl::unexpected(region.error());
-    report_.region = *region;
-    if (plan_.placement.space == Space::world && !is_axis_aligned(field_.index_to_world)) {
-      const glm::i64vec3 dims = region->dims();
-      note(fmt::format("{}: its axes are oblique, so --roi takes the {} x {} x {} samples that cover the box", label_,
-                       dims.x, dims.y, dims.z));
-    }
+    report_.region = placed->region;
+    for (const std::string& text : placed->notes) note(text);
     return {};
   }
 
@@ -151,6 +147,11 @@ class Conversion {
       messages_.summary("  " + simplification_summary(simplification));
     }
     for (const MeshError& error : errors) tell_error(error);
+    for (const VerificationRecord& record : report_.verifications) {
+      if (std::ranges::find(job.isos, record.iso) != job.isos.end()) {
+        messages_.summary("  " + verification_summary(record));
+      }
+    }
     return {};
   }
 
@@ -208,7 +209,21 @@ class Conversion {
       for (const WorkFact& fact : facts) story.push_back(fact_text(fact));
     }
     report_.extractions.push_back({iso, extraction->mesh.triangles.size(), facts});
+    if (other_extractor_ != nullptr) {
+      if (auto verified = verify(extraction->mesh, options, story); !verified) return tl::unexpected(verified.error());
+    }
     return extraction;
+  }
+
+  // Against the other backend. The keys have done their work then.
+  Result<void> verify(Mesh& mesh, const ExtractOptions& options, std::vector<std::string>& story) {
+    auto record = compare_backends(field_, options, mesh, *extractor_, *other_extractor_);
+    if (!record) return tl::unexpected(std::move(record.error()));
+    mesh.edges = {};
+    story.push_back(fmt::format("{} iso {}: verified in {}", label_, options.iso, times_text(record->time)));
+    report_.stages.push_back({"verify", options.iso, record->time});
+    report_.verifications.push_back(std::move(*record));
+    return check_verification(label_, report_.verifications.back());
   }
 
   // What only the report asks for: finding components and open edges takes about as long as writing.
@@ -298,6 +313,7 @@ class Conversion {
   std::string label_;
   Affine output_from_index_;
   std::unique_ptr<Extractor> extractor_ = make_cpu_extractor();
+  std::unique_ptr<Extractor> other_extractor_;  // only to verify
 };
 
 }  // namespace

@@ -51,6 +51,7 @@ ResolvedOptions resolved_options(const ConvertPlan& plan) {
     options.simplify = fmt::format("{}{}", plan.simplify->distance, plan.simplify->in_world_units ? "world" : "voxel");
   }
   if (plan.error) options.error = interpolation_name(*plan.error);
+  options.verify = plan.verify;
   options.memory_limit = plan.read.limits.memory_bytes;
   return options;
 }

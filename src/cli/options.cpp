@@ -181,32 +181,36 @@ void declare_nan(const Group& group, std::optional<NanPolicy>& policy) {
                "cells that touch it (default: error).");
 }
 
-void declare_surface(CLI::App& app, ConvertFlags& flags) {
-  const Group group(app, "Surface");
-  group.values("--iso", "V", flags.isos, parse_number,
-               "The value whose surface is extracted. Required; several times for several surfaces. 'isoextract info "
-               "INPUT' suggests one.");
+void declare_surface(const Group& group, SurfaceFlags& flags) {
   group.choice("--method", flags.method, {{"mc", Method::mc}, {"mt", Method::mt}},
                "Marching cubes, or marching tetrahedra with six a cell (default: mc).");
-  group.choice("--normals", flags.normals,
-               {{"none", Normals::none}, {"flat", Normals::flat}, {"smooth", Normals::smooth}},
-               "Normals to store: none, one a triangle, or the field's gradient at each vertex (default: smooth for "
-               "glb and gltf, none for ply and obj; stl always has one a triangle).");
   group.value("--roi", "X0,Y0,Z0,X1,Y1,Z1", flags.roi, parse_box,
               "Only the samples in this box, given by its smaller and larger corner in the input's world coordinates "
               "(with --space index in voxel coordinates).");
   group.flag("--cap", flags.cap, "Close the surface where it leaves the data or the --roi.");
+  declare_nan(group, flags.nan);
+}
+
+void declare_convert_surface(CLI::App& app, ConvertFlags& flags) {
+  const Group group(app, "Surface");
+  group.values("--iso", "V", flags.isos, parse_number,
+               "The value whose surface is extracted. Required; several times for several surfaces. 'isoextract info "
+               "INPUT' suggests one.");
+  declare_surface(group, flags.surface);
+  group.choice("--normals", flags.normals,
+               {{"none", Normals::none}, {"flat", Normals::flat}, {"smooth", Normals::smooth}},
+               "Normals to store: none, one a triangle, or the field's gradient at each vertex (default: smooth for "
+               "glb and gltf, none for ply and obj; stl always has one a triangle).");
   group.value("--simplify", "ERR", flags.simplify, parse_simplify_error,
               "Leave out triangles as long as no point of either mesh is farther than ERR from the other: 0.1 or "
               "0.1voxel in voxels, 0.5world in the units of the written mesh. The distance is measured and told. Open "
               "borders keep their vertices.");
-  declare_nan(group, flags.nan);
   group.choice("--empty", flags.empty,
                {{"error", EmptyPolicy::error}, {"skip", EmptyPolicy::skip}, {"write", EmptyPolicy::write}},
                "What to do where there is no surface: fail, write no file, or write an empty one (default: error).");
 }
 
-void declare_placement(CLI::App& app, ConvertFlags& flags) {
+void declare_placement(CLI::App& app, PlacementFlags& flags) {
   const Group group(app, "Placement");
   group.choice("--space", flags.space, {{"world", Space::world}, {"index", Space::index}},
                "Coordinates of the mesh: the input's world, or voxels counted from 0 (default: world).");
@@ -230,6 +234,20 @@ void declare_output(CLI::App& app, ConvertFlags& flags) {
                            "Write a JSON report of the conversion: options, input, stages with time and memory, what "
                            "was left out, and the facts of each mesh. Of a conversion that fails, it says why.");
   group.flag("--ascii", flags.ascii, "Write ply or stl as text instead of binary.");
+}
+
+void declare_verify(CLI::App& app, VerifyFlags& flags) {
+  declare_input(app, flags.input, "INPUT", "The volume to verify with");
+  Group(app, "Input")
+      .value<std::string>("MESH", "MESH", flags.mesh, parse_text,
+                          "A mesh that was written from it: .glb, .gltf, .ply, .obj or .stl; its extension says how it "
+                          "was placed unless options do. Without one the backends are compared with each other.");
+  const Group surface(app, "Surface");
+  surface.value("--iso", "V", flags.iso, parse_number, "The value whose surface is verified. Required.");
+  declare_surface(surface, flags.surface);
+  declare_placement(app, flags.placement);
+  Group(app, "Output").flag("--json", flags.json, "Report as JSON.");
+  declare_run(app, flags.run);
 }
 
 void declare_compare(CLI::App& app, CompareFlags& flags) {
@@ -303,8 +321,8 @@ std::unique_ptr<CommandLine> declare_command_line() {
   line->convert = add_command(app, "convert", "Extract a surface and write it as a mesh. The default command.");
   ConvertFlags& convert = line->convert_flags;
   declare_input(*line->convert, convert.input, "INPUT", "The volume to convert");
-  declare_surface(*line->convert, convert);
-  declare_placement(*line->convert, convert);
+  declare_convert_surface(*line->convert, convert);
+  declare_placement(*line->convert, convert.placement);
   declare_output(*line->convert, convert);
   const Group convert_run(*line->convert, "Run");
   convert_run
@@ -313,6 +331,9 @@ std::unique_ptr<CommandLine> declare_command_line() {
               "Measure how far the mesh is from the isosurface of the data, interpolated linearly along each axis "
               "(the default) or smoothly; of demo fields also how far from the formula.")
       ->expected(0, 1);
+  convert_run.flag("--verify", convert.verify,
+                   "Extract with the other backend as well, CPU or GPU, and compare triangle by triangle. Where they "
+                   "differ, exit with code 6 and do not write the file.");
   convert_run.flag("--explain", convert.explain, "Tell what was left out and why, with counts and times.");
   declare_run(*line->convert, convert.run);
 
@@ -321,6 +342,10 @@ std::unique_ptr<CommandLine> declare_command_line() {
   Group(*line->info, "Output")
       .flag("--json", line->info_flags.json, "Report as JSON, an array with one entry an input.");
   declare_run(*line->info, line->info_flags.run);
+
+  line->verify =
+      add_command(app, "verify", "Compare GPU and CPU, or a written mesh with its volume, triangle by triangle.");
+  declare_verify(*line->verify, line->verify_flags);
 
   line->compare = add_command(app, "compare", "Compare two meshes: their topology, and the distances between them.");
   declare_compare(*line->compare, line->compare_flags);
@@ -350,6 +375,7 @@ std::string synopsis(const CLI::App& command) {
   const std::string& name = command.get_name();
   if (name == "convert") return "isoextract [convert] INPUT --iso V [-o FILE] [options]";
   if (name == "info") return "isoextract info INPUT... [options]";
+  if (name == "verify") return "isoextract verify INPUT --iso V [MESH] [options]";
   if (name == "compare") return "isoextract compare A B [options]";
   if (name == "bench") return "isoextract bench [INPUT...] [options]";
   if (name == "stability") return "isoextract stability [options]";

@@ -50,24 +50,34 @@ struct RunFlags {
   bool verbose = false;
 };
 
-struct ConvertFlags {
-  InputFlags input;
-  std::vector<double> isos;
+// What decides about a surface besides the iso value.
+struct SurfaceFlags {
   std::optional<Method> method;
-  std::optional<Normals> normals;
   std::optional<Box> roi;
   bool cap = false;
-  std::optional<SimplifyError> simplify;
   std::optional<NanPolicy> nan;
-  std::optional<EmptyPolicy> empty;
+};
+
+struct PlacementFlags {
   std::optional<Space> space;
   std::optional<UpAxis> up;
   std::optional<double> scale;
   std::optional<LengthUnit> unit;
+};
+
+struct ConvertFlags {
+  InputFlags input;
+  std::vector<double> isos;
+  SurfaceFlags surface;
+  std::optional<Normals> normals;
+  std::optional<SimplifyError> simplify;
+  std::optional<EmptyPolicy> empty;
+  PlacementFlags placement;
   std::optional<std::string> output;
   std::optional<MeshFormat> format;
   bool ascii = false;
   std::optional<Interpolation> error;
+  bool verify = false;
   bool explain = false;
   std::optional<std::string> report;
   RunFlags run;
@@ -75,6 +85,16 @@ struct ConvertFlags {
 
 struct InfoFlags {
   InputFlags input;
+  bool json = false;
+  RunFlags run;
+};
+
+struct VerifyFlags {
+  InputFlags input;
+  std::optional<std::string> mesh;
+  std::optional<double> iso;
+  SurfaceFlags surface;
+  PlacementFlags placement;
   bool json = false;
   RunFlags run;
 };
@@ -113,6 +133,7 @@ struct CommandLine {
   CLI::App app;
   CLI::App* convert = nullptr;
   CLI::App* info = nullptr;
+  CLI::App* verify = nullptr;
   CLI::App* compare = nullptr;
   CLI::App* bench = nullptr;
   CLI::App* stability = nullptr;
@@ -121,6 +142,7 @@ struct CommandLine {
 
   ConvertFlags convert_flags;
   InfoFlags info_flags;
+  VerifyFlags verify_flags;
   CompareFlags compare_flags;
   BenchFlags bench_flags;
   StabilityFlags stability_flags;

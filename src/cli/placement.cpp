@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "cli/field_label.hpp"
+
 namespace isoextract {
 namespace {
 
@@ -80,6 +82,28 @@ Result<IndexBox> samples_in_box(const ScalarField& field, const Box& box, Space 
                                       : "--roi is in the input's world coordinates, before --up, --scale and --unit");
   }
   return samples;
+}
+
+Result<PlacedField> place_field(const ScalarField& field, const Placement& placement, const std::optional<Box>& roi) {
+  PlacedField placed;
+  placed.output_from_index = output_from_index(field, placement);
+  if (field.index_to_world.is_regular() && !placed.output_from_index.is_regular()) {
+    return fail(
+        ErrorKind::usage,
+        fmt::format("{}: scaled by {}, coordinates leave the range of numbers", field_label(field), placement.scale),
+        "choose another --scale or --unit");
+  }
+  if (!roi) return placed;
+  auto region = samples_in_box(field, *roi, placement.space);
+  if (!region) return tl::unexpected(region.error());
+  placed.region = *region;
+  if (placement.space == Space::world && !is_axis_aligned(field.index_to_world)) {
+    const glm::i64vec3 dims = region->dims();
+    placed.notes.push_back(
+        fmt::format("{}: its axes are oblique, so --roi takes the {} x {} x {} samples that cover the box",
+                    field_label(field), dims.x, dims.y, dims.z));
+  }
+  return placed;
 }
 
 std::string box_text(const Box& box) {

@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/error.hpp"
 #include "cli/values.hpp"
@@ -45,6 +46,17 @@ struct Placement {
 // samples' axes are oblique, the smallest index box that holds them all. Fails with ErrorKind::input if that is less
 // than one cell of the data.
 [[nodiscard]] Result<IndexBox> samples_in_box(const ScalarField& field, const Box& box, Space space);
+
+// A field's place in the output, and what of it is wanted.
+struct PlacedField {
+  Affine output_from_index;
+  std::optional<IndexBox> region;
+  std::vector<std::string> notes;  // what --roi took that was not asked for
+};
+
+// Fails with ErrorKind::usage where --scale or --unit leads out of the range of numbers, and as samples_in_box does.
+[[nodiscard]] Result<PlacedField> place_field(const ScalarField& field, const Placement& placement,
+                                              const std::optional<Box>& roi);
 
 // "(0, 0, 0) .. (1, 2, 3)"
 [[nodiscard]] std::string box_text(const Box& box);

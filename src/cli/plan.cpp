@@ -48,18 +48,31 @@ Result<ReadOptions> plan_read(const InputFlags& flags) {
   return read;
 }
 
+Result<MeshFormat> format_of_path(const std::string& path, std::string hint) {
+  if (const auto format = mesh_format_by_path(path)) return *format;
+  std::vector<std::string_view> names;
+  for (const MeshFormatInfo& info : mesh_formats()) names.push_back(info.name);
+  return usage(fmt::format("{}: expected an extension of {}", path, fmt::join(names, ", ")), std::move(hint));
+}
+
 Result<MeshFormat> plan_format(const ConvertFlags& flags) {
   if (flags.format) return *flags.format;
   if (!flags.output) return MeshFormat::glb;
   if (*flags.output == "-") return usage("-o - needs --format", "for example --format ply");
-  if (const auto format = mesh_format_by_path(*flags.output)) return *format;
-  std::vector<std::string_view> names;
-  for (const MeshFormatInfo& info : mesh_formats()) names.push_back(info.name);
-  return usage(fmt::format("{}: expected an extension of {}", *flags.output, fmt::join(names, ", ")),
-               "choose the format with --format");
+  return format_of_path(*flags.output, "choose the format with --format");
 }
 
-Result<Placement> plan_placement(const ConvertFlags& flags, MeshFormat format, std::vector<std::string>& notes) {
+// What --method, --cap and --nan make of the options.
+ExtractOptions plan_extract(const SurfaceFlags& flags, const Limits& limits) {
+  ExtractOptions extract;
+  extract.limits = limits;
+  extract.method = flags.method.value_or(Method::mc);
+  extract.cap = flags.cap;
+  extract.nan = flags.nan.value_or(NanPolicy::error);
+  return extract;
+}
+
+Result<Placement> plan_placement(const PlacementFlags& flags, MeshFormat format, std::vector<std::string>& notes) {
   Placement placement;
   placement.space = flags.space.value_or(Space::world);
   placement.up = flags.up.value_or(UpAxis::z);
@@ -104,6 +117,11 @@ std::string with_iso(std::string path, double iso) {
   return path;
 }
 
+Error no_iso(const std::string& input) {
+  return {ErrorKind::usage, "--iso V is missing: the value whose surface is extracted",
+          fmt::format("'isoextract info {}' shows the values and suggests one", shell_quoted(input))};
+}
+
 Result<std::vector<OutputJob>> plan_jobs(const ConvertFlags& flags, const MeshFormatInfo& format) {
   std::vector<double> sorted = flags.isos;
   std::sort(sorted.begin(), sorted.end());
@@ -144,10 +162,7 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& flags) {
   if (inputs.size() > 1) {
     return usage(fmt::format("convert takes one input, and {} were given: {}", inputs.size(), fmt::join(inputs, ", ")));
   }
-  if (flags.isos.empty()) {
-    return usage("--iso V is missing: the value whose surface is extracted",
-                 fmt::format("'isoextract info {}' shows the values and suggests one", shell_quoted(inputs.front())));
-  }
+  if (flags.isos.empty()) return tl::unexpected(no_iso(inputs.front()));
   if (flags.explain && flags.run.quiet) return usage("--quiet and --explain exclude each other");
 
   ConvertPlan plan;
@@ -172,19 +187,18 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& flags) {
   plan.write.ascii = flags.ascii;
   plan.write.flat_normals = *normals == Normals::flat;
 
-  auto placement = plan_placement(flags, *format, plan.notes);
+  auto placement = plan_placement(flags.placement, *format, plan.notes);
   if (!placement) return tl::unexpected(placement.error());
   plan.placement = *placement;
   auto jobs = plan_jobs(flags, info);
   if (!jobs) return tl::unexpected(jobs.error());
   plan.jobs = std::move(*jobs);
 
-  plan.extract.limits = plan.read.limits;
-  plan.extract.method = flags.method.value_or(Method::mc);
+  plan.extract = plan_extract(flags.surface, plan.read.limits);
   plan.extract.smooth_normals = *normals == Normals::smooth;
-  plan.extract.cap = flags.cap;
-  plan.extract.nan = flags.nan.value_or(NanPolicy::error);
-  plan.roi = flags.roi;
+  plan.extract.edge_keys = flags.verify;
+  plan.verify = flags.verify;
+  plan.roi = flags.surface.roi;
   plan.simplify = flags.simplify;
   plan.empty = flags.empty.value_or(EmptyPolicy::error);
   plan.error = flags.error;
@@ -209,6 +223,34 @@ Result<InfoPlan> plan_info(const InfoFlags& flags, const CLI::App& command) {
     plan.input_arguments.push_back(option->get_name());
     plan.input_arguments.push_back(shell_quoted(option->results().front()));
   }
+  return plan;
+}
+
+Result<VerifyPlan> plan_verify(const VerifyFlags& flags) {
+  if (flags.input.inputs.empty()) return usage("no INPUT was given", "isoextract verify INPUT --iso V [MESH]");
+  VerifyPlan plan;
+  plan.input = flags.input.inputs.front();
+  plan.mesh = flags.mesh;
+  if (!flags.iso) return tl::unexpected(no_iso(plan.input));
+  auto read = plan_read(flags.input);
+  if (!read) return tl::unexpected(read.error());
+  plan.read = std::move(*read);
+  MeshFormat format = MeshFormat::glb;  // backends are compared where the default output would be
+  if (plan.mesh) {
+    const auto given = format_of_path(*plan.mesh, "MESH is a mesh that isoextract wrote");
+    if (!given) return tl::unexpected(given.error());
+    format = *given;
+  }
+  plan.float32_world = format == MeshFormat::stl;
+  auto placement = plan_placement(flags.placement, format, plan.notes);
+  if (!placement) return tl::unexpected(placement.error());
+  plan.placement = *placement;
+  plan.extract = plan_extract(flags.surface, plan.read.limits);
+  plan.extract.iso = *flags.iso;
+  plan.extract.smooth_normals = !plan.mesh;
+  plan.extract.edge_keys = !plan.mesh;
+  plan.roi = flags.surface.roi;
+  plan.json = flags.json;
   return plan;
 }
 

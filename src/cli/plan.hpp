@@ -33,6 +33,7 @@ struct ConvertPlan {
   MeshWriteOptions write;
   std::vector<OutputJob> jobs;
   std::optional<Interpolation> error;  // to measure the mesh against
+  bool verify = false;
   bool explain = false;
   std::optional<std::string> report;   // the path of the JSON report
   std::vector<std::string> arguments;  // the words of the command line, for the report
@@ -44,6 +45,18 @@ struct InfoPlan {
   ReadOptions read;
   std::vector<std::string> input_arguments;  // the input options as they were given, to repeat in an example
   bool json = false;
+};
+
+struct VerifyPlan {
+  std::string input;
+  std::optional<std::string> mesh;  // none: the backends are compared
+  ReadOptions read;
+  ExtractOptions extract;  // without region and placement, which depend on the field
+  std::optional<Box> roi;
+  Placement placement;
+  bool float32_world = false;  // the mesh's format has float32 world coordinates only
+  bool json = false;
+  std::vector<std::string> notes;
 };
 
 struct ComparePlan {
@@ -70,6 +83,7 @@ struct BenchPlan {
 [[nodiscard]] Result<ConvertPlan> plan_convert(const ConvertFlags& flags);
 [[nodiscard]] Result<BenchPlan> plan_bench(const BenchFlags& flags);
 [[nodiscard]] Result<InfoPlan> plan_info(const InfoFlags& flags, const CLI::App& command);
+[[nodiscard]] Result<VerifyPlan> plan_verify(const VerifyFlags& flags);
 [[nodiscard]] Result<ComparePlan> plan_compare(const CompareFlags& flags);
 
 // "scan.nii.gz" -> "scan", "demo:torus?size=32" -> "torus"

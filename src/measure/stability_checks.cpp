@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <set>
 #include <tuple>
 
@@ -11,6 +10,7 @@
 
 #include "extract/edge_geometry.hpp"
 #include "extract/inside_test.hpp"
+#include "measure/float_spacing.hpp"
 #include "mesh/metrics.hpp"
 #include "mesh/topology.hpp"
 
@@ -19,13 +19,6 @@ namespace {
 
 using Real = long double;
 using Vector = glm::vec<3, Real>;
-
-// One unit in the last place of a float32 of this size.
-double ulp_of(double size) {
-  const auto rounded = static_cast<float>(size);
-  return static_cast<double>(std::nextafter(rounded, std::numeric_limits<float>::infinity())) -
-         static_cast<double>(rounded);
-}
 
 class Checker {
  public:
@@ -43,7 +36,7 @@ class Checker {
     }
     // What rounding to float32 can move a coordinate by, in voxels.
     for (int axis = 0; axis < 3; ++axis) {
-      for (int c = 0; c < 3; ++c) whole_[axis] += std::abs(index_from_output_[c][axis]) * ulp_of(largest_[c]);
+      for (int c = 0; c < 3; ++c) whole_[axis] += std::abs(index_from_output_[c][axis]) * float_spacing(largest_[c]);
       whole_[axis] += 1e-12 * samples_.dims[axis];
     }
   }
@@ -89,7 +82,7 @@ class Checker {
     const Real kept = on_cap ? 0 : std::clamp<Real>(crossing, margin_, 1 - margin_);
     const auto index_of = [&](Real t) { return Vector(edge.low) + t * Vector(edge.step); };
     const Vector away = position(vertex) - placed(index_of(kept));
-    const double unit = ulp_of(std::max({largest_.x, largest_.y, largest_.z}));
+    const double unit = float_spacing(std::max({largest_.x, largest_.y, largest_.z}));
     const Real farthest = std::max({std::abs(away.x), std::abs(away.y), std::abs(away.z)});
     findings.ulps = std::max(findings.ulps, static_cast<double>(farthest) / unit);
     const Vector in_voxels = index_position(vertex) - index_of(crossing);

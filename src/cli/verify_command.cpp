@@ -1,0 +1,138 @@
+#include "cli/verify_command.hpp"
+
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/machine.hpp"
+#include "base/stopwatch.hpp"
+#include "cli/backends.hpp"
+#include "cli/field_label.hpp"
+#include "cli/layout.hpp"
+#include "cli/progress_bar.hpp"
+#include "cli/verification.hpp"
+#include "io/mesh_reader.hpp"
+#include "measure/mesh_match.hpp"
+
+namespace isoextract {
+namespace {
+
+// The volume, and how its surface is extracted.
+struct Source {
+  ScalarField field;
+  ExtractOptions options;
+  std::string label;
+};
+
+Result<Source> read_source(const VerifyPlan& plan, const Messages& messages, Progress* progress) {
+  ReadOptions read = plan.read;
+  read.progress = progress;
+  auto field = read_volume(plan.input, read);
+  if (!field) return tl::unexpected(std::move(field.error()));
+  for (const std::string& note : field->notes) messages.note(note);
+  auto placed = place_field(*field, plan.placement, plan.roi);
+  if (!placed) return tl::unexpected(std::move(placed.error()));
+  for (const std::string& note : placed->notes) messages.note(note);
+  Source source{std::move(*field), plan.extract, {}};
+  source.label = field_label(source.field);
+  source.options.output_from_index = placed->output_from_index;
+  source.options.region = placed->region;
+  source.options.progress = progress;
+  return source;
+}
+
+Result<void> verify_backends(const VerifyPlan& plan, const Messages& messages) {
+  const auto first = open_backend(Backend::cpu);
+  if (!first) return tl::unexpected(first.error());
+  const auto second = open_backend(Backend::gpu);
+  if (!second) return tl::unexpected(second.error());
+  VerificationRecord record;
+  std::string label;
+  {
+    ProgressBar bar(messages.verbosity() != Verbosity::quiet);
+    const auto source = read_source(plan, messages, bar.progress());
+    if (!source) return tl::unexpected(source.error());
+    label = source->label;
+    const auto extraction = (*first)->extract(source->field, source->options);
+    if (!extraction) return tl::unexpected(extraction.error());
+    auto compared = compare_backends(source->field, source->options, extraction->mesh, **first, **second);
+    if (!compared) return tl::unexpected(std::move(compared.error()));
+    record = std::move(*compared);
+  }
+  const std::string text = plan.json ? json_text(json_of(record)) : verification_table(label, record);
+  if (auto printed = print_to_stdout(text); !printed) return printed;
+  return check_verification(label, record);
+}
+
+std::string match_table(const std::string& path, const std::string& surface, const MeshMatch& match) {
+  NamedLines lines;
+  lines.plain(fmt::format("{} and {}", path, surface));
+  const auto counts = [&](std::string_view name, const std::array<std::uint64_t, 2>& total,
+                          const std::array<std::uint64_t, 2>& only, std::string_view what) {
+    lines.add(name, fmt::format("{} and {}; {} and {} {} only", total[0], total[1], only[0], only[1], what));
+  };
+  counts("triangles", match.triangles.total, match.triangles.only, "in one");
+  counts("vertices", match.vertices, match.vertices_only, "places in one");
+  lines.add("positions", fmt::format("at most {:.3g} apart along an axis, allowed {:.3g}; the most at {}",
+                                     match.distance, match.allowed, point_text(match.farthest)));
+  const bool same =
+      match.vertices_only == std::array<std::uint64_t, 2>{} && match.triangles.only == std::array<std::uint64_t, 2>{};
+  lines.add("same", same ? "yes" : "no");
+  return lines.take();
+}
+
+// What may have made the meshes different.
+std::string hint_for(const MeshMatch& match) {
+  const bool fewer = match.triangles.total[0] < match.triangles.total[1];
+  if (fewer && match.vertices_only[0] == 0 && match.triangles.only[0] > 0) {
+    return "it looks simplified: 'isoextract compare' measures how far it is from a mesh that was written without "
+           "--simplify";
+  }
+  if (match.vertices_only[0] > match.vertices[0] / 2) {
+    return "give the --iso, --method, --roi and placement options that it was written with";
+  }
+  return "";
+}
+
+Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages) {
+  const auto extractor = open_backend(Backend::cpu);
+  if (!extractor) return tl::unexpected(extractor.error());
+  MeshMatch match;
+  std::string surface;
+  {
+    ProgressBar bar(messages.verbosity() != Verbosity::quiet);
+    bar.progress()->begin("reading the mesh", 0);
+    auto file = read_mesh(*plan.mesh, plan.read.limits);
+    if (!file) return tl::unexpected(std::move(file.error()));
+    for (const std::string& note : file->notes) messages.note(note);
+    const auto source = read_source(plan, messages, bar.progress());
+    if (!source) return tl::unexpected(source.error());
+    surface = fmt::format("{} iso {}", source->label, plan.extract.iso);
+    const auto extraction = (*extractor)->extract(source->field, source->options);
+    if (!extraction) return tl::unexpected(extraction.error());
+    const auto matched = match_meshes(file->mesh, extraction->mesh, plan.float32_world, plan.read.limits);
+    if (!matched) return tl::unexpected(matched.error());
+    match = *matched;
+  }
+  const std::vector<std::string> found = differences(match, {"the file", "the volume's surface"});
+  const std::string text = plan.json ? json_text(json_of(match, found)) : match_table(*plan.mesh, surface, match);
+  if (auto printed = print_to_stdout(text); !printed) return printed;
+  if (found.empty()) return {};
+  return fail(ErrorKind::verification,
+              fmt::format("{}: it is not the surface of {}: {}", *plan.mesh, surface, fmt::join(found, "; ")),
+              hint_for(match));
+}
+
+}  // namespace
+
+Result<void> run_verify(const VerifyPlan& plan, const Messages& messages) {
+  const Stopwatch watch;
+  for (const std::string& note : plan.notes) messages.note(note);
+  const auto done = plan.mesh ? verify_mesh(plan, messages) : verify_backends(plan, messages);
+  messages.detail(fmt::format("verified in {:.2f} s, peak memory {}", watch.elapsed().wall_seconds,
+                              format_byte_size(peak_memory())));
+  return done;
+}
+
+}  // namespace isoextract

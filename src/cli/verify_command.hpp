@@ -1,0 +1,13 @@
+// `isoextract verify`: one backend against the other, or a written mesh against its volume, triangle by triangle.
+#pragma once
+
+#include "base/error.hpp"
+#include "cli/messages.hpp"
+#include "cli/plan.hpp"
+
+namespace isoextract {
+
+// Fails with ErrorKind::verification, after the report on stdout, if something differs.
+[[nodiscard]] Result<void> run_verify(const VerifyPlan& plan, const Messages& messages);
+
+}  // namespace isoextract

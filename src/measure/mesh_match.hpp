@@ -1,0 +1,54 @@
+// A mesh that was written to a file against the mesh that its field gives: the same triangles, or not.
+//
+// The file has no edge keys, and its vertices may stand in any order: they are matched by their place. On each side
+// vertices at the very same place count as one, for a format without connectivity cannot tell them apart. Every vertex
+// of the file is matched with the nearest one of the extraction, if that is near enough along each axis, and no two
+// with the same one.
+//
+// Near enough is the sum of what the way through a file may cost a coordinate:
+// - kStabilityUlps of the local coordinates, for another backend may have written the file;
+// - where the format has float32 world coordinates only (STL), and the mesh an origin of its own: the coordinates are
+//   rounded here as they were when they were written, so that they are the same again, but a coordinate of another
+//   backend may have gone to the next float32 number: one spacing of the world coordinates;
+// - the reader makes float32 numbers of coordinates in double, relative to an origin that it chooses: half a spacing of
+//   those, unless the origin is the extraction's own (then the file had the very numbers);
+// - sums in double: a few roundings of the world coordinates.
+// The extractors keep vertices of different edges at least four ulps of the local coordinates apart (Placement), so
+// that the nearest one is the right one; only STL far from the origin of the world may hold less than that.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/error.hpp"
+#include "base/limits.hpp"
+#include "measure/triangle_sets.hpp"
+#include "mesh/mesh.hpp"
+
+namespace isoextract {
+
+struct MeshMatch {
+  // Of the written and of the extracted mesh.
+  std::array<std::uint64_t, 2> vertices{};
+  std::array<std::uint64_t, 2> vertices_only{};  // places that only this mesh has a vertex at
+  std::array<std::optional<glm::dvec3>, 2> vertex_example{};
+  TriangleDifference triangles;
+  // Of matched vertices, in the unit of the mesh.
+  double distance = 0;       // the greatest difference of a coordinate
+  glm::dvec3 farthest{0.0};  // where
+  double allowed = 0;        // what is near enough
+};
+
+// `float32_world`: the file's format has float32 world coordinates only. Fails with ErrorKind::input if matching needs
+// more memory than the limit.
+[[nodiscard]] Result<MeshMatch> match_meshes(const Mesh& written, const Mesh& extracted, bool float32_world,
+                                             const Limits& limits = default_limits());
+
+// What differs, a sentence without its full stop each; none if they are the same. `names` are what the meshes are
+// called.
+[[nodiscard]] std::vector<std::string> differences(const MeshMatch& match, const MeshNames& names);
+
+}  // namespace isoextract

@@ -1,0 +1,61 @@
+// Copies of meshes, as they are and in another order: what another backend would give.
+#pragma once
+
+#include <algorithm>
+#include <numeric>
+#include <random>
+#include <vector>
+
+#include "mesh/mesh.hpp"
+
+namespace isoextract::test {
+
+template <class T>
+Buffer<T> copy_of(const Buffer<T>& buffer) {
+  Buffer<T> copy(buffer.size());
+  std::copy(buffer.begin(), buffer.end(), copy.begin());
+  return copy;
+}
+
+inline Mesh copy_of(const Mesh& mesh) {
+  Mesh copy;
+  copy.name = mesh.name;
+  copy.origin = mesh.origin;
+  copy.positions = copy_of(mesh.positions);
+  copy.normals = copy_of(mesh.normals);
+  copy.edges = copy_of(mesh.edges);
+  copy.triangles = copy_of(mesh.triangles);
+  return copy;
+}
+
+// The same mesh with its vertices and triangles in random order, and triangles that start anywhere.
+inline Mesh shuffled(const Mesh& mesh, unsigned seed) {
+  std::mt19937 engine(seed);
+  std::vector<std::uint32_t> number(mesh.positions.size());  // the new one of each vertex
+  std::iota(number.begin(), number.end(), 0U);
+  std::shuffle(number.begin(), number.end(), engine);
+  Mesh result = copy_of(mesh);
+  for (std::size_t v = 0; v < number.size(); ++v) {
+    result.positions[number[v]] = mesh.positions[v];
+    if (!mesh.normals.empty()) result.normals[number[v]] = mesh.normals[v];
+    if (!mesh.edges.empty()) result.edges[number[v]] = mesh.edges[v];
+  }
+  for (glm::uvec3& t : result.triangles) {
+    t = {number[t.x], number[t.y], number[t.z]};
+    for (auto turns = engine() % 3; turns > 0; --turns) t = {t.y, t.z, t.x};
+  }
+  std::shuffle(result.triangles.begin(), result.triangles.end(), engine);
+  return result;
+}
+
+// Without one of its triangles.
+inline Mesh without_triangle(const Mesh& mesh, std::size_t triangle) {
+  Mesh result = copy_of(mesh);
+  result.triangles = Buffer<glm::uvec3>(mesh.triangles.size() - 1);
+  for (std::size_t t = 0, out = 0; t < mesh.triangles.size(); ++t) {
+    if (t != triangle) result.triangles[out++] = mesh.triangles[t];
+  }
+  return result;
+}
+
+}  // namespace isoextract::test
