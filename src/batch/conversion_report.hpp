@@ -62,8 +62,8 @@ struct InputFacts {
 [[nodiscard]] InputFacts input_facts(const std::string& path, const ScalarField& field);
 
 struct StageRecord {
-  std::string
-      stage;  // "read", "classify", "count", "emit", "verify", "simplify", "error", "mesh facts", "statistics", "write"
+  std::string stage;  // "read", "classify", "upload", "count", "emit", "verify", "simplify", "error", "mesh facts",
+                      // "statistics", "write"
   std::optional<double> iso;  // where the stage belongs to one surface
   StageTime time;
 };
@@ -116,8 +116,8 @@ struct FileRecord {
 struct ConversionReport {
   std::vector<std::string> arguments;  // the words of the command line, without the program
   ResolvedOptions options;
-  std::string backend = "cpu";
-  std::string device;  // the processor's name
+  std::string backend;  // "cpu" or "gpu"; empty if it could not be opened
+  std::string device;   // the processor's or the GPU's name
   int threads = 0;
   std::optional<InputFacts> input;          // absent if it could not be read
   std::optional<Affine> output_from_index;  // what placed the meshes

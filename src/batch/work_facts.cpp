@@ -31,6 +31,15 @@ std::vector<WorkFact> extraction_facts(const ExtractStats& stats, const ExtractO
   }
   facts.push_back({"samples", "compared", stats.samples_classified, std::nullopt,
                    fmt::format("{} samples, each once, with the iso value", stats.samples_classified)});
+  if (stats.device) {
+    const DeviceStats& device = *stats.device;
+    facts.push_back({"uploads", "left out", device.samples_left_out, std::nullopt,
+                     fmt::format("{} samples of bricks that the surface does not pass, which the GPU never saw",
+                                 device.samples_left_out)});
+    facts.push_back(
+        {"decisions", "taken by the processor", device.cells_decided, std::nullopt,
+         fmt::format("{} ambiguous cells, which need more digits than a shader has", device.cells_decided)});
+  }
   if (stats.nan_samples > 0 && options.nan == NanPolicy::hole) {
     facts.push_back({"nan_samples", "left as holes", stats.nan_samples, std::nullopt,
                      fmt::format("{} samples that are not numbers", stats.nan_samples)});

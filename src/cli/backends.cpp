@@ -1,12 +1,65 @@
 #include "cli/backends.hpp"
 
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 namespace isoextract {
+namespace {
 
-std::string_view backend_name(Backend backend) { return backend == Backend::cpu ? "cpu" : "gpu"; }
+OpenedBackend open_automatic(const GpuOptions& options) {
+  auto gpu = make_gpu_extractor(options);
+  if (!gpu) return {make_cpu_extractor(), fmt::format("--backend auto: cpu, because {}", gpu.error().message)};
+  if (gpu->device.software) {
+    return {make_cpu_extractor(), fmt::format("--backend auto: cpu, because {} draws on the processor, which is slower",
+                                              describe(gpu->device))};
+  }
+  return {std::move(gpu->extractor), fmt::format("--backend auto: gpu, {}", describe(gpu->device))};
+}
 
-Result<std::unique_ptr<Extractor>> open_backend(Backend backend) {
-  if (backend == Backend::cpu) return make_cpu_extractor();
-  return fail(ErrorKind::unavailable, "this build has no GPU backend yet");
+}  // namespace
+
+std::string_view backend_name(Backend backend) {
+  switch (backend) {
+    case Backend::cpu: return "cpu";
+    case Backend::gpu: return "gpu";
+    case Backend::automatic: break;
+  }
+  return "auto";
+}
+
+Result<std::vector<NamedBackend>> parse_backends(std::string_view text) {
+  std::vector<NamedBackend> backends;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    NamedBackend backend{std::string(text.substr(begin, end - begin)), {}};
+    backend.choice.backend = backend.name == "cpu" ? Backend::cpu : Backend::gpu;
+    backend.choice.gpu.tessellation = backend.name != "gpu:points";
+    backend.choice.gpu.swizzle = backend.name != "gpu:rows";
+    constexpr std::array<std::string_view, 4> kNames{"cpu", "gpu", "gpu:points", "gpu:rows"};
+    const bool known = std::ranges::find(kNames, backend.name) != kNames.end();
+    const bool again = std::ranges::find(backends, backend.name, &NamedBackend::name) != backends.end();
+    if (!known || again) {
+      return fail(ErrorKind::usage,
+                  fmt::format("expected some of {}, each once, found '{}'", fmt::join(kNames, ", "), text));
+    }
+    backends.push_back(std::move(backend));
+    begin = end + 1;
+  }
+  return backends;
+}
+
+Result<OpenedBackend> open_backend(const BackendChoice& choice) {
+  switch (choice.backend) {
+    case Backend::cpu: return OpenedBackend{make_cpu_extractor(), ""};
+    case Backend::automatic: return open_automatic(choice.gpu);
+    case Backend::gpu: break;
+  }
+  auto gpu = make_gpu_extractor(choice.gpu);
+  if (!gpu) return tl::unexpected(gpu.error());
+  return OpenedBackend{std::move(gpu->extractor), ""};
 }
 
 }  // namespace isoextract

@@ -1,19 +1,43 @@
-// The backends by name.
+// The backends by name: which one extracts, and opening it.
 #pragma once
 
 #include <memory>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/error.hpp"
 #include "extract/extractor.hpp"
+#include "gpu/gpu_extractor.hpp"
 
 namespace isoextract {
 
-enum class Backend { cpu, gpu };
+enum class Backend { cpu, gpu, automatic };
 
-[[nodiscard]] std::string_view backend_name(Backend backend);  // "cpu"
+[[nodiscard]] std::string_view backend_name(Backend backend);  // "cpu", "gpu", "auto"
 
-// Fails with ErrorKind::unavailable where this build or this machine does not have it.
-[[nodiscard]] Result<std::unique_ptr<Extractor>> open_backend(Backend backend);
+struct BackendChoice {
+  Backend backend = Backend::cpu;
+  GpuOptions gpu;
+};
+
+// A backend of `bench` or `stability`: "cpu", "gpu", or the GPU another way: "gpu:points" makes the threads of marching
+// cubes by number instead of by tessellation, "gpu:rows" visits the cells of a brick row by row.
+struct NamedBackend {
+  std::string name;
+  BackendChoice choice;
+};
+
+// Names separated by commas, each once. Fails with ErrorKind::usage.
+[[nodiscard]] Result<std::vector<NamedBackend>> parse_backends(std::string_view text);
+
+struct OpenedBackend {
+  std::unique_ptr<Extractor> extractor;
+  std::string note;  // for automatic: which one it is, and why
+};
+
+// cpu cannot fail; gpu fails with ErrorKind::unavailable where there is none, and never turns into the CPU. automatic
+// takes a GPU if there is one that is not software, which is never faster than the CPU backend.
+[[nodiscard]] Result<OpenedBackend> open_backend(const BackendChoice& choice);
 
 }  // namespace isoextract

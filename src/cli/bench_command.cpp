@@ -9,6 +9,7 @@
 
 #include "cli/bench_report.hpp"
 #include "cli/gnuplot.hpp"
+#include "cli/gpu_threads_report.hpp"
 #include "cli/output_checks.hpp"
 #include "cli/progress_bar.hpp"
 #include "field/demo_field.hpp"
@@ -26,10 +27,12 @@ Result<void> write_file(const std::string& path, std::string_view text) {
 
 class Bench {
  public:
-  Bench(const BenchPlan& plan, const Messages& messages) : plan_(plan), messages_(messages) {}
+  Bench(const BenchPlan& plan, const Messages& messages) : plan_(plan), messages_(messages), options_(plan.options) {}
 
   Result<void> run() {
     if (auto checked = check(); !checked) return checked;
+    if (plan_.gpu_threads) return measure_gpu_threads();
+    if (auto opened = open_backends(); !opened) return opened;
     for (const std::string& input : plan_.inputs) {
       auto result = input.starts_with(kDemoPrefix) ? measure_demo(input) : measure_file(input);
       if (!result) return tl::unexpected(result.error());
@@ -60,11 +63,41 @@ class Bench {
     return plan_.plot ? check_gnuplot() : Result<void>();
   }
 
+  Result<void> measure_gpu_threads() const {
+    const auto result = measure_thread_creation(plan_.gpu.device, plan_.sizes, plan_.options.repeats);
+    if (!result) return tl::unexpected(result.error());
+    if (auto printed = print_to_stdout(gpu_threads_table(*result, plan_.options.repeats)); !printed) return printed;
+    if (!plan_.json) return {};
+    if (auto written = write_file(*plan_.json, json_text(gpu_threads_json(*result, plan_.options.repeats))); !written) {
+      return written;
+    }
+    messages_.summary(fmt::format("-> {}", *plan_.json));
+    return {};
+  }
+
+  // Those that were asked for; otherwise the CPU, and a GPU that is not software.
+  Result<void> open_backends() {
+    if (!plan_.backends) {
+      options_.backends.push_back({"cpu", make_cpu_extractor()});
+      auto gpu = open_backend({Backend::automatic, plan_.gpu});
+      if (gpu && gpu->extractor->name() == backend_name(Backend::gpu)) {
+        options_.backends.push_back({"gpu", std::move(gpu->extractor)});
+      }
+      return {};
+    }
+    for (const NamedBackend& backend : *plan_.backends) {
+      auto opened = open_backend(backend.choice);
+      if (!opened) return tl::unexpected(opened.error());
+      options_.backends.push_back({backend.name, std::move(opened->extractor)});
+    }
+    return {};
+  }
+
   Result<BenchResult> measure_demo(const std::string& input) const {
     const auto spec = parse_demo_spec(input);
     if (!spec) return tl::unexpected(spec.error());
     ProgressBar bar(bar_wanted());
-    BenchOptions options = plan_.options;
+    BenchOptions options = options_;
     options.progress = bar.progress();
     if (plan_.iso) {
       options.iso = *plan_.iso;
@@ -87,7 +120,7 @@ class Bench {
     for (const std::string& text : field->notes) messages_.note(text);
     const std::vector<int> factors = factors_for(*field);
     ProgressBar bar(bar_wanted());
-    BenchOptions options = plan_.options;
+    BenchOptions options = options_;
     options.iso = *plan_.iso;
     options.progress = bar.progress();
     return bench_field(*field, factors, options);
@@ -141,6 +174,7 @@ class Bench {
 
   const BenchPlan& plan_;
   const Messages& messages_;
+  BenchOptions options_;  // with the backends, which are open
   std::vector<BenchResult> results_;
 };
 

@@ -6,30 +6,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/limits.hpp"
 #include "base/machine.hpp"
 #include "base/version.hpp"
 
 namespace isoextract {
 namespace {
-
-// Columns as wide as their widest cell, right-aligned but for the first `left` of them.
-std::string aligned(const std::vector<std::vector<std::string>>& rows, std::size_t left) {
-  std::vector<std::size_t> widths;
-  for (const auto& row : rows) {
-    widths.resize(std::max(widths.size(), row.size()));
-    for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], row[c].size());
-  }
-  std::string text;
-  for (const auto& row : rows) {
-    std::string line;
-    for (std::size_t c = 0; c < row.size(); ++c) {
-      line += c < left ? fmt::format("  {:<{}}", row[c], widths[c]) : fmt::format("  {:>{}}", row[c], widths[c]);
-    }
-    line.erase(line.find_last_not_of(' ') + 1);
-    text += line + "\n";
-  }
-  return text;
-}
 
 std::string milliseconds(double seconds) { return fmt::format("{:.3g}", 1e3 * seconds); }
 
@@ -79,7 +61,7 @@ std::string orders_text(const BenchResult& result) {
                       order_text(order.volume)});
   }
   return "Orders of convergence, error ~ spacing^order: slope over all sizes (between the last two)\n" +
-         aligned(orders, 2);
+         aligned_table(orders, 2);
 }
 
 Json json_or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
@@ -103,6 +85,7 @@ Json json_of(const BenchRow& row, const BenchResult& result) {
           {"threads", row.threads},
           {"triangles", row.triangles},
           {"seconds", {{"median", row.median_seconds}, {"min", row.min_seconds}, {"max", row.max_seconds}}},
+          {"device", json_of(row.device)},
           {"position",
            {{"rms", json_of(row.position.rms)},
             {"percentile99", json_of(row.position.percentile99)},
@@ -129,7 +112,56 @@ std::string csv_cell(const std::string& text) {
 
 std::string csv_cell(const std::optional<double>& value) { return value ? fmt::format("{}", *value) : ""; }
 
+Json json_of(const std::optional<BenchDeviceTimes>& device) {
+  if (!device) return nullptr;
+  return {{"seconds",
+           {{"upload", device->upload},
+            {"count", device->count},
+            {"capture", device->capture},
+            {"read_back", device->read_back},
+            {"weld", device->weld}}},
+          {"bytes_uploaded", device->bytes_uploaded},
+          {"bytes_captured", device->bytes_captured}};
+}
+
+// Where the time of GPUs went; empty if there is none.
+std::string device_text(const BenchResult& result) {
+  std::vector<std::vector<std::string>> rows{{"method", "backend", "size", "threads", "draw", "cells/s", "count",
+                                              "capture", "upload", "read back", "weld", "uploaded", "captured"},
+                                             {"", "", "", "", "ms", "", "ms", "ms", "ms", "ms", "ms", "", ""}};
+  for (const BenchRow& row : result.rows) {
+    if (!row.device) continue;
+    const BenchDeviceTimes& times = *row.device;
+    const BenchLevel& level = result.levels[row.level];
+    rows.push_back({std::string(method_name(row.method)), row.backend, level.size, fmt::format("{}", row.threads),
+                    milliseconds(times.draw()), fmt::format("{:.2e}", static_cast<double>(level.cells) / times.draw()),
+                    milliseconds(times.count), milliseconds(times.capture), milliseconds(times.upload),
+                    milliseconds(times.read_back), milliseconds(times.weld), format_byte_size(times.bytes_uploaded),
+                    format_byte_size(times.bytes_captured)});
+  }
+  if (rows.size() == 2) return "";
+  return "On the GPU, medians; draw is count and capture, cells are all of the grid\n" + aligned_table(rows, 2) + "\n";
+}
+
 }  // namespace
+
+std::string aligned_table(const std::vector<std::vector<std::string>>& rows, std::size_t left) {
+  std::vector<std::size_t> widths;
+  for (const auto& row : rows) {
+    widths.resize(std::max(widths.size(), row.size()));
+    for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], row[c].size());
+  }
+  std::string text;
+  for (const auto& row : rows) {
+    std::string line;
+    for (std::size_t c = 0; c < row.size(); ++c) {
+      line += c < left ? fmt::format("  {:<{}}", row[c], widths[c]) : fmt::format("  {:>{}}", row[c], widths[c]);
+    }
+    line.erase(line.find_last_not_of(' ') + 1);
+    text += line + "\n";
+  }
+  return text;
+}
 
 std::string bench_table(const BenchResult& result, int repeats) {
   std::string text = fmt::format("{} at iso {}\n", result.input, result.iso);
@@ -149,15 +181,16 @@ std::string bench_table(const BenchResult& result, int repeats) {
                     angle_text(row.smooth_normals), angle_text(row.flat_normals), percent_text(row.area_error),
                     percent_text(row.volume_error), row.on_front ? "*" : ""});
   }
-  text += aligned(rows, 2);
+  text += aligned_table(rows, 2);
   for (const std::string& note : result.notes) text += fmt::format("Note: {}.\n", note);
   if (const std::uint64_t points = unmeasured_points(result); points > 0) {
     text += fmt::format("Not in this: up to {} points of a mesh without a surface to measure to.\n", points);
   }
   text += "\n";
   if (std::ranges::count(result.levels, false, &BenchLevel::is_truth) >= 2) text += orders_text(result) + "\n";
-  return text + front_text(result);
+  return text + device_text(result) + front_text(result);
 }
+
 std::string bench_csv(const std::vector<BenchResult>& results) {
   std::string text =
       "input,iso,method,backend,size,spacing,threads,triangles,median_seconds,min_seconds,max_seconds,rms_voxels,"
@@ -186,7 +219,8 @@ Json bench_json(const std::vector<BenchResult>& results, int repeats) {
   for (const BenchResult& result : results) {
     Json levels = Json::array();
     for (const BenchLevel& level : result.levels)
-      levels.push_back({{"size", level.size}, {"spacing", level.spacing}, {"is_truth", level.is_truth}});
+      levels.push_back(
+          {{"size", level.size}, {"cells", level.cells}, {"spacing", level.spacing}, {"is_truth", level.is_truth}});
     Json rows = Json::array();
     for (const BenchRow& row : result.rows) rows.push_back(json_of(row, result));
     Json orders = Json::array();

@@ -9,6 +9,9 @@
 
 namespace isoextract {
 
+// Columns as wide as their widest cell, right-aligned but for the first `left` of them.
+[[nodiscard]] std::string aligned_table(const std::vector<std::vector<std::string>>& rows, std::size_t left);
+
 // For a terminal: the rows, the notes, the orders of convergence (of two sizes or more), the front.
 [[nodiscard]] std::string bench_table(const BenchResult& result, int repeats);
 

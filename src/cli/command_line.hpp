@@ -9,7 +9,19 @@
 
 namespace isoextract {
 
-enum class Request { convert, info, verify, compare, bench, stability, help, generate, help_flag, version_flag };
+enum class Request {
+  convert,
+  info,
+  verify,
+  compare,
+  bench,
+  stability,
+  devices,
+  help,
+  generate,
+  help_flag,
+  version_flag
+};
 
 struct Parsed {
   Request request = Request::convert;

@@ -19,6 +19,7 @@
 #include "cli/command_line.hpp"
 #include "cli/compare_command.hpp"
 #include "cli/convert_command.hpp"
+#include "cli/devices_command.hpp"
 #include "cli/generate_docs.hpp"
 #include "cli/help_topics.hpp"
 #include "cli/info_command.hpp"
@@ -39,10 +40,9 @@ int report(const Error& error) {
   return exit_code(error);
 }
 
-int print(std::string_view text) {
-  const auto printed = print_to_stdout(text);
-  return printed ? kDone : report(printed.error());
-}
+int done_or_reported(const Result<void>& done) { return done ? kDone : report(done.error()); }
+
+int print(std::string_view text) { return done_or_reported(print_to_stdout(text)); }
 
 // Where a standard stream is closed, the next file opened would take its number, and messages would land in the mesh.
 // stdout is opened for reading, so that writing to it still fails.
@@ -71,8 +71,7 @@ int run_convert_command(const ConvertFlags& flags, std::vector<std::string> argu
   if (!plan) return report(plan.error());
   plan->arguments = std::move(arguments);
   const ThreadLimit limit(flags.run.threads);
-  const auto done = run_convert(*plan, Messages(*verbosity));
-  return done ? kDone : report(done.error());
+  return done_or_reported(run_convert(*plan, Messages(*verbosity)));
 }
 
 int run_info_command(const InfoFlags& flags, const CLI::App& command) {
@@ -91,8 +90,7 @@ int run_verify_command(const VerifyFlags& flags) {
   const auto plan = plan_verify(flags);
   if (!plan) return report(plan.error());
   const ThreadLimit limit(flags.run.threads);
-  const auto done = run_verify(*plan, Messages(*verbosity));
-  return done ? kDone : report(done.error());
+  return done_or_reported(run_verify(*plan, Messages(*verbosity)));
 }
 
 int run_compare_command(const CompareFlags& flags) {
@@ -101,8 +99,7 @@ int run_compare_command(const CompareFlags& flags) {
   const auto plan = plan_compare(flags);
   if (!plan) return report(plan.error());
   const ThreadLimit limit(flags.run.threads);
-  const auto done = run_compare(*plan, Messages(*verbosity));
-  return done ? kDone : report(done.error());
+  return done_or_reported(run_compare(*plan, Messages(*verbosity)));
 }
 
 int run_bench_command(const BenchFlags& flags) {
@@ -110,16 +107,14 @@ int run_bench_command(const BenchFlags& flags) {
   if (!verbosity) return report(verbosity.error());
   const auto plan = plan_bench(flags);
   if (!plan) return report(plan.error());
-  const auto done = run_bench(*plan, Messages(*verbosity));
-  return done ? kDone : report(done.error());
+  return done_or_reported(run_bench(*plan, Messages(*verbosity)));
 }
 
 int run_stability_command(const StabilityFlags& flags) {
   const auto verbosity = plan_verbosity(flags.run);
   if (!verbosity) return report(verbosity.error());
   const ThreadLimit limit(flags.run.threads);
-  const auto done = run_stability(flags);
-  return done ? kDone : report(done.error());
+  return done_or_reported(run_stability(flags, Messages(*verbosity)));
 }
 
 int run_arguments(std::vector<std::string> arguments) {
@@ -145,6 +140,7 @@ int run_arguments(std::vector<std::string> arguments) {
     case Request::verify: return run_verify_command(line->verify_flags);
     case Request::compare: return run_compare_command(line->compare_flags);
     case Request::bench: return run_bench_command(line->bench_flags);
+    case Request::devices: return done_or_reported(run_devices(line->devices_flags));
     case Request::stability: return run_stability_command(line->stability_flags);
     case Request::convert: break;
   }

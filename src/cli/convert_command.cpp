@@ -38,11 +38,7 @@ class Conversion {
 
   Result<void> run() {
     for (const std::string& text : plan_.notes) note(text);
-    if (plan_.verify) {
-      auto opened = open_backend(Backend::gpu);
-      if (!opened) return tl::unexpected(std::move(opened.error()));
-      other_extractor_ = std::move(*opened);
-    }
+    if (auto opened = open_backends(); !opened) return opened;
     if (auto checked = check_mesh_files(plan_); !checked) return checked;
     if (auto done = read(); !done) return done;
     for (const OutputJob& job : plan_.jobs) {
@@ -62,6 +58,23 @@ class Conversion {
   }
 
  private:
+  // Before the input is read: a missing GPU is told at once.
+  Result<void> open_backends() {
+    auto opened = open_backend(plan_.backend);
+    if (!opened) return tl::unexpected(std::move(opened.error()));
+    if (!opened->note.empty()) note(opened->note);
+    extractor_ = std::move(opened->extractor);
+    report_.backend = extractor_->name();
+    report_.device = extractor_->device();
+    if (!plan_.verify) return {};
+    BackendChoice other = plan_.backend;
+    other.backend = extractor_->name() == backend_name(Backend::gpu) ? Backend::cpu : Backend::gpu;
+    opened = open_backend(other);
+    if (!opened) return tl::unexpected(std::move(opened.error()));
+    other_extractor_ = std::move(opened->extractor);
+    return {};
+  }
+
   Result<void> read() {
     const Stopwatch watch;
     {
@@ -201,6 +214,16 @@ class Conversion {
                     label_, iso, times_text(watch.elapsed()), stats.classify.wall_seconds, stats.count.wall_seconds,
                     stats.emit.wall_seconds));
     report_.stages.push_back({"classify", iso, stats.classify});
+    if (stats.device) {
+      report_.stages.push_back({"upload", iso, stats.device->upload});
+      report_.bytes_uploaded += stats.device->bytes_uploaded;
+      story.push_back(
+          fmt::format("{} iso {}: of that {:.3f} s to upload {}, {:.3f} s to capture {}, {:.3f} s to read "
+                      "it back, {:.3f} s to weld",
+                      label_, iso, stats.device->upload.wall_seconds, format_byte_size(stats.device->bytes_uploaded),
+                      stats.device->capture.wall_seconds, format_byte_size(stats.device->bytes_captured),
+                      stats.device->read_back.wall_seconds, stats.device->weld.wall_seconds));
+    }
     report_.stages.push_back({"count", iso, stats.count});
     report_.stages.push_back({"emit", iso, stats.emit});
     const AskedFor asked{.flat_normals = plan_.write.flat_normals, .error = plan_.error.has_value()};
@@ -312,7 +335,7 @@ class Conversion {
   ScalarField field_;
   std::string label_;
   Affine output_from_index_;
-  std::unique_ptr<Extractor> extractor_ = make_cpu_extractor();
+  std::unique_ptr<Extractor> extractor_;
   std::unique_ptr<Extractor> other_extractor_;  // only to verify
 };
 

@@ -6,7 +6,6 @@
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
-#include "base/machine.hpp"
 #include "cli/mesh_error.hpp"
 #include "io/output_file.hpp"
 
@@ -67,7 +66,6 @@ ConversionReport begin_report(const ConvertPlan& plan) {
   ConversionReport report;
   report.arguments = plan.arguments;
   report.options = resolved_options(plan);
-  report.device = cpu_name();
   report.threads = thread_count();
   return report;
 }

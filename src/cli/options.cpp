@@ -181,6 +181,24 @@ void declare_nan(const Group& group, std::optional<NanPolicy>& policy) {
                "cells that touch it (default: error).");
 }
 
+void declare_device(const Group& group, DeviceFlags& flags) {
+  group.value("--device", "N|cuda:N|NAME", flags.device, parse_device,
+              "The GPU to use: its number, its number in CUDA, or a part of its name; 'isoextract devices' lists them "
+              "(default: the first that is not software).");
+  group.value("--gpu-memory", "SIZE", flags.gpu_memory, parse_size,
+              "What samples and triangles may take on the GPU at a time; larger volumes pass through in slabs, and the "
+              "output does not depend on it (default: half of what the GPU has, 1G where it does not tell).");
+}
+
+void declare_backends(const Group& group, std::optional<std::vector<NamedBackend>>& backends,
+                      const std::string& by_default) {
+  group.value(
+      "--backends", "B,B,...", backends, parse_backends,
+      fmt::format("Of cpu, gpu, gpu:points (marching cubes without tessellation) and gpu:rows (cells row by row "
+                  "instead of in groups of 2 x 2 x 2) (default: {}).",
+                  by_default));
+}
+
 void declare_surface(const Group& group, SurfaceFlags& flags) {
   group.choice("--method", flags.method, {{"mc", Method::mc}, {"mt", Method::mt}},
                "Marching cubes, or marching tetrahedra with six a cell (default: mc).");
@@ -247,6 +265,7 @@ void declare_verify(CLI::App& app, VerifyFlags& flags) {
   declare_surface(surface, flags.surface);
   declare_placement(app, flags.placement);
   Group(app, "Output").flag("--json", flags.json, "Report as JSON.");
+  declare_device(Group(app, "Run"), flags.device);
   declare_run(app, flags.run);
 }
 
@@ -264,7 +283,9 @@ void declare_compare(CLI::App& app, CompareFlags& flags) {
 }
 
 void declare_bench(CLI::App& app, BenchFlags& flags) {
-  declare_input(app, flags.input, "INPUT...", "What to extract from (default: demo:torus), each");
+  declare_input(app, flags.input, "INPUT...",
+                "What to extract from (default: demo:torus), or gpu-threads for the "
+                "cost of a GPU's threads (seed paper S2), each");
   const Group input(app, "Input");
   input.value("--sizes", "N,N,...", flags.sizes, parse_demo_sizes,
               "Samples along each axis of demo fields (default: 32,64,128,256).");
@@ -283,6 +304,8 @@ void declare_bench(CLI::App& app, BenchFlags& flags) {
   output.value<std::string>("--plot", "FILE", flags.plot, parse_text,
                             "Draw error over run time with gnuplot, as .svg or .png.");
   const Group run(app, "Run");
+  declare_backends(run, flags.backends, "cpu, and gpu where there is one that is not software");
+  declare_device(run, flags.device);
   run.value("--threads", "N,N,...", flags.threads, parse_thread_counts,
             "Numbers of threads to compare, none above that of the machine (default: 1 and all).");
   run.value("--repeats", "N", flags.repeats, parse_repeats,
@@ -297,7 +320,15 @@ void declare_stability(CLI::App& app, StabilityFlags& flags) {
   const Group output(app, "Output");
   output.flag("--list", flags.list, "List the cases, what is extreme about each, and run none.");
   output.flag("--json", flags.json, "Report as JSON.");
+  const Group run(app, "Run");
+  declare_backends(run, flags.backends, "cpu, and gpu where there is one");
+  declare_device(run, flags.device);
   declare_run(app, flags.run);
+}
+
+void declare_devices(CLI::App& app, DevicesFlags& flags) {
+  Group(app, "Output").flag("--json", flags.json, "Report as JSON, an array with one entry a device.");
+  Group(app, "Run").help_flag();
 }
 
 CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description) {
@@ -331,6 +362,11 @@ std::unique_ptr<CommandLine> declare_command_line() {
               "Measure how far the mesh is from the isosurface of the data, interpolated linearly along each axis "
               "(the default) or smoothly; of demo fields also how far from the formula.")
       ->expected(0, 1);
+  convert_run.choice("--backend", convert.backend,
+                     {{"cpu", Backend::cpu}, {"gpu", Backend::gpu}, {"auto", Backend::automatic}},
+                     "What extracts: the processor, a GPU, or a GPU where there is one that is not software (default: "
+                     "cpu). The triangles are the same.");
+  declare_device(convert_run, convert.device);
   convert_run.flag("--verify", convert.verify,
                    "Extract with the other backend as well, CPU or GPU, and compare triangle by triangle. Where they "
                    "differ, exit with code 6 and do not write the file.");
@@ -356,6 +392,9 @@ std::unique_ptr<CommandLine> declare_command_line() {
   line->stability = add_command(app, "stability", "Extract extreme fields with every method, and check every vertex.");
   declare_stability(*line->stability, line->stability_flags);
 
+  line->devices = add_command(app, "devices", "List the GPUs that can be used without a display.");
+  declare_devices(*line->devices, line->devices_flags);
+
   line->help = add_command(app, "help", "Explain a command or a topic.");
   std::vector<Choice<std::string>> topics;
   for (const std::string& name : help_names()) topics.push_back({name, name});
@@ -378,6 +417,7 @@ std::string synopsis(const CLI::App& command) {
   if (name == "verify") return "isoextract verify INPUT --iso V [MESH] [options]";
   if (name == "compare") return "isoextract compare A B [options]";
   if (name == "bench") return "isoextract bench [INPUT...] [options]";
+  if (name == "devices") return "isoextract devices [--json]";
   if (name == "stability") return "isoextract stability [options]";
   if (name == "help") return "isoextract help [TOPIC]";
   return "isoextract generate man|bash|zsh|fish";

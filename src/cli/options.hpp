@@ -15,6 +15,7 @@
 #include <CLI/CLI.hpp>
 #include <glm/glm.hpp>
 
+#include "cli/backends.hpp"
 #include "cli/generate_docs.hpp"
 #include "cli/placement.hpp"
 #include "cli/values.hpp"
@@ -65,8 +66,15 @@ struct PlacementFlags {
   std::optional<LengthUnit> unit;
 };
 
+struct DeviceFlags {
+  std::optional<DeviceChoice> device;
+  std::optional<std::uint64_t> gpu_memory;
+};
+
 struct ConvertFlags {
   InputFlags input;
+  std::optional<Backend> backend;
+  DeviceFlags device;
   std::vector<double> isos;
   SurfaceFlags surface;
   std::optional<Normals> normals;
@@ -95,6 +103,7 @@ struct VerifyFlags {
   std::optional<double> iso;
   SurfaceFlags surface;
   PlacementFlags placement;
+  DeviceFlags device;
   bool json = false;
   RunFlags run;
 };
@@ -114,6 +123,8 @@ struct BenchFlags {
   std::optional<double> iso;
   std::optional<std::vector<Method>> methods;
   std::optional<NanPolicy> nan;
+  std::optional<std::vector<NamedBackend>> backends;
+  DeviceFlags device;
   std::optional<std::vector<int>> threads;
   std::optional<int> repeats;
   std::optional<std::string> csv;
@@ -122,8 +133,14 @@ struct BenchFlags {
   RunFlags run;
 };
 
+struct DevicesFlags {
+  bool json = false;
+};
+
 struct StabilityFlags {
   std::vector<std::string> cases;  // all if empty
+  std::optional<std::vector<NamedBackend>> backends;
+  DeviceFlags device;
   bool list = false;
   bool json = false;
   RunFlags run;
@@ -137,6 +154,7 @@ struct CommandLine {
   CLI::App* compare = nullptr;
   CLI::App* bench = nullptr;
   CLI::App* stability = nullptr;
+  CLI::App* devices = nullptr;
   CLI::App* help = nullptr;
   CLI::App* generate = nullptr;
 
@@ -146,6 +164,7 @@ struct CommandLine {
   CompareFlags compare_flags;
   BenchFlags bench_flags;
   StabilityFlags stability_flags;
+  DevicesFlags devices_flags;
   std::optional<std::string> help_topic;
   std::optional<Document> document;
 };

@@ -151,6 +151,21 @@ Result<std::vector<OutputJob>> plan_jobs(const ConvertFlags& flags, const MeshFo
 
 }  // namespace
 
+GpuOptions plan_gpu(const DeviceFlags& flags) {
+  GpuOptions gpu;
+  if (flags.device) gpu.device = *flags.device;
+  gpu.memory_bytes = flags.gpu_memory;
+  return gpu;
+}
+
+std::vector<NamedBackend> plan_backends(std::vector<NamedBackend> backends, const DeviceFlags& flags) {
+  for (NamedBackend& backend : backends) {
+    if (flags.device) backend.choice.gpu.device = *flags.device;
+    backend.choice.gpu.memory_bytes = flags.gpu_memory;
+  }
+  return backends;
+}
+
 Result<Verbosity> plan_verbosity(const RunFlags& flags) {
   if (flags.quiet && flags.verbose) return usage("--quiet and --verbose exclude each other");
   return flags.quiet ? Verbosity::quiet : flags.verbose ? Verbosity::verbose : Verbosity::normal;
@@ -198,6 +213,12 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& flags) {
   plan.extract.smooth_normals = *normals == Normals::smooth;
   plan.extract.edge_keys = flags.verify;
   plan.verify = flags.verify;
+  plan.backend = {flags.backend.value_or(Backend::cpu), plan_gpu(flags.device)};
+  if (plan.backend.backend == Backend::cpu && !plan.verify && (flags.device.device || flags.device.gpu_memory)) {
+    return usage(fmt::format("{} is about the GPU, which --backend cpu does not use",
+                             flags.device.device ? "--device" : "--gpu-memory"),
+                 "give --backend gpu or --backend auto");
+  }
   plan.roi = flags.surface.roi;
   plan.simplify = flags.simplify;
   plan.empty = flags.empty.value_or(EmptyPolicy::error);
@@ -245,6 +266,7 @@ Result<VerifyPlan> plan_verify(const VerifyFlags& flags) {
   auto placement = plan_placement(flags.placement, format, plan.notes);
   if (!placement) return tl::unexpected(placement.error());
   plan.placement = *placement;
+  plan.gpu = plan_gpu(flags.device);
   plan.extract = plan_extract(flags.surface, plan.read.limits);
   plan.extract.iso = *flags.iso;
   plan.extract.smooth_normals = !plan.mesh;
@@ -268,12 +290,33 @@ Result<ComparePlan> plan_compare(const CompareFlags& flags) {
   return plan;
 }
 
+static Result<BenchPlan> plan_gpu_threads(const BenchFlags& flags, BenchPlan plan) {
+  const std::array<std::pair<bool, std::string_view>, 8> others{{{flags.iso.has_value(), "--iso"},
+                                                                 {flags.coarser.has_value(), "--coarser"},
+                                                                 {flags.methods.has_value(), "--methods"},
+                                                                 {flags.nan.has_value(), "--nan"},
+                                                                 {flags.backends.has_value(), "--backends"},
+                                                                 {flags.threads.has_value(), "--threads"},
+                                                                 {flags.csv.has_value(), "--csv"},
+                                                                 {flags.plot.has_value(), "--plot"}}};
+  for (const auto& [given, name] : others) {
+    if (given) return usage(fmt::format("bench gpu-threads extracts no surface: leave out {}", name));
+  }
+  plan.gpu_threads = true;
+  plan.gpu = plan_gpu(flags.device);
+  plan.sizes = flags.sizes.value_or(std::vector<int>{32, 64, 128, 256});
+  plan.json = flags.json;
+  return plan;
+}
+
 Result<BenchPlan> plan_bench(const BenchFlags& flags) {
   BenchPlan plan;
   auto read = plan_read(flags.input);
   if (!read) return tl::unexpected(read.error());
   plan.read = std::move(*read);
   plan.inputs = flags.input.inputs;
+  plan.options.repeats = flags.repeats.value_or(plan.options.repeats);
+  if (plan.inputs == std::vector<std::string>{"gpu-threads"}) return plan_gpu_threads(flags, std::move(plan));
   if (plan.inputs.empty()) plan.inputs.push_back(fmt::format("{}torus", kDemoPrefix));
   const auto is_demo = [](const std::string& input) { return input.starts_with(kDemoPrefix); };
   const auto file = std::ranges::find_if_not(plan.inputs, is_demo);
@@ -307,8 +350,8 @@ Result<BenchPlan> plan_bench(const BenchFlags& flags) {
   std::ranges::reverse(plan.coarser);
   plan.options.nan = flags.nan.value_or(NanPolicy::error);
   plan.options.methods = flags.methods.value_or(std::vector<Method>{Method::mc, Method::mt});
-  plan.options.backends = {{"cpu", make_cpu_extractor()}};
-  plan.options.repeats = flags.repeats.value_or(plan.options.repeats);
+  if (flags.backends) plan.backends = plan_backends(*flags.backends, flags.device);
+  plan.gpu = plan_gpu(flags.device);
   plan.options.limits = plan.read.limits;
   plan.options.threads = flags.threads.value_or(std::vector<int>{1});
   if (auto checked = check_thread_counts(plan.options.threads); !checked) return tl::unexpected(checked.error());

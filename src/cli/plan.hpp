@@ -32,6 +32,7 @@ struct ConvertPlan {
   Placement placement;
   MeshWriteOptions write;
   std::vector<OutputJob> jobs;
+  BackendChoice backend;
   std::optional<Interpolation> error;  // to measure the mesh against
   bool verify = false;
   bool explain = false;
@@ -54,6 +55,7 @@ struct VerifyPlan {
   ExtractOptions extract;  // without region and placement, which depend on the field
   std::optional<Box> roi;
   Placement placement;
+  GpuOptions gpu;
   bool float32_world = false;  // the mesh's format has float32 world coordinates only
   bool json = false;
   std::vector<std::string> notes;
@@ -68,17 +70,24 @@ struct ComparePlan {
 
 struct BenchPlan {
   std::vector<std::string> inputs;
+  bool gpu_threads = false;                           // instead of inputs
+  std::optional<std::vector<NamedBackend>> backends;  // none: cpu, and gpu where there is one that is not software
+  GpuOptions gpu;                                     // of the default
   ReadOptions read;
   std::optional<double> iso;  // none: each demo field's own
   std::vector<int> sizes;     // of demo fields
   std::vector<int> coarser;   // of files, falling, without 1; empty: as far as they allow
-  BenchOptions options;       // without iso
+  BenchOptions options;       // without iso and backends
   std::optional<std::string> csv;
   std::optional<std::string> json;
   std::optional<std::string> plot;
   PictureFormat picture = PictureFormat::svg;
 };
 
+// What --device and --gpu-memory say.
+[[nodiscard]] GpuOptions plan_gpu(const DeviceFlags& flags);
+// The same for each backend of a list.
+[[nodiscard]] std::vector<NamedBackend> plan_backends(std::vector<NamedBackend> backends, const DeviceFlags& flags);
 [[nodiscard]] Result<Verbosity> plan_verbosity(const RunFlags& flags);
 [[nodiscard]] Result<ConvertPlan> plan_convert(const ConvertFlags& flags);
 [[nodiscard]] Result<BenchPlan> plan_bench(const BenchFlags& flags);

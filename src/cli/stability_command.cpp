@@ -8,15 +8,37 @@
 
 #include "base/version.hpp"
 #include "batch/json_values.hpp"
+#include "cli/backends.hpp"
 #include "cli/messages.hpp"
+#include "cli/plan.hpp"
 #include "measure/stability.hpp"
 
 namespace isoextract {
 namespace {
 
-std::vector<std::unique_ptr<Extractor>> make_backends() {
-  std::vector<std::unique_ptr<Extractor>> backends;
-  backends.push_back(make_cpu_extractor());
+struct OpenBackend {
+  std::string name;
+  std::unique_ptr<Extractor> extractor;
+};
+
+// Those that were asked for; otherwise the CPU, and a GPU where there is one.
+Result<std::vector<OpenBackend>> open_backends(const StabilityFlags& flags, const Messages& messages) {
+  std::vector<OpenBackend> backends;
+  if (!flags.backends) {
+    backends.push_back({"cpu", make_cpu_extractor()});
+    auto gpu = make_gpu_extractor(plan_gpu(flags.device));
+    if (gpu) {
+      backends.push_back({"gpu", std::move(gpu->extractor)});
+    } else {
+      messages.note(fmt::format("without gpu, because {}", gpu.error().message));
+    }
+    return backends;
+  }
+  for (const NamedBackend& backend : plan_backends(*flags.backends, flags.device)) {
+    auto opened = open_backend(backend.choice);
+    if (!opened) return tl::unexpected(opened.error());
+    backends.push_back({backend.name, std::move(opened->extractor)});
+  }
   return backends;
 }
 
@@ -63,11 +85,11 @@ std::size_t count_failed(const std::vector<StabilityRow>& rows) {
 }
 
 std::string table_text(const std::vector<StabilityRow>& rows) {
-  std::string text = fmt::format("{:<18} {:<6} {:<7} {:>8} {:>9} {:>6} {:>8} {:>8}  {}\n", "case", "method", "backend",
+  std::string text = fmt::format("{:<18} {:<6} {:<10} {:>8} {:>9} {:>6} {:>8} {:>8}  {}\n", "case", "method", "backend",
                                  "vertices", "triangles", "ulps", "voxels", "allowed", "verdict");
   for (const StabilityRow& row : rows) {
     const StabilityFindings& found = row.findings;
-    text += fmt::format("{:<18} {:<6} {:<7} {:>8} {:>9} {:>6.2f} {:>8.1e} {:>8.1e}  {}\n", row.name,
+    text += fmt::format("{:<18} {:<6} {:<10} {:>8} {:>9} {:>6.2f} {:>8.1e} {:>8.1e}  {}\n", row.name,
                         method_word(row.method), row.backend, found.vertices, found.triangles, found.ulps, found.voxels,
                         row.voxels_allowed,
                         row.failures.empty() ? "pass" : fmt::format("FAIL: {}", fmt::join(row.failures, "; ")));
@@ -98,17 +120,21 @@ Json row_json(const StabilityRow& row) {
 
 }  // namespace
 
-Result<void> run_stability(const StabilityFlags& flags) {
+Result<void> run_stability(const StabilityFlags& flags, const Messages& messages) {
   const auto cases = chosen_cases(flags.cases);
   if (!cases) return tl::unexpected(cases.error());
   if (flags.list) {
     return print_to_stdout(flags.json ? json_text(list_json(*cases)) : list_text(*cases));
   }
-  const auto backends = make_backends();
+  const auto backends = open_backends(flags, messages);
+  if (!backends) return tl::unexpected(backends.error());
   std::vector<StabilityRow> rows;
   for (const StabilityCase* test : *cases) {
     for (const Method method : {Method::mc, Method::mt}) {
-      for (const auto& backend : backends) rows.push_back(run_stability_case(*test, method, *backend));
+      for (const OpenBackend& backend : *backends) {
+        rows.push_back(run_stability_case(*test, method, *backend.extractor));
+        rows.back().backend = backend.name;
+      }
     }
   }
   const std::size_t failed = count_failed(rows);

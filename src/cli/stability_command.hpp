@@ -8,6 +8,6 @@ namespace isoextract {
 
 // Prints the table, the JSON or the list of cases. Fails with ErrorKind::usage for a case that is not there, and with
 // ErrorKind::verification, after the table, where a case does not pass.
-[[nodiscard]] Result<void> run_stability(const StabilityFlags& flags);
+[[nodiscard]] Result<void> run_stability(const StabilityFlags& flags, const Messages& messages);
 
 }  // namespace isoextract

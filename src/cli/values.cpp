@@ -197,6 +197,8 @@ Result<std::vector<Method>> parse_methods(std::string_view text) {
   return methods;
 }
 
+Result<DeviceChoice> parse_device(std::string_view text) { return parse_device_choice(std::string(text)); }
+
 Result<int> parse_repeats(std::string_view text) {
   const auto number = whole_text_as<int>(text);
   if (!number || *number < 1 || *number > 1000) return expected_found("a whole number from 1 to 1000", text);

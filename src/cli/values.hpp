@@ -12,6 +12,7 @@
 #include "base/error.hpp"
 #include "extract/extractor.hpp"
 #include "field/affine.hpp"
+#include "gpu/gpu_device.hpp"
 
 namespace isoextract {
 
@@ -37,6 +38,8 @@ struct SimplifyError {
 [[nodiscard]] Result<std::vector<int>> parse_demo_sizes(std::string_view text);      // 8..2048
 [[nodiscard]] Result<std::vector<int>> parse_coarse_factors(std::string_view text);  // powers of two from 2 to 64
 [[nodiscard]] Result<std::vector<Method>> parse_methods(std::string_view text);      // in the order given
+
+[[nodiscard]] Result<DeviceChoice> parse_device(std::string_view text);  // N, cuda:N or a name
 
 [[nodiscard]] Result<int> parse_repeats(std::string_view text);  // 1..1000
 

@@ -43,9 +43,8 @@ Result<Source> read_source(const VerifyPlan& plan, const Messages& messages, Pro
 }
 
 Result<void> verify_backends(const VerifyPlan& plan, const Messages& messages) {
-  const auto first = open_backend(Backend::cpu);
-  if (!first) return tl::unexpected(first.error());
-  const auto second = open_backend(Backend::gpu);
+  const std::unique_ptr<Extractor> first = make_cpu_extractor();
+  const auto second = open_backend({Backend::gpu, plan.gpu});
   if (!second) return tl::unexpected(second.error());
   VerificationRecord record;
   std::string label;
@@ -54,9 +53,9 @@ Result<void> verify_backends(const VerifyPlan& plan, const Messages& messages) {
     const auto source = read_source(plan, messages, bar.progress());
     if (!source) return tl::unexpected(source.error());
     label = source->label;
-    const auto extraction = (*first)->extract(source->field, source->options);
+    const auto extraction = first->extract(source->field, source->options);
     if (!extraction) return tl::unexpected(extraction.error());
-    auto compared = compare_backends(source->field, source->options, extraction->mesh, **first, **second);
+    auto compared = compare_backends(source->field, source->options, extraction->mesh, *first, *second->extractor);
     if (!compared) return tl::unexpected(std::move(compared.error()));
     record = std::move(*compared);
   }
@@ -96,8 +95,7 @@ std::string hint_for(const MeshMatch& match) {
 }
 
 Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages) {
-  const auto extractor = open_backend(Backend::cpu);
-  if (!extractor) return tl::unexpected(extractor.error());
+  const std::unique_ptr<Extractor> extractor = make_cpu_extractor();
   MeshMatch match;
   std::string surface;
   {
@@ -109,7 +107,7 @@ Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages) {
     const auto source = read_source(plan, messages, bar.progress());
     if (!source) return tl::unexpected(source.error());
     surface = fmt::format("{} iso {}", source->label, plan.extract.iso);
-    const auto extraction = (*extractor)->extract(source->field, source->options);
+    const auto extraction = extractor->extract(source->field, source->options);
     if (!extraction) return tl::unexpected(extraction.error());
     const auto matched = match_meshes(file->mesh, extraction->mesh, plan.float32_world, plan.read.limits);
     if (!matched) return tl::unexpected(matched.error());

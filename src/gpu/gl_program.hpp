@@ -39,6 +39,9 @@ class CellProgram {
   void set(const char* name, const glm::ivec3& v) const {
     glProgramUniform3i(program_.name(), location(name), v.x, v.y, v.z);
   }
+  void set(const char* name, const glm::ivec2& v) const {
+    glProgramUniform2i(program_.name(), location(name), v.x, v.y);
+  }
   void set(const char* name, const glm::uvec2& v) const {
     glProgramUniform2ui(program_.name(), location(name), v.x, v.y);
   }

@@ -334,7 +334,7 @@ class GpuExtractor final : public Extractor {
 
 }  // namespace
 
-Result<std::unique_ptr<Extractor>> make_gpu_extractor(const GpuOptions& options) {
+Result<GpuExtractorAndDevice> make_gpu_extractor(const GpuOptions& options) {
   if (options.memory_bytes && *options.memory_bytes < kMiB) {
     return fail(ErrorKind::usage,
                 fmt::format("--gpu-memory: expected 1 MiB or more, found {}", format_byte_size(*options.memory_bytes)),
@@ -342,7 +342,8 @@ Result<std::unique_ptr<Extractor>> make_gpu_extractor(const GpuOptions& options)
   }
   auto context = GlContext::open({options.device, options.debug});
   if (!context) return tl::unexpected(context.error());
-  return std::make_unique<GpuExtractor>(std::move(*context), options);
+  GpuDevice device = (*context)->device();
+  return GpuExtractorAndDevice{std::make_unique<GpuExtractor>(std::move(*context), options), std::move(device)};
 }
 
 }  // namespace isoextract

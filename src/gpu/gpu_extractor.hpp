@@ -25,8 +25,13 @@ struct GpuOptions {
   bool debug = false;        // ErrorKind::unavailable for whatever the driver complains about; for tests
 };
 
+struct GpuExtractorAndDevice {
+  std::unique_ptr<Extractor> extractor;
+  GpuDevice device;
+};
+
 // Opens the device. Fails with ErrorKind::unavailable where there is none, ErrorKind::usage for too little memory. The
 // extractor is used and dropped on this thread.
-[[nodiscard]] Result<std::unique_ptr<Extractor>> make_gpu_extractor(const GpuOptions& options);
+[[nodiscard]] Result<GpuExtractorAndDevice> make_gpu_extractor(const GpuOptions& options);
 
 }  // namespace isoextract

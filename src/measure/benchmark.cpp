@@ -45,6 +45,12 @@ std::string size_text(const ScalarField& field) {
                                               : fmt::format("{}x{}x{}", dims.x, dims.y, dims.z);
 }
 
+std::uint64_t cells_of(const ScalarField& field) {
+  const glm::i64vec3 cells = glm::max(field.extents().dims() - glm::i64vec3(1), glm::i64vec3(0));
+  return static_cast<std::uint64_t>(cells.x) * static_cast<std::uint64_t>(cells.y) *
+         static_cast<std::uint64_t>(cells.z);
+}
+
 // One method and backend at one resolution, and its times by number of threads.
 struct Setting {
   Method method;
@@ -52,6 +58,7 @@ struct Setting {
   int threads;
   std::uint64_t triangles = 0;
   std::vector<double> seconds;
+  std::vector<ExtractStats> stats;  // of the same runs
 };
 
 Result<void> run_once(const ScalarField& field, const BenchOptions& options, bool timed, Setting& setting) {
@@ -62,15 +69,42 @@ Result<void> run_once(const ScalarField& field, const BenchOptions& options, boo
   const double seconds = watch.elapsed().wall_seconds;
   if (!extraction) return tl::unexpected(extraction.error());
   setting.triangles = extraction->mesh.triangles.size();
-  if (timed) setting.seconds.push_back(seconds);
+  if (timed) {
+    setting.seconds.push_back(seconds);
+    setting.stats.push_back(extraction->stats);
+  }
   return {};
+}
+
+double median(std::vector<double> values) {
+  std::ranges::sort(values);
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 != 0 ? values[half] : (values[half - 1] + values[half]) / 2;
+}
+
+std::optional<BenchDeviceTimes> device_times(const std::vector<ExtractStats>& runs) {
+  if (!runs.front().device) return std::nullopt;
+  const auto median_of = [&](const auto& stage) {
+    std::vector<double> seconds;
+    for (const ExtractStats& run : runs) seconds.push_back(stage(run).wall_seconds);
+    return median(std::move(seconds));
+  };
+  BenchDeviceTimes times;
+  times.upload = median_of([](const ExtractStats& run) { return run.device->upload; });
+  times.count = median_of([](const ExtractStats& run) { return run.count; });
+  times.capture = median_of([](const ExtractStats& run) { return run.device->capture; });
+  times.read_back = median_of([](const ExtractStats& run) { return run.device->read_back; });
+  times.weld = median_of([](const ExtractStats& run) { return run.device->weld; });
+  times.bytes_uploaded = runs.front().device->bytes_uploaded;
+  times.bytes_captured = runs.front().device->bytes_captured;
+  return times;
 }
 
 Result<std::vector<BenchRow>> time_level(const ScalarField& field, std::size_t level, const BenchOptions& options) {
   std::vector<Setting> settings;
   for (const Method method : options.methods) {
     for (const BenchBackend& backend : options.backends) {
-      for (const int threads : options.threads) settings.push_back({method, &backend, threads, 0, {}});
+      for (const int threads : options.threads) settings.push_back({method, &backend, threads, 0, {}, {}});
     }
   }
   const auto rounds = static_cast<std::size_t>(options.repeats) + 1;
@@ -91,12 +125,10 @@ Result<std::vector<BenchRow>> time_level(const ScalarField& field, std::size_t l
     row.backend = setting.backend->name;
     row.threads = setting.threads;
     row.triangles = setting.triangles;
-    std::ranges::sort(setting.seconds);
-    row.min_seconds = setting.seconds.front();
-    row.max_seconds = setting.seconds.back();
-    const std::size_t half = setting.seconds.size() / 2;
-    row.median_seconds = setting.seconds.size() % 2 != 0 ? setting.seconds[half]
-                                                         : (setting.seconds[half - 1] + setting.seconds[half]) / 2;
+    row.min_seconds = std::ranges::min(setting.seconds);
+    row.max_seconds = std::ranges::max(setting.seconds);
+    row.median_seconds = median(setting.seconds);
+    row.device = device_times(setting.stats);
     rows.push_back(std::move(row));
   }
   return rows;
@@ -164,7 +196,7 @@ Result<void> add_level(BenchResult& result, const ScalarField& field, const Benc
   auto rows = time_level(field, result.levels.size(), options);
   if (!rows) return tl::unexpected(rows.error());
   if (auto judged = judge_level(field, options, judge, in_finer, *rows); !judged) return judged;
-  result.levels.push_back({size_text(field), spacing_of(field)});
+  result.levels.push_back({size_text(field), cells_of(field), spacing_of(field), false});
   result.rows.insert(result.rows.end(), rows->begin(), rows->end());
   return {};
 }

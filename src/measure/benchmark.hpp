@@ -21,7 +21,7 @@
 namespace isoextract {
 
 struct BenchBackend {
-  std::string name;  // "cpu"
+  std::string name;  // "cpu", "gpu", and others for variants of these
   std::shared_ptr<Extractor> extractor;
 };
 
@@ -38,9 +38,23 @@ struct BenchOptions {
 
 // One resolution.
 struct BenchLevel {
-  std::string size;       // samples along an axis, or along each: "64", "91x109x91"
+  std::string size;  // samples along an axis, or along each: "64", "91x109x91"
+  std::uint64_t cells = 0;
   double spacing = 0;     // the side of a cube of a voxel's volume, in the world's units
   bool is_truth = false;  // the data that the others are measured against: in no order of convergence
+};
+
+// Where the time of a device went: medians of the stages, in seconds.
+struct BenchDeviceTimes {
+  double upload = 0;
+  double count = 0;
+  double capture = 0;
+  double read_back = 0;
+  double weld = 0;
+  std::uint64_t bytes_uploaded = 0;
+  std::uint64_t bytes_captured = 0;
+
+  [[nodiscard]] double draw() const { return count + capture; }  // the two passes over the cells
 };
 
 struct BenchRow {
@@ -52,6 +66,7 @@ struct BenchRow {
   double median_seconds = 0;
   double min_seconds = 0;
   double max_seconds = 0;
+  std::optional<BenchDeviceTimes> device;
   ErrorStatistics position;  // inside the triangles; in voxels of its resolution and in world units
   double rounding = 0;       // how far float32 moves vertices, in world units; smaller errors are all alike
   std::optional<AngleStatistics> smooth_normals;  // these where the truth is a formula

@@ -1,0 +1,13 @@
+// Seed S2, evaluation stage: from the place in the patch to the cell; the half is the paper's epsilon against rounding.
+
+layout(quads, equal_spacing, point_mode) in;
+
+flat in ivec3 patch_origin[];
+flat in ivec2 patch_size[];
+
+flat out ivec3 cell;
+
+void main() {
+  ivec2 within = ivec2(gl_TessCoord.xy * vec2(patch_size[0] - 1) + 0.5);
+  cell = patch_origin[0] + ivec3(within, 0);
+}

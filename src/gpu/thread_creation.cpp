@@ -1,0 +1,229 @@
+#include "gpu/thread_creation.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+#include <fmt/format.h>
+
+#include "gpu/gl_program.hpp"
+
+namespace isoextract {
+namespace {
+
+// One thread a cell of a grid, in draws that a device can take.
+class ThreadPass {
+ public:
+  ThreadPass(const GlContext& context, ThreadMaker maker, int size)
+      : context_(context), maker_(maker), size_(size), layer_cells_(static_cast<std::uint64_t>(size) * size) {}
+
+  ThreadPass(const ThreadPass&) = delete;
+  ThreadPass& operator=(const ThreadPass&) = delete;
+  ~ThreadPass() { glDisableVertexAttribArray(0); }
+
+  [[nodiscard]] std::uint64_t cells() const { return layer_cells_ * static_cast<std::uint64_t>(size_); }
+  [[nodiscard]] std::uint64_t buffer_bytes() const { return buffer_bytes_; }
+
+  Result<void> prepare() {
+    ProgramSource source;
+    switch (maker_) {
+      case ThreadMaker::tessellation:
+        source.stages = {{GL_VERTEX_SHADER, {"threads_patch.vert"}},
+                         {GL_TESS_CONTROL_SHADER, {"threads_patch.tesc"}},
+                         {GL_TESS_EVALUATION_SHADER, {"threads_patch.tese"}}};
+        break;
+      case ThreadMaker::dummy_vertices: source.stages = {{GL_VERTEX_SHADER, {"threads_dummy.vert"}}}; break;
+      case ThreadMaker::vertex_number: source.stages = {{GL_VERTEX_SHADER, {"threads_numbered.vert"}}}; break;
+    }
+    source.stages.push_back({GL_GEOMETRY_SHADER, {"threads.geom"}});
+    auto program = CellProgram::link(context_, source);
+    if (!program) return tl::unexpected(program.error());
+    program_ = std::move(*program);
+    program_.set("grid", glm::ivec3(size_));
+    if (maker_ == ThreadMaker::vertex_number) return {};
+    if (maker_ == ThreadMaker::tessellation) choose_patches();
+    return fill_buffer();
+  }
+
+  // `emit`: every thread makes a point; otherwise none.
+  void draw(bool emit) const {
+    program_.use();
+    program_.set("emit_below", emit ? glm::ivec3(size_) : glm::ivec3(0));
+    if (maker_ == ThreadMaker::tessellation) {
+      for (std::uint64_t first = 0; first < patches_; first += patches_per_draw_) {
+        const std::uint64_t count = std::min(patches_per_draw_, patches_ - first);
+        glDrawArrays(GL_PATCHES, static_cast<GLint>(4 * first), static_cast<GLsizei>(4 * count));
+      }
+      return;
+    }
+    const int layers = layers_per_draw();
+    for (int first = 0; first < size_; first += layers) {
+      program_.set("first_layer", first);
+      if (maker_ == ThreadMaker::dummy_vertices) point_to(layer_cells_ * static_cast<std::uint64_t>(first));
+      const auto cells = layer_cells_ * static_cast<std::uint64_t>(std::min(layers, size_ - first));
+      glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(cells));
+    }
+  }
+
+  // Whether every cell got its thread.
+  Result<void> check_count() const {
+    const GlQuery query = GlQuery::make();
+    glBeginQuery(GL_PRIMITIVES_GENERATED, query.name());
+    draw(true);
+    glEndQuery(GL_PRIMITIVES_GENERATED);
+    GLuint64 threads = 0;
+    glGetQueryObjectui64v(query.name(), GL_QUERY_RESULT, &threads);
+    if (auto checked = context_.check("making threads"); !checked) return checked;
+    if (threads == cells()) return {};
+    return fail(ErrorKind::unavailable,
+                fmt::format("{} threads for {} cells, by {}", threads, cells(), thread_maker_name(maker_)),
+                "please report it");
+  }
+
+ private:
+  [[nodiscard]] int layers_per_draw() const {
+    constexpr std::uint64_t kCells = 1 << 26;
+    return static_cast<int>(std::max<std::uint64_t>(kCells / layer_cells_, 1));
+  }
+
+  // The buffer from that vertex on.
+  void point_to(std::uint64_t vertex) const {
+    const std::uint64_t bytes = vertex * sizeof(std::uint32_t);
+    glBindBuffer(GL_ARRAY_BUFFER, buffer_.name());
+    glVertexAttribIPointer(0, 1, GL_UNSIGNED_INT, 0, reinterpret_cast<const void*>(bytes));
+  }
+
+  void choose_patches() {
+    GLint level = 64;
+    glGetIntegerv(GL_MAX_TESS_GEN_LEVEL, &level);
+    // llvmpipe's draws are right up to 65,536 tessellated vertices (DESIGN section 6): 16 patches of 64 x 64.
+    const int side = context_.device().software ? 64 : level + 1;
+    const int along = (size_ + side - 1) / side;
+    patches_ = static_cast<std::uint64_t>(along) * along * static_cast<std::uint64_t>(size_);
+    if (context_.device().software) patches_per_draw_ = 16;
+    program_.set("patches", glm::ivec2(along));
+    program_.set("patch_cells", side);
+  }
+
+  // A number for each vertex: of a cell, or of a patch for each of its four corners.
+  Result<void> fill_buffer() {
+    const bool patches = maker_ == ThreadMaker::tessellation;
+    const std::uint64_t vertices = patches ? 4 * patches_ : cells();
+    const std::uint64_t of_draw = layer_cells_ * static_cast<std::uint64_t>(layers_per_draw());
+    buffer_bytes_ = vertices * sizeof(std::uint32_t);
+    buffer_ = GlBuffer::make();
+    glBindBuffer(GL_ARRAY_BUFFER, buffer_.name());
+    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(buffer_bytes_), nullptr, GL_STATIC_DRAW);
+    if (auto checked = context_.check("taking memory for vertices"); !checked) return checked;
+    constexpr std::uint64_t kPortion = 1 << 22;
+    std::vector<std::uint32_t> numbers;
+    for (std::uint64_t first = 0; first < vertices; first += kPortion) {
+      numbers.resize(static_cast<std::size_t>(std::min(kPortion, vertices - first)));
+      for (std::size_t v = 0; v < numbers.size(); ++v) {
+        numbers[v] = static_cast<std::uint32_t>(patches ? (first + v) / 4 : (first + v) % of_draw);
+      }
+      glBufferSubData(GL_ARRAY_BUFFER, static_cast<GLintptr>(first * sizeof(std::uint32_t)),
+                      static_cast<GLsizeiptr>(numbers.size() * sizeof(std::uint32_t)), numbers.data());
+    }
+    glEnableVertexAttribArray(0);
+    point_to(0);
+    glPatchParameteri(GL_PATCH_VERTICES, 4);
+    return context_.check("filling a buffer of vertices");
+  }
+
+  const GlContext& context_;
+  ThreadMaker maker_;
+  int size_;
+  std::uint64_t layer_cells_;
+  std::uint64_t patches_ = 0;
+  std::uint64_t patches_per_draw_ = 1 << 20;
+  std::uint64_t buffer_bytes_ = 0;
+  CellProgram program_;
+  GlBuffer buffer_;
+};
+
+std::optional<std::uint64_t> free_memory() {
+  if (!epoxy_has_gl_extension("GL_NVX_gpu_memory_info")) return std::nullopt;
+  GLint kilobytes = 0;
+  glGetIntegerv(GL_GPU_MEMORY_INFO_CURRENT_AVAILABLE_VIDMEM_NVX, &kilobytes);
+  return std::uint64_t{1024} * static_cast<std::uint64_t>(kilobytes);
+}
+
+template <class F>
+std::vector<double> timed(int repeats, const F& f) {
+  std::vector<double> seconds;
+  for (int run = -1; run < repeats; ++run) {
+    glFinish();
+    const auto start = std::chrono::steady_clock::now();
+    f();
+    glFinish();
+    const double taken = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (run >= 0) seconds.push_back(taken);  // the first run is a warm-up
+  }
+  std::ranges::sort(seconds);
+  return seconds;
+}
+
+double median(const std::vector<double>& sorted) { return sorted[sorted.size() / 2]; }
+
+Result<void> measure(const GlContext& context, int size, int repeats, ThreadCreation& row) {
+  glFinish();
+  const auto before = free_memory();
+  ThreadPass pass(context, row.maker, size);
+  if (auto prepared = pass.prepare(); !prepared) return prepared;
+  if (auto checked = pass.check_count(); !checked) return checked;
+  const std::vector<double> seconds = timed(repeats, [&] { pass.draw(false); });
+  row.median_seconds = median(seconds);
+  row.min_seconds = seconds.front();
+  row.max_seconds = seconds.back();
+  row.buffer_bytes = pass.buffer_bytes();
+  if (const auto after = free_memory(); before && after && *before >= *after) row.driver_bytes = *before - *after;
+  return context.check("timing threads");
+}
+
+double copy_bandwidth(const GlContext& context, int repeats) {
+  const GLsizeiptr bytes = context.device().software ? 1 << 26 : 1 << 29;
+  const GlBuffer from = GlBuffer::make();
+  const GlBuffer to = GlBuffer::make();
+  glBindBuffer(GL_COPY_READ_BUFFER, from.name());
+  glBufferData(GL_COPY_READ_BUFFER, bytes, nullptr, GL_STATIC_COPY);
+  glBindBuffer(GL_COPY_WRITE_BUFFER, to.name());
+  glBufferData(GL_COPY_WRITE_BUFFER, bytes, nullptr, GL_STATIC_COPY);
+  const std::vector<double> seconds =
+      timed(repeats, [&] { glCopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, 0, 0, bytes); });
+  return 2 * static_cast<double>(bytes) / median(seconds);
+}
+
+}  // namespace
+
+Result<ThreadCreationResult> measure_thread_creation(const DeviceChoice& device, const std::vector<int>& sizes,
+                                                     int repeats) {
+  const auto context = GlContext::open({device, false});
+  if (!context) return tl::unexpected(context.error());
+  ThreadCreationResult result;
+  result.device = (*context)->device();
+  result.copy_bytes_per_second = copy_bandwidth(**context, repeats);
+  if (auto checked = (*context)->check("copying a buffer"); !checked) return tl::unexpected(checked.error());
+  for (const int size : sizes) {
+    ThreadCreationLevel level{size, {}};
+    for (const ThreadMaker maker :
+         {ThreadMaker::tessellation, ThreadMaker::dummy_vertices, ThreadMaker::vertex_number}) {
+      ThreadCreation row;
+      row.maker = maker;
+      if (auto done = measure(**context, size, repeats, row); !done) row.problem = done.error().message;
+      level.makers.push_back(row);
+    }
+    result.levels.push_back(level);
+  }
+  return result;
+}
+
+std::string_view thread_maker_name(ThreadMaker maker) {
+  switch (maker) {
+    case ThreadMaker::tessellation: return "tessellation";
+    case ThreadMaker::dummy_vertices: return "dummy vertices";
+    case ThreadMaker::vertex_number: break;
+  }
+  return "vertex number";
+}
+
+}  // namespace isoextract
