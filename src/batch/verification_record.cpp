@@ -28,8 +28,8 @@ Json json_of(const VerificationRecord& record) {
 
 Json json_of(const MeshMatch& match, const std::vector<std::string>& differences) {
   Json json = counts(match.triangles, match.vertices, match.vertices_only, differences);
-  json["distance"] = match.distance;
-  json["distance_allowed"] = match.allowed;
+  json["distance"] = json_of(match.distance);
+  json["distance_allowed"] = json_of(match.allowed);
   return json;
 }
 

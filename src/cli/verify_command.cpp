@@ -73,8 +73,11 @@ std::string match_table(const std::string& path, const std::string& surface, con
   };
   counts("triangles", match.triangles.total, match.triangles.only, "in one");
   counts("vertices", match.vertices, match.vertices_only, "places in one");
-  lines.add("positions", fmt::format("at most {:.3g} apart along an axis, allowed {:.3g}; the most at {}",
-                                     match.distance, match.allowed, point_text(match.farthest)));
+  const bool exact = match.distance == glm::dvec3(0);
+  lines.add("positions",
+            exact ? std::string("the very same numbers")
+                  : fmt::format("at most {} apart, at {}", point_text(match.distance), point_text(match.farthest)));
+  lines.add("allowed", point_text(match.allowed));
   const bool same =
       match.vertices_only == std::array<std::uint64_t, 2>{} && match.triangles.only == std::array<std::uint64_t, 2>{};
   lines.add("same", same ? "yes" : "no");

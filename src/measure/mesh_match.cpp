@@ -20,43 +20,45 @@ namespace {
 
 double largest(const glm::dvec3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
-// The largest local and the largest world coordinate of a mesh, without sign.
+// The largest local and the largest world coordinates of a mesh, without sign.
 struct Reach {
   double local = 0;
-  double world = 0;
+  glm::dvec3 world{0.0};
 
   explicit Reach(const Mesh& mesh) {
     if (mesh.positions.empty()) return;
     const LocalBounds bounds = measure_local_bounds(mesh);
     for (const glm::vec3& corner : {bounds.min, bounds.max}) {
       local = std::max(local, largest(glm::dvec3(corner)));
-      world = std::max(world, largest(mesh.origin + glm::dvec3(corner)));
+      world = glm::max(world, glm::abs(mesh.origin + glm::dvec3(corner)));
     }
   }
 };
 
-double near_enough(const Mesh& written, const Mesh& extracted, bool float32_world) {
+glm::dvec3 near_enough(const Mesh& written, const Mesh& extracted, bool float32_world) {
   constexpr double kSums = 4;
   const Reach ours(extracted);
   const Reach theirs(written);
-  double allowed = kStabilityUlps * float_spacing(ours.local);
-  if (float32_world && extracted.origin != glm::dvec3(0)) allowed += float_spacing(ours.world);
+  glm::dvec3 allowed(kStabilityUlps * float_spacing(ours.local));
+  if (float32_world && extracted.origin != glm::dvec3(0)) {
+    for (int axis = 0; axis < 3; ++axis) allowed[axis] += float_spacing(ours.world[axis]);
+  }
   if (written.origin != extracted.origin) {
     allowed += float_spacing(theirs.local) / 2;
-    allowed += kSums * std::numeric_limits<double>::epsilon() * std::max(ours.world, theirs.world);
+    allowed += kSums * std::numeric_limits<double>::epsilon() * glm::max(ours.world, theirs.world);
   }
   return allowed;
 }
 
-// Space as cubes, sixteen times as wide as what is near enough: next to no vertex is near to another cube than its own.
+// Space as boxes, sixteen times as wide as what is near enough: few vertices are near to another box than their own.
 class Cells {
  public:
-  Cells(double allowed, const glm::dvec3& centre, double reach, std::size_t vertices)
-      : size_(16 * allowed), centre_(centre) {
-    // A bucket holds a cube of 2^shift cells a side: then meshes, which have neighbours near each other, find them in
+  Cells(const glm::dvec3& allowed, const glm::dvec3& centre, double reach, std::size_t vertices)
+      : size_(16.0 * allowed), centre_(centre) {
+    // A bucket holds a block of 2^shift cells a side: then meshes, which have neighbours near each other, find them in
     // the cache. It is about as wide as four edges of a surface of so many vertices.
     const double edges = 4 * reach / std::sqrt(static_cast<double>(vertices) + 1);
-    while (shift_ < kMaxShift && std::ldexp(size_, shift_ + 1) <= edges) ++shift_;
+    while (shift_ < kMaxShift && std::ldexp(largest(size_), shift_ + 1) <= edges) ++shift_;
     buckets_ = vertices / 16 + 1;
   }
 
@@ -73,27 +75,32 @@ class Cells {
 
  private:
   static constexpr int kMaxShift = 30;
-  double size_;
+  glm::dvec3 size_;
   glm::dvec3 centre_;
   int shift_ = 0;
   std::size_t buckets_ = 1;
 };
 
-// The numbers that the file has, or would have.
+// Vertices by the float32 numbers that their file has, or would have.
 class Places {
  public:
-  Places(const Mesh& mesh, bool float32_world) : mesh_(mesh), float32_world_(float32_world) {}
-  [[nodiscard]] const Mesh& mesh() const { return mesh_; }
-  [[nodiscard]] glm::vec3 stored(std::size_t v) const {
-    return float32_world_ ? glm::vec3(mesh_.position(v)) : mesh_.positions[v];
+  Places(const Mesh& mesh, bool float32_world) : stored_(mesh.positions.span()), origin_(mesh.origin) {
+    if (!float32_world) return;
+    // Rounded in a pass of its own: where they become double again in the same expression, GCC 12 may leave the
+    // rounding out (-ftree-slp-vectorize).
+    rounded_ = Buffer<glm::vec3>(mesh.positions.size());
+    tbb::parallel_for(std::size_t{0}, rounded_.size(), [&](std::size_t v) { rounded_[v] = mesh.position(v); });
+    stored_ = rounded_.span();
+    origin_ = glm::dvec3(0);
   }
-  [[nodiscard]] glm::dvec3 place(const glm::vec3& stored) const {
-    return float32_world_ ? glm::dvec3(stored) : mesh_.origin + glm::dvec3(stored);
-  }
+  [[nodiscard]] std::size_t size() const { return stored_.size(); }
+  [[nodiscard]] const glm::vec3& stored(std::size_t v) const { return stored_[v]; }
+  [[nodiscard]] glm::dvec3 place(const glm::vec3& stored) const { return origin_ + glm::dvec3(stored); }
 
  private:
-  const Mesh& mesh_;
-  bool float32_world_;
+  Buffer<glm::vec3> rounded_;
+  std::span<const glm::vec3> stored_;
+  glm::dvec3 origin_;
 };
 
 struct PlacedVertex {
@@ -108,8 +115,8 @@ struct PlacedVertex {
 };
 
 Buckets<PlacedVertex> by_cell(const Places& places, const Cells& cells) {
-  return {places.mesh().positions.size(), cells.buckets(), [&](std::size_t v, const auto& put) {
-            const glm::vec3 stored = places.stored(v);
+  return {places.size(), cells.buckets(), [&](std::size_t v, const auto& put) {
+            const glm::vec3& stored = places.stored(v);
             const glm::dvec3 place = places.place(stored);
             if (!std::isfinite(place.x + place.y + place.z)) return;  // is nowhere, and matches nothing
             const glm::ivec3 cell = cells.of(place);
@@ -133,11 +140,11 @@ Buffer<std::uint32_t> first_at_place(const Buckets<PlacedVertex>& buckets, std::
 
 struct Nearest {
   std::uint32_t vertex = kNoName;
-  double distance = std::numeric_limits<double>::infinity();
+  double share = std::numeric_limits<double>::infinity();  // of what is allowed, along the axis where that is largest
 };
 
 // The nearest vertex within `allowed` along each axis; of two as near the first.
-Nearest nearest_to(const glm::dvec3& place, double allowed, const Places& places, const Cells& cells,
+Nearest nearest_to(const glm::dvec3& place, const glm::dvec3& allowed, const Places& places, const Cells& cells,
                    const Buckets<PlacedVertex>& buckets) {
   Nearest nearest;
   const glm::ivec3 low = cells.of(place - allowed);
@@ -151,11 +158,9 @@ Nearest nearest_to(const glm::dvec3& place, double allowed, const Places& places
         const auto in_cell =
             std::ranges::equal_range(all, order(cell), {}, [&](const PlacedVertex& v) { return order(v.cell); });
         for (const PlacedVertex& v : in_cell) {
-          const double distance = largest(places.place(v.stored) - place);
-          if (distance > allowed || std::tie(distance, v.vertex) >= std::tie(nearest.distance, nearest.vertex)) {
-            continue;
-          }
-          nearest = {v.vertex, distance};
+          const double share = largest((places.place(v.stored) - place) / allowed);
+          if (share > 1 || std::tie(share, v.vertex) >= std::tie(nearest.share, nearest.vertex)) continue;
+          nearest = {v.vertex, share};
         }
       }
     }
@@ -165,7 +170,7 @@ Nearest nearest_to(const glm::dvec3& place, double allowed, const Places& places
 
 std::uint64_t matching_bytes(std::uint64_t vertices) {
   return Buckets<PlacedVertex>::bytes(vertices, vertices / 8) +
-         vertices * (sizeof(Nearest) + 2 * sizeof(std::uint32_t));
+         vertices * (sizeof(Nearest) + sizeof(glm::vec3) + 2 * sizeof(std::uint32_t));
 }
 
 }  // namespace
@@ -202,7 +207,7 @@ Result<MeshMatch> match_meshes(const Mesh& written, const Mesh& extracted, bool 
   for (std::uint32_t v = 0; v < nearest.size(); ++v) {
     if (nearest[v].vertex == kNoName) continue;
     std::uint32_t& holder = taken_by[nearest[v].vertex];
-    if (holder != kNoName && nearest[holder].distance <= nearest[v].distance) {
+    if (holder != kNoName && nearest[holder].share <= nearest[v].share) {
       nearest[v] = {};
       continue;
     }
@@ -214,13 +219,15 @@ Result<MeshMatch> match_meshes(const Mesh& written, const Mesh& extracted, bool 
     ++result.vertices_only[side];
     if (!result.vertex_example[side]) result.vertex_example[side] = place;
   };
+  double greatest_share = 0;
   for (std::uint32_t v = 0; v < nearest.size(); ++v) {
     if (their_names[v] != v) continue;
     if (nearest[v].vertex == kNoName) {
       add_only(0, written.position(v));
-    } else if (nearest[v].distance > result.distance) {
-      result.distance = nearest[v].distance;
+    } else if (nearest[v].share > greatest_share) {
+      greatest_share = nearest[v].share;
       result.farthest = written.position(v);
+      result.distance = glm::abs(ours.place(ours.stored(nearest[v].vertex)) - result.farthest);
     }
   }
   for (std::uint32_t v = 0; v < taken_by.size(); ++v) {

@@ -36,10 +36,10 @@ struct MeshMatch {
   std::array<std::uint64_t, 2> vertices_only{};  // places that only this mesh has a vertex at
   std::array<std::optional<glm::dvec3>, 2> vertex_example{};
   TriangleDifference triangles;
-  // Of matched vertices, in the unit of the mesh.
-  double distance = 0;       // the greatest difference of a coordinate
-  glm::dvec3 farthest{0.0};  // where
-  double allowed = 0;        // what is near enough
+  // Of matched vertices, along each axis, in the unit of the mesh.
+  glm::dvec3 allowed{0.0};   // what is near enough
+  glm::dvec3 distance{0.0};  // of the pair that uses the largest share of it along one of the axes
+  glm::dvec3 farthest{0.0};  // where that is
 };
 
 // `float32_world`: the file's format has float32 world coordinates only. Fails with ErrorKind::input if matching needs

@@ -1,0 +1,155 @@
+"""isoextract verify: a written mesh against its volume, one backend against the other; exit code 6."""
+
+import json
+import struct
+
+from support import SOURCE, SPHERE, ProgramTest, main, read_stl
+
+FORMATS = ("glb", "gltf", "ply", "obj", "stl")
+METABALLS = SOURCE / "samples" / "metaballs.vdb"
+GYROID = "demo:gyroid?size=24"
+
+
+class VerifyTest(ProgramTest):
+    def write(self, name, *arguments):
+        self.convert(*arguments, "-o", name)
+
+    def verify(self, name, *arguments, code=0):
+        """The JSON of a verification, with the exit code that it must have."""
+        run = self.run_program("verify", *arguments, name, "--json")
+        self.assertEqual(run.code, code, run.err)
+        report = json.loads(run.text)
+        self.assertEqual(report["passed"], code == 0)
+        self.assertEqual(report["differences"] == [], code == 0)
+        return report, run
+
+    def test_every_format_with_nothing_but_its_name(self):
+        for end in FORMATS:
+            self.write(f"a.{end}", SPHERE, "--iso", 0)
+            report, run = self.verify(f"a.{end}", SPHERE, "--iso", 0)
+            self.assertEqual(run.err, "")
+            self.assertEqual(report["triangles"][0], report["triangles"][1])
+            self.assertEqual(report["triangles_only"], [0, 0])
+            self.assertEqual(report["vertices_only"], [0, 0])
+            self.assertEqual(report["distance"], [0, 0, 0])
+
+    def test_text_and_flat_normals_and_sparse_input(self):
+        for name, *options in (("a.ply", "--ascii"), ("b.stl", "--ascii"), ("c.glb", "--normals", "flat"),
+                               ("d.ply", "--normals", "smooth"), ("e.obj", "--normals", "flat")):
+            self.write(name, METABALLS, "--iso", "0.6", *options)
+            self.verify(name, METABALLS, "--iso", "0.6")
+
+    def test_options_of_surface_and_placement(self):
+        for end in FORMATS:
+            options = ("--iso", "0.1", "--method", "mt", "--cap", "--roi", "-0.5,-0.6,-0.7,0.5,0.6,0.7", "--unit", "mm",
+                       "--up", "y")
+            self.write(f"a.{end}", GYROID, *options)
+            self.verify(f"a.{end}", GYROID, *options)
+            self.verify(f"a.{end}", GYROID, *options[:-4], code=6)
+            self.write(f"b.{end}", GYROID, "--iso", "0.1", "--space", "index")
+            self.verify(f"b.{end}", GYROID, "--iso", "0.1", "--space", "index")
+
+    def test_holes(self):
+        self.write_raw("holes.raw", (20, 20, 20),
+                       lambda x, y, z: float("nan") if x * y * z % 17 == 3 else (x * 7 + y * 5 + z * 3) % 11)
+        options = (self.folder / "holes.raw", "--dims", "20,20,20", "--dtype", "f32", "--nan", "hole", "--iso", "4")
+        for end in FORMATS:
+            self.write(f"a.{end}", *options)
+            self.verify(f"a.{end}", *options)
+
+    def test_far_from_the_origin(self):
+        """What each format keeps of coordinates far away is enough."""
+        for far in ("1e5", "1e7"):
+            options = (SPHERE, "--iso", "0", "--origin", f"{far},-{far},5")
+            for end in FORMATS:
+                self.write(f"a.{end}", *options)
+                self.verify(f"a.{end}", *options)
+
+    def test_text(self):
+        self.write("a.glb", SPHERE, "--iso", 0)
+        text = self.convert("verify", SPHERE, "--iso", 0, "a.glb").text
+        for part in ("a.glb and demo:sphere", "iso 0", "triangles", "vertices", "the very same numbers", "allowed",
+                     "same          yes"):
+            self.assertIn(part, text)
+        run = self.run_program("verify", SPHERE, "--iso", "0.1", "a.glb")
+        self.assertEqual(run.code, 6)
+        self.assertIn("same          no", run.text)
+
+    def test_another_iso(self):
+        self.write("a.glb", SPHERE, "--iso", 0)
+        report, run = self.verify("a.glb", SPHERE, "--iso", "0.01", code=6)
+        self.assertGreater(report["vertices_only"][0], 0)
+        self.assertTrue(run.err.startswith("isoextract: error: a.glb: it is not the surface of demo:sphere"), run.err)
+        self.assertIn("hint: give the --iso", run.err)
+
+    def test_the_other_method(self):
+        self.write("a.ply", SPHERE, "--iso", 0, "--method", "mt")
+        self.verify("a.ply", SPHERE, "--iso", 0, code=6)
+
+    def test_damage(self):
+        self.write("a.stl", SPHERE, "--iso", 0)
+        data = (self.folder / "a.stl").read_bytes()
+        count = len(read_stl(data).triangles)
+
+        def check(name, damaged, triangles_only):
+            (self.folder / name).write_bytes(damaged)
+            report, _ = self.verify(name, SPHERE, "--iso", 0, code=6)
+            if triangles_only is not None:
+                self.assertEqual(report["triangles_only"], triangles_only)
+                self.assertEqual(report["vertices_only"], [0, 0])
+            return report
+
+        # One triangle less, one turned over, one twice, one corner moved.
+        check("less.stl", data[:80] + struct.pack("<I", count - 1) + data[84:-50], [0, 1])
+        first = 84 + 12
+        turned = data[:first] + data[first + 12:first + 24] + data[first:first + 12] + data[first + 24:]
+        check("turned.stl", turned, [1, 1])
+        check("twice.stl", data[:80] + struct.pack("<I", count + 1) + data[84:] + data[-50:], [1, 0])
+        x, = struct.unpack_from("<f", data, first)
+        moved = bytearray(data)
+        struct.pack_into("<f", moved, first, x + 1e-4)
+        self.assertEqual(check("moved.stl", bytes(moved), None)["vertices_only"][0], 1)
+
+    def test_a_truncated_file_is_an_input_error(self):
+        self.write("a.ply", SPHERE, "--iso", 0)
+        (self.folder / "b.ply").write_bytes((self.folder / "a.ply").read_bytes()[:-7])
+        self.assert_fails(2, self.run_program("verify", SPHERE, "--iso", 0, "b.ply"), "b.ply")
+
+    def test_a_simplified_mesh_is_told_where_to_go(self):
+        fine = "demo:sphere?size=48"
+        self.write("a.glb", fine, "--iso", 0, "--simplify", "0.1")
+        report, run = self.verify("a.glb", fine, "--iso", 0, code=6)
+        self.assertLess(report["triangles"][0], report["triangles"][1])
+        self.assertEqual(report["vertices_only"][0], 0)
+        self.assertIn("it looks simplified: 'isoextract compare'", run.err)
+
+    def test_nothing_on_both_sides(self):
+        self.write("a.glb", SPHERE, "--iso", "9", "--empty", "write")
+        self.verify("a.glb", SPHERE, "--iso", "9")
+        self.verify("a.glb", SPHERE, "--iso", "0", code=6)
+
+    def test_same_for_any_number_of_threads(self):
+        self.write("a.glb", SPHERE, "--iso", 0)
+        one, run = self.verify("a.glb", SPHERE, "--iso", "0.05", "--threads", 1, code=6)
+        two, other = self.verify("a.glb", SPHERE, "--iso", "0.05", "--threads", 2, code=6)
+        self.assertEqual((one, run.err), (two, other.err))
+
+    def test_usage(self):
+        self.assert_fails(1, self.run_program("verify"), "no INPUT", "isoextract verify INPUT --iso V [MESH]")
+        self.assert_fails(1, self.run_program("verify", SPHERE), "--iso V is missing")
+        self.assert_fails(1, self.run_program("verify", SPHERE, "--iso", "0", "a.xyz"), "a.xyz: expected an extension")
+        self.assert_fails(1, self.run_program("verify", SPHERE, "--iso", "0", "a.glb", "b.glb"), "'b.glb'")
+        self.assert_fails(1, self.run_program("verify", SPHERE, "--iso", "0", "--iso", "1", "a.glb"), "2 times")
+        self.assert_fails(1, self.run_program("verify", SPHERE, "--iso", "0", "a.glb", "--space", "index", "--scale", "2"),
+                          "--space index")
+        self.assert_fails(2, self.run_program("verify", SPHERE, "--iso", "0", "missing.glb"), "missing.glb")
+        self.assert_fails(2, self.run_program("verify", "missing.vdb", "--iso", "0", "--json", "missing.ply"), "missing")
+
+    def test_without_a_gpu_backend_nothing_is_compared_in_silence(self):
+        self.assert_fails(3, self.run_program("verify", SPHERE, "--iso", "0"), "GPU")
+        self.assert_fails(3, self.run_program(SPHERE, "--iso", "0", "--verify", "-o", "a.glb"), "GPU")
+        self.assertEqual(self.files(), [])
+
+
+if __name__ == "__main__":
+    main()
