@@ -29,6 +29,7 @@ struct ResolvedOptions {
   std::string empty;
   bool cap = false;
   std::optional<Box> roi;
+  std::optional<glm::ivec3> resolution;
   std::string space;
   std::string up;
   bool turned_to_y_up = false;  // whether (x, y, z) became (x, z, -y)
@@ -60,7 +61,8 @@ struct InputFacts {
 [[nodiscard]] InputFacts input_facts(const std::string& path, const ScalarField& field);
 
 struct StageRecord {
-  std::string stage;  // "read", "classify", "count", "emit", "simplify", "error", "mesh facts", "statistics", "write"
+  std::string stage;          // "read", "resample", "classify", "count", "emit", "simplify", "error", "mesh facts",
+                              // "statistics", "write"
   std::optional<double> iso;  // where the stage belongs to one surface
   StageTime time;
 };
@@ -124,7 +126,7 @@ struct ConversionReport {
   std::uint64_t bytes_read = 0;
   std::uint64_t bytes_uploaded = 0;  // to a device; 0 on the CPU
   std::uint64_t peak_memory = 0;
-  std::vector<WorkFact> work;  // of reading
+  std::vector<WorkFact> work;  // of reading and resampling
   std::vector<ExtractionRecord> extractions;
   std::vector<SimplificationRecord> simplifications;
   std::vector<MeshRecord> meshes;

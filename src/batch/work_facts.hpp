@@ -22,6 +22,9 @@ struct WorkFact {
 // Of reading a file with `grids` grids, of which one was read.
 [[nodiscard]] std::vector<WorkFact> reading_facts(std::uint64_t grids);
 
+// Of resample(), which made `grid` of `data`.
+[[nodiscard]] WorkFact resolution_fact(const ScalarField& data, const ScalarField& grid);
+
 // What was asked for besides the extraction.
 struct AskedFor {
   bool flat_normals = false;  // made of the triangles when the mesh is written

@@ -56,6 +56,7 @@ struct ConvertFlags {
   std::optional<Method> method;
   std::optional<Normals> normals;
   std::optional<Box> roi;
+  std::optional<glm::ivec3> resolution;
   bool cap = false;
   std::optional<SimplifyError> simplify;
   std::optional<NanPolicy> nan;

@@ -185,6 +185,7 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& flags) {
   plan.extract.cap = flags.cap;
   plan.extract.nan = flags.nan.value_or(NanPolicy::error);
   plan.roi = flags.roi;
+  plan.resolution = flags.resolution;
   plan.simplify = flags.simplify;
   plan.empty = flags.empty.value_or(EmptyPolicy::error);
   plan.error = flags.error;
