@@ -23,6 +23,7 @@ Json json_of(const ResolvedOptions& o) {
           {"empty", o.empty},
           {"cap", o.cap},
           {"roi", o.roi ? json_of(*o.roi) : Json(nullptr)},
+          {"resolution", o.resolution ? Json{o.resolution->x, o.resolution->y, o.resolution->z} : Json(nullptr)},
           {"space", o.space},
           {"up", o.up},
           {"turned_to_y_up", o.turned_to_y_up},

@@ -30,6 +30,7 @@ struct ResolvedOptions {
   std::string empty;
   bool cap = false;
   std::optional<Box> roi;
+  std::optional<glm::ivec3> resolution;
   std::string space;
   std::string up;
   bool turned_to_y_up = false;  // whether (x, y, z) became (x, z, -y)
@@ -62,8 +63,8 @@ struct InputFacts {
 [[nodiscard]] InputFacts input_facts(const std::string& path, const ScalarField& field);
 
 struct StageRecord {
-  std::string stage;  // "read", "classify", "upload", "count", "emit", "verify", "simplify", "error", "mesh facts",
-                      // "statistics", "write"
+  std::string stage;  // "read", "resample", "classify", "upload", "count", "emit", "verify", "simplify", "error",
+                      // "mesh facts", "statistics", "write"
   std::optional<double> iso;  // where the stage belongs to one surface
   StageTime time;
 };
@@ -116,7 +117,7 @@ struct FileRecord {
 struct ConversionReport {
   std::vector<std::string> arguments;  // the words of the command line, without the program
   ResolvedOptions options;
-  std::string backend;  // "cpu" or "gpu"; empty if it could not be opened
+  std::string backend;  // "cpu" or "gpu"; if it could not be opened, what was asked for
   std::string device;   // the processor's or the GPU's name
   int threads = 0;
   std::optional<InputFacts> input;          // absent if it could not be read
@@ -127,7 +128,7 @@ struct ConversionReport {
   std::uint64_t bytes_read = 0;
   std::uint64_t bytes_uploaded = 0;  // to a device; 0 on the CPU
   std::uint64_t peak_memory = 0;
-  std::vector<WorkFact> work;  // of reading
+  std::vector<WorkFact> work;  // of reading and resampling
   std::vector<ExtractionRecord> extractions;
   std::vector<VerificationRecord> verifications;
   std::vector<SimplificationRecord> simplifications;

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "base/limits.hpp"
+
 namespace isoextract {
 namespace {
 
@@ -14,12 +16,29 @@ WorkFact bricks_left_out(const ExtractStats& stats) {
                       stats.brick, percent)};
 }
 
+std::string dense_text(const DenseSamples& samples) {
+  return fmt::format("{} x {} x {} samples of {}", samples.dims.x, samples.dims.y, samples.dims.z,
+                     sample_type_name(samples.type));
+}
+
 }  // namespace
 
 std::vector<WorkFact> reading_facts(std::uint64_t grids) {
   if (grids < 2) return {};
   return {{"grids", "left out", grids - 1, grids,
            fmt::format("the other {} grids of the file, which were not read", grids - 1)}};
+}
+
+WorkFact resolution_fact(const ScalarField& data, const ScalarField& grid) {
+  const auto& made = std::get<DenseSamples>(grid.samples);
+  const auto* dense = std::get_if<DenseSamples>(&data.samples);
+  if (dense != nullptr && dense->data == made.data) {
+    return {"resolution", "left out", std::nullopt, std::nullopt, "resampling: the data have that resolution"};
+  }
+  const std::string before = dense != nullptr ? dense_text(*dense) : std::string("sparse samples");
+  return {
+      "resolution", "resampled", made.count(), std::nullopt,
+      fmt::format("{} to {}, {}", before, dense_text(made), format_byte_size(made.count() * sample_size(made.type)))};
 }
 
 std::vector<WorkFact> extraction_facts(const ExtractStats& stats, const ExtractOptions& options,

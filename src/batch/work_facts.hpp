@@ -13,7 +13,7 @@ namespace isoextract {
 
 struct WorkFact {
   std::string what;                    // "bricks", "grids", "normals", ...: for programs that read the report
-  std::string done;                    // "left out", "visited", "compared", "taken as outside", "left as holes"
+  std::string done;                    // "left out", "resampled", "visited", "compared", "taken as outside", ...
   std::optional<std::uint64_t> count;  // how many, where that is a number
   std::optional<std::uint64_t> total;  // out of how many
   std::string text;                    // the rest of the sentence: "12 of 64 bricks (...), which ..."
@@ -21,6 +21,9 @@ struct WorkFact {
 
 // Of reading a file with `grids` grids, of which one was read.
 [[nodiscard]] std::vector<WorkFact> reading_facts(std::uint64_t grids);
+
+// Of resample(), which made `grid` of `data`.
+[[nodiscard]] WorkFact resolution_fact(const ScalarField& data, const ScalarField& grid);
 
 // What was asked for besides the extraction.
 struct AskedFor {

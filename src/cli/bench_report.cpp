@@ -78,6 +78,18 @@ Json json_of(const std::optional<ConvergenceOrder>& order) {
 
 Json json_of(const Length& length) { return {{"voxels", length.voxels}, {"world", length.world}}; }
 
+Json json_of(const std::optional<BenchDeviceTimes>& device) {
+  if (!device) return nullptr;
+  return {{"seconds",
+           {{"upload", device->upload},
+            {"count", device->count},
+            {"capture", device->capture},
+            {"read_back", device->read_back},
+            {"weld", device->weld}}},
+          {"bytes_uploaded", device->bytes_uploaded},
+          {"bytes_captured", device->bytes_captured}};
+}
+
 Json json_of(const BenchRow& row, const BenchResult& result) {
   return {{"method", method_name(row.method)},
           {"backend", row.backend},
@@ -111,18 +123,6 @@ std::string csv_cell(const std::string& text) {
 }
 
 std::string csv_cell(const std::optional<double>& value) { return value ? fmt::format("{}", *value) : ""; }
-
-Json json_of(const std::optional<BenchDeviceTimes>& device) {
-  if (!device) return nullptr;
-  return {{"seconds",
-           {{"upload", device->upload},
-            {"count", device->count},
-            {"capture", device->capture},
-            {"read_back", device->read_back},
-            {"weld", device->weld}}},
-          {"bytes_uploaded", device->bytes_uploaded},
-          {"bytes_captured", device->bytes_captured}};
-}
 
 // Where the time of GPUs went; empty if there is none.
 std::string device_text(const BenchResult& result) {

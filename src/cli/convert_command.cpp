@@ -20,6 +20,7 @@
 #include "cli/progress_bar.hpp"
 #include "cli/verification.hpp"
 #include "extract/extractor.hpp"
+#include "field/resample.hpp"
 #include "field/statistics.hpp"
 #include "io/file_bytes.hpp"
 
@@ -92,6 +93,7 @@ class Conversion {
     report_.stages.push_back({"read", std::nullopt, time});
     report_.input = input_facts(plan_.input, field_);
     look_at_other_grids();
+    if (auto done = change_resolution(); !done) return done;
     return place();
   }
 
@@ -103,6 +105,27 @@ class Conversion {
     report_.work = reading_facts(grids->size());
     if (!plan_.explain) return;
     for (const WorkFact& fact : report_.work) messages_.explanation(fact_text(fact));
+  }
+
+  // The grid of --resolution takes the place of the data, which only --error still needs.
+  Result<void> change_resolution() {
+    if (!plan_.resolution) return {};
+    const Stopwatch watch;
+    Result<ScalarField> grid;
+    {
+      ProgressBar bar(bar_wanted());
+      grid = resample(field_, *plan_.resolution, plan_.read.limits, bar.progress());
+    }
+    if (!grid) return tl::unexpected(std::move(grid.error()));
+    const StageTime time = watch.elapsed();
+    for (const std::string& text : grid->notes) note(text);
+    tell_stage(fmt::format("{}: resampled in {}", label_, times_text(time)));
+    report_.stages.push_back({"resample", std::nullopt, time});
+    report_.work.push_back(resolution_fact(field_, *grid));
+    if (plan_.explain) messages_.explanation(fact_text(report_.work.back()));
+    if (plan_.error) data_ = std::move(field_);
+    field_ = std::move(*grid);
+    return {};
   }
 
   // What of the field is wanted, and where it goes.
@@ -189,7 +212,8 @@ class Conversion {
 
   MeshError measure_error(const Mesh& mesh, double iso, Progress* progress, std::vector<std::string>& story) {
     const Stopwatch watch;
-    MeshError error = measure_mesh_error(mesh, field_, extract_options(iso, progress), *plan_.error);
+    MeshError error = measure_mesh_error(mesh, data_ ? *data_ : field_, extract_options(iso, progress), *plan_.error,
+                                         data_ ? &field_ : nullptr);
     const StageTime time = watch.elapsed();
     story.push_back(fmt::format("{} iso {}: error measured in {}", label_, iso, times_text(time)));
     report_.stages.push_back({"error", iso, time});
@@ -290,9 +314,9 @@ class Conversion {
     const std::string other = helps ? fmt::format("try --iso {} ({})", suggestion.iso, suggestion.method)
                                     : std::string("try another input: this one has no surface worth suggesting");
     return {ErrorKind::input,
-            fmt::format("{}: no surface at iso {}{}; the values {}run from {:.6g} to {:.6g}", label_, iso,
-                        report_.region ? " in the --roi" : "", report_.region ? "of the whole field " : "",
-                        statistics.min, statistics.max),
+            fmt::format("{}: no surface at iso {}{}{}; the values {}run from {:.6g} to {:.6g}", label_, iso,
+                        report_.region ? " in the --roi" : "", plan_.resolution ? " on the grid of --resolution" : "",
+                        report_.region ? "of the whole field " : "", statistics.min, statistics.max),
             roi_hides_it ? "widen the --roi; --empty skip makes this no error"
                          : other + "; --empty skip makes this no error"};
   }
@@ -332,7 +356,8 @@ class Conversion {
   Stopwatch total_;
   Stopwatch watch_;  // since the start, or since the last file
   ConversionReport report_;
-  ScalarField field_;
+  ScalarField field_;                // that is extracted from
+  std::optional<ScalarField> data_;  // with --resolution and --error: what was read
   std::string label_;
   Affine output_from_index_;
   std::unique_ptr<Extractor> extractor_;

@@ -39,6 +39,7 @@ ResolvedOptions resolved_options(const ConvertPlan& plan) {
   options.empty = empty_word(plan.empty);
   options.cap = plan.extract.cap;
   options.roi = plan.roi;
+  options.resolution = plan.resolution;
   options.space = plan.placement.space == Space::index ? "index" : "world";
   options.up = plan.placement.up == UpAxis::y ? "y" : "z";
   options.turned_to_y_up = plan.placement.turn_z_up_to_y_up;
@@ -66,6 +67,7 @@ ConversionReport begin_report(const ConvertPlan& plan) {
   ConversionReport report;
   report.arguments = plan.arguments;
   report.options = resolved_options(plan);
+  report.backend = backend_name(plan.backend.backend);
   report.threads = thread_count();
   return report;
 }

@@ -80,7 +80,8 @@ HelpTopic coordinates_topic() {
             "metres; without it coordinates are written as they are, whatever their unit.",
             {}},
            {"--space index ignores all of this and gives voxel coordinates: the first sample is at (0, 0, 0), its "
-            "neighbours at distance 1.",
+            "neighbours at distance 1. With --resolution these are the input's voxels as well, so that the mesh lies "
+            "where it lies without.",
             {}},
            {"--roi is a box in the input's world, before --up, --scale and --unit, or in voxel coordinates with "
             "--space index. The surface is extracted from the samples inside it. Where the samples' axes are oblique "

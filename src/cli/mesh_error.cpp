@@ -1,5 +1,7 @@
 #include "cli/mesh_error.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -87,17 +89,27 @@ Json json_of(const AnalyticError& analytic, const std::optional<SurfaceSize>& ex
           {"volume", exact && analytic.volume ? json_of_size(*analytic.volume, exact->volume) : Json(nullptr)}};
 }
 
+// How far from the surface of the data, in their voxels, the mesh of another grid may be: a coarser one's is off by
+// voxels of its own.
+double reach_from(const ScalarField& grid) {
+  double longest = 0;
+  for (int axis = 0; axis < 3; ++axis) longest = std::max(longest, glm::length(grid.index_to_file.linear[axis]));
+  return std::max(1.0, 2 * longest);
+}
+
 }  // namespace
 
 MeshError measure_mesh_error(const Mesh& mesh, const ScalarField& field, const ExtractOptions& extracted,
-                             Interpolation interpolation) {
+                             Interpolation interpolation, const ScalarField* grid) {
   MeshError error;
   error.iso = extracted.iso;
   FieldErrorOptions options;
   options.interpolation = interpolation;
+  options.grid = grid;
+  if (grid != nullptr) options.reach = reach_from(*grid);
   options.progress = extracted.progress;
   error.field = measure_field_error(mesh, field, extracted, options);
-  error.analytic = measure_analytic_error(mesh, field, extracted);
+  error.analytic = measure_analytic_error(mesh, field, extracted, grid);
   if (error.analytic && !extracted.region && field.kind == FieldKind::density) {
     const double unit = error.analytic->unit;
     error.exact = find_analytic_field(field.name)->size(extracted.iso);

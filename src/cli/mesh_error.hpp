@@ -18,9 +18,9 @@ struct MeshError {
   std::optional<SurfaceSize> exact;       // likewise, where their size is known, in the mesh's units
 };
 
-// `extracted` is how the mesh was extracted from `field`.
+// `extracted` is how the mesh was extracted from `field`, or from `grid` if there is one, which resample() made of it.
 [[nodiscard]] MeshError measure_mesh_error(const Mesh& mesh, const ScalarField& field, const ExtractOptions& extracted,
-                                           Interpolation interpolation);
+                                           Interpolation interpolation, const ScalarField* grid = nullptr);
 
 // "trilinear", "tricubic": the spelling of --error.
 [[nodiscard]] std::string_view interpolation_name(Interpolation interpolation);

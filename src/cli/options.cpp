@@ -205,6 +205,11 @@ void declare_surface(const Group& group, SurfaceFlags& flags) {
   group.value("--roi", "X0,Y0,Z0,X1,Y1,Z1", flags.roi, parse_box,
               "Only the samples in this box, given by its smaller and larger corner in the input's world coordinates "
               "(with --space index in voxel coordinates).");
+  group.value("--resolution", "NX,NY,NZ", flags.resolution, parse_resolution,
+              "Extract from a grid of so many samples over the same box, or one number for all axes; between the "
+              "input's samples, values are linear along each axis (default: the input's samples themselves). A sparse "
+              "grid becomes dense: its active voxels and one of background around them. --space index and --roi keep "
+              "the input's voxel coordinates, --error its voxels; those of --simplify are the grid's.");
   group.flag("--cap", flags.cap, "Close the surface where it leaves the data or the --roi.");
   declare_nan(group, flags.nan);
 }

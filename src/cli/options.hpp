@@ -55,6 +55,7 @@ struct RunFlags {
 struct SurfaceFlags {
   std::optional<Method> method;
   std::optional<Box> roi;
+  std::optional<glm::ivec3> resolution;
   bool cap = false;
   std::optional<NanPolicy> nan;
 };

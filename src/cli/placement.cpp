@@ -17,9 +17,11 @@ constexpr std::array kUnits{LengthUnit{"um", 1e-6}, LengthUnit{"mm", 1e-3},   Le
 constexpr double kVoxelTolerance = 1e-6;
 constexpr double kAxisTolerance = 1e-6;  // of an axis' length
 
-Box index_bounds(const ScalarField& field) {
+// The field's extents in world or voxel coordinates.
+Box bounds_in(const ScalarField& field, Space space) {
   const IndexBox extents = field.extents();
-  return {glm::dvec3(extents.min), glm::dvec3(extents.max)};
+  return image_of(space == Space::index ? field.index_to_file : field.index_to_world,
+                  {glm::dvec3(extents.min), glm::dvec3(extents.max)});
 }
 
 // Where samples are: sparse ones are everywhere, for the background is a value like any other.
@@ -33,7 +35,7 @@ IndexBox sample_box(const ScalarField& field) {
 std::span<const LengthUnit> length_units() { return kUnits; }
 
 Affine output_from_index(const ScalarField& field, const Placement& placement) {
-  if (placement.space == Space::index) return {};
+  if (placement.space == Space::index) return field.index_to_file;
   Affine map = scaling(glm::dvec3(placement.scale)).after(field.index_to_world);
   if (placement.turn_z_up_to_y_up) map = Affine{glm::dmat3(1, 0, 0, 0, 0, -1, 0, 1, 0), glm::dvec3(0)}.after(map);
   return map;
@@ -48,7 +50,7 @@ std::string describe(const Placement& placement) {
   return text;
 }
 
-Box world_bounds(const ScalarField& field) { return image_of(field.index_to_world, index_bounds(field)); }
+Box world_bounds(const ScalarField& field) { return bounds_in(field, Space::world); }
 
 bool is_axis_aligned(const Affine& index_to_world) {
   for (int column = 0; column < 3; ++column) {
@@ -60,7 +62,8 @@ bool is_axis_aligned(const Affine& index_to_world) {
 }
 
 Result<IndexBox> samples_in_box(const ScalarField& field, const Box& box, Space space) {
-  const Box wanted = space == Space::index ? box : image_of(field.index_to_world.inverse(), box);
+  const Affine& map = space == Space::index ? field.index_to_file : field.index_to_world;
+  const Box wanted = image_of(map.inverse(), box);
   const IndexBox stored = sample_box(field);
   const glm::dvec3 first(stored.min);
   const glm::dvec3 last(stored.max);
@@ -74,10 +77,9 @@ Result<IndexBox> samples_in_box(const ScalarField& field, const Box& box, Space 
   }
   for (int axis = 0; axis < 3; ++axis) {
     if (samples.max[axis] - samples.min[axis] >= 1) continue;
-    const Box bounds = space == Space::index ? index_bounds(field) : world_bounds(field);
     return fail(ErrorKind::input,
                 fmt::format("{}: --roi {} holds fewer than two samples along {}; the data is at {}", field.source,
-                            box_text(box), "xyz"[axis], box_text(bounds)),
+                            box_text(box), "xyz"[axis], box_text(bounds_in(field, space))),
                 space == Space::index ? "--roi is in voxel coordinates because of --space index"
                                       : "--roi is in the input's world coordinates, before --up, --scale and --unit");
   }

@@ -220,6 +220,7 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& flags) {
                  "give --backend gpu or --backend auto");
   }
   plan.roi = flags.surface.roi;
+  plan.resolution = flags.resolution;
   plan.simplify = flags.simplify;
   plan.empty = flags.empty.value_or(EmptyPolicy::error);
   plan.error = flags.error;

@@ -27,6 +27,7 @@ struct ConvertPlan {
   ReadOptions read;
   ExtractOptions extract;  // without iso, region and placement, which depend on the surface and the field
   std::optional<Box> roi;
+  std::optional<glm::ivec3> resolution;  // of the grid to extract from, in place of the input's own samples
   std::optional<SimplifyError> simplify;
   EmptyPolicy empty = EmptyPolicy::error;
   Placement placement;

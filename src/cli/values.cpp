@@ -64,6 +64,19 @@ Result<std::vector<int>> whole_numbers(std::string_view text, std::string_view e
   return numbers;
 }
 
+// Three whole numbers, none below `least`, as in 48,62,42 or 48x62x42.
+std::optional<glm::ivec3> whole_vector(std::string_view text, int least) {
+  const std::vector<std::string_view> parts = split(text, ",xX");
+  if (parts.size() != 3) return std::nullopt;
+  glm::ivec3 vector;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto number = whole_text_as<int>(parts[static_cast<std::size_t>(axis)]);
+    if (!number || *number < least) return std::nullopt;
+    vector[axis] = *number;
+  }
+  return vector;
+}
+
 // Letters to insert, remove, replace or swap to get from a to b.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::vector<std::size_t>> cost(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
@@ -137,16 +150,16 @@ Result<glm::dvec3> parse_spacing(std::string_view text) {
 }
 
 Result<glm::ivec3> parse_dims(std::string_view text) {
-  const auto bad = [&] { return expected_found("three whole numbers above 0, such as 48,62,42 or 48x62x42", text); };
-  const std::vector<std::string_view> parts = split(text, ",xX");
-  if (parts.size() != 3) return bad();
-  glm::ivec3 dims;
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto number = whole_text_as<int>(parts[static_cast<std::size_t>(axis)]);
-    if (!number || *number <= 0) return bad();
-    dims[axis] = *number;
-  }
-  return dims;
+  const auto dims = whole_vector(text, 1);
+  if (!dims) return expected_found("three whole numbers above 0, such as 48,62,42 or 48x62x42", text);
+  return *dims;
+}
+
+Result<glm::ivec3> parse_resolution(std::string_view text) {
+  if (const auto number = whole_text_as<int>(text); number && *number >= 2) return glm::ivec3(*number);
+  const auto resolution = whole_vector(text, 2);
+  if (!resolution) return expected_found("one or three whole numbers, 2 or above, such as 256 or 256,256,128", text);
+  return *resolution;
 }
 
 Result<Box> parse_box(std::string_view text) {

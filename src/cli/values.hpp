@@ -29,6 +29,7 @@ struct SimplifyError {
 [[nodiscard]] Result<glm::dvec3> parse_vector(std::string_view text);             // X,Y,Z
 [[nodiscard]] Result<glm::dvec3> parse_spacing(std::string_view text);            // SX,SY,SZ or one for all, above 0
 [[nodiscard]] Result<glm::ivec3> parse_dims(std::string_view text);               // NX,NY,NZ or NXxNYxNZ, above 0
+[[nodiscard]] Result<glm::ivec3> parse_resolution(std::string_view text);         // as dims or one for all, 2 or above
 [[nodiscard]] Result<Box> parse_box(std::string_view text);                       // X0,Y0,Z0,X1,Y1,Z1, min <= max
 [[nodiscard]] Result<int> parse_thread_count(std::string_view text);              // 1..1024
 [[nodiscard]] Result<std::uint64_t> parse_size(std::string_view text);            // bytes, with or without K, M, G, T

@@ -69,9 +69,10 @@ Result<void> check_cap_size(const ScalarField& field, const IndexBox& box, const
 }
 
 tl::unexpected<Error> nan_error(const ScalarField& field, std::uint64_t count, const glm::ivec3& first) {
+  const glm::dvec3 voxel = field.index_to_file(first);
   return fail(ErrorKind::input,
-              fmt::format("{}: {} of the samples {} not a number (NaN), the first at index ({}, {}, {})", field.source,
-                          count, count == 1 ? "is" : "are", first.x, first.y, first.z),
+              fmt::format("{}: {} of the samples {} not a number (NaN), the first at index ({:.10g}, {:.10g}, {:.10g})",
+                          field.source, count, count == 1 ? "is" : "are", voxel.x, voxel.y, voxel.z),
               "use --nan outside to take them as outside, or --nan hole to leave the surface open around them");
 }
 

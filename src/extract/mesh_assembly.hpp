@@ -33,6 +33,7 @@ struct MeshSizes {
 // What numbering the cap's vertices needs, held against the memory limit.
 [[nodiscard]] Result<void> check_cap_size(const ScalarField& field, const IndexBox& box, const ExtractOptions& options);
 
+// `first` is told as an index of the file.
 [[nodiscard]] tl::unexpected<Error> nan_error(const ScalarField& field, std::uint64_t count, const glm::ivec3& first);
 
 // Room for the surface and the cap; nothing is initialised.

@@ -151,6 +151,7 @@ Result<ScalarField> coarsen(const ScalarField& field, int factor, const Limits& 
   coarse.kind = field.kind;
   coarse.scale = field.scale;
   coarse.index_to_world = coarse_transform(field.index_to_world, factor);
+  coarse.index_to_file = coarse_transform(field.index_to_file, factor);
   coarse.samples = std::move(*samples);
   return coarse;
 }

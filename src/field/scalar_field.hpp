@@ -32,6 +32,8 @@ struct ScalarField {
   FieldKind kind = FieldKind::density;
   ValueScale scale;
   Affine index_to_world;  // of sample centres: index (i, j, k) is the position of that sample
+  Affine index_to_file;   // where that sample is among the file's, whose indices are voxel coordinates: the identity
+                          // unless the field was resampled or made coarser
   Samples samples;
   std::vector<std::string> notes;  // what the reader left out or assumed, one sentence each; `cli` shows them
 

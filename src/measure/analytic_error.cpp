@@ -110,17 +110,18 @@ bool is_similarity(const glm::dmat3& linear) {
 
 class AnalyticMeasurement {
  public:
-  AnalyticMeasurement(const Mesh& mesh, const ScalarField& field, const ExtractOptions& extracted,
-                      const AnalyticField& formula)
+  // `placed` is `mesh`, in the index space of `field`.
+  AnalyticMeasurement(const Mesh& mesh, const IndexMesh& placed, const ScalarField& field,
+                      const ExtractOptions& extracted, const AnalyticField& formula)
       : mesh_(mesh),
         extracted_(extracted),
-        placed_(mesh, field, extracted),
+        placed_(placed),
         closest_(formula, extracted.iso),
         step_(2.0 / (std::get<DenseSamples>(field.samples).dims.x - 1)),
         unit_(placed_.voxel() / step_),
         // Gradients are covectors; of a similarity the inverse transpose is the map itself, but for its scale.
         normal_map_((field.kind == FieldKind::density ? -1.0 : 1.0) / placed_.voxel() *
-                    extracted.output_from_index.linear) {}
+                    placed_.output_from_index().linear) {}
 
   AnalyticError run() {
     AnalyticError result;
@@ -161,7 +162,7 @@ class AnalyticMeasurement {
       return glm::dvec3(0);
     }
     const double distance = glm::length(foot.point - p);
-    sums.add({distance / step_, distance * unit_}, weight, extracted_.output_from_index(index));
+    sums.add({distance / step_, distance * unit_}, weight, placed_.output_from_index()(index));
     return glm::normalize(normal_map_ * foot.gradient);
   }
 
@@ -191,7 +192,7 @@ class AnalyticMeasurement {
 
   const Mesh& mesh_;
   const ExtractOptions& extracted_;
-  IndexMesh placed_;
+  const IndexMesh& placed_;
   ClosestPoint closest_;
   double step_;  // of the samples, in the formula's units
   double unit_;
@@ -201,10 +202,12 @@ class AnalyticMeasurement {
 }  // namespace
 
 std::optional<AnalyticError> measure_analytic_error(const Mesh& mesh, const ScalarField& field,
-                                                    const ExtractOptions& extracted) {
+                                                    const ExtractOptions& extracted, const ScalarField* grid) {
   const AnalyticField* formula = field.format == "demo" ? find_analytic_field(field.name) : nullptr;
-  if (formula == nullptr || !is_similarity(extracted.output_from_index.linear)) return std::nullopt;
-  return AnalyticMeasurement(mesh, field, extracted, *formula).run();
+  if (formula == nullptr) return std::nullopt;
+  const IndexMesh placed(mesh, field, extracted, grid);
+  if (!is_similarity(placed.output_from_index().linear)) return std::nullopt;
+  return AnalyticMeasurement(mesh, placed, field, extracted, *formula).run();
 }
 
 }  // namespace isoextract

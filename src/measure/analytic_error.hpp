@@ -33,10 +33,11 @@ struct AnalyticError {
   std::uint64_t cap_triangles = 0;  // in the volume only
 };
 
-// `extracted` is how `mesh` was extracted from `field`, which must be a demo field. Nothing where there is no formula,
-// or where the placement is more than a turn, a scale and a shift, so that it stretches distances. The same answer for
-// any number of threads.
+// `extracted` is how `mesh` was extracted from `field`, which must be a demo field, or from `grid` if there is one,
+// which resample() made of it. Nothing where there is no formula, or where the placement is more than a turn, a scale
+// and a shift, so that it stretches distances. The same answer for any number of threads.
 [[nodiscard]] std::optional<AnalyticError> measure_analytic_error(const Mesh& mesh, const ScalarField& field,
-                                                                  const ExtractOptions& extracted);
+                                                                  const ExtractOptions& extracted,
+                                                                  const ScalarField* grid = nullptr);
 
 }  // namespace isoextract

@@ -183,7 +183,7 @@ class FieldMeasurement {
         options_(options),
         chosen_(field, options.interpolation),
         trilinear_(field, Interpolation::trilinear),
-        placed_(mesh, field, extracted) {}
+        placed_(mesh, field, extracted, options.grid) {}
 
   FieldError run() {
     FieldError result;
@@ -208,7 +208,7 @@ class FieldMeasurement {
 
  private:
   [[nodiscard]] SurfaceProbe probe(const Interpolant& interpolant) const {
-    return {interpolant, field_, placed_.tolerance(), extracted_.output_from_index, extracted_.iso, options_.reach};
+    return {interpolant, field_, placed_.tolerance(), placed_.output_from_index(), extracted_.iso, options_.reach};
   }
 
   void measure_triangles(const PointRange& range, TriangleSums& sums) const {
@@ -233,7 +233,7 @@ class FieldMeasurement {
       if (surface_vertices_[v] == 0) continue;
       const glm::dvec3 index = placed_.vertex(v);
       chosen.measure(index, 1, sums.all);
-      if (placed_.on_axis_edge(index)) trilinear.measure(index, 1, sums.storage);
+      if (options_.grid == nullptr && placed_.on_axis_edge(index)) trilinear.measure(index, 1, sums.storage);
     }
   }
 

@@ -18,7 +18,8 @@ namespace isoextract {
 
 struct FieldErrorOptions {
   Interpolation interpolation = Interpolation::trilinear;  // whose isosurface is the truth
-  double reach = 1;                                        // voxels
+  double reach = 1;                                        // voxels of the field
+  const ScalarField* grid = nullptr;  // that the mesh was extracted from, if resample() made it of the field
   Progress* progress = nullptr;
 };
 
@@ -29,14 +30,16 @@ struct FieldError {
 
   // At vertices on edges along the samples' axes, against the trilinear interpolant, whose crossing there is exact:
   // what float32 positions and the margin at the ends of edges (extract/edge_geometry.hpp) cost. Marching tetrahedra
-  // have vertices on diagonals besides, where the interpolant is not linear; those are in `vertices` only.
+  // have vertices on diagonals besides, where the interpolant is not linear; those are in `vertices` only. Without
+  // points where the mesh is from another grid, whose edges are not the field's.
   ErrorStatistics storage;
 
   std::uint64_t cap_triangles = 0;  // not measured: they lie in the border of the data, not on the isosurface
 };
 
-// `extracted` is how `mesh` was extracted from `field`: iso value, placement, region and cap are taken from it. The
-// mesh may have fewer triangles since. The same answer for any number of threads.
+// `extracted` is how `mesh` was extracted, from `field` or from the grid in `options`: iso value, placement, region and
+// cap are taken from it. The mesh may have fewer triangles since. Voxels are those of `field`. The same answer for any
+// number of threads.
 [[nodiscard]] FieldError measure_field_error(const Mesh& mesh, const ScalarField& field,
                                              const ExtractOptions& extracted, const FieldErrorOptions& options);
 

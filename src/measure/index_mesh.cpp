@@ -5,23 +5,26 @@
 
 namespace isoextract {
 
-IndexMesh::IndexMesh(const Mesh& mesh, const ScalarField& field, const ExtractOptions& extracted)
-    : mesh_(mesh),
-      linear_(extracted.output_from_index.linear),
-      index_from_local_(glm::inverse(linear_)),
-      local_offset_(mesh.origin - extracted.output_from_index.offset) {
+IndexMesh::IndexMesh(const Mesh& mesh, const ScalarField& field, const ExtractOptions& extracted,
+                     const ScalarField* grid)
+    : mesh_(mesh) {
+  const ScalarField& from = grid != nullptr ? *grid : field;
+  const Affine field_from_grid = field.index_to_file.inverse().after(from.index_to_file);
+  output_from_index_ = extracted.output_from_index.after(field_from_grid.inverse());
+  index_from_local_ = glm::inverse(output_from_index_.linear);
+  local_offset_ = mesh.origin - output_from_index_.offset;
   const auto* sparse = std::get_if<SparseSamples>(&field.samples);
   const IndexBox samples = sparse != nullptr ? stored_box(*sparse) : field.extents();
   // Half of what keeps vertices off the ends of their edges: closer than that only rounding brings them.
-  tolerance_ = Placement(extracted.output_from_index, samples, field.kind, field.scale).margin() / 2;
+  tolerance_ = Placement(output_from_index_, samples, field.kind, field.scale).margin() / 2;
   if (!extracted.cap) return;
-  if (sparse != nullptr) {
-    cap_ = extracted.region;  // unbounded samples have no other border
-  } else if (!extracted.region) {
-    cap_ = samples;
-  } else {
-    cap_ = IndexBox{glm::max(samples.min, extracted.region->min), glm::min(samples.max, extracted.region->max)};
+  std::optional<IndexBox> cap = extracted.region;
+  // Unbounded samples have no other border.
+  if (std::holds_alternative<DenseSamples>(from.samples)) {
+    const IndexBox all = from.extents();
+    cap = cap ? IndexBox{glm::max(all.min, cap->min), glm::min(all.max, cap->max)} : all;
   }
+  if (cap) cap_ = image_of(field_from_grid, {glm::dvec3(cap->min), glm::dvec3(cap->max)});
 }
 
 std::vector<std::uint8_t> IndexMesh::surface_vertices() const {

@@ -16,8 +16,13 @@ namespace isoextract {
 
 class IndexMesh {
  public:
-  // `extracted` is how `mesh` was extracted from `field`. All three must outlive this.
-  IndexMesh(const Mesh& mesh, const ScalarField& field, const ExtractOptions& extracted);
+  // `extracted` is how `mesh` was extracted from `field`, or from `grid` if there is one, which resample() made of
+  // `field`. The mesh must outlive this.
+  IndexMesh(const Mesh& mesh, const ScalarField& field, const ExtractOptions& extracted,
+            const ScalarField* grid = nullptr);
+
+  // What places the mesh, from the indices of `field`.
+  [[nodiscard]] const Affine& output_from_index() const { return output_from_index_; }
 
   // The two large numbers of a far-away frame are subtracted first.
   [[nodiscard]] glm::dvec3 vertex(std::size_t v) const {
@@ -30,14 +35,15 @@ class IndexMesh {
 
   // Twice the triangle's area in the mesh's own coordinates, along its normal.
   [[nodiscard]] glm::dvec3 area_vector(const std::array<glm::dvec3, 3>& corners) const {
-    return glm::cross(linear_ * (corners[1] - corners[0]), linear_ * (corners[2] - corners[0]));
+    const glm::dmat3& linear = output_from_index_.linear;
+    return glm::cross(linear * (corners[1] - corners[0]), linear * (corners[2] - corners[0]));
   }
 
   // All corners in one face of the box that was capped.
   [[nodiscard]] bool is_cap(const std::array<glm::dvec3, 3>& corners) const {
     if (!cap_) return false;
     for (int axis = 0; axis < 3; ++axis) {
-      for (const int face : {cap_->min[axis], cap_->max[axis]}) {
+      for (const double face : {cap_->min[axis], cap_->max[axis]}) {
         if (std::ranges::all_of(corners, [&](const glm::dvec3& p) { return std::abs(p[axis] - face) < tolerance_; })) {
           return true;
         }
@@ -65,20 +71,21 @@ class IndexMesh {
   // coordinates.
   [[nodiscard]] double rounding() const {
     constexpr double kMarginAndRounding = 9.0 / 8;  // of the margin, which is eight times the rounding
-    const double longest = std::max({glm::length(linear_[0]), glm::length(linear_[1]), glm::length(linear_[2])});
+    const glm::dmat3& linear = output_from_index_.linear;
+    const double longest = std::max({glm::length(linear[0]), glm::length(linear[1]), glm::length(linear[2])});
     return kMarginAndRounding * 2 * tolerance_ * longest;
   }
 
   // About how long a voxel is in the mesh's coordinates: the side of a cube of its volume.
-  [[nodiscard]] double voxel() const { return std::cbrt(std::abs(glm::determinant(linear_))); }
+  [[nodiscard]] double voxel() const { return std::cbrt(std::abs(output_from_index_.determinant())); }
 
  private:
   const Mesh& mesh_;
-  glm::dmat3 linear_;
+  Affine output_from_index_;
   glm::dmat3 index_from_local_;
   glm::dvec3 local_offset_;
   double tolerance_;  // voxels
-  std::optional<IndexBox> cap_;
+  std::optional<Box> cap_;
 };
 
 }  // namespace isoextract

@@ -103,6 +103,19 @@ class ReportTest(ProgramTest):
         told = [line for line in run.err.splitlines() if line.startswith("  ") and ": " in line]
         self.assertEqual(len(told), len(facts))
 
+    def test_a_resolution_of_its_own(self):
+        report, run = self.report(SPHERE, "--iso", "0", "--resolution", "30,40,50", "--explain", "-o", "a.ply")
+        self.assertEqual(report["options"]["resolution"], [30, 40, 50])
+        self.assertEqual(report["input"]["dims"], [24, 24, 24])
+        self.assertEqual([stage["stage"] for stage in report["stages"]][:2], ["read", "resample"])
+        fact = self.fact(report["work"], "resolution")
+        self.assertEqual((fact["done"], fact["count"]), ("resampled", 30 * 40 * 50))
+        self.assertIn(f"  resampled: {fact['text']}\n", run.err)
+        self.assertIn("24 x 24 x 24 samples of f32 to 30 x 40 x 50 samples of f32", fact["text"])
+        for axis, count in enumerate((30, 40, 50)):
+            self.assertAlmostEqual(report["output_from_index"][axis][axis], 2 / (count - 1), delta=1e-12)
+        self.assertIsNone(self.report(SPHERE, "--iso", "0", "-o", "a.ply")[0]["options"]["resolution"])
+
     def test_input_facts_of_a_raw_file(self):
         self.write_raw("a.raw", (6, 5, 4), lambda x, y, z: x + y + z)
         report, _ = self.report("a.raw", "--dims", "6,5,4", "--dtype", "f32", "--iso", "3.5", "--spacing", "1,2,3",

@@ -22,6 +22,7 @@ TEST(Coarsen, KeepsALinearFieldWhereItWas) {
     const glm::dvec3 p(0.7, 0.4, 0.9);
     const glm::dvec3 fine = frame.inverse()(coarse.index_to_world(p));
     EXPECT_NEAR(at(p).value, fine.x + 10 * fine.y - 3 * fine.z, 1e-9);
+    EXPECT_NEAR(glm::length(coarse.index_to_file(p) - fine), 0, 1e-9);
   }
   EXPECT_EQ(coarsen(field, 8, default_limits()).error().kind, ErrorKind::input) << "one sample along z";
 }

@@ -1,1 +1,2 @@
-isoextract_unit_test(field coarsen_test.cpp demo_field_test.cpp interpolant_test.cpp statistics_test.cpp)
+isoextract_unit_test(field
+  coarsen_test.cpp demo_field_test.cpp interpolant_test.cpp resample_test.cpp statistics_test.cpp)

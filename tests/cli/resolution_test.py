@@ -1,0 +1,116 @@
+"""--resolution: a surface from a grid of another resolution than the input's, in the same place."""
+
+import math
+import re
+
+from support import SOURCE, SPHERE, ProgramTest, main, read_ply
+
+METABALLS = SOURCE / "samples" / "metaballs.vdb"
+COARSE = "demo:sphere?size=9"
+
+
+class ResolutionTest(ProgramTest):
+    def mesh(self, *arguments, name="a.ply"):
+        self.convert(*arguments, "-o", name)
+        return read_ply((self.folder / name).read_bytes())
+
+    def rms(self, err):
+        return float(re.search(r"interpolant: rms (\S+),", err).group(1))
+
+    def assert_same_place(self, a, b, tolerance):
+        for low, high in zip(a.bounds(), b.bounds()):
+            for x, y in zip(low, high):
+                self.assertAlmostEqual(x, y, delta=tolerance)
+
+    def test_the_own_resolution_changes_nothing(self):
+        self.mesh(SPHERE, "--iso", "0", name="a.ply")
+        run = self.convert(SPHERE, "--iso", "0", "--resolution", "24", "--explain", "-o", "b.ply")
+        self.assertEqual((self.folder / "a.ply").read_bytes(), (self.folder / "b.ply").read_bytes())
+        self.assertIn("left out: resampling: the data have that resolution", run.err)
+
+    def test_finer_coarser_and_uneven_grids_keep_the_place(self):
+        placed = ("--spacing", "0.5,2,1", "--origin", "10,-20,3e3")
+        for space in ((), ("--space", "index")):
+            own = self.mesh(SPHERE, "--iso", "0", *placed, *space)
+            for resolution in ("48", "30,50,24", "61x23x40"):
+                other = self.mesh(SPHERE, "--iso", "0", *placed, *space, "--resolution", resolution)
+                self.assertNotEqual(len(own.triangles), len(other.triangles))
+                self.assertEqual(other.open_edges(), 0)
+                self.assert_same_place(own, other, 0.1)
+
+    def test_error_is_that_against_the_data_and_falls(self):
+        errors = [self.rms(self.convert(COARSE, "--iso", "0", "--error", "--resolution", n, "-o", "a.ply").err)
+                  for n in (33, 65, 129)]
+        for coarse, fine in zip(errors, errors[1:]):
+            self.assertTrue(1.7 < math.log2(coarse / fine) < 2.3, errors)
+        self.assertLess(errors[0], self.rms(self.convert(COARSE, "--iso", "0", "--error", "-o", "a.ply").err))
+        # Coarser than the data: voxels of error, but all of it measured.
+        coarse = self.convert("demo:torus?size=65", "--iso", "0", "--error", "--resolution", "9", "-o", "a.ply").err
+        self.assertGreater(self.rms(coarse), 0.5)
+        self.assertNotIn("not in this", coarse)
+        self.assertIn("against the formula", coarse)
+
+    def test_roi_and_cap(self):
+        for space, roi in ((), "-1,-1,-1,0,1,1"), (("--space", "index"), "0,0,0,4,8,8"):
+            half = self.mesh(COARSE, "--iso", "0", *space, "--resolution", "33", "--roi", roi, "--cap")
+            whole = self.mesh(COARSE, "--iso", "0", *space, "--resolution", "33")
+            self.assertEqual(half.open_edges(), 0)
+            self.assertAlmostEqual(half.volume() / whole.volume(), 0.5, delta=1e-3)
+            self.assertAlmostEqual(half.bounds()[1][0], 4 if space else 0, delta=1e-5)
+        run = self.run_program(COARSE, "--iso", "0", "--resolution", "33", "--roi", "9,9,9,10,10,10", "--space", "index")
+        self.assert_fails(2, run, "the data is at (0, 0, 0) .. (8, 8, 8)")
+
+    def test_simplify_means_voxels_of_the_grid(self):
+        run = self.convert("demo:sphere?size=25", "--iso", "0", "--resolution", "49", "--simplify", "0.2", "-o", "a.ply")
+        found = re.search(r"measured \S+ to (\S+) voxels, in the mesh's units \S+ to (\S+);", run.err)
+        self.assertAlmostEqual(float(found.group(2)) / float(found.group(1)), 2 / 48, delta=1e-4)
+
+    def test_a_sparse_grid_becomes_dense_and_says_so(self):
+        sparse = self.mesh(METABALLS, "--iso", "0.5")
+        run = self.convert(METABALLS, "--iso", "0.5", "--resolution", "80,90,100", "--error", "-o", "b.ply")
+        self.assertRegex(run.err, r"note: .*its sparse samples become 80 x 90 x 100 samples of f32 \(2\.75 MiB\), which "
+                                  r"cover the voxels \(.*\) \.\. \(.*\)\n")
+        self.assertNotIn("not in this", run.err)
+        dense = read_ply((self.folder / "b.ply").read_bytes())
+        self.assertEqual(dense.open_edges(), 0)
+        self.assertAlmostEqual(dense.volume() / sparse.volume(), 1, delta=0.02)
+        self.assert_same_place(sparse, dense, 0.1 * max(sparse.bounds()[1]))
+
+    def test_nan(self):
+        self.write_raw("nan.raw", (6, 6, 6), lambda x, y, z: math.nan if (x, y, z) == (3, 3, 3) else x - 2.4)
+        raw = ("nan.raw", "--dims", "6,6,6", "--dtype", "f32", "--iso", "0", "--resolution", "11")
+        self.assert_fails(2, self.run_program(*raw), "the first at index (2.5, 2.5, 2.5)", "--nan")
+        hole = self.mesh(*raw, "--nan", "hole")
+        self.assertAlmostEqual(sum(abs(x - 2.4) for x, _, _ in hole.vertices), 0, delta=1e-4)
+        self.assertGreater(hole.open_edges(), 4 * 10)
+
+    def test_streams_and_threads(self):
+        arguments = ("demo:gyroid?size=20", "--iso", "0", "--resolution", "41,33,50", "--format", "ply", "-o", "-", "-q")
+        one, three = (self.convert(*arguments, "--threads", n) for n in (1, 3))
+        self.assertEqual((one.err, one.out), ("", three.out))
+        self.assertGreater(len(read_ply(one.out).triangles), 1000)
+
+    def test_bad_values(self):
+        for value in ("1", "0", "-4", "4,4", "4,1,4", "4,4,4,4", "4.5", "", "x", "4,,4", "99999999999"):
+            run = self.run_program(SPHERE, "--iso", "0", "--resolution", value)
+            self.assert_fails(1, run, "--resolution: expected one or three whole numbers, 2 or above", f"'{value}'")
+
+    def test_what_cannot_be_resampled(self):
+        self.write_raw("flat.raw", (4, 4, 1), lambda x, y, z: x)
+        flat = ("flat.raw", "--dims", "4,4,1", "--dtype", "f32", "--iso", "1.5", "-o", "a.ply")
+        self.assert_fails(2, self.run_program(*flat), "at least 2 samples along each axis, found 4 x 4 x 1")
+        self.assert_fails(2, self.run_program(*flat, "--resolution", "8"),
+                          "at least 2 samples along each axis, found 4 x 4 x 1")
+        for resolution, size in (("1000", "3.73 GiB"), ("2147483647", "")):
+            run = self.run_program(SPHERE, "--iso", "0", "--resolution", resolution, "--memory-limit", "1G", "-o", "a.ply")
+            self.assert_fails(2, run, f"{resolution} x {resolution} x {resolution} samples of f32 need", size,
+                              "--memory-limit")
+        # A ball that falls between the samples.
+        run = self.run_program(SPHERE, "--iso", "0.6", "--resolution", "2", "-o", "a.ply")
+        self.assert_fails(2, run, "no surface at iso 0.6 on the grid of --resolution")
+        self.assertEqual(self.files(), ["flat.raw"])
+        self.convert(SPHERE, "--iso", "0.6", "--resolution", "2", "--empty", "skip", "-o", "a.ply")
+
+
+if __name__ == "__main__":
+    main()

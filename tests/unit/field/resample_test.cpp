@@ -1,0 +1,230 @@
+#include "field/resample.hpp"
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "field/interpolant.hpp"
+#include "support/fields.hpp"
+
+namespace isoextract {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+const DenseSamples& dense_samples(const ScalarField& field) { return std::get<DenseSamples>(field.samples); }
+
+ScalarField resampled(const ScalarField& field, const glm::ivec3& resolution) {
+  ScalarField result = resample(field, resolution, default_limits()).value();
+  EXPECT_EQ(dense_samples(result).dims, resolution);
+  return result;
+}
+
+// As it is stored, whatever the type.
+double sample_at(const ScalarField& field, const glm::ivec3& p) {
+  const DenseSamples& samples = dense_samples(field);
+  const glm::i64vec3 dims(samples.dims);
+  return visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) {
+    return static_cast<double>(static_cast<const T*>(samples.data)[p.x + dims.x * (p.y + dims.y * p.z)]);
+  });
+}
+
+template <class F>
+void for_each_sample(const glm::ivec3& dims, const F& visit) {
+  for (int k = 0; k < dims.z; ++k) {
+    for (int j = 0; j < dims.y; ++j) {
+      for (int i = 0; i < dims.x; ++i) visit(glm::ivec3(i, j, k));
+    }
+  }
+}
+
+// A row of four samples along x, in a field that is constant along y and z, at another resolution along x.
+std::vector<double> row_of(const std::vector<double>& samples, int count) {
+  const ScalarField field = test::dense_field<double>(
+      {static_cast<int>(samples.size()), 2, 2}, [&](int i, int, int) { return samples[static_cast<std::size_t>(i)]; });
+  const ScalarField result = resampled(field, {count, 3, 5});
+  std::vector<double> row;
+  for (int i = 0; i < count; ++i) row.push_back(sample_at(result, {i, 1, 3}));
+  return row;
+}
+
+TEST(Resample, ToItsOwnResolutionSharesTheSamples) {
+  ScalarField field = test::random_field<std::uint16_t>({5, 6, 7}, 1, 60000);
+  field.notes = {"was shown when it was read"};
+  field.scale = {-2, 1};
+  const ScalarField same = resampled(field, {5, 6, 7});
+  EXPECT_EQ(dense_samples(same).data, dense_samples(field).data);
+  EXPECT_EQ(same.type(), SampleType::u16);
+  EXPECT_EQ(same.index_to_world, field.index_to_world);
+  EXPECT_EQ(same.index_to_file, Affine());
+  EXPECT_TRUE(same.notes.empty());
+}
+
+// Every type; whatever bits the samples have, NaN and -0 included, new samples on old ones have them too.
+TEST(Resample, AtOldSamplesHasTheirExactValues) {
+  for (const SampleType type : {SampleType::u8, SampleType::i8, SampleType::u16, SampleType::i16, SampleType::u32,
+                                SampleType::i32, SampleType::f16, SampleType::f32, SampleType::f64}) {
+    visit_sample_type(type, [&]<class T>(std::type_identity<T>) {
+      const ScalarField field = test::dense_field<T>({4, 5, 3}, [](int i, int j, int k) -> double {
+        if (is_floating_sample<T> && i == 1) return j == 1 ? kNaN : j == 2 ? -kInfinity : j == 3 ? kInfinity : -0.0;
+        if (sizeof(T) == 4 && std::is_integral_v<T>) return 2147483647 - i - 10 * j - 100 * k;
+        return i + 7 * j + 20 * k;
+      });
+      const ScalarField finer = resampled(field, {10, 9, 7});
+      const bool is_double = type == SampleType::f64 || type == SampleType::u32 || type == SampleType::i32;
+      EXPECT_EQ(finer.type(), is_double ? SampleType::f64 : SampleType::f32);
+      for_each_sample({4, 5, 3}, [&](const glm::ivec3& p) {
+        EXPECT_EQ(std::bit_cast<std::uint64_t>(sample_at(finer, p * glm::ivec3(3, 2, 3))),
+                  std::bit_cast<std::uint64_t>(sample_at(field, p)));
+      });
+    });
+  }
+}
+
+// What is linear along each axis, products included, keeps its value at every place of the world, in a rotated, sheared
+// and mirrored frame and with a value scale; finer, coarser, and without a common sample.
+TEST(Resample, KeepsATrilinearFieldWhereItWas) {
+  const Affine frame{glm::dmat3(-2, 0.3, 0, 0.5, 1, 0.2, 0, -0.4, 0.1), glm::dvec3(5, -3, 1e4)};
+  const auto f = [](const glm::dvec3& p) { return 1 + 2 * p.x - p.y + 0.5 * p.x * p.y * p.z - 3 * p.y * p.z; };
+  ScalarField field = test::dense_field<double>({9, 8, 5}, [&](int i, int j, int k) { return f({i, j, k}); });
+  field.index_to_world = frame;
+  field.index_to_file = scaling({2, 2, 2});
+  field.scale = {-3, 7};
+  for (const glm::ivec3& resolution : {glm::ivec3(17, 31, 6), {2, 2, 2}, {64, 3, 5}, {10, 7, 130}}) {
+    const ScalarField other = resampled(field, resolution);
+    EXPECT_EQ(other.scale.slope, -3);
+    for_each_sample(resolution, [&](const glm::ivec3& p) {
+      const glm::dvec3 old = glm::dvec3(p) * glm::dvec3(8, 7, 4) / glm::dvec3(resolution - 1);
+      ASSERT_NEAR(sample_at(other, p), f(old), 1e-11);
+      ASSERT_NEAR(glm::length(other.index_to_world(p) - frame(old)), 0, 1e-11);
+      ASSERT_NEAR(glm::length(other.index_to_file(p) - 2.0 * old), 0, 1e-11);
+    });
+  }
+}
+
+TEST(Resample, IsTheTrilinearInterpolant) {
+  const ScalarField field = test::random_field<float>({6, 7, 8}, 5, 1000);
+  const ScalarField other = resampled(field, {23, 5, 12});
+  const Interpolant interpolant(field, Interpolation::trilinear);
+  Interpolant::Cursor at(interpolant);
+  for_each_sample({23, 5, 12}, [&](const glm::ivec3& p) {
+    ASSERT_NEAR(sample_at(other, p), at(glm::dvec3(p) * glm::dvec3(5, 6, 7) / glm::dvec3(22, 4, 11)).value, 1e-4);
+  });
+}
+
+TEST(Resample, OnlyNeighboursThatCountHaveASay) {
+  EXPECT_EQ(row_of({1, kInfinity, 3, 4}, 4)[0], 1);
+  const std::vector<double> row = row_of({1, kInfinity, 3, -kInfinity, kNaN, 6, 7}, 13);
+  EXPECT_EQ(row[0], 1);
+  EXPECT_EQ(row[1], kInfinity);
+  EXPECT_EQ(row[2], kInfinity);
+  EXPECT_EQ(row[3], kInfinity);
+  EXPECT_EQ(row[4], 3);
+  EXPECT_EQ(row[5], -kInfinity);
+  EXPECT_EQ(row[6], -kInfinity);
+  for (const int nan : {7, 8, 9}) EXPECT_TRUE(std::isnan(row[static_cast<std::size_t>(nan)]));
+  EXPECT_EQ(row[10], 6);
+  EXPECT_EQ(row[11], 6.5);
+  EXPECT_EQ(row[12], 7) << "nothing lies beyond the last sample";
+  EXPECT_TRUE(std::isnan(row_of({-kInfinity, kInfinity}, 3)[1])) << "no value lies between both infinities";
+}
+
+TEST(Resample, StaysBetweenItsNeighboursAtTheEdgesOfTheRange) {
+  constexpr double kMost = std::numeric_limits<double>::max();
+  for (const double most : {kMost, 3e38, 5e-324}) {
+    double before = -most;
+    for (const double value : row_of({-most, most}, 100)) {
+      EXPECT_GE(value, before);
+      EXPECT_LE(value, most);
+      before = value;
+    }
+    for (const double value : row_of({most, most, most}, 100)) EXPECT_EQ(value, most);
+  }
+  const ScalarField extreme = test::dense_field<float>({3, 3, 3}, [](int i, int j, int k) {
+    return (i + j + k) % 2 == 0 ? std::numeric_limits<float>::max() : -std::numeric_limits<float>::max();
+  });
+  const ScalarField finer = resampled(extreme, {8, 9, 10});
+  for_each_sample({8, 9, 10}, [&](const glm::ivec3& p) { EXPECT_TRUE(std::isfinite(sample_at(finer, p))); });
+}
+
+TEST(Resample, SparseIsDenseOverTheBoxOfWhatIsNotBackground) {
+  const ScalarField dense = test::dense_field<std::int16_t>({32, 24, 40}, [](int i, int j, int k) {
+    const bool margin = std::min({i, j, k}) < 2 || i > 29 || j > 21 || k > 37;
+    return margin ? -3 : i >= 16 && i < 24 && j < 16 ? 7 : (i * 7 + j * 3 + k * 11) % 100;
+  });
+  ScalarField sparse = test::sparse_copy<std::int16_t>(dense, -3);
+  ASSERT_FALSE(std::get<SparseSamples>(sparse.samples).tiles.empty());
+  // Whether a voxel is active plays no part in extraction, and so in none of this.
+  std::get<SparseSamples>(sparse.samples).active_box = {glm::ivec3(5), glm::ivec3(6)};
+  const ScalarField own = resampled(sparse, {30, 22, 38});
+  ASSERT_EQ(own.notes.size(), 1U);
+  EXPECT_NE(own.notes[0].find("30 x 22 x 38 samples of f32 (98 KiB)"), std::string::npos) << own.notes[0];
+  EXPECT_NE(own.notes[0].find("(1, 1, 1) .. (30, 22, 38)"), std::string::npos) << own.notes[0];
+  EXPECT_EQ(own.index_to_file(glm::dvec3(0)), glm::dvec3(1));
+  for_each_sample({30, 22, 38}, [&](const glm::ivec3& p) { ASSERT_EQ(sample_at(own, p), sample_at(dense, p + 1)); });
+
+  const ScalarField finer = resampled(sparse, {61, 11, 50});
+  const Interpolant interpolant(sparse, Interpolation::trilinear);
+  Interpolant::Cursor at(interpolant);
+  for_each_sample({61, 11, 50}, [&](const glm::ivec3& p) {
+    ASSERT_NEAR(sample_at(finer, p), at(finer.index_to_file(p)).value, 1e-5);
+  });
+}
+
+TEST(Resample, SparseTakesNegativeIndicesTilesAndNothingAtAll) {
+  SparseSamples samples;
+  const std::vector<float> ones(512, 1.0F);
+  samples.blocks = {{glm::ivec3(-8), ones.data()}};
+  samples.tiles = {{glm::ivec3(16, 0, 0), 16, 3.0}};
+  samples.background = 0.5;
+  ScalarField field;
+  field.samples = samples;
+  const ScalarField own = resampled(field, {42, 26, 26});
+  EXPECT_EQ(own.index_to_world(glm::dvec3(0)), glm::dvec3(-9));
+  for_each_sample({42, 26, 26}, [&](const glm::ivec3& p) {
+    const glm::ivec3 q = p - 9;
+    const auto within = [&](int low, int high) {
+      return glm::all(glm::greaterThanEqual(q, glm::ivec3(low))) && glm::all(glm::lessThan(q, glm::ivec3(high)));
+    };
+    const bool in_tile = q.x >= 16 && q.x < 32 && q.y >= 0 && q.y < 16 && q.z >= 0 && q.z < 16;
+    ASSERT_EQ(sample_at(own, p), in_tile ? 3 : within(-8, 0) ? 1 : 0.5);
+  });
+
+  field.samples = SparseSamples{};
+  const ScalarField nothing = resampled(field, {2, 3, 4});
+  for_each_sample({2, 3, 4}, [&](const glm::ivec3& p) { EXPECT_EQ(sample_at(nothing, p), 0); });
+}
+
+TEST(Resample, SaysWhatItCannotDo) {
+  const ScalarField field = test::dense_field<float>({4, 4, 4}, [](int i, int, int) { return i; });
+  EXPECT_EQ(resample(field, {4, 1, 4}, default_limits()).error().kind, ErrorKind::usage);
+  const ScalarField flat = test::dense_field<float>({4, 4, 1}, [](int i, int, int) { return i; });
+  EXPECT_EQ(resample(flat, {4, 4, 4}, default_limits()).error().kind, ErrorKind::input);
+  const Error large = resample(field, {100, 100, 100}, Limits{4'000'000 - 1}).error();
+  EXPECT_EQ(large.kind, ErrorKind::input);
+  EXPECT_NE(large.hint.find("--memory-limit"), std::string::npos);
+  EXPECT_TRUE(resample(field, {100, 100, 100}, Limits{4'000'000}));
+  EXPECT_TRUE(resample(field, {4, 4, 4}, Limits{0})) << "nothing is allocated";
+  const int most = std::numeric_limits<int>::max();
+  EXPECT_EQ(resample(field, glm::ivec3(most), Limits{1ULL << 62}).error().kind, ErrorKind::input);
+}
+
+TEST(Resample, IsTheSameForAnyNumberOfThreads) {
+  const ScalarField field = test::random_field<float>({20, 30, 10}, 9, 1000);
+  std::vector<ScalarField> results;
+  for (const std::size_t threads : {1, 2, 5}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    results.push_back(resampled(field, {31, 150, 17}));
+    EXPECT_EQ(std::memcmp(dense_samples(results[0]).data, dense_samples(results.back()).data,
+                          dense_samples(results[0]).count() * sizeof(float)),
+              0);
+  }
+}
+
+}  // namespace
+}  // namespace isoextract
