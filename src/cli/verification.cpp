@@ -30,7 +30,7 @@ Result<VerificationRecord> compare_backends(const ScalarField& field, const Extr
   record.iso = options.iso;
   record.backends = {std::string(first.name()), std::string(second.name())};
   record.differences = differences(*comparison, {record.backends[0], record.backends[1]});
-  record.comparison = std::move(*comparison);
+  record.comparison = *comparison;
   record.time = watch.elapsed();
   return record;
 }

@@ -155,12 +155,11 @@ Nearest nearest_to(const glm::dvec3& place, const glm::dvec3& allowed, const Pla
         const glm::ivec3 cell(x, y, z);
         const auto all = buckets.at(cells.bucket_of(cell));
         const auto order = [](const glm::ivec3& c) { return std::tuple(c.x, c.y, c.z); };
-        const auto in_cell =
-            std::ranges::equal_range(all, order(cell), {}, [&](const PlacedVertex& v) { return order(v.cell); });
-        for (const PlacedVertex& v : in_cell) {
-          const double share = largest((places.place(v.stored) - place) / allowed);
-          if (share > 1 || std::tie(share, v.vertex) >= std::tie(nearest.share, nearest.vertex)) continue;
-          nearest = {v.vertex, share};
+        auto v = std::ranges::lower_bound(all, order(cell), {}, [&](const PlacedVertex& p) { return order(p.cell); });
+        for (; v != all.end() && v->cell == cell; ++v) {
+          const double share = largest((places.place(v->stored) - place) / allowed);
+          if (share > 1 || std::tie(share, v->vertex) >= std::tie(nearest.share, nearest.vertex)) continue;
+          nearest = {v->vertex, share};
         }
       }
     }
