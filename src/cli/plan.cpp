@@ -220,7 +220,7 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& flags) {
                  "give --backend gpu or --backend auto");
   }
   plan.roi = flags.surface.roi;
-  plan.resolution = flags.resolution;
+  plan.resolution = flags.surface.resolution;
   plan.simplify = flags.simplify;
   plan.empty = flags.empty.value_or(EmptyPolicy::error);
   plan.error = flags.error;
@@ -273,6 +273,7 @@ Result<VerifyPlan> plan_verify(const VerifyFlags& flags) {
   plan.extract.smooth_normals = !plan.mesh;
   plan.extract.edge_keys = !plan.mesh;
   plan.roi = flags.surface.roi;
+  plan.resolution = flags.surface.resolution;
   plan.json = flags.json;
   return plan;
 }

@@ -55,6 +55,7 @@ struct VerifyPlan {
   ReadOptions read;
   ExtractOptions extract;  // without region and placement, which depend on the field
   std::optional<Box> roi;
+  std::optional<glm::ivec3> resolution;
   Placement placement;
   GpuOptions gpu;
   bool float32_world = false;  // the mesh's format has float32 world coordinates only

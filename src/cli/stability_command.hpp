@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/error.hpp"
+#include "cli/messages.hpp"
 #include "cli/options.hpp"
 
 namespace isoextract {

@@ -12,6 +12,7 @@
 #include "cli/layout.hpp"
 #include "cli/progress_bar.hpp"
 #include "cli/verification.hpp"
+#include "field/resample.hpp"
 #include "io/mesh_reader.hpp"
 #include "measure/mesh_match.hpp"
 
@@ -31,6 +32,11 @@ Result<Source> read_source(const VerifyPlan& plan, const Messages& messages, Pro
   auto field = read_volume(plan.input, read);
   if (!field) return tl::unexpected(std::move(field.error()));
   for (const std::string& note : field->notes) messages.note(note);
+  if (plan.resolution) {
+    field = resample(*field, *plan.resolution, plan.read.limits, progress);
+    if (!field) return tl::unexpected(std::move(field.error()));
+    for (const std::string& note : field->notes) messages.note(note);
+  }
   auto placed = place_field(*field, plan.placement, plan.roi);
   if (!placed) return tl::unexpected(std::move(placed.error()));
   for (const std::string& note : placed->notes) messages.note(note);
