@@ -58,7 +58,7 @@ list() { LD_TRACE_LOADED_OBJECTS=1 "$1" --library-path "$2" --preload "$graphics
 loader=$bundled
 path=$lib/glibc:$lib$spare
 if [ "${ISOEXTRACT_LIBRARIES-}" != bundled ] && [ -x "$host" ] &&
-  found=$(list "$host" "$lib$spare:$lib/egl:$lib/opengl"); then
+  found=$(list "$host" "$lib$spare:$lib/egl:$lib/opengl$more"); then
   case $found in
     *'not found'*) ;;
     *'libc.so.6 => /'*) loader=$host path=$lib ;;
