@@ -136,13 +136,13 @@ class PortableTest(ProgramTest):
             self.skipTest("neither chroot nor unshare is allowed here")
         root = self.packed.parents[1]
         (root / "bin").mkdir()
-        (root / "work").mkdir()
+        (root / "volumes").mkdir()
         shutil.copy(os.path.realpath("/bin/sh"), root / "bin" / "sh")
-        shutil.copy(SAMPLE, root / "work")
+        shutil.copy(SAMPLE, root / "volumes")
         listing = subprocess.run([LOADER, "--list", "/bin/sh"], capture_output=True, text=True, check=True).stdout
         if len(re.findall("=> /", listing)) != 1:
             self.skipTest("the shell of this machine needs more than the C library")
-        arguments = ["/opt/isoextract/isoextract", "/work/metaballs.vdb", "--iso", "0.5", "-o", "/work/out.glb"]
+        arguments = ["/opt/isoextract/isoextract", "/volumes/metaballs.vdb", "--iso", "0.5", "-o", "/volumes/out.glb"]
         expected = self.plain_mesh()
 
         # No C library at all: the shell itself is started with the folder's.
@@ -150,8 +150,8 @@ class PortableTest(ProgramTest):
         run = self.launch(*arguments, command=[*change, root, f"{glibc}/ld-linux-x86-64.so.2", "--library-path", glibc,
                                                "/bin/sh"])
         self.assertEqual(run.code, 0, run.err)
-        self.assertEqual((root / "work" / "out.glb").read_bytes(), expected)
-        (root / "work" / "out.glb").unlink()
+        self.assertEqual((root / "volumes" / "out.glb").read_bytes(), expected)
+        (root / "volumes" / "out.glb").unlink()
 
         # A C library that is new enough, and nothing beside it.
         (root / "lib64").mkdir()
@@ -163,7 +163,7 @@ class PortableTest(ProgramTest):
         environment = {**os.environ, "LD_LIBRARY_PATH": "/lib64"}
         run = self.launch(*arguments, command=[*change, root], env=environment)
         self.assertEqual(run.code, 0, run.err)
-        self.assertEqual((root / "work" / "out.glb").read_bytes(), expected)
+        self.assertEqual((root / "volumes" / "out.glb").read_bytes(), expected)
 
     def test_a_folder_of_somebody_else_is_left_alone(self):
         (self.folder / "mine").mkdir()
