@@ -6,3 +6,11 @@ foreach(name usage surface placement output streams info compare simplify resolu
     ENVIRONMENT "ISOEXTRACT_PROGRAM=$<TARGET_FILE:isoextract>;ISOEXTRACT_SOURCE_DIR=${PROJECT_SOURCE_DIR}"
     TIMEOUT 120)
 endforeach()
+
+# Sanitizers want to be the first library of a process, which is not what the folder is about.
+if(NOT ISOEXTRACT_SANITIZE)
+  add_test(NAME cli.portable COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_CURRENT_SOURCE_DIR}/cli/portable_test.py)
+  set_tests_properties(cli.portable PROPERTIES
+    ENVIRONMENT "ISOEXTRACT_PROGRAM=$<TARGET_FILE:isoextract>;ISOEXTRACT_SOURCE_DIR=${PROJECT_SOURCE_DIR}"
+    TIMEOUT 300)
+endif()

@@ -1,0 +1,40 @@
+#!/usr/bin/env bash
+# For sourcing: run and portable use it to bring the program of preset release up to date. Standard output stays empty.
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
+build=$root/build/release
+
+say() { printf 'isoextract: %s\n' "$*" >&2; }
+
+# On a terminal a command's output shows as it comes, elsewhere only if the command fails.
+quietly() {
+  if [ -t 2 ]; then
+    "$@" >&2
+  elif ! "$@" >"$build/build.log" 2>&1; then
+    tail -n 60 "$build/build.log" >&2
+    return 1
+  fi
+}
+
+bring_up_to_date() {
+  if [ -f "$build/build.ninja" ]; then
+    case $(ninja -C "$build" -n isoextract 2>/dev/null) in
+      *"no work to do"*) return ;;
+    esac
+  fi
+  "$root/scripts/setup.sh" build || return
+  cd "$root" || return
+  say "building the program in build/release; the first time takes some minutes"
+  quietly cmake --preset release || return
+  quietly cmake --build --preset release
+}
+
+# Installs and builds what is missing; ends the script with 3 if that fails.
+build_release() {
+  mkdir -p "$build"
+  # One build at a time where several are started at once; the lock ends with the subshell.
+  if ! (flock 9 && bring_up_to_date) 9>"$build/.lock"; then
+    say "the program could not be built"
+    exit 3
+  fi
+}
