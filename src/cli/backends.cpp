@@ -34,9 +34,10 @@ Result<std::vector<NamedBackend>> parse_backends(std::string_view text) {
   std::vector<NamedBackend> backends;
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t end = std::min(text.find(',', begin), text.size());
-    NamedBackend backend{std::string(text.substr(begin, end - begin)), {}};
+    NamedBackend backend{std::string(text.substr(begin, end - begin)), {}, {}};
     backend.choice.backend = backend.name == "cpu" ? Backend::cpu : Backend::gpu;
     backend.choice.gpu.tessellation = backend.name != "gpu:points";
+    if (!backend.choice.gpu.tessellation) backend.only = Method::mc;
     backend.choice.gpu.swizzle = backend.name != "gpu:rows";
     constexpr std::array<std::string_view, 4> kNames{"cpu", "gpu", "gpu:points", "gpu:rows"};
     const bool known = std::ranges::find(kNames, backend.name) != kNames.end();

@@ -26,6 +26,7 @@ struct BackendChoice {
 struct NamedBackend {
   std::string name;
   BackendChoice choice;
+  std::optional<Method> only;  // the method that it is a variant of
 };
 
 // Names separated by commas, each once. Fails with ErrorKind::usage.

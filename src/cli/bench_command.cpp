@@ -78,17 +78,17 @@ class Bench {
   // Those that were asked for; otherwise the CPU, and a GPU that is not software.
   Result<void> open_backends() {
     if (!plan_.backends) {
-      options_.backends.push_back({"cpu", make_cpu_extractor()});
+      options_.backends.push_back({"cpu", make_cpu_extractor(), {}});
       auto gpu = open_backend({Backend::automatic, plan_.gpu});
       if (gpu && gpu->extractor->name() == backend_name(Backend::gpu)) {
-        options_.backends.push_back({"gpu", std::move(gpu->extractor)});
+        options_.backends.push_back({"gpu", std::move(gpu->extractor), {}});
       }
       return {};
     }
     for (const NamedBackend& backend : *plan_.backends) {
       auto opened = open_backend(backend.choice);
       if (!opened) return tl::unexpected(opened.error());
-      options_.backends.push_back({backend.name, std::move(opened->extractor)});
+      options_.backends.push_back({backend.name, std::move(opened->extractor), backend.only});
     }
     return {};
   }

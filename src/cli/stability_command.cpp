@@ -19,16 +19,17 @@ namespace {
 struct OpenBackend {
   std::string name;
   std::unique_ptr<Extractor> extractor;
+  std::optional<Method> only;
 };
 
 // Those that were asked for; otherwise the CPU, and a GPU where there is one.
 Result<std::vector<OpenBackend>> open_backends(const StabilityFlags& flags, const Messages& messages) {
   std::vector<OpenBackend> backends;
   if (!flags.backends) {
-    backends.push_back({"cpu", make_cpu_extractor()});
+    backends.push_back({"cpu", make_cpu_extractor(), {}});
     auto gpu = make_gpu_extractor(plan_gpu(flags.device));
     if (gpu) {
-      backends.push_back({"gpu", std::move(gpu->extractor)});
+      backends.push_back({"gpu", std::move(gpu->extractor), {}});
     } else {
       messages.note(fmt::format("without gpu, because {}", gpu.error().message));
     }
@@ -37,7 +38,7 @@ Result<std::vector<OpenBackend>> open_backends(const StabilityFlags& flags, cons
   for (const NamedBackend& backend : plan_backends(*flags.backends, flags.device)) {
     auto opened = open_backend(backend.choice);
     if (!opened) return tl::unexpected(opened.error());
-    backends.push_back({backend.name, std::move(opened->extractor)});
+    backends.push_back({backend.name, std::move(opened->extractor), backend.only});
   }
   return backends;
 }
@@ -132,6 +133,7 @@ Result<void> run_stability(const StabilityFlags& flags, const Messages& messages
   for (const StabilityCase* test : *cases) {
     for (const Method method : {Method::mc, Method::mt}) {
       for (const OpenBackend& backend : *backends) {
+        if (backend.only.value_or(method) != method) continue;
         rows.push_back(run_stability_case(*test, method, *backend.extractor));
         rows.back().backend = backend.name;
       }

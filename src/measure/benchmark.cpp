@@ -104,6 +104,7 @@ Result<std::vector<BenchRow>> time_level(const ScalarField& field, std::size_t l
   std::vector<Setting> settings;
   for (const Method method : options.methods) {
     for (const BenchBackend& backend : options.backends) {
+      if (!backend.runs(method)) continue;
       for (const int threads : options.threads) settings.push_back({method, &backend, threads, 0, {}, {}});
     }
   }
@@ -163,6 +164,7 @@ Result<void> judge_level(const ScalarField& field, const BenchOptions& options, 
                          std::vector<BenchRow>& rows) {
   for (const Method method : options.methods) {
     for (const BenchBackend& backend : options.backends) {
+      if (!backend.runs(method)) continue;
       ExtractOptions extract = extract_options(field, method, options);
       extract.cap = true;
       const auto capped = backend.extractor->extract(field, extract);
@@ -228,6 +230,7 @@ void conclude(BenchResult& result, const BenchOptions& options, const SurfaceSiz
   const SurfaceSize floor{std::max(kRounding, uncertainty.area), std::max(kRounding, uncertainty.volume)};
   for (const Method method : options.methods) {
     for (const BenchBackend& backend : options.backends) {
+      if (!backend.runs(method)) continue;
       BenchOrders orders;
       orders.method = method;
       orders.backend = backend.name;
@@ -370,6 +373,7 @@ Result<BenchResult> bench_field(const ScalarField& field, const std::vector<int>
   std::vector<FinestSurface> finest;  // by method and backend, in the order of the judgements
   for (const Method method : options.methods) {
     for (const BenchBackend& backend : options.backends) {
+      if (!backend.runs(method)) continue;
       auto surface = finest_surface(field, method, *backend.extractor, options);
       if (!surface) return tl::unexpected(surface.error());
       finest.push_back(*surface);

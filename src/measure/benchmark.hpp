@@ -23,6 +23,9 @@ namespace isoextract {
 struct BenchBackend {
   std::string name;  // "cpu", "gpu", and others for variants of these
   std::shared_ptr<Extractor> extractor;
+  std::optional<Method> only{};  // of a variant that concerns one method
+
+  [[nodiscard]] bool runs(Method method) const { return only.value_or(method) == method; }
 };
 
 struct BenchOptions {

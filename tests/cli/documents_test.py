@@ -7,7 +7,7 @@ import unittest
 
 from support import SOURCE, ProgramTest, main
 
-COMMANDS = ("convert", "info", "verify", "compare", "bench", "stability", "help", "generate")
+COMMANDS = ("convert", "info", "verify", "compare", "bench", "stability", "devices", "help", "generate")
 
 
 def needs(program):

@@ -2,7 +2,7 @@
 
 import json
 
-from support import ProgramTest, main
+from support import NO_GPU, ProgramTest, main
 
 
 class StabilityTest(ProgramTest):
@@ -14,23 +14,25 @@ class StabilityTest(ProgramTest):
         names = [entry["case"] for entry in json.loads(self.run_program("stability", "--list", "--json").text)]
         self.assertGreaterEqual(len(names), 30)
         self.assertEqual([(row["case"], row["method"], row["backend"]) for row in report["rows"]],
-                         [(name, method, "cpu") for name in names for method in ("mc", "mt")])
+                         [(name, method, backend) for name in names for method in ("mc", "mt")
+                          for backend in ("cpu", "gpu")])
         for row in report["rows"]:
             self.assertEqual((row["passed"], row["failures"]), (True, []))
             self.assertLessEqual(row["ulps"], row["ulps_allowed"])
             self.assertLessEqual(row["voxels"], row["voxels_allowed"])
-        self.assertGreater(sum(row["vertices"] > 100 for row in report["rows"]), 40)
+        self.assertGreater(sum(row["vertices"] > 100 for row in report["rows"]), 80)
 
     def test_the_table_has_a_line_a_run(self):
-        run = self.run_program("stability", "--case", "jump", "--case", "float-max")
+        run = self.run_program("stability", "--case", "jump", "--case", "float-max", "--backends", "gpu:points")
         self.assertEqual((run.code, run.err), (0, ""))
         lines = run.text.splitlines()
-        self.assertEqual([line.split()[0] for line in lines[1:-1]], ["float-max", "float-max", "jump", "jump"])
-        self.assertTrue(all(line.endswith("pass") for line in lines[1:-1]), run.text)
-        self.assertEqual(lines[-1], "4 of 4 passed")
+        self.assertEqual([line.split()[0] for line in lines[1:-1]], ["float-max", "jump"])
+        self.assertTrue(all(line.endswith("pass") and " gpu:points " in line for line in lines[1:-1]), run.text)
+        self.assertEqual(lines[-1], "2 of 2 passed")
 
     def test_threads_do_not_matter(self):
-        texts = {self.run_program("stability", "--threads", threads).text for threads in ("1", "3")}
+        texts = {self.run_program("stability", "--backends", "cpu,gpu", "--threads", threads).text
+                 for threads in ("1", "3")}
         self.assertEqual(len(texts), 1)
 
     def test_the_list_says_what_is_extreme(self):
@@ -39,7 +41,15 @@ class StabilityTest(ProgramTest):
         self.assertIn("1e7", run.text)
         self.assertIn("Plain float32: ", run.text)
 
+    def test_without_a_gpu_the_cpu_is_tested_and_the_rest_is_said(self):
+        run = self.run_program("stability", "--case", "jump", "--json", env=NO_GPU)
+        self.assertEqual(run.code, 0)
+        self.assertEqual([row["backend"] for row in json.loads(run.text)["rows"]], ["cpu", "cpu"])
+        self.assertIn("note: without gpu, because", run.err)
+        self.assert_fails(3, self.run_program("stability", "--case", "jump", "--backends", "cpu,gpu", env=NO_GPU), "EGL")
+
     def test_what_is_not_there(self):
+        self.assert_fails(1, self.run_program("stability", "--backends", "gpu,gpu"), "--backends", "each once")
         self.assert_fails(1, self.run_program("stability", "--case", "flaot-max"), "flaot-max", "'float-max'")
         self.assert_fails(1, self.run_program("stability", "far-frame"), "unexpected argument", "far-frame")
         with open("/dev/full", "wb") as full:

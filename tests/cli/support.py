@@ -16,6 +16,8 @@ SOURCE = pathlib.Path(os.environ["ISOEXTRACT_SOURCE_DIR"])
 DATA = pathlib.Path(os.environ.get("ISOEXTRACT_DATA", SOURCE / ".." / "shared" / "data"))
 
 SPHERE = "demo:sphere?size=24"
+# EGL's loader finds no driver, as on a machine that has none.
+NO_GPU = dict(os.environ, __EGL_VENDOR_LIBRARY_FILENAMES="/nowhere/vendor.json")
 
 
 class Run:
