@@ -99,7 +99,7 @@ Result<void> CellCapture::draw(const CellPass& pass, std::span<const glm::ivec3>
       Stopwatch watch;
       glBindBuffer(GL_TRANSFORM_FEEDBACK_BUFFER, feedback_.name());
       if (bytes > feedback_size_) {
-        glBufferData(GL_TRANSFORM_FEEDBACK_BUFFER, static_cast<GLsizeiptr>(bytes), nullptr, GL_DYNAMIC_READ);
+        glBufferData(GL_TRANSFORM_FEEDBACK_BUFFER, static_cast<GLsizeiptr>(bytes), nullptr, GL_STREAM_COPY);
         feedback_size_ = bytes;
         if (auto checked = context_.check(fmt::format("taking {} for triangles", format_byte_size(bytes))); !checked) {
           return checked;
