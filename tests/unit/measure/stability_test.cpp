@@ -29,6 +29,7 @@ TEST_P(Stability, AllCasesPass) {
 class Careless final : public Extractor {
  public:
   [[nodiscard]] std::string_view name() const override { return "careless"; }
+  [[nodiscard]] std::string device() const override { return "none"; }
   [[nodiscard]] Result<Extraction> extract(const ScalarField& field, const ExtractOptions& options) override {
     auto extraction = make_cpu_extractor()->extract(field, options);
     if (!extraction || extraction->mesh.triangles.empty()) return extraction;
