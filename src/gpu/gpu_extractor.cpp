@@ -56,11 +56,17 @@ class GpuExtractor final : public Extractor {
     glGetIntegerv(GL_MAX_3D_TEXTURE_SIZE, &max_texture_size_);
   }
 
+  GpuExtractor(const GpuExtractor&) = delete;
+  GpuExtractor& operator=(const GpuExtractor&) = delete;
+  ~GpuExtractor() override { context_->make_current(); }  // for what members have on the device
+
   [[nodiscard]] std::string_view name() const override { return "gpu"; }
   [[nodiscard]] std::string device() const override { return describe(context_->device()); }
 
   [[nodiscard]] Result<Extraction> extract(const ScalarField& field, const ExtractOptions& options) override {
     if (auto sound = check_request(field, options); !sound) return tl::unexpected(sound.error());
+    // Another extractor may have come since.
+    if (auto current = context_->make_current(); !current) return tl::unexpected(current.error());
     try {
       Result<Extraction> result =
           std::visit([&](const auto& samples) { return extract_from(field, samples, options); }, field.samples);
