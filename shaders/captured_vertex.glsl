@@ -144,7 +144,8 @@ void set_vertex(Site site, ivec3 low, int direction, uvec2 bits0, uvec2 bits1, u
 #endif
 
 #ifdef NAN_HOLES
-// A cell with a corner that is not a number draws nothing.
+// A cell with a corner that is not a number draws nothing. It is sent all the same, to be decided later: a cap may need
+// its vertices.
 bool is_hole(Site site, ivec3 low) {
   for (int corner = 0; corner < 8; ++corner) {
     if (is_nan_sample(sample_bits(site, site.origin + low + axis_bits(corner)))) return true;

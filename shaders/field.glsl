@@ -133,7 +133,10 @@ double field_value(uvec2 bits) {
 
 // ---- cells of a site
 
-uniform ivec3 last_cell;  // the highest cell of the region
+uniform ivec3 first_cell;  // of the region: leaves may begin before it
+uniform ivec3 last_cell;
+
+bool in_region(ivec3 cell) { return all(greaterThanEqual(cell, first_cell)) && all(lessThanEqual(cell, last_cell)); }
 
 // Cell `number` of the 512 of a site. SWIZZLE: as groups of 2 x 2 x 2 (seed S1), otherwise row by row.
 ivec3 cell_position(int number) {

@@ -12,7 +12,7 @@ uniform usampler2D case_triangles;  // row: case; column 0: triangles | ambiguou
 void main() {
   Site site = site_of(cell_thread[0].x);
   ivec3 low = cell_position(cell_thread[0].y);
-  if (any(greaterThan(site.origin + low, last_cell))) return;
+  if (!in_region(site.origin + low)) return;
   uvec2 bits[8];
   int cell_case = 0;
   for (int corner = 0; corner < 8; ++corner) {
@@ -20,13 +20,11 @@ void main() {
     cell_case |= int(is_inside(bits[corner])) << corner;
   }
   if (cell_case == 0 || cell_case == 255) return;
-#ifdef NAN_HOLES
-  for (int corner = 0; corner < 8; ++corner) {
-    if (is_nan_sample(bits[corner])) return;
-  }
-#endif
   uint head = texelFetch(case_triangles, ivec2(0, cell_case), 0).x;
   uint decided_later = head >> 7;
+#ifdef NAN_HOLES
+  decided_later |= uint(is_hole(site, low));
+#endif
   int vertices = 3 * int(head & 7u);
 #ifdef NORMALS_FLAT
   for (int first = 0; first < vertices; first += 3) {

@@ -1,13 +1,17 @@
 // Seed S1: one tetrahedron comes as four vertices with adjacency; a strip of up to two triangles goes.
 
 layout(lines_adjacency) in;
+#ifdef NORMALS_FLAT
+layout(triangle_strip, max_vertices = 6) out;
+#else
 layout(triangle_strip, max_vertices = 4) out;
+#endif
 
 flat in ivec3 corner_low[];
 flat in uvec2 corner_bits[];
 flat in int corner_site[];
 
-void set_crossing(Site site, int ends) {
+void set_crossing(Site site, int ends, uint decided_later) {
   int a = ends >> 2;
   int b = ends & 3;
   ivec3 step = corner_low[b] - corner_low[a];
@@ -17,7 +21,8 @@ void set_crossing(Site site, int ends) {
     a = lower;
     step = -step;
   }
-  set_vertex(site, corner_low[a], step.x | step.y << 1 | step.z << 2, corner_bits[a], corner_bits[b], 0u);
+  set_vertex(site, corner_low[a], step.x | step.y << 1 | step.z << 2, corner_bits[a], corner_bits[b],
+             decided_later);
 }
 
 void main() {
@@ -26,15 +31,17 @@ void main() {
   for (int corner = 0; corner < 4; ++corner) index = index << 1 | int(is_inside(corner_bits[corner]));
   if (index == 0 || index == 15) return;
   Site site = site_of(corner_site[0]);
+  uint decided_later = 0u;
 #ifdef NAN_HOLES
-  if (is_hole(site, min(corner_low[0], corner_low[3]))) return;  // all tetrahedra have the cell's corners 0 and 7
+  // All tetrahedra have the cell's corners 0 and 7, first and last.
+  decided_later = uint(is_hole(site, min(corner_low[0], corner_low[3])));
 #endif
   int strip = tetrahedron_strips[index];
   int count = strip >> 16;
 #ifdef NORMALS_FLAT
   vec3 corners[4];
   for (int v = 0; v < count; ++v) {
-    set_crossing(site, strip >> (4 * v) & 15);
+    set_crossing(site, strip >> (4 * v) & 15, decided_later);
     corners[v] = position;
   }
   // The whole quad has its two triangles' normals one after the other: a strip's vertex belongs to one of them only.
@@ -43,7 +50,7 @@ void main() {
     vec3 face = normalize(first == 0 ? turned : -turned);
     for (int v = 0; v < 3; ++v) {
       int at = first == 0 || v == 0 ? first + v : first + 3 - v;
-      set_crossing(site, strip >> (4 * at) & 15);
+      set_crossing(site, strip >> (4 * at) & 15, decided_later);
       normal = face;
       EmitVertex();
     }
@@ -51,7 +58,7 @@ void main() {
   }
 #else
   for (int v = 0; v < count; ++v) {
-    set_crossing(site, strip >> (4 * v) & 15);
+    set_crossing(site, strip >> (4 * v) & 15, decided_later);
     EmitVertex();
   }
   EndPrimitive();

@@ -12,7 +12,7 @@ void main() {
   corner_site = -1;
   corner_low = low + axis_bits(tetrahedron_corners[4 * tetrahedron + (gl_VertexID & 3)]);
   corner_bits = uvec2(0u);
-  if (any(greaterThan(site.origin + low, last_cell))) return;
+  if (!in_region(site.origin + low)) return;
   corner_site = site.number;
   corner_bits = sample_bits(site, site.origin + corner_low);
 }

@@ -14,6 +14,21 @@ std::uint64_t volume(const glm::ivec3& size) {
   return wide.x * wide.y * wide.z;
 }
 
+// The samples that cells of the sites touch.
+IndexBox box_of(std::span<const glm::ivec3> sites, const IndexBox& region) {
+  if (sites.empty()) return {};
+  IndexBox box{sites.front(), sites.front()};
+  for (const glm::ivec3& site : sites) {
+    box.min = glm::min(box.min, site);
+    box.max = glm::max(box.max, site + kBrick);
+  }
+  return {box.min, glm::min(box.max, region.max)};
+}
+
+IndexBox with_apron(const IndexBox& box, int apron, const glm::ivec3& dims) {
+  return {glm::max(box.min - apron, glm::ivec3(0)), glm::min(box.max + apron, dims - 1)};
+}
+
 }  // namespace
 
 DenseSource::DenseSource(const GlContext& context, const DenseSamples& samples, std::span<const glm::ivec3> sites,
@@ -24,14 +39,15 @@ DenseSource::DenseSource(const GlContext& context, const DenseSamples& samples, 
       options_(options),
       format_(sample_format(samples.type)),
       apron_(options.gradients ? 1 : 0),
-      reach_{glm::max(options.region.min - apron_, glm::ivec3(0)),
-             glm::min(options.region.max + apron_, samples.dims - 1)},
+      box_(box_of(sites, options.region)),
+      reach_(with_apron(box_, apron_, samples.dims)),
       column_cells_(0),
       window_(glm::ivec3(1)) {}
 
 Result<DenseSource> DenseSource::make(const GlContext& context, const DenseSamples& samples,
                                       std::span<const glm::ivec3> sites, const DenseSourceOptions& options) {
   DenseSource source(context, samples, sites, options);
+  if (sites.empty()) return source;
   if (auto chosen = source.choose_window(); !chosen) return tl::unexpected(chosen.error());
   source.texture_ = GlTexture::make();
   glBindTexture(GL_TEXTURE_3D, source.texture_.name());
@@ -46,10 +62,10 @@ Result<DenseSource> DenseSource::make(const GlContext& context, const DenseSampl
   return source;
 }
 
-// The whole field where it fits, else as many whole slices as do, else columns of bricks as wide as they may be.
+// All that may be needed where it fits, else as many whole slices as do, else columns of bricks as wide as they may be.
 Result<void> DenseSource::choose_window() {
   const glm::ivec3 all(reach_.dims());
-  const glm::ivec3 cells(options_.region.dims() - glm::i64vec3(1));
+  const glm::ivec3 cells = box_.max - box_.min;
   const int least_slices = std::min(kBrick + 1 + 2 * apron_, all.z);
   const std::uint64_t size = sample_size(samples_->type);
   const int limit = options_.max_texture_size;
@@ -82,8 +98,7 @@ IndexBox DenseSource::needed_samples(const glm::ivec3& site) const {
 }
 
 void DenseSource::begin_column() {
-  const glm::ivec2 low =
-      glm::ivec2(options_.region.min) + column_cells_ * glm::ivec2(column_ % columns_.x, column_ / columns_.x);
+  const glm::ivec2 low = glm::ivec2(box_.min) + column_cells_ * glm::ivec2(column_ % columns_.x, column_ / columns_.x);
   const glm::ivec2 high = low + column_cells_;  // of cells, one past the last
   column_sites_.clear();
   next_ = 0;
@@ -113,7 +128,8 @@ void DenseSource::begin_column() {
 
 Result<std::span<const std::uint32_t>> DenseSource::advance() {
   while (next_ == column_sites_.size()) {
-    if (++column_ == columns_.x * columns_.y) return std::span<const std::uint32_t>();
+    if (column_ + 1 >= columns_.x * columns_.y) return std::span<const std::uint32_t>();
+    ++column_;
     begin_column();
   }
   const Stopwatch watch;
@@ -193,7 +209,7 @@ void DenseSource::bind(const CellProgram& program, std::span<const std::uint32_t
 UploadFigures DenseSource::uploads() const {
   UploadFigures figures = uploads_;
   figures.bytes = uploads_.samples * sample_size(samples_->type);
-  const std::uint64_t all = volume(glm::ivec3(reach_.dims()));
+  const std::uint64_t all = volume(glm::ivec3(with_apron(options_.region, apron_, samples_->dims).dims()));
   figures.left_out = all > uploads_.samples ? all - uploads_.samples : 0;
   return figures;
 }

@@ -21,7 +21,8 @@ struct DenseSourceOptions {
 class DenseSource final : public FieldSource {
  public:
   // `sites` are the lowest samples of bricks of 8 x 8 x 8 cells of `samples`, from options.region.min on; by rising z,
-  // then y, then x. All arguments must outlive the source. Fails with ErrorKind::usage where the bytes are too few.
+  // then y, then x. All arguments must outlive the source. What is taken on the device reaches no farther than the
+  // sites do. Fails with ErrorKind::usage where the bytes are too few.
   [[nodiscard]] static Result<DenseSource> make(const GlContext& context, const DenseSamples& samples,
                                                 std::span<const glm::ivec3> sites, const DenseSourceOptions& options);
 
@@ -44,7 +45,8 @@ class DenseSource final : public FieldSource {
   DenseSourceOptions options_;
   SampleFormat format_;
   int apron_;                // samples beyond a site's cells, on each side
-  IndexBox reach_;           // all samples that may be needed; window coordinates count from its minimum
+  IndexBox box_;             // samples that cells of sites touch
+  IndexBox reach_;           // with those around them; window coordinates count from its minimum
   glm::ivec2 column_cells_;  // of a column, in x and y
   ToroidalWindow window_;
   GlTexture texture_;

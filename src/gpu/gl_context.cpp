@@ -44,20 +44,24 @@ std::string egl_reason() {
   return fmt::format("{} (EGL error 0x{:04X})", egl_error_words(code), code);
 }
 
-// epoxy ends the program where a library is missing: look first. Handles stay open for the life of the process.
+// epoxy ends the program where a library is missing or is not what it says: look first. Handles stay open for the life
+// of the process.
 Result<void> load_libraries() {
   struct Library {
     std::array<const char*, 2> names;
+    const char* function;
     std::string_view what, package;
   };
   constexpr std::array<Library, 2> kLibraries{{
-      {{"libEGL.so.1", nullptr}, "EGL", "libegl1"},
-      {{"libOpenGL.so.0", "libGL.so.1"}, "OpenGL", "libopengl0 or libgl1"},
+      {{"libEGL.so.1", nullptr}, "eglGetProcAddress", "EGL", "libegl1"},
+      {{"libOpenGL.so.0", "libGL.so.1"}, "glGetString", "OpenGL", "libopengl0 or libgl1"},
   }};
   for (const Library& library : kLibraries) {
     std::string why;
     const bool found = std::ranges::any_of(library.names, [&](const char* name) {
-      if (name == nullptr || ::dlopen(name, RTLD_NOW | RTLD_GLOBAL) != nullptr) return name != nullptr;
+      if (name == nullptr) return false;
+      void* handle = ::dlopen(name, RTLD_NOW | RTLD_GLOBAL);
+      if (handle != nullptr && ::dlsym(handle, library.function) != nullptr) return true;
       if (why.empty()) why = ::dlerror();
       return false;
     });
@@ -155,6 +159,7 @@ class HeadlessContext {
 
   ~HeadlessContext() {
     if (context_ != EGL_NO_CONTEXT) {
+      make_current();
       if (framebuffer_ != 0) glDeleteFramebuffers(1, &framebuffer_);
       if (vertex_array_ != 0) glDeleteVertexArrays(1, &vertex_array_);
       eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
@@ -183,14 +188,17 @@ class HeadlessContext {
     if (!create(true, debug) && !create(false, debug)) {
       return unavailable(fmt::format("the driver made no OpenGL {}.{} core context: {}", kMajor, kMinor, egl_reason()));
     }
-    if (eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_) == EGL_FALSE) {
-      return unavailable(fmt::format("the OpenGL context could not be made current: {}", egl_reason()));
-    }
+    if (auto current = make_current(); !current) return current;
     if (epoxy_gl_version() < 10 * kMajor + kMinor) {
       return unavailable(fmt::format("expected OpenGL {}.{} or newer, found {}", kMajor, kMinor, gl_text(GL_VERSION)));
     }
     set_up(debug);
     return {};
+  }
+
+  Result<void> make_current() const {
+    if (eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_) == EGL_TRUE) return {};
+    return unavailable(fmt::format("the OpenGL context could not be made current: {}", egl_reason()));
   }
 
   [[nodiscard]] bool reports_resets() const { return reports_resets_; }
@@ -282,6 +290,8 @@ GlContext::GlContext(std::unique_ptr<HeadlessContext> context, GpuDevice device)
     : context_(std::move(context)), device_(std::move(device)) {}
 
 GlContext::~GlContext() = default;
+
+Result<void> GlContext::make_current() const { return context_->make_current(); }
 
 Result<std::unique_ptr<GlContext>> GlContext::open(const ContextOptions& options) {
   const auto egl = egl_devices();

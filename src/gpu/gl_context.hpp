@@ -1,6 +1,6 @@
 // A current OpenGL context without display and surface (EGL device platform), and what went wrong in it.
 //
-// list_gpu_devices() (gpu_device.hpp) opens and closes contexts: call it with none open on the thread.
+// list_gpu_devices() (gpu_device.hpp) opens and closes contexts: it leaves none current.
 #pragma once
 
 #include <memory>
@@ -19,8 +19,8 @@ struct ContextOptions {
   bool debug = false;  // collect the driver's own messages (KHR_debug), for tests
 };
 
-// Belongs to the thread that opened it: GL calls on that thread only, and none when it is gone. A framebuffer without
-// attachments is bound, because without one every draw fails (DESIGN section 6).
+// Belongs to the thread that opened it: GL calls on that thread only, and none when it is gone. Current once opened. A
+// framebuffer without attachments is bound, because without one every draw fails (DESIGN section 6).
 class GlContext {
  public:
   // Core profile 4.3 or newer. Fails with ErrorKind::unavailable.
@@ -31,6 +31,10 @@ class GlContext {
   ~GlContext();
 
   [[nodiscard]] const GpuDevice& device() const { return device_; }
+
+  // For threads with several contexts: GL calls go to the one that was made current last. Fails with
+  // ErrorKind::unavailable where the context was lost.
+  Result<void> make_current() const;
 
   // What GL has to say since the last call, as a sentence: out of memory and a lost context are
   // ErrorKind::unavailable with the option that helps. `doing` completes "while ...".

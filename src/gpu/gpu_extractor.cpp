@@ -56,11 +56,17 @@ class GpuExtractor final : public Extractor {
     glGetIntegerv(GL_MAX_3D_TEXTURE_SIZE, &max_texture_size_);
   }
 
+  GpuExtractor(const GpuExtractor&) = delete;
+  GpuExtractor& operator=(const GpuExtractor&) = delete;
+  ~GpuExtractor() override { context_->make_current(); }  // for what members have on the device
+
   [[nodiscard]] std::string_view name() const override { return "gpu"; }
   [[nodiscard]] std::string device() const override { return describe(context_->device()); }
 
   [[nodiscard]] Result<Extraction> extract(const ScalarField& field, const ExtractOptions& options) override {
     if (auto sound = check_request(field, options); !sound) return tl::unexpected(sound.error());
+    // Another extractor may have come since.
+    if (auto current = context_->make_current(); !current) return tl::unexpected(current.error());
     try {
       Result<Extraction> result =
           std::visit([&](const auto& samples) { return extract_from(field, samples, options); }, field.samples);
@@ -189,7 +195,8 @@ class GpuExtractor final : public Extractor {
 
     const CaseTable& table = case_table(options.method);
     const InsideRule rule{field.kind, options.iso};
-    const auto decide = [&](const glm::ivec3& cell) {
+    const auto decide = [&](const glm::ivec3& cell) -> unsigned {
+      if (sites.holes && touches_nan(sites, cell)) return table.variants[0];
       unsigned cell_case = 0;
       for (int c = 0; c < 8; ++c) cell_case |= (sites.inside(cell + direction_step(c)) ? 1U : 0U) << c;
       return cell_variant(table, cell_case, rule, [&](int c) { return sites.value(cell + direction_step(c)); });
@@ -235,6 +242,7 @@ class GpuExtractor final : public Extractor {
                            const Placement& placement, const SurfaceSites& sites) {
     program.set("inside_from", sites.inside_keys.from);
     program.set("inside_to", sites.inside_keys.to);
+    program.set("first_cell", sites.region.min);
     program.set("last_cell", sites.region.max - 1);
     program.set("last_sample", sites.stored.max);
     program.set("iso_value", options.iso);
@@ -274,6 +282,13 @@ class GpuExtractor final : public Extractor {
     return sites.holes ? make_one_vertex_a_fan(mesh, options.limits, field.source) : Result<void>();
   }
 
+  static bool touches_nan(const SurfaceSites& sites, const glm::ivec3& cell) {
+    for (int c = 0; c < 8; ++c) {
+      if (std::isnan(sites.value(cell + direction_step(c)))) return true;
+    }
+    return false;
+  }
+
   // The cells that NanPolicy::hole leaves out though the surface would pass them.
   static std::uint64_t count_holes(const SurfaceSites& sites) {
     std::atomic<std::uint64_t> holes{0};
@@ -283,13 +298,9 @@ class GpuExtractor final : public Extractor {
         const glm::ivec3 p = sites.origins[s] + glm::ivec3(cell & 7, cell >> 3 & 7, cell >> 6);
         if (glm::any(glm::greaterThanEqual(p, sites.region.max)) || glm::any(glm::lessThan(p, sites.region.min)))
           continue;
-        int inside = 0;
-        bool nan = false;
-        for (int c = 0; c < 8; ++c) {
-          inside += sites.inside(p + direction_step(c)) ? 1 : 0;
-          nan = nan || std::isnan(sites.value(p + direction_step(c)));
-        }
-        found += nan && inside > 0 ? 1 : 0;
+        bool inside = false;
+        for (int c = 0; c < 8; ++c) inside = inside || sites.inside(p + direction_step(c));
+        found += inside && touches_nan(sites, p) ? 1 : 0;
       }
       if (found != 0) holes.fetch_add(found, std::memory_order_relaxed);
     });
@@ -301,7 +312,7 @@ class GpuExtractor final : public Extractor {
     device.bytes_uploaded = uploads.bytes;
     device.samples_left_out = uploads.left_out;
     device.bytes_captured = capture.captured_bytes();
-    device.cells_decided = weld.decided_cells();
+    device.cells_decided = weld.decided_cells() - stats.hole_cells;  // those came to be left out
     device.upload = uploads.time;
     device.capture = capture.times().capture;
     device.read_back = capture.times().read_back;

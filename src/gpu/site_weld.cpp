@@ -68,6 +68,8 @@ void SiteWeld::add(std::span<const std::uint32_t> batch, const CapturedSoup& sou
   // Drivers keep the order of patches and vertices; this holds even where one would not.
   if (!std::ranges::is_sorted(triangles, {}, site_of)) std::ranges::stable_sort(triangles, {}, site_of);
 
+  strangers_ = strangers_ || (count > 0 && site_of(triangles.back()) >= batch.size());
+
   const std::size_t pieces = (batch.size() + kSitesPerPiece - 1) / kSitesPerPiece;
   const std::size_t first_piece = pieces_.size();
   pieces_.resize(first_piece + pieces);
@@ -182,7 +184,7 @@ Result<MeshSizes> SiteWeld::number() {
     });
   });
   tbb::enumerable_thread_specific<std::vector<LateVertex>> late;
-  std::atomic<bool> sound{std::ranges::none_of(pieces_, &Piece::incomplete)};
+  std::atomic<bool> sound{!strangers_ && std::ranges::none_of(pieces_, &Piece::incomplete)};
   for_each_site(sites_.size(), [&](std::size_t site) {
     each_vertex(site, [&](std::uint32_t vertex, const EdgeOwner& owner) {
       if (owner.site < 0 || owner.direction >= table_.directions.size()) {

@@ -30,7 +30,8 @@ class SiteWeld {
   // Triangles of some sites; the site number k in their keys stands for sites[batch[k]]. Each site comes whole, once.
   void add(std::span<const std::uint32_t> batch, const CapturedSoup& soup);
 
-  // Once all were added. Fails with ErrorKind::unavailable if what was captured cannot be: an edge that no site owns.
+  // Once all were added. Fails with ErrorKind::unavailable if what was captured cannot be: an edge that no site
+  // owns, a site that was not drawn.
   [[nodiscard]] Result<MeshSizes> number();
 
   // Into the first vertices and triangles of a mesh that was allocated by those sizes; mirrored frames turn triangles
@@ -79,6 +80,7 @@ class SiteWeld {
   NearSites near_;
   DecideCell decide_;
   std::vector<Piece> pieces_;
+  bool strangers_ = false;         // triangles of a site that is not in their batch
   std::vector<SiteRange> ranges_;  // by site
   SiteVertices vertices_;
   std::vector<std::uint64_t> first_triangle_;  // by site

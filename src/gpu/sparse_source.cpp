@@ -34,21 +34,27 @@ SparseSource::SparseSource(const GlContext& context, const SparseSamples& sample
 Result<SparseSource> SparseSource::make(const GlContext& context, const SparseSamples& samples,
                                         const SparseSites& sites, const SparseSourceOptions& options) {
   SparseSource source(context, samples, sites, options);
+  if (sites.origins().empty()) return source;
   const std::uint64_t leaf_bytes = kBlockSamples * sample_size(samples.type);
   const std::uint64_t along = static_cast<std::uint64_t>(options.max_texture_size) / kSize;
   const std::uint64_t fitting = std::min(options.bytes / leaf_bytes, along * along * along);
-  const std::uint64_t wanted = std::max<std::uint64_t>(samples.blocks.size(), 1);
+  const std::uint64_t places = options.gradients ? kPlaces : 8;
+  const std::uint64_t wanted = std::clamp<std::uint64_t>(samples.blocks.size(), 1, places * sites.origins().size());
   const std::uint64_t slots = std::min(fitting, wanted);
-  if (slots < std::min<std::uint64_t>(kPlaces, wanted)) {
+  // A box of slots that loses few to rounding: none where all leaves fit.
+  const auto divided = [](std::uint64_t a, std::uint64_t b) { return std::max<std::uint64_t>((a + b - 1) / b, 1); };
+  const std::uint64_t layers = divided(slots, along * along);
+  const std::uint64_t rows = divided(slots, along * layers);
+  const bool rounded_up = divided(slots, rows * layers) * rows * layers <= fitting;
+  const std::uint64_t row = rounded_up ? divided(slots, rows * layers) : slots / (rows * layers);
+  if (row * rows * layers < std::min<std::uint64_t>(kPlaces, wanted)) {
     return fail(
         ErrorKind::usage,
         fmt::format("--gpu-memory: {} of samples are too few, expected {} or more", format_byte_size(options.bytes),
                     format_byte_size(std::min<std::uint64_t>(kPlaces, wanted) * leaf_bytes)),
         "give the GPU more, or use --backend cpu");
   }
-  source.slots_.x = static_cast<int>(std::min(slots, along));
-  source.slots_.y = static_cast<int>(std::min(slots / static_cast<std::uint64_t>(source.slots_.x), along));
-  source.slots_.z = static_cast<int>(slots / static_cast<std::uint64_t>(source.slots_.x * source.slots_.y));
+  source.slots_ = glm::ivec3(glm::u64vec3(row, rows, layers));
   const int count = source.slots_.x * source.slots_.y * source.slots_.z;
   source.block_in_.assign(static_cast<std::size_t>(count), -1);
   source.used_in_.assign(static_cast<std::size_t>(count), 0);

@@ -1,0 +1,257 @@
+// The parts of the GPU extractor put together by hand, so that tests can choose what users cannot: the sizes of windows
+// and atlases, of textures and of what is captured at a time, and flat normals.
+#pragma once
+
+#include <epoxy/gl.h>
+
+#include <functional>
+#include <memory>
+#include <set>
+#include <stdexcept>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "extract/asymptotic_decider.hpp"
+#include "extract/dense_input.hpp"
+#include "extract/sparse_sites.hpp"
+#include "gpu/cell_programs.hpp"
+#include "gpu/dense_sites.hpp"
+#include "gpu/dense_source.hpp"
+#include "gpu/site_weld.hpp"
+#include "gpu/sparse_source.hpp"
+
+namespace isoextract::test {
+
+// A context and its programs, opened when first asked for and dropped before the program ends.
+class OwnContext final : public testing::Environment {
+ public:
+  const GlContext& context() {
+    if (context_ == nullptr) {
+      auto opened = GlContext::open({{}, true});
+      if (!opened) throw std::runtime_error(opened.error().message);
+      context_ = std::move(*opened);
+      programs_ = std::make_unique<CellPrograms>();
+    }
+    if (const auto current = context_->make_current(); !current) throw std::runtime_error(current.error().message);
+    return *context_;
+  }
+  CellPrograms& programs() { return *programs_; }
+  void TearDown() override {
+    if (context_ != nullptr) context_->make_current();
+    programs_.reset();
+    context_.reset();
+  }
+
+ private:
+  std::unique_ptr<GlContext> context_;
+  std::unique_ptr<CellPrograms> programs_;
+};
+
+inline auto* const kOwnContext = static_cast<OwnContext*>(testing::AddGlobalTestEnvironment(new OwnContext));
+
+inline int max_texture_size() {
+  (void)kOwnContext->context();
+  GLint size = 0;
+  glGetIntegerv(GL_MAX_3D_TEXTURE_SIZE, &size);
+  return size;
+}
+
+// What is drawn, whatever holds the samples.
+struct CapturedSites {
+  const ScalarField* field = nullptr;
+  ExtractOptions options;
+  std::span<const glm::ivec3> origins;
+  NearSites near;
+  std::function<bool(const glm::ivec3&)> inside;
+  std::function<double(const glm::ivec3&)> value;
+  KeyRange keys{};
+  IndexBox region;
+  IndexBox stored;  // for placement
+  CellProgramKind kind;
+};
+
+// Draws all sites as their source makes them ready.
+inline Result<void> capture_sites(
+    const CapturedSites& sites, FieldSource& source, std::uint64_t feedback_bytes,
+    const std::function<void(std::span<const std::uint32_t>, const CapturedSoup&)>& take) {
+  const GlContext& context = kOwnContext->context();
+  CellProgramKind kind = sites.kind;
+  const auto capturing = kOwnContext->programs().find(context, kind);
+  if (!capturing) return tl::unexpected(capturing.error());
+  kind.counting = true;
+  kind.normals = CapturedNormals::none;
+  const auto counting = kOwnContext->programs().find(context, kind);
+  if (!counting) return tl::unexpected(counting.error());
+  const Placement placement(sites.options.output_from_index, sites.stored, sites.field->kind, sites.field->scale);
+  const glm::dmat3 outward = placement.outward_covectors();
+  const Affine& local = placement.local_from_index();
+  for (const CellProgram* program : {*counting, *capturing}) {
+    program->set("inside_from", sites.keys.from);
+    program->set("inside_to", sites.keys.to);
+    program->set("first_cell", sites.region.min);
+    program->set("last_cell", sites.region.max - 1);
+    program->set("last_sample", sites.stored.max);
+    program->set("iso_value", sites.options.iso);
+    program->set("edge_margin", placement.margin());
+    program->set("local_x", local.linear[0]);
+    program->set("local_y", local.linear[1]);
+    program->set("local_z", local.linear[2]);
+    program->set("local_offset", local.offset);
+    program->set("covector_x", outward[0]);
+    program->set("covector_y", outward[1]);
+    program->set("covector_z", outward[2]);
+  }
+  const std::size_t words = sites.kind.normals == CapturedNormals::none ? 4 : 7;
+  const std::size_t known_messages = context.debug_messages().size();
+  CellCapture capture(context, sites.kind.pipeline, words, feedback_bytes);
+  while (true) {
+    const auto ready = source.advance();
+    if (!ready) return tl::unexpected(ready.error());
+    if (ready->empty()) break;
+    std::vector<glm::ivec3> origins;
+    for (const std::uint32_t site : *ready) origins.push_back(sites.origins[site]);
+    const auto drawn = capture.draw(
+        {*counting, *capturing}, origins,
+        [&](const CellProgram& program, std::size_t first, std::size_t count) {
+          source.bind(program, ready->subspan(first, count));
+        },
+        [&](std::size_t first, std::size_t count, const CapturedSoup& soup) {
+          take(ready->subspan(first, count), soup);
+        });
+    if (!drawn) return drawn;
+  }
+  for (std::size_t m = known_messages; m < context.debug_messages().size(); ++m) {
+    ADD_FAILURE() << context.debug_messages()[m];
+  }
+  return {};
+}
+
+// The mesh of it, with edge keys.
+inline Mesh captured_mesh(const CapturedSites& sites, FieldSource& source, std::uint64_t feedback_bytes) {
+  const CaseTable& table = case_table(sites.options.method);
+  const InsideRule rule{sites.field->kind, sites.options.iso};
+  SiteWeld weld(table, sites.origins, sites.near, [&](const glm::ivec3& cell) {
+    unsigned cell_case = 0;
+    for (int c = 0; c < 8; ++c) cell_case |= (sites.inside(cell + direction_step(c)) ? 1U : 0U) << c;
+    return cell_variant(table, cell_case, rule, [&](int c) { return sites.value(cell + direction_step(c)); });
+  });
+  const auto drawn = capture_sites(sites, source, feedback_bytes,
+                                   [&](auto batch, const CapturedSoup& soup) { weld.add(batch, soup); });
+  if (!drawn) {
+    ADD_FAILURE() << drawn.error().message;
+    return {};
+  }
+  const auto sizes = weld.number();
+  if (!sizes) {
+    ADD_FAILURE() << sizes.error().message;
+    return {};
+  }
+  ExtractOptions options = sites.options;
+  options.edge_keys = true;
+  Mesh mesh;
+  mesh.name = sites.field->name;
+  allocate_mesh(mesh, *sizes, {}, options);
+  weld.write(mesh, false);
+  return mesh;
+}
+
+inline GpuPipeline usual_pipeline(Method method) {
+  return method == Method::mt ? GpuPipeline::mt_geometry : GpuPipeline::mc_tessellation;
+}
+
+// Dense float samples, their bricks found.
+class DenseSurface {
+ public:
+  DenseSurface(const ScalarField& field, const ExtractOptions& options)
+      : samples_(std::get<DenseSamples>(field.samples)),
+        view_(dense_view<float>(samples_)),
+        masks_(samples_.dims),
+        whole_{glm::ivec3(0), samples_.dims - 1} {
+    ExtractStats stats;
+    const auto threshold = classify_dense(field, view_, glm::ivec3(0), options, masks_, stats);
+    bricks_ = std::make_unique<DenseSites>(masks_, glm::ivec3(0));
+    sites_.field = &field;
+    sites_.options = options;
+    sites_.origins = bricks_->origins();
+    sites_.near = [this](std::size_t site) { return bricks_->near(site); };
+    sites_.inside = [this](const glm::ivec3& p) { return masks_.inside(p); };
+    sites_.value = [this](const glm::ivec3& p) { return static_cast<double>(view_.row(p.y, p.z)[p.x]); };
+    sites_.keys = inside_keys(threshold.value().value());
+    sites_.region = sites_.stored = whole_;
+    sites_.kind.pipeline = usual_pipeline(options.method);
+    sites_.kind.sample_define = "SAMPLE_F32";
+    sites_.kind.normals = options.smooth_normals ? CapturedNormals::gradient : CapturedNormals::none;
+  }
+
+  [[nodiscard]] CapturedSites& sites() { return sites_; }
+
+  [[nodiscard]] Result<DenseSource> source(std::uint64_t bytes, int max_texture) const {
+    return DenseSource::make(kOwnContext->context(), samples_, sites_.origins,
+                             {whole_, sites_.options.smooth_normals, bytes, max_texture});
+  }
+
+ private:
+  const DenseSamples& samples_;
+  DenseView<float> view_;
+  DenseMasks masks_;
+  IndexBox whole_;
+  std::unique_ptr<DenseSites> bricks_;
+  CapturedSites sites_;
+};
+
+// Sparse float samples, their leaves found.
+class SparseSurface {
+ public:
+  SparseSurface(const ScalarField& field, const ExtractOptions& options)
+      : samples_(std::get<SparseSamples>(field.samples)),
+        options_(options),
+        region_(sparse_region(field, samples_, options).value()),
+        leaves_(field, samples_, region_, options_) {
+    ExtractStats stats;
+    EXPECT_TRUE(leaves_.find(stats));
+    sites_.field = &field;
+    sites_.options = options;
+    sites_.origins = leaves_.origins();
+    sites_.near = [this](std::size_t site) { return leaves_.near(site); };
+    sites_.inside = [this](const glm::ivec3& p) { return leaves_.inside(p); };
+    sites_.value = [this](const glm::ivec3& p) { return leaves_.value(p); };
+    sites_.keys = inside_keys(find_inside_threshold<float>({field.kind, options.iso}, field.scale).value());
+    sites_.region = region_;
+    sites_.stored = stored_box(samples_);
+    sites_.kind.pipeline = usual_pipeline(options.method);
+    sites_.kind.sample_define = "SAMPLE_F32";
+    sites_.kind.sparse = true;
+    sites_.kind.normals = options.smooth_normals ? CapturedNormals::gradient : CapturedNormals::none;
+  }
+
+  [[nodiscard]] CapturedSites& sites() { return sites_; }
+
+  [[nodiscard]] Result<SparseSource> source(std::uint64_t bytes, int max_texture) const {
+    return SparseSource::make(kOwnContext->context(), samples_, leaves_, {options_.smooth_normals, bytes, max_texture});
+  }
+
+  // The stored leaves that the cells of sites need.
+  [[nodiscard]] std::size_t needed_leaves() const {
+    std::set<std::int32_t> needed;
+    for (const glm::ivec3& origin : leaves_.origins()) {
+      const int lowest = options_.smooth_normals ? -1 : 0;
+      for (int z = lowest; z <= 1; ++z) {
+        for (int y = lowest; y <= 1; ++y) {
+          for (int x = lowest; x <= 1; ++x) needed.insert(leaves_.lookup().block(origin + 8 * glm::ivec3(x, y, z)));
+        }
+      }
+    }
+    needed.erase(-1);
+    return needed.size();
+  }
+
+ private:
+  const SparseSamples& samples_;
+  ExtractOptions options_;
+  IndexBox region_;
+  SparseSites leaves_;
+  CapturedSites sites_;
+};
+
+}  // namespace isoextract::test

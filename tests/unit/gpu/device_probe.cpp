@@ -1,0 +1,21 @@
+// Opens a device in a process of its own, and says in one line how that went. For device_test.cpp.
+#include <cstdio>
+
+#include "gpu/gpu_extractor.hpp"
+
+int main() {
+  const auto extractor = isoextract::make_gpu_extractor({});
+  if (extractor) {
+    std::printf("drawing on %s\n", (*extractor)->device().c_str());
+    return 0;
+  }
+  const isoextract::Error& error = extractor.error();
+  std::printf("error %d|%s|%s\n", static_cast<int>(error.kind), error.message.c_str(), error.hint.c_str());
+  // A device that cannot be used is listed all the same, and must be said to be so.
+  const auto devices = isoextract::list_gpu_devices();
+  if (!devices) return 0;
+  for (const isoextract::GpuDevice& device : *devices) {
+    if (!device.problem) return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,191 @@
+// Devices: the words that choose one, the choice, and machines without drivers or with broken ones.
+#include "gpu/gpu_device.hpp"
+
+#include <sys/wait.h>
+
+#include <array>
+#include <cstdio>
+
+#include <gtest/gtest.h>
+
+#include "gpu/gpu_extractor.hpp"
+#include "support/fields.hpp"
+#include "support/temp_folder.hpp"
+
+namespace isoextract {
+namespace {
+
+TEST(DeviceChoice, ReadsNumbersCudaNumbersAndNames) {
+  EXPECT_EQ(std::get<int>(parse_device_choice("0").value()), 0);
+  EXPECT_EQ(std::get<int>(parse_device_choice("12").value()), 12);
+  EXPECT_EQ(std::get<CudaIndex>(parse_device_choice("cuda:3").value()).number, 3);
+  EXPECT_EQ(std::get<DeviceName>(parse_device_choice("llvmpipe").value()).part, "llvmpipe");
+  EXPECT_EQ(std::get<DeviceName>(parse_device_choice("4090 Ti").value()).part, "4090 Ti");
+  for (const char* wrong : {"", "cuda:", "cuda:x", "cuda:-1", "cuda:1x"}) {
+    const auto choice = parse_device_choice(wrong);
+    ASSERT_FALSE(choice) << wrong;
+    EXPECT_EQ(choice.error().kind, ErrorKind::usage);
+    EXPECT_FALSE(choice.error().hint.empty());
+  }
+}
+
+GpuDevice device(int index, std::string renderer, bool software = false, std::optional<int> cuda = std::nullopt) {
+  GpuDevice made;
+  made.index = index;
+  made.vendor = software ? "Mesa" : "NVIDIA Corporation";
+  made.renderer = std::move(renderer);
+  made.software = software;
+  made.cuda_index = cuda;
+  return made;
+}
+
+GpuDevice broken(int index) {
+  GpuDevice made;
+  made.index = index;
+  made.problem = Error{ErrorKind::unavailable, "the driver could not be initialised", "ask its maker"};
+  return made;
+}
+
+int chosen(const std::vector<GpuDevice>& devices, const DeviceChoice& choice) {
+  const auto found = choose_device(devices, choice);
+  return found ? found->index : -1;
+}
+
+TEST(DeviceChoice, PrefersDevicesThatAreNotSoftware) {
+  const std::vector devices{broken(0), device(1, "llvmpipe", true), device(2, "H100", false, 1),
+                            device(3, "RTX 4090", false, 0)};
+  EXPECT_EQ(chosen(devices, {}), 2);
+  EXPECT_EQ(chosen({broken(0), device(1, "llvmpipe", true)}, {}), 1);
+  EXPECT_EQ(chosen(devices, 1), 1);
+  EXPECT_EQ(chosen(devices, CudaIndex{0}), 3);
+  EXPECT_EQ(chosen(devices, CudaIndex{1}), 2);
+  EXPECT_EQ(chosen(devices, DeviceName{"nvidia"}), 2) << "the first of that name";
+  EXPECT_EQ(chosen(devices, DeviceName{"rtx"}), 3);
+  EXPECT_EQ(chosen(devices, DeviceName{"LLVM"}), 1);
+}
+
+TEST(DeviceChoice, SaysWhatThereIsWhereNothingFits) {
+  const std::vector devices{device(0, "H100", false, 1), device(1, "llvmpipe", true), broken(2)};
+  for (const DeviceChoice& choice : {DeviceChoice{7}, DeviceChoice{CudaIndex{0}}, DeviceChoice{DeviceName{"Radeon"}}}) {
+    const auto found = choose_device(devices, choice);
+    ASSERT_FALSE(found);
+    EXPECT_EQ(found.error().kind, ErrorKind::unavailable);
+    for (const char* part : {"0: H100 (cuda:1)", "1: llvmpipe", "2: not usable"}) {
+      EXPECT_NE(found.error().message.find(part), std::string::npos) << found.error().message;
+    }
+  }
+  const auto own = choose_device(devices, 2);
+  ASSERT_FALSE(own);
+  EXPECT_EQ(own.error().message, "the driver could not be initialised") << "why that device cannot be used";
+}
+
+TEST(Devices, OutOfRangeIsAnErrorWithTheList) {
+  GpuOptions options;
+  options.device = 99;
+  const auto extractor = make_gpu_extractor(options);
+  ASSERT_FALSE(extractor);
+  EXPECT_EQ(extractor.error().kind, ErrorKind::unavailable);
+  EXPECT_NE(extractor.error().message.find("no device 99; there are 0: "), std::string::npos)
+      << extractor.error().message;
+  options.device = DeviceName{"no such renderer"};
+  EXPECT_FALSE(make_gpu_extractor(options));
+}
+
+TEST(Devices, AreListedAsTheyAreOpened) {
+  const auto devices = list_gpu_devices();
+  ASSERT_TRUE(devices) << devices.error().message;
+  for (std::size_t d = 0; d < devices->size(); ++d) EXPECT_EQ((*devices)[d].index, static_cast<int>(d));
+  const auto first = choose_device(*devices, {});
+  ASSERT_TRUE(first);
+  EXPECT_FALSE(first->version.empty());
+  GpuOptions options;
+  options.device = first->index;
+  const auto extractor = make_gpu_extractor(options);
+  ASSERT_TRUE(extractor);
+  EXPECT_EQ((*extractor)->device(), describe(*first));
+}
+
+// Each draws in its own context, in whatever order they are used and dropped.
+TEST(Devices, ExtractorsLiveBesideEachOther) {
+  auto first = make_gpu_extractor({});
+  auto second = make_gpu_extractor({});
+  ASSERT_TRUE(first && second);
+  const ScalarField field = test::random_field<float>({10, 10, 10}, 3, 100);
+  ExtractOptions options;
+  options.iso = 50;
+  const auto a = (*first)->extract(field, options);
+  const auto b = (*second)->extract(field, options);
+  const auto again = (*first)->extract(field, options);
+  first->reset();
+  const auto alone = (*second)->extract(field, options);
+  for (const auto* extraction : {&a, &b, &again, &alone}) {
+    ASSERT_TRUE(*extraction) << extraction->error().message;
+    EXPECT_FALSE((*extraction)->mesh.triangles.empty());
+    EXPECT_TRUE(std::ranges::equal((*extraction)->mesh.positions, a->mesh.positions));
+  }
+}
+
+struct Answer {
+  std::string text;
+  int status = -1;
+};
+
+// What the probe says with `environment` ("NAME=value ...") in place.
+Answer probe(const std::string& environment) {
+  Answer answer;
+  const std::string command = "env " + environment + " '" ISOEXTRACT_DEVICE_PROBE "' 2>&1";
+  FILE* pipe = ::popen(command.c_str(), "r");
+  if (pipe == nullptr) return answer;
+  std::array<char, 4096> buffer{};
+  while (std::fgets(buffer.data(), static_cast<int>(buffer.size()), pipe) != nullptr) answer.text += buffer.data();
+  answer.status = ::pclose(pipe);
+  return answer;
+}
+
+void expect_unavailable(const std::string& environment, std::initializer_list<const char*> parts) {
+  const Answer answer = probe(environment);
+  EXPECT_TRUE(WIFEXITED(answer.status) && WEXITSTATUS(answer.status) == 0) << answer.text;
+  EXPECT_NE(answer.text.find("error 3|"), std::string::npos) << answer.text;  // ErrorKind::unavailable
+  for (const char* part : parts) EXPECT_NE(answer.text.find(part), std::string::npos) << answer.text;
+}
+
+TEST(Drivers, AreThere) {
+  const Answer answer = probe("X=1");
+  EXPECT_EQ(answer.status, 0);
+  EXPECT_EQ(answer.text.find("drawing on "), 0U) << answer.text;
+}
+
+TEST(Drivers, NoneInstalledIsAnError) {
+  expect_unavailable("__EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent/x.json", {"EGL", "--backend cpu"});
+}
+
+TEST(Drivers, BrokenLibrariesAreAnError) {
+  const test::TempFolder folder;
+  const auto with_folder = [&] { return "LD_LIBRARY_PATH='" + folder.path().string() + "'"; };
+  test::write_bytes(folder / "libEGL.so.1", "this is no library");
+  expect_unavailable(with_folder(), {"EGL could not be loaded", "libEGL.so.1", "libegl1", "--backend cpu"});
+  test::write_bytes(folder / "libEGL.so.1", test::read_bytes(ISOEXTRACT_NO_FUNCTIONS));
+  expect_unavailable(with_folder(), {"EGL could not be loaded", "eglGetProcAddress"});
+  std::filesystem::remove(folder / "libEGL.so.1");
+  test::write_bytes(folder / "libOpenGL.so.0", "neither is this");
+  test::write_bytes(folder / "libGL.so.1", "nor this");
+  expect_unavailable(with_folder(), {"OpenGL could not be loaded", "libopengl0"});
+}
+
+// The loader is there, the driver it names is not.
+TEST(Drivers, AVendorWithoutItsLibraryIsAnError) {
+  const test::TempFolder folder;
+  test::write_bytes(folder / "vendor.json",
+                    R"({"file_format_version": "1.0.0", "ICD": {"library_path": "libEGL_nobody.so.0"}})");
+  expect_unavailable("__EGL_VENDOR_LIBRARY_FILENAMES='" + (folder / "vendor.json").string() + "'",
+                     {"EGL", "--backend cpu"});
+}
+
+// Mesa without its drivers: a device that cannot be initialised, or none.
+TEST(Drivers, MesaWithoutDriversIsAnError) {
+  expect_unavailable("LIBGL_DRIVERS_PATH=/nonexistent",
+                     {"EGL could not be initialised on the device", "--backend cpu"});
+}
+
+}  // namespace
+}  // namespace isoextract

@@ -1,0 +1,200 @@
+// Sparse samples on the GPU: the CPU's mesh, whatever the atlas holds, and no leaf uploaded that need not be.
+#include <limits>
+#include <map>
+
+#include "captured_surface.hpp"
+#include "drawings.hpp"
+#include "support/fields.hpp"
+
+namespace isoextract {
+namespace {
+
+using test::expect_parity;
+
+constexpr std::uint64_t kLeaf = 512 * sizeof(float);
+constexpr std::uint64_t kFeedback = std::uint64_t{1} << 24;
+
+// Noise over blocks, some of which are constant: background, inside, or a little inside.
+template <class T>
+ScalarField noise_with_tiles(const glm::ivec3& dims, unsigned seed, double background) {
+  std::mt19937 engine(seed);
+  std::map<std::tuple<int, int, int>, int> kinds;
+  const ScalarField dense = test::dense_field<T>(dims, [&](int i, int j, int k) -> double {
+    const double random = std::uniform_int_distribution<int>(0, 100)(engine);
+    const auto [kind, fresh] = kinds.try_emplace(std::tuple(i / 8, j / 8, k / 8));
+    if (fresh) kind->second = std::uniform_int_distribution<int>(0, 5)(engine);
+    return kind->second == 0 ? background : kind->second == 1 ? 90 : kind->second == 2 ? 51 : random;
+  });
+  return test::sparse_copy<T>(dense, background);
+}
+
+void move_by(ScalarField& field, const glm::ivec3& offset) {
+  auto& samples = std::get<SparseSamples>(field.samples);
+  for (SparseBlock& block : samples.blocks) block.origin += offset;
+  for (SparseTile& tile : samples.tiles) tile.origin += offset;
+}
+
+ExtractOptions at_iso(double iso) {
+  ExtractOptions options;
+  options.iso = iso;
+  return options;
+}
+
+TEST(SparseParity, BlocksTilesAndBackground) {
+  for (const double background : {0.0, 70.0}) {
+    ScalarField field = noise_with_tiles<float>({32, 16, 24}, 3, background);
+    for (const bool negative : {false, true}) {
+      SCOPED_TRACE(testing::Message() << "background " << background << ", negative " << negative);
+      if (negative) move_by(field, {-16, -8, -48});
+      field.kind = negative ? FieldKind::level_set : FieldKind::density;
+      ExtractOptions options = at_iso(50);
+      options.smooth_normals = true;
+      EXPECT_GT(expect_parity(field, options), 0U);
+    }
+  }
+}
+
+TEST(SparseParity, RegionsThatCutLeaves) {
+  for (const double background : {0.0, 70.0}) {
+    ScalarField field = noise_with_tiles<std::int16_t>({24, 32, 24}, 5, background);
+    move_by(field, {-8, 0, 8});
+    for (const IndexBox& region : {IndexBox{{-3, 5, 11}, {9, 20, 22}}, IndexBox{{-8, 0, 8}, {15, 31, 31}},
+                                   IndexBox{{1, 9, 17}, {2, 10, 18}}, IndexBox{{-20, -20, 12}, {40, 9, 60}}}) {
+      for (const bool cap : {false, true}) {
+        SCOPED_TRACE(testing::Message() << "background " << background << ", region from " << region.min.x << ", cap "
+                                        << cap);
+        ExtractOptions options = at_iso(50);
+        options.region = region;
+        options.cap = cap;
+        EXPECT_GT(expect_parity(field, options), 0U);
+      }
+    }
+    ExtractOptions options = at_iso(50);
+    options.region = IndexBox{{-1000, -1000, -1000}, {-990, -990, -990}};
+    expect_parity(field, options);
+  }
+}
+
+TEST(SparseParity, NanInLeaves) {
+  std::mt19937 engine(9);
+  const ScalarField dense = test::dense_field<float>({24, 16, 16}, [&](int, int, int) {
+    const double random = std::uniform_real_distribution<double>(-1, 1)(engine);
+    return std::uniform_int_distribution<int>(0, 60)(engine) == 0 ? std::numeric_limits<double>::quiet_NaN() : random;
+  });
+  const ScalarField field = test::sparse_copy<float>(dense, -1);
+  for (const NanPolicy policy : {NanPolicy::error, NanPolicy::outside, NanPolicy::hole}) {
+    for (const bool cut : {false, true}) {
+      ExtractOptions options = at_iso(0);
+      options.nan = policy;
+      options.cap = cut;
+      if (cut) options.region = IndexBox{{2, 3, 4}, {20, 12, 13}};
+      options.smooth_normals = cut;
+      expect_parity(field, options);
+    }
+  }
+}
+
+// Constants go to the device as bits of the samples' type.
+template <class T>
+void expect_tiles_of() {
+  SCOPED_TRACE(sample_type_name(sample_type_of<T>()));
+  ScalarField field = noise_with_tiles<T>({16, 24, 16}, 8, std::is_signed_v<T> ? -7.0 : 3.0);
+  field.scale = {0.5, -4};
+  EXPECT_GT(expect_parity(field, at_iso(21)), 0U);
+}
+TEST(SparseParity, TilesOfEveryType) {
+  expect_tiles_of<std::uint8_t>();
+  expect_tiles_of<std::int8_t>();
+  expect_tiles_of<std::uint16_t>();
+  expect_tiles_of<std::uint32_t>();
+  expect_tiles_of<std::int32_t>();
+  expect_tiles_of<Half>();
+  expect_tiles_of<double>();
+}
+
+TEST(SparseParity, TilesAlone) {
+  ScalarField field = test::sparse_copy<float>(test::random_field<float>({8, 8, 8}, 1, 2), 0);
+  auto& samples = std::get<SparseSamples>(field.samples);
+  samples.blocks.clear();
+  samples.tiles = {{glm::ivec3(-16), 16, 3.0}, {glm::ivec3(0), 8, -2.0}, {glm::ivec3(8, 0, 0), 8, 1.0}};
+  EXPECT_GT(expect_parity(field, at_iso(0.5)), 0U);
+  samples.tiles.clear();
+  EXPECT_EQ(expect_parity(field, at_iso(0.5)), 0U);
+}
+
+class Atlas : public testing::TestWithParam<Method> {};
+INSTANTIATE_TEST_SUITE_P(Methods, Atlas, testing::Values(Method::mc, Method::mt), test::method_name);
+
+TEST_P(Atlas, OfEverySizeMakesTheSameMesh) {
+  const ScalarField field = noise_with_tiles<float>({40, 40, 32}, 2, 0);
+  ExtractOptions options = at_iso(50);
+  options.method = GetParam();
+  options.smooth_normals = GetParam() == Method::mc;
+  test::SparseSurface surface(field, options);
+  const std::size_t leaves = std::get<SparseSamples>(field.samples).blocks.size();
+  const std::size_t needed = surface.needed_leaves();
+  ASSERT_GT(needed, 40U);
+  std::optional<Mesh> expected;
+  struct Size {
+    std::uint64_t slots;
+    int max_texture;
+    bool holds_all;
+  };
+  // 27 leaves may be needed at a time; textures of 40 are 5 leaves wide.
+  for (const Size& size :
+       {Size{1000, 2048, true}, Size{leaves, 2048, true}, Size{leaves, 40, true}, Size{27, 2048, false},
+        Size{1000, 24, false}, Size{32, 32, false}, Size{leaves - 10, 64, false}}) {
+    SCOPED_TRACE(testing::Message() << size.slots << " slots, textures of " << size.max_texture);
+    auto source = surface.source(size.slots * kLeaf + kLeaf / 2, size.max_texture);
+    ASSERT_TRUE(source) << source.error().message;
+    Mesh mesh = test::captured_mesh(surface.sites(), *source, kFeedback);
+    if (expected) test::expect_same_bytes(*expected, mesh);
+    if (!expected) expected = std::move(mesh);
+    const UploadFigures figures = source->uploads();
+    EXPECT_EQ(figures.bytes, 4 * figures.samples);
+    if (size.holds_all) {
+      EXPECT_EQ(figures.samples, 512 * needed) << "each once";
+      EXPECT_EQ(figures.left_out, 512 * (leaves - needed));
+    } else {
+      EXPECT_GE(figures.samples, 512 * needed);
+    }
+  }
+  EXPECT_FALSE(expected->triangles.empty());
+  options.edge_keys = true;
+  test::expect_same_surface(test::extract(field, options).mesh, *expected);
+}
+
+TEST_P(Atlas, LeavesThatTheSurfaceDoesNotPassStayAtHome) {
+  // All blocks are stored, for no two samples are alike.
+  const ScalarField dense = test::dense_field<float>({64, 64, 64}, [](int i, int j, int k) {
+    return 9.3 - glm::length(glm::dvec3(i, j, k) - glm::dvec3(30.1, 31.2, 30.3));
+  });
+  const ScalarField field = test::sparse_copy<float>(dense, -99);
+  ExtractOptions options = at_iso(0);
+  options.method = GetParam();
+  test::SparseSurface surface(field, options);
+  auto source = surface.source(kLeaf * 1000, 2048);
+  ASSERT_TRUE(source);
+  const Mesh mesh = test::captured_mesh(surface.sites(), *source, kFeedback);
+  test::expect_sound(mesh, true);
+  const UploadFigures figures = source->uploads();
+  EXPECT_EQ(figures.samples, 512 * surface.needed_leaves());
+  EXPECT_LT(figures.samples, 512U * 100);
+  EXPECT_EQ(figures.left_out, 512 * 512 - figures.samples);
+}
+
+TEST_P(Atlas, TooSmallIsAnError) {
+  const ScalarField field = noise_with_tiles<float>({40, 40, 40}, 2, 0);
+  ExtractOptions options = at_iso(50);
+  options.method = GetParam();
+  const test::SparseSurface surface(field, options);
+  for (const auto& [bytes, max_texture] : {std::pair(27 * kLeaf - 1, 2048), {1000 * kLeaf, 16}, {27 * kLeaf, 23}}) {
+    const auto source = surface.source(bytes, max_texture);
+    ASSERT_FALSE(source);
+    EXPECT_EQ(source.error().kind, ErrorKind::usage);
+    EXPECT_NE(source.error().message.find("--gpu-memory"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace isoextract
