@@ -6,7 +6,7 @@
 int main() {
   const auto extractor = isoextract::make_gpu_extractor({});
   if (extractor) {
-    std::printf("drawing on %s\n", (*extractor)->device().c_str());
+    std::printf("drawing on %s\n", extractor->extractor->device().c_str());
     return 0;
   }
   const isoextract::Error& error = extractor.error();

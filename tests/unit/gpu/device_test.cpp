@@ -102,7 +102,7 @@ TEST(Devices, AreListedAsTheyAreOpened) {
   options.device = first->index;
   const auto extractor = make_gpu_extractor(options);
   ASSERT_TRUE(extractor);
-  EXPECT_EQ((*extractor)->device(), describe(*first));
+  EXPECT_EQ(extractor->extractor->device(), describe(*first));
 }
 
 // Each draws in its own context, in whatever order they are used and dropped.
@@ -113,11 +113,11 @@ TEST(Devices, ExtractorsLiveBesideEachOther) {
   const ScalarField field = test::random_field<float>({10, 10, 10}, 3, 100);
   ExtractOptions options;
   options.iso = 50;
-  const auto a = (*first)->extract(field, options);
-  const auto b = (*second)->extract(field, options);
-  const auto again = (*first)->extract(field, options);
-  first->reset();
-  const auto alone = (*second)->extract(field, options);
+  const auto a = first->extractor->extract(field, options);
+  const auto b = second->extractor->extract(field, options);
+  const auto again = first->extractor->extract(field, options);
+  first->extractor.reset();
+  const auto alone = second->extractor->extract(field, options);
   for (const auto* extraction : {&a, &b, &again, &alone}) {
     ASSERT_TRUE(*extraction) << extraction->error().message;
     EXPECT_FALSE((*extraction)->mesh.triangles.empty());

@@ -52,7 +52,7 @@ class GpuExtractors final : public testing::Environment {
         ADD_FAILURE() << made.error().message;
         return nullptr;
       }
-      extractor = std::move(*made);
+      extractor = std::move(made->extractor);
     }
     return extractor.get();
   }
