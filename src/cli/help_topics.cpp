@@ -14,8 +14,8 @@ namespace isoextract {
 namespace {
 
 constexpr std::array<std::string_view, 5> kGroups{"Input", "Surface", "Placement", "Output", "Run"};
-constexpr std::array<std::string_view, 8> kCommands{"convert", "info",      "verify", "compare",
-                                                    "bench",   "stability", "help",   "generate"};
+constexpr std::array<std::string_view, 9> kCommands{"convert",   "info",    "verify", "compare", "bench",
+                                                    "stability", "devices", "help",   "generate"};
 
 constexpr std::array kExamples{
     Example{"isoextract smoke.vdb --iso 0.5 -o smoke.glb", "A fog volume as a glTF file for Blender or a browser."},

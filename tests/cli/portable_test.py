@@ -156,8 +156,8 @@ class PortableTest(ProgramTest):
         # A C library that is new enough, and nothing beside it.
         (root / "lib64").mkdir()
         shutil.copy(LOADER, root / "lib64")
-        for name in ("libc.so.6", "libm.so.6", "libpthread.so.0"):
-            shutil.copy(self.packed / "lib" / "glibc" / name, root / "lib64")
+        for library in (self.packed / "lib" / "glibc").iterdir():
+            shutil.copy(library, root / "lib64")
         (self.packed / "lib" / "glibc").rename(self.place / "glibc")
         self.addCleanup((self.place / "glibc").rename, self.packed / "lib" / "glibc")
         environment = {**os.environ, "LD_LIBRARY_PATH": "/lib64"}
