@@ -36,7 +36,7 @@ std::vector<std::uint8_t> cube_case_texels() {
     const int count = table.first[variant + 1] - table.first[variant];
     row[0] = static_cast<std::uint8_t>(count | (table.ambiguous[cell_case] ? 128 : 0));
     for (int t = 0; t < count; ++t) {
-      const CellTriangle& triangle = table.triangles[static_cast<std::size_t>(table.first[variant] + t)];
+      const CellTriangle& triangle = table.triangles[table.first[variant] + t];
       for (const std::uint8_t edge : triangle) {
         *++row = static_cast<std::uint8_t>(table.edges[edge].direction << 3 | table.edges[edge].corner);
       }

@@ -3,6 +3,7 @@
 
 #include <map>
 #include <string>
+#include <tuple>
 
 #include "gpu/cell_capture.hpp"
 #include "gpu/gl_program.hpp"
@@ -25,7 +26,13 @@ struct CellProgramKind {
   bool counting = false;  // makes triangles without making their vertices: for the count pass
   CapturedNormals normals = CapturedNormals::none;
 
-  friend auto operator<=>(const CellProgramKind&, const CellProgramKind&) = default;
+  friend bool operator<(const CellProgramKind& a, const CellProgramKind& b) {
+    const auto tied = [](const CellProgramKind& kind) {
+      return std::tie(kind.pipeline, kind.sample_define, kind.sparse, kind.scaled, kind.holes, kind.swizzle,
+                      kind.counting, kind.normals);
+    };
+    return tied(a) < tied(b);
+  }
 };
 
 class CellPrograms {

@@ -89,6 +89,7 @@ class ThreadPass {
   void point_to(std::uint64_t vertex) const {
     const std::uint64_t bytes = vertex * sizeof(std::uint32_t);
     glBindBuffer(GL_ARRAY_BUFFER, buffer_.name());
+    // NOLINTNEXTLINE(performance-no-int-to-ptr): GL takes an offset as a pointer
     glVertexAttribIPointer(0, 1, GL_UNSIGNED_INT, 0, reinterpret_cast<const void*>(bytes));
   }
 
