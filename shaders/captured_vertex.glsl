@@ -46,10 +46,11 @@ double edge_crossing(double f0, double f1) {
   if (finite0 && finite1) {
     double iso = iso_value;
     uint largest = max(max(exponent_field(f0), exponent_field(f1)), exponent_field(iso));
-    if (largest >= 0x7FEu) {
-      f0 = f0 / 2.0lf;
-      f1 = f1 / 2.0lf;
-      iso = iso / 2.0lf;
+    if (largest >= 0x700u) {  // neither the difference nor its reciprocal may leave the range
+      double smaller = power_of_two(-600);
+      f0 = f0 * smaller;
+      f1 = f1 * smaller;
+      iso = iso * smaller;
     } else if (largest < 0x300u) {
       f0 = enlarged(f0);
       f1 = enlarged(f1);

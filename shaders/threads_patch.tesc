@@ -17,8 +17,9 @@ void main() {
   int layer = g / (patches.x * patches.y);
   int within = g - layer * patches.x * patches.y;
   ivec2 origin = patch_cells * ivec2(within % patches.x, within / patches.x);
-  // A level of 0 would drop the patch, so a patch one cell wide makes one vertex too many, which ends at once.
-  ivec2 size = max(min(ivec2(patch_cells), grid.xy - origin), 2);
+  // An inner level of 0 or 1 beside larger ones is taken for 2, so narrow patches make three vertices a row; those
+  // beyond the grid end at once.
+  ivec2 size = max(min(ivec2(patch_cells), grid.xy - origin), 3);
   patch_origin[gl_InvocationID] = ivec3(origin, layer);
   patch_size[gl_InvocationID] = size;
   vec2 levels = vec2(size - 1);

@@ -63,8 +63,8 @@ struct InputFacts {
 [[nodiscard]] InputFacts input_facts(const std::string& path, const ScalarField& field);
 
 struct StageRecord {
-  std::string stage;  // "read", "resample", "classify", "upload", "count", "emit", "verify", "simplify", "error",
-                      // "mesh facts", "statistics", "write"
+  std::string stage;          // "open", "read", "resample", "classify", "compile", "upload", "count", "emit", "verify",
+                              // "simplify", "error", "mesh facts", "statistics", "write"
   std::optional<double> iso;  // where the stage belongs to one surface
   StageTime time;
 };

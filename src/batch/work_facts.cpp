@@ -52,9 +52,9 @@ std::vector<WorkFact> extraction_facts(const ExtractStats& stats, const ExtractO
                    fmt::format("{} samples, each once, with the iso value", stats.samples_classified)});
   if (stats.device) {
     const DeviceStats& device = *stats.device;
-    facts.push_back({"uploads", "left out", device.samples_left_out, std::nullopt,
-                     fmt::format("{} samples of bricks that the surface does not pass, which the GPU never saw",
-                                 device.samples_left_out)});
+    facts.push_back({"uploads", "uploaded", device.samples_uploaded, stats.samples_classified,
+                     fmt::format("{} samples of {}: those of bricks that the surface passes, and around them",
+                                 device.samples_uploaded, stats.samples_classified)});
     facts.push_back(
         {"decisions", "taken by the processor", device.cells_decided, std::nullopt,
          fmt::format("{} ambiguous cells, which need more digits than a shader has", device.cells_decided)});

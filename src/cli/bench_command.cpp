@@ -67,11 +67,17 @@ class Bench {
     const auto result = measure_thread_creation(plan_.gpu.device, plan_.sizes, plan_.options.repeats);
     if (!result) return tl::unexpected(result.error());
     if (auto printed = print_to_stdout(gpu_threads_table(*result, plan_.options.repeats)); !printed) return printed;
-    if (!plan_.json) return {};
-    if (auto written = write_file(*plan_.json, json_text(gpu_threads_json(*result, plan_.options.repeats))); !written) {
-      return written;
+    if (plan_.json) {
+      const std::string json = json_text(gpu_threads_json(*result, plan_.options.repeats));
+      if (auto written = write_file(*plan_.json, json); !written) return written;
+      messages_.summary(fmt::format("-> {}", *plan_.json));
     }
-    messages_.summary(fmt::format("-> {}", *plan_.json));
+    for (const ThreadCreationLevel& level : result->levels) {
+      const auto failed = std::ranges::find_if(level.makers, [](const auto& row) { return row.problem.has_value(); });
+      if (failed == level.makers.end()) continue;
+      return fail(ErrorKind::unavailable, fmt::format("{}^3 cells: {}", level.size, *failed->problem),
+                  "leave out grids that are too large with --sizes");
+    }
     return {};
   }
 

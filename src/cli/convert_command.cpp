@@ -61,12 +61,16 @@ class Conversion {
  private:
   // Before the input is read: a missing GPU is told at once.
   Result<void> open_backends() {
+    const Stopwatch watch;
     auto opened = open_backend(plan_.backend);
     if (!opened) return tl::unexpected(std::move(opened.error()));
     if (!opened->note.empty()) note(opened->note);
     extractor_ = std::move(opened->extractor);
     report_.backend = extractor_->name();
     report_.device = extractor_->device();
+    if (report_.backend == backend_name(Backend::gpu)) {
+      report_.stages.push_back({"open", std::nullopt, watch.elapsed()});
+    }
     if (!plan_.verify) return {};
     BackendChoice other = plan_.backend;
     other.backend = extractor_->name() == backend_name(Backend::gpu) ? Backend::cpu : Backend::gpu;
@@ -230,6 +234,7 @@ class Conversion {
     const Stopwatch watch;
     const ExtractOptions options = extract_options(iso, progress);
     auto extraction = extractor_->extract(field_, options);
+    if (!extraction && gave_way(extraction.error(), story)) extraction = extractor_->extract(field_, options);
     if (!extraction) return extraction;
     const ExtractStats& stats = extraction->stats;
     story.push_back(
@@ -239,6 +244,7 @@ class Conversion {
                     stats.emit.wall_seconds));
     report_.stages.push_back({"classify", iso, stats.classify});
     if (stats.device) {
+      report_.stages.push_back({"compile", iso, stats.device->compile});
       report_.stages.push_back({"upload", iso, stats.device->upload});
       report_.bytes_uploaded += stats.device->bytes_uploaded;
       story.push_back(
@@ -260,6 +266,18 @@ class Conversion {
       if (auto verified = verify(extraction->mesh, options, story); !verified) return tl::unexpected(verified.error());
     }
     return extraction;
+  }
+
+  // Under --backend auto a GPU that cannot do the work is no reason to end: the processor takes over, and that is told.
+  bool gave_way(const Error& error, std::vector<std::string>& story) {
+    const bool may = plan_.backend.backend == Backend::automatic && extractor_->name() == backend_name(Backend::gpu);
+    if (!may || error.kind != ErrorKind::unavailable) return false;
+    extractor_ = make_cpu_extractor();
+    report_.backend = extractor_->name();
+    report_.device = extractor_->device();
+    report_.notes.push_back(fmt::format("--backend auto: cpu, because {}", error.message));
+    story.push_back(report_.notes.back());
+    return true;
   }
 
   // Against the other backend. The keys have done their work then.

@@ -318,7 +318,10 @@ Result<BenchPlan> plan_bench(const BenchFlags& flags) {
   plan.read = std::move(*read);
   plan.inputs = flags.input.inputs;
   plan.options.repeats = flags.repeats.value_or(plan.options.repeats);
-  if (plan.inputs == std::vector<std::string>{"gpu-threads"}) return plan_gpu_threads(flags, std::move(plan));
+  if (std::ranges::find(plan.inputs, "gpu-threads") != plan.inputs.end()) {
+    if (plan.inputs.size() == 1) return plan_gpu_threads(flags, std::move(plan));
+    return usage("bench gpu-threads extracts no surface, so it takes no other input beside it", "run bench twice");
+  }
   if (plan.inputs.empty()) plan.inputs.push_back(fmt::format("{}torus", kDemoPrefix));
   const auto is_demo = [](const std::string& input) { return input.starts_with(kDemoPrefix); };
   const auto file = std::ranges::find_if_not(plan.inputs, is_demo);

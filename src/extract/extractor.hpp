@@ -51,9 +51,10 @@ struct ExtractOptions {
 // What only a backend with a device of its own has to tell.
 struct DeviceStats {
   std::uint64_t bytes_uploaded = 0;    // of samples
-  std::uint64_t samples_left_out = 0;  // not uploaded, because no crossed brick needs them
+  std::uint64_t samples_uploaded = 0;  // those of crossed bricks and around them; again where they were needed again
   std::uint64_t bytes_captured = 0;    // of triangles
   std::uint64_t cells_decided = 0;     // ambiguous cells that the host decided
+  StageTime compile;                   // of shaders; none where they were kept from an earlier extraction
   StageTime upload;
   StageTime capture;  // `count` and `emit` below are sums of such stages
   StageTime read_back;

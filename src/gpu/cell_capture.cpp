@@ -27,7 +27,9 @@ CellCapture::CellCapture(const GlContext& context, GpuPipeline pipeline, std::si
       // llvmpipe repeats vertices in a draw of more than 65,536 tessellated ones (DESIGN section 6).
       patches_per_draw_(context.device().software ? 65536 / kCellsPerSite : kMaxSites),
       max_sites_(0),
+      next_sites_(0),
       feedback_(GlBuffer::make()),
+      staging_(GlBuffer::make()),
       site_buffer_(GlBuffer::make()),
       site_texture_(GlTexture::make()),
       generated_(GlQuery::make()),
@@ -35,6 +37,7 @@ CellCapture::CellCapture(const GlContext& context, GpuPipeline pipeline, std::si
   GLint texels = 0;
   glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
   max_sites_ = std::min(kMaxSites, static_cast<std::size_t>(texels) / kTexelsPerSite);
+  next_sites_ = max_sites_;
 }
 
 void CellCapture::draw_sites(const CellProgram& program, std::size_t sites) const {
@@ -64,10 +67,10 @@ Result<std::uint64_t> CellCapture::count(const CellProgram& program, std::size_t
 }
 
 Result<void> CellCapture::draw(const CellPass& pass, std::span<const glm::ivec3> origins, const Bind& bind,
-                               const Take& take) {
+                               const Take& take, const Allow& allow) {
   std::vector<glm::ivec4> texels;
-  for (std::size_t first = 0, many = max_sites_; first < origins.size();) {
-    many = std::min(many, origins.size() - first);
+  for (std::size_t first = 0; first < origins.size();) {
+    const std::size_t many = std::min(next_sites_, origins.size() - first);
     texels.resize(many);
     for (std::size_t s = 0; s < many; ++s) texels[s] = glm::ivec4(origins[first + s], 0);
     glBindBuffer(GL_TEXTURE_BUFFER, site_buffer_.name());
@@ -86,20 +89,23 @@ Result<void> CellCapture::draw(const CellPass& pass, std::span<const glm::ivec3>
     const std::uint64_t bytes = words * sizeof(std::uint32_t);
     // The next draw is sized by what this one needs a site.
     constexpr double kRoom = 0.8;
-    const std::size_t drawn = many;
     const double fitting =
         kRoom * static_cast<double>(feedback_bytes_) / static_cast<double>(std::max<std::uint64_t>(bytes, 1));
-    many = static_cast<std::size_t>(
-        std::clamp(static_cast<double>(drawn) * fitting, 1.0, static_cast<double>(max_sites_)));
-    if (bytes > feedback_bytes_ && drawn > 1) {
-      many = std::min(many, drawn - 1);
+    next_sites_ =
+        static_cast<std::size_t>(std::clamp(static_cast<double>(many) * fitting, 1.0, static_cast<double>(max_sites_)));
+    if (bytes > feedback_bytes_ && many > 1) {
+      next_sites_ = std::min(next_sites_, many - 1);
       continue;
     }
+    if (auto allowed = allow(triangles_ + *triangles); !allowed) return allowed;
+    triangles_ += *triangles;
     if (*triangles > 0) {
       Stopwatch watch;
       glBindBuffer(GL_TRANSFORM_FEEDBACK_BUFFER, feedback_.name());
       if (bytes > feedback_size_) {
         glBufferData(GL_TRANSFORM_FEEDBACK_BUFFER, static_cast<GLsizeiptr>(bytes), nullptr, GL_STREAM_COPY);
+        glBindBuffer(GL_COPY_WRITE_BUFFER, staging_.name());
+        glBufferData(GL_COPY_WRITE_BUFFER, static_cast<GLsizeiptr>(bytes), nullptr, GL_STREAM_READ);
         feedback_size_ = bytes;
         if (auto checked = context_.check(fmt::format("taking {} for triangles", format_byte_size(bytes))); !checked) {
           return checked;
@@ -109,7 +115,7 @@ Result<void> CellCapture::draw(const CellPass& pass, std::span<const glm::ivec3>
       pass.capture->use();
       glBeginQuery(GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN, written_.name());
       glBeginTransformFeedback(GL_TRIANGLES);
-      draw_sites(*pass.capture, drawn);
+      draw_sites(*pass.capture, many);
       glEndTransformFeedback();
       glEndQuery(GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN);
       GLuint64 written = 0;
@@ -124,13 +130,15 @@ Result<void> CellCapture::draw(const CellPass& pass, std::span<const glm::ivec3>
       }
       watch.restart();
       if (soup_.size() < words) soup_ = Buffer<std::uint32_t>(words);
-      glGetBufferSubData(GL_TRANSFORM_FEEDBACK_BUFFER, 0, static_cast<GLsizeiptr>(bytes), soup_.data());
+      glBindBuffer(GL_COPY_WRITE_BUFFER, staging_.name());
+      glCopyBufferSubData(GL_TRANSFORM_FEEDBACK_BUFFER, GL_COPY_WRITE_BUFFER, 0, 0, static_cast<GLsizeiptr>(bytes));
+      glGetBufferSubData(GL_COPY_WRITE_BUFFER, 0, static_cast<GLsizeiptr>(bytes), soup_.data());
       add(times_.read_back, watch.elapsed());
       if (auto checked = context_.check("reading triangles back"); !checked) return checked;
       captured_bytes_ += bytes;
     }
-    take(first, drawn, CapturedSoup{{soup_.data(), words}, words_});
-    first += drawn;
+    take(first, many, CapturedSoup{{soup_.data(), words}, words_});
+    first += many;
   }
   return {};
 }

@@ -63,8 +63,10 @@ class CellCapture {
   // each draw: by rising site, except where the driver chose otherwise, and those of one cell one after the other.
   using Bind = std::function<void(const CellProgram& program, std::size_t first, std::size_t count)>;
   using Take = std::function<void(std::size_t first, std::size_t count, const CapturedSoup& soup)>;
+  // Asked before triangles are captured, with the number of all so far and these; an error ends the drawing.
+  using Allow = std::function<Result<void>(std::uint64_t triangles)>;
   [[nodiscard]] Result<void> draw(const CellPass& pass, std::span<const glm::ivec3> origins, const Bind& bind,
-                                  const Take& take);
+                                  const Take& take, const Allow& allow);
 
   [[nodiscard]] const CaptureTimes& times() const { return times_; }
   [[nodiscard]] std::uint64_t captured_bytes() const { return captured_bytes_; }
@@ -78,8 +80,11 @@ class CellCapture {
   std::size_t words_;
   std::uint64_t feedback_bytes_;
   std::size_t patches_per_draw_;
-  std::size_t max_sites_;  // of a draw
+  std::size_t max_sites_;   // of a draw
+  std::size_t next_sites_;  // of the next draw, by what the last one needed
+  std::uint64_t triangles_ = 0;
   GlBuffer feedback_;
+  GlBuffer staging_;  // what is read from: reading the feedback buffer itself makes drivers move it to the host
   std::uint64_t feedback_size_ = 0;
   GlBuffer site_buffer_;
   GlTexture site_texture_;

@@ -143,6 +143,7 @@ Result<std::span<const std::uint32_t>> DenseSource::advance() {
     upload(
         {glm::max(entered.min + reach_.min, column_reach_.min), glm::min(entered.max + reach_.min, column_reach_.max)});
   }
+  glFinish();  // uploads are made later than they are asked for
   const StageTime time = watch.elapsed();
   uploads_.time.wall_seconds += time.wall_seconds;
   uploads_.time.cpu_seconds += time.cpu_seconds;

@@ -16,7 +16,7 @@ namespace isoextract {
 struct UploadFigures {
   std::uint64_t bytes = 0;     // of samples
   std::uint64_t samples = 0;   // each counted as often as it was uploaded
-  std::uint64_t left_out = 0;  // samples that no crossed brick needs
+  std::uint64_t left_out = 0;  // samples that no crossed brick needs, less what was uploaded more than once
   StageTime time;
 };
 

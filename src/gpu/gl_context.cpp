@@ -141,8 +141,9 @@ std::string_view reset_words(GLenum status) {
 
 void GLAPIENTRY on_debug_message(GLenum, GLenum type, GLuint, GLenum severity, GLsizei length, const GLchar* text,
                                  const void* list) {
-  const bool counts =
-      type == GL_DEBUG_TYPE_ERROR || severity == GL_DEBUG_SEVERITY_HIGH || severity == GL_DEBUG_SEVERITY_MEDIUM;
+  // Hints about speed and memory placement come at every severity; they are no complaints.
+  const bool counts = type == GL_DEBUG_TYPE_ERROR || type == GL_DEBUG_TYPE_UNDEFINED_BEHAVIOR ||
+                      (severity == GL_DEBUG_SEVERITY_HIGH && type != GL_DEBUG_TYPE_PERFORMANCE);
   if (!counts) return;
   auto* messages = static_cast<std::vector<std::string>*>(const_cast<void*>(list));
   messages->emplace_back(text, static_cast<std::size_t>(length));
@@ -323,7 +324,9 @@ Result<void> GlContext::check(const std::string& doing) const {
     if (status != GL_NO_ERROR) return tl::unexpected(lost(reset_words(status), doing));
   }
   Result<void> result;
-  for (GLenum code = glGetError(); code != GL_NO_ERROR; code = glGetError()) {
+  constexpr int kMost = 16;  // there are fewer kinds; a driver without a context may go on for ever
+  GLenum code = glGetError();
+  for (int told = 0; code != GL_NO_ERROR && told < kMost; ++told, code = glGetError()) {
     if (code == GL_CONTEXT_LOST) return tl::unexpected(lost("for an unknown reason", doing));
     if (!result) continue;
     if (code == GL_OUT_OF_MEMORY) {

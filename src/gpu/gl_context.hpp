@@ -40,7 +40,8 @@ class GlContext {
   // ErrorKind::unavailable with the option that helps. `doing` completes "while ...".
   [[nodiscard]] Result<void> check(const std::string& doing) const;
 
-  // Messages of severity medium or high, and all errors, since the context was opened. Only with `debug`.
+  // Errors, undefined behaviour and what is severe, but no hints about speed, since the context was opened. Only with
+  // `debug`.
   [[nodiscard]] const std::vector<std::string>& debug_messages() const;
 
  private:

@@ -19,7 +19,7 @@ struct GpuDevice {
   std::string version;                        // of OpenGL, as the driver words it
   bool software = false;                      // the processor draws: never faster than the CPU backend
   std::optional<int> cuda_index;              // where the driver tells
-  std::optional<std::uint64_t> memory_bytes;  // likewise, in all
+  std::optional<std::uint64_t> memory_bytes;  // likewise: all of it, or what is free where only that is told
   std::optional<Error> problem;               // why it cannot be used; then only the index is sure
 };
 

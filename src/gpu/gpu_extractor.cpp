@@ -183,11 +183,14 @@ class GpuExtractor final : public Extractor {
     kind.scaled = !field.scale.is_identity();
     kind.holes = sites.holes;
     kind.swizzle = options_.swizzle;
+    const Stopwatch compiling;
     const auto capturing = programs_.find(*context_, with_normals(kind, options.smooth_normals));
     if (!capturing) return tl::unexpected(capturing.error());
     kind.counting = true;
     const auto counting = programs_.find(*context_, kind);
     if (!counting) return tl::unexpected(counting.error());
+    DeviceStats& device = result.stats.device.emplace();
+    device.compile = compiling.elapsed();
     const CellPass pass{*counting, *capturing};
     for (const CellProgram* program : {pass.count, pass.capture}) {
       set_uniforms(*program, field, options, placement, sites);
@@ -208,7 +211,7 @@ class GpuExtractor final : public Extractor {
       const auto ready = source.advance();
       if (!ready) return tl::unexpected(ready.error());
       if (ready->empty()) break;
-      if (auto drawn = draw_batch(pass, *ready, sites, source, capture, weld, options); !drawn) return drawn;
+      if (auto drawn = draw_batch(field, pass, *ready, sites, source, capture, weld, options); !drawn) return drawn;
     }
     if (auto quiet = check_messages(); !quiet) return quiet;
     if (sites.holes) result.stats.hole_cells = count_holes(sites);
@@ -223,8 +226,9 @@ class GpuExtractor final : public Extractor {
     return {};
   }
 
-  Result<void> draw_batch(const CellPass& pass, std::span<const std::uint32_t> ready, const SurfaceSites& sites,
-                          FieldSource& source, CellCapture& capture, SiteWeld& weld, const ExtractOptions& options) {
+  Result<void> draw_batch(const ScalarField& field, const CellPass& pass, std::span<const std::uint32_t> ready,
+                          const SurfaceSites& sites, FieldSource& source, CellCapture& capture, SiteWeld& weld,
+                          const ExtractOptions& options) {
     std::vector<glm::ivec3> origins(ready.size());
     for (std::size_t s = 0; s < ready.size(); ++s) origins[s] = sites.origins[ready[s]];
     return capture.draw(
@@ -235,6 +239,9 @@ class GpuExtractor final : public Extractor {
         [&](std::size_t first, std::size_t count, const CapturedSoup& soup) {
           weld.add(ready.subspan(first, count), soup);
           if (options.progress != nullptr) options.progress->advance(count);
+        },
+        [&](std::uint64_t triangles) {
+          return check_mesh_size(field, {0, triangles}, options);
         });
   }
 
@@ -308,9 +315,9 @@ class GpuExtractor final : public Extractor {
   }
 
   void tell(const CellCapture& capture, const SiteWeld& weld, const UploadFigures& uploads, ExtractStats& stats) const {
-    DeviceStats device;
+    DeviceStats& device = *stats.device;
     device.bytes_uploaded = uploads.bytes;
-    device.samples_left_out = uploads.left_out;
+    device.samples_uploaded = uploads.samples;
     device.bytes_captured = capture.captured_bytes();
     device.cells_decided = weld.decided_cells() - stats.hole_cells;  // those came to be left out
     device.upload = uploads.time;
@@ -322,7 +329,6 @@ class GpuExtractor final : public Extractor {
       stats.emit.wall_seconds += part.wall_seconds;
       stats.emit.cpu_seconds += part.cpu_seconds;
     }
-    stats.device = device;
   }
 
   [[nodiscard]] Result<void> check_messages() const {

@@ -141,6 +141,7 @@ Result<std::span<const std::uint32_t>> SparseSource::advance() {
   ++round_;
   glBindTexture(GL_TEXTURE_3D, atlas_.name());
   while (next_ < order_.size() && make_resident(order_[next_])) ++next_;
+  glFinish();  // uploads are made later than they are asked for
   const StageTime time = watch.elapsed();
   uploads_.time.wall_seconds += time.wall_seconds;
   uploads_.time.cpu_seconds += time.cpu_seconds;

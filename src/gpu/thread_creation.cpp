@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/median.hpp"
 #include "gpu/gl_program.hpp"
 
 namespace isoextract {
@@ -44,7 +45,28 @@ class ThreadPass {
     return fill_buffer();
   }
 
-  // `emit`: every thread makes a point; otherwise none.
+  // How many points were made: by every thread one with `emit`, otherwise none. Asking makes sure that no driver leaves
+  // the threads out.
+  [[nodiscard]] std::uint64_t count_points(bool emit) const {
+    glBeginQuery(GL_PRIMITIVES_GENERATED, query_.name());
+    draw(emit);
+    glEndQuery(GL_PRIMITIVES_GENERATED);
+    GLuint64 points = 0;
+    glGetQueryObjectui64v(query_.name(), GL_QUERY_RESULT, &points);
+    return points;
+  }
+
+  // Whether every cell got its thread.
+  [[nodiscard]] Result<void> check_count() const {
+    const std::uint64_t threads = count_points(true);
+    if (auto checked = context_.check("making threads"); !checked) return checked;
+    if (threads == cells()) return {};
+    return fail(ErrorKind::unavailable,
+                fmt::format("{} threads for {} cells, by {}", threads, cells(), thread_maker_name(maker_)),
+                "please report it");
+  }
+
+ private:
   void draw(bool emit) const {
     program_.use();
     program_.set("emit_below", emit ? glm::ivec3(size_) : glm::ivec3(0));
@@ -64,22 +86,6 @@ class ThreadPass {
     }
   }
 
-  // Whether every cell got its thread.
-  Result<void> check_count() const {
-    const GlQuery query = GlQuery::make();
-    glBeginQuery(GL_PRIMITIVES_GENERATED, query.name());
-    draw(true);
-    glEndQuery(GL_PRIMITIVES_GENERATED);
-    GLuint64 threads = 0;
-    glGetQueryObjectui64v(query.name(), GL_QUERY_RESULT, &threads);
-    if (auto checked = context_.check("making threads"); !checked) return checked;
-    if (threads == cells()) return {};
-    return fail(ErrorKind::unavailable,
-                fmt::format("{} threads for {} cells, by {}", threads, cells(), thread_maker_name(maker_)),
-                "please report it");
-  }
-
- private:
   [[nodiscard]] int layers_per_draw() const {
     constexpr std::uint64_t kCells = 1 << 26;
     return static_cast<int>(std::max<std::uint64_t>(kCells / layer_cells_, 1));
@@ -140,6 +146,7 @@ class ThreadPass {
   std::uint64_t buffer_bytes_ = 0;
   CellProgram program_;
   GlBuffer buffer_;
+  GlQuery query_ = GlQuery::make();
 };
 
 std::optional<std::uint64_t> free_memory() {
@@ -160,11 +167,8 @@ std::vector<double> timed(int repeats, const F& f) {
     const double taken = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (run >= 0) seconds.push_back(taken);  // the first run is a warm-up
   }
-  std::ranges::sort(seconds);
   return seconds;
 }
-
-double median(const std::vector<double>& sorted) { return sorted[sorted.size() / 2]; }
 
 Result<void> measure(const GlContext& context, int size, int repeats, ThreadCreation& row) {
   glFinish();
@@ -172,12 +176,14 @@ Result<void> measure(const GlContext& context, int size, int repeats, ThreadCrea
   ThreadPass pass(context, row.maker, size);
   if (auto prepared = pass.prepare(); !prepared) return prepared;
   if (auto checked = pass.check_count(); !checked) return checked;
-  const std::vector<double> seconds = timed(repeats, [&] { pass.draw(false); });
+  std::uint64_t points = 0;
+  const std::vector<double> seconds = timed(repeats, [&] { points += pass.count_points(false); });
   row.median_seconds = median(seconds);
-  row.min_seconds = seconds.front();
-  row.max_seconds = seconds.back();
+  row.min_seconds = std::ranges::min(seconds);
+  row.max_seconds = std::ranges::max(seconds);
   row.buffer_bytes = pass.buffer_bytes();
   if (const auto after = free_memory(); before && after && *before >= *after) row.driver_bytes = *before - *after;
+  if (points != 0) return fail(ErrorKind::unavailable, "threads that were to end at once made points");
   return context.check("timing threads");
 }
 

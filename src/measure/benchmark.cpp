@@ -11,6 +11,7 @@
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
+#include "base/median.hpp"
 #include "base/stopwatch.hpp"
 #include "field/coarsen.hpp"
 #include "field/demo_field.hpp"
@@ -74,12 +75,6 @@ Result<void> run_once(const ScalarField& field, const BenchOptions& options, boo
     setting.stats.push_back(extraction->stats);
   }
   return {};
-}
-
-double median(std::vector<double> values) {
-  std::ranges::sort(values);
-  const std::size_t half = values.size() / 2;
-  return values.size() % 2 != 0 ? values[half] : (values[half - 1] + values[half]) / 2;
 }
 
 std::optional<BenchDeviceTimes> device_times(const std::vector<ExtractStats>& runs) {

@@ -103,13 +103,15 @@ class GpuTest(ProgramTest):
         self.assertIn("cells/s", run.text)
 
     def test_bench_gpu_threads(self):
-        run = self.run_program("bench", "gpu-threads", "--sizes", "8,20", "--repeats", 1, "--json", "threads.json")
+        run = self.run_program("bench", "gpu-threads", "--sizes", "8,20,66,67", "--repeats", 1, "--json", "threads.json")
         self.assertEqual(run.code, 0, run.err)
         levels = json.loads((self.folder / "threads.json").read_text())["gpu_threads"]
-        self.assertEqual([level["size"] for level in levels], [8, 20])
+        self.assertEqual([level["size"] for level in levels], [8, 20, 66, 67])
+        self.assertEqual([maker for level in levels for maker in level["makers"] if "problem" in maker], [])
         dummy = next(maker for maker in levels[1]["makers"] if maker["threads_by"] == "dummy vertices")
         self.assertEqual(dummy["vertex_bytes"], 4 * 20**3)
         self.assert_fails(1, self.run_program("bench", "gpu-threads", "--iso", 1), "gpu-threads", "--iso")
+        self.assert_fails(1, self.run_program("bench", "gpu-threads", "demo:torus"), "gpu-threads", "no other input")
 
 
 if __name__ == "__main__":

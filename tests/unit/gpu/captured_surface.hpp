@@ -118,7 +118,8 @@ inline Result<void> capture_sites(
         },
         [&](std::size_t first, std::size_t count, const CapturedSoup& soup) {
           take(ready->subspan(first, count), soup);
-        });
+        },
+        [](std::uint64_t) { return Result<void>(); });
     if (!drawn) return drawn;
   }
   for (std::size_t m = known_messages; m < context.debug_messages().size(); ++m) {
