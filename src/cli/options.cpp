@@ -187,7 +187,7 @@ void declare_device(const Group& group, DeviceFlags& flags) {
               "(default: the first that is not software).");
   group.value("--gpu-memory", "SIZE", flags.gpu_memory, parse_size,
               "What samples and triangles may take on the GPU at a time; larger volumes pass through in slabs, and the "
-              "output does not depend on it (default: half of what the GPU has, 1G where it does not tell).");
+              "output does not depend on it (default: a quarter of what the GPU has, 1G where it does not tell).");
 }
 
 void declare_backends(const Group& group, std::optional<std::vector<NamedBackend>>& backends,

@@ -29,7 +29,8 @@ struct MemoryShares {
 };
 
 MemoryShares share_memory(const GpuOptions& options, const GpuDevice& device) {
-  const std::uint64_t all = options.memory_bytes.value_or(device.memory_bytes ? *device.memory_bytes / 2 : 1024 * kMiB);
+  // Drivers limit one texture, some to a quarter of the memory.
+  const std::uint64_t all = options.memory_bytes.value_or(device.memory_bytes ? *device.memory_bytes / 4 : 1024 * kMiB);
   const std::uint64_t feedback = std::min(all / 4, 256 * kMiB);
   return {all - feedback, feedback};
 }
