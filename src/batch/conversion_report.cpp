@@ -69,26 +69,15 @@ Json json_of(const WorkFact& fact) {
 }
 
 Json json_of(const MeshRecord& mesh) {
-  const Topology& topology = mesh.topology;
-  const bool closed = topology.is_closed_oriented_manifold();
   Json json{{"iso", mesh.iso},
             {"file", mesh.file},
             {"name", mesh.name},
             {"vertices", mesh.vertices},
-            {"triangles", mesh.triangles},
-            {"closed", closed},
-            {"open_edges", topology.open_edges},
-            {"nonmanifold_edges", topology.nonmanifold_edges},
-            {"misoriented_edges", topology.misoriented_edges},
-            {"nonmanifold_vertices", topology.nonmanifold_vertices},
-            {"components", topology.components},
-            {"euler", topology.euler},
-            {"genus", closed ? Json(topology.genus()) : Json(nullptr)},
-            {"area", mesh.size.area},
-            {"volume", closed ? Json(mesh.size.volume) : Json(nullptr)},
-            {"zero_area_triangles", mesh.size.zero_area_triangles},
-            {"bounds", mesh.vertices == 0 ? Json(nullptr) : json_of(Box{mesh.bounds.min, mesh.bounds.max})},
-            {"origin", json_of(mesh.origin)}};
+            {"triangles", mesh.triangles}};
+  json.update(json_of(mesh.topology, mesh.size));
+  json["euler"] = mesh.topology.euler;
+  json["bounds"] = mesh.vertices == 0 ? Json(nullptr) : json_of(Box{mesh.bounds.min, mesh.bounds.max});
+  json["origin"] = json_of(mesh.origin);
   if (mesh.error) json["error"] = *mesh.error;
   return json;
 }

@@ -44,6 +44,20 @@ Json json_of(const Error& error) {
 
 Json json_of(const StageTime& time) { return {{"wall_seconds", time.wall_seconds}, {"cpu_seconds", time.cpu_seconds}}; }
 
+Json json_of(const Topology& topology, const MeshSize& size) {
+  const bool closed = topology.is_closed_oriented_manifold();
+  return {{"closed", closed},
+          {"open_edges", topology.open_edges},
+          {"nonmanifold_edges", topology.nonmanifold_edges},
+          {"misoriented_edges", topology.misoriented_edges},
+          {"nonmanifold_vertices", topology.nonmanifold_vertices},
+          {"components", topology.components},
+          {"genus", closed ? Json(topology.genus()) : Json(nullptr)},
+          {"area", size.area},
+          {"volume", closed ? Json(size.volume) : Json(nullptr)},
+          {"zero_area_triangles", size.zero_area_triangles}};
+}
+
 std::string json_text(const Json& document) {
   return document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -9,6 +9,8 @@
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
 #include "field/scalar_field.hpp"
+#include "mesh/metrics.hpp"
+#include "mesh/topology.hpp"
 
 namespace isoextract {
 
@@ -23,6 +25,8 @@ using Json = nlohmann::ordered_json;
 [[nodiscard]] Json json_of(const Affine& map);      // three rows of four numbers: the matrix, then the offset
 [[nodiscard]] Json json_of(const Error& error);     // kind, exit_code, message, hint
 [[nodiscard]] Json json_of(const StageTime& time);  // wall_seconds, cpu_seconds
+// What connectivity and size tell of a mesh; genus and volume are null unless it is closed.
+[[nodiscard]] Json json_of(const Topology& topology, const MeshSize& size);
 
 // A document as text. Names of files and grids may be in any encoding, JSON is UTF-8: every other byte becomes U+FFFD.
 // Numbers that are not finite become null.

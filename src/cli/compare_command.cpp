@@ -99,22 +99,13 @@ std::string text_of(const std::array<Side, 2>& sides, const MeshDistance& distan
 }
 
 Json side_json(const Side& side) {
-  const bool closed = side.topology.is_closed_oriented_manifold();
-  return {{"file", side.path},
-          {"format", side.file.format},
-          {"vertices", side.file.mesh.positions.size()},
-          {"triangles", side.file.mesh.triangles.size()},
-          {"zero_area_triangles", side.size.zero_area_triangles},
-          {"components", side.topology.components},
-          {"closed", closed},
-          {"open_edges", side.topology.open_edges},
-          {"nonmanifold_edges", side.topology.nonmanifold_edges},
-          {"misoriented_edges", side.topology.misoriented_edges},
-          {"nonmanifold_vertices", side.topology.nonmanifold_vertices},
-          {"genus", closed ? Json(side.topology.genus()) : Json(nullptr)},
-          {"area", side.size.area},
-          {"volume", closed ? Json(side.size.volume) : Json(nullptr)},
-          {"bounds", json_of(Box{side.bounds.min, side.bounds.max})}};
+  Json json{{"file", side.path},
+            {"format", side.file.format},
+            {"vertices", side.file.mesh.positions.size()},
+            {"triangles", side.file.mesh.triangles.size()}};
+  json.update(json_of(side.topology, side.size));
+  json["bounds"] = json_of(Box{side.bounds.min, side.bounds.max});
+  return json;
 }
 
 Json direction_json(const DirectedDistance& distance) {

@@ -16,6 +16,7 @@
 #include <cmath>
 
 #include "extract/cell_tables.hpp"
+#include "extract/cube_cell.hpp"
 #include "extract/inside_test.hpp"
 
 namespace isoextract {
@@ -35,8 +36,8 @@ using CornerValues = std::array<long double, 8>;  // depths (inside_test.hpp) by
   unsigned joined = 0;
   for (unsigned f = 0; f < 6; ++f) {
     if ((table.alternating_faces[cell_case] >> f & 1) == 0) continue;
-    const auto& face = cell_faces()[f];
-    const std::size_t in = (cell_case >> face[0] & 1) != 0 ? 0 : 1;
+    const auto& face = kCubeFaces[f];
+    const std::size_t in = is_inside(cell_case, face[0]) ? 0 : 1;
     const std::size_t out = 1 - in;
     if (joins_inside(corners[face[in]], corners[face[in + 2]], corners[face[out]], corners[face[out + 2]])) {
       joined |= 1U << f;

@@ -81,8 +81,6 @@ const CaseTable& case_table(Method method) {
   return method == Method::mc ? cubes : tetrahedra;
 }
 
-const std::array<std::array<std::uint8_t, 4>, 6>& cell_faces() { return kCubeFaces; }
-
 const std::array<TetrahedronCase, 16>& tetrahedron_cases() { return kTetrahedronCases; }
 
 const std::array<std::array<std::uint8_t, 4>, 6>& cell_tetrahedra() { return kTetrahedra; }

@@ -48,8 +48,9 @@ struct CaseTable {
   std::vector<std::uint8_t> directions;  // in the order vertices of one sample are numbered: {1, 2, 4} or {1, ..., 7}
   std::vector<CellEdge> edges;           // 12 for mc, 19 for mt
   std::array<bool, 256> ambiguous{};     // the case does not say alone what is drawn; mt: never
-  std::array<std::uint8_t, 256> alternating_faces{};  // bit f: the corners of cell_faces()[f] alternate; mt: none
-  std::array<std::uint16_t, 256> variants{};          // the number of the case's first variant
+  // Bit f: the corners of kCubeFaces[f] (cube_cell.hpp) alternate; mt: none.
+  std::array<std::uint8_t, 256> alternating_faces{};
+  std::array<std::uint16_t, 256> variants{};  // the number of the case's first variant
   // By variant (none for tunnels themselves; mt: empty) and by which corners are inside in alternating slices across
   // z: 0 and 3 with those above them, or 1 and 2.
   std::vector<std::array<Tunnel, 2>> tunnels;
@@ -75,9 +76,6 @@ struct CaseTable {
 // are cut so that no edge of the mesh has more than two triangles, whatever the neighbours draw.
 // mt: the union of what the six tetrahedra around the diagonal 0-7 draw (seed S1, edge table); nothing is ambiguous.
 [[nodiscard]] const CaseTable& case_table(Method method);
-
-// The corners of the faces x = 0, x = 1, y = 0, y = 1, z = 0, z = 1, counter-clockwise seen from outside the cell.
-[[nodiscard]] const std::array<std::array<std::uint8_t, 4>, 6>& cell_faces();
 
 // Seed S1, section on the edge table: for each of the 16 cases of a tetrahedron (index = b0 << 3 | b1 << 2 | b2 << 1 |
 // b3), four vertex pairs; a triangle strip of three vertices, or of four where the last number is not 0.

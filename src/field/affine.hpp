@@ -8,6 +8,10 @@
 
 namespace isoextract {
 
+[[nodiscard]] inline bool is_finite(const glm::dvec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
 // p -> linear * p + offset. GLM matrices are column-major: linear[a] is the image of the unit step along axis a.
 struct Affine {
   glm::dmat3 linear{1.0};
@@ -30,8 +34,7 @@ struct Affine {
   // Finite entries and a determinant that is not zero relative to the lengths of the axes: safe to invert.
   [[nodiscard]] bool is_regular() const {
     const double scale = glm::length(linear[0]) * glm::length(linear[1]) * glm::length(linear[2]);
-    const bool finite_offset = std::isfinite(offset.x) && std::isfinite(offset.y) && std::isfinite(offset.z);
-    return finite_offset && std::isfinite(scale) && scale > 0 && std::abs(determinant()) > 1e-12 * scale;
+    return is_finite(offset) && std::isfinite(scale) && scale > 0 && std::abs(determinant()) > 1e-12 * scale;
   }
 
   friend bool operator==(const Affine&, const Affine&) = default;

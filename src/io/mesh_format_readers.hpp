@@ -15,6 +15,7 @@
 #include <glm/glm.hpp>
 
 #include "base/limits.hpp"
+#include "field/affine.hpp"
 #include "io/file_bytes.hpp"
 
 namespace isoextract {
@@ -89,7 +90,6 @@ void add_fan(std::vector<glm::uvec3>& triangles, const Corners& corners, MemoryU
   for (std::size_t i = 2; i < corners.size(); ++i) triangles.emplace_back(corners[0], corners[i - 1], corners[i]);
 }
 
-[[nodiscard]] bool is_finite(const glm::dvec3& v);
 // A mesh's indices have 32 bits. Throws DamagedMesh.
 void require_vertex_count(std::uint64_t count);
 

@@ -130,8 +130,6 @@ void MemoryUse::take(std::uint64_t bytes) {
   throw DamagedMesh(fits.error().message, fits.error().hint);
 }
 
-bool is_finite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-
 void require_vertex_count(std::uint64_t count) {
   if (count <= std::numeric_limits<std::uint32_t>::max()) return;
   throw DamagedMesh(

@@ -152,8 +152,8 @@ tl::unexpected<Error> no_surface(const ScalarField& field, double iso, bool in_f
                : fmt::format("try --iso {}", suggest_iso(field, statistics).iso));
 }
 
-// Fills the errors of a row.
-using Judge = std::function<void(const Specimen& specimen, BenchRow& row)>;
+// Fills all errors but the rounding.
+using Judge = std::function<void(const Specimen& specimen, BenchErrors& errors)>;
 
 Result<void> judge_level(const ScalarField& field, const BenchOptions& options, const Judge& judge, bool in_finer,
                          std::vector<BenchRow>& rows) {
@@ -171,17 +171,11 @@ Result<void> judge_level(const ScalarField& field, const BenchOptions& options, 
       const auto open = backend.extractor->extract(field, extract);
       if (!open) return tl::unexpected(open.error());
       if (open->mesh.triangles.empty()) return no_surface(field, options.iso, in_finer);
-      BenchRow judged;
+      BenchErrors judged;
       judged.rounding = IndexMesh(open->mesh, field, extract).rounding();
       judge({field, extract, open->mesh, volume}, judged);
       for (BenchRow& row : rows) {
-        if (row.method != method || row.backend != backend.name) continue;
-        row.position = judged.position;
-        row.rounding = judged.rounding;
-        row.smooth_normals = judged.smooth_normals;
-        row.flat_normals = judged.flat_normals;
-        row.area_error = judged.area_error;
-        row.volume_error = judged.volume_error;
+        if (row.method == method && row.backend == backend.name) static_cast<BenchErrors&>(row) = judged;
       }
     }
   }
@@ -338,14 +332,14 @@ Result<BenchResult> bench_demo(std::string_view name, const std::vector<int>& si
   for (const int size : sizes) {
     const auto field = make_demo_field(fmt::format("{}?size={}", result.input, size), options.limits, options.progress);
     if (!field) return tl::unexpected(field.error());
-    const Judge judge = [&](const Specimen& specimen, BenchRow& row) {
+    const Judge judge = [&](const Specimen& specimen, BenchErrors& errors) {
       const auto error = measure_analytic_error(specimen.mesh, specimen.field, specimen.extracted);
       if (!error) return;
-      row.position = error->interior;
-      row.smooth_normals = error->smooth_normals;
-      row.flat_normals = error->flat_normals;
-      row.area_error = relative_error(error->area, reference.size.area * error->unit * error->unit);
-      row.volume_error =
+      errors.position = error->interior;
+      errors.smooth_normals = error->smooth_normals;
+      errors.flat_normals = error->flat_normals;
+      errors.area_error = relative_error(error->area, reference.size.area * error->unit * error->unit);
+      errors.volume_error =
           relative_error(specimen.volume, reference.size.volume * error->unit * error->unit * error->unit);
     };
     const bool in_finer = size != sizes.back() && reference.size.area > 0;
@@ -386,20 +380,20 @@ Result<BenchResult> bench_field(const ScalarField& field, const std::vector<int>
       }
     }
     auto exact = finest.begin();
-    const Judge judge = [&](const Specimen& specimen, BenchRow& row) {
+    const Judge judge = [&](const Specimen& specimen, BenchErrors& errors) {
       ExtractOptions of_finest = specimen.extracted;
       of_finest.output_from_index = field.index_to_world;
       FieldErrorOptions error;
       error.reach = 2.0 * factor;
       error.progress = options.progress;
-      row.position = measure_field_error(specimen.mesh, field, of_finest, error).interior;
-      for (Length* length : {&row.position.rms, &row.position.percentile99, &row.position.max}) {
+      errors.position = measure_field_error(specimen.mesh, field, of_finest, error).interior;
+      for (Length* length : {&errors.position.rms, &errors.position.percentile99, &errors.position.max}) {
         length->voxels /= factor;
       }
       if (factor > 1) {
         if (exact->closed && covers(specimen.field, factor, *exact) && is_closed(specimen.mesh)) {
-          row.area_error = relative_error(measure_size(specimen.mesh).area, exact->size.area);
-          row.volume_error = relative_error(specimen.volume, exact->size.volume);
+          errors.area_error = relative_error(measure_size(specimen.mesh).area, exact->size.area);
+          errors.volume_error = relative_error(specimen.volume, exact->size.volume);
         } else if (const std::string size = size_text(specimen.field);
                    not_comparable.empty() || not_comparable.back() != size) {
           not_comparable.push_back(size);

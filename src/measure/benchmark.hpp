@@ -60,7 +60,20 @@ struct BenchDeviceTimes {
   [[nodiscard]] double draw() const { return count + capture; }  // the two passes over the cells
 };
 
-struct BenchRow {
+// Of the mesh that one method and backend make of one level, whatever the number of threads.
+struct BenchErrors {
+  ErrorStatistics position;  // inside the triangles; in voxels of its resolution and in world units
+  double rounding = 0;       // how far float32 moves vertices, in world units; smaller errors are all alike
+  std::optional<AngleStatistics> smooth_normals;  // these where the truth is a formula
+  std::optional<AngleStatistics> flat_normals;
+  std::optional<double> area_error;  // |measured / true - 1|; nothing where there is nothing to compare with
+  std::optional<double> volume_error;
+
+  // In world units.
+  [[nodiscard]] double rms_above_rounding() const { return std::max(position.rms.world, rounding); }
+};
+
+struct BenchRow : BenchErrors {
   std::size_t level = 0;
   Method method = Method::mc;
   std::string backend;
@@ -70,16 +83,7 @@ struct BenchRow {
   double min_seconds = 0;
   double max_seconds = 0;
   std::optional<BenchDeviceTimes> device;
-  ErrorStatistics position;  // inside the triangles; in voxels of its resolution and in world units
-  double rounding = 0;       // how far float32 moves vertices, in world units; smaller errors are all alike
-  std::optional<AngleStatistics> smooth_normals;  // these where the truth is a formula
-  std::optional<AngleStatistics> flat_normals;
-  std::optional<double> area_error;  // |measured / true - 1|; nothing where there is nothing to compare with
-  std::optional<double> volume_error;
   bool on_front = false;  // no other row is at least as good in rms_above_rounding() and median time, and better in one
-
-  // In world units.
-  [[nodiscard]] double rms_above_rounding() const { return std::max(position.rms.world, rounding); }
 };
 
 struct BenchOrders {

@@ -32,7 +32,7 @@ class Checker {
             Placement(options.output_from_index, {glm::ivec3(0), samples_.dims - 1}, field.kind, field.scale).margin()),
         whole_(0) {
     for (const glm::vec3& p : mesh.positions) {
-      if (is_finite(glm::dvec3(p))) largest_ = glm::max(largest_, glm::abs(glm::dvec3(p)));
+      if (is_finite(p)) largest_ = glm::max(largest_, glm::abs(glm::dvec3(p)));
     }
     // What rounding to float32 can move a coordinate by, in voxels.
     for (int axis = 0; axis < 3; ++axis) {
@@ -44,7 +44,7 @@ class Checker {
   [[nodiscard]] std::optional<GridEdge> edge(std::size_t vertex) const {
     const glm::vec3& local = mesh_.positions[vertex];
     constexpr double kCoarsest = 0.1;  // of a voxel: beyond, a position names no edge
-    if (!is_finite(glm::dvec3(local)) || std::max({whole_.x, whole_.y, whole_.z}) > kCoarsest) return std::nullopt;
+    if (!is_finite(local) || std::max({whole_.x, whole_.y, whole_.z}) > kCoarsest) return std::nullopt;
     const Vector q = index_position(vertex);
     GridEdge edge;
     std::optional<Real> fraction;
@@ -90,8 +90,6 @@ class Checker {
   }
 
  private:
-  static bool is_finite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-
   // Relative to the frame's offset, so that a far frame loses nothing here.
   [[nodiscard]] Vector position(std::size_t vertex) const {
     return (Vector(mesh_.origin) - Vector(options_.output_from_index.offset)) + Vector(mesh_.positions[vertex]);
@@ -178,7 +176,7 @@ StabilityFindings check_stability(const Mesh& mesh, const ScalarField& field, co
   std::set<std::array<int, 6>> taken;
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
     const glm::vec3& p = mesh.positions[v];
-    bool finite = std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+    bool finite = is_finite(p);
     if (!mesh.normals.empty()) finite = finite && std::abs(glm::length(glm::dvec3(mesh.normals[v])) - 1) < 1e-5;
     if (!finite) {
       ++findings.not_finite;

@@ -66,7 +66,7 @@ class CellTables : public testing::TestWithParam<Method> {
     return edges;
   }
 
-  // The face (as in cell_faces()) that both ends of a mesh edge lie on, or -1.
+  // The face (as in kCubeFaces) that both ends of a mesh edge lie on, or -1.
   int common_face(const MeshEdge& edge) const {
     const CellEdge& a = table_.edges[static_cast<std::size_t>(edge.first)];
     const CellEdge& b = table_.edges[static_cast<std::size_t>(edge.second)];
