@@ -9,6 +9,12 @@ namespace isoextract {
 struct StageTime {
   double wall_seconds = 0;
   double cpu_seconds = 0;  // of the whole process: all threads together
+
+  StageTime& operator+=(const StageTime& other) {
+    wall_seconds += other.wall_seconds;
+    cpu_seconds += other.cpu_seconds;
+    return *this;
+  }
 };
 
 class Stopwatch {

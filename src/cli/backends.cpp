@@ -63,4 +63,14 @@ Result<OpenedBackend> open_backend(const BackendChoice& choice) {
   return OpenedBackend{std::move(gpu->extractor), ""};
 }
 
+Result<std::vector<BenchBackend>> open_backends(const std::vector<NamedBackend>& backends) {
+  std::vector<BenchBackend> opened;
+  for (const NamedBackend& backend : backends) {
+    auto one = open_backend(backend.choice);
+    if (!one) return tl::unexpected(one.error());
+    opened.push_back({backend.name, std::move(one->extractor), backend.only});
+  }
+  return opened;
+}
+
 }  // namespace isoextract

@@ -9,6 +9,7 @@
 #include "base/error.hpp"
 #include "extract/extractor.hpp"
 #include "gpu/gpu_extractor.hpp"
+#include "measure/benchmark.hpp"
 
 namespace isoextract {
 
@@ -40,5 +41,8 @@ struct OpenedBackend {
 // cpu cannot fail; gpu fails with ErrorKind::unavailable where there is none, and never turns into the CPU. automatic
 // takes a GPU if there is one that is not software, which is never faster than the CPU backend.
 [[nodiscard]] Result<OpenedBackend> open_backend(const BackendChoice& choice);
+
+// All of a list, in its order. Fails as open_backend() does.
+[[nodiscard]] Result<std::vector<BenchBackend>> open_backends(const std::vector<NamedBackend>& backends);
 
 }  // namespace isoextract

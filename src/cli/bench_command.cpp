@@ -32,7 +32,7 @@ class Bench {
   Result<void> run() {
     if (auto checked = check(); !checked) return checked;
     if (plan_.gpu_threads) return measure_gpu_threads();
-    if (auto opened = open_backends(); !opened) return opened;
+    if (auto chosen = choose_backends(); !chosen) return chosen;
     for (const std::string& input : plan_.inputs) {
       auto result = input.starts_with(kDemoPrefix) ? measure_demo(input) : measure_file(input);
       if (!result) return tl::unexpected(result.error());
@@ -82,19 +82,17 @@ class Bench {
   }
 
   // Those that were asked for; otherwise the CPU, and a GPU that is not software.
-  Result<void> open_backends() {
-    if (!plan_.backends) {
-      options_.backends.push_back({"cpu", make_cpu_extractor(), {}});
-      auto gpu = open_backend({Backend::automatic, plan_.gpu});
-      if (gpu && gpu->extractor->name() == backend_name(Backend::gpu)) {
-        options_.backends.push_back({"gpu", std::move(gpu->extractor), {}});
-      }
+  Result<void> choose_backends() {
+    if (plan_.backends) {
+      auto opened = open_backends(*plan_.backends);
+      if (!opened) return tl::unexpected(opened.error());
+      options_.backends = std::move(*opened);
       return {};
     }
-    for (const NamedBackend& backend : *plan_.backends) {
-      auto opened = open_backend(backend.choice);
-      if (!opened) return tl::unexpected(opened.error());
-      options_.backends.push_back({backend.name, std::move(opened->extractor), backend.only});
+    options_.backends.push_back({"cpu", make_cpu_extractor(), {}});
+    auto gpu = open_backend({Backend::automatic, plan_.gpu});
+    if (gpu && gpu->extractor->name() == backend_name(Backend::gpu)) {
+      options_.backends.push_back({"gpu", std::move(gpu->extractor), {}});
     }
     return {};
   }

@@ -8,6 +8,7 @@
 
 #include "cli/mesh_error.hpp"
 #include "io/output_file.hpp"
+#include "measure/benchmark.hpp"
 
 namespace isoextract {
 namespace {
@@ -32,7 +33,7 @@ std::string empty_word(EmptyPolicy policy) {
 
 ResolvedOptions resolved_options(const ConvertPlan& plan) {
   ResolvedOptions options;
-  options.method = plan.extract.method == Method::mc ? "mc" : "mt";
+  options.method = method_name(plan.extract.method);
   for (const OutputJob& job : plan.jobs) options.isos.insert(options.isos.end(), job.isos.begin(), job.isos.end());
   options.normals = plan.extract.smooth_normals ? "smooth" : plan.write.flat_normals ? "flat" : "none";
   options.nan = nan_word(plan.extract.nan);

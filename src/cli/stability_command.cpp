@@ -16,34 +16,18 @@
 namespace isoextract {
 namespace {
 
-struct OpenBackend {
-  std::string name;
-  std::unique_ptr<Extractor> extractor;
-  std::optional<Method> only;
-};
-
 // Those that were asked for; otherwise the CPU, and a GPU where there is one.
-Result<std::vector<OpenBackend>> open_backends(const StabilityFlags& flags, const Messages& messages) {
-  std::vector<OpenBackend> backends;
-  if (!flags.backends) {
-    backends.push_back({"cpu", make_cpu_extractor(), {}});
-    auto gpu = make_gpu_extractor(plan_gpu(flags.device));
-    if (gpu) {
-      backends.push_back({"gpu", std::move(gpu->extractor), {}});
-    } else {
-      messages.note(fmt::format("without gpu, because {}", gpu.error().message));
-    }
-    return backends;
-  }
-  for (const NamedBackend& backend : plan_backends(*flags.backends, flags.device)) {
-    auto opened = open_backend(backend.choice);
-    if (!opened) return tl::unexpected(opened.error());
-    backends.push_back({backend.name, std::move(opened->extractor), backend.only});
+Result<std::vector<BenchBackend>> choose_backends(const StabilityFlags& flags, const Messages& messages) {
+  if (flags.backends) return open_backends(plan_backends(*flags.backends, flags.device));
+  std::vector<BenchBackend> backends{{"cpu", make_cpu_extractor(), {}}};
+  auto gpu = open_backend({Backend::gpu, plan_gpu(flags.device)});
+  if (gpu) {
+    backends.push_back({"gpu", std::move(gpu->extractor), {}});
+  } else {
+    messages.note(fmt::format("without gpu, because {}", gpu.error().message));
   }
   return backends;
 }
-
-std::string_view method_word(Method method) { return method == Method::mc ? "mc" : "mt"; }
 
 Result<std::vector<const StabilityCase*>> chosen_cases(const std::vector<std::string>& names) {
   std::vector<std::string> known;
@@ -91,7 +75,7 @@ std::string table_text(const std::vector<StabilityRow>& rows) {
   for (const StabilityRow& row : rows) {
     const StabilityFindings& found = row.findings;
     text += fmt::format("{:<18} {:<6} {:<10} {:>8} {:>9} {:>6.2f} {:>8.1e} {:>8.1e}  {}\n", row.name,
-                        method_word(row.method), row.backend, found.vertices, found.triangles, found.ulps, found.voxels,
+                        method_name(row.method), row.backend, found.vertices, found.triangles, found.ulps, found.voxels,
                         row.voxels_allowed,
                         row.failures.empty() ? "pass" : fmt::format("FAIL: {}", fmt::join(row.failures, "; ")));
   }
@@ -101,7 +85,7 @@ std::string table_text(const std::vector<StabilityRow>& rows) {
 Json row_json(const StabilityRow& row) {
   const StabilityFindings& found = row.findings;
   return {{"case", row.name},
-          {"method", method_word(row.method)},
+          {"method", method_name(row.method)},
           {"backend", row.backend},
           {"passed", row.failures.empty()},
           {"failures", row.failures},
@@ -127,13 +111,13 @@ Result<void> run_stability(const StabilityFlags& flags, const Messages& messages
   if (flags.list) {
     return print_to_stdout(flags.json ? json_text(list_json(*cases)) : list_text(*cases));
   }
-  const auto backends = open_backends(flags, messages);
+  const auto backends = choose_backends(flags, messages);
   if (!backends) return tl::unexpected(backends.error());
   std::vector<StabilityRow> rows;
   for (const StabilityCase* test : *cases) {
     for (const Method method : {Method::mc, Method::mt}) {
-      for (const OpenBackend& backend : *backends) {
-        if (backend.only.value_or(method) != method) continue;
+      for (const BenchBackend& backend : *backends) {
+        if (!backend.runs(method)) continue;
         rows.push_back(run_stability_case(*test, method, *backend.extractor));
         rows.back().backend = backend.name;
       }

@@ -1,8 +1,3 @@
-#include <new>
-#include <stdexcept>
-
-#include <fmt/format.h>
-
 #include "base/machine.hpp"
 #include "extract/dense_extractor.hpp"
 #include "extract/extractor.hpp"
@@ -18,19 +13,7 @@ class CpuExtractor final : public Extractor {
   [[nodiscard]] std::string device() const override { return cpu_name(); }
 
   [[nodiscard]] Result<Extraction> extract(const ScalarField& field, const ExtractOptions& options) override {
-    if (auto sound = check_request(field, options); !sound) return tl::unexpected(sound.error());
-    try {
-      Result<Extraction> result =
-          std::visit([&](const auto& samples) { return extract_from(field, samples, options); }, field.samples);
-      if (result) result->mesh.name = field.name;
-      return result;
-    } catch (const std::bad_alloc&) {
-      return fail(ErrorKind::input, fmt::format("{}: not enough memory for the surface", field.source),
-                  "extract it in parts with --roi");
-    } catch (const std::length_error&) {
-      return fail(ErrorKind::input, fmt::format("{}: the surface is larger than memory can be", field.source),
-                  "extract it in parts with --roi");
-    }
+    return extract_guarded(field, options, [&](const auto& samples) { return extract_from(field, samples, options); });
   }
 
  private:

@@ -1,6 +1,10 @@
 // What the dense and the sparse extractor share around their own passes: checks, allocation, the cap's part of a mesh.
 #pragma once
 
+#include <new>
+#include <stdexcept>
+#include <variant>
+
 #include "extract/border_cap.hpp"
 #include "extract/edge_geometry.hpp"
 
@@ -14,6 +18,24 @@ struct MeshSizes {
 // What no extraction can be made with: ErrorKind::usage for an iso value that is not finite, ErrorKind::input for a
 // placement that flattens space.
 [[nodiscard]] Result<void> check_request(const ScalarField& field, const ExtractOptions& options);
+
+// The frame of every extraction: check_request(), `extract` with the field's samples, dense or sparse, and the mesh's
+// name. Memory that runs out is ErrorKind::input.
+template <class Extract>
+[[nodiscard]] Result<Extraction> extract_guarded(const ScalarField& field, const ExtractOptions& options,
+                                                 const Extract& extract) {
+  constexpr const char* kHint = "extract it in parts with --roi";
+  if (auto sound = check_request(field, options); !sound) return tl::unexpected(sound.error());
+  try {
+    Result<Extraction> result = std::visit(extract, field.samples);
+    if (result) result->mesh.name = field.name;
+    return result;
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorKind::input, field.source + ": not enough memory for the surface", kHint);
+  } catch (const std::length_error&) {
+    return fail(ErrorKind::input, field.source + ": the surface is larger than memory can be", kHint);
+  }
+}
 
 // The samples to extract from: the part of options.region within `box`. Fails with ErrorKind::input where that holds no
 // cell (two samples along each axis).

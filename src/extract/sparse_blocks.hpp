@@ -15,6 +15,24 @@ namespace isoextract {
 // The box of all blocks and tiles; empty if there are none.
 [[nodiscard]] IndexBox stored_box(const SparseSamples& samples);
 
+// The 3 x 3 x 3 places around and at one, numbered x fastest; `away` is -1 to 1 along each axis.
+inline constexpr std::size_t kNearPlaces = 27;
+[[nodiscard]] inline std::size_t near_place_slot(const glm::ivec3& away) {
+  return static_cast<std::size_t>((away.x + 1) + 3 * (away.y + 1) + 9 * (away.z + 1));
+}
+
+// f(slot, place) for those of them from `lowest` (0 or -1) to 1 along each axis; `place` is its lowest sample.
+template <class F>
+void for_each_near_place(const glm::ivec3& origin, int lowest, const F& f) {
+  for (int z = lowest; z <= 1; ++z) {
+    for (int y = lowest; y <= 1; ++y) {
+      for (int x = lowest; x <= 1; ++x) {
+        f(near_place_slot({x, y, z}), origin + SparseBlock::kSize * glm::ivec3(x, y, z));
+      }
+    }
+  }
+}
+
 // 512 bits, in the order of a block's values.
 using BlockBits = std::array<std::uint64_t, 8>;
 

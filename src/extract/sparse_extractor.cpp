@@ -26,26 +26,21 @@ class Neighbourhood {
   // `lowest` is -1 if places before this one are needed too (for gradients), otherwise 0.
   Neighbourhood(const SparseSamples& samples, const SparseLookup& lookup, const glm::ivec3& origin, int lowest)
       : origin_(origin) {
-    for (int z = lowest; z <= 1; ++z) {
-      for (int y = lowest; y <= 1; ++y) {
-        for (int x = lowest; x <= 1; ++x) {
-          Place& place = places_[slot(x, y, z)];
-          const glm::ivec3 at = origin + kSize * glm::ivec3(x, y, z);
-          const std::int32_t block = lookup.block(at);
-          if (block >= 0) {
-            place.values = static_cast<const T*>(samples.blocks[block].values);
-          } else {
-            place.constant = lookup.constant(at);
-          }
-        }
+    for_each_near_place(origin, lowest, [&](std::size_t slot, const glm::ivec3& at) {
+      Place& place = places_[slot];
+      const std::int32_t block = lookup.block(at);
+      if (block >= 0) {
+        place.values = static_cast<const T*>(samples.blocks[block].values);
+      } else {
+        place.constant = lookup.constant(at);
       }
-    }
+    });
   }
 
   // The stored number at a sample within the places asked for.
   [[nodiscard]] double operator()(const glm::ivec3& p) const {
     const glm::ivec3 away = (p - origin_) >> 3;
-    const Place& place = places_[slot(away.x, away.y, away.z)];
+    const Place& place = places_[near_place_slot(away)];
     return place.values != nullptr ? static_cast<double>(place.values[block_offset(p)]) : place.constant;
   }
 
@@ -54,10 +49,9 @@ class Neighbourhood {
     const T* values = nullptr;
     double constant = 0;
   };
-  static int slot(int x, int y, int z) { return (x + 1) + 3 * (y + 1) + 9 * (z + 1); }
 
   glm::ivec3 origin_;
-  std::array<Place, 27> places_;
+  std::array<Place, kNearPlaces> places_;
 };
 
 template <class T, int kDirections>

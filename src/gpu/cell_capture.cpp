@@ -11,11 +11,6 @@ constexpr int kCellsPerSite = 512;
 constexpr std::size_t kMaxSites = 65536;    // of a draw: a site has 16 bits in a key
 constexpr std::size_t kTexelsPerSite = 27;  // of the largest texture buffer, that of a leaf's neighbours
 
-void add(StageTime& sum, const StageTime& time) {
-  sum.wall_seconds += time.wall_seconds;
-  sum.cpu_seconds += time.cpu_seconds;
-}
-
 }  // namespace
 
 CellCapture::CellCapture(const GlContext& context, GpuPipeline pipeline, std::size_t words_per_vertex,
@@ -61,7 +56,7 @@ Result<std::uint64_t> CellCapture::count(const CellProgram& program, std::size_t
   glEndQuery(GL_PRIMITIVES_GENERATED);
   GLuint64 triangles = 0;
   glGetQueryObjectui64v(generated_.name(), GL_QUERY_RESULT, &triangles);
-  add(times_.count, watch.elapsed());
+  times_.count += watch.elapsed();
   if (auto checked = context_.check("counting triangles"); !checked) return tl::unexpected(checked.error());
   return triangles;
 }
@@ -78,10 +73,8 @@ Result<void> CellCapture::draw(const CellPass& pass, std::span<const glm::ivec3>
     glActiveTexture(GL_TEXTURE0);
     glBindTexture(GL_TEXTURE_BUFFER, site_texture_.name());
     glTexBuffer(GL_TEXTURE_BUFFER, GL_RGBA32I, site_buffer_.name());
-    for (const CellProgram* program : {pass.count, pass.capture}) {
-      program->set("sites", 0);
-      bind(*program, first, many);
-    }
+    for (const CellProgram* program : pass.programs()) program->set("sites", 0);
+    bind(first, many);
 
     const auto triangles = count(*pass.count, many);
     if (!triangles) return tl::unexpected(triangles.error());
@@ -120,7 +113,7 @@ Result<void> CellCapture::draw(const CellPass& pass, std::span<const glm::ivec3>
       glEndQuery(GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN);
       GLuint64 written = 0;
       glGetQueryObjectui64v(written_.name(), GL_QUERY_RESULT, &written);
-      add(times_.capture, watch.elapsed());
+      times_.capture += watch.elapsed();
       if (auto checked = context_.check("capturing triangles"); !checked) return checked;
       if (written != *triangles) {
         return fail(
@@ -133,7 +126,7 @@ Result<void> CellCapture::draw(const CellPass& pass, std::span<const glm::ivec3>
       glBindBuffer(GL_COPY_WRITE_BUFFER, staging_.name());
       glCopyBufferSubData(GL_TRANSFORM_FEEDBACK_BUFFER, GL_COPY_WRITE_BUFFER, 0, 0, static_cast<GLsizeiptr>(bytes));
       glGetBufferSubData(GL_COPY_WRITE_BUFFER, 0, static_cast<GLsizeiptr>(bytes), soup_.data());
-      add(times_.read_back, watch.elapsed());
+      times_.read_back += watch.elapsed();
       if (auto checked = context_.check("reading triangles back"); !checked) return checked;
       captured_bytes_ += bytes;
     }

@@ -46,22 +46,16 @@ struct CaptureTimes {
   StageTime read_back;
 };
 
-// The same cells, for the two passes.
-struct CellPass {
-  const CellProgram* count = nullptr;
-  const CellProgram* capture = nullptr;
-};
-
 class CellCapture {
  public:
   // Captures no more than `feedback_bytes` at a time, or what one site needs.
   CellCapture(const GlContext& context, GpuPipeline pipeline, std::size_t words_per_vertex,
               std::uint64_t feedback_bytes);
 
-  // Draws the sites, whose lowest samples are given; `bind` is called before each draw with the range
-  // of sites that it draws and for each program, which knows them by number from 0 on. `take` gets the triangles of
-  // each draw: by rising site, except where the driver chose otherwise, and those of one cell one after the other.
-  using Bind = std::function<void(const CellProgram& program, std::size_t first, std::size_t count)>;
+  // Draws the sites, whose lowest samples are given; `bind` is called before each draw with the range of sites that it
+  // draws, which the programs know by number from 0 on. `take` gets the triangles of each draw: by rising site, except
+  // where the driver chose otherwise, and those of one cell one after the other.
+  using Bind = std::function<void(std::size_t first, std::size_t count)>;
   using Take = std::function<void(std::size_t first, std::size_t count, const CapturedSoup& soup)>;
   // Asked before triangles are captured, with the number of all so far and these; an error ends the drawing.
   using Allow = std::function<Result<void>(std::uint64_t triangles)>;

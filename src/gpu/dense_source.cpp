@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include <fmt/format.h>
-
 namespace isoextract {
 namespace {
 
@@ -32,33 +30,28 @@ IndexBox with_apron(const IndexBox& box, int apron, const glm::ivec3& dims) {
 }  // namespace
 
 DenseSource::DenseSource(const GlContext& context, const DenseSamples& samples, std::span<const glm::ivec3> sites,
-                         const DenseSourceOptions& options)
+                         const IndexBox& region, const SourceOptions& options)
     : context_(&context),
       samples_(&samples),
       sites_(sites),
+      region_(region),
       options_(options),
       format_(sample_format(samples.type)),
       apron_(options.gradients ? 1 : 0),
-      box_(box_of(sites, options.region)),
+      box_(box_of(sites, region)),
       reach_(with_apron(box_, apron_, samples.dims)),
       column_cells_(0),
       window_(glm::ivec3(1)) {}
 
 Result<DenseSource> DenseSource::make(const GlContext& context, const DenseSamples& samples,
-                                      std::span<const glm::ivec3> sites, const DenseSourceOptions& options) {
-  DenseSource source(context, samples, sites, options);
+                                      std::span<const glm::ivec3> sites, const IndexBox& region,
+                                      const SourceOptions& options) {
+  DenseSource source(context, samples, sites, region, options);
   if (sites.empty()) return source;
   if (auto chosen = source.choose_window(); !chosen) return tl::unexpected(chosen.error());
-  source.texture_ = GlTexture::make();
-  glBindTexture(GL_TEXTURE_3D, source.texture_.name());
-  const glm::ivec3 size = source.window_.size();
-  glTexStorage3D(GL_TEXTURE_3D, 1, source.format_.internal, size.x, size.y, size.z);
-  glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-  glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-  const std::uint64_t bytes = volume(size) * sample_size(samples.type);
-  if (auto checked = context.check(fmt::format("taking {} for samples", format_byte_size(bytes))); !checked) {
-    return tl::unexpected(checked.error());
-  }
+  auto texture = make_sample_texture(context, samples.type, source.window_.size());
+  if (!texture) return tl::unexpected(texture.error());
+  source.texture_ = std::move(*texture);
   return source;
 }
 
@@ -78,10 +71,7 @@ Result<void> DenseSource::choose_window() {
   while (!fits(window)) {
     const int axis = column_cells_.x >= column_cells_.y ? 0 : 1;
     if (column_cells_[axis] <= kBrick) {
-      return fail(ErrorKind::usage,
-                  fmt::format("--gpu-memory: {} of samples are too few, expected {} or more",
-                              format_byte_size(options_.bytes), format_byte_size(volume(window) * size)),
-                  "give the GPU more, or use --backend cpu");
+      return too_few_bytes(options_.bytes, volume(window) * size);
     }
     column_cells_[axis] = ((column_cells_[axis] + 1) / 2 + kBrick - 1) / kBrick * kBrick;
     window[axis] = std::min(column_cells_[axis] + 1 + 2 * apron_, all[axis]);
@@ -144,9 +134,7 @@ Result<std::span<const std::uint32_t>> DenseSource::advance() {
         {glm::max(entered.min + reach_.min, column_reach_.min), glm::min(entered.max + reach_.min, column_reach_.max)});
   }
   glFinish();  // uploads are made later than they are asked for
-  const StageTime time = watch.elapsed();
-  uploads_.time.wall_seconds += time.wall_seconds;
-  uploads_.time.cpu_seconds += time.cpu_seconds;
+  uploads_.time += watch.elapsed();
   if (auto checked = context_->check("uploading samples"); !checked) return tl::unexpected(checked.error());
   return std::span<const std::uint32_t>(column_sites_).subspan(begin, next_ - begin);
 }
@@ -199,18 +187,20 @@ void DenseSource::upload_pieces(const IndexBox& box) {
   glPixelStorei(GL_UNPACK_IMAGE_HEIGHT, 0);
 }
 
-void DenseSource::bind(const CellProgram& program, std::span<const std::uint32_t>) {
+void DenseSource::bind(const CellPass& pass, std::span<const std::uint32_t>) {
   glActiveTexture(GL_TEXTURE1);
   glBindTexture(GL_TEXTURE_3D, texture_.name());
-  program.set("field_window", 1);
-  program.set("window_base", reach_.min);
-  program.set("window_size", window_.size());
+  for (const CellProgram* program : pass.programs()) {
+    program->set("field_window", 1);
+    program->set("window_base", reach_.min);
+    program->set("window_size", window_.size());
+  }
 }
 
 UploadFigures DenseSource::uploads() const {
   UploadFigures figures = uploads_;
   figures.bytes = uploads_.samples * sample_size(samples_->type);
-  const std::uint64_t all = volume(glm::ivec3(with_apron(options_.region, apron_, samples_->dims).dims()));
+  const std::uint64_t all = volume(glm::ivec3(with_apron(region_, apron_, samples_->dims).dims()));
   figures.left_out = all > uploads_.samples ? all - uploads_.samples : 0;
   return figures;
 }

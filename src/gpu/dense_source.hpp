@@ -5,34 +5,26 @@
 
 #include "extract/extractor.hpp"
 #include "gpu/field_source.hpp"
-#include "gpu/gl_object.hpp"
-#include "gpu/sample_format.hpp"
 #include "gpu/toroidal_window.hpp"
 
 namespace isoextract {
 
-struct DenseSourceOptions {
-  IndexBox region;           // samples that cells may touch
-  bool gradients = false;    // samples around a vertex are read as well
-  std::uint64_t bytes = 0;   // what the window may take on the device
-  int max_texture_size = 0;  // of the device, in 3D
-};
-
 class DenseSource final : public FieldSource {
  public:
-  // `sites` are the lowest samples of bricks of 8 x 8 x 8 cells of `samples`, from options.region.min on; by rising z,
-  // then y, then x. All arguments must outlive the source. What is taken on the device reaches no farther than the
-  // sites do. Fails with ErrorKind::usage where the bytes are too few.
+  // `region` holds the samples that cells may touch, and `sites` are the lowest samples of bricks of 8 x 8 x 8 of those
+  // cells, from region.min on; by rising z, then y, then x. Context, samples and sites must outlive the source. What is
+  // taken on the device reaches no farther than the sites do. Fails with ErrorKind::usage where the bytes are too few.
   [[nodiscard]] static Result<DenseSource> make(const GlContext& context, const DenseSamples& samples,
-                                                std::span<const glm::ivec3> sites, const DenseSourceOptions& options);
+                                                std::span<const glm::ivec3> sites, const IndexBox& region,
+                                                const SourceOptions& options);
 
   [[nodiscard]] Result<std::span<const std::uint32_t>> advance() override;
-  void bind(const CellProgram& program, std::span<const std::uint32_t> sites) override;
+  void bind(const CellPass& pass, std::span<const std::uint32_t> sites) override;
   [[nodiscard]] UploadFigures uploads() const override;
 
  private:
   DenseSource(const GlContext& context, const DenseSamples& samples, std::span<const glm::ivec3> sites,
-              const DenseSourceOptions& options);
+              const IndexBox& region, const SourceOptions& options);
   [[nodiscard]] Result<void> choose_window();
   void begin_column();
   [[nodiscard]] IndexBox needed_samples(const glm::ivec3& site) const;
@@ -42,7 +34,8 @@ class DenseSource final : public FieldSource {
   const GlContext* context_;
   const DenseSamples* samples_;
   std::span<const glm::ivec3> sites_;
-  DenseSourceOptions options_;
+  IndexBox region_;
+  SourceOptions options_;
   SampleFormat format_;
   int apron_;                // samples beyond a site's cells, on each side
   IndexBox box_;             // samples that cells of sites touch

@@ -9,9 +9,19 @@
 #include <glm/glm.hpp>
 
 #include "base/error.hpp"
+#include "base/limits.hpp"
+#include "base/stopwatch.hpp"
+#include "gpu/gl_object.hpp"
 #include "gpu/gl_program.hpp"
+#include "gpu/sample_format.hpp"
 
 namespace isoextract {
+
+struct SourceOptions {
+  bool gradients = false;    // samples around a vertex are read as well
+  std::uint64_t bytes = 0;   // what samples may take on the device
+  int max_texture_size = 0;  // of the device, in 3D
+};
 
 struct UploadFigures {
   std::uint64_t bytes = 0;     // of samples
@@ -29,9 +39,14 @@ class FieldSource {
   [[nodiscard]] virtual Result<std::span<const std::uint32_t>> advance() = 0;
 
   // Before drawing some of the sites that advance() named last, given by their numbers.
-  virtual void bind(const CellProgram& program, std::span<const std::uint32_t> sites) = 0;
+  virtual void bind(const CellPass& pass, std::span<const std::uint32_t> sites) = 0;
 
   [[nodiscard]] virtual UploadFigures uploads() const = 0;
 };
+
+// What sources share. A texture of samples as bits, nothing in it yet; fails as GlContext::check() does.
+[[nodiscard]] Result<GlTexture> make_sample_texture(const GlContext& context, SampleType type, const glm::ivec3& size);
+// ErrorKind::usage.
+[[nodiscard]] tl::unexpected<Error> too_few_bytes(std::uint64_t bytes, std::uint64_t least);
 
 }  // namespace isoextract

@@ -1,6 +1,7 @@
 // Linked programs whose output is captured by transform feedback.
 #pragma once
 
+#include <array>
 #include <span>
 #include <string>
 #include <string_view>
@@ -51,6 +52,14 @@ class CellProgram {
 
  private:
   GlProgram program_;
+};
+
+// The same cells, for the two passes over them.
+struct CellPass {
+  const CellProgram* count = nullptr;
+  const CellProgram* capture = nullptr;
+
+  [[nodiscard]] std::array<const CellProgram*, 2> programs() const { return {count, capture}; }
 };
 
 }  // namespace isoextract

@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <new>
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include "extract/border_cap.hpp"
 #include "extract/dense_input.hpp"
@@ -65,19 +63,9 @@ class GpuExtractor final : public Extractor {
   [[nodiscard]] std::string device() const override { return describe(context_->device()); }
 
   [[nodiscard]] Result<Extraction> extract(const ScalarField& field, const ExtractOptions& options) override {
-    if (auto sound = check_request(field, options); !sound) return tl::unexpected(sound.error());
     // Another extractor may have come since.
     if (auto current = context_->make_current(); !current) return tl::unexpected(current.error());
-    try {
-      Result<Extraction> result =
-          std::visit([&](const auto& samples) { return extract_from(field, samples, options); }, field.samples);
-      if (result) result->mesh.name = field.name;
-      return result;
-    } catch (const std::bad_alloc&) {
-      return out_of_memory(field);
-    } catch (const std::length_error&) {
-      return out_of_memory(field);
-    }
+    return extract_guarded(field, options, [&](const auto& samples) { return extract_from(field, samples, options); });
   }
 
  private:
@@ -108,8 +96,7 @@ class GpuExtractor final : public Extractor {
     const DenseSites bricks(masks, region.min);
     result.stats.bricks = bricks.bricks();
     result.stats.bricks_visited = bricks.origins().size();
-    result.stats.classify.wall_seconds += watch.elapsed().wall_seconds;
-    result.stats.classify.cpu_seconds += watch.elapsed().cpu_seconds;
+    result.stats.classify += watch.elapsed();
 
     SurfaceSites sites;
     sites.origins = bricks.origins();
@@ -121,8 +108,8 @@ class GpuExtractor final : public Extractor {
     sites.region = region;
     sites.stored = {glm::ivec3(0), samples.dims - 1};
     sites.holes = result.stats.nan_samples != 0 && options.nan == NanPolicy::hole;
-    auto source = DenseSource::make(*context_, samples, sites.origins,
-                                    {region, options.smooth_normals, memory_.samples, max_texture_size_});
+    auto source = DenseSource::make(*context_, samples, sites.origins, region,
+                                    {options.smooth_normals, memory_.samples, max_texture_size_});
     if (!source) return tl::unexpected(source.error());
     if (auto done = draw(field, options, placement, sites, *source, result); !done) return tl::unexpected(done.error());
     return result;
@@ -193,14 +180,16 @@ class GpuExtractor final : public Extractor {
     DeviceStats& device = result.stats.device.emplace();
     device.compile = compiling.elapsed();
     const CellPass pass{*counting, *capturing};
-    for (const CellProgram* program : {pass.count, pass.capture}) {
-      set_uniforms(*program, field, options, placement, sites);
-    }
+    for (const CellProgram* program : pass.programs()) set_uniforms(*program, field, options, placement, sites);
 
     const CaseTable& table = case_table(options.method);
     const InsideRule rule{field.kind, options.iso};
+    std::atomic<std::uint64_t> hole_cells{0};
     const auto decide = [&](const glm::ivec3& cell) -> unsigned {
-      if (sites.holes && touches_nan(sites, cell)) return table.variants[0];
+      if (sites.holes && touches_nan(sites, cell)) {
+        hole_cells.fetch_add(1, std::memory_order_relaxed);
+        return table.variants[0];
+      }
       unsigned cell_case = 0;
       for (int c = 0; c < 8; ++c) cell_case |= (sites.inside(cell + direction_step(c)) ? 1U : 0U) << c;
       return cell_variant(table, cell_case, rule, [&](int c) { return sites.value(cell + direction_step(c)); });
@@ -215,7 +204,7 @@ class GpuExtractor final : public Extractor {
       if (auto drawn = draw_batch(field, pass, *ready, sites, source, capture, weld, options); !drawn) return drawn;
     }
     if (auto quiet = check_messages(); !quiet) return quiet;
-    if (sites.holes) result.stats.hole_cells = count_holes(sites);
+    result.stats.hole_cells = hole_cells.load();
 
     const auto sizes = weld.number();
     if (!sizes) return tl::unexpected(sizes.error());
@@ -233,10 +222,7 @@ class GpuExtractor final : public Extractor {
     std::vector<glm::ivec3> origins(ready.size());
     for (std::size_t s = 0; s < ready.size(); ++s) origins[s] = sites.origins[ready[s]];
     return capture.draw(
-        pass, origins,
-        [&](const CellProgram& program, std::size_t first, std::size_t count) {
-          source.bind(program, ready.subspan(first, count));
-        },
+        pass, origins, [&](std::size_t first, std::size_t count) { source.bind(pass, ready.subspan(first, count)); },
         [&](std::size_t first, std::size_t count, const CapturedSoup& soup) {
           weld.add(ready.subspan(first, count), soup);
           if (options.progress != nullptr) options.progress->advance(count);
@@ -297,24 +283,6 @@ class GpuExtractor final : public Extractor {
     return false;
   }
 
-  // The cells that NanPolicy::hole leaves out though the surface would pass them.
-  static std::uint64_t count_holes(const SurfaceSites& sites) {
-    std::atomic<std::uint64_t> holes{0};
-    tbb::parallel_for(std::size_t{0}, sites.origins.size(), [&](std::size_t s) {
-      std::uint64_t found = 0;
-      for (int cell = 0; cell < 512; ++cell) {
-        const glm::ivec3 p = sites.origins[s] + glm::ivec3(cell & 7, cell >> 3 & 7, cell >> 6);
-        if (glm::any(glm::greaterThanEqual(p, sites.region.max)) || glm::any(glm::lessThan(p, sites.region.min)))
-          continue;
-        bool inside = false;
-        for (int c = 0; c < 8; ++c) inside = inside || sites.inside(p + direction_step(c));
-        found += inside && touches_nan(sites, p) ? 1 : 0;
-      }
-      if (found != 0) holes.fetch_add(found, std::memory_order_relaxed);
-    });
-    return holes.load();
-  }
-
   void tell(const CellCapture& capture, const SiteWeld& weld, const UploadFigures& uploads, ExtractStats& stats) const {
     DeviceStats& device = *stats.device;
     device.bytes_uploaded = uploads.bytes;
@@ -326,21 +294,13 @@ class GpuExtractor final : public Extractor {
     device.read_back = capture.times().read_back;
     device.weld = weld.time();
     stats.count = capture.times().count;
-    for (const StageTime& part : {device.capture, device.read_back, device.weld}) {
-      stats.emit.wall_seconds += part.wall_seconds;
-      stats.emit.cpu_seconds += part.cpu_seconds;
-    }
+    for (const StageTime& part : {device.capture, device.read_back, device.weld}) stats.emit += part;
   }
 
   [[nodiscard]] Result<void> check_messages() const {
     if (!options_.debug || context_->debug_messages().empty()) return {};
     return fail(ErrorKind::unavailable,
                 fmt::format("{}: the driver complains: {}", device(), context_->debug_messages().front()));
-  }
-
-  static tl::unexpected<Error> out_of_memory(const ScalarField& field) {
-    return fail(ErrorKind::input, fmt::format("{}: not enough memory for the surface", field.source),
-                "extract it in parts with --roi");
   }
 
   std::unique_ptr<GlContext> context_;  // first, so that it goes last

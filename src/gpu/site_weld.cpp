@@ -22,6 +22,12 @@ std::uint16_t local_key(const glm::ivec3& low, unsigned direction) {
   return static_cast<std::uint16_t>(direction << 12 | static_cast<unsigned>(low.z << 8 | low.y << 4 | low.x));
 }
 
+// Of axis bits in CaseTable::directions; their number if the method has no such direction.
+std::uint32_t index_of(const CaseTable& table, unsigned direction) {
+  const auto found = std::ranges::find(table.directions, static_cast<std::uint8_t>(direction));
+  return static_cast<std::uint32_t>(found - table.directions.begin());
+}
+
 // Every method's triangles touch both sides of their cell along each axis (no triangle lies in a face), so the lowest
 // of their edges' lower ends is the cell.
 glm::ivec3 cell_of(const CapturedSoup& soup, std::size_t triangle) {
@@ -92,9 +98,7 @@ void SiteWeld::add(std::span<const std::uint32_t> batch, const CapturedSoup& sou
       range.triangles = static_cast<std::uint32_t>(piece.triangles.size()) - range.first_triangle;
     }
   });
-  const StageTime time = watch.elapsed();
-  time_.wall_seconds += time.wall_seconds;
-  time_.cpu_seconds += time.cpu_seconds;
+  time_ += watch.elapsed();
 }
 
 void SiteWeld::weld_site(std::uint32_t site, const CapturedSoup& soup, std::span<const std::uint32_t> triangles,
@@ -151,10 +155,7 @@ void SiteWeld::weld_site(std::uint32_t site, const CapturedSoup& soup, std::span
 SiteWeld::EdgeOwner SiteWeld::owner_of(const std::array<std::int32_t, 8>& near, std::uint16_t key) const {
   const glm::ivec3 low = low_of(key);
   const auto place = static_cast<std::size_t>(low.x >> 3 | low.y >> 3 << 1 | low.z >> 3 << 2);
-  const auto direction = static_cast<std::uint8_t>(direction_of(key));
-  const auto index =
-      static_cast<std::uint32_t>(std::ranges::find(table_.directions, direction) - table_.directions.begin());
-  return {near[place], index, block_offset(low)};
+  return {near[place], index_of(table_, direction_of(key)), block_offset(low)};
 }
 
 Result<MeshSizes> SiteWeld::number() {
@@ -217,9 +218,7 @@ Result<MeshSizes> SiteWeld::number() {
     sizes.triangles += ranges_[site].triangles;
   }
   for (const Piece& piece : pieces_) decided_cells_ += piece.decided;
-  const StageTime time = watch.elapsed();
-  time_.wall_seconds += time.wall_seconds;
-  time_.cpu_seconds += time.cpu_seconds;
+  time_ += watch.elapsed();
   return sizes;
 }
 
@@ -256,9 +255,7 @@ void SiteWeld::write(Mesh& mesh, bool mirrored) const {
 }
 
 std::uint32_t SiteWeld::vertex_at(std::size_t site, int direction, int offset) const {
-  const auto index =
-      std::ranges::find(table_.directions, static_cast<std::uint8_t>(direction)) - table_.directions.begin();
-  return vertices_.at(site, static_cast<std::size_t>(index), offset);
+  return vertices_.at(site, index_of(table_, static_cast<unsigned>(direction)), offset);
 }
 
 }  // namespace isoextract

@@ -3,19 +3,16 @@
 #include <algorithm>
 #include <numeric>
 
-#include <fmt/format.h>
-
 namespace isoextract {
 namespace {
 
 constexpr int kSize = SparseBlock::kSize;
 constexpr std::uint64_t kBlockSamples = 512;
-constexpr int kPlaces = 27;
 
 }  // namespace
 
 SparseSource::SparseSource(const GlContext& context, const SparseSamples& samples, const SparseSites& sites,
-                           const SparseSourceOptions& options)
+                           const SourceOptions& options)
     : context_(&context),
       samples_(&samples),
       sites_(&sites),
@@ -32,13 +29,13 @@ SparseSource::SparseSource(const GlContext& context, const SparseSamples& sample
 }
 
 Result<SparseSource> SparseSource::make(const GlContext& context, const SparseSamples& samples,
-                                        const SparseSites& sites, const SparseSourceOptions& options) {
+                                        const SparseSites& sites, const SourceOptions& options) {
   SparseSource source(context, samples, sites, options);
   if (sites.origins().empty()) return source;
   const std::uint64_t leaf_bytes = kBlockSamples * sample_size(samples.type);
   const std::uint64_t along = static_cast<std::uint64_t>(options.max_texture_size) / kSize;
   const std::uint64_t fitting = std::min(options.bytes / leaf_bytes, along * along * along);
-  const std::uint64_t places = options.gradients ? kPlaces : 8;
+  const std::uint64_t places = options.gradients ? kNearPlaces : 8;
   const std::uint64_t wanted = std::clamp<std::uint64_t>(samples.blocks.size(), 1, places * sites.origins().size());
   const std::uint64_t slots = std::min(fitting, wanted);
   // A box of slots that loses few to rounding: none where all leaves fit.
@@ -47,12 +44,8 @@ Result<SparseSource> SparseSource::make(const GlContext& context, const SparseSa
   const std::uint64_t rows = divided(slots, along * layers);
   const bool rounded_up = divided(slots, rows * layers) * rows * layers <= fitting;
   const std::uint64_t row = rounded_up ? divided(slots, rows * layers) : slots / (rows * layers);
-  if (row * rows * layers < std::min<std::uint64_t>(kPlaces, wanted)) {
-    return fail(
-        ErrorKind::usage,
-        fmt::format("--gpu-memory: {} of samples are too few, expected {} or more", format_byte_size(options.bytes),
-                    format_byte_size(std::min<std::uint64_t>(kPlaces, wanted) * leaf_bytes)),
-        "give the GPU more, or use --backend cpu");
+  if (row * rows * layers < std::min<std::uint64_t>(kNearPlaces, wanted)) {
+    return too_few_bytes(options.bytes, std::min<std::uint64_t>(kNearPlaces, wanted) * leaf_bytes);
   }
   source.slots_ = glm::ivec3(glm::u64vec3(row, rows, layers));
   const int count = source.slots_.x * source.slots_.y * source.slots_.z;
@@ -60,34 +53,19 @@ Result<SparseSource> SparseSource::make(const GlContext& context, const SparseSa
   source.used_in_.assign(static_cast<std::size_t>(count), 0);
   for (int slot = 0; slot < count; ++slot) source.by_age_.push_back(slot);
 
-  source.atlas_ = GlTexture::make();
-  glBindTexture(GL_TEXTURE_3D, source.atlas_.name());
-  const glm::ivec3 size = kSize * source.slots_;
-  glTexStorage3D(GL_TEXTURE_3D, 1, source.format_.internal, size.x, size.y, size.z);
-  glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-  glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  auto atlas = make_sample_texture(context, samples.type, kSize * source.slots_);
+  if (!atlas) return tl::unexpected(atlas.error());
+  source.atlas_ = std::move(*atlas);
   source.neighbour_buffer_ = GlBuffer::make();
   source.neighbour_texture_ = GlTexture::make();
   source.constant_buffer_ = GlBuffer::make();
   source.constant_texture_ = GlTexture::make();
-  const std::uint64_t bytes = static_cast<std::uint64_t>(count) * leaf_bytes;
-  if (auto checked = context.check(fmt::format("taking {} for samples", format_byte_size(bytes))); !checked) {
-    return tl::unexpected(checked.error());
-  }
   return source;
 }
 
 template <class F>
 void SparseSource::for_each_place(std::uint32_t site, const F& f) const {
-  const glm::ivec3& origin = sites_->origins()[site];
-  const int lowest = options_.gradients ? -1 : 0;
-  for (int z = lowest; z <= 1; ++z) {
-    for (int y = lowest; y <= 1; ++y) {
-      for (int x = lowest; x <= 1; ++x) {
-        f(x + 1 + 3 * (y + 1) + 9 * (z + 1), origin + kSize * glm::ivec3(x, y, z));
-      }
-    }
-  }
+  for_each_near_place(sites_->origins()[site], options_.gradients ? -1 : 0, f);
 }
 
 // A slot that this round does not need, or -1.
@@ -116,7 +94,7 @@ void SparseSource::upload(std::int32_t block, std::int32_t slot) {
 // False if the atlas has no room for what the site needs beside the rest of this round.
 bool SparseSource::make_resident(std::uint32_t site) {
   bool fits = true;
-  for_each_place(site, [&](int, const glm::ivec3& place) {
+  for_each_place(site, [&](std::size_t, const glm::ivec3& place) {
     const std::int32_t block = sites_->lookup().block(place);
     if (block < 0 || !fits) return;
     std::int32_t& slot = slot_of_[static_cast<std::size_t>(block)];
@@ -142,9 +120,7 @@ Result<std::span<const std::uint32_t>> SparseSource::advance() {
   glBindTexture(GL_TEXTURE_3D, atlas_.name());
   while (next_ < order_.size() && make_resident(order_[next_])) ++next_;
   glFinish();  // uploads are made later than they are asked for
-  const StageTime time = watch.elapsed();
-  uploads_.time.wall_seconds += time.wall_seconds;
-  uploads_.time.cpu_seconds += time.cpu_seconds;
+  uploads_.time += watch.elapsed();
   if (auto checked = context_->check("uploading samples"); !checked) return tl::unexpected(checked.error());
   return std::span<const std::uint32_t>(order_).subspan(begin, next_ - begin);
 }
@@ -162,12 +138,12 @@ std::int32_t SparseSource::constant_at(const glm::ivec3& place) {
   return found->second;
 }
 
-void SparseSource::bind(const CellProgram& program, std::span<const std::uint32_t> sites) {
-  std::vector<std::int32_t> neighbours(kPlaces * sites.size(), -1);
+void SparseSource::bind(const CellPass& pass, std::span<const std::uint32_t> sites) {
+  std::vector<std::int32_t> neighbours(kNearPlaces * sites.size(), -1);
   for (std::size_t s = 0; s < sites.size(); ++s) {
-    for_each_place(sites[s], [&](int place, const glm::ivec3& origin) {
+    for_each_place(sites[s], [&](std::size_t place, const glm::ivec3& origin) {
       const std::int32_t block = sites_->lookup().block(origin);
-      neighbours[kPlaces * s + static_cast<std::size_t>(place)] =
+      neighbours[kNearPlaces * s + place] =
           block >= 0 ? slot_of_[static_cast<std::size_t>(block)] : ~constant_at(origin);
     });
   }
@@ -178,7 +154,7 @@ void SparseSource::bind(const CellProgram& program, std::span<const std::uint32_
     glBufferData(GL_TEXTURE_BUFFER, static_cast<GLsizeiptr>(bytes), data, GL_STREAM_DRAW);
     glBindTexture(GL_TEXTURE_BUFFER, texture.name());
     glTexBuffer(GL_TEXTURE_BUFFER, format, buffer.name());
-    program.set(name, unit);
+    for (const CellProgram* program : pass.programs()) program->set(name, unit);
   };
   table(3, "neighbours", neighbour_buffer_, neighbour_texture_, GL_R32I, neighbours.size() * sizeof(std::int32_t),
         neighbours.data());
@@ -187,7 +163,7 @@ void SparseSource::bind(const CellProgram& program, std::span<const std::uint32_
         constant_words_.data());
   glActiveTexture(GL_TEXTURE1);
   glBindTexture(GL_TEXTURE_3D, atlas_.name());
-  program.set("leaf_atlas", 1);
+  for (const CellProgram* program : pass.programs()) program->set("leaf_atlas", 1);
 }
 
 UploadFigures SparseSource::uploads() const {

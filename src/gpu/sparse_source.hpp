@@ -9,30 +9,22 @@
 
 #include "extract/sparse_sites.hpp"
 #include "gpu/field_source.hpp"
-#include "gpu/gl_object.hpp"
-#include "gpu/sample_format.hpp"
 
 namespace isoextract {
-
-struct SparseSourceOptions {
-  bool gradients = false;    // samples around a vertex are read as well
-  std::uint64_t bytes = 0;   // what the atlas may take on the device
-  int max_texture_size = 0;  // of the device, in 3D
-};
 
 class SparseSource final : public FieldSource {
  public:
   // All arguments must outlive the source. Fails with ErrorKind::usage where the bytes are too few.
   [[nodiscard]] static Result<SparseSource> make(const GlContext& context, const SparseSamples& samples,
-                                                 const SparseSites& sites, const SparseSourceOptions& options);
+                                                 const SparseSites& sites, const SourceOptions& options);
 
   [[nodiscard]] Result<std::span<const std::uint32_t>> advance() override;
-  void bind(const CellProgram& program, std::span<const std::uint32_t> sites) override;
+  void bind(const CellPass& pass, std::span<const std::uint32_t> sites) override;
   [[nodiscard]] UploadFigures uploads() const override;
 
  private:
   SparseSource(const GlContext& context, const SparseSamples& samples, const SparseSites& sites,
-               const SparseSourceOptions& options);
+               const SourceOptions& options);
 
   // f(place's slot in the 3 x 3 x 3 around the site, its lowest sample) for all places that the site's cells need.
   template <class F>
@@ -45,7 +37,7 @@ class SparseSource final : public FieldSource {
   const GlContext* context_;
   const SparseSamples* samples_;
   const SparseSites* sites_;
-  SparseSourceOptions options_;
+  SourceOptions options_;
   SampleFormat format_;
   glm::ivec3 slots_{0};  // of the atlas along each axis of its texture
   GlTexture atlas_;

@@ -113,8 +113,8 @@ inline Result<void> capture_sites(
     for (const std::uint32_t site : *ready) origins.push_back(sites.origins[site]);
     const auto drawn = capture.draw(
         {*counting, *capturing}, origins,
-        [&](const CellProgram& program, std::size_t first, std::size_t count) {
-          source.bind(program, ready->subspan(first, count));
+        [&](std::size_t first, std::size_t count) {
+          source.bind({*counting, *capturing}, ready->subspan(first, count));
         },
         [&](std::size_t first, std::size_t count, const CapturedSoup& soup) {
           take(ready->subspan(first, count), soup);
@@ -188,8 +188,8 @@ class DenseSurface {
   [[nodiscard]] CapturedSites& sites() { return sites_; }
 
   [[nodiscard]] Result<DenseSource> source(std::uint64_t bytes, int max_texture) const {
-    return DenseSource::make(kOwnContext->context(), samples_, sites_.origins,
-                             {whole_, sites_.options.smooth_normals, bytes, max_texture});
+    return DenseSource::make(kOwnContext->context(), samples_, sites_.origins, whole_,
+                             {sites_.options.smooth_normals, bytes, max_texture});
   }
 
  private:

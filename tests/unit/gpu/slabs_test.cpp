@@ -165,7 +165,7 @@ TEST(DeviceMemory, IsNotTakenWhereThereIsNoSurface) {
   DenseSamples samples;
   samples.dims = glm::ivec3(1 << 20);
   auto source =
-      DenseSource::make(test::kOwnContext->context(), samples, {}, {{glm::ivec3(0), samples.dims - 1}, false, 1, 2048});
+      DenseSource::make(test::kOwnContext->context(), samples, {}, {glm::ivec3(0), samples.dims - 1}, {false, 1, 2048});
   ASSERT_TRUE(source);
   for (int again = 0; again < 2; ++again) {
     const auto ready = source->advance();
@@ -174,8 +174,8 @@ TEST(DeviceMemory, IsNotTakenWhereThereIsNoSurface) {
   }
   // Two sites side by side, far out: as large as they are, however large the field is.
   const std::vector<glm::ivec3> sites{{80000, 8000, 88}, {80008, 8000, 88}};
-  EXPECT_TRUE(DenseSource::make(test::kOwnContext->context(), samples, sites,
-                                {{glm::ivec3(0), samples.dims - 1}, false, 4 * 17 * 9 * 9, 17}));
+  EXPECT_TRUE(DenseSource::make(test::kOwnContext->context(), samples, sites, {glm::ivec3(0), samples.dims - 1},
+                                {false, 4 * 17 * 9 * 9, 17}));
 }
 
 // The device cannot have it: an error value, and the context goes on.
@@ -185,8 +185,8 @@ TEST(DeviceMemory, TooLargeATextureIsAnError) {
   samples.type = SampleType::f64;
   samples.dims = glm::ivec3(test::max_texture_size());
   const std::vector<glm::ivec3> sites{glm::ivec3(0), (samples.dims - 2) / 8 * 8};
-  const auto source = DenseSource::make(context, samples, sites,
-                                        {{glm::ivec3(0), samples.dims - 1}, false, ~std::uint64_t{0}, samples.dims.x});
+  const auto source = DenseSource::make(context, samples, sites, {glm::ivec3(0), samples.dims - 1},
+                                        {false, ~std::uint64_t{0}, samples.dims.x});
   ASSERT_FALSE(source);
   EXPECT_EQ(source.error().kind, ErrorKind::unavailable);
   EXPECT_NE(source.error().message.find("not enough GPU memory"), std::string::npos) << source.error().message;
