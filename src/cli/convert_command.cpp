@@ -179,6 +179,7 @@ class Conversion {
       }
     }
     for (const WrittenFile& file : written.files) report_.files.push_back({file.path, file.bytes});
+    for (const std::string& text : std::exchange(late_notes_, {})) note(text);
     for (const std::string& line : story) tell_stage(line);
     for (const std::string& text : written.notes) note(text);
     tell_skipped(job, isos);
@@ -234,7 +235,7 @@ class Conversion {
     const Stopwatch watch;
     const ExtractOptions options = extract_options(iso, progress);
     auto extraction = extractor_->extract(field_, options);
-    if (!extraction && gave_way(extraction.error(), story)) extraction = extractor_->extract(field_, options);
+    if (!extraction && gave_way(extraction.error())) extraction = extractor_->extract(field_, options);
     if (!extraction) return extraction;
     const ExtractStats& stats = extraction->stats;
     story.push_back(
@@ -269,14 +270,15 @@ class Conversion {
   }
 
   // Under --backend auto a GPU that cannot do the work is no reason to end: the processor takes over, and that is told.
-  bool gave_way(const Error& error, std::vector<std::string>& story) {
-    const bool may = plan_.backend.backend == Backend::automatic && extractor_->name() == backend_name(Backend::gpu);
+  // With --verify it is: nothing would be left to verify.
+  bool gave_way(const Error& error) {
+    const bool may = plan_.backend.backend == Backend::automatic && extractor_->name() == backend_name(Backend::gpu) &&
+                     other_extractor_ == nullptr;
     if (!may || error.kind != ErrorKind::unavailable) return false;
     extractor_ = make_cpu_extractor();
     report_.backend = extractor_->name();
     report_.device = extractor_->device();
-    report_.notes.push_back(fmt::format("--backend auto: cpu, because {}", error.message));
-    story.push_back(report_.notes.back());
+    late_notes_.push_back(fmt::format("--backend auto: cpu, because {}", error.message));
     return true;
   }
 
@@ -380,6 +382,7 @@ class Conversion {
   Affine output_from_index_;
   std::unique_ptr<Extractor> extractor_;
   std::unique_ptr<Extractor> other_extractor_;  // only to verify
+  std::vector<std::string> late_notes_;         // told when the bar is gone
 };
 
 }  // namespace
