@@ -14,7 +14,7 @@ build_packages=(
   libteem-dev libnifti2-dev zlib1g-dev
   libtinygltf-dev nlohmann-json3-dev
   libepoxy-dev libegl1 libopengl0 libegl-mesa0 libgl1-mesa-dri
-  libglm-dev libcli11-dev libfmt-dev libspdlog-dev libexpected-dev
+  libglm-dev libhwy-dev libcli11-dev libfmt-dev libspdlog-dev libexpected-dev
 )
 test_packages=(libgtest-dev clang-format clang-tidy python3 python3-jsonschema shellcheck mandoc bash-completion gnuplot-nox)
 fuzz_packages=(clang libclang-rt-14-dev)

@@ -1,4 +1,4 @@
-// How the extractors number vertices while they walk along a row of cells.
+// How the dense extractor numbers vertices while it walks along a row of cells.
 //
 // A stream is the sequence of crossed edges of one direction, owned by the samples of one row; their vertices have
 // consecutive numbers. A cell's edges belong to the streams of its four rows, at the cell's own position or the next.
@@ -19,6 +19,7 @@ template <int kDirections>
   return kDirections == 3 ? direction / 2 : direction - 1;
 }
 
+// Streams and edges in the order of CaseTable::edges: by direction, then by corner.
 template <int kDirections>
 struct CellStreams {
   static_assert(kDirections == 3 || kDirections == 7);
@@ -26,35 +27,37 @@ struct CellStreams {
   static constexpr int kStreams = kDirections == 3 ? 8 : 14;
 
   struct Stream {
-    int direction_index;  // into CaseTable::directions
-    int direction;        // axis bits
-    int row_y, row_z;     // which of the cell's rows owns the edges
+    int direction = 0;  // axis bits
+    int row = 0;        // which of the cell's rows owns the edges: 1 is the next along y, 2 along z
   };
   struct EdgeSource {
-    int stream;
-    bool next;  // at the position after the cell's
+    int stream = 0;
+    bool next = false;  // at the position after the cell's
   };
 
   std::array<Stream, kStreams> streams{};
-  std::array<EdgeSource, kEdges> edges{};  // for each edge of the table
+  std::array<EdgeSource, kEdges> edges{};
 
-  explicit CellStreams(const CaseTable& table) {
-    int count = 0;
-    for (std::size_t e = 0; e < table.edges.size(); ++e) {
-      const CellEdge edge = table.edges[e];
-      const int row_y = edge.corner >> 1 & 1;
-      const int row_z = edge.corner >> 2 & 1;
-      int stream = 0;
-      while (stream < count && !(streams[stream].direction == edge.direction && streams[stream].row_y == row_y &&
-                                 streams[stream].row_z == row_z)) {
-        ++stream;
+  constexpr CellStreams() {
+    int stream_count = 0;
+    int edge = 0;
+    for (int direction = 1; direction < 8; direction += kDirections == 3 ? direction : 1) {
+      for (int corner = 0; corner < 8; ++corner) {
+        if ((corner & direction) != 0) continue;
+        const int row = corner >> 1;
+        int stream = 0;
+        while (stream < stream_count && !(streams[stream].direction == direction && streams[stream].row == row)) {
+          ++stream;
+        }
+        if (stream == stream_count) streams[stream_count++] = {direction, row};
+        edges[edge++] = {stream, (corner & 1) != 0};
       }
-      if (stream == count) {
-        streams[count++] = {direction_index<kDirections>(edge.direction), edge.direction, row_y, row_z};
-      }
-      edges[e] = {stream, (edge.corner & 1) != 0};
     }
   }
 };
+
+// The first of a row's own streams come in the order of CaseTable::directions.
+template <int kDirections>
+inline constexpr CellStreams<kDirections> kCellStreams{};
 
 }  // namespace isoextract

@@ -3,7 +3,11 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <numeric>
+#include <optional>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -11,9 +15,11 @@
 #include "base/stopwatch.hpp"
 #include "extract/asymptotic_decider.hpp"
 #include "extract/border_cap.hpp"
-#include "extract/cell_output.hpp"
+#include "extract/cell_rows.hpp"
+#include "extract/cell_streams.hpp"
 #include "extract/dense_input.hpp"
-#include "extract/row_walk.hpp"
+#include "extract/row_bits.hpp"
+#include "extract/vertex_batch.hpp"
 #include "mesh/vertex_fans.hpp"
 
 namespace isoextract {
@@ -43,24 +49,14 @@ class BrickFlags {
   [[nodiscard]] const std::uint8_t* row(int bj, int bk) const { return crossed_.data() + offset(bj, bk); }
 
   void measure(int bj, int bk) {
-    const glm::ivec3 dims = masks_.dims();
-    const int end_j = std::min(kBrickRows * (bj + 1) + 1, dims.y);
-    const int end_k = std::min(kBrickRows * (bk + 1) + 1, dims.z);
-    for (int w = 0; w < words_; ++w) {
-      // The word's own samples, and the first of the next word.
-      const std::uint64_t own = RowBits::valid(w, dims.x);
-      const std::uint64_t shared = 64 * (w + 1) < dims.x ? 1 : 0;
-      std::uint64_t any = 0;
-      std::uint64_t all = ~std::uint64_t{0};
-      for (int k = kBrickRows * bk; k < end_k; ++k) {
-        for (int j = kBrickRows * bj; j < end_j; ++j) {
-          const std::uint64_t* bits = masks_.row(j, k);
-          any |= bits[w] | (bits[w + 1] & shared);
-          all &= (bits[w] | ~own) & (bits[w + 1] | ~shared);
-        }
+    std::array<const std::uint64_t*, (kBrickRows + 1) * (kBrickRows + 1)> rows;
+    std::size_t count = 0;
+    for (int k = kBrickRows * bk; k < std::min(kBrickRows * (bk + 1) + 1, masks_.dims().z); ++k) {
+      for (int j = kBrickRows * bj; j < std::min(kBrickRows * (bj + 1) + 1, masks_.dims().y); ++j) {
+        rows[count++] = masks_.row(j, k);
       }
-      crossed_[offset(bj, bk) + static_cast<std::size_t>(w)] = any != 0 && ~all != 0 ? 1 : 0;
     }
+    mark_crossed_words(std::span(rows).first(count), masks_.dims().x, crossed_.data() + offset(bj, bk));
   }
 
  private:
@@ -76,11 +72,8 @@ class BrickFlags {
   Buffer<std::uint8_t> crossed_;
 };
 
-// The methods' tables are data; only the number of directions is known to the compiler.
-template <class T, int kDirections>
-class DenseExtraction {
-  using Streams = CellStreams<kDirections>;
-
+template <class T>
+class DenseExtraction final : private CellDecider {
  public:
   DenseExtraction(const ScalarField& field, const DenseView<T>& whole, const IndexBox& region,
                   const ExtractOptions& options)
@@ -91,7 +84,7 @@ class DenseExtraction {
         view_(part_of(whole, region)),
         region_(region),
         table_(case_table(options.method)),
-        streams_(table_),
+        directions_(static_cast<int>(table_.directions.size())),
         placement_(options.output_from_index, {glm::ivec3(0), whole.dims - 1}, field.kind, field.scale),
         masks_(view_.dims),
         bricks_(masks_) {}
@@ -107,11 +100,11 @@ class DenseExtraction {
     if (!threshold) return tl::unexpected(threshold.error());
     if (!*threshold) return result;
     has_holes_ = result.stats.nan_samples != 0 && options_.nan == NanPolicy::hole;
+    drawings_.emplace(row_drawings(table_, placement_.mirrored(), has_holes_));
 
     Stopwatch watch;
-    count();
+    result.stats.hole_cells = count();
     result.stats.bricks_visited = bricks_.count_crossed();
-    result.stats.hole_cells = hole_cells_.load();
     const MeshSizes sizes = place_rows();
     if (auto fits = check_mesh_size(field_, sizes, options_); !fits) return tl::unexpected(fits.error());
     BorderCap cap;
@@ -170,77 +163,97 @@ class DenseExtraction {
     }
   }
 
-  void count() {
+  [[nodiscard]] CellRow cell_row(int j, int k) const {
+    CellRow row;
+    row.origin = {0, j, k};
+    for (int r = 0; r < 4; ++r) {
+      const int y = j + (r & 1);
+      const int z = k + (r >> 1);
+      row.bits[static_cast<std::size_t>(r)] = y < view_.dims.y && z < view_.dims.z ? masks_.row(y, z) : nullptr;
+    }
+    row.samples = view_.dims.x;
+    row.crossed_bricks = bricks_.row(j / kBrickRows, k / kBrickRows);
+    return row;
+  }
+
+  // Returns how many cells NanPolicy::hole leaves out.
+  std::uint64_t count() {
     const std::size_t rows = row_index(0, view_.dims.z);
-    vertex_base_ = Buffer<std::uint32_t>(rows * kDirections);
-    triangle_base_ = Buffer<std::uint64_t>(rows);
+    vertex_base_ = Buffer<std::uint32_t>((rows + 1) * static_cast<std::size_t>(directions_));
+    triangle_base_ = Buffer<std::uint64_t>(rows + 1);
+    std::atomic<std::uint64_t> left_out{0};
     for_each_brick_row("counting", [&](int bj, int bk) {
       bricks_.measure(bj, bk);
-      for_each_row(bj, bk, [&](int j, int k) { count_row(j, k, bricks_.row(bj, bk)); });
-    });
-  }
-
-  void count_row(int j, int k, const std::uint8_t* crossed_bricks) {
-    std::array<std::uint32_t, kDirections> vertices{};
-    std::uint64_t triangles = 0;
-    const RowBits bits(masks_, j, k);
-    for (int w = 0; w < masks_.words(); ++w) {
-      if (crossed_bricks[w] == 0) continue;
-      for (const auto& stream : streams_.streams) {
-        if (stream.row_y != 0 || stream.row_z != 0) continue;
-        vertices[stream.direction_index] += static_cast<std::uint32_t>(std::popcount(bits.crossed(stream, w)));
-      }
-      if (!bits.has_cells()) continue;
-      const RowBits::Corners corners = bits.corners(w);
-      for_each_bit(bits.active_cells(corners, w), [&](int cell) {
-        const glm::ivec3 p(64 * w + cell, j, k);
-        if (has_holes_ && touches_nan(p)) {
-          hole_cells_.fetch_add(1, std::memory_order_relaxed);
-          return;
-        }
-        const unsigned v = variant(RowBits::cell_case(corners, cell), p);
-        triangles += static_cast<std::uint64_t>(table_.first[v + 1] - table_.first[v]);
+      for_each_row(bj, bk, [&](int j, int k) {
+        const RowCounts counts = count_cells(*drawings_, cell_row(j, k), *this);
+        const std::size_t row = row_index(j, k);
+        std::copy_n(counts.vertices.begin(), directions_, vertex_base(row));
+        triangle_base_[row] = counts.triangles;
+        if (counts.left_out != 0) left_out.fetch_add(counts.left_out, std::memory_order_relaxed);
       });
-    }
-    const std::size_t row = row_index(j, k);
-    std::copy(vertices.begin(), vertices.end(), vertex_base_.data() + row * kDirections);
-    triangle_base_[row] = triangles;
+    });
+    return left_out.load();
   }
 
-  // What the cell at `p` (relative to the region) draws.
-  [[nodiscard]] unsigned variant(unsigned cell_case, const glm::ivec3& p) const {
+  // By direction.
+  [[nodiscard]] std::uint32_t* vertex_base(std::size_t row) {
+    return vertex_base_.data() + row * static_cast<std::size_t>(directions_);
+  }
+  [[nodiscard]] const std::uint32_t* vertex_base(std::size_t row) const {
+    return vertex_base_.data() + row * static_cast<std::size_t>(directions_);
+  }
+
+  // `p` is relative to the region, here and in what follows, unless something else is said.
+  [[nodiscard]] std::optional<unsigned> variant(unsigned cell_case, const glm::ivec3& p) const override {
+    std::array<double, 8> corners;
+    for (int c = 0; c < 8; ++c) corners[static_cast<std::size_t>(c)] = value(region_.min + p + direction_step(c));
+    if (has_holes_ && std::ranges::any_of(corners, [](double f) { return std::isnan(f); })) return std::nullopt;
     return cell_variant(table_, cell_case, rule_,
-                        [&](int corner) { return value(region_.min + p + direction_step(corner)); });
-  }
-
-  // Whether a corner of the cell at `p` (relative to the region) is not a number.
-  [[nodiscard]] bool touches_nan(const glm::ivec3& p) const {
-    for (int corner = 0; corner < 8; ++corner) {
-      if (std::isnan(value(region_.min + p + direction_step(corner)))) return true;
-    }
-    return false;
+                        [&](int corner) { return corners[static_cast<std::size_t>(corner)]; });
   }
 
   // Counts become first numbers.
   MeshSizes place_rows() {
+    const auto slices = static_cast<std::size_t>(view_.dims.z);
+    const std::size_t rows = row_index(0, 1);
+    const std::size_t vertices = rows * static_cast<std::size_t>(directions_);
+    std::vector<MeshSizes> first(slices);
+    tbb::parallel_for(std::size_t{0}, slices, [&](std::size_t k) {
+      const auto vertex_counts = vertex_base_.span().subspan(k * vertices, vertices);
+      const auto triangle_counts = triangle_base_.span().subspan(k * rows, rows);
+      first[k] = {std::accumulate(vertex_counts.begin(), vertex_counts.end(), std::uint64_t{0}),
+                  std::accumulate(triangle_counts.begin(), triangle_counts.end(), std::uint64_t{0})};
+    });
     MeshSizes sizes;
-    for (std::uint32_t& base : vertex_base_) {
-      sizes.vertices += std::exchange(base, static_cast<std::uint32_t>(sizes.vertices));
+    for (MeshSizes& slice : first) {
+      sizes.vertices += std::exchange(slice.vertices, sizes.vertices);
+      sizes.triangles += std::exchange(slice.triangles, sizes.triangles);
     }
-    for (std::uint64_t& base : triangle_base_) sizes.triangles += std::exchange(base, sizes.triangles);
+    tbb::parallel_for(std::size_t{0}, slices, [&](std::size_t k) {
+      auto vertex = static_cast<std::uint32_t>(first[k].vertices);
+      for (std::uint32_t& base : vertex_base_.span().subspan(k * vertices, vertices)) {
+        vertex += std::exchange(base, vertex);
+      }
+      std::uint64_t triangle = first[k].triangles;
+      for (std::uint64_t& base : triangle_base_.span().subspan(k * rows, rows)) {
+        triangle += std::exchange(base, triangle);
+      }
+    });
+    vertex_base(slices * rows)[0] = static_cast<std::uint32_t>(sizes.vertices);
+    triangle_base_[slices * rows] = sizes.triangles;
     return sizes;
   }
 
-  // The number of one vertex, found by counting: for the few that are not met in order. `p` is relative to the region.
+  // The number of one vertex, found by counting: for the few that are not met in order.
   [[nodiscard]] std::uint32_t edge_vertex(const glm::ivec3& p, int direction) const {
-    const RowBits bits(masks_, p.y, p.z);
-    const auto stream = *std::find_if(streams_.streams.begin(), streams_.streams.end(), [&](const auto& s) {
-      return s.direction == direction && s.row_y == 0 && s.row_z == 0;
-    });
-    std::uint32_t number =
-        vertex_base_[row_index(p.y, p.z) * kDirections + static_cast<std::size_t>(stream.direction_index)];
+    const CellRow row = cell_row(p.y, p.z);
+    const std::uint64_t* upper = row.bits[static_cast<std::size_t>(direction >> 1)];
+    const auto d =
+        static_cast<std::size_t>(std::ranges::find(table_.directions, direction) - table_.directions.begin());
+    std::uint32_t number = vertex_base(row_index(p.y, p.z))[d];
     for (int w = 0; w <= p.x / 64; ++w) {
-      number += static_cast<std::uint32_t>(std::popcount(bits.crossed(stream, w) & RowBits::valid(w, p.x)));
+      const std::uint64_t ends = (direction & 1) != 0 ? next_bits(upper, w) : upper[w];
+      number += static_cast<std::uint32_t>(std::popcount((row.bits[0][w] ^ ends) & bits_below(w, p.x)));
     }
     return number;
   }
@@ -249,41 +262,78 @@ class DenseExtraction {
     for_each_brick_row("extracting", [&](int bj, int bk) {
       const std::uint8_t* crossed_bricks = bricks_.row(bj, bk);
       if (std::find(crossed_bricks, crossed_bricks + masks_.words(), 1) == crossed_bricks + masks_.words()) return;
-      for_each_row(bj, bk, [&](int j, int k) {
-        emit_vertices(mesh, j, k, crossed_bricks);
-        emit_triangles(mesh, j, k, crossed_bricks);
-      });
+      emit_vertices(mesh, bj, bk);
+      for_each_row(bj, bk, [&](int j, int k) { emit_triangles(mesh, j, k); });
     });
   }
 
-  void emit_vertices(Mesh& mesh, int j, int k, const std::uint8_t* crossed_bricks) {
-    const RowBits bits(masks_, j, k);
-    for (const auto& stream : streams_.streams) {
-      if (stream.row_y != 0 || stream.row_z != 0) continue;
-      std::size_t number =
-          vertex_base_[row_index(j, k) * kDirections + static_cast<std::size_t>(stream.direction_index)];
-      const glm::ivec3 step = direction_step(stream.direction);
-      for (int w = 0; w < masks_.words(); ++w) {
-        if (crossed_bricks[w] == 0) continue;
-        for_each_bit(bits.crossed(stream, w),
-                     [&](int bit) { emit_vertex(mesh, number++, region_.min + glm::ivec3(64 * w + bit, j, k), step); });
+  void emit_vertices(Mesh& mesh, int bj, int bk) {
+    const VertexRules rules{placement_, rule_, field_.scale};
+    EdgeList edges(directions_, view_.dims.x);
+    VertexBatch batch;
+    std::size_t number = 0;  // of the batch's first vertex
+    const auto flush = [&] {
+      const auto count = static_cast<std::size_t>(batch.count);
+      write_vertices(batch, rules, mesh, number);
+      number += count;
+    };
+    for_each_row(bj, bk, [&](int j, int k) {
+      // The numbers of a slice's rows follow one another; those of its rows in the next slice do not.
+      if (j == kBrickRows * bj) {
+        flush();
+        number = vertex_base(row_index(j, k))[0];
+      }
+      const std::size_t row = row_index(j, k);
+      if (vertex_base(row)[0] == vertex_base(row + 1)[0]) return;
+      list_edges(*drawings_, cell_row(j, k), edges);
+      for (int d = 0; d < directions_; ++d) {
+        const int direction = table_.directions[static_cast<std::size_t>(d)];
+        for (const std::int32_t* x = edges.begin(d); x != edges.end(d);) {
+          const auto room = static_cast<std::ptrdiff_t>(VertexBatch::kCapacity - batch.count);
+          const std::int32_t* end = x + std::min(room, edges.end(d) - x);
+          add_edges(batch, std::span(x, end), j, k, direction, !mesh.normals.empty());
+          x = end;
+          if (batch.full()) flush();
+        }
+      }
+    });
+    flush();
+  }
+
+  void add_edges(VertexBatch& batch, std::span<const std::int32_t> positions, int j, int k, int direction,
+                 bool gradients) const {
+    const glm::ivec3 low = region_.min + glm::ivec3(0, j, k);
+    const glm::ivec3 step = direction_step(direction);
+    const T* ends[2] = {whole_.row(low.y, low.z) + low.x, whole_.row(low.y + step.y, low.z + step.z) + low.x + step.x};
+    const int first = batch.count;
+    int i = first;
+    for (const std::int32_t x : positions) {
+      batch.value[0][i] = static_cast<double>(ends[0][x]);
+      batch.value[1][i] = static_cast<double>(ends[1][x]);
+      batch.low[0][i] = low.x + x;
+      batch.low[1][i] = low.y;
+      batch.low[2][i] = low.z;
+      batch.direction[i] = direction;
+      ++i;
+    }
+    batch.count = i;
+    if (!gradients) return;
+    for (int end = 0; end < 2; ++end) {
+      const glm::ivec3 row = low + end * step;
+      for (i = first; i < batch.count; ++i) {
+        const glm::dvec3 g = sample_gradient({row.x + positions[static_cast<std::size_t>(i - first)], row.y, row.z});
+        for (int axis = 0; axis < 3; ++axis) batch.gradient[end][axis][i] = g[axis];
       }
     }
   }
 
+  // `p` is an index of the whole field.
   [[nodiscard]] double value(const glm::ivec3& p) const {
     return field_.scale(static_cast<double>(whole_.row(p.y, p.z)[p.x]));
   }
 
-  // `p` and `p + step` are the edge's ends, in indices of the whole field.
-  void emit_vertex(Mesh& mesh, std::size_t number, const glm::ivec3& p, const glm::ivec3& step) const {
-    write_vertex(
-        mesh, number, placement_, rule_, p, step, [&](const glm::ivec3& q) { return value(q); },
-        [&](const glm::ivec3& q) { return sample_gradient(q); });
-  }
-
-  // Of the stored numbers, at a sample: central differences; at the border of the data one-sided ones of the same
-  // order.
+  // Of the stored numbers, at a sample of the whole field: central differences; at the border of the data one-sided
+  // ones of the same order.
   [[nodiscard]] glm::dvec3 sample_gradient(const glm::ivec3& p) const {
     const T* centre = whole_.row(p.y, p.z) + p.x;
     return {axis_derivative(centre, 1, p.x, whole_.dims.x),
@@ -299,38 +349,21 @@ class DenseExtraction {
     return inward * (4 * at(inward) - 3 * at(0) - at(2 * inward)) / 2;
   }
 
-  void emit_triangles(Mesh& mesh, int j, int k, const std::uint8_t* crossed_bricks) const {
-    const RowBits bits(masks_, j, k);
-    if (!bits.has_cells()) return;
-    std::array<std::uint32_t, Streams::kStreams> next{};  // the number of each stream's next vertex
-    for (int s = 0; s < Streams::kStreams; ++s) {
-      const auto& stream = streams_.streams[s];
-      next[s] = vertex_base_[row_index(j + stream.row_y, k + stream.row_z) * kDirections +
-                             static_cast<std::size_t>(stream.direction_index)];
-    }
-    glm::uvec3* out = mesh.triangles.data() + triangle_base_[row_index(j, k)];
-    for (int w = 0; w < masks_.words(); ++w) {
-      if (crossed_bricks[w] == 0) continue;
-      std::array<std::uint64_t, Streams::kStreams> crossed;
-      for (int s = 0; s < Streams::kStreams; ++s) crossed[s] = bits.crossed(streams_.streams[s], w);
-      const RowBits::Corners corners = bits.corners(w);
-      for_each_bit(bits.active_cells(corners, w), [&](int cell) {
-        std::array<std::array<std::uint32_t, 2>, Streams::kStreams> numbers;  // at the cell's position, and at the next
-        for (int s = 0; s < Streams::kStreams; ++s) {
-          const auto own = static_cast<std::uint32_t>(crossed[s] >> cell & 1);
-          numbers[s] = {next[s], next[s] + own};
-          next[s] += own;
-        }
-        const auto vertex = [&](std::uint8_t edge) {
-          const auto& source = streams_.edges[edge];
-          return numbers[source.stream][source.next ? 1 : 0];
-        };
-        const glm::ivec3 p(64 * w + cell, j, k);
-        if (has_holes_ && touches_nan(p)) return;
-        const unsigned v = variant(RowBits::cell_case(corners, cell), p);
-        out = write_cell(table_, v, placement_.mirrored(), vertex, out);
-      });
-    }
+  void emit_triangles(Mesh& mesh, int j, int k) const {
+    const std::size_t index = row_index(j, k);
+    if (triangle_base_[index] == triangle_base_[index + 1]) return;
+    const auto first_numbers = [&]<int kDirections>(std::integral_constant<int, kDirections>) {
+      std::array<std::uint32_t, kMaxStreams> first{};
+      std::size_t s = 0;
+      for (const auto& stream : kCellStreams<kDirections>.streams) {
+        first[s++] = vertex_base(
+            row_index(j + (stream.row & 1), k + (stream.row >> 1)))[direction_index<kDirections>(stream.direction)];
+      }
+      return first;
+    };
+    const auto first = directions_ == 3 ? first_numbers(std::integral_constant<int, 3>{})
+                                        : first_numbers(std::integral_constant<int, 7>{});
+    write_cells(*drawings_, cell_row(j, k), *this, first, mesh.triangles.data() + triangle_base_[index]);
   }
 
   const ScalarField& field_;
@@ -340,14 +373,15 @@ class DenseExtraction {
   DenseView<T> view_;  // of the region
   IndexBox region_;
   const CaseTable& table_;
-  Streams streams_;
+  int directions_;
   Placement placement_;
   DenseMasks masks_;
   BrickFlags bricks_;
-  Buffer<std::uint32_t> vertex_base_;    // per row and direction: first a count, then the first vertex number
-  Buffer<std::uint64_t> triangle_base_;  // per row, likewise
-  bool has_holes_ = false;               // some samples are NaN, and NanPolicy::hole
-  std::atomic<std::uint64_t> hole_cells_{0};
+  bool has_holes_ = false;  // some samples are NaN, and NanPolicy::hole
+  std::optional<CellDrawings> drawings_;
+  // First counts, then the first vertex and triangle; behind the last row are all there are.
+  Buffer<std::uint32_t> vertex_base_;    // per row and direction
+  Buffer<std::uint64_t> triangle_base_;  // per row
 };
 
 }  // namespace
@@ -357,8 +391,7 @@ Result<Extraction> extract_dense(const ScalarField& field, const DenseSamples& s
   if (!region) return tl::unexpected(region.error());
   return visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) -> Result<Extraction> {
     const DenseView<T> view = dense_view<T>(samples);
-    if (options.method == Method::mc) return DenseExtraction<T, 3>(field, view, *region, options).run();
-    return DenseExtraction<T, 7>(field, view, *region, options).run();
+    return DenseExtraction<T>(field, view, *region, options).run();
   });
 }
 

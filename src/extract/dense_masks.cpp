@@ -1,27 +1,24 @@
 #include "extract/dense_masks.hpp"
 
-#include <algorithm>
 #include <atomic>
 
 #include <tbb/parallel_for.h>
+
+#include "extract/classify_samples.hpp"
 
 namespace isoextract {
 
 template <class T>
 std::uint64_t classify(const DenseView<T>& view, const InsideThreshold<T>& threshold, DenseMasks& masks,
                        Progress* progress) {
-  const InsideClassifier<T> classifier(threshold);
   const auto [nx, ny, nz] = std::array{view.dims.x, view.dims.y, view.dims.z};
   std::atomic<std::uint64_t> nan{0};
   if (progress != nullptr) progress->begin("classifying samples", static_cast<std::uint64_t>(nz));
   tbb::parallel_for(0, nz, [&, nx = nx, ny = ny](int k) {
     std::uint64_t slice_nan = 0;
     for (int j = 0; j < ny; ++j) {
-      const T* samples = view.row(j, k);
       std::uint64_t* bits = masks.row(j, k);
-      for (int w = 0; w < masks.words(); ++w) {
-        bits[w] = classifier(samples + 64 * w, std::min(64, nx - 64 * w), slice_nan);
-      }
+      slice_nan += classify_samples(view.row(j, k), static_cast<std::size_t>(nx), threshold, bits);
       bits[masks.words()] = 0;
     }
     if (slice_nan != 0) nan.fetch_add(slice_nan, std::memory_order_relaxed);

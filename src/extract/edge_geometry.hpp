@@ -52,6 +52,9 @@ class Placement {
   [[nodiscard]] const Affine& local_from_index() const { return local_from_index_; }
   // Maps gradients of the stored samples in index space to outward normals, which are yet to be made unit length.
   [[nodiscard]] glm::dmat3 outward_covectors() const { return outward_ * covector_map_; }
+  // Its parts, for those who round as normal() does: +1 or -1, and the map of covectors.
+  [[nodiscard]] double outward() const { return outward_; }
+  [[nodiscard]] const glm::dmat3& covector_map() const { return covector_map_; }
 
   [[nodiscard]] glm::vec3 position(const glm::dvec3& index) const { return local_from_index_(index); }
 

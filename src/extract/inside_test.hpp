@@ -98,6 +98,9 @@ class InsideClassifier {
   explicit InsideClassifier(const InsideThreshold<T>& threshold)
       : threshold_(comparable(threshold.threshold)), above_(threshold.above) {}
 
+  // What is compared with what samples are compared as: the number itself; a half's place in the order of halves.
+  [[nodiscard]] auto threshold() const { return threshold_; }
+
   std::uint64_t operator()(const T* samples, int count, std::uint64_t& nan) const {
     return above_ ? compare<true>(samples, count, nan) : compare<false>(samples, count, nan);
   }

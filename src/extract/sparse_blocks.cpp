@@ -4,6 +4,8 @@
 #include <limits>
 #include <tuple>
 
+#include <tbb/parallel_for.h>
+
 namespace isoextract {
 namespace {
 
@@ -39,7 +41,7 @@ std::uint64_t tile_skin_bytes(const SparseSamples& samples, const InsideRule& ru
   const bool background_inside = rule(scale(samples.background));
   std::uint64_t places = 0;
   for (const SparseTile& tile : samples.tiles) {
-    if (rule(scale(tile.value)) == background_inside) continue;
+    if (tile.size < SparseLookup::Node::kSize || rule(scale(tile.value)) == background_inside) continue;
     const auto blocks = static_cast<std::uint64_t>(tile.size / kSize);
     places += (blocks + 1) * (blocks + 1) * (blocks + 1) - (blocks - 1) * (blocks - 1) * (blocks - 1);
   }
@@ -48,37 +50,85 @@ std::uint64_t tile_skin_bytes(const SparseSamples& samples, const InsideRule& ru
 
 std::vector<glm::ivec3> unstored_places(const SparseSamples& samples, const SparseLookup& lookup,
                                         const InsideRule& rule, const ValueScale& scale) {
-  std::vector<glm::ivec3> places;
-  for (const SparseBlock& block : samples.blocks) {
-    for (int d = 1; d < 8; ++d) {
-      const glm::ivec3 place = block.origin - kSize * glm::ivec3(d & 1, d >> 1 & 1, d >> 2 & 1);
-      if (lookup.block(place) < 0) places.push_back(place);
+  enum class State : std::uint8_t { outside, inside, block };
+  const auto constant_state = [&](double value) { return rule(scale(value)) ? State::inside : State::outside; };
+  std::vector<State> tile_states(samples.tiles.size());
+  tbb::parallel_for(std::size_t{0}, tile_states.size(),
+                    [&](std::size_t t) { tile_states[t] = constant_state(samples.tiles[t].value); });
+  const State background = constant_state(samples.background);
+  const auto state = [&](std::int32_t place) {
+    if (place >= 0) return State::block;
+    return place == SparseLookup::kBackground ? background : tile_states[static_cast<std::size_t>(-2 - place)];
+  };
+
+  // Every node looks at its own places and, where there is no node, at those just before it.
+  constexpr int kPlaces = SparseLookup::Node::kPlaces;
+  constexpr int kSide = kPlaces + 2;
+  std::vector<std::vector<glm::ivec3>> found(lookup.nodes().size() + 1);
+  tbb::parallel_for(std::size_t{0}, lookup.nodes().size(), [&](std::size_t n) {
+    const SparseLookup::Node& node = lookup.nodes()[n];
+    const auto origin_at = [&](int x, int y, int z) { return node.origin + kSize * (glm::ivec3(x, y, z) - 1); };
+    const auto at = [](int x, int y, int z) { return static_cast<std::size_t>((x * kSide + y) * kSide + z); };
+    const auto within = [](int i) { return i >= 1 && i <= kPlaces; };
+    std::array<State, kSide * kSide * kSide> states;
+    for (int x = 0; x < kSide; ++x) {
+      for (int y = 0; y < kSide; ++y) {
+        for (int z = 0; z < kSide; ++z) {
+          const glm::ivec3 place = origin_at(x, y, z);
+          const bool own = within(x) && within(y) && within(z);
+          states[at(x, y, z)] = state(own ? node.contents[SparseLookup::Node::slot(place)] : lookup.place(place));
+        }
+      }
+    }
+    for (int x = 0; x <= kPlaces; ++x) {
+      for (int y = 0; y <= kPlaces; ++y) {
+        for (int z = 0; z <= kPlaces; ++z) {
+          const State here = states[at(x, y, z)];
+          if (here == State::block) continue;
+          bool alike = true;
+          for (int c = 1; c < 8; ++c) alike &= states[at(x + (c & 1), y + (c >> 1 & 1), z + (c >> 2))] == here;
+          if (alike) continue;
+          const bool own = within(x) && within(y) && within(z);
+          if (own || !lookup.has_node(origin_at(x, y, z))) found[n].push_back(origin_at(x, y, z));
+        }
+      }
+    }
+  });
+  // Between large tiles and the background there may be no node.
+  std::vector<glm::ivec3>& skins = found.back();
+  for (std::size_t t = 0; t < samples.tiles.size(); ++t) {
+    if (samples.tiles[t].size >= SparseLookup::Node::kSize && tile_states[t] != background) {
+      add_tile_skin(samples.tiles[t], skins);
     }
   }
-  const bool background_inside = rule(scale(samples.background));
-  std::vector<glm::ivec3> skin;
-  for (const SparseTile& tile : samples.tiles) {
-    if (rule(scale(tile.value)) != background_inside) add_tile_skin(tile, skin);
-  }
-  std::ranges::copy_if(skin, std::back_inserter(places), [&](const glm::ivec3& p) { return lookup.block(p) < 0; });
-  const auto key = [](const glm::ivec3& p) { return std::tuple(p.x, p.y, p.z); };
-  std::ranges::sort(places, {}, key);
+  std::erase_if(skins, [&](const glm::ivec3& p) { return lookup.has_node(p); });
+
+  std::vector<glm::ivec3> places;
+  for (const auto& part : found) places.insert(places.end(), part.begin(), part.end());
+  std::ranges::sort(places, {}, [](const glm::ivec3& p) { return std::tuple(p.x, p.y, p.z); });
   places.erase(std::unique(places.begin(), places.end()), places.end());
   return places;
 }
 
-std::uint64_t shifted_word(const std::array<const BlockBits*, 8>& group, int step, int x) {
-  const int past = x + (step & 1);
-  const int block_x = past >> 3;
-  const int word = past & 7;
+SitePlanes site_planes(const std::array<const BlockBits*, 8>& group) {
   // Within a word y is the byte and z the bit in it.
-  const auto along_y = [&](int block_z) {
-    const std::uint64_t own = (*group[block_x | block_z << 2])[word];
-    return (step & 2) == 0 ? own : own >> 8 | (*group[block_x | 2 | block_z << 2])[word] << 56;
-  };
-  if ((step & 4) == 0) return along_y(0);
   constexpr std::uint64_t kLowBits = 0x0101010101010101ULL;
-  return (along_y(0) >> 1 & ~(kLowBits << 7)) | (along_y(1) & kLowBits) << 7;
+  SitePlanes planes;
+  for (std::size_t x = 0; x < planes.size(); ++x) {
+    const std::size_t past = x >> 3;  // the block after this one along x
+    const std::size_t word = x & 7;
+    const std::uint64_t own = (*group[past])[word];
+    const std::uint64_t y = (*group[past | 2])[word];
+    const std::uint64_t z = (*group[past | 4])[word];
+    const std::uint64_t yz = (*group[past | 6])[word];
+    const std::uint64_t own_y = own >> 8 | y << 56;
+    const std::uint64_t z_y = z >> 8 | yz << 56;
+    const auto along_z = [](std::uint64_t here, std::uint64_t next) {
+      return (here >> 1 & ~(kLowBits << 7)) | (next & kLowBits) << 7;
+    };
+    planes[x] = {own, own_y, along_z(own, z), along_z(own_y, z_y)};
+  }
+  return planes;
 }
 
 }  // namespace isoextract

@@ -46,8 +46,14 @@ using BlockBits = std::array<std::uint64_t, 8>;
 [[nodiscard]] std::vector<glm::ivec3> unstored_places(const SparseSamples& samples, const SparseLookup& lookup,
                                                       const InsideRule& rule, const ValueScale& scale);
 
-// The bits of samples p + step for all samples p of the block at the low corner of a 2 x 2 x 2 group. `group[n]` are
-// the bits of the block that lies n & 1, n >> 1 & 1, n >> 2 & 1 blocks along x, y, z; `step` has the same form.
-[[nodiscard]] std::uint64_t shifted_word(const std::array<const BlockBits*, 8>& group, int step, int x);
+// The bits of the planes x = 0 to 8 of a block, each four times: as they are, and moved by one sample along y, along z,
+// along both. `group[n]` are the bits of the block that lies n & 1, n >> 1 & 1, n >> 2 & 1 blocks along x, y, z.
+using SitePlanes = std::array<std::array<std::uint64_t, 4>, 9>;
+[[nodiscard]] SitePlanes site_planes(const std::array<const BlockBits*, 8>& group);
+
+// The bits of samples p + step for the samples p of plane x; `step` is a set of axis bits.
+[[nodiscard]] inline std::uint64_t moved_bits(const SitePlanes& planes, int step, int x) {
+  return planes[static_cast<std::size_t>(x + (step & 1))][static_cast<std::size_t>(step >> 1)];
+}
 
 }  // namespace isoextract

@@ -1,17 +1,18 @@
 #include "extract/sparse_extractor.hpp"
 
+#include <algorithm>
 #include <atomic>
+#include <cmath>
+#include <optional>
 #include <utility>
-
-#include <fmt/format.h>
 
 #include "base/stopwatch.hpp"
 #include "extract/border_cap.hpp"
-#include "extract/cell_output.hpp"
-#include "extract/cell_streams.hpp"
 #include "extract/mesh_assembly.hpp"
+#include "extract/site_cells.hpp"
 #include "extract/site_vertices.hpp"
 #include "extract/sparse_sites.hpp"
+#include "extract/vertex_batch.hpp"
 #include "mesh/vertex_fans.hpp"
 
 namespace isoextract {
@@ -54,8 +55,8 @@ class Neighbourhood {
   std::array<Place, kNearPlaces> places_;
 };
 
-template <class T, int kDirections>
-class SparseExtraction {
+template <class T>
+class SparseExtraction final : private CellDecider {
  public:
   SparseExtraction(const ScalarField& field, const SparseSamples& samples, const IndexBox& region,
                    const ExtractOptions& options)
@@ -73,6 +74,7 @@ class SparseExtraction {
     result.mesh.origin = placement_.origin();
     if (auto fits = check_placement(field_, placement_); !fits) return tl::unexpected(fits.error());
     if (auto found = sites_.find(result.stats); !found) return tl::unexpected(found.error());
+    drawings_.emplace(table_, placement_.mirrored(), sites_.has_holes());
 
     Stopwatch watch;
     result.stats.hole_cells = count();
@@ -107,30 +109,23 @@ class SparseExtraction {
   }
 
  private:
-  static constexpr std::size_t direction_index(int direction) {
-    return static_cast<std::size_t>(isoextract::direction_index<kDirections>(direction));
-  }
-
   // Returns how many cells NanPolicy::hole leaves out.
   std::uint64_t count() {
-    std::atomic<std::uint64_t> hole_cells{0};
+    std::atomic<std::uint64_t> left_out{0};
     const std::vector<glm::ivec3>& origins = sites_.origins();
-    vertices_ = SiteVertices(origins.size(), kDirections);
+    vertices_ = SiteVertices(origins.size(), table_.directions.size());
     triangle_base_ = Buffer<std::uint64_t>(origins.size());
     sites_.for_each("counting", origins.size(), [&](std::size_t s) {
-      const auto group = sites_.group_bits(origins[s]);
-      for (const std::uint8_t direction : table_.directions) {
-        vertices_.crossed(s, direction_index(direction)) = sites_.crossed_edges(origins[s], group, direction);
+      const SitePlanes planes = sites_.planes(s);
+      for (std::size_t d = 0; d < table_.directions.size(); ++d) {
+        vertices_.crossed(s, d) = sites_.crossed_edges(s, planes, table_.directions[d]);
       }
       vertices_.count(s);
-      std::uint64_t triangles = 0;
-      const std::uint64_t left_out = sites_.for_each_active_cell(table_, origins[s], group, [&](int, int, unsigned v) {
-        triangles += static_cast<std::uint64_t>(table_.first[v + 1] - table_.first[v]);
-      });
-      triangle_base_[s] = triangles;
-      if (left_out != 0) hole_cells.fetch_add(left_out, std::memory_order_relaxed);
+      const SiteCounts counts = count_site_cells(*drawings_, origins[s], planes, sites_.active_cells(s, planes), *this);
+      triangle_base_[s] = counts.triangles;
+      if (counts.left_out != 0) left_out.fetch_add(counts.left_out, std::memory_order_relaxed);
     });
-    return hole_cells.load();
+    return left_out.load();
   }
 
   MeshSizes place_sites() {
@@ -140,56 +135,77 @@ class SparseExtraction {
     return sizes;
   }
 
+  // The place of axis bits in the table.
+  [[nodiscard]] std::size_t index_of(int direction) const {
+    return static_cast<std::size_t>(std::ranges::find(table_.directions, direction) - table_.directions.begin());
+  }
+
   [[nodiscard]] std::uint32_t edge_vertex(const glm::ivec3& p, int direction) const {
     const auto site = static_cast<std::size_t>(sites_.site(block_origin(p)));
-    return vertices_.at(site, direction_index(direction), block_offset(p));
+    return vertices_.at(site, index_of(direction), block_offset(p));
+  }
+
+  [[nodiscard]] std::optional<unsigned> variant(unsigned cell_case, const glm::ivec3& p) const override {
+    std::array<double, 8> corners;
+    for (int c = 0; c < 8; ++c) corners[static_cast<std::size_t>(c)] = sites_.value(p + direction_step(c));
+    if (sites_.has_holes() && std::ranges::any_of(corners, [](double f) { return std::isnan(f); })) {
+      return std::nullopt;
+    }
+    return cell_variant(table_, cell_case, rule_,
+                        [&](int corner) { return corners[static_cast<std::size_t>(corner)]; });
   }
 
   void emit(Mesh& mesh) {
     sites_.for_each("extracting", sites_.origins().size(), [&](std::size_t s) {
       emit_vertices(mesh, s);
-      emit_triangles(mesh, s);
+      const SitePlanes planes = sites_.planes(s);
+      write_site_cells(table_, *drawings_, sites_.origins()[s], planes, sites_.active_cells(s, planes), *this,
+                       vertices_, sites_.near(s), mesh.triangles.data() + triangle_base_[s]);
     });
   }
 
   void emit_vertices(Mesh& mesh, std::size_t s) const {
+    const VertexRules rules{placement_, rule_, field_.scale};
     const glm::ivec3 origin = sites_.origins()[s];
-    const Neighbourhood<T> stored(samples_, sites_.lookup(), origin, options_.smooth_normals ? -1 : 0);
-    for (const std::uint8_t direction : table_.directions) {
-      const BlockBits& crossed = vertices_.crossed(s, direction_index(direction));
-      std::size_t number = vertices_.first(s, direction_index(direction));
+    const bool gradients = !mesh.normals.empty();
+    const Neighbourhood<T> stored(samples_, sites_.lookup(), origin, gradients ? -1 : 0);
+    VertexBatch batch;
+    std::size_t number = vertices_.first(s, 0);  // of the batch's first vertex; a site's numbers follow one another
+    const auto flush = [&] {
+      const auto count = static_cast<std::size_t>(batch.count);
+      write_vertices(batch, rules, mesh, number);
+      number += count;
+    };
+    for (std::size_t d = 0; d < table_.directions.size(); ++d) {
+      const int direction = table_.directions[d];
+      const glm::ivec3 step = direction_step(direction);
+      const BlockBits& crossed = vertices_.crossed(s, d);
       for (int x = 0; x < kSize; ++x) {
         for_each_bit(crossed[x], [&](int bit) {
-          emit_vertex(mesh, number++, stored, origin + glm::ivec3(x, bit >> 3, bit & 7), direction_step(direction));
+          const glm::ivec3 p = origin + glm::ivec3(x, bit >> 3, bit & 7);
+          const int i = batch.count++;
+          batch.direction[i] = direction;
+          for (int axis = 0; axis < 3; ++axis) batch.low[axis][i] = p[axis];
+          batch.value[0][i] = stored(p);
+          batch.value[1][i] = stored(p + step);
+          if (gradients) {
+            put_gradient(batch, 0, i, stored, p);
+            put_gradient(batch, 1, i, stored, p + step);
+          }
+          if (batch.full()) flush();
         });
       }
     }
+    flush();
   }
 
-  void emit_vertex(Mesh& mesh, std::size_t number, const Neighbourhood<T>& stored, const glm::ivec3& p,
-                   const glm::ivec3& step) const {
-    const auto gradient = [&](const glm::ivec3& q) {
-      const auto difference = [&](const glm::ivec3& axis) { return (stored(q + axis) - stored(q - axis)) / 2; };
-      return glm::dvec3(difference({1, 0, 0}), difference({0, 1, 0}), difference({0, 0, 1}));
-    };
-    write_vertex(
-        mesh, number, placement_, rule_, p, step, [&](const glm::ivec3& q) { return field_.scale(stored(q)); },
-        gradient);
-  }
-
-  void emit_triangles(Mesh& mesh, std::size_t s) const {
-    const glm::ivec3 origin = sites_.origins()[s];
-    const std::array<std::int32_t, 8> near = sites_.near(s);
-    glm::uvec3* out = mesh.triangles.data() + triangle_base_[s];
-    sites_.for_each_active_cell(table_, origin, sites_.group_bits(origin), [&](int x, int bit, unsigned v) {
-      const auto vertex = [&](std::uint8_t edge) {
-        const CellEdge& e = table_.edges[edge];
-        const glm::ivec3 p = glm::ivec3(x, bit >> 3, bit & 7) + direction_step(e.corner);
-        const int n = p.x >> 3 | p.y >> 3 << 1 | p.z >> 3 << 2;
-        return vertices_.at(static_cast<std::size_t>(near[n]), direction_index(e.direction), block_offset(p));
-      };
-      out = write_cell(table_, v, placement_.mirrored(), vertex, out);
-    });
+  // Of the stored numbers, by central differences.
+  static void put_gradient(VertexBatch& batch, int end, int i, const Neighbourhood<T>& stored, const glm::ivec3& p) {
+    for (int axis = 0; axis < 3; ++axis) {
+      glm::ivec3 step(0);
+      step[axis] = 1;
+      batch.gradient[end][axis][i] = (stored(p + step) - stored(p - step)) / 2;
+    }
   }
 
   const ScalarField& field_;
@@ -200,6 +216,7 @@ class SparseExtraction {
   const CaseTable& table_;
   Placement placement_;
   SparseSites sites_;
+  std::optional<CellDrawings> drawings_;
   SiteVertices vertices_;
   Buffer<std::uint64_t> triangle_base_;  // per site: first a count, then the first triangle
 };
@@ -216,8 +233,7 @@ Result<Extraction> extract_sparse(const ScalarField& field, const SparseSamples&
     return nothing;
   }
   return visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) -> Result<Extraction> {
-    if (options.method == Method::mc) return SparseExtraction<T, 3>(field, samples, *region, options).run();
-    return SparseExtraction<T, 7>(field, samples, *region, options).run();
+    return SparseExtraction<T>(field, samples, *region, options).run();
   });
 }
 

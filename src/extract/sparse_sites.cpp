@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "extract/classify_samples.hpp"
 #include "extract/mesh_assembly.hpp"
 
 namespace isoextract {
@@ -71,18 +72,20 @@ void SparseSites::classify(ExtractStats& stats) {
   const std::size_t blocks = samples_.blocks.size();
   bits_ = Buffer<BlockBits>(blocks);
   const auto threshold = find_inside_threshold<T>(rule_, field_.scale);
-  const InsideClassifier<T> classifier(threshold.value_or(InsideThreshold<T>{}));
+  const auto limit = threshold.value_or(InsideThreshold<T>{});
   std::atomic<std::uint64_t> nan{0};
   for_each("classifying blocks", blocks, [&](std::size_t b) {
-    std::uint64_t block_nan = 0;
-    for (int x = 0; x < kSize; ++x) {
-      bits_[b][x] = classifier(static_cast<const T*>(samples_.blocks[b].values) + 64 * x, 64, block_nan);
-      if (!threshold) bits_[b][x] = 0;
-    }
+    const auto* values = static_cast<const T*>(samples_.blocks[b].values);
+    const std::uint64_t block_nan = classify_samples(values, kBlockSamples, limit, bits_[b].data());
+    if (!threshold) bits_[b].fill(0);
     if (block_nan != 0 && touches_region(samples_.blocks[b].origin, kSize)) {
       nan.fetch_add(block_nan, std::memory_order_relaxed);
     }
   });
+  tiles_inside_.resize(samples_.tiles.size());
+  for_each("classifying tiles", tiles_inside_.size(),
+           [&](std::size_t t) { tiles_inside_[t] = rule_(field_.scale(samples_.tiles[t].value)) ? 1 : 0; });
+  background_inside_ = rule_(field_.scale(samples_.background));
   stats.samples_classified = blocks * kBlockSamples;
   stats.nan_samples = nan.load();
   for (const SparseTile& tile : samples_.tiles) {
@@ -112,23 +115,24 @@ glm::ivec3 SparseSites::first_nan() const {
   return stored_box(samples_).max + 1;  // only the background is left
 }
 
-// The bits of the block-size place at `origin`, stored or not.
-const BlockBits* SparseSites::place_bits(const glm::ivec3& origin) const {
+// Of a place as SparseLookup tells it.
+const BlockBits* SparseSites::bits_of(std::int32_t place) const {
   static constexpr BlockBits kOutside{};
   static constexpr BlockBits kInside = [] {
     BlockBits bits{};
     bits.fill(~std::uint64_t{0});
     return bits;
   }();
-  const std::int32_t block = lookup_.block(origin);
-  if (block >= 0) return &bits_[static_cast<std::size_t>(block)];
-  return rule_(field_.scale(lookup_.constant(origin))) ? &kInside : &kOutside;
+  if (place >= 0) return &bits_[static_cast<std::size_t>(place)];
+  const bool inside = place == SparseLookup::kBackground ? background_inside_
+                                                         : tiles_inside_[static_cast<std::size_t>(-2 - place)] != 0;
+  return inside ? &kInside : &kOutside;
 }
 
-SparseSites::Group SparseSites::group_bits(const glm::ivec3& origin) const {
-  Group group;
-  for (int n = 0; n < 8; ++n) group[n] = place_bits(origin + kSize * direction_step(n));
-  return group;
+SitePlanes SparseSites::planes_of(const SparseLookup::Group& group) const {
+  std::array<const BlockBits*, 8> bits;
+  for (std::size_t n = 0; n < 8; ++n) bits[n] = bits_of(group[n]);
+  return site_planes(bits);
 }
 
 double SparseSites::value(const glm::ivec3& p) const {
@@ -155,54 +159,81 @@ bool SparseSites::wholly_in_region(const glm::ivec3& origin) const {
          glm::all(glm::lessThanEqual(origin + kSize, region_.max));
 }
 
-// The bits of the eight corners of the cells of word x.
-RowBits::Corners SparseSites::corner_words(const Group& group, int x) {
-  RowBits::Corners words;
-  for (int corner = 0; corner < 8; ++corner) words[corner] = shifted_word(group, corner, x);
-  return words;
-}
-
-BlockBits SparseSites::active_cells(const glm::ivec3& origin, const Group& group) const {
-  BlockBits active{};
+BlockBits SparseSites::active_cells(std::size_t site, const SitePlanes& planes) const {
+  const glm::ivec3& origin = sites_[site];
   const bool whole = wholly_in_region(origin);
-  for (int x = 0; x < kSize; ++x) {
-    active[x] = RowBits::mixed(corner_words(group, x));
-    if (!whole && active[x] != 0) active[x] &= region_bits(origin, glm::ivec3(1), x);
+  BlockBits active;
+  std::uint64_t any = 0;  // of the plane before, and all
+  std::uint64_t all = 0;
+  for (std::size_t x = 0; x < planes.size(); ++x) {
+    const auto& [p, y, z, yz] = planes[x];
+    const std::uint64_t any_here = p | y | z | yz;
+    const std::uint64_t all_here = p & y & z & yz;
+    if (x > 0) {
+      active[x - 1] = (any | any_here) & ~(all & all_here);
+      if (!whole) active[x - 1] &= region_bits(origin, glm::ivec3(1), static_cast<int>(x) - 1);
+    }
+    any = any_here;
+    all = all_here;
   }
   return active;
 }
 
-BlockBits SparseSites::crossed_edges(const glm::ivec3& origin, const Group& group, int direction) const {
-  BlockBits crossed{};
+BlockBits SparseSites::crossed_edges_at(const glm::ivec3& origin, const SitePlanes& planes, int direction) const {
   const bool whole = wholly_in_region(origin);
+  BlockBits crossed;
   for (int x = 0; x < kSize; ++x) {
-    crossed[x] = (*group[0])[x] ^ shifted_word(group, direction, x);
-    if (!whole && crossed[x] != 0) crossed[x] &= region_bits(origin, direction_step(direction), x);
+    crossed[x] = moved_bits(planes, 0, x) ^ moved_bits(planes, direction, x);
+    if (!whole) crossed[x] &= region_bits(origin, direction_step(direction), x);
   }
   return crossed;
 }
 
+bool SparseSites::owns_crossed_edge(const glm::ivec3& origin, const SparseLookup::Group& group) const {
+  // Most places are decided by whether their own samples are on both sides, or all around on one.
+  const auto sides = [](const BlockBits& bits) {
+    std::uint64_t any = 0;
+    std::uint64_t all = ~std::uint64_t{0};
+    for (const std::uint64_t word : bits) {
+      any |= word;
+      all &= word;
+    }
+    return (any != 0 ? 1 : 0) | (~all != 0 ? 2 : 0);
+  };
+  const int own = sides(*bits_of(group[0]));
+  if (own == 3 && wholly_in_region(origin)) return true;
+  int around = own;
+  for (std::size_t n = 1; n < group.size(); ++n) around |= sides(*bits_of(group[n]));
+  if (around != 3) return false;
+  const SitePlanes planes = planes_of(group);
+  for (int direction = 1; direction < 8; ++direction) {
+    const BlockBits crossed = crossed_edges_at(origin, planes, direction);
+    if (std::ranges::any_of(crossed, [](std::uint64_t word) { return word != 0; })) return true;
+  }
+  return false;
+}
+
 void SparseSites::list_sites() {
   const std::vector<glm::ivec3> unstored = unstored_places(samples_, lookup_, rule_, field_.scale);
-  std::vector<glm::ivec3> places;
-  places.reserve(samples_.blocks.size() + unstored.size());
-  for (const SparseBlock& block : samples_.blocks) places.push_back(block.origin);
-  places.insert(places.end(), unstored.begin(), unstored.end());
-  std::vector<std::uint8_t> passed(places.size());
-  for_each("finding crossed blocks", places.size(), [&](std::size_t p) {
-    const Group group = group_bits(places[p]);
-    for (int direction = 1; direction < 8 && passed[p] == 0; ++direction) {
-      const BlockBits crossed = crossed_edges(places[p], group, direction);
-      passed[p] = std::ranges::any_of(crossed, [](std::uint64_t word) { return word != 0; }) ? 1 : 0;
-    }
+  const std::size_t blocks = samples_.blocks.size();
+  const auto place = [&](std::size_t p) { return p < blocks ? samples_.blocks[p].origin : unstored[p - blocks]; };
+  std::vector<SparseLookup::Group> groups(blocks + unstored.size());
+  std::vector<std::uint8_t> passed(groups.size());
+  for_each("finding crossed blocks", groups.size(), [&](std::size_t p) {
+    groups[p] = lookup_.group(place(p));
+    passed[p] = owns_crossed_edge(place(p), groups[p]) ? 1 : 0;
   });
-  for (std::size_t p = 0; p < places.size(); ++p) {
+  const auto count = static_cast<std::size_t>(std::ranges::count(passed, std::uint8_t{1}));
+  sites_.reserve(count);
+  groups_.reserve(count);
+  site_index_ = OriginIndex(count);
+  for (std::size_t p = 0; p < groups.size(); ++p) {
     if (passed[p] == 0) continue;
-    sites_.push_back(places[p]);
-    stored_sites_ += p < samples_.blocks.size() ? 1 : 0;
+    site_index_.insert(place(p), static_cast<std::int32_t>(sites_.size()));
+    sites_.push_back(place(p));
+    groups_.push_back(groups[p]);
+    stored_sites_ += p < blocks ? 1 : 0;
   }
-  site_index_ = OriginIndex(sites_.size());
-  for (std::size_t s = 0; s < sites_.size(); ++s) site_index_.insert(sites_[s], static_cast<std::int32_t>(s));
 }
 
 }  // namespace isoextract

@@ -12,7 +12,7 @@
 #include "extract/asymptotic_decider.hpp"
 #include "extract/edge_geometry.hpp"
 #include "extract/extractor.hpp"
-#include "extract/row_walk.hpp"
+#include "extract/row_bits.hpp"
 #include "extract/sparse_blocks.hpp"
 
 namespace isoextract {
@@ -51,7 +51,7 @@ class SparseSites {
   // Of any sample: for the few that are looked at one by one.
   [[nodiscard]] bool inside(const glm::ivec3& p) const {
     const int offset = block_offset(p);
-    return ((*place_bits(block_origin(p)))[offset >> 6] >> (offset & 63) & 1) != 0;
+    return ((*bits_of(lookup_.place(block_origin(p))))[offset >> 6] >> (offset & 63) & 1) != 0;
   }
   [[nodiscard]] double value(const glm::ivec3& p) const;
 
@@ -68,34 +68,17 @@ class SparseSites {
     return cell_variant(table, cell_case, rule_, [&](int corner) { return value(p + direction_step(corner)); });
   }
 
-  // The bits of a site's place and of those at +1 along x, y, z, as shifted_word() takes them.
-  using Group = std::array<const BlockBits*, 8>;
-  [[nodiscard]] Group group_bits(const glm::ivec3& origin) const;
+  // What is stored around a site.
+  [[nodiscard]] const SparseLookup::Group& group(std::size_t site) const { return groups_[site]; }
+  [[nodiscard]] SitePlanes planes(std::size_t site) const { return planes_of(groups_[site]); }
 
-  // Edges of one direction owned by the place's samples that are crossed and lie in the region.
-  [[nodiscard]] BlockBits crossed_edges(const glm::ivec3& origin, const Group& group, int direction) const;
-
-  // f(x, bit, variant) for each cell of a place that the surface passes and that lies in the region, holes left out.
-  // Returns how many those are.
-  template <class F>
-  std::uint64_t for_each_active_cell(const CaseTable& table, const glm::ivec3& origin, const Group& group,
-                                     const F& f) const {
-    std::uint64_t left_out = 0;
-    const BlockBits active = active_cells(origin, group);
-    for (int x = 0; x < SparseBlock::kSize; ++x) {
-      if (active[x] == 0) continue;
-      const RowBits::Corners corners = corner_words(group, x);
-      for_each_bit(active[x], [&](int bit) {
-        const glm::ivec3 p = origin + glm::ivec3(x, bit >> 3, bit & 7);
-        if (has_holes_ && touches_nan(p)) {
-          ++left_out;
-          return;
-        }
-        f(x, bit, variant(table, RowBits::cell_case(corners, bit), p));
-      });
-    }
-    return left_out;
+  // Edges of one direction owned by the site's samples that are crossed and lie in the region.
+  [[nodiscard]] BlockBits crossed_edges(std::size_t site, const SitePlanes& planes, int direction) const {
+    return crossed_edges_at(sites_[site], planes, direction);
   }
+
+  // The cells whose lowest samples are the site's, that the surface passes and that lie in the region.
+  [[nodiscard]] BlockBits active_cells(std::size_t site, const SitePlanes& planes) const;
 
   // Runs f(i) for 0 <= i < count in parallel.
   template <class F>
@@ -114,11 +97,12 @@ class SparseSites {
   void list_sites();
   [[nodiscard]] glm::ivec3 first_nan() const;
   [[nodiscard]] bool touches_region(const glm::ivec3& origin, int size) const;
-  [[nodiscard]] const BlockBits* place_bits(const glm::ivec3& origin) const;
+  [[nodiscard]] const BlockBits* bits_of(std::int32_t place) const;
+  [[nodiscard]] SitePlanes planes_of(const SparseLookup::Group& group) const;
+  [[nodiscard]] bool owns_crossed_edge(const glm::ivec3& origin, const SparseLookup::Group& group) const;
+  [[nodiscard]] BlockBits crossed_edges_at(const glm::ivec3& origin, const SitePlanes& planes, int direction) const;
   [[nodiscard]] std::uint64_t region_bits(const glm::ivec3& origin, const glm::ivec3& step, int x) const;
   [[nodiscard]] bool wholly_in_region(const glm::ivec3& origin) const;
-  static RowBits::Corners corner_words(const Group& group, int x);
-  [[nodiscard]] BlockBits active_cells(const glm::ivec3& origin, const Group& group) const;
 
   const ScalarField& field_;
   const SparseSamples& samples_;
@@ -127,8 +111,11 @@ class SparseSites {
   InsideRule rule_;
   SparseLookup lookup_;
   double (*stored_number_)(const void* values, int offset);
-  Buffer<BlockBits> bits_;  // of the stored blocks
+  Buffer<BlockBits> bits_;                  // of the stored blocks
+  std::vector<std::uint8_t> tiles_inside_;  // by tile
+  bool background_inside_ = false;
   std::vector<glm::ivec3> sites_;
+  std::vector<SparseLookup::Group> groups_;  // by site
   std::size_t stored_sites_ = 0;
   OriginIndex site_index_;
   bool has_holes_ = false;

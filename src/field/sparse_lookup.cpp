@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <tuple>
 
 namespace isoextract {
 namespace {
@@ -33,29 +34,82 @@ std::int32_t OriginIndex::find(const glm::ivec3& origin) const {
   return slots_[slot].number;
 }
 
-SparseLookup::SparseLookup(const SparseSamples& samples) : samples_(samples), blocks_(samples.blocks.size()) {
-  for (std::size_t b = 0; b < samples.blocks.size(); ++b) {
-    blocks_.insert(samples.blocks[b].origin, static_cast<std::int32_t>(b));
-  }
+SparseLookup::SparseLookup(const SparseSamples& samples) : samples_(samples) {
+  const auto is_small = [](const SparseTile& tile) { return tile.size < Node::kSize; };
+  // Nodes first: their number sizes the table. Neighbours in the lists mostly share one.
+  std::vector<glm::ivec3> origins;
+  const auto add_node = [&](const glm::ivec3& p) {
+    const glm::ivec3 origin = p & ~(Node::kSize - 1);
+    if (origins.empty() || origins.back() != origin) origins.push_back(origin);
+  };
+  for (const SparseBlock& block : samples.blocks) add_node(block.origin);
   for (const SparseTile& tile : samples.tiles) {
-    if (std::ranges::none_of(tiles_, [&](const auto& entry) { return entry.first == tile.size; })) {
-      const auto same_size = std::ranges::count(samples.tiles, tile.size, &SparseTile::size);
-      tiles_.emplace_back(tile.size, OriginIndex(static_cast<std::size_t>(same_size)));
-    }
+    if (is_small(tile)) add_node(tile.origin);
+  }
+  std::ranges::sort(origins, {}, [](const glm::ivec3& p) { return std::tuple(p.x, p.y, p.z); });
+  origins.erase(std::unique(origins.begin(), origins.end()), origins.end());
+  nodes_ = OriginIndex(origins.size());
+  node_list_.resize(origins.size());
+  for (std::size_t n = 0; n < origins.size(); ++n) {
+    nodes_.insert(origins[n], static_cast<std::int32_t>(n));
+    node_list_[n].origin = origins[n];
+    node_list_[n].contents.fill(kBackground);
+  }
+
+  Node* node = nullptr;  // the last one that was met
+  const auto node_of = [&](const glm::ivec3& p) -> Node& {
+    const glm::ivec3 origin = p & ~(Node::kSize - 1);
+    if (node == nullptr || node->origin != origin) node = &node_list_[static_cast<std::size_t>(nodes_.find(origin))];
+    return *node;
+  };
+  for (std::size_t b = 0; b < samples.blocks.size(); ++b) {
+    const glm::ivec3& origin = samples.blocks[b].origin;
+    node_of(origin).contents[Node::slot(origin)] = static_cast<std::int32_t>(b);
   }
   for (std::size_t t = 0; t < samples.tiles.size(); ++t) {
     const SparseTile& tile = samples.tiles[t];
-    const auto entry = std::ranges::find(tiles_, tile.size, &std::pair<int, OriginIndex>::first);
-    entry->second.insert(tile.origin, static_cast<std::int32_t>(t));
+    if (is_small(tile)) {
+      Node& owner = node_of(tile.origin);
+      for (int x = 0; x < tile.size; x += SparseBlock::kSize) {
+        for (int y = 0; y < tile.size; y += SparseBlock::kSize) {
+          for (int z = 0; z < tile.size; z += SparseBlock::kSize) {
+            owner.contents[Node::slot(tile.origin + glm::ivec3(x, y, z))] = tile_place(t);
+          }
+        }
+      }
+      continue;
+    }
+    auto same_size = std::ranges::find(large_tiles_, tile.size, &std::pair<int, OriginIndex>::first);
+    if (same_size == large_tiles_.end()) {
+      const auto count = std::ranges::count(samples.tiles, tile.size, &SparseTile::size);
+      same_size = large_tiles_.insert(same_size, {tile.size, OriginIndex(static_cast<std::size_t>(count))});
+    }
+    same_size->second.insert(tile.origin, static_cast<std::int32_t>(t));
   }
 }
 
-double SparseLookup::constant(const glm::ivec3& origin) const {
-  for (const auto& [size, index] : tiles_) {
-    // Tile sizes are powers of two.
-    if (const std::int32_t tile = index.find(origin & ~(size - 1)); tile >= 0) return samples_.tiles[tile].value;
+SparseLookup::Group SparseLookup::group(const glm::ivec3& origin) const {
+  constexpr int kSize = SparseBlock::kSize;
+  Group group;
+  const std::int32_t node = nodes_.find(origin & ~(Node::kSize - 1));
+  const auto away = [](std::size_t n) { return glm::ivec3(n & 1, n >> 1 & 1, n >> 2); };
+  if (node >= 0 && glm::all(glm::lessThan(origin & (Node::kSize - 1), glm::ivec3(Node::kSize - kSize)))) {
+    const auto& contents = node_list_[static_cast<std::size_t>(node)].contents;
+    for (std::size_t n = 0; n < 8; ++n) group[n] = contents[Node::slot(origin + kSize * away(n))];
+  } else {
+    for (std::size_t n = 0; n < 8; ++n) group[n] = place(origin + kSize * away(n));
   }
-  return samples_.background;
+  return group;
+}
+
+std::int32_t SparseLookup::large_tile(const glm::ivec3& origin) const {
+  for (const auto& [size, index] : large_tiles_) {
+    // Tile sizes are powers of two.
+    if (const std::int32_t tile = index.find(origin & ~(size - 1)); tile >= 0) {
+      return tile_place(static_cast<std::size_t>(tile));
+    }
+  }
+  return kBackground;
 }
 
 }  // namespace isoextract

@@ -1,6 +1,8 @@
 // Finding blocks and tiles of a sparse grid by their place.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -11,7 +13,7 @@
 
 namespace isoextract {
 
-// A hash table from block origins (or tile origins) to their numbers in a list. Open addressing, at most half full.
+// A hash table from origins (of blocks, tiles, nodes) to their numbers in a list. Open addressing, at most half full.
 class OriginIndex {
  public:
   OriginIndex() = default;
@@ -38,20 +40,58 @@ class OriginIndex {
 // Where a sample lies in its block's values and bits: word x, bit y << 3 | z.
 [[nodiscard]] inline int block_offset(const glm::ivec3& p) { return (p.x & 7) << 6 | (p.y & 7) << 3 | (p.z & 7); }
 
+// What is stored at each place of block size.
 class SparseLookup {
  public:
+  // A cube of places, 128 samples a side, in which a block or a small tile is stored.
+  struct Node {
+    static constexpr int kPlaces = 16;                               // a side
+    static constexpr int kSize = kPlaces * SparseBlock::kSize;       // samples a side
+    glm::ivec3 origin;                                               // a multiple of kSize in every axis
+    std::array<std::int32_t, kPlaces * kPlaces * kPlaces> contents;  // as place() tells them; z fastest
+
+    // Of a place in the node, by its origin.
+    [[nodiscard]] static std::size_t slot(const glm::ivec3& place) {
+      const glm::ivec3 p = place >> 3 & (kPlaces - 1);
+      return static_cast<std::size_t>(p.x << 8 | p.y << 4 | p.z);
+    }
+  };
+
   explicit SparseLookup(const SparseSamples& samples);
 
+  // The number of the stored block, kBackground, or tile_place() of a tile.
+  [[nodiscard]] std::int32_t place(const glm::ivec3& origin) const {
+    const std::int32_t node = nodes_.find(origin & ~(Node::kSize - 1));
+    return node >= 0 ? node_list_[static_cast<std::size_t>(node)].contents[Node::slot(origin)] : large_tile(origin);
+  }
+  // Of the place at `origin` and those at +1 along x, y, z: entry n is n & 1, n >> 1 & 1, n >> 2 & 1 places away.
+  using Group = std::array<std::int32_t, 8>;
+  [[nodiscard]] Group group(const glm::ivec3& origin) const;
+
+  static constexpr std::int32_t kBackground = -1;
+  [[nodiscard]] static std::int32_t tile_place(std::size_t tile) { return -2 - static_cast<std::int32_t>(tile); }
+
+  // The one value of such a place without a block.
+  [[nodiscard]] double constant_of(std::int32_t place) const {
+    return place == kBackground ? samples_.background : samples_.tiles[static_cast<std::size_t>(-2 - place)].value;
+  }
+
   // The number of the stored block, or -1.
-  [[nodiscard]] std::int32_t block(const glm::ivec3& origin) const { return blocks_.find(origin); }
+  [[nodiscard]] std::int32_t block(const glm::ivec3& origin) const { return std::max(place(origin), -1); }
 
   // The one value of a place of block size that has no stored block.
-  [[nodiscard]] double constant(const glm::ivec3& origin) const;
+  [[nodiscard]] double constant(const glm::ivec3& origin) const { return constant_of(place(origin)); }
+
+  [[nodiscard]] const std::vector<Node>& nodes() const { return node_list_; }
+  [[nodiscard]] bool has_node(const glm::ivec3& origin) const { return nodes_.find(origin & ~(Node::kSize - 1)) >= 0; }
 
  private:
+  [[nodiscard]] std::int32_t large_tile(const glm::ivec3& origin) const;
+
   const SparseSamples& samples_;
-  OriginIndex blocks_;
-  std::vector<std::pair<int, OriginIndex>> tiles_;  // by size
+  OriginIndex nodes_;
+  std::vector<Node> node_list_;
+  std::vector<std::pair<int, OriginIndex>> large_tiles_;  // those of a node's size and more, by size
 };
 
 }  // namespace isoextract

@@ -5,7 +5,7 @@
 #include <tbb/parallel_for.h>
 
 #include "extract/edge_geometry.hpp"
-#include "extract/row_walk.hpp"
+#include "extract/row_bits.hpp"
 
 namespace isoextract {
 namespace {
@@ -22,8 +22,8 @@ std::size_t brick_index(const glm::ivec3& bricks, const glm::ivec3& b) {
 // samples include those that its last cells share with the next bricks.
 unsigned mixed_bricks(const DenseMasks& masks, int w, int bj, int bk) {
   const glm::ivec3 dims = masks.dims();
-  const std::uint64_t own = RowBits::valid(w, dims.x);
-  const std::uint64_t shared = RowBits::valid(w, dims.x - 1);
+  const std::uint64_t own = bits_below(w, dims.x);
+  const std::uint64_t shared = bits_below(w, dims.x - 1);
   std::uint64_t any = 0;
   std::uint64_t all = ~std::uint64_t{0};
   for (int k = kBrick * bk; k < std::min(kBrick * (bk + 1) + 1, dims.z); ++k) {

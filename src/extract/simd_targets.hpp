@@ -1,0 +1,7 @@
+// Which instruction sets the vectorised loops of this room are compiled for, besides Highway's plain C++ for machines
+// that have none of them. Highway chooses among them when the program runs. To be included before Highway.
+//
+// AVX-512 is left out: the loops wait for memory or for one another, and each set costs compile time.
+#pragma once
+
+#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3 | HWY_AVX3_DL)
