@@ -1,0 +1,42 @@
+// Alternating runs: what disturbs the machine for a while disturbs all contestants alike.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "bench/contestant.hpp"
+
+namespace isoextract::bench {
+
+struct Entrant {
+  std::unique_ptr<Contestant> contestant;
+  int threads = 1;
+};
+
+struct Row {
+  std::string name;
+  std::string program;
+  int threads = 1;
+  std::vector<double> milliseconds;  // one a round
+  double first_to_this = 1;          // the first row's time by this one's: the median over the rounds
+  Outcome outcome;                   // of the last run
+};
+
+// The rows of one input in one type.
+struct Group {
+  std::string input;
+  int size = 0;  // 0 for files
+  glm::i64vec3 dims{0};
+  std::string type;
+  bool smooth_normals = false;
+  std::uint64_t samples = 0;  // of sparse fields those of their blocks
+  std::vector<Row> rows;
+};
+
+// One warm-up each, then `rounds` times each of them in turn.
+[[nodiscard]] std::vector<Row> run_rounds(const std::vector<Entrant>& entrants, int rounds);
+
+// Of rows of the same rounds, one after the other.
+[[nodiscard]] Row sum_of(const Row& a, const Row& b, std::string name, const Row& first);
+
+}  // namespace isoextract::bench
