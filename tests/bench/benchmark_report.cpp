@@ -1,12 +1,14 @@
 #include "bench/benchmark_report.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <thread>
 
 #include <fmt/format.h>
 
 #include "base/machine.hpp"
 #include "base/median.hpp"
+#include "base/version.hpp"
 #include "bench/vtk_threads.hpp"
 
 namespace isoextract::bench {
@@ -22,7 +24,7 @@ double gigabytes_per_second(const Row& row) {
   return 1e-6 * static_cast<double>(bytes_of(row)) / median(row.milliseconds);
 }
 
-// Four digits, so that microseconds and seconds can stand in one column.
+// Three digits, so that microseconds and seconds can stand in one column.
 std::string milliseconds(double value) {
   return value < 100 ? fmt::format("{:.3g}", value) : fmt::format("{:.0f}", value);
 }
@@ -36,21 +38,24 @@ std::string title(const Group& group) {
 
 bool is_extraction(const Row& row) { return row.outcome.triangles > 0; }
 
-// The group before `later` with the same input, type and normals, in a smaller size.
-const Group* smaller(const std::vector<Group>& groups, const Group& later) {
-  const Group* found = nullptr;
-  for (const Group& group : groups) {
-    if (group.input != later.input || group.type != later.type || group.smooth_normals != later.smooth_normals)
+struct Smaller {
+  int size;
+  const Row* row;
+};
+
+// The same contestant with as many threads, in the next smaller size of the same input.
+std::optional<Smaller> find_smaller(const std::vector<Group>& groups, const Group& group, const Row& row) {
+  std::optional<Smaller> found;
+  for (const Group& other : groups) {
+    if (other.input != group.input || other.type != group.type || other.smooth_normals != group.smooth_normals)
       continue;
-    if (group.size < later.size && (found == nullptr || group.size > found->size)) found = &group;
+    if (other.size >= group.size || (found && other.size < found->size)) continue;
+    const auto same = std::ranges::find_if(other.rows, [&](const Row& candidate) {
+      return candidate.program == row.program && candidate.name == row.name && candidate.threads == row.threads;
+    });
+    if (same != other.rows.end()) found = {other.size, &*same};
   }
   return found;
-}
-
-const Row* same_row(const Group& group, const Row& row) {
-  const auto found = std::ranges::find_if(
-      group.rows, [&](const Row& other) { return other.name == row.name && other.threads == row.threads; });
-  return found == group.rows.end() ? nullptr : &*found;
 }
 
 nlohmann::json json_of(const Group& group, const Row& row) {
@@ -87,10 +92,9 @@ std::string machine_line() {
 }
 
 std::string group_table(const Group& group) {
-  const Row& first = group.rows.front();
-  std::string text = fmt::format("\n{}; median of {} alternating rounds\n\n", title(group), first.milliseconds.size());
-  text += fmt::format("| what | threads | ms | min | max | {} to this | triangles | vertices | Msamples/s | GB/s |\n",
-                      first.name);
+  const std::size_t rounds = group.rows.front().milliseconds.size();
+  std::string text = fmt::format("\n{}; median of {} alternating rounds\n\n", title(group), rounds);
+  text += "| what | threads | ms | min | max | isoextract to this | triangles | vertices | Msamples/s | GB/s |\n";
   text += "|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n";
   for (const Row& row : group.rows) {
     const std::string counts = is_extraction(row)
@@ -108,14 +112,14 @@ std::string group_table(const Group& group) {
 std::string growth_table(const std::vector<Group>& groups) {
   std::string lines;
   for (const Group& group : groups) {
-    const Group* const before = smaller(groups, group);
-    if (before == nullptr) continue;
     for (const Row& row : group.rows) {
-      const Row* const earlier = same_row(*before, row);
-      if (earlier == nullptr || !row.name.starts_with("isoextract")) continue;
-      lines += fmt::format("| {} | {} | {} | {}^3 | {:.2f} | {:.2f} |\n", title(group), row.name, row.threads,
-                           before->size, static_cast<double>(bytes_of(row)) / static_cast<double>(bytes_of(*earlier)),
-                           median(row.milliseconds) / median(earlier->milliseconds));
+      if (row.program != kGenerator) continue;
+      const std::optional<Smaller> before = find_smaller(groups, group, row);
+      if (!before) continue;
+      lines +=
+          fmt::format("| {} | {} | {} | {}^3 | {:.2f} | {:.2f} |\n", title(group), row.name, row.threads, before->size,
+                      static_cast<double>(bytes_of(row)) / static_cast<double>(bytes_of(*before->row)),
+                      median(row.milliseconds) / median(before->row->milliseconds));
     }
   }
   if (lines.empty()) return {};

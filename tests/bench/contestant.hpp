@@ -22,7 +22,7 @@ struct Outcome {
 class Contestant {
  public:
   virtual ~Contestant() = default;
-  [[nodiscard]] virtual std::string name() const = 0;     // "FlyingEdges3D"
+  [[nodiscard]] virtual std::string name() const = 0;     // "FlyingEdges3D", "mc"
   [[nodiscard]] virtual std::string program() const = 0;  // and whose that is: "VTK 9.1.0"
   // Extracts once. Only that is on the clock: the output is freed after it has stopped. Throws what goes wrong.
   [[nodiscard]] virtual Outcome run() = 0;

@@ -15,9 +15,7 @@ class IsoextractContestant : public Contestant {
     options_.smooth_normals = smooth_normals;
   }
 
-  [[nodiscard]] std::string name() const override {
-    return options_.method == Method::mc ? "isoextract mc" : "isoextract mt";
-  }
+  [[nodiscard]] std::string name() const override { return options_.method == Method::mc ? "mc" : "mt"; }
   [[nodiscard]] std::string program() const override { return std::string(kGenerator); }
 
   Outcome run() override {
