@@ -71,7 +71,7 @@ nlohmann::json json_of(const Group& group, const Row& row) {
                       {"min_ms", std::ranges::min(row.milliseconds)},
                       {"max_ms", std::ranges::max(row.milliseconds)},
                       {"rounds_ms", row.milliseconds},
-                      {"isoextract_to_this", row.first_to_this},
+                      {"isoextract_to_this", row.isoextract_to_this},
                       {"bytes_read", row.outcome.bytes_read},
                       {"bytes_written", row.outcome.bytes_written},
                       {"gigabytes_per_second", gigabytes_per_second(row)}};
@@ -103,7 +103,7 @@ std::string group_table(const Group& group) {
                                    : "| |";
     text += fmt::format("| {}: {} | {} | {} | {} | {} | {:.2f} | {} | {:.1f} |\n", row.program, row.name, row.threads,
                         milliseconds(median(row.milliseconds)), milliseconds(std::ranges::min(row.milliseconds)),
-                        milliseconds(std::ranges::max(row.milliseconds)), row.first_to_this, counts,
+                        milliseconds(std::ranges::max(row.milliseconds)), row.isoextract_to_this, counts,
                         gigabytes_per_second(row));
   }
   return text;

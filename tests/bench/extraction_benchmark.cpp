@@ -90,13 +90,15 @@ class Benchmark {
     for (const int count : threads) {
       for (const Method method : {Method::mc, Method::mt}) {
         if (!contains(options_.methods, method == Method::mc ? "mc" : "mt")) continue;
-        entrants.push_back({isoextract_contestant(input, method, smooth_normals), count});
+        entrants.push_back({isoextract_contestant(input, method, smooth_normals), count, 0});
       }
     }
     if (!options_.self) add_peers(input, smooth_normals, threads.front(), entrants);
     const std::uint64_t output_bytes = entrants.front().contestant->run().bytes_written;
-    entrants.push_back({memory_reader(input), threads.back()});
-    entrants.push_back({memory_writer(output_bytes), threads.back()});
+    const std::size_t isoextract =
+        static_cast<std::size_t>(std::ranges::find(entrants, threads.back(), &Entrant::threads) - entrants.begin());
+    entrants.push_back({memory_reader(input), threads.back(), isoextract});
+    entrants.push_back({memory_writer(output_bytes), threads.back(), isoextract});
 
     const std::uint64_t samples = sample_bytes(input) / sample_size(input.field.type());
     Group group{input.name,
@@ -107,7 +109,8 @@ class Benchmark {
                 samples,
                 run_rounds(entrants, options_.rounds)};
     const std::size_t count = group.rows.size();
-    group.rows.push_back(sum_of(group.rows[count - 2], group.rows[count - 1], "read and write", group.rows.front()));
+    group.rows.push_back(
+        sum_of(group.rows[count - 2], group.rows[count - 1], "read and write", group.rows[isoextract]));
     fmt::print("{}", group_table(group));
     std::fflush(stdout);
     groups_.push_back(std::move(group));
@@ -118,7 +121,7 @@ class Benchmark {
     // OpenVDB's mesher has no normals, so there is nothing to compare with smooth ones.
     if (!smooth_normals) std::ranges::move(openvdb_contestants(input), std::back_inserter(peers));
     for (std::unique_ptr<Contestant>& peer : peers) {
-      if (contains(options_.peers, peer->name())) entrants.push_back({std::move(peer), threads});
+      if (contains(options_.peers, peer->name())) entrants.push_back({std::move(peer), threads, 0});
     }
   }
 

@@ -15,12 +15,12 @@ Outcome run_with_threads(const Entrant& entrant) {
   return entrant.contestant->run();
 }
 
-void compare_with(const Row& first, Row& row) {
+void compare(const Row& isoextract, Row& row) {
   std::vector<double> ratios;
   for (std::size_t round = 0; round < row.milliseconds.size(); ++round) {
-    ratios.push_back(first.milliseconds[round] / row.milliseconds[round]);
+    ratios.push_back(isoextract.milliseconds[round] / row.milliseconds[round]);
   }
-  row.first_to_this = median(std::move(ratios));
+  row.isoextract_to_this = median(std::move(ratios));
 }
 
 }  // namespace
@@ -37,16 +37,16 @@ std::vector<Row> run_rounds(const std::vector<Entrant>& entrants, int rounds) {
       rows[i].milliseconds.push_back(rows[i].outcome.milliseconds);
     }
   }
-  for (Row& row : rows) compare_with(rows.front(), row);
+  for (std::size_t i = 0; i < entrants.size(); ++i) compare(rows[entrants[i].compared_with], rows[i]);
   return rows;
 }
 
-Row sum_of(const Row& a, const Row& b, std::string name, const Row& first) {
+Row sum_of(const Row& a, const Row& b, std::string name, const Row& compared_with) {
   Row sum{std::move(name), a.program, a.threads, a.milliseconds, 1, a.outcome};
   for (std::size_t round = 0; round < b.milliseconds.size(); ++round) sum.milliseconds[round] += b.milliseconds[round];
   sum.outcome.bytes_read += b.outcome.bytes_read;
   sum.outcome.bytes_written += b.outcome.bytes_written;
-  compare_with(first, sum);
+  compare(compared_with, sum);
   return sum;
 }
 

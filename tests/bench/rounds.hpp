@@ -11,6 +11,7 @@ namespace isoextract::bench {
 struct Entrant {
   std::unique_ptr<Contestant> contestant;
   int threads = 1;
+  std::size_t compared_with = 0;  // the number of an entrant of isoextract
 };
 
 struct Row {
@@ -18,7 +19,7 @@ struct Row {
   std::string program;
   int threads = 1;
   std::vector<double> milliseconds;  // one a round
-  double first_to_this = 1;          // the first row's time by this one's: the median over the rounds
+  double isoextract_to_this = 1;     // the time of the row that it is compared with by its own: median over the rounds
   Outcome outcome;                   // of the last run
 };
 
@@ -37,6 +38,6 @@ struct Group {
 [[nodiscard]] std::vector<Row> run_rounds(const std::vector<Entrant>& entrants, int rounds);
 
 // Of rows of the same rounds, one after the other.
-[[nodiscard]] Row sum_of(const Row& a, const Row& b, std::string name, const Row& first);
+[[nodiscard]] Row sum_of(const Row& a, const Row& b, std::string name, const Row& compared_with);
 
 }  // namespace isoextract::bench
