@@ -4,6 +4,7 @@
 #   scripts/setup.sh            what building the program needs
 #   scripts/setup.sh test       the tests' packages as well
 #   scripts/setup.sh test fuzz  and those of the fuzz targets
+#   scripts/setup.sh bench      what building the program needs, and what it is compared with
 set -euo pipefail
 
 # libepoxy-dev is for the GPU backend, and the Mesa packages after it let it run where there is no GPU.
@@ -18,6 +19,7 @@ build_packages=(
 )
 test_packages=(libgtest-dev clang-format clang-tidy python3 python3-jsonschema shellcheck mandoc bash-completion gnuplot-nox)
 fuzz_packages=(clang libclang-rt-14-dev)
+bench_packages=(libvtk9-dev libopenvdb-dev libboost-dev libimath-dev libopenvdb-tools python3)
 
 say() { printf 'setup: %s\n' "$*" >&2; }
 
@@ -32,8 +34,9 @@ for group in "$@"; do
       command -v npm >/dev/null || wanted+=(npm)
       ;;
     fuzz) wanted+=("${fuzz_packages[@]}") ;;
+    bench) wanted+=("${bench_packages[@]}") ;;
     *)
-      say "unknown group '$group': expected build, test or fuzz"
+      say "unknown group '$group': expected build, test, fuzz or bench"
       exit 1
       ;;
   esac

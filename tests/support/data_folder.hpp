@@ -5,8 +5,6 @@
 #include <filesystem>
 #include <string>
 
-#include <gtest/gtest.h>
-
 namespace isoextract::test {
 
 inline std::filesystem::path data_file(const std::string& name) {
@@ -16,7 +14,7 @@ inline std::filesystem::path data_file(const std::string& name) {
 
 }  // namespace isoextract::test
 
-// Ends the test, saying so, where a file of the data folder is not there.
+// For files that include gtest: ends the test, saying so, where a file of the data folder is not there.
 #define ISOEXTRACT_NEEDS_DATA(name)                                \
   if (!std::filesystem::exists(isoextract::test::data_file(name))) \
   GTEST_SKIP() << "no " << isoextract::test::data_file(name) << ": set ISOEXTRACT_DATA to the data folder"

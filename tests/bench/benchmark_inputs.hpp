@@ -1,0 +1,60 @@
+// The volumes of the benchmark.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "field/scalar_field.hpp"
+
+namespace isoextract::bench {
+
+class VdbGrid;  // an OpenVDB grid; only openvdb_contestants.cpp looks into it
+
+struct BenchmarkInput {
+  std::string name;  // as in --fields
+  int size = 0;      // samples along an axis; 0 for files, whose dims are their own
+  ScalarField field;
+  double iso = 0;
+  std::shared_ptr<const VdbGrid> grid;  // whose leaves are the blocks of `field`; null for dense fields
+};
+
+enum class Source {
+  formula,  // a demo field, of any size
+  random,   // a demo field of kRandomSize, whatever sizes are asked for: noise has five triangles a cell
+  file,     // of the folder of real volumes
+  vdb,      // a VDB tree: a sphere that is as large in proportion to `size` as demo:sphere
+};
+inline constexpr int kRandomSize = 128;
+
+struct InputDescription {
+  std::string_view name;  // as in --fields
+  Source source;
+  std::string_view origin;  // demo field, or file of the data folder
+  double iso;
+};
+
+[[nodiscard]] std::span<const InputDescription> benchmark_inputs();
+[[nodiscard]] const InputDescription& find_input(std::string_view name);  // throws for an unknown name
+
+// In the type that it has: f32, but for files. Nothing where the data folder lacks the file; throws for other trouble.
+// `size` plays no part for files and noise.
+[[nodiscard]] std::optional<BenchmarkInput> make_input(const InputDescription& description, int size);
+
+// A copy in another type: f32 of any, and of f32 integers of 8 and 16 bits; dense fields only. Quantising is linear, so
+// that the largest distance of a sample from iso just fits; iso becomes the middle between two integers, and each
+// sample stays on its side.
+[[nodiscard]] BenchmarkInput with_type(const BenchmarkInput& input, SampleType type);
+
+// The samples of a dense input as they are in memory, for programs that read raw files.
+void write_raw(const BenchmarkInput& input, const std::filesystem::path& path);
+
+// For make_input: a narrow band around a sphere with iso 0, and the fog in it with iso 0.5. In openvdb_contestants.cpp.
+[[nodiscard]] BenchmarkInput make_level_set(int size);
+[[nodiscard]] BenchmarkInput make_fog(int size);
+
+}  // namespace isoextract::bench
