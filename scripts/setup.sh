@@ -8,16 +8,19 @@
 set -euo pipefail
 
 # libepoxy-dev is for the GPU backend, and the Mesa packages after it let it run where there is no GPU.
-# libboost-dev is for OpenVDB's headers, which include Boost's; its package does not say so.
 build_packages=(
   g++ cmake ninja-build pkg-config
-  libopenvdb-dev libboost-dev libtbb-dev libimath-dev
+  libtbb-dev libimath-dev libblosc-dev
   libteem-dev libnifti2-dev zlib1g-dev
   libtinygltf-dev nlohmann-json3-dev
   libepoxy-dev libegl1 libopengl0 libegl-mesa0 libgl1-mesa-dri
   libglm-dev libhwy-dev libcli11-dev libfmt-dev libspdlog-dev libexpected-dev
 )
-test_packages=(libgtest-dev clang-format clang-tidy python3 python3-jsonschema shellcheck mandoc bash-completion gnuplot-nox)
+# OpenVDB writes the VDB files that the tests read. Its headers include Boost's; its package does not say so.
+test_packages=(
+  libgtest-dev libopenvdb-dev libboost-dev clang-format clang-tidy python3 python3-jsonschema shellcheck mandoc
+  bash-completion gnuplot-nox
+)
 fuzz_packages=(clang libclang-rt-14-dev)
 bench_packages=(libvtk9-dev libopenvdb-dev libboost-dev libimath-dev libopenvdb-tools python3)
 

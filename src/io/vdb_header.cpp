@@ -17,21 +17,19 @@ constexpr char kNameSeparator = '\x1e';
 
 // Calls item(name, type, bytes) for each entry of a metadata map that is small enough to be of interest; the others are
 // passed over.
-void read_metadata(VdbStream& stream,
+void read_metadata(VdbCursor& cursor,
                    const std::function<void(const std::string&, const std::string&, const std::string&)>& item) {
-  const auto count = stream.read_value<std::uint32_t>();
+  const auto count = cursor.read_value<std::uint32_t>();
   for (std::uint32_t i = 0; i < count; ++i) {
-    const std::string name = stream.read_name();
-    const std::string type = stream.read_name();
-    const auto size = stream.read_value<std::uint32_t>();
+    const std::string name = cursor.read_name();
+    const std::string type = cursor.read_name();
+    const auto size = cursor.read_value<std::uint32_t>();
     constexpr std::uint32_t kMaxInteresting = 256;
     if (size > kMaxInteresting) {
-      stream.seek(stream.position() + size);
+      cursor.seek(cursor.position() + size);
       continue;
     }
-    std::string bytes(size, '\0');
-    stream.read(bytes.data(), static_cast<std::streamsize>(size));
-    item(name, type, bytes);
+    item(name, type, cursor.read_text(size));
   }
 }
 
@@ -43,10 +41,10 @@ std::optional<T> value_of(const std::string& bytes) {
   return value;
 }
 
-void read_grid_metadata(VdbStream& stream, VdbGridRecord& grid) {
+void read_grid_metadata(VdbCursor& cursor, VdbGridRecord& grid) {
   std::optional<glm::ivec3> box_min;
   std::optional<glm::ivec3> box_max;
-  read_metadata(stream, [&](const std::string& name, const std::string& type, const std::string& bytes) {
+  read_metadata(cursor, [&](const std::string& name, const std::string& type, const std::string& bytes) {
     if (name == "class" && type == "string") grid.grid_class = bytes;
     if (name == "is_saved_as_half_float" && type == "bool") grid.half = bytes == std::string(1, '\1');
     if (name == "file_bbox_min" && type == "vec3i") box_min = value_of<glm::ivec3>(bytes);
@@ -69,52 +67,51 @@ std::string value_type_of(const std::string& tree_type) {
   return tree_type.substr(kPrefix.size(), tree_type.find('_', kPrefix.size()) - kPrefix.size());
 }
 
-VdbGridRecord read_descriptor(VdbStream& stream) {
+VdbGridRecord read_descriptor(VdbCursor& cursor) {
   VdbGridRecord grid;
-  grid.unique_name = stream.read_name();
+  grid.unique_name = cursor.read_name();
   grid.name = grid.unique_name.substr(0, grid.unique_name.find(kNameSeparator));
-  grid.tree_type = stream.read_name();
+  grid.tree_type = cursor.read_name();
   grid.half = grid.tree_type.ends_with(kHalfSuffix);
   if (grid.half) grid.tree_type.resize(grid.tree_type.size() - kHalfSuffix.size());
   grid.value_type = value_type_of(grid.tree_type);
-  grid.instance_parent = stream.read_name();
-  const auto grid_position = stream.read_value<std::int64_t>();
-  static_cast<void>(stream.read_value<std::int64_t>());  // of its values: they follow the tree's nodes
-  const auto end_position = stream.read_value<std::int64_t>();
-  if (grid_position < static_cast<std::int64_t>(stream.position()) || end_position < grid_position ||
-      static_cast<std::uint64_t>(end_position) > stream.size()) {
+  grid.instance_parent = cursor.read_name();
+  const auto grid_position = cursor.read_value<std::int64_t>();
+  static_cast<void>(cursor.read_value<std::int64_t>());  // of its values: they follow the tree's nodes
+  const auto end_position = cursor.read_value<std::int64_t>();
+  if (grid_position < static_cast<std::int64_t>(cursor.position()) || end_position < grid_position ||
+      static_cast<std::uint64_t>(end_position) > cursor.size()) {
     throw VdbDamaged(fmt::format("grid '{}' is said to be at bytes {} to {} of {}",
                                  printable(std::string_view(grid.name), 80), grid_position, end_position,
-                                 stream.size()));
+                                 cursor.size()));
   }
-  stream.seek(static_cast<std::uint64_t>(grid_position));
-  grid.compression = stream.read_value<std::uint32_t>();
-  read_grid_metadata(stream, grid);
-  grid.transform_position = stream.position();
-  stream.seek(static_cast<std::uint64_t>(end_position));
+  cursor.seek(static_cast<std::uint64_t>(grid_position));
+  grid.compression = cursor.read_value<std::uint32_t>();
+  read_grid_metadata(cursor, grid);
+  grid.transform_position = cursor.position();
+  cursor.seek(static_cast<std::uint64_t>(end_position));
   return grid;
 }
 
 }  // namespace
 
-VdbHeader read_vdb_header(VdbStream& stream) {
+VdbHeader read_vdb_header(VdbCursor& cursor) {
   VdbHeader header;
-  if (stream.read_value<std::int64_t>() != kMagic) throw VdbDamaged("expected 'VDB' at the start");
-  header.file_version = stream.read_value<std::uint32_t>();
+  if (cursor.read_value<std::int64_t>() != kMagic) throw VdbDamaged("expected 'VDB' at the start");
+  header.file_version = cursor.read_value<std::uint32_t>();
   if (header.file_version < kOldestVersion) {
     throw VdbDamaged(fmt::format("expected file version {} or later, found {}: load and save it with a newer OpenVDB",
                                  kOldestVersion, header.file_version));
   }
-  header.library_major = stream.read_value<std::uint32_t>();
-  header.library_minor = stream.read_value<std::uint32_t>();
-  if (stream.read_value<char>() == 0) {
+  static_cast<void>(cursor.take(2 * sizeof(std::uint32_t)));  // the library's version
+  if (cursor.read_value<std::uint8_t>() == 0) {
     throw VdbDamaged("written as a stream, without the places of its grids: load and save it with OpenVDB");
   }
-  stream.seek(stream.position() + kUuidLength);
-  read_metadata(stream, [](const std::string&, const std::string&, const std::string&) {});
-  const auto count = stream.read_value<std::int32_t>();
+  cursor.seek(cursor.position() + kUuidLength);
+  read_metadata(cursor, [](const std::string&, const std::string&, const std::string&) {});
+  const auto count = cursor.read_value<std::int32_t>();
   if (count < 0) throw VdbDamaged(fmt::format("said to hold {} grids", count));
-  for (std::int32_t i = 0; i < count; ++i) header.grids.push_back(read_descriptor(stream));
+  for (std::int32_t i = 0; i < count; ++i) header.grids.push_back(read_descriptor(cursor));
   return header;
 }
 

@@ -1,5 +1,5 @@
-// The header of a VDB file and the descriptions of its grids, without their trees. OpenVDB's own reader fails on files
-// with a grid of an unknown type and believes every length it finds; this one does not. Private to io.
+// The header of a VDB file and the descriptions of its grids, without their trees. Grids of an unknown type are no
+// error here. Private to io.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "field/samples.hpp"
-#include "io/vdb_stream.hpp"
+#include "io/vdb_cursor.hpp"
 
 namespace isoextract {
 
@@ -26,14 +26,15 @@ struct VdbGridRecord {
   std::uint64_t transform_position = 0;  // in the file; the tree follows the transform
 };
 
+// What OpenVDB 10 writes. Later ones have been readable so far.
+inline constexpr std::uint32_t kNewestVdbVersion = 224;
+
 struct VdbHeader {
   std::uint32_t file_version = 0;
-  std::uint32_t library_major = 0;
-  std::uint32_t library_minor = 0;
   std::vector<VdbGridRecord> grids;  // in the order of the file
 };
 
 // Throws VdbDamaged.
-[[nodiscard]] VdbHeader read_vdb_header(VdbStream& stream);
+[[nodiscard]] VdbHeader read_vdb_header(VdbCursor& cursor);
 
 }  // namespace isoextract

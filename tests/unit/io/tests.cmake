@@ -1,4 +1,5 @@
 find_package(TinyGLTF REQUIRED)
+include(${PROJECT_SOURCE_DIR}/cmake/OpenVDB.cmake)
 
 isoextract_unit_test(io
   gltf_writer_test.cpp
@@ -16,5 +17,6 @@ isoextract_unit_test(io
   real_files_reader_test.cpp
   vdb_damage_reader_test.cpp
   vdb_reader_test.cpp
+  vdb_tree_reader_test.cpp
   volume_reader_test.cpp)
-target_link_libraries(test_io PRIVATE TinyGLTF::TinyGLTF)
+target_link_libraries(test_io PRIVATE TinyGLTF::TinyGLTF openvdb_library)

@@ -85,7 +85,7 @@ TYPED_TEST(VdbReader, ValuesAreThoseOfTheTreeForEveryCompression) {
   }
 }
 
-TYPED_TEST(VdbReader, BlocksAreSortedAndPointIntoTheTree) {
+TYPED_TEST(VdbReader, BlocksAreSortedAndOwnTheirValues) {
   const TempFolder folder;
   write_vdb(folder / "v.vdb", {mixed_grid<TypeParam>(0)});
   const ScalarField field = must_read(folder / "v.vdb");
@@ -94,7 +94,7 @@ TYPED_TEST(VdbReader, BlocksAreSortedAndPointIntoTheTree) {
   for (std::size_t i = 0; i + 1 < samples.blocks.size(); ++i) {
     ASSERT_LT(key(samples.blocks[i]), key(samples.blocks[i + 1]));
   }
-  // Exactly the blocks' values are held: the owner is the tree, and no one else.
+  // The values are held by the samples and by no one else.
   EXPECT_EQ(samples.owner.use_count(), 1);
 }
 
@@ -168,7 +168,34 @@ TEST(VdbReaderPlace, RotationShearScaleTranslationAndMirror) {
   expect_near(affine({0, 0, 1}), {5, 6, 11});
 }
 
-TEST(VdbReaderPlace, FrustumsAreRefused) {
+TEST(VdbReaderPlace, EveryLinearMap) {
+  openvdb::initialize();
+  using namespace openvdb::math;
+  using openvdb::Vec3d;
+  const std::vector<MapBase::Ptr> maps{
+      std::make_shared<AffineMap>(openvdb::Mat4d(0, 2, 0, 0, -3, 0, 1, 0, 0, 0, 4, 0, 5, 6, 7, 1)),
+      std::make_shared<UnitaryMap>(Vec3d(1, 2, 3), 0.4),
+      std::make_shared<ScaleMap>(Vec3d(1, -2, 3)),
+      std::make_shared<UniformScaleMap>(0.5),
+      std::make_shared<TranslationMap>(Vec3d(4, 5, -6)),
+      std::make_shared<ScaleTranslateMap>(Vec3d(1, 2, 3), Vec3d(4, 5, -6)),
+      std::make_shared<UniformScaleTranslateMap>(0.25, Vec3d(4, 5, -6))};
+  for (const auto& map : maps) {
+    SCOPED_TRACE(map->type());
+    const auto grid = ball("v");
+    grid->setTransform(std::make_shared<Transform>(map));
+    const TempFolder folder;
+    write_vdb(folder / "v.vdb", {grid});
+    const ScalarField field = must_read(folder / "v.vdb");
+    for (const glm::dvec3 p : {glm::dvec3(0), glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(2, -3, 5)}) {
+      const Vec3d world = map->applyMap(Vec3d(p.x, p.y, p.z));
+      expect_near(field.index_to_world(p), {world.x(), world.y(), world.z()});
+    }
+    expect_same_values(*grid, field);
+  }
+}
+
+TEST(VdbReaderPlace, FrustumsAreRefusedUnlessTheOptionsPlaceTheGrid) {
   openvdb::initialize();
   const auto grid = ball("v");
   grid->setTransform(
@@ -178,6 +205,13 @@ TEST(VdbReaderPlace, FrustumsAreRefused) {
   const Error error = refusal(folder / "v.vdb");
   EXPECT_EQ(error.kind, ErrorKind::input);
   expect_in(error.message, "expected a linear transform, found NonlinearFrustumMap");
+  ReadOptions options;
+  options.spacing = glm::dvec3(0.5);
+  options.origin = glm::dvec3(1, 2, 3);
+  const ScalarField field = must_read(folder / "v.vdb", options);
+  EXPECT_TRUE(has_note(field, "NonlinearFrustumMap"));
+  expect_near(field.index_to_world({2, 2, 2}), {2, 3, 4});
+  expect_same_values(*grid, field);
 }
 
 // A file with one of everything.

@@ -1,0 +1,16 @@
+# OpenVDB, as the target openvdb_library where it is installed: for tests, seeds and samples, which write VDB files with
+# it. The program reads them without. Debian's FindOpenVDB asks for Imath's CMake package, which names a Python library
+# that is not installed with it.
+if(TARGET openvdb_library)
+  return()
+endif()
+find_library(OPENVDB_LIBRARY openvdb)
+find_path(OPENVDB_INCLUDE_DIR openvdb/openvdb.h)
+if(OPENVDB_LIBRARY AND OPENVDB_INCLUDE_DIR)
+  find_package(TBB REQUIRED)
+  add_library(openvdb_library INTERFACE)
+  target_link_libraries(openvdb_library INTERFACE ${OPENVDB_LIBRARY} TBB::tbb)
+  target_include_directories(openvdb_library SYSTEM INTERFACE ${OPENVDB_INCLUDE_DIR})
+elseif(ISOEXTRACT_TESTS OR ISOEXTRACT_FUZZ)
+  message(FATAL_ERROR "The tests write files with OpenVDB: `scripts/setup.sh test` installs libopenvdb-dev")
+endif()
