@@ -2,6 +2,7 @@ find_package(TinyGLTF REQUIRED)
 
 isoextract_unit_test(io
   gltf_writer_test.cpp
+  mapped_samples_test.cpp
   mesh_file_parsers.cpp
   mesh_reader_test.cpp
   mesh_writer_test.cpp
