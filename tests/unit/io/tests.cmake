@@ -6,6 +6,7 @@ isoextract_unit_test(io
   mesh_file_parsers.cpp
   mesh_reader_test.cpp
   mesh_writer_test.cpp
+  number_text_test.cpp
   obj_writer_test.cpp
   output_file_test.cpp
   ply_writer_test.cpp
