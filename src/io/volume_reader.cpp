@@ -211,6 +211,22 @@ Result<std::vector<GridInfo>> list_any(const std::string& input, const ReadOptio
   return is_demo(input) ? list_demo(input, options) : list_file(input, options);
 }
 
+Result<std::vector<std::filesystem::path>> list_files(const std::string& input, const ReadOptions& options) {
+  std::vector<std::filesystem::path> files;
+  if (is_demo(input)) return files;
+  files.emplace_back(input);
+  const auto file = InputFile::open(input);
+  if (!file) return tl::unexpected(file.error());
+  const auto detected = detect_format(*file, options);
+  if (!detected) return tl::unexpected(detected.error());
+  if (auto fine = check_options(input, detected->format, options); !fine) return tl::unexpected(fine.error());
+  if (detected->format == VolumeFormat::vdb) return files;
+  const auto dense = open_dense(*file, detected->format, options);
+  if (!dense) return tl::unexpected(dense.error());
+  for (const SamplePiece& piece : dense->pieces) files.push_back(piece.path);
+  return files;
+}
+
 // The border that no exception of a library crosses.
 template <class F>
 auto guarded(const std::string& input, F&& work) -> decltype(work()) {
@@ -229,6 +245,10 @@ std::span<const VolumeFormatInfo> volume_formats() { return kFormats; }
 
 Result<std::vector<GridInfo>> list_grids(const std::string& input, const ReadOptions& options) {
   return guarded(input, [&] { return list_any(input, options); });
+}
+
+Result<std::vector<std::filesystem::path>> list_input_files(const std::string& input, const ReadOptions& options) {
+  return guarded(input, [&] { return list_files(input, options); });
 }
 
 Result<ScalarField> read_volume(const std::string& input, const ReadOptions& options) {

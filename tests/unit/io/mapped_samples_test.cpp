@@ -87,6 +87,10 @@ TEST(MappedFormats, OnePieceThatIsNotPacked) {
     const ScalarField field = must_read(folder / name);
     EXPECT_TRUE(dense(field).file_backed);
     expect_ramp<float>(field);
+    const auto files = list_input_files((folder / name).string(), {});
+    ASSERT_TRUE(files);
+    EXPECT_EQ(files->front(), folder / name);
+    EXPECT_TRUE(std::filesystem::equivalent(files->back(), folder / (std::string(name) == "c.nhdr" ? "c.bin" : name)));
   }
 }
 
