@@ -1,6 +1,6 @@
 # OpenVDB, as the target openvdb_library where it is installed: for tests, seeds and samples, which write VDB files with
-# it. The program reads them without. Debian's FindOpenVDB asks for Imath's CMake package, which names a Python library
-# that is not installed with it.
+# it, and for benchmarks; the program does without. Debian's FindOpenVDB asks for Imath's CMake package, which names a
+# Python library that is not installed with it.
 if(TARGET openvdb_library)
   return()
 endif()
@@ -11,6 +11,6 @@ if(OPENVDB_LIBRARY AND OPENVDB_INCLUDE_DIR)
   add_library(openvdb_library INTERFACE)
   target_link_libraries(openvdb_library INTERFACE ${OPENVDB_LIBRARY} TBB::tbb)
   target_include_directories(openvdb_library SYSTEM INTERFACE ${OPENVDB_INCLUDE_DIR})
-elseif(ISOEXTRACT_TESTS OR ISOEXTRACT_FUZZ)
-  message(FATAL_ERROR "The tests write files with OpenVDB: `scripts/setup.sh test` installs libopenvdb-dev")
+elseif(ISOEXTRACT_TESTS OR ISOEXTRACT_FUZZ OR ISOEXTRACT_BENCHMARKS)
+  message(FATAL_ERROR "Tests and benchmarks use OpenVDB: `scripts/setup.sh test bench` installs it")
 endif()

@@ -10,7 +10,7 @@
 namespace isoextract {
 
 struct Limits {
-  std::uint64_t memory_bytes;  // what one input may need in memory; default: the machine's physical memory
+  std::uint64_t memory_bytes;  // what one input may need in memory, mapped files apart; default: the machine's
 };
 
 [[nodiscard]] Limits default_limits();

@@ -23,10 +23,20 @@ std::string dense_text(const DenseSamples& samples) {
 
 }  // namespace
 
-std::vector<WorkFact> reading_facts(std::uint64_t grids) {
-  if (grids < 2) return {};
-  return {{"grids", "left out", grids - 1, grids,
-           fmt::format("the other {} grids of the file, which were not read", grids - 1)}};
+std::vector<WorkFact> reading_facts(const ScalarField& field, std::uint64_t grids) {
+  std::vector<WorkFact> facts;
+  if (grids > 1) {
+    facts.push_back({"grids", "left out", grids - 1, grids,
+                     fmt::format("the other {} grids of the file, which were not read", grids - 1)});
+  }
+  const auto* dense = std::get_if<DenseSamples>(&field.samples);
+  if (dense != nullptr && dense->file_backed) {
+    const std::uint64_t bytes = dense->count() * sample_size(dense->type);
+    facts.push_back({"samples", "mapped", dense->count(), dense->count(),
+                     fmt::format("{} samples, {}, which stay in the file and are not copied", dense->count(),
+                                 format_byte_size(bytes))});
+  }
+  return facts;
 }
 
 WorkFact resolution_fact(const ScalarField& data, const ScalarField& grid) {

@@ -19,8 +19,8 @@ struct WorkFact {
   std::string text;                    // the rest of the sentence: "12 of 64 bricks (...), which ..."
 };
 
-// Of reading a file with `grids` grids, of which one was read.
-[[nodiscard]] std::vector<WorkFact> reading_facts(std::uint64_t grids);
+// Of reading `field` from a file with `grids` grids.
+[[nodiscard]] std::vector<WorkFact> reading_facts(const ScalarField& field, std::uint64_t grids);
 
 // Of resample(), which made `grid` of `data`.
 [[nodiscard]] WorkFact resolution_fact(const ScalarField& data, const ScalarField& grid);

@@ -96,17 +96,20 @@ class Conversion {
     tell_stage(fmt::format("{}: read in {}", label_, times_text(time)));
     report_.stages.push_back({"read", std::nullopt, time});
     report_.input = input_facts(plan_.input, field_);
-    look_at_other_grids();
+    look_at_reading();
     if (auto done = change_resolution(); !done) return done;
     return place();
   }
 
-  // How much of the file was not even read. Only sparse formats have more than one grid.
-  void look_at_other_grids() {
-    if (!(plan_.explain || plan_.report) || !std::holds_alternative<SparseSamples>(field_.samples)) return;
-    const auto grids = list_grids(plan_.input, plan_.read);
-    if (!grids) return;
-    report_.work = reading_facts(grids->size());
+  // How much of the file was not even read, or not copied. Only sparse formats have more than one grid.
+  void look_at_reading() {
+    if (!(plan_.explain || plan_.report)) return;
+    std::uint64_t grids = 1;
+    if (std::holds_alternative<SparseSamples>(field_.samples)) {
+      const auto found = list_grids(plan_.input, plan_.read);
+      if (found) grids = found->size();
+    }
+    report_.work = reading_facts(field_, grids);
     if (!plan_.explain) return;
     for (const WorkFact& fact : report_.work) messages_.explanation(fact_text(fact));
   }

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "io/output_file.hpp"
+#include "io/volume_reader.hpp"
 
 namespace isoextract {
 namespace {
@@ -25,6 +26,21 @@ Result<void> check_stdout(const MeshWriteOptions& options) {
   return fail(ErrorKind::usage,
               fmt::format("stdout is a terminal, and {} is binary data", mesh_format_info(options.format).name),
               "redirect it to a file or a pipe");
+}
+
+// Where the input's header is a file of its own, those that hold the samples. What cannot be told is an error when the
+// input is read.
+Result<void> check_data_files(const fs::path& output, const ConvertPlan& plan) {
+  const auto inputs = list_input_files(plan.input, plan.read);
+  if (!inputs) return {};
+  for (const fs::path& input : *inputs) {
+    std::error_code none;
+    if (!fs::equivalent(output, input, none)) continue;
+    return fail(ErrorKind::usage,
+                fmt::format("{}: this holds the samples of the input; it is not overwritten", output.string()),
+                "choose another name with -o");
+  }
+  return {};
 }
 
 }  // namespace
@@ -60,6 +76,7 @@ Result<void> check_report_file(const ConvertPlan& plan) {
     }
   }
   auto checked = check_output_file(report, plan.input);
+  if (checked) checked = check_data_files(report, plan);
   if (!checked && checked.error().kind == ErrorKind::usage) checked.error().hint = "choose another name with --report";
   return checked;
 }
@@ -72,6 +89,7 @@ Result<void> check_mesh_files(const ConvertPlan& plan) {
     }
     for (const fs::path& file : files_of(job, plan.write.format)) {
       if (auto checked = check_output_file(file, plan.input); !checked) return checked;
+      if (auto checked = check_data_files(file, plan); !checked) return checked;
     }
   }
   return {};

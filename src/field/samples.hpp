@@ -31,6 +31,7 @@ struct DenseSamples {
   glm::ivec3 dims{0};
   std::shared_ptr<const void> owner;  // keeps `data` alive
   const void* data = nullptr;         // dims.x * dims.y * dims.z values in native byte order, aligned for their type
+  bool file_backed = false;  // data is a read-only mapping of a file: pages given back come again from the file
 
   [[nodiscard]] std::size_t count() const {
     return static_cast<std::size_t>(dims.x) * static_cast<std::size_t>(dims.y) * static_cast<std::size_t>(dims.z);

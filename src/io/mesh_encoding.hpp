@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -13,6 +12,7 @@
 
 #include <glm/glm.hpp>
 
+#include "io/number_text.hpp"
 #include "mesh/mesh.hpp"
 
 namespace isoextract {
@@ -24,18 +24,6 @@ char* put_bytes(char* out, const T& value) {
   static_assert(std::is_trivially_copyable_v<T>);
   std::memcpy(out, &value, sizeof(T));
   return out + sizeof(T);
-}
-
-// The longest text of a number of type T: "-1.17549435e-38", "-2.2250738585072014e-308", "18446744073709551615".
-template <class T>
-inline constexpr std::size_t kMaxNumberText = std::is_same_v<T, float>    ? 15
-                                              : std::is_same_v<T, double> ? 24
-                                                                          : 20;
-
-// The shortest text that reads back as the same number.
-template <class T>
-char* put_number(char* out, T value) {
-  return std::to_chars(out, out + kMaxNumberText<T>, value).ptr;
 }
 
 inline char* put_text(char* out, std::string_view text) { return std::copy(text.begin(), text.end(), out); }

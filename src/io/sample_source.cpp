@@ -176,6 +176,22 @@ Result<std::uint64_t> check_source(const SampleSource& source, const std::string
   return extra;
 }
 
+std::optional<MappedFile> map_samples(const SampleSource& source, Progress* progress) {
+  const SamplePiece& piece = source.pieces.front();
+  const bool as_wanted = source.pieces.size() == 1 && !piece.gzip && !source.swap_bytes;
+  if (!as_wanted || piece.offset % source.sample_size != 0) return std::nullopt;
+  const auto file = InputFile::open(piece.path);
+  if (!file) return std::nullopt;
+  auto mapped = MappedFile::map(*file, piece.offset, source.bytes);
+  if (!mapped) return std::nullopt;
+  count_bytes_read(source.bytes);
+  if (progress != nullptr) {
+    progress->begin("reading", source.bytes);
+    progress->advance(source.bytes);
+  }
+  return mapped;
+}
+
 Result<ReadSamples> read_samples(const SampleSource& source, Progress* progress) {
   if (progress != nullptr) progress->begin("reading", source.bytes);
   auto data = allocate(source.bytes, source);

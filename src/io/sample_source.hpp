@@ -1,9 +1,11 @@
-// Samples as they lie in files: where the bytes are, whether they fit, and one fast way to bring them into memory.
+// Samples as they lie in files: where the bytes are, whether they fit, and how they come into memory: mapped where they
+// lie there as they are wanted, read otherwise.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +14,7 @@
 #include "base/buffer.hpp"
 #include "base/error.hpp"
 #include "base/progress.hpp"
+#include "io/mapped_file.hpp"
 
 namespace isoextract {
 
@@ -35,6 +38,11 @@ struct SampleSource {
 // Holds the sizes against the files before any memory is taken, and returns how many bytes follow the samples (not
 // counting what gzip holds). `what` says in messages what the bytes are, for example "100x100x100 f32 samples".
 [[nodiscard]] Result<std::uint64_t> check_source(const SampleSource& source, const std::string& what);
+
+// Samples that lie in their file just as they are wanted: one piece, not gzip, native byte order, at an offset aligned
+// for their type. Counts them as read once, and reports them as "reading". Nothing where they lie otherwise or where
+// the system cannot map them: then they are to be read.
+[[nodiscard]] std::optional<MappedFile> map_samples(const SampleSource& source, Progress* progress);
 
 struct ReadSamples {
   Buffer<std::byte> data;

@@ -76,6 +76,28 @@ std::string stem_of(const std::filesystem::path& path) {
   return stem.string();
 }
 
+// Mapped where that can be; else read, and held against the memory limit. A mapping needs no memory of its own: the
+// system keeps what is in use of it and drops the rest where memory is short.
+Result<DenseSamples> load_samples(const InputFile& file, DenseFile& dense, const SampleSource& source,
+                                  const ReadOptions& options) {
+  if (!dense.x_slowest) {
+    if (auto mapped = map_samples(source, options.progress)) {
+      const auto mapping = std::make_shared<const MappedFile>(std::move(*mapped));
+      return DenseSamples{dense.type, dense.dims, mapping, mapping->data(), true};
+    }
+  }
+  const std::uint64_t needed = source.bytes + (dense.x_slowest ? transpose_bytes(dense.dims, source.sample_size) : 0);
+  const std::string what = fmt::format("{}: {}", file.name(), describe_samples(dense.dims, dense.type));
+  if (auto fits = check_memory(needed, options.limits, what); !fits) return tl::unexpected(fits.error());
+
+  auto read = dense.x_slowest ? read_samples_transposed(source, dense.dims, options.progress)
+                              : read_samples(source, options.progress);
+  if (!read) return tl::unexpected(read.error());
+  if (read->more_in_gzip) dense.notes.emplace_back("bytes after the samples were not read");
+  const auto data = std::make_shared<const Buffer<std::byte>>(std::move(read->data));
+  return DenseSamples{dense.type, dense.dims, data, data->data(), false};
+}
+
 Result<ScalarField> load_dense(const InputFile& file, DenseFile&& dense, const ReadOptions& options) {
   const std::string what = describe_samples(dense.dims, dense.type);
   SampleSource source;
@@ -98,15 +120,8 @@ Result<ScalarField> load_dense(const InputFile& file, DenseFile&& dense, const R
     }
     dense.notes.push_back(fmt::format("{} bytes after the samples were not read", *extra));
   }
-  const std::uint64_t needed = source.bytes + (dense.x_slowest ? transpose_bytes(dense.dims, source.sample_size) : 0);
-  if (auto fits = check_memory(needed, options.limits, fmt::format("{}: {}", file.name(), what)); !fits) {
-    return tl::unexpected(fits.error());
-  }
-
-  auto read = dense.x_slowest ? read_samples_transposed(source, dense.dims, options.progress)
-                              : read_samples(source, options.progress);
-  if (!read) return tl::unexpected(read.error());
-  if (read->more_in_gzip) dense.notes.emplace_back("bytes after the samples were not read");
+  auto samples = load_samples(file, dense, source, options);
+  if (!samples) return tl::unexpected(samples.error());
 
   ScalarField field;
   field.source = file.name();
@@ -115,8 +130,7 @@ Result<ScalarField> load_dense(const InputFile& file, DenseFile&& dense, const R
   field.world_space = std::move(dense.world_space);
   field.scale = dense.scale;
   field.notes = std::move(dense.notes);
-  const auto data = std::make_shared<const Buffer<std::byte>>(std::move(read->data));
-  field.samples = DenseSamples{dense.type, dense.dims, data, data->data()};
+  field.samples = std::move(*samples);
   if (auto placed = place_field(field, dense.frame, options); !placed) return tl::unexpected(placed.error());
   return field;
 }
@@ -197,6 +211,22 @@ Result<std::vector<GridInfo>> list_any(const std::string& input, const ReadOptio
   return is_demo(input) ? list_demo(input, options) : list_file(input, options);
 }
 
+Result<std::vector<std::filesystem::path>> list_files(const std::string& input, const ReadOptions& options) {
+  std::vector<std::filesystem::path> files;
+  if (is_demo(input)) return files;
+  files.emplace_back(input);
+  const auto file = InputFile::open(input);
+  if (!file) return tl::unexpected(file.error());
+  const auto detected = detect_format(*file, options);
+  if (!detected) return tl::unexpected(detected.error());
+  if (auto fine = check_options(input, detected->format, options); !fine) return tl::unexpected(fine.error());
+  if (detected->format == VolumeFormat::vdb) return files;
+  const auto dense = open_dense(*file, detected->format, options);
+  if (!dense) return tl::unexpected(dense.error());
+  for (const SamplePiece& piece : dense->pieces) files.push_back(piece.path);
+  return files;
+}
+
 // The border that no exception of a library crosses.
 template <class F>
 auto guarded(const std::string& input, F&& work) -> decltype(work()) {
@@ -215,6 +245,10 @@ std::span<const VolumeFormatInfo> volume_formats() { return kFormats; }
 
 Result<std::vector<GridInfo>> list_grids(const std::string& input, const ReadOptions& options) {
   return guarded(input, [&] { return list_any(input, options); });
+}
+
+Result<std::vector<std::filesystem::path>> list_input_files(const std::string& input, const ReadOptions& options) {
+  return guarded(input, [&] { return list_files(input, options); });
 }
 
 Result<ScalarField> read_volume(const std::string& input, const ReadOptions& options) {

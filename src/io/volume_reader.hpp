@@ -3,6 +3,7 @@
 
 #include <bit>
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
@@ -62,6 +63,11 @@ struct GridInfo {
 
 // `input` is a path or demo:NAME. Only VDB files have more than one grid. Never reads samples.
 [[nodiscard]] Result<std::vector<GridInfo>> list_grids(const std::string& input, const ReadOptions& options);
+
+// The files that read_volume would read: `input`, and those that hold the samples where its header says so. A file may
+// be named twice. Never reads samples.
+[[nodiscard]] Result<std::vector<std::filesystem::path>> list_input_files(const std::string& input,
+                                                                          const ReadOptions& options);
 
 // Reads one grid. Fails with ErrorKind::input (unreadable, unsupported, no such grid; the hint lists the grids where a
 // choice is missing or wrong) or ErrorKind::usage (options that do not go with the format).

@@ -105,6 +105,19 @@ class OutputTest(ProgramTest):
             self.assert_fails(1, self.run_program(*raw, "-o", out), "this is the input")
             self.assertEqual(path.read_bytes(), before)
 
+    def test_the_data_file_of_a_header_is_never_overwritten(self):
+        path = self.write_raw("a.bin", (4, 4, 4), lambda x, y, z: x)
+        (self.folder / "a.nhdr").write_text("NRRD0005\ntype: float\ndimension: 3\nsizes: 4 4 4\nencoding: raw\n"
+                                            "endian: little\ndata file: a.bin\n\n")
+        (self.folder / "link.ply").symlink_to("a.bin")
+        os.link(path, self.folder / "hard.ply")
+        before = path.read_bytes()
+        for arguments in (("-o", "a.gltf"), ("-o", "link.ply"), ("-o", "hard.ply"), ("-o", "b.ply", "--report", "a.bin")):
+            run = self.run_program("a.nhdr", "--iso", "1.5", "-q", *arguments)
+            self.assert_fails(1, run, "this holds the samples of the input")
+            self.assertEqual(path.read_bytes(), before)
+        self.assertEqual(self.files(), ["a.bin", "a.nhdr", "hard.ply", "link.ply"])
+
     def test_default_name(self):
         self.convert(SPHERE, "--iso", "0")
         self.convert(SPHERE, "--iso", "0", "--format", "ply")

@@ -56,10 +56,10 @@ TEST(RawReaderSize, DimsBelowOneAreAUsageError) {
   EXPECT_EQ(field.error().kind, ErrorKind::usage);
 }
 
-TEST(RawReaderSize, MemoryLimitHolds) {
+TEST(RawReaderSize, MemoryLimitHoldsForWhatIsRead) {
   const TempFolder folder;
-  write_bytes(folder / "v.raw", ramp_bytes<float>());
-  ReadOptions options = raw_options(SampleType::f32);
+  write_bytes(folder / "v.raw", ramp_bytes<float>(std::endian::big));
+  ReadOptions options = raw_options(SampleType::f32, std::endian::big);
   options.limits.memory_bytes = 239;
   const Error error = refusal(folder / "v.raw", options);
   EXPECT_EQ(error.kind, ErrorKind::input);

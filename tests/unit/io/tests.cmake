@@ -3,9 +3,11 @@ include(${PROJECT_SOURCE_DIR}/cmake/OpenVDB.cmake)
 
 isoextract_unit_test(io
   gltf_writer_test.cpp
+  mapped_samples_test.cpp
   mesh_file_parsers.cpp
   mesh_reader_test.cpp
   mesh_writer_test.cpp
+  number_text_test.cpp
   obj_writer_test.cpp
   output_file_test.cpp
   ply_writer_test.cpp

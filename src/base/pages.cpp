@@ -1,0 +1,20 @@
+#include "base/pages.hpp"
+
+#include <cstdint>
+
+#include <sys/mman.h>
+#include <unistd.h>
+
+namespace isoextract {
+
+void give_back_pages(const void* begin, std::size_t bytes) {
+  static const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+  const auto within = static_cast<std::size_t>(reinterpret_cast<std::uintptr_t>(begin) % page);
+  const std::size_t lead = (page - within) % page;  // before the first whole page
+  if (bytes < lead + page) return;
+  const std::size_t whole = (bytes - lead) / page * page;
+  // Advice only: where the system does not take it, the pages stay. The mapping is read-only and stays as it is.
+  static_cast<void>(::madvise(static_cast<char*>(const_cast<void*>(begin)) + lead, whole, MADV_DONTNEED));
+}
+
+}  // namespace isoextract
