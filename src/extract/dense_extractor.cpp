@@ -259,11 +259,16 @@ class DenseExtraction final : private CellDecider {
   }
 
   void emit(Mesh& mesh) {
+    std::vector<std::atomic<int>> rows_done(static_cast<std::size_t>(bricks_.rows_z()));
     for_each_brick_row("extracting", [&](int bj, int bk) {
       const std::uint8_t* crossed_bricks = bricks_.row(bj, bk);
-      if (std::find(crossed_bricks, crossed_bricks + masks_.words(), 1) == crossed_bricks + masks_.words()) return;
-      emit_vertices(mesh, bj, bk);
-      for_each_row(bj, bk, [&](int j, int k) { emit_triangles(mesh, j, k); });
+      if (std::find(crossed_bricks, crossed_bricks + masks_.words(), 1) != crossed_bricks + masks_.words()) {
+        emit_vertices(mesh, bj, bk);
+        for_each_row(bj, bk, [&](int j, int k) { emit_triangles(mesh, j, k); });
+      }
+      if (++rows_done[static_cast<std::size_t>(bk)] == bricks_.rows_y()) {
+        view_.leave_slices(kBrickRows * bk, std::min(kBrickRows * (bk + 1), view_.dims.z));
+      }
     });
   }
 

@@ -16,14 +16,16 @@ namespace isoextract {
 
 template <class T>
 [[nodiscard]] DenseView<T> dense_view(const DenseSamples& samples) {
+  constexpr std::size_t kLarge = std::size_t{64} << 20;  // bytes
   const std::int64_t stride_y = samples.dims.x;
-  return {static_cast<const T*>(samples.data), samples.dims, stride_y, stride_y * samples.dims.y};
+  return {static_cast<const T*>(samples.data), samples.dims, stride_y, stride_y * samples.dims.y,
+          samples.file_backed && samples.count() * sizeof(T) >= kLarge};
 }
 
 template <class T>
 [[nodiscard]] DenseView<T> part_of(const DenseView<T>& whole, const IndexBox& region) {
   return {whole.row(region.min.y, region.min.z) + region.min.x, glm::ivec3(region.dims()), whole.stride_y,
-          whole.stride_z};
+          whole.stride_z, whole.transient};
 }
 
 // Fills `masks` and the figures of classification. `view` is the part of the field from sample `low` on. Returns the

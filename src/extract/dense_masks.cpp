@@ -21,6 +21,7 @@ std::uint64_t classify(const DenseView<T>& view, const InsideThreshold<T>& thres
       slice_nan += classify_samples(view.row(j, k), static_cast<std::size_t>(nx), threshold, bits);
       bits[masks.words()] = 0;
     }
+    view.leave_slices(k, k + 1);
     if (slice_nan != 0) nan.fetch_add(slice_nan, std::memory_order_relaxed);
     if (progress != nullptr) progress->advance(1);
   });

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "base/buffer.hpp"
+#include "base/pages.hpp"
 #include "base/progress.hpp"
 #include "extract/inside_test.hpp"
 
@@ -19,8 +20,17 @@ struct DenseView {
   glm::ivec3 dims;
   std::int64_t stride_y;
   std::int64_t stride_z;
+  bool transient = false;  // a large mapped file, of which no more than needed stays in memory
 
   [[nodiscard]] const T* row(int j, int k) const { return data + j * stride_y + k * stride_z; }
+
+  // Says that slices begin .. end - 1 are done with for now. They may still be looked at.
+  void leave_slices(int begin, int end) const {
+    if (!transient || begin >= end) return;
+    const T* first = row(0, begin);
+    const T* last = row(dims.y - 1, end - 1) + dims.x;
+    give_back_pages(first, static_cast<std::size_t>(last - first) * sizeof(T));
+  }
 };
 
 class DenseMasks {
