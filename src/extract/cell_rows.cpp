@@ -90,8 +90,10 @@ RowCounts count_row(const CellDrawings& drawings, const CellRow& row, const Cell
 }
 
 template <int kDirections>
-void write_row(const CellDrawings& drawings, const CellRow& row, const CellDecider& decider,
-               std::span<const std::uint32_t> first, glm::uvec3* out) {
+bool write_row(const CellDrawings& drawings, const CellRow& row, const CellDecider& decider,
+               std::span<const std::uint32_t> first, std::span<glm::uvec3> room) {
+  glm::uvec3* out = room.data();
+  glm::uvec3* const end = out + room.size();
   constexpr auto& kStreams = kCellStreams<kDirections>.streams;
   constexpr int kCount = CellStreams<kDirections>::kStreams;
   constexpr int kSide = kSlotsPerSide;
@@ -127,21 +129,23 @@ void write_row(const CellDrawings& drawings, const CellRow& row, const CellDecid
         hn::Store(after, d, next + s);
       }
       const auto drawing = drawings.of(cell_case(corners, cell), decider, row.origin, {64 * w + cell, 0, 0});
+      if (HWY_UNLIKELY(end - out < drawing.count)) return false;
       const CellDrawings::Triangle* triangle = drawings.triangles() + drawing.first;
       for (unsigned t = 0; t < drawing.count; ++t, ++triangle) {
         *out++ = glm::uvec3(numbers[(*triangle)[0]], numbers[(*triangle)[1]], numbers[(*triangle)[2]]);
       }
     }
   }
+  return out == end;
 }
 
 RowCounts count_any(const CellDrawings& drawings, const CellRow& row, const CellDecider& decider) {
   return (drawings.directions() == 3 ? count_row<3> : count_row<7>)(drawings, row, decider);
 }
 
-void write_any(const CellDrawings& drawings, const CellRow& row, const CellDecider& decider,
-               std::span<const std::uint32_t> first, glm::uvec3* out) {
-  (drawings.directions() == 3 ? write_row<3> : write_row<7>)(drawings, row, decider, first, out);
+bool write_any(const CellDrawings& drawings, const CellRow& row, const CellDecider& decider,
+               std::span<const std::uint32_t> first, std::span<glm::uvec3> out) {
+  return (drawings.directions() == 3 ? write_row<3> : write_row<7>)(drawings, row, decider, first, out);
 }
 
 // Puts the positions of set bits at `out`, four at a time: that leaves fewer branches to guess wrong.
@@ -211,9 +215,9 @@ RowCounts count_cells(const CellDrawings& drawings, const CellRow& row, const Ce
   return HWY_DYNAMIC_DISPATCH(count_any)(drawings, row, decider);
 }
 
-void write_cells(const CellDrawings& drawings, const CellRow& row, const CellDecider& decider,
-                 std::span<const std::uint32_t> first, glm::uvec3* out) {
-  HWY_DYNAMIC_DISPATCH(write_any)(drawings, row, decider, first, out);
+bool write_cells(const CellDrawings& drawings, const CellRow& row, const CellDecider& decider,
+                 std::span<const std::uint32_t> first, std::span<glm::uvec3> out) {
+  return HWY_DYNAMIC_DISPATCH(write_any)(drawings, row, decider, first, out);
 }
 
 void list_edges(const CellDrawings& drawings, const CellRow& row, EdgeList& edges) {

@@ -41,9 +41,11 @@ struct RowCounts {
 
 [[nodiscard]] RowCounts count_cells(const CellDrawings& drawings, const CellRow& row, const CellDecider& decider);
 
-// Writes the row's triangles to `out`. `first` is the number of each stream's first vertex (CellStreams).
-void write_cells(const CellDrawings& drawings, const CellRow& row, const CellDecider& decider,
-                 std::span<const std::uint32_t> first, glm::uvec3* out);
+// Writes the row's triangles to `out`, which has room for just as many as were counted. `first` is the number of each
+// stream's first vertex (CellStreams). False if it is another number of triangles, because the decider changed its
+// mind; nothing is written past the end then.
+[[nodiscard]] bool write_cells(const CellDrawings& drawings, const CellRow& row, const CellDecider& decider,
+                               std::span<const std::uint32_t> first, std::span<glm::uvec3> out);
 
 // Where along the row the crossed edges of each direction begin: positions from edges.begin(d) to edges.begin(d + 1),
 // rising. Reused from row to row.

@@ -124,6 +124,10 @@ class DenseExtraction final : private CellDecider {
     watch.restart();
     allocate_mesh(result.mesh, sizes, cap, options_);
     emit(result.mesh);
+    if (samples_changed_) {
+      return fail(ErrorKind::input, fmt::format("{}: the samples changed while they were looked at", field_.source),
+                  "wait until whatever writes the file is done");
+    }
     append_cap(result.mesh, sizes, cap, {glm::ivec3(0), view_.dims - 1}, region_.min, placement_);
     if (has_holes_) {
       if (auto done = make_one_vertex_a_fan(result.mesh, options_.limits, field_.source); !done) {
@@ -354,7 +358,7 @@ class DenseExtraction final : private CellDecider {
     return inward * (4 * at(inward) - 3 * at(0) - at(2 * inward)) / 2;
   }
 
-  void emit_triangles(Mesh& mesh, int j, int k) const {
+  void emit_triangles(Mesh& mesh, int j, int k) {
     const std::size_t index = row_index(j, k);
     if (triangle_base_[index] == triangle_base_[index + 1]) return;
     const auto first_numbers = [&]<int kDirections>(std::integral_constant<int, kDirections>) {
@@ -368,7 +372,9 @@ class DenseExtraction final : private CellDecider {
     };
     const auto first = directions_ == 3 ? first_numbers(std::integral_constant<int, 3>{})
                                         : first_numbers(std::integral_constant<int, 7>{});
-    write_cells(*drawings_, cell_row(j, k), *this, first, mesh.triangles.data() + triangle_base_[index]);
+    const auto room =
+        mesh.triangles.span().subspan(triangle_base_[index], triangle_base_[index + 1] - triangle_base_[index]);
+    if (!write_cells(*drawings_, cell_row(j, k), *this, first, room)) samples_changed_ = true;
   }
 
   const ScalarField& field_;
@@ -382,7 +388,8 @@ class DenseExtraction final : private CellDecider {
   Placement placement_;
   DenseMasks masks_;
   BrickFlags bricks_;
-  bool has_holes_ = false;  // some samples are NaN, and NanPolicy::hole
+  bool has_holes_ = false;                    // some samples are NaN, and NanPolicy::hole
+  std::atomic<bool> samples_changed_{false};  // between two looks at them: a mapped file that somebody writes to
   std::optional<CellDrawings> drawings_;
   // First counts, then the first vertex and triangle; behind the last row are all there are.
   Buffer<std::uint32_t> vertex_base_;    // per row and direction
