@@ -5,11 +5,20 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <cstdlib>
 #include <mutex>
 #include <new>
-#include <vector>
+#include <utility>
+
+#if defined(__SANITIZE_ADDRESS__)
+#define ISOEXTRACT_ADDRESS_SANITIZER 1
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define ISOEXTRACT_ADDRESS_SANITIZER 1
+#endif
+#endif
 
 namespace isoextract::detail {
 namespace {
@@ -18,75 +27,77 @@ constexpr std::size_t kCacheLine = 64;
 constexpr std::size_t kHugePage = std::size_t{2} << 20;
 constexpr std::size_t kLarge = 2 * kHugePage;  // blocks from this size on have huge pages, and are kept
 
-// Large blocks that were given back. A sequence of frames needs blocks of about the same sizes again and again, and to
-// have the system clear pages for a mesh takes longer than to extract it.
+// Large blocks that were given back. One extraction after another (several iso values, rounds of a benchmark) needs
+// blocks of about the same sizes, and to have the system clear pages for a mesh takes longer than to extract it.
 class KeptBlocks {
  public:
-  // A block of `bytes` or little more, or null.
+  // A block of `bytes` or little more, or null; then the smaller ones go, for sizes have changed.
   void* take(std::size_t bytes) {
     const std::scoped_lock lock(mutex_);
-    auto best = blocks_.end();
-    for (auto block = blocks_.begin(); block != blocks_.end(); ++block) {
-      if (block->bytes < bytes || block->bytes - bytes > bytes / 2) continue;
-      if (best == blocks_.end() || block->bytes < best->bytes) best = block;
+    Block* best = nullptr;
+    for (Block& block : blocks_) {
+      if (block.bytes < bytes || block.bytes - bytes > bytes / 2) continue;
+      if (best == nullptr || block.bytes < best->bytes) best = &block;
     }
-    if (best == blocks_.end()) return nullptr;
-    void* const found = best->start;
-    total_ -= best->bytes;
-    blocks_.erase(best);
-    return found;
+    if (best != nullptr) {
+      total_ -= best->bytes;
+      return std::exchange(*best, {}).start;
+    }
+    for (Block& block : blocks_) {
+      if (block.bytes < bytes) let_go(block);
+    }
+    return nullptr;
   }
 
-  // Makes room by letting go of those that waited longest.
+  // In the place of the oldest, where there are many; others go to make room for it.
   void keep(void* start, std::size_t bytes) {
-    std::vector<Block> gone;
-    {
-      const std::scoped_lock lock(mutex_);
-      const auto last = std::ranges::find_if(blocks_, [&](const Block& block) {
-        if (total_ + bytes <= limit_) return true;
-        total_ -= block.bytes;
-        return false;
-      });
-      gone.assign(blocks_.begin(), last);
-      blocks_.erase(blocks_.begin(), last);
-      if (bytes <= limit_) {
-        blocks_.push_back({start, bytes});
-        total_ += bytes;
-      } else {
-        gone.push_back({start, bytes});
-      }
+    const std::scoped_lock lock(mutex_);
+    if (bytes > limit_) {
+      std::free(start);
+      return;
     }
-    for (const Block& block : gone) std::free(block.start);
+    for (std::size_t tried = 0; tried < blocks_.size() && total_ + bytes > limit_; ++tried) {
+      let_go(blocks_[(next_ + tried) % blocks_.size()]);
+    }
+    Block& place = blocks_[next_];
+    next_ = (next_ + 1) % blocks_.size();
+    let_go(place);
+    place = {start, bytes};
+    total_ += bytes;
   }
 
   // All of them; false if there were none.
   bool release() {
-    std::vector<Block> gone;
-    {
-      const std::scoped_lock lock(mutex_);
-      gone.swap(blocks_);
-      total_ = 0;
-    }
-    for (const Block& block : gone) std::free(block.start);
-    return !gone.empty();
+    const std::scoped_lock lock(mutex_);
+    const bool any = total_ > 0;
+    for (Block& block : blocks_) let_go(block);
+    return any;
   }
 
  private:
   struct Block {
-    void* start;
-    std::size_t bytes;
+    void* start = nullptr;
+    std::size_t bytes = 0;
   };
 
-  // Of all kept blocks together: a sixteenth of the machine's memory.
+  void let_go(Block& block) {
+    total_ -= block.bytes;
+    std::free(std::exchange(block, {}).start);
+  }
+
+  // Of all kept blocks together.
   static std::size_t choose_limit() {
-    constexpr std::size_t kShare = 16;
+    constexpr std::size_t kMost = std::size_t{512} << 20;
+    constexpr std::size_t kShare = 16;  // of the machine's memory
     const auto pages = ::sysconf(_SC_PHYS_PAGES);
     const auto page = ::sysconf(_SC_PAGESIZE);
-    return pages > 0 && page > 0 ? static_cast<std::size_t>(pages) / kShare * static_cast<std::size_t>(page) : 0;
+    if (pages <= 0 || page <= 0) return 0;
+    return std::min(kMost, static_cast<std::size_t>(pages) / kShare * static_cast<std::size_t>(page));
   }
 
   std::mutex mutex_;
-  std::vector<Block> blocks_;  // the one kept longest first
+  std::array<Block, 16> blocks_{};
+  std::size_t next_ = 0;  // where the next one is kept: the oldest
   std::size_t total_ = 0;
   std::size_t limit_ = choose_limit();
 };
@@ -119,10 +130,10 @@ void* allocate_pages(std::size_t count, std::size_t size) {
 
 void free_pages(void* block) {
   const std::size_t bytes = ::malloc_usable_size(block);
-#ifdef __SANITIZE_ADDRESS__
+#ifdef ISOEXTRACT_ADDRESS_SANITIZER
   const bool keep = false;  // what is used after it was given back must be found
 #else
-  const bool keep = bytes >= kLarge;
+  const bool keep = bytes >= kLarge && reinterpret_cast<std::uintptr_t>(block) % kHugePage == 0;
 #endif
   if (keep) {
     kept_blocks().keep(block, bytes);

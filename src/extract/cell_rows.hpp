@@ -41,9 +41,9 @@ struct RowCounts {
 
 [[nodiscard]] RowCounts count_cells(const CellDrawings& drawings, const CellRow& row, const CellDecider& decider);
 
-// Writes the row's triangles to `out`, which has room for just as many as were counted. `first` is the number of each
-// stream's first vertex (CellStreams). False if it is another number of triangles, because the decider changed its
-// mind; nothing is written past the end then.
+// Writes the triangles of a row that has cells to `out`, which has room for just as many as were counted. `first` is
+// the number of each stream's first vertex (CellStreams). False if it is another number of triangles, because the
+// decider changed its mind; nothing is written past the end then.
 [[nodiscard]] bool write_cells(const CellDrawings& drawings, const CellRow& row, const CellDecider& decider,
                                std::span<const std::uint32_t> first, std::span<glm::uvec3> out);
 

@@ -10,7 +10,7 @@
 namespace isoextract {
 
 // Bit b of bits[w] is set where sample 64 * w + b is inside; bits beyond `count` are zero. Writes (count + 63) / 64
-// words. Returns how many samples are NaN.
+// words; one word more must be there, and may change. Returns how many samples are NaN.
 template <class T>
 std::uint64_t classify_samples(const T* samples, std::size_t count, const InsideThreshold<T>& threshold,
                                std::uint64_t* bits);

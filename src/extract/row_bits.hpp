@@ -1,7 +1,6 @@
 // Words of 64 inside bits along a row of samples.
 #pragma once
 
-#include <array>
 #include <bit>
 #include <cstdint>
 
@@ -22,25 +21,5 @@ void for_each_bit(std::uint64_t word, F&& f) {
 
 // Word w, moved by one: bit b is that of the sample after b.
 [[nodiscard]] inline std::uint64_t next_bits(const std::uint64_t* row, int w) { return row[w] >> 1 | row[w + 1] << 63; }
-
-// A word for each corner of the cells of a word.
-using CornerWords = std::array<std::uint64_t, 8>;
-
-// Positions at which not all eight words agree.
-[[nodiscard]] inline std::uint64_t mixed_bits(const CornerWords& corners) {
-  std::uint64_t any = 0;
-  std::uint64_t all = ~std::uint64_t{0};
-  for (const std::uint64_t word : corners) {
-    any |= word;
-    all &= word;
-  }
-  return any & ~all;
-}
-
-[[nodiscard]] inline unsigned case_at(const CornerWords& corners, int cell) {
-  unsigned bits = 0;
-  for (int c = 0; c < 8; ++c) bits |= static_cast<unsigned>(corners[c] >> cell & 1) << c;
-  return bits;
-}
 
 }  // namespace isoextract

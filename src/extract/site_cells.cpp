@@ -58,12 +58,6 @@ void write_any(const CaseTable& table, const CellDrawings& drawings, const glm::
     const int index = drawings.directions() == 3 ? direction_index<3>(direction) : direction_index<7>(direction);
     edges[e] = {corner, (corner & 1) << 6 | (corner & 2) << 2 | corner >> 2, static_cast<std::size_t>(index)};
   }
-  const auto number_at = [&](std::size_t n, std::size_t direction, int offset) HWY_ATTR {
-    const SiteVertices::Edges& owned = vertices.edges(static_cast<std::size_t>(near[n]), direction);
-    const auto word = static_cast<std::size_t>(offset >> 6);
-    const std::uint64_t below = owned.crossed[word] & ((std::uint64_t{1} << (offset & 63)) - 1);
-    return owned.first + owned.before[word] + static_cast<std::uint32_t>(std::popcount(below));
-  };
   std::array<std::uint32_t, 19> numbers;
   for (std::size_t x = 0; x < active.size(); ++x) {
     for (std::uint64_t rest = active[x]; rest != 0; rest &= rest - 1) {
@@ -77,7 +71,8 @@ void write_any(const CaseTable& table, const CellDrawings& drawings, const glm::
         const auto e = static_cast<std::size_t>(std::countr_zero(crossed));
         const int past = edges[e].step & last;
         const int back = (past & 1) << 9 | (past & 2) << 5 | (past & 4) << 1;
-        numbers[e] = number_at(static_cast<std::size_t>(past), edges[e].direction, offset + edges[e].offset - back);
+        const auto site = static_cast<std::size_t>(near[static_cast<std::size_t>(past)]);
+        numbers[e] = vertices.at(site, edges[e].direction, offset + edges[e].offset - back);
       }
       const CellDrawings::Triangle* triangle = drawings.triangles() + drawing.first;
       for (unsigned t = 0; t < drawing.count; ++t, ++triangle) {

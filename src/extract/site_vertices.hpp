@@ -14,13 +14,6 @@ namespace isoextract {
 
 class SiteVertices {
  public:
-  // Of one site and direction.
-  struct Edges {
-    BlockBits crossed;
-    std::array<std::uint16_t, 8> before;  // crossed edges in earlier words
-    std::uint32_t first;                  // a count at first, then the number of the first vertex
-  };
-
   SiteVertices() = default;
   // No edge is crossed at first.
   SiteVertices(std::size_t sites, std::size_t directions) : directions_(directions), edges_(sites * directions) {
@@ -33,9 +26,6 @@ class SiteVertices {
   }
   [[nodiscard]] const BlockBits& crossed(std::size_t site, std::size_t direction) const {
     return edges_[site * directions_ + direction].crossed;
-  }
-  [[nodiscard]] const Edges& edges(std::size_t site, std::size_t direction) const {
-    return edges_[site * directions_ + direction];
   }
   [[nodiscard]] bool is_crossed(std::size_t site, std::size_t direction, int offset) const {
     return (crossed(site, direction)[static_cast<std::size_t>(offset >> 6)] >> (offset & 63) & 1) != 0;
@@ -75,6 +65,13 @@ class SiteVertices {
   }
 
  private:
+  // Of one site and direction.
+  struct Edges {
+    BlockBits crossed;
+    std::array<std::uint16_t, 8> before;  // crossed edges in earlier words
+    std::uint32_t first;                  // a count at first, then the number of the first vertex
+  };
+
   std::size_t directions_ = 0;
   Buffer<Edges> edges_;
 };

@@ -61,12 +61,31 @@ std::vector<glm::ivec3> unstored_places(const SparseSamples& samples, const Spar
     return place == SparseLookup::kBackground ? background : tile_states[static_cast<std::size_t>(-2 - place)];
   };
 
-  // Every node looks at its own places and, where there is no node, at those just before it.
+  // Every node looks at its own places and at those just before it.
   constexpr int kPlaces = SparseLookup::Node::kPlaces;
   constexpr int kSide = kPlaces + 2;
   std::vector<std::vector<glm::ivec3>> found(lookup.nodes().size() + 1);
   tbb::parallel_for(std::size_t{0}, lookup.nodes().size(), [&](std::size_t n) {
     const SparseLookup::Node& node = lookup.nodes()[n];
+    // Where little is stored, its surroundings are looked at and not the whole node.
+    constexpr std::size_t kLittle = 64;
+    std::vector<std::int32_t> stored;  // slots
+    for (std::size_t slot = 0; slot < node.contents.size() && stored.size() <= kLittle; ++slot) {
+      if (state(node.contents[slot]) != background) stored.push_back(static_cast<std::int32_t>(slot));
+    }
+    if (stored.size() <= kLittle) {
+      for (const std::int32_t slot : stored) {
+        const glm::ivec3 place = node.origin + kSize * glm::ivec3(slot >> 8, slot >> 4 & 15, slot & 15);
+        for (int c = 0; c < 8; ++c) {
+          const glm::ivec3 before = place - kSize * glm::ivec3(c & 1, c >> 1 & 1, c >> 2);
+          const SparseLookup::Group group = lookup.group(before);
+          if (group[0] >= 0) continue;
+          const State here = state(group[0]);
+          if (std::ranges::any_of(group, [&](std::int32_t p) { return state(p) != here; })) found[n].push_back(before);
+        }
+      }
+      return;
+    }
     const auto origin_at = [&](int x, int y, int z) { return node.origin + kSize * (glm::ivec3(x, y, z) - 1); };
     const auto at = [](int x, int y, int z) { return static_cast<std::size_t>((x * kSide + y) * kSide + z); };
     const auto within = [](int i) { return i >= 1 && i <= kPlaces; };
@@ -88,8 +107,7 @@ std::vector<glm::ivec3> unstored_places(const SparseSamples& samples, const Spar
           bool alike = true;
           for (int c = 1; c < 8; ++c) alike &= states[at(x + (c & 1), y + (c >> 1 & 1), z + (c >> 2))] == here;
           if (alike) continue;
-          const bool own = within(x) && within(y) && within(z);
-          if (own || !lookup.has_node(origin_at(x, y, z))) found[n].push_back(origin_at(x, y, z));
+          found[n].push_back(origin_at(x, y, z));
         }
       }
     }
@@ -101,7 +119,7 @@ std::vector<glm::ivec3> unstored_places(const SparseSamples& samples, const Spar
       add_tile_skin(samples.tiles[t], skins);
     }
   }
-  std::erase_if(skins, [&](const glm::ivec3& p) { return lookup.has_node(p); });
+  std::erase_if(skins, [&](const glm::ivec3& p) { return lookup.block(p) >= 0; });
 
   std::vector<glm::ivec3> places;
   for (const auto& part : found) places.insert(places.end(), part.begin(), part.end());

@@ -36,7 +36,7 @@ void for_each_near_place(const glm::ivec3& origin, int lowest, const F& f) {
 // 512 bits, in the order of a block's values.
 using BlockBits = std::array<std::uint64_t, 8>;
 
-// What listing the skins of the tiles that are not on the background's side will need in memory, about. The mesh on
+// What listing the skins of large tiles that are not on the background's side will need in memory, about. The mesh on
 // them is counted exactly later.
 [[nodiscard]] std::uint64_t tile_skin_bytes(const SparseSamples& samples, const InsideRule& rule,
                                             const ValueScale& scale);

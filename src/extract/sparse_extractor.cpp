@@ -7,8 +7,10 @@
 #include <utility>
 
 #include "base/stopwatch.hpp"
+#include "extract/asymptotic_decider.hpp"
 #include "extract/border_cap.hpp"
 #include "extract/mesh_assembly.hpp"
+#include "extract/row_bits.hpp"
 #include "extract/site_cells.hpp"
 #include "extract/site_vertices.hpp"
 #include "extract/sparse_sites.hpp"

@@ -1,10 +1,13 @@
 #include "extract/sparse_sites.hpp"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "extract/cell_tables.hpp"
 #include "extract/classify_samples.hpp"
 #include "extract/mesh_assembly.hpp"
 
@@ -39,7 +42,6 @@ SparseSites::SparseSites(const ScalarField& field, const SparseSamples& samples,
       region_(region),
       options_(options),
       rule_{field.kind, options.iso},
-      lookup_(samples),
       stored_number_(visit_sample_type(samples.type, []<class T>(std::type_identity<T>) {
         return +[](const void* values, int offset) {
           return static_cast<double>(static_cast<const T*>(values)[offset]);
@@ -49,18 +51,22 @@ SparseSites::SparseSites(const ScalarField& field, const SparseSamples& samples,
 Result<void> SparseSites::find(ExtractStats& stats) {
   stats.brick = "8x8x8 voxels";
   stats.bricks = samples_.blocks.size();
-  if (auto fits = check_memory(tile_skin_bytes(samples_, rule_, field_.scale), options_.limits,
-                               fmt::format("{}: the skins of its {} tiles", field_.source, samples_.tiles.size()));
+  std::vector<glm::ivec3> nodes = SparseLookup::node_origins(samples_);
+  if (auto fits = check_memory(
+          tile_skin_bytes(samples_, rule_, field_.scale) + nodes.size() * sizeof(SparseLookup::Node), options_.limits,
+          fmt::format("{}: finding what lies beside its {} blocks and {} tiles", field_.source, samples_.blocks.size(),
+                      samples_.tiles.size()));
       !fits) {
     return fits;
   }
   const Stopwatch watch;
+  lookup_.emplace(samples_, std::move(nodes));
   visit_sample_type(samples_.type, [&]<class T>(std::type_identity<T>) { classify<T>(stats); });
   if (stats.nan_samples != 0 && options_.nan == NanPolicy::error) {
     return nan_error(field_, stats.nan_samples, first_nan());
   }
   has_holes_ = stats.nan_samples != 0 && options_.nan == NanPolicy::hole;
-  list_sites();
+  if (auto listed = list_sites(); !listed) return listed;
   stats.bricks_visited = stored_sites_;
   stats.places_visited = sites_.size() - stored_sites_;
   stats.classify = watch.elapsed();
@@ -76,8 +82,10 @@ void SparseSites::classify(ExtractStats& stats) {
   std::atomic<std::uint64_t> nan{0};
   for_each("classifying blocks", blocks, [&](std::size_t b) {
     const auto* values = static_cast<const T*>(samples_.blocks[b].values);
-    const std::uint64_t block_nan = classify_samples(values, kBlockSamples, limit, bits_[b].data());
-    if (!threshold) bits_[b].fill(0);
+    std::array<std::uint64_t, kSize + 1> bits;  // one word more than a block has
+    const std::uint64_t block_nan = classify_samples(values, kBlockSamples, limit, bits.data());
+    if (!threshold) bits.fill(0);
+    std::copy_n(bits.begin(), kSize, bits_[b].begin());
     if (block_nan != 0 && touches_region(samples_.blocks[b].origin, kSize)) {
       nan.fetch_add(block_nan, std::memory_order_relaxed);
     }
@@ -137,8 +145,8 @@ SitePlanes SparseSites::planes_of(const SparseLookup::Group& group) const {
 
 double SparseSites::value(const glm::ivec3& p) const {
   const glm::ivec3 origin = block_origin(p);
-  const std::int32_t block = lookup_.block(origin);
-  if (block < 0) return field_.scale(lookup_.constant(origin));
+  const std::int32_t block = lookup_->block(origin);
+  if (block < 0) return field_.scale(lookup_->constant(origin));
   return field_.scale(stored_number_(samples_.blocks[static_cast<std::size_t>(block)].values, block_offset(p)));
 }
 
@@ -213,17 +221,24 @@ bool SparseSites::owns_crossed_edge(const glm::ivec3& origin, const SparseLookup
   return false;
 }
 
-void SparseSites::list_sites() {
-  const std::vector<glm::ivec3> unstored = unstored_places(samples_, lookup_, rule_, field_.scale);
+Result<void> SparseSites::list_sites() {
+  const std::vector<glm::ivec3> unstored = unstored_places(samples_, *lookup_, rule_, field_.scale);
   const std::size_t blocks = samples_.blocks.size();
   const auto place = [&](std::size_t p) { return p < blocks ? samples_.blocks[p].origin : unstored[p - blocks]; };
   std::vector<SparseLookup::Group> groups(blocks + unstored.size());
   std::vector<std::uint8_t> passed(groups.size());
   for_each("finding crossed blocks", groups.size(), [&](std::size_t p) {
-    groups[p] = lookup_.group(place(p));
+    groups[p] = lookup_->group(place(p));
     passed[p] = owns_crossed_edge(place(p), groups[p]) ? 1 : 0;
   });
   const auto count = static_cast<std::size_t>(std::ranges::count(passed, std::uint8_t{1}));
+  // Places and their groups; of the sites also their index and crossed edges.
+  const std::uint64_t bytes_a_site = 128 + 100 * case_table(options_.method).directions.size();
+  if (auto fits = check_memory(groups.size() * 64 + count * bytes_a_site, options_.limits,
+                               fmt::format("{}: the {} blocks that the surface passes", field_.source, count));
+      !fits) {
+    return fits;
+  }
   sites_.reserve(count);
   groups_.reserve(count);
   site_index_ = OriginIndex(count);
@@ -234,6 +249,7 @@ void SparseSites::list_sites() {
     groups_.push_back(groups[p]);
     stored_sites_ += p < blocks ? 1 : 0;
   }
+  return {};
 }
 
 }  // namespace isoextract

@@ -3,16 +3,14 @@
 #pragma once
 
 #include <array>
-#include <cmath>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <tbb/parallel_for.h>
 
-#include "extract/asymptotic_decider.hpp"
 #include "extract/edge_geometry.hpp"
 #include "extract/extractor.hpp"
-#include "extract/row_bits.hpp"
 #include "extract/sparse_blocks.hpp"
 
 namespace isoextract {
@@ -45,31 +43,17 @@ class SparseSites {
     return sites;
   }
 
-  [[nodiscard]] const SparseLookup& lookup() const { return lookup_; }
-  [[nodiscard]] bool has_holes() const { return has_holes_; }  // some samples are NaN, and NanPolicy::hole
+  [[nodiscard]] const SparseLookup& lookup() const { return *lookup_; }  // once find() was called
+  [[nodiscard]] bool has_holes() const { return has_holes_; }            // some samples are NaN, and NanPolicy::hole
 
   // Of any sample: for the few that are looked at one by one.
   [[nodiscard]] bool inside(const glm::ivec3& p) const {
     const int offset = block_offset(p);
-    return ((*bits_of(lookup_.place(block_origin(p))))[offset >> 6] >> (offset & 63) & 1) != 0;
+    return ((*bits_of(lookup_->place(block_origin(p))))[offset >> 6] >> (offset & 63) & 1) != 0;
   }
   [[nodiscard]] double value(const glm::ivec3& p) const;
 
-  // Whether a corner of the cell at `p` is not a number.
-  [[nodiscard]] bool touches_nan(const glm::ivec3& p) const {
-    for (int corner = 0; corner < 8; ++corner) {
-      if (std::isnan(value(p + direction_step(corner)))) return true;
-    }
-    return false;
-  }
-
-  // What the cell at `p` draws.
-  [[nodiscard]] unsigned variant(const CaseTable& table, unsigned cell_case, const glm::ivec3& p) const {
-    return cell_variant(table, cell_case, rule_, [&](int corner) { return value(p + direction_step(corner)); });
-  }
-
-  // What is stored around a site.
-  [[nodiscard]] const SparseLookup::Group& group(std::size_t site) const { return groups_[site]; }
+  // The bits of a site and around it.
   [[nodiscard]] SitePlanes planes(std::size_t site) const { return planes_of(groups_[site]); }
 
   // Edges of one direction owned by the site's samples that are crossed and lie in the region.
@@ -94,7 +78,7 @@ class SparseSites {
  private:
   template <class T>
   void classify(ExtractStats& stats);
-  void list_sites();
+  [[nodiscard]] Result<void> list_sites();
   [[nodiscard]] glm::ivec3 first_nan() const;
   [[nodiscard]] bool touches_region(const glm::ivec3& origin, int size) const;
   [[nodiscard]] const BlockBits* bits_of(std::int32_t place) const;
@@ -109,7 +93,7 @@ class SparseSites {
   IndexBox region_;
   const ExtractOptions& options_;
   InsideRule rule_;
-  SparseLookup lookup_;
+  std::optional<SparseLookup> lookup_;
   double (*stored_number_)(const void* values, int offset);
   Buffer<BlockBits> bits_;                  // of the stored blocks
   std::vector<std::uint8_t> tiles_inside_;  // by tile

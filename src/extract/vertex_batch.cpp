@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
-#include <utility>
 
 #include "extract/row_bits.hpp"
 #include "extract/simd_targets.hpp"

@@ -34,20 +34,29 @@ std::int32_t OriginIndex::find(const glm::ivec3& origin) const {
   return slots_[slot].number;
 }
 
-SparseLookup::SparseLookup(const SparseSamples& samples) : samples_(samples) {
-  const auto is_small = [](const SparseTile& tile) { return tile.size < Node::kSize; };
-  // Nodes first: their number sizes the table. Neighbours in the lists mostly share one.
+namespace {
+
+bool is_small(const SparseTile& tile) { return tile.size < SparseLookup::Node::kSize; }
+
+}  // namespace
+
+std::vector<glm::ivec3> SparseLookup::node_origins(const SparseSamples& samples) {
   std::vector<glm::ivec3> origins;
-  const auto add_node = [&](const glm::ivec3& p) {
+  // Neighbours in the lists mostly share one.
+  const auto add = [&](const glm::ivec3& p) {
     const glm::ivec3 origin = p & ~(Node::kSize - 1);
     if (origins.empty() || origins.back() != origin) origins.push_back(origin);
   };
-  for (const SparseBlock& block : samples.blocks) add_node(block.origin);
+  for (const SparseBlock& block : samples.blocks) add(block.origin);
   for (const SparseTile& tile : samples.tiles) {
-    if (is_small(tile)) add_node(tile.origin);
+    if (is_small(tile)) add(tile.origin);
   }
   std::ranges::sort(origins, {}, [](const glm::ivec3& p) { return std::tuple(p.x, p.y, p.z); });
   origins.erase(std::unique(origins.begin(), origins.end()), origins.end());
+  return origins;
+}
+
+SparseLookup::SparseLookup(const SparseSamples& samples, const std::vector<glm::ivec3>& origins) : samples_(samples) {
   nodes_ = OriginIndex(origins.size());
   node_list_.resize(origins.size());
   for (std::size_t n = 0; n < origins.size(); ++n) {

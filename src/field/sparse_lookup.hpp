@@ -57,7 +57,11 @@ class SparseLookup {
     }
   };
 
-  explicit SparseLookup(const SparseSamples& samples);
+  // The nodes that samples need, sorted. Each takes sizeof(Node): samples far apart need much more than themselves.
+  [[nodiscard]] static std::vector<glm::ivec3> node_origins(const SparseSamples& samples);
+
+  explicit SparseLookup(const SparseSamples& samples) : SparseLookup(samples, node_origins(samples)) {}
+  SparseLookup(const SparseSamples& samples, const std::vector<glm::ivec3>& node_origins);
 
   // The number of the stored block, kBackground, or tile_place() of a tile.
   [[nodiscard]] std::int32_t place(const glm::ivec3& origin) const {
@@ -83,7 +87,6 @@ class SparseLookup {
   [[nodiscard]] double constant(const glm::ivec3& origin) const { return constant_of(place(origin)); }
 
   [[nodiscard]] const std::vector<Node>& nodes() const { return node_list_; }
-  [[nodiscard]] bool has_node(const glm::ivec3& origin) const { return nodes_.find(origin & ~(Node::kSize - 1)) >= 0; }
 
  private:
   [[nodiscard]] std::int32_t large_tile(const glm::ivec3& origin) const;
