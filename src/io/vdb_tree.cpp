@@ -134,15 +134,16 @@ class TopologyReader {
     const auto place = [&](int i) {
       return origin + kChildSize * glm::ivec3(i / (kSide * kSide), i / kSide % kSide, i % kSide);
     };
+    // topologyUnion() of OpenVDB 3.0 left entries both active and children. They are children: the values that are
+    // stored for them fill places of the file and nothing else. They are no active tiles here, unlike in OpenVDB's own
+    // counts.
     std::array<std::uint64_t, kWords> tiles;
+    std::array<std::uint64_t, kWords> active_tiles;
     for (std::size_t word = 0; word < kWords; ++word) {
-      if ((children[word] & active[word]) != 0) {
-        throw VdbDamaged(fmt::format("an entry of the node at ({}, {}, {}) is both a tile and a node", origin.x,
-                                     origin.y, origin.z));
-      }
       tiles[word] = ~children[word];
+      active_tiles[word] = active[word] & ~children[word];
     }
-    for_each_bit(active, [&](int i) { count_tile(place(i), kChildSize); });
+    for_each_bit(active_tiles, [&](int i) { count_tile(place(i), kChildSize); });
     for_each_bit(tiles, [&](int i) { add_tile(place(i), kChildSize, values_[static_cast<std::size_t>(i)]); });
     check_index();
     for_each_bit(children, [&](int i) {

@@ -181,34 +181,43 @@ TEST(VdbDamage, MalformedFilesAreRefused) {
                       {"zero scale", with(map + 15, 0.0), "transform with an inverse"}});
 }
 
-// One leaf, uncompressed but for its mask: where everything lies in the file can be counted from its end.
-TEST(VdbDamage, TreesThatContradictThemselves) {
-  openvdb::initialize();
-  const auto grid = openvdb::FloatGrid::create(3);
-  grid->tree().setValue({1, 2, 3}, 8);
-  grid->tree().addTile(3, {8192, 0, 0}, 6, false);
-  const auto file_of = [&](std::uint32_t compression) {
+// One leaf and one tile, uncompressed but for the masks: where everything lies in the file can be counted from its end.
+struct OneLeafFile {
+  static std::string with_compression(std::uint32_t compression) {
+    openvdb::initialize();
+    const auto grid = openvdb::FloatGrid::create(3);
+    grid->tree().setValue({1, 2, 3}, 8);
+    grid->tree().addTile(3, {8192, 0, 0}, 6, false);
     const TempFolder folder;
     write_vdb(folder / "v.vdb", {grid}, compression);
     return read_bytes(folder / "v.vdb");
-  };
-  const std::string good = file_of(COMPRESS_ACTIVE_MASK);
+  }
+  std::string bytes = with_compression(COMPRESS_ACTIVE_MASK);
   // From the back: the value, the code, the mask; the leaf's mask in the topology; each inner node is two masks, a code
   // and no value; then the upper node's origin; the tile is an origin, a value and a flag.
-  const std::size_t code = good.size() - 5;
-  const std::size_t mask = code - 64;
-  const std::size_t lower = mask - 64 - 1 - 2 * 512;
-  const std::size_t upper = lower - 1 - 2 * 4096;
-  const std::size_t child = upper - 12;
-  const std::size_t tile = child - 17;
-  const auto with = [](std::string bytes, std::size_t at, auto value) {
-    put(bytes, at, value);
-    return bytes;
-  };
+  std::size_t code = bytes.size() - 5;
+  std::size_t mask = code - 64;
+  std::size_t lower = mask - 64 - 1 - 2 * 512;
+  std::size_t upper = lower - 1 - 2 * 4096;
+  std::size_t child = upper - 12;
+  std::size_t tile = child - 17;
+  // Of the grid's place in the file, its values' and its end's.
+  std::size_t offsets = bytes.find("Tree_float_5_4_3") + 16 + 4;
+};
+
+template <class Value>
+std::string with(std::string bytes, std::size_t at, Value value) {
+  put(bytes, at, value);
+  return bytes;
+}
+
+TEST(VdbDamage, TreesThatContradictThemselves) {
+  const OneLeafFile file;
+  const auto& [good, code, mask, lower, upper, child, tile, offsets] = file;
   ASSERT_EQ(good.substr(code + 1), pack(8.0F));
   ASSERT_EQ(good.substr(tile, 17), pack(8192) + pack(0) + pack(0) + pack(6.0F) + '\0');
 
-  const std::string packed = file_of(COMPRESS_BLOSC);
+  const std::string packed = OneLeafFile::with_compression(COMPRESS_BLOSC);
   std::int64_t length = 0;  // of the leaf's chunk, which ends the file
   std::size_t chunk = packed.size() - 16;
   while (std::memcpy(&length, &packed[chunk - 8], 8), length != static_cast<std::int64_t>(packed.size() - chunk))
@@ -222,8 +231,6 @@ TEST(VdbDamage, TreesThatContradictThemselves) {
        {"a tile off the grid", with(good, tile, 8192 + 8), "a node of 4096 voxels a side at index 8200"},
        {"a node off the grid", with(good, child + 4, 128), "a node of 4096 voxels a side at index 128 along axis 1"},
        {"a node too far out", with(good, child + 8, 1 << 30), "the limit is 2^29"},
-       {"tile and child", with(good, upper + 4096, '\1'), "is both a tile and a node"},
-       {"tile and leaf", with(good, lower + 512, '\1'), "is both a tile and a node"},
        {"code of a node", with(good, lower + 1024, '\7'), "code 7"},
        {"code of a leaf", with(good, code, '\x80'), "code 128"},
        {"other mask of a leaf", with(good, mask, '\1'), "has another mask"},
@@ -232,6 +239,32 @@ TEST(VdbDamage, TreesThatContradictThemselves) {
        {"blosc: other size", with(packed, chunk + 4, 2044), "expected a blosc chunk of 2048 bytes"},
        {"blosc: other length", with(packed, chunk + 12, 20), "expected a blosc chunk of 2048 bytes"},
        {"blosc: blocks too large", with(packed, chunk + 8, 1 << 30), "blosc chunk"}});
+}
+
+// OpenVDB 3.0 wrote such files. A value is stored for the entry, and the entry is a child.
+TEST(VdbDamage, ActiveEntriesThatAreChildrenAreRead) {
+  const OneLeafFile file;
+  const auto with_value = [&](std::size_t value_mask, std::size_t node_code) {
+    std::string bytes = with(file.bytes, value_mask, '\1');
+    bytes.insert(node_code + 1, pack(77.0F));
+    return with(bytes, file.offsets + 16, static_cast<std::int64_t>(bytes.size()));
+  };
+  for (const std::string& bytes :
+       {with_value(file.upper + 4096, file.upper + 8192), with_value(file.lower + 512, file.lower + 1024)}) {
+    const TempFolder folder;
+    write_bytes(folder / "v.vdb", bytes);
+    const auto samples = std::get<SparseSamples>(must_read(folder / "v.vdb").samples);
+    EXPECT_EQ(samples.active_voxels, 1U);
+    EXPECT_EQ(samples.active_box, (IndexBox{{1, 2, 3}, {1, 2, 3}}));
+    ASSERT_EQ(samples.tiles.size(), 1U);
+    EXPECT_EQ(samples.tiles.front().value, 6);
+    openvdb::io::File reference((folder / "v.vdb").string());
+    reference.open(false);
+    const auto grid = openvdb::gridPtrCast<openvdb::FloatGrid>(reference.readGrid(reference.beginName().gridName()));
+    for (const openvdb::Coord& at : {openvdb::Coord(1, 2, 3), openvdb::Coord(0, 0, 0), openvdb::Coord(8, 0, 0)}) {
+      EXPECT_EQ(sparse_value<float>(samples, {at.x(), at.y(), at.z()}), grid->tree().getValue(at)) << at;
+    }
+  }
 }
 
 TEST(VdbDamage, UnknownCompressionsAreRefusedAndNewerVersionsNoted) {
