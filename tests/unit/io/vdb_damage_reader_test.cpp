@@ -231,6 +231,11 @@ TEST(VdbDamage, TreesThatContradictThemselves) {
        {"a tile off the grid", with(good, tile, 8192 + 8), "a node of 4096 voxels a side at index 8200"},
        {"a node off the grid", with(good, child + 4, 128), "a node of 4096 voxels a side at index 128 along axis 1"},
        {"a node too far out", with(good, child + 8, 1 << 30), "the limit is 2^29"},
+       {"an active tile of the background too far out",
+        with(with(with(good, tile, 1 << 30), tile + 12, 3.0F), tile + 16, '\1'), "the limit is 2^29"},
+       {"leaves past the grid's end", with(good, offsets + 16, static_cast<std::int64_t>(good.size() - 1)),
+        "the grid has 3"},
+       {"nodes past the grid's end", with(good, offsets + 16, static_cast<std::int64_t>(lower)), "the grid has"},
        {"code of a node", with(good, lower + 1024, '\7'), "code 7"},
        {"code of a leaf", with(good, code, '\x80'), "code 128"},
        {"other mask of a leaf", with(good, mask, '\1'), "has another mask"},
@@ -239,6 +244,53 @@ TEST(VdbDamage, TreesThatContradictThemselves) {
        {"blosc: other size", with(packed, chunk + 4, 2044), "expected a blosc chunk of 2048 bytes"},
        {"blosc: other length", with(packed, chunk + 12, 20), "expected a blosc chunk of 2048 bytes"},
        {"blosc: blocks too large", with(packed, chunk + 8, 1 << 30), "blosc chunk"}});
+}
+
+TEST(VdbDamage, NodesOfTheRootOutOfOrder) {
+  openvdb::initialize();
+  const auto grid = openvdb::FloatGrid::create(3);
+  grid->tree().setValue({0, 0, 0}, 8);
+  grid->tree().setValue({0, 4096, 0}, 9);
+  const TempFolder folder;
+  write_vdb(folder / "v.vdb", {grid});
+  std::string bytes = read_bytes(folder / "v.vdb");
+  const std::size_t second = bytes.rfind(pack(0) + pack(4096) + pack(0));
+  // The first node goes behind the second: to (0, 8192, 0).
+  const std::size_t place = second - (12 + 2 * 4096 + 1 + 2 * 512 + 1 + 64);
+  ASSERT_EQ(bytes.substr(place, 12), std::string(12, '\0'));
+  must_read(folder / "v.vdb");
+  put(bytes, place + 4, 8192);
+  write_bytes(folder / "v.vdb", bytes);
+  expect_in(refusal(folder / "v.vdb").message, "the node at (0, 4096, 0) comes after the one at (0, 8192, 0)");
+}
+
+TEST(VdbDamage, MetadataPastTheEndOfTheirGrid) {
+  const OneLeafFile file;
+  std::int64_t grid = 0;
+  std::memcpy(&grid, &file.bytes[file.offsets], sizeof grid);
+  expect_all_refused("v.vdb", {{"in an entry", with(file.bytes, file.offsets + 16, grid + 20), "the grid has"},
+                               {"before it", with(file.bytes, file.offsets + 16, grid + 6), "the grid has 2"}});
+  // An entry that is passed over: its size is behind the count, its name and its type.
+  std::string jump = file.bytes;
+  const std::size_t size = jump.find("int64", static_cast<std::size_t>(grid)) + 5;
+  put(jump, size, std::uint32_t{300});
+  put(jump, file.offsets + 16, static_cast<std::int64_t>(size + 100));
+  expect_all_refused("v.vdb", {{"passed over", jump, "the grid ends at"}});
+}
+
+TEST(VdbDamage, OnlyTheMetadataTellHalves) {
+  OneLeafFile file;
+  file.bytes.insert(file.offsets - 4, "_HalfFloat");
+  put(file.bytes, file.offsets - 4 - 16 - 4, std::uint32_t{26});
+  for (std::size_t at = file.offsets + 10; at < file.offsets + 34; at += 8) {
+    std::int64_t position = 0;
+    std::memcpy(&position, &file.bytes[at], sizeof position);
+    put(file.bytes, at, position + 10);
+  }
+  const TempFolder folder;
+  write_bytes(folder / "v.vdb", file.bytes);
+  const auto samples = std::get<SparseSamples>(must_read(folder / "v.vdb").samples);
+  EXPECT_EQ(sparse_value<float>(samples, {1, 2, 3}), 8);
 }
 
 // OpenVDB 3.0 wrote such files. A value is stored for the entry, and the entry is a child.
