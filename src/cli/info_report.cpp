@@ -23,6 +23,17 @@ std::string grid_name(const GridInfo& grid) {
   return grid.name_repeats ? fmt::format("{}[{}]", grid.name, grid.index_of_name) : grid.name;
 }
 
+// Names in files are not to be trusted with a terminal.
+std::string printable_name(const std::string& name) {
+  constexpr std::size_t kMaxLength = 200;
+  std::string shown = name.substr(0, kMaxLength);
+  std::replace_if(
+      shown.begin(), shown.end(), [](unsigned char c) { return c < 0x20 || c > 0x7e; }, '?');
+  return shown.size() < name.size() ? shown + "..." : shown;
+}
+
+std::string grid_label(const GridInfo& grid) { return printable_name(grid_name(grid)); }
+
 std::string dims_text(const IndexBox& box) {
   if (box.empty()) return "no active voxels";
   const glm::i64vec3 dims = box.dims();
@@ -47,9 +58,9 @@ void add_grids(NamedLines& lines, const InputReport& report) {
   if (report.grids.size() == 1 && report.field) return;
   lines.add("grids", fmt::format("{}", report.grids.size()));
   std::size_t name_width = 4;
-  for (const GridInfo& grid : report.grids) name_width = std::max(name_width, grid_name(grid).size());
+  for (const GridInfo& grid : report.grids) name_width = std::max(name_width, grid_label(grid).size());
   for (const GridInfo& grid : report.grids) {
-    lines.plain(fmt::format("    {:<{}}  {:<8}  {:<18}  {} active voxels{}{}", grid_name(grid), name_width, grid.type,
+    lines.plain(fmt::format("    {:<{}}  {:<8}  {:<18}  {} active voxels{}{}", grid_label(grid), name_width, grid.type,
                             dims_text(grid.box), grid.voxels,
                             grid.kind ? fmt::format(", {}", kind_name(*grid.kind)) : "",
                             grid.scalar ? "" : "; no surface can be extracted from this type"));
@@ -59,7 +70,7 @@ void add_grids(NamedLines& lines, const InputReport& report) {
 void add_shape(NamedLines& lines, const FieldReport& report) {
   const ScalarField& field = report.field;
   lines.add("format", field.format);
-  if (!field.name.empty()) lines.add("name", field.name);
+  if (!field.name.empty()) lines.add("name", printable_name(field.name));
   lines.add("kind", fmt::format("{}: {} the iso value is inside", kind_name(field.kind), inside_name(field.kind)));
   const IndexBox box = field.extents();
   if (const auto* sparse = std::get_if<SparseSamples>(&field.samples)) {

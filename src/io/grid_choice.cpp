@@ -28,17 +28,20 @@ std::string grid_label(const GridInfo& grid) {
 }
 
 std::string grid_table(std::span<const GridInfo> grids) {
+  constexpr std::size_t kMaxRows = 100;
+  const auto shown = grids.first(std::min(kMaxRows, grids.size()));
   std::size_t label_width = 0;
   std::size_t type_width = 0;
-  for (const GridInfo& grid : grids) {
+  for (const GridInfo& grid : shown) {
     label_width = std::max(label_width, grid_label(grid).size());
     type_width = std::max(type_width, grid.type.size());
   }
   std::string table;
-  for (const GridInfo& grid : grids) {
+  for (const GridInfo& grid : shown) {
     table += fmt::format("{}  {:<{}}  {:<{}}  {}", table.empty() ? "" : "\n", grid_label(grid), label_width, grid.type,
                          type_width, describe_grid(grid));
   }
+  if (shown.size() < grids.size()) table += fmt::format("\n  ... and {} more", grids.size() - shown.size());
   return table;
 }
 

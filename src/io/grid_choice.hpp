@@ -13,7 +13,7 @@ namespace isoextract {
 // NAME, or NAME[k] where names repeat.
 [[nodiscard]] std::string grid_label(const GridInfo& grid);
 
-// One line a grid: label, type, class, active voxels, box.
+// One line a grid: label, type, class, active voxels, box. At most 100 of them.
 [[nodiscard]] std::string grid_table(std::span<const GridInfo> grids);
 
 // The index of the grid that --grid names or, without it, of the only scalar one. The hint of a failure lists them.

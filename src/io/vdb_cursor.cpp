@@ -7,7 +7,9 @@
 namespace isoextract {
 
 void VdbCursor::seek(std::uint64_t position) {
-  if (position > size()) throw VdbDamaged(fmt::format("refers to byte {}, the file has {}", position, size()));
+  if (position > end_) {
+    throw VdbDamaged(fmt::format("refers to byte {}, the {} ends at {}", position, what_ends(), end_));
+  }
   if (position < begin_ || position > begin_ + length_) {
     window_.reset();
     length_ = 0;
@@ -36,9 +38,10 @@ void VdbCursor::prepare(std::uint64_t count) {
 }
 
 std::span<const std::byte> VdbCursor::take(std::uint64_t count) {
-  const std::uint64_t left = size() - position();
+  const std::uint64_t left = end_ - position();
   if (count > left) {
-    throw VdbDamaged(fmt::format("expected {} bytes from byte {} on, the file has {}", count, position(), left));
+    throw VdbDamaged(
+        fmt::format("expected {} bytes from byte {} on, the {} has {}", count, position(), what_ends(), left));
   }
   prepare(count);
   const std::span<const std::byte> taken(window_.get() + at_, count);

@@ -32,11 +32,15 @@ class VdbRefused : public std::runtime_error {
 
 class VdbCursor {
  public:
-  explicit VdbCursor(const InputFile& file, Progress* progress = nullptr) : file_(file), progress_(progress) {}
+  explicit VdbCursor(const InputFile& file, Progress* progress = nullptr)
+      : file_(file), progress_(progress), end_(file.size()) {}
 
   [[nodiscard]] std::uint64_t size() const { return file_.size(); }
   [[nodiscard]] std::uint64_t position() const { return begin_ + at_; }
   void seek(std::uint64_t position);
+  // From now on, what is sought and taken must not lie behind `end`: at first the file's end. Seek next where the
+  // cursor is behind it already.
+  void set_end(std::uint64_t end) { end_ = end; }
 
   // Sees to it that the next `count` bytes are in the window, or as many as the file has.
   void prepare(std::uint64_t count);
@@ -59,8 +63,11 @@ class VdbCursor {
   [[nodiscard]] std::string read_text(std::uint64_t length);
 
  private:
+  [[nodiscard]] const char* what_ends() const { return end_ < size() ? "grid" : "file"; }
+
   const InputFile& file_;
   Progress* progress_;
+  std::uint64_t end_;
   std::shared_ptr<std::byte[]> window_;
   std::uint64_t begin_ = 0;  // of the window, in the file
   std::size_t length_ = 0;   // of the window

@@ -72,8 +72,8 @@ VdbGridRecord read_descriptor(VdbCursor& cursor) {
   grid.unique_name = cursor.read_name();
   grid.name = grid.unique_name.substr(0, grid.unique_name.find(kNameSeparator));
   grid.tree_type = cursor.read_name();
-  grid.half = grid.tree_type.ends_with(kHalfSuffix);
-  if (grid.half) grid.tree_type.resize(grid.tree_type.size() - kHalfSuffix.size());
+  // OpenVDB too goes by the metadata when it reads the values.
+  if (grid.tree_type.ends_with(kHalfSuffix)) grid.tree_type.resize(grid.tree_type.size() - kHalfSuffix.size());
   grid.value_type = value_type_of(grid.tree_type);
   grid.instance_parent = cursor.read_name();
   const auto grid_position = cursor.read_value<std::int64_t>();
@@ -85,11 +85,15 @@ VdbGridRecord read_descriptor(VdbCursor& cursor) {
                                  printable(std::string_view(grid.name), 80), grid_position, end_position,
                                  cursor.size()));
   }
+  // Grids do not overlap where each stays within its end: then all of them together take no longer than the file is.
+  grid.end_position = static_cast<std::uint64_t>(end_position);
   cursor.seek(static_cast<std::uint64_t>(grid_position));
+  cursor.set_end(grid.end_position);
   grid.compression = cursor.read_value<std::uint32_t>();
   read_grid_metadata(cursor, grid);
   grid.transform_position = cursor.position();
-  cursor.seek(static_cast<std::uint64_t>(end_position));
+  cursor.set_end(cursor.size());
+  cursor.seek(grid.end_position);
   return grid;
 }
 

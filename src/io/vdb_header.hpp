@@ -24,6 +24,7 @@ struct VdbGridRecord {
   std::optional<IndexBox> box;          // of the active voxels, likewise
   std::uint32_t compression = 0;
   std::uint64_t transform_position = 0;  // in the file; the tree follows the transform
+  std::uint64_t end_position = 0;        // of the grid, at which the next one's description begins
 };
 
 // What OpenVDB 10 writes. Later ones have been readable so far.

@@ -1,6 +1,7 @@
 // OpenVDB's files: which grid, where it is, and its tree into sparse samples.
 #include <algorithm>
 #include <map>
+#include <unordered_map>
 
 #include <fmt/format.h>
 
@@ -42,48 +43,97 @@ VdbValueLayout layout_of(const VdbGridRecord& record) {
   return {sizeof(Value), half ? sizeof(Half) : sizeof(Value), record.compression};
 }
 
-// Leaves the cursor at the grid's tree.
+// Leaves the cursor at the grid's tree, beyond whose end it does not go.
 Frame read_transform_of(VdbCursor& cursor, const VdbGridRecord& record) {
+  cursor.set_end(record.end_position);
   cursor.seek(record.transform_position);
   return read_vdb_transform(cursor);
 }
 
-// The record whose tree belongs to `record`: its own, or that of the grid it is an instance of.
-const VdbGridRecord& tree_owner(const VdbHeader& header, const VdbGridRecord& record) {
-  if (record.instance_parent.empty()) return record;
-  const auto parent = std::ranges::find(header.grids, record.instance_parent, &VdbGridRecord::unique_name);
-  if (parent == header.grids.end() || !parent->instance_parent.empty() || parent->tree_type != record.tree_type) {
-    throw VdbDamaged(fmt::format("grid '{}' shares the tree of a grid that is not there", record.name));
+// The grids of a header by their unique names.
+class GridsByName {
+ public:
+  explicit GridsByName(const VdbHeader& header) {
+    for (const VdbGridRecord& record : header.grids) records_.emplace(record.unique_name, &record);
   }
-  return *parent;
-}
 
-// For files whose writer did not store these counts.
-void count_voxels(VdbCursor& cursor, const VdbTreeLimits& limits, const VdbHeader& header, VdbGridRecord& record) {
-  visit_scalar_tree(record.tree_type, [&]<class Value>(std::type_identity<Value>) {
-    const VdbGridRecord& owner = tree_owner(header, record);
-    static_cast<void>(read_transform_of(cursor, owner));
-    const VdbTopology topology = read_vdb_topology<Value>(cursor, layout_of<Value>(owner), limits);
-    record.voxels = topology.samples.active_voxels;
-    record.box = topology.samples.active_box;
-  });
-}
+  // The record whose tree belongs to `record`: its own, or that of the grid it is an instance of.
+  [[nodiscard]] const VdbGridRecord& tree_owner(const VdbGridRecord& record) const {
+    if (record.instance_parent.empty()) return record;
+    const auto parent = records_.find(record.instance_parent);
+    if (parent == records_.end() || !parent->second->instance_parent.empty() ||
+        parent->second->tree_type != record.tree_type) {
+      throw VdbDamaged(
+          fmt::format("grid '{}' shares the tree of a grid that is not there", printable(record.name, 80)));
+    }
+    return *parent->second;
+  }
+
+ private:
+  std::unordered_map<std::string_view, const VdbGridRecord*> records_;
+};
+
+struct VoxelCount {
+  std::uint64_t voxels = 0;
+  IndexBox box;
+};
+
+// For files whose writer did not store these counts. Each tree is read once, however many grids share it; a tree that
+// cannot be read has none.
+class VoxelCounter {
+ public:
+  VoxelCounter(VdbCursor& cursor, const std::string& file, const Limits& limits, const VdbHeader& header)
+      : cursor_(cursor), file_(file), limits_(limits), grids_(header) {}
+
+  VoxelCount count(const VdbGridRecord& record) {
+    try {
+      const VdbGridRecord& owner = grids_.tree_owner(record);
+      const auto [known, is_new] = counts_.try_emplace(owner.transform_position);
+      if (is_new) known->second = count_tree(owner);
+      return known->second;
+    } catch (const VdbDamaged&) {
+      return {};
+    } catch (const VdbRefused&) {
+      return {};
+    }
+  }
+
+ private:
+  VoxelCount count_tree(const VdbGridRecord& owner) {
+    VoxelCount count;
+    visit_scalar_tree(owner.tree_type, [&]<class Value>(std::type_identity<Value>) {
+      static_cast<void>(read_transform_of(cursor_, owner));
+      const VdbTreeLimits limits{limits_, file_, printable(owner.name, 80)};
+      const VdbTopology topology = read_vdb_topology<Value>(cursor_, layout_of<Value>(owner), limits);
+      count = {topology.samples.active_voxels, topology.samples.active_box};
+    });
+    return count;
+  }
+
+  VdbCursor& cursor_;
+  const std::string& file_;
+  const Limits& limits_;
+  GridsByName grids_;
+  std::unordered_map<std::uint64_t, VoxelCount> counts_;  // by the place of the owner's transform
+};
 
 std::vector<GridInfo> describe_grids(VdbCursor& cursor, const std::string& file, const Limits& limits,
-                                     VdbHeader& header) {
+                                     const VdbHeader& header) {
   std::map<std::string, int> counts;
+  VoxelCounter counter(cursor, file, limits, header);
   std::vector<GridInfo> grids;
-  for (VdbGridRecord& record : header.grids) {
-    if (!record.voxels || !record.box) count_voxels(cursor, {limits, file, record.name}, header, record);
+  for (const VdbGridRecord& record : header.grids) {
+    const bool counted = record.voxels && record.box;
+    const VoxelCount count = counted ? VoxelCount{*record.voxels, *record.box} : counter.count(record);
     GridInfo info;
     info.name = record.name;
     info.index_of_name = counts[record.name]++;
-    info.type = record.value_type;
+    info.type = printable(record.value_type, 80);
     info.scalar = visit_scalar_tree(record.tree_type, [](auto) {});
     if (record.grid_class == kLevelSetClass) info.kind = FieldKind::level_set;
     if (record.grid_class == kFogClass) info.kind = FieldKind::density;
-    info.box = record.box.value_or(IndexBox{});
-    info.voxels = record.voxels.value_or(0);
+    info.box = count.box;
+    info.voxels = count.voxels;
     grids.push_back(std::move(info));
   }
   for (GridInfo& info : grids) info.name_repeats = counts[info.name] > 1;
@@ -100,9 +150,9 @@ Result<ScalarField> read_grid(const InputFile& file, VdbCursor& cursor, const Vd
 
   const Frame frame = read_transform_of(cursor, record);
   if (auto placed = place_field(field, frame, options); !placed) return tl::unexpected(placed.error());
-  const VdbGridRecord& owner = tree_owner(header, record);
+  const VdbGridRecord& owner = GridsByName(header).tree_owner(record);
   if (&owner != &record) static_cast<void>(read_transform_of(cursor, owner));
-  const VdbTreeLimits limits{options.limits, file.name(), record.name};
+  const VdbTreeLimits limits{options.limits, file.name(), printable(record.name, 80)};
   visit_scalar_tree(record.tree_type, [&]<class Value>(std::type_identity<Value>) {
     const auto layout = layout_of<Value>(owner);
     VdbTopology topology = read_vdb_topology<Value>(cursor, layout, limits);
@@ -133,11 +183,11 @@ bool looks_like_vdb(std::span<const std::byte> content) {
   return starts_with(content, std::string_view(" BDV\0\0\0\0", 8));
 }
 
-Result<std::vector<GridInfo>> list_vdb_grids(const InputFile& file) {
+Result<std::vector<GridInfo>> list_vdb_grids(const InputFile& file, const Limits& limits) {
   return with_messages(file, [&]() -> Result<std::vector<GridInfo>> {
     VdbCursor cursor(file);
-    VdbHeader header = read_vdb_header(cursor);
-    return describe_grids(cursor, file.name(), default_limits(), header);
+    const VdbHeader header = read_vdb_header(cursor);
+    return describe_grids(cursor, file.name(), limits, header);
   });
 }
 
@@ -145,7 +195,7 @@ Result<ScalarField> read_vdb(const InputFile& file, const ReadOptions& options) 
   return with_messages(file, [&]() -> Result<ScalarField> {
     if (options.progress != nullptr) options.progress->begin("reading", 0);
     VdbCursor cursor(file, options.progress);
-    VdbHeader header = read_vdb_header(cursor);
+    const VdbHeader header = read_vdb_header(cursor);
     const std::vector<GridInfo> grids = describe_grids(cursor, file.name(), options.limits, header);
     const auto chosen = choose_grid(file.name(), grids, options.grid);
     if (!chosen) return tl::unexpected(chosen.error());

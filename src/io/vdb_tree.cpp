@@ -63,6 +63,11 @@ IndexBox box_of(const LeafMask& mask) {
   return box;
 }
 
+std::uint64_t index_bytes(const VdbTopology& topology) {
+  return topology.samples.tiles.capacity() * sizeof(SparseTile) +
+         topology.samples.blocks.capacity() * sizeof(SparseBlock) + topology.masks.capacity() * sizeof(LeafMask);
+}
+
 template <class Value>
 class TopologyReader {
  public:
@@ -82,12 +87,16 @@ class TopologyReader {
       const auto value = cursor_.read_value<Value>();
       const auto active = cursor_.read_value<std::uint8_t>();
       if (active > 1) throw VdbDamaged(fmt::format("a tile's flag is {}", active));
-      if (active == 1) count_tile(origin, kUpperSize);
+      if (active == 1) {
+        check_range(origin);
+        count_tile(origin, kUpperSize);
+      }
       add_tile(origin, kUpperSize, value);
     }
     for (std::uint32_t i = 0; i < children; ++i) {
       const glm::ivec3 origin = read_root_place();
       check_range(origin);
+      check_order(i == 0 ? origin : root_places_[root_places_.size() - 2], origin);
       read_node<32, kLowerSize>(origin);
     }
     std::ranges::sort(root_places_, {}, by_place);
@@ -108,6 +117,13 @@ class TopologyReader {
     }
     root_places_.push_back(place);
     return place;
+  }
+
+  // The leaves' values follow in the order of places, whatever the order of the nodes above them.
+  static void check_order(const glm::ivec3& before, const glm::ivec3& origin) {
+    if (by_place(before) <= by_place(origin)) return;
+    throw VdbDamaged(fmt::format("the node at ({}, {}, {}) comes after the one at ({}, {}, {})", origin.x, origin.y,
+                                 origin.z, before.x, before.y, before.z));
   }
 
   // Likewise on one more voxel all round.
@@ -134,17 +150,17 @@ class TopologyReader {
     const auto place = [&](int i) {
       return origin + kChildSize * glm::ivec3(i / (kSide * kSide), i / kSide % kSide, i % kSide);
     };
+    // topologyUnion() of OpenVDB 3.0 left entries both active and children. They are children: the values that are
+    // stored for them fill places of the file and nothing else. They are no active tiles here, unlike in OpenVDB's own
+    // counts.
     std::array<std::uint64_t, kWords> tiles;
+    std::array<std::uint64_t, kWords> active_tiles;
     for (std::size_t word = 0; word < kWords; ++word) {
-      if ((children[word] & active[word]) != 0) {
-        throw VdbDamaged(fmt::format("an entry of the node at ({}, {}, {}) is both a tile and a node", origin.x,
-                                     origin.y, origin.z));
-      }
       tiles[word] = ~children[word];
+      active_tiles[word] = active[word] & ~children[word];
     }
-    for_each_bit(active, [&](int i) { count_tile(place(i), kChildSize); });
+    for_each_bit(active_tiles, [&](int i) { count_tile(place(i), kChildSize); });
     for_each_bit(tiles, [&](int i) { add_tile(place(i), kChildSize, values_[static_cast<std::size_t>(i)]); });
-    check_index();
     for_each_bit(children, [&](int i) {
       if constexpr (kChildSize == kLeafSize) {
         add_leaf(place(i));
@@ -156,6 +172,8 @@ class TopologyReader {
 
   void add_leaf(const glm::ivec3& origin) {
     const auto mask = cursor_.read_value<LeafMask>();
+    make_room(samples_.blocks);
+    make_room(topology_.masks);
     samples_.blocks.push_back({origin});
     topology_.masks.push_back(mask);
     int on = 0;
@@ -176,6 +194,7 @@ class TopologyReader {
     const bool both_nan = value != value && background_ != background_;
     if (value == background_ || both_nan) return;
     check_range(origin);
+    make_room(samples_.tiles);
     samples_.tiles.push_back({origin, size, static_cast<double>(value)});
   }
 
@@ -184,14 +203,18 @@ class TopologyReader {
     whole = whole.empty() ? box : IndexBox{glm::min(whole.min, box.min), glm::max(whole.max, box.max)};
   }
 
-  // Few bytes can stand for many tiles.
-  void check_index() const {
-    const std::uint64_t bytes =
-        samples_.tiles.size() * sizeof(SparseTile) + samples_.blocks.size() * (sizeof(SparseBlock) + sizeof(LeafMask));
-    if (bytes <= limits_.limits.memory_bytes) return;
-    const auto too_much = check_memory(bytes, limits_.limits,
-                                       fmt::format("{}: the tiles and nodes of grid '{}'", limits_.file, limits_.grid));
-    throw VdbRefused(too_much.error());
+  // Room for one more element. Few bytes of a file can stand for many tiles: what a list would grow to, beside what it
+  // has until then, is held against the limit before it grows.
+  template <class T>
+  void make_room(std::vector<T>& list) const {
+    if (list.size() < list.capacity()) return;
+    constexpr std::size_t kFirst = 16;
+    const std::size_t capacity = std::max(kFirst, list.size() + list.size() / 2);
+    const std::uint64_t bytes = index_bytes(topology_) + capacity * sizeof(T);
+    const auto fits = check_memory(bytes, limits_.limits,
+                                   fmt::format("{}: the tiles and nodes of grid '{}'", limits_.file, limits_.grid));
+    if (!fits) throw VdbRefused(fits.error());
+    list.reserve(capacity);
   }
 
   VdbCursor& cursor_;
@@ -238,14 +261,13 @@ VdbTopology read_vdb_topology(VdbCursor& cursor, const VdbValueLayout& layout, c
 template <class Value>
 SparseSamples read_vdb_leaves(VdbCursor& cursor, const VdbValueLayout& layout, const VdbTreeLimits& limits,
                               VdbTopology topology) {
-  SparseSamples samples = std::move(topology.samples);
-  const std::size_t count = samples.blocks.size();
-  const std::uint64_t bytes = count * (sizeof(SparseBlock) + sizeof(LeafMask) + kLeafValues * sizeof(Value)) +
-                              samples.tiles.size() * sizeof(SparseTile);
+  const std::size_t count = topology.samples.blocks.size();
+  const std::uint64_t bytes = index_bytes(topology) + count * kLeafValues * sizeof(Value);
   const auto fits = check_memory(bytes, limits.limits,
                                  fmt::format("{}: the {} leaf nodes of grid '{}'", limits.file, count, limits.grid));
   if (!fits) throw VdbRefused(fits.error());
 
+  SparseSamples samples = std::move(topology.samples);
   const auto values = std::make_shared<Buffer<Value>>(count * kLeafValues);
   const auto background = static_cast<Value>(samples.background);
   const auto values_of = [&](std::size_t leaf) { return values->span().subspan(leaf * kLeafValues, kLeafValues); };

@@ -45,7 +45,7 @@ struct DenseFile {
 [[nodiscard]] Result<DenseFile> open_npy(const InputFile& file);
 [[nodiscard]] Result<DenseFile> open_raw(const InputFile& file, const RawLayout& layout);
 
-[[nodiscard]] Result<std::vector<GridInfo>> list_vdb_grids(const InputFile& file);
+[[nodiscard]] Result<std::vector<GridInfo>> list_vdb_grids(const InputFile& file, const Limits& limits);
 [[nodiscard]] Result<ScalarField> read_vdb(const InputFile& file, const ReadOptions& options);
 
 // Whether the first bytes of a file (inflated where it is gzip) are of a format. kDetectionBytes are enough.

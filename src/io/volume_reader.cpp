@@ -179,7 +179,7 @@ Result<std::vector<GridInfo>> list_file(const std::string& input, const ReadOpti
   const auto detected = detect_format(*file, options);
   if (!detected) return tl::unexpected(detected.error());
   if (auto fine = check_options(input, detected->format, options); !fine) return tl::unexpected(fine.error());
-  if (detected->format == VolumeFormat::vdb) return list_vdb_grids(*file);
+  if (detected->format == VolumeFormat::vdb) return list_vdb_grids(*file, options.limits);
 
   const auto dense = open_dense(*file, detected->format, options);
   if (!dense) return tl::unexpected(dense.error());

@@ -181,34 +181,43 @@ TEST(VdbDamage, MalformedFilesAreRefused) {
                       {"zero scale", with(map + 15, 0.0), "transform with an inverse"}});
 }
 
-// One leaf, uncompressed but for its mask: where everything lies in the file can be counted from its end.
-TEST(VdbDamage, TreesThatContradictThemselves) {
-  openvdb::initialize();
-  const auto grid = openvdb::FloatGrid::create(3);
-  grid->tree().setValue({1, 2, 3}, 8);
-  grid->tree().addTile(3, {8192, 0, 0}, 6, false);
-  const auto file_of = [&](std::uint32_t compression) {
+// One leaf and one tile, uncompressed but for the masks: where everything lies in the file can be counted from its end.
+struct OneLeafFile {
+  static std::string with_compression(std::uint32_t compression) {
+    openvdb::initialize();
+    const auto grid = openvdb::FloatGrid::create(3);
+    grid->tree().setValue({1, 2, 3}, 8);
+    grid->tree().addTile(3, {8192, 0, 0}, 6, false);
     const TempFolder folder;
     write_vdb(folder / "v.vdb", {grid}, compression);
     return read_bytes(folder / "v.vdb");
-  };
-  const std::string good = file_of(COMPRESS_ACTIVE_MASK);
+  }
+  std::string bytes = with_compression(COMPRESS_ACTIVE_MASK);
   // From the back: the value, the code, the mask; the leaf's mask in the topology; each inner node is two masks, a code
   // and no value; then the upper node's origin; the tile is an origin, a value and a flag.
-  const std::size_t code = good.size() - 5;
-  const std::size_t mask = code - 64;
-  const std::size_t lower = mask - 64 - 1 - 2 * 512;
-  const std::size_t upper = lower - 1 - 2 * 4096;
-  const std::size_t child = upper - 12;
-  const std::size_t tile = child - 17;
-  const auto with = [](std::string bytes, std::size_t at, auto value) {
-    put(bytes, at, value);
-    return bytes;
-  };
+  std::size_t code = bytes.size() - 5;
+  std::size_t mask = code - 64;
+  std::size_t lower = mask - 64 - 1 - 2 * 512;
+  std::size_t upper = lower - 1 - 2 * 4096;
+  std::size_t child = upper - 12;
+  std::size_t tile = child - 17;
+  // Of the grid's place in the file, its values' and its end's.
+  std::size_t offsets = bytes.find("Tree_float_5_4_3") + 16 + 4;
+};
+
+template <class Value>
+std::string with(std::string bytes, std::size_t at, Value value) {
+  put(bytes, at, value);
+  return bytes;
+}
+
+TEST(VdbDamage, TreesThatContradictThemselves) {
+  const OneLeafFile file;
+  const auto& [good, code, mask, lower, upper, child, tile, offsets] = file;
   ASSERT_EQ(good.substr(code + 1), pack(8.0F));
   ASSERT_EQ(good.substr(tile, 17), pack(8192) + pack(0) + pack(0) + pack(6.0F) + '\0');
 
-  const std::string packed = file_of(COMPRESS_BLOSC);
+  const std::string packed = OneLeafFile::with_compression(COMPRESS_BLOSC);
   std::int64_t length = 0;  // of the leaf's chunk, which ends the file
   std::size_t chunk = packed.size() - 16;
   while (std::memcpy(&length, &packed[chunk - 8], 8), length != static_cast<std::int64_t>(packed.size() - chunk))
@@ -222,8 +231,11 @@ TEST(VdbDamage, TreesThatContradictThemselves) {
        {"a tile off the grid", with(good, tile, 8192 + 8), "a node of 4096 voxels a side at index 8200"},
        {"a node off the grid", with(good, child + 4, 128), "a node of 4096 voxels a side at index 128 along axis 1"},
        {"a node too far out", with(good, child + 8, 1 << 30), "the limit is 2^29"},
-       {"tile and child", with(good, upper + 4096, '\1'), "is both a tile and a node"},
-       {"tile and leaf", with(good, lower + 512, '\1'), "is both a tile and a node"},
+       {"an active tile of the background too far out",
+        with(with(with(good, tile, 1 << 30), tile + 12, 3.0F), tile + 16, '\1'), "the limit is 2^29"},
+       {"leaves past the grid's end", with(good, offsets + 16, static_cast<std::int64_t>(good.size() - 1)),
+        "the grid has 3"},
+       {"nodes past the grid's end", with(good, offsets + 16, static_cast<std::int64_t>(lower)), "the grid has"},
        {"code of a node", with(good, lower + 1024, '\7'), "code 7"},
        {"code of a leaf", with(good, code, '\x80'), "code 128"},
        {"other mask of a leaf", with(good, mask, '\1'), "has another mask"},
@@ -232,6 +244,79 @@ TEST(VdbDamage, TreesThatContradictThemselves) {
        {"blosc: other size", with(packed, chunk + 4, 2044), "expected a blosc chunk of 2048 bytes"},
        {"blosc: other length", with(packed, chunk + 12, 20), "expected a blosc chunk of 2048 bytes"},
        {"blosc: blocks too large", with(packed, chunk + 8, 1 << 30), "blosc chunk"}});
+}
+
+TEST(VdbDamage, NodesOfTheRootOutOfOrder) {
+  openvdb::initialize();
+  const auto grid = openvdb::FloatGrid::create(3);
+  grid->tree().setValue({0, 0, 0}, 8);
+  grid->tree().setValue({0, 4096, 0}, 9);
+  const TempFolder folder;
+  write_vdb(folder / "v.vdb", {grid});
+  std::string bytes = read_bytes(folder / "v.vdb");
+  const std::size_t second = bytes.rfind(pack(0) + pack(4096) + pack(0));
+  // The first node goes behind the second: to (0, 8192, 0).
+  const std::size_t place = second - (12 + 2 * 4096 + 1 + 2 * 512 + 1 + 64);
+  ASSERT_EQ(bytes.substr(place, 12), std::string(12, '\0'));
+  must_read(folder / "v.vdb");
+  put(bytes, place + 4, 8192);
+  write_bytes(folder / "v.vdb", bytes);
+  expect_in(refusal(folder / "v.vdb").message, "the node at (0, 4096, 0) comes after the one at (0, 8192, 0)");
+}
+
+TEST(VdbDamage, MetadataPastTheEndOfTheirGrid) {
+  const OneLeafFile file;
+  std::int64_t grid = 0;
+  std::memcpy(&grid, &file.bytes[file.offsets], sizeof grid);
+  expect_all_refused("v.vdb", {{"in an entry", with(file.bytes, file.offsets + 16, grid + 20), "the grid has"},
+                               {"before it", with(file.bytes, file.offsets + 16, grid + 6), "the grid has 2"}});
+  // An entry that is passed over: its size is behind the count, its name and its type.
+  std::string jump = file.bytes;
+  const std::size_t size = jump.find("int64", static_cast<std::size_t>(grid)) + 5;
+  put(jump, size, std::uint32_t{300});
+  put(jump, file.offsets + 16, static_cast<std::int64_t>(size + 100));
+  expect_all_refused("v.vdb", {{"passed over", jump, "the grid ends at"}});
+}
+
+TEST(VdbDamage, OnlyTheMetadataTellHalves) {
+  OneLeafFile file;
+  file.bytes.insert(file.offsets - 4, "_HalfFloat");
+  put(file.bytes, file.offsets - 4 - 16 - 4, std::uint32_t{26});
+  for (std::size_t at = file.offsets + 10; at < file.offsets + 34; at += 8) {
+    std::int64_t position = 0;
+    std::memcpy(&position, &file.bytes[at], sizeof position);
+    put(file.bytes, at, position + 10);
+  }
+  const TempFolder folder;
+  write_bytes(folder / "v.vdb", file.bytes);
+  const auto samples = std::get<SparseSamples>(must_read(folder / "v.vdb").samples);
+  EXPECT_EQ(sparse_value<float>(samples, {1, 2, 3}), 8);
+}
+
+// OpenVDB 3.0 wrote such files. A value is stored for the entry, and the entry is a child.
+TEST(VdbDamage, ActiveEntriesThatAreChildrenAreRead) {
+  const OneLeafFile file;
+  const auto with_value = [&](std::size_t value_mask, std::size_t node_code) {
+    std::string bytes = with(file.bytes, value_mask, '\1');
+    bytes.insert(node_code + 1, pack(77.0F));
+    return with(bytes, file.offsets + 16, static_cast<std::int64_t>(bytes.size()));
+  };
+  for (const std::string& bytes :
+       {with_value(file.upper + 4096, file.upper + 8192), with_value(file.lower + 512, file.lower + 1024)}) {
+    const TempFolder folder;
+    write_bytes(folder / "v.vdb", bytes);
+    const auto samples = std::get<SparseSamples>(must_read(folder / "v.vdb").samples);
+    EXPECT_EQ(samples.active_voxels, 1U);
+    EXPECT_EQ(samples.active_box, (IndexBox{{1, 2, 3}, {1, 2, 3}}));
+    ASSERT_EQ(samples.tiles.size(), 1U);
+    EXPECT_EQ(samples.tiles.front().value, 6);
+    openvdb::io::File reference((folder / "v.vdb").string());
+    reference.open(false);
+    const auto grid = openvdb::gridPtrCast<openvdb::FloatGrid>(reference.readGrid(reference.beginName().gridName()));
+    for (const openvdb::Coord& at : {openvdb::Coord(1, 2, 3), openvdb::Coord(0, 0, 0), openvdb::Coord(8, 0, 0)}) {
+      EXPECT_EQ(sparse_value<float>(samples, {at.x(), at.y(), at.z()}), grid->tree().getValue(at)) << at;
+    }
+  }
 }
 
 TEST(VdbDamage, UnknownCompressionsAreRefusedAndNewerVersionsNoted) {
