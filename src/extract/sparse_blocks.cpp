@@ -87,7 +87,10 @@ std::vector<glm::ivec3> unstored_places(const SparseSamples& samples, const Spar
       return;
     }
     const auto origin_at = [&](int x, int y, int z) { return node.origin + kSize * (glm::ivec3(x, y, z) - 1); };
-    const auto at = [](int x, int y, int z) { return static_cast<std::size_t>((x * kSide + y) * kSide + z); };
+    const auto at = [](int x, int y, int z) {
+      const int slot = (x * kSide + y) * kSide + z;
+      return static_cast<std::size_t>(slot);
+    };
     const auto within = [](int i) { return i >= 1 && i <= kPlaces; };
     std::array<State, kSide * kSide * kSide> states;
     for (int x = 0; x < kSide; ++x) {

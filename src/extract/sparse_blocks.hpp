@@ -18,7 +18,8 @@ namespace isoextract {
 // The 3 x 3 x 3 places around and at one, numbered x fastest; `away` is -1 to 1 along each axis.
 inline constexpr std::size_t kNearPlaces = 27;
 [[nodiscard]] inline std::size_t near_place_slot(const glm::ivec3& away) {
-  return static_cast<std::size_t>((away.x + 1) + 3 * (away.y + 1) + 9 * (away.z + 1));
+  const int slot = (away.x + 1) + 3 * (away.y + 1) + 9 * (away.z + 1);
+  return static_cast<std::size_t>(slot);
 }
 
 // f(slot, place) for those of them from `lowest` (0 or -1) to 1 along each axis; `place` is its lowest sample.
@@ -53,7 +54,8 @@ using SitePlanes = std::array<std::array<std::uint64_t, 4>, 9>;
 
 // The bits of samples p + step for the samples p of plane x; `step` is a set of axis bits.
 [[nodiscard]] inline std::uint64_t moved_bits(const SitePlanes& planes, int step, int x) {
-  return planes[static_cast<std::size_t>(x + (step & 1))][static_cast<std::size_t>(step >> 1)];
+  const int plane = x + (step & 1);
+  return planes[static_cast<std::size_t>(plane)][static_cast<std::size_t>(step >> 1)];
 }
 
 }  // namespace isoextract
