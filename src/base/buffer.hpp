@@ -11,8 +11,8 @@
 namespace isoextract {
 
 namespace detail {
-// count * size bytes, aligned to a cache line at least. Large blocks have huge pages where the system lets them, and are
-// kept for whoever asks next, up to 512 MiB of them. Null for no bytes; throws std::bad_alloc.
+// count * size bytes, aligned to a cache line at least. Large blocks have huge pages where the system lets them, and
+// are kept for whoever asks next, up to 512 MiB of them. Null for no bytes; throws std::bad_alloc.
 [[nodiscard]] void* allocate_pages(std::size_t count, std::size_t size);
 void free_pages(void* block);
 }  // namespace detail
