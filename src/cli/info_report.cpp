@@ -9,6 +9,7 @@
 #include "base/limits.hpp"
 #include "cli/layout.hpp"
 #include "cli/placement.hpp"
+#include "io/file_bytes.hpp"
 
 namespace isoextract {
 namespace {
@@ -24,13 +25,7 @@ std::string grid_name(const GridInfo& grid) {
 }
 
 // Names in files are not to be trusted with a terminal.
-std::string printable_name(const std::string& name) {
-  constexpr std::size_t kMaxLength = 200;
-  std::string shown = name.substr(0, kMaxLength);
-  std::replace_if(
-      shown.begin(), shown.end(), [](unsigned char c) { return c < 0x20 || c > 0x7e; }, '?');
-  return shown.size() < name.size() ? shown + "..." : shown;
-}
+std::string printable_name(const std::string& name) { return printable(std::string_view(name), 200); }
 
 std::string grid_label(const GridInfo& grid) { return printable_name(grid_name(grid)); }
 

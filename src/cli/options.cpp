@@ -132,8 +132,7 @@ std::vector<Choice<LengthUnit>> units() {
 
 constexpr const char* kMemoryLimitText =
     "Refuse an input that needs more memory than this, such as 512M or 8G (default: the machine's memory). Samples "
-    "that "
-    "are mapped from their file, not copied, need none.";
+    "that are mapped from their file, not copied, need none.";
 
 // `what` says of the inputs what they are for.
 void declare_input(CLI::App& app, InputFlags& flags, const std::string& metavar, const std::string& what) {

@@ -12,8 +12,10 @@
 // side, and the mesh is closed all the same: both cells at a face decide by the same products of the same four values.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "extract/cell_tables.hpp"
 #include "extract/cube_cell.hpp"
@@ -84,6 +86,16 @@ template <class Value>
   CornerValues corners;
   for (std::size_t c = 0; c < corners.size(); ++c) corners[c] = rule.depth(value(static_cast<int>(c)));
   return with_tunnel(table, table.variant(cell_case, joined_faces(table, cell_case, corners)), corners);
+}
+
+// The same, but nothing if `holes` and a corner is not a number.
+template <class Value>
+[[nodiscard]] std::optional<unsigned> variant_or_hole(const CaseTable& table, unsigned cell_case,
+                                                      const InsideRule& rule, bool holes, const Value& value) {
+  std::array<double, 8> corners;
+  for (std::size_t c = 0; c < corners.size(); ++c) corners[c] = value(static_cast<int>(c));
+  if (holes && std::ranges::any_of(corners, [](double f) { return std::isnan(f); })) return std::nullopt;
+  return cell_variant(table, cell_case, rule, [&](int corner) { return corners[static_cast<std::size_t>(corner)]; });
 }
 
 }  // namespace isoextract

@@ -19,6 +19,7 @@
 // Worked case 1 (corner 0 alone inside): one triangle on the edges 0+x, 0+y, 0+z, normal (1, 1, 1).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -56,6 +57,11 @@ struct CaseTable {
   std::vector<std::array<Tunnel, 2>> tunnels;
   std::vector<std::uint16_t> first;  // variant v draws triangles[first[v]] .. triangles[first[v + 1] - 1]
   std::vector<CellTriangle> triangles;
+
+  // Where axis bits are in `directions`; their number if the method has no such direction.
+  [[nodiscard]] std::size_t index_of(int direction) const {
+    return static_cast<std::size_t>(std::ranges::find(directions, direction) - directions.begin());
+  }
 
   // `joined` is the set of alternating faces whose inside corners are joined.
   [[nodiscard]] unsigned variant(unsigned cell_case, unsigned joined) const {

@@ -209,11 +209,8 @@ class DenseExtraction final : private CellDecider {
 
   // `p` is relative to the region, here and in what follows, unless something else is said.
   [[nodiscard]] std::optional<unsigned> variant(unsigned cell_case, const glm::ivec3& p) const override {
-    std::array<double, 8> corners;
-    for (int c = 0; c < 8; ++c) corners[static_cast<std::size_t>(c)] = value(region_.min + p + direction_step(c));
-    if (has_holes_ && std::ranges::any_of(corners, [](double f) { return std::isnan(f); })) return std::nullopt;
-    return cell_variant(table_, cell_case, rule_,
-                        [&](int corner) { return corners[static_cast<std::size_t>(corner)]; });
+    return variant_or_hole(table_, cell_case, rule_, has_holes_,
+                           [&](int corner) { return value(region_.min + p + direction_step(corner)); });
   }
 
   // Counts become first numbers.
@@ -252,9 +249,7 @@ class DenseExtraction final : private CellDecider {
   [[nodiscard]] std::uint32_t edge_vertex(const glm::ivec3& p, int direction) const {
     const CellRow row = cell_row(p.y, p.z);
     const std::uint64_t* upper = row.bits[static_cast<std::size_t>(direction >> 1)];
-    const auto d =
-        static_cast<std::size_t>(std::ranges::find(table_.directions, direction) - table_.directions.begin());
-    std::uint32_t number = vertex_base(row_index(p.y, p.z))[d];
+    std::uint32_t number = vertex_base(row_index(p.y, p.z))[table_.index_of(direction)];
     for (int w = 0; w <= p.x / 64; ++w) {
       const std::uint64_t ends = (direction & 1) != 0 ? next_bits(upper, w) : upper[w];
       number += static_cast<std::uint32_t>(std::popcount((row.bits[0][w] ^ ends) & bits_below(w, p.x)));

@@ -2,7 +2,6 @@
 
 #include <bit>
 
-#include "extract/cell_streams.hpp"
 #include "extract/simd_targets.hpp"
 
 #undef HWY_TARGET_INCLUDE
@@ -55,8 +54,7 @@ void write_any(const CaseTable& table, const CellDrawings& drawings, const glm::
   for (std::size_t e = 0; e < table.edges.size(); ++e) {
     const int corner = table.edges[e].corner;
     const int direction = table.edges[e].direction;
-    const int index = drawings.directions() == 3 ? direction_index<3>(direction) : direction_index<7>(direction);
-    edges[e] = {corner, (corner & 1) << 6 | (corner & 2) << 2 | corner >> 2, static_cast<std::size_t>(index)};
+    edges[e] = {corner, (corner & 1) << 6 | (corner & 2) << 2 | corner >> 2, table.index_of(direction)};
   }
   std::array<std::uint32_t, 19> numbers;
   for (std::size_t x = 0; x < active.size(); ++x) {

@@ -49,17 +49,13 @@ std::uint64_t tile_skin_bytes(const SparseSamples& samples, const InsideRule& ru
 }
 
 std::vector<glm::ivec3> unstored_places(const SparseSamples& samples, const SparseLookup& lookup,
-                                        const InsideRule& rule, const ValueScale& scale) {
+                                        const ConstantSides& sides) {
   enum class State : std::uint8_t { outside, inside, block };
-  const auto constant_state = [&](double value) { return rule(scale(value)) ? State::inside : State::outside; };
-  std::vector<State> tile_states(samples.tiles.size());
-  tbb::parallel_for(std::size_t{0}, tile_states.size(),
-                    [&](std::size_t t) { tile_states[t] = constant_state(samples.tiles[t].value); });
-  const State background = constant_state(samples.background);
   const auto state = [&](std::int32_t place) {
     if (place >= 0) return State::block;
-    return place == SparseLookup::kBackground ? background : tile_states[static_cast<std::size_t>(-2 - place)];
+    return sides.inside(place) ? State::inside : State::outside;
   };
+  const State background = state(SparseLookup::kBackground);
 
   // Every node looks at its own places and at those just before it.
   constexpr int kPlaces = SparseLookup::Node::kPlaces;
@@ -118,7 +114,7 @@ std::vector<glm::ivec3> unstored_places(const SparseSamples& samples, const Spar
   // Between large tiles and the background there may be no node.
   std::vector<glm::ivec3>& skins = found.back();
   for (std::size_t t = 0; t < samples.tiles.size(); ++t) {
-    if (samples.tiles[t].size >= SparseLookup::Node::kSize && tile_states[t] != background) {
+    if (samples.tiles[t].size >= SparseLookup::Node::kSize && state(SparseLookup::tile_place(t)) != background) {
       add_tile_skin(samples.tiles[t], skins);
     }
   }

@@ -42,10 +42,21 @@ using BlockBits = std::array<std::uint64_t, 8>;
 [[nodiscard]] std::uint64_t tile_skin_bytes(const SparseSamples& samples, const InsideRule& rule,
                                             const ValueScale& scale);
 
+// On which side of iso the constants are.
+struct ConstantSides {
+  std::vector<std::uint8_t> tiles_inside;  // by tile
+  bool background_inside = false;
+
+  // Of a place without a block, as SparseLookup tells it.
+  [[nodiscard]] bool inside(std::int32_t place) const {
+    return place == SparseLookup::kBackground ? background_inside : tiles_inside[SparseLookup::tile_of(place)] != 0;
+  }
+};
+
 // Places without a stored block around which both sides may occur: those that share a cell with a stored block, and the
 // skins of tiles that are not on the background's side. Sorted; a place may be named that turns out to be one-sided.
 [[nodiscard]] std::vector<glm::ivec3> unstored_places(const SparseSamples& samples, const SparseLookup& lookup,
-                                                      const InsideRule& rule, const ValueScale& scale);
+                                                      const ConstantSides& sides);
 
 // The bits of the planes x = 0 to 8 of a block, each four times: as they are, and moved by one sample along y, along z,
 // along both. `group[n]` are the bits of the block that lies n & 1, n >> 1 & 1, n >> 2 & 1 blocks along x, y, z.

@@ -1,6 +1,5 @@
 #include "extract/sparse_extractor.hpp"
 
-#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <optional>
@@ -137,24 +136,14 @@ class SparseExtraction final : private CellDecider {
     return sizes;
   }
 
-  // The place of axis bits in the table.
-  [[nodiscard]] std::size_t index_of(int direction) const {
-    return static_cast<std::size_t>(std::ranges::find(table_.directions, direction) - table_.directions.begin());
-  }
-
   [[nodiscard]] std::uint32_t edge_vertex(const glm::ivec3& p, int direction) const {
     const auto site = static_cast<std::size_t>(sites_.site(block_origin(p)));
-    return vertices_.at(site, index_of(direction), block_offset(p));
+    return vertices_.at(site, table_.index_of(direction), block_offset(p));
   }
 
   [[nodiscard]] std::optional<unsigned> variant(unsigned cell_case, const glm::ivec3& p) const override {
-    std::array<double, 8> corners;
-    for (int c = 0; c < 8; ++c) corners[static_cast<std::size_t>(c)] = sites_.value(p + direction_step(c));
-    if (sites_.has_holes() && std::ranges::any_of(corners, [](double f) { return std::isnan(f); })) {
-      return std::nullopt;
-    }
-    return cell_variant(table_, cell_case, rule_,
-                        [&](int corner) { return corners[static_cast<std::size_t>(corner)]; });
+    return variant_or_hole(table_, cell_case, rule_, sites_.has_holes(),
+                           [&](int corner) { return sites_.value(p + direction_step(corner)); });
   }
 
   void emit(Mesh& mesh) {

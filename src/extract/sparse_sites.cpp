@@ -90,10 +90,10 @@ void SparseSites::classify(ExtractStats& stats) {
       nan.fetch_add(block_nan, std::memory_order_relaxed);
     }
   });
-  tiles_inside_.resize(samples_.tiles.size());
-  for_each("classifying tiles", tiles_inside_.size(),
-           [&](std::size_t t) { tiles_inside_[t] = rule_(field_.scale(samples_.tiles[t].value)) ? 1 : 0; });
-  background_inside_ = rule_(field_.scale(samples_.background));
+  sides_.tiles_inside.resize(samples_.tiles.size());
+  for_each("classifying tiles", sides_.tiles_inside.size(),
+           [&](std::size_t t) { sides_.tiles_inside[t] = rule_(field_.scale(samples_.tiles[t].value)) ? 1 : 0; });
+  sides_.background_inside = rule_(field_.scale(samples_.background));
   stats.samples_classified = blocks * kBlockSamples;
   stats.nan_samples = nan.load();
   for (const SparseTile& tile : samples_.tiles) {
@@ -132,9 +132,7 @@ const BlockBits* SparseSites::bits_of(std::int32_t place) const {
     return bits;
   }();
   if (place >= 0) return &bits_[static_cast<std::size_t>(place)];
-  const bool inside = place == SparseLookup::kBackground ? background_inside_
-                                                         : tiles_inside_[static_cast<std::size_t>(-2 - place)] != 0;
-  return inside ? &kInside : &kOutside;
+  return sides_.inside(place) ? &kInside : &kOutside;
 }
 
 SitePlanes SparseSites::planes_of(const SparseLookup::Group& group) const {
@@ -222,7 +220,7 @@ bool SparseSites::owns_crossed_edge(const glm::ivec3& origin, const SparseLookup
 }
 
 Result<void> SparseSites::list_sites() {
-  const std::vector<glm::ivec3> unstored = unstored_places(samples_, *lookup_, rule_, field_.scale);
+  const std::vector<glm::ivec3> unstored = unstored_places(samples_, *lookup_, sides_);
   const std::size_t blocks = samples_.blocks.size();
   const auto place = [&](std::size_t p) { return p < blocks ? samples_.blocks[p].origin : unstored[p - blocks]; };
   std::vector<SparseLookup::Group> groups(blocks + unstored.size());

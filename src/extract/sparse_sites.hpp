@@ -95,9 +95,8 @@ class SparseSites {
   InsideRule rule_;
   std::optional<SparseLookup> lookup_;
   double (*stored_number_)(const void* values, int offset);
-  Buffer<BlockBits> bits_;                  // of the stored blocks
-  std::vector<std::uint8_t> tiles_inside_;  // by tile
-  bool background_inside_ = false;
+  Buffer<BlockBits> bits_;  // of the stored blocks
+  ConstantSides sides_;     // of all else
   std::vector<glm::ivec3> sites_;
   std::vector<SparseLookup::Group> groups_;  // by site
   std::size_t stored_sites_ = 0;

@@ -75,9 +75,12 @@ class SparseLookup {
   static constexpr std::int32_t kBackground = -1;
   [[nodiscard]] static std::int32_t tile_place(std::size_t tile) { return -2 - static_cast<std::int32_t>(tile); }
 
+  // And back, for a place that is a tile's.
+  [[nodiscard]] static std::size_t tile_of(std::int32_t place) { return static_cast<std::size_t>(-2 - place); }
+
   // The one value of such a place without a block.
   [[nodiscard]] double constant_of(std::int32_t place) const {
-    return place == kBackground ? samples_.background : samples_.tiles[static_cast<std::size_t>(-2 - place)].value;
+    return place == kBackground ? samples_.background : samples_.tiles[tile_of(place)].value;
   }
 
   // The number of the stored block, or -1.

@@ -22,12 +22,6 @@ std::uint16_t local_key(const glm::ivec3& low, unsigned direction) {
   return static_cast<std::uint16_t>(direction << 12 | static_cast<unsigned>(low.z << 8 | low.y << 4 | low.x));
 }
 
-// Of axis bits in CaseTable::directions; their number if the method has no such direction.
-std::uint32_t index_of(const CaseTable& table, unsigned direction) {
-  const auto found = std::ranges::find(table.directions, static_cast<std::uint8_t>(direction));
-  return static_cast<std::uint32_t>(found - table.directions.begin());
-}
-
 // Every method's triangles touch both sides of their cell along each axis (no triangle lies in a face), so the lowest
 // of their edges' lower ends is the cell.
 glm::ivec3 cell_of(const CapturedSoup& soup, std::size_t triangle) {
@@ -155,7 +149,8 @@ void SiteWeld::weld_site(std::uint32_t site, const CapturedSoup& soup, std::span
 SiteWeld::EdgeOwner SiteWeld::owner_of(const std::array<std::int32_t, 8>& near, std::uint16_t key) const {
   const glm::ivec3 low = low_of(key);
   const auto place = static_cast<std::size_t>(low.x >> 3 | low.y >> 3 << 1 | low.z >> 3 << 2);
-  return {near[place], index_of(table_, direction_of(key)), block_offset(low)};
+  return {near[place], static_cast<std::uint32_t>(table_.index_of(static_cast<int>(direction_of(key)))),
+          block_offset(low)};
 }
 
 Result<MeshSizes> SiteWeld::number() {
@@ -255,7 +250,7 @@ void SiteWeld::write(Mesh& mesh, bool mirrored) const {
 }
 
 std::uint32_t SiteWeld::vertex_at(std::size_t site, int direction, int offset) const {
-  return vertices_.at(site, index_of(table_, static_cast<unsigned>(direction)), offset);
+  return vertices_.at(site, table_.index_of(direction), offset);
 }
 
 }  // namespace isoextract
