@@ -2,12 +2,13 @@
 #
 # isoextract_room(NAME SOURCES a.cpp ... ROOMS base field ... LIBRARIES Some::lib ...)
 #
-# Headers are included as "room/header.hpp". Every room publishes an include directory of its own that holds nothing
-# but a link to its folder, so an include that crosses the link line does not compile.
+# Headers are included as "room/header.hpp". What other rooms see of a room is an include directory that holds links to the
+# headers at its top and to nothing else: an include that crosses the link line, or one of what lies in a subfolder of
+# another room, does not compile. The room itself and its unit tests see all of it.
 
 add_library(isoextract_options INTERFACE)
 target_compile_options(isoextract_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
-  -Wno-sign-conversion -Wold-style-cast -Wnon-virtual-dtor -Woverloaded-virtual -Wnull-dereference -ffp-contract=off)
+  -Wno-sign-conversion -Wold-style-cast -Wnon-virtual-dtor -Woverloaded-virtual -Wnull-dereference)
 if(ISOEXTRACT_WERROR)
   target_compile_options(isoextract_options INTERFACE -Werror)
 endif()
@@ -20,11 +21,22 @@ endif()
 function(isoextract_room name)
   cmake_parse_arguments(ROOM "" "" "SOURCES;ROOMS;LIBRARIES" ${ARGN})
   set(target isoextract_${name})
-  set(include_dir ${PROJECT_BINARY_DIR}/include/${name})
-  file(MAKE_DIRECTORY ${include_dir})
-  file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR} ${include_dir}/${name} SYMBOLIC)
+  set(public_dir ${PROJECT_BINARY_DIR}/include/${name})
+  set(private_dir ${PROJECT_BINARY_DIR}/include-all/${name})
+  file(REMOVE_RECURSE ${public_dir})
+  file(MAKE_DIRECTORY ${public_dir}/${name} ${private_dir})
+  file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR} ${private_dir}/${name} SYMBOLIC)
+  file(GLOB headers CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR}/*.hpp)
+  foreach(header IN LISTS headers)
+    file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR}/${header} ${public_dir}/${name}/${header} SYMBOLIC)
+  endforeach()
   add_library(${target} STATIC ${ROOM_SOURCES})
-  target_include_directories(${target} PUBLIC ${include_dir})
+  target_include_directories(${target} PRIVATE ${private_dir} INTERFACE ${public_dir})
   list(TRANSFORM ROOM_ROOMS PREPEND isoextract_)
   target_link_libraries(${target} PUBLIC ${ROOM_ROOMS} ${ROOM_LIBRARIES} PRIVATE isoextract_options)
+endfunction()
+
+# For the tests of a room, which see what is its own.
+function(isoextract_see_all target room)
+  target_include_directories(${target} BEFORE PRIVATE ${PROJECT_BINARY_DIR}/include-all/${room})
 endfunction()

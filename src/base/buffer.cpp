@@ -66,11 +66,13 @@ class KeptBlocks {
     total_ += bytes;
   }
 
-  // All of them; false if there were none.
-  bool release() {
+  // The oldest go until at most `bytes` are left; false if none had to.
+  bool release_to(std::size_t bytes) {
     const std::scoped_lock lock(mutex_);
-    const bool any = total_ > 0;
-    for (Block& block : blocks_) let_go(block);
+    const bool any = total_ > bytes;
+    for (std::size_t tried = 0; tried < blocks_.size() && total_ > bytes; ++tried) {
+      let_go(blocks_[(next_ + tried) % blocks_.size()]);
+    }
     return any;
   }
 
@@ -121,7 +123,7 @@ void* allocate_pages(std::size_t count, std::size_t size) {
   const std::size_t alignment = large ? kHugePage : kCacheLine;
   const std::size_t rounded = (bytes + alignment - 1) / alignment * alignment;
   void* block = std::aligned_alloc(alignment, rounded);
-  if (block == nullptr && kept_blocks().release()) block = std::aligned_alloc(alignment, rounded);
+  if (block == nullptr && kept_blocks().release_to(0)) block = std::aligned_alloc(alignment, rounded);
   if (block == nullptr) throw std::bad_alloc();
   // Advice only: where the system does not know huge pages nothing is lost.
   if (large) static_cast<void>(::madvise(block, bytes, MADV_HUGEPAGE));
@@ -141,5 +143,7 @@ void free_pages(void* block) {
     std::free(block);
   }
 }
+
+void keep_blocks_within(std::uint64_t bytes) { kept_blocks().release_to(bytes); }
 
 }  // namespace isoextract::detail

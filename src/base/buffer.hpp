@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <type_traits>
@@ -15,6 +16,8 @@ namespace detail {
 // are kept for whoever asks next, up to 512 MiB of them. Null for no bytes; throws std::bad_alloc.
 [[nodiscard]] void* allocate_pages(std::size_t count, std::size_t size);
 void free_pages(void* block);
+// Frees kept blocks until at most `bytes` of them are left.
+void keep_blocks_within(std::uint64_t bytes);
 }  // namespace detail
 
 template <class T>

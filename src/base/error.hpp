@@ -1,5 +1,7 @@
 // Errors are values: every function that can fail below `cli` returns Result<T>; nothing there prints, throws across
 // a room's border or exits. `cli` turns an Error into a message on stderr and the exit code of its kind.
+//
+// Below `cli` nobody knows what an option is called: what helps is told by code (Remedy), and `cli` puts it into words.
 #pragma once
 
 #include <string>
@@ -16,19 +18,57 @@ enum class ErrorKind {
   unavailable = 3,   // a feature or device that was asked for is not there
   output = 4,        // the result cannot be written
   verification = 6,  // what was to be verified does not hold
+  cancelled = 130,   // somebody asked for the end (128 + SIGINT)
+};
+
+// What helps. A code with a list behind it expects that in Hint::text, as a clause of its own.
+enum class Remedy {
+  none,
+  raise_memory_limit,   // the machine may have more memory than the limit
+  extract_part,         // a region needs less memory
+  widen_region,         // the region asked for holds no cell
+  choose_grid,          // text: the grids there are
+  choose_grid_number,   // likewise, where names repeat
+  leave_out_grid,       // the format has one volume a file
+  describe_raw,         // a raw file needs dims and a type
+  read_as_raw,          // the bytes of any file can be read
+  place_by_hand,        // spacing and origin in place of the file's frame
+  rescale,              // another spacing, scale, unit or space
+  choose_nan_policy,    // NaN outside, or as holes
+  use_cpu,              // the CPU backend needs no GPU; text: what else helps, before it
+  less_gpu_memory,      // the GPU takes less at a time
+  more_gpu_memory,      // the GPU may take more
+  choose_mesh_format,   // text: the formats' names
+  ascii_formats,        // text: the formats that can be text
+  one_file_per_surface  // text: the formats that hold several; or a file each
+};
+
+struct Hint {
+  Remedy remedy = Remedy::none;
+  std::string text;  // a sentence without a full stop that names no option; may be empty
+
+  Hint() = default;
+  Hint(std::string words)
+      : text(std::move(words)) {}           // NOLINT(google-explicit-constructor): fail(kind, message, "...")
+  Hint(const char* words) : text(words) {}  // NOLINT(google-explicit-constructor)
+  Hint(Remedy code, std::string words = {})
+      : remedy(code), text(std::move(words)) {}  // NOLINT(google-explicit-constructor)
+
+  [[nodiscard]] bool empty() const { return remedy == Remedy::none && text.empty(); }
+  friend bool operator==(const Hint&, const Hint&) = default;
 };
 
 struct Error {
   ErrorKind kind;
   std::string message;  // names the file, what was expected and what was found; no trailing full stop or newline
-  std::string hint;     // the option or step that helps; may be empty
+  Hint hint;            // the step that helps; may be empty
 };
 
 template <class T>
 using Result = tl::expected<T, Error>;
 
-// return fail(ErrorKind::input, "a.nrrd: expected ..., found ...", "use --grid NAME");
-[[nodiscard]] inline tl::unexpected<Error> fail(ErrorKind kind, std::string message, std::string hint = {}) {
+// return fail(ErrorKind::input, "a.nrrd: expected ..., found ...", Remedy::place_by_hand);
+[[nodiscard]] inline tl::unexpected<Error> fail(ErrorKind kind, std::string message, Hint hint = {}) {
   return tl::unexpected<Error>(Error{kind, std::move(message), std::move(hint)});
 }
 

@@ -5,17 +5,12 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <unistd.h>
+
+#include "base/memory_budget.hpp"
 
 namespace isoextract {
 
-Limits default_limits() {
-  const long pages = ::sysconf(_SC_PHYS_PAGES);
-  const long page_size = ::sysconf(_SC_PAGESIZE);
-  constexpr std::uint64_t kFallback = 8ULL << 30;
-  if (pages <= 0 || page_size <= 0) return {kFallback};
-  return {static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(page_size)};
-}
+Limits default_limits() { return {available_memory()}; }
 
 Result<std::uint64_t> parse_byte_size(std::string_view text) {
   const auto bad = [&] {
@@ -55,7 +50,7 @@ Result<void> check_memory(std::uint64_t bytes, const Limits& limits, const std::
   return fail(
       ErrorKind::input,
       fmt::format("{} need {}, the limit is {}", what, format_byte_size(bytes), format_byte_size(limits.memory_bytes)),
-      "raise it with --memory-limit SIZE if the machine has the memory");
+      Remedy::raise_memory_limit);
 }
 
 }  // namespace isoextract

@@ -6,15 +6,16 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-namespace isoextract {
+namespace isoextract::cli {
 namespace {
 
-OpenedBackend open_automatic(const GpuOptions& options) {
-  auto gpu = make_gpu_extractor(options);
-  if (!gpu) return {make_cpu_extractor(), fmt::format("--backend auto: cpu, because {}", gpu.error().message)};
+OpenedBackend open_automatic(const gpu::GpuOptions& options) {
+  auto gpu = gpu::make_gpu_extractor(options);
+  if (!gpu) return {extract::make_cpu_extractor(), fmt::format("--backend auto: cpu, because {}", gpu.error().message)};
   if (gpu->device.software) {
-    return {make_cpu_extractor(), fmt::format("--backend auto: cpu, because {} draws on the processor, which is slower",
-                                              describe(gpu->device))};
+    return {
+        extract::make_cpu_extractor(),
+        fmt::format("--backend auto: cpu, because {} draws on the processor, which is slower", describe(gpu->device))};
   }
   return {std::move(gpu->extractor), fmt::format("--backend auto: gpu, {}", describe(gpu->device))};
 }
@@ -37,7 +38,7 @@ Result<std::vector<NamedBackend>> parse_backends(std::string_view text) {
     NamedBackend backend{std::string(text.substr(begin, end - begin)), {}, {}};
     backend.choice.backend = backend.name == "cpu" ? Backend::cpu : Backend::gpu;
     backend.choice.gpu.tessellation = backend.name != "gpu:points";
-    if (!backend.choice.gpu.tessellation) backend.only = Method::mc;
+    if (!backend.choice.gpu.tessellation) backend.only = extract::Method::mc;
     backend.choice.gpu.swizzle = backend.name != "gpu:rows";
     constexpr std::array<std::string_view, 4> kNames{"cpu", "gpu", "gpu:points", "gpu:rows"};
     const bool known = std::ranges::find(kNames, backend.name) != kNames.end();
@@ -54,17 +55,17 @@ Result<std::vector<NamedBackend>> parse_backends(std::string_view text) {
 
 Result<OpenedBackend> open_backend(const BackendChoice& choice) {
   switch (choice.backend) {
-    case Backend::cpu: return OpenedBackend{make_cpu_extractor(), ""};
+    case Backend::cpu: return OpenedBackend{extract::make_cpu_extractor(), ""};
     case Backend::automatic: return open_automatic(choice.gpu);
     case Backend::gpu: break;
   }
-  auto gpu = make_gpu_extractor(choice.gpu);
+  auto gpu = gpu::make_gpu_extractor(choice.gpu);
   if (!gpu) return tl::unexpected(gpu.error());
   return OpenedBackend{std::move(gpu->extractor), ""};
 }
 
-Result<std::vector<BenchBackend>> open_backends(const std::vector<NamedBackend>& backends) {
-  std::vector<BenchBackend> opened;
+Result<std::vector<measure::BenchBackend>> open_backends(const std::vector<NamedBackend>& backends) {
+  std::vector<measure::BenchBackend> opened;
   for (const NamedBackend& backend : backends) {
     auto one = open_backend(backend.choice);
     if (!one) return tl::unexpected(one.error());
@@ -73,4 +74,4 @@ Result<std::vector<BenchBackend>> open_backends(const std::vector<NamedBackend>&
   return opened;
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

@@ -11,7 +11,7 @@
 #include "gpu/gpu_extractor.hpp"
 #include "measure/benchmark.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 
 enum class Backend { cpu, gpu, automatic };
 
@@ -19,7 +19,7 @@ enum class Backend { cpu, gpu, automatic };
 
 struct BackendChoice {
   Backend backend = Backend::cpu;
-  GpuOptions gpu;
+  gpu::GpuOptions gpu;
 };
 
 // A backend of `bench` or `stability`: "cpu", "gpu", or the GPU another way: "gpu:points" makes the threads of marching
@@ -27,14 +27,14 @@ struct BackendChoice {
 struct NamedBackend {
   std::string name;
   BackendChoice choice;
-  std::optional<Method> only;  // the method that it is a variant of
+  std::optional<extract::Method> only;  // the method that it is a variant of
 };
 
 // Names separated by commas, each once. Fails with ErrorKind::usage.
 [[nodiscard]] Result<std::vector<NamedBackend>> parse_backends(std::string_view text);
 
 struct OpenedBackend {
-  std::unique_ptr<Extractor> extractor;
+  std::unique_ptr<extract::Extractor> extractor;
   std::string note;  // for automatic: which one it is, and why
 };
 
@@ -43,6 +43,6 @@ struct OpenedBackend {
 [[nodiscard]] Result<OpenedBackend> open_backend(const BackendChoice& choice);
 
 // All of a list, in its order. Fails as open_backend() does.
-[[nodiscard]] Result<std::vector<BenchBackend>> open_backends(const std::vector<NamedBackend>& backends);
+[[nodiscard]] Result<std::vector<measure::BenchBackend>> open_backends(const std::vector<NamedBackend>& backends);
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

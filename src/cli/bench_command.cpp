@@ -13,13 +13,13 @@
 #include "cli/output_checks.hpp"
 #include "cli/progress_bar.hpp"
 #include "field/demo_field.hpp"
-#include "io/output_file.hpp"
+#include "files/output_file.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 namespace {
 
 Result<void> write_file(const std::string& path, std::string_view text) {
-  auto file = OutputFile::create(path);
+  auto file = files::OutputFile::create(path);
   if (!file) return tl::unexpected(file.error());
   if (auto written = file->write(text); !written) return written;
   return file->commit();
@@ -34,7 +34,7 @@ class Bench {
     if (plan_.gpu_threads) return measure_gpu_threads();
     if (auto chosen = choose_backends(); !chosen) return chosen;
     for (const std::string& input : plan_.inputs) {
-      auto result = input.starts_with(kDemoPrefix) ? measure_demo(input) : measure_file(input);
+      auto result = input.starts_with(field::kDemoPrefix) ? measure_demo(input) : measure_file(input);
       if (!result) return tl::unexpected(result.error());
       const std::string before = results_.empty() ? "" : "\n";
       if (auto printed = print_to_stdout(before + bench_table(*result, plan_.options.repeats)); !printed)
@@ -64,15 +64,15 @@ class Bench {
   }
 
   Result<void> measure_gpu_threads() const {
-    const auto result = measure_thread_creation(plan_.gpu.device, plan_.sizes, plan_.options.repeats);
+    const auto result = gpu::measure_thread_creation(plan_.gpu.device, plan_.sizes, plan_.options.repeats);
     if (!result) return tl::unexpected(result.error());
     if (auto printed = print_to_stdout(gpu_threads_table(*result, plan_.options.repeats)); !printed) return printed;
     if (plan_.json) {
-      const std::string json = json_text(gpu_threads_json(*result, plan_.options.repeats));
+      const std::string json = convert::json_text(gpu_threads_json(*result, plan_.options.repeats));
       if (auto written = write_file(*plan_.json, json); !written) return written;
       messages_.summary(fmt::format("-> {}", *plan_.json));
     }
-    for (const ThreadCreationLevel& level : result->levels) {
+    for (const gpu::ThreadCreationLevel& level : result->levels) {
       const auto failed = std::ranges::find_if(level.makers, [](const auto& row) { return row.problem.has_value(); });
       if (failed == level.makers.end()) continue;
       return fail(ErrorKind::unavailable, fmt::format("{}^3 cells: {}", level.size, *failed->problem),
@@ -89,7 +89,7 @@ class Bench {
       options_.backends = std::move(*opened);
       return {};
     }
-    options_.backends.push_back({"cpu", make_cpu_extractor(), {}});
+    options_.backends.push_back({"cpu", extract::make_cpu_extractor(), {}});
     auto gpu = open_backend({Backend::automatic, plan_.gpu});
     if (gpu && gpu->extractor->name() == backend_name(Backend::gpu)) {
       options_.backends.push_back({"gpu", std::move(gpu->extractor), {}});
@@ -97,41 +97,41 @@ class Bench {
     return {};
   }
 
-  Result<BenchResult> measure_demo(const std::string& input) const {
-    const auto spec = parse_demo_spec(input);
+  Result<measure::BenchResult> measure_demo(const std::string& input) const {
+    const auto spec = field::parse_demo_spec(input);
     if (!spec) return tl::unexpected(spec.error());
     ProgressBar bar(bar_wanted());
-    BenchOptions options = options_;
+    measure::BenchOptions options = options_;
     options.progress = bar.progress();
     if (plan_.iso) {
       options.iso = *plan_.iso;
     } else {
-      options.iso = std::ranges::find(demo_fields(), spec->name, &DemoDescription::name)->iso;
+      options.iso = std::ranges::find(field::demo_fields(), spec->name, &field::DemoDescription::name)->iso;
     }
-    return bench_demo(spec->name, plan_.sizes, options);
+    return measure::bench_demo(spec->name, plan_.sizes, options);
   }
 
-  Result<BenchResult> measure_file(const std::string& input) const {
-    std::optional<ScalarField> field;
+  Result<measure::BenchResult> measure_file(const std::string& input) const {
+    std::optional<field::ScalarField> field;
     {
       ProgressBar bar(bar_wanted());
-      ReadOptions read = plan_.read;
+      volumes::ReadOptions read = plan_.read;
       read.progress = bar.progress();
-      auto found = read_volume(input, read);
+      auto found = volumes::read_volume(input, read);
       if (!found) return tl::unexpected(found.error());
       field = std::move(*found);
     }
     for (const std::string& text : field->notes) messages_.note(text);
     const std::vector<int> factors = factors_for(*field);
     ProgressBar bar(bar_wanted());
-    BenchOptions options = options_;
+    measure::BenchOptions options = options_;
     options.iso = *plan_.iso;
     options.progress = bar.progress();
-    return bench_field(*field, factors, options);
+    return measure::bench_field(*field, factors, options);
   }
 
   // Those of the plan, or those that leave enough samples; then the data as they are.
-  [[nodiscard]] std::vector<int> factors_for(const ScalarField& field) const {
+  [[nodiscard]] std::vector<int> factors_for(const field::ScalarField& field) const {
     std::vector<int> factors = plan_.coarser;
     if (factors.empty()) {
       constexpr int kFewest = 8;
@@ -161,7 +161,8 @@ class Bench {
       if (auto written = write_file(*plan_.csv, bench_csv(results_)); !written) return written;
     }
     if (plan_.json) {
-      if (auto written = write_file(*plan_.json, json_text(bench_json(results_, plan_.options.repeats))); !written) {
+      if (auto written = write_file(*plan_.json, convert::json_text(bench_json(results_, plan_.options.repeats)));
+          !written) {
         return written;
       }
     }
@@ -178,12 +179,12 @@ class Bench {
 
   const BenchPlan& plan_;
   const Messages& messages_;
-  BenchOptions options_;  // with the backends, which are open
-  std::vector<BenchResult> results_;
+  measure::BenchOptions options_;  // with the backends, which are open
+  std::vector<measure::BenchResult> results_;
 };
 
 }  // namespace
 
 Result<void> run_bench(const BenchPlan& plan, const Messages& messages) { return Bench(plan, messages).run(); }
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

@@ -5,8 +5,8 @@
 #include "cli/messages.hpp"
 #include "cli/plan.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 
 [[nodiscard]] Result<void> run_bench(const BenchPlan& plan, const Messages& messages);
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

@@ -10,12 +10,12 @@
 #include "base/machine.hpp"
 #include "base/version.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 namespace {
 
 std::string milliseconds(double seconds) { return fmt::format("{:.3g}", 1e3 * seconds); }
 
-std::string angle_text(const std::optional<AngleStatistics>& angles) {
+std::string angle_text(const std::optional<measure::AngleStatistics>& angles) {
   return angles ? fmt::format("{:.3g}", angles->rms_degrees) : "-";
 }
 
@@ -23,40 +23,40 @@ std::string percent_text(const std::optional<double>& error) {
   return error ? fmt::format("{:.2g}", 100 * *error) : "-";
 }
 
-std::string order_text(const std::optional<ConvergenceOrder>& order) {
+std::string order_text(const std::optional<measure::ConvergenceOrder>& order) {
   return order ? fmt::format("{:.2f} ({:.2f})", order->slope, order->last) : "-";
 }
 
-std::string setting_text(const BenchResult& result, const BenchRow& row) {
-  return fmt::format("{} {} {}, {} thread{}", method_name(row.method), row.backend, result.levels[row.level].size,
-                     row.threads, row.threads == 1 ? "" : "s");
+std::string setting_text(const measure::BenchResult& result, const measure::BenchRow& row) {
+  return fmt::format("{} {} {}, {} thread{}", measure::method_name(row.method), row.backend,
+                     result.levels[row.level].size, row.threads, row.threads == 1 ? "" : "s");
 }
 
-std::uint64_t unmeasured_points(const BenchResult& result) {
+std::uint64_t unmeasured_points(const measure::BenchResult& result) {
   std::uint64_t most = 0;
-  for (const BenchRow& row : result.rows) most = std::max(most, row.position.unmeasured());
+  for (const measure::BenchRow& row : result.rows) most = std::max(most, row.position.unmeasured());
   return most;
 }
 
-std::string front_text(const BenchResult& result) {
-  std::vector<const BenchRow*> front;
-  for (const BenchRow& row : result.rows) {
+std::string front_text(const measure::BenchResult& result) {
+  std::vector<const measure::BenchRow*> front;
+  for (const measure::BenchRow& row : result.rows) {
     if (row.on_front) front.push_back(&row);
   }
-  std::ranges::sort(front, {}, &BenchRow::median_seconds);
+  std::ranges::sort(front, {}, &measure::BenchRow::median_seconds);
   std::string text = "Nothing is better in both, error and time (*):\n";
-  for (const BenchRow* row : front) {
+  for (const measure::BenchRow* row : front) {
     text += fmt::format("  {}: {} ms, rms {:.3g}\n", setting_text(result, *row), milliseconds(row->median_seconds),
                         row->position.rms.world);
   }
   return text;
 }
 
-std::string orders_text(const BenchResult& result) {
+std::string orders_text(const measure::BenchResult& result) {
   std::vector<std::vector<std::string>> orders{
       {"method", "backend", "position", "smooth normals", "flat normals", "area", "volume"}};
-  for (const BenchOrders& order : result.orders) {
-    orders.push_back({std::string(method_name(order.method)), order.backend, order_text(order.position),
+  for (const measure::BenchOrders& order : result.orders) {
+    orders.push_back({std::string(measure::method_name(order.method)), order.backend, order_text(order.position),
                       order_text(order.smooth_normals), order_text(order.flat_normals), order_text(order.area),
                       order_text(order.volume)});
   }
@@ -64,21 +64,23 @@ std::string orders_text(const BenchResult& result) {
          aligned_table(orders, 2);
 }
 
-Json json_or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+convert::Json json_or_null(const std::optional<double>& value) {
+  return value ? convert::Json(*value) : convert::Json(nullptr);
+}
 
-Json json_of(const std::optional<AngleStatistics>& angles) {
+convert::Json json_of(const std::optional<measure::AngleStatistics>& angles) {
   if (!angles) return nullptr;
   return {{"rms_degrees", angles->rms_degrees}, {"max_degrees", angles->max_degrees}};
 }
 
-Json json_of(const std::optional<ConvergenceOrder>& order) {
+convert::Json json_of(const std::optional<measure::ConvergenceOrder>& order) {
   if (!order) return nullptr;
   return {{"slope", order->slope}, {"last", order->last}};
 }
 
-Json json_of(const Length& length) { return {{"voxels", length.voxels}, {"world", length.world}}; }
+convert::Json json_of(const measure::Length& length) { return {{"voxels", length.voxels}, {"world", length.world}}; }
 
-Json json_of(const std::optional<BenchDeviceTimes>& device) {
+convert::Json json_of(const std::optional<measure::BenchDeviceTimes>& device) {
   if (!device) return nullptr;
   return {{"seconds",
            {{"upload", device->upload},
@@ -90,8 +92,8 @@ Json json_of(const std::optional<BenchDeviceTimes>& device) {
           {"bytes_captured", device->bytes_captured}};
 }
 
-Json json_of(const BenchRow& row, const BenchResult& result) {
-  return {{"method", method_name(row.method)},
+convert::Json json_of(const measure::BenchRow& row, const measure::BenchResult& result) {
+  return {{"method", measure::method_name(row.method)},
           {"backend", row.backend},
           {"size", result.levels[row.level].size},
           {"threads", row.threads},
@@ -102,7 +104,7 @@ Json json_of(const BenchRow& row, const BenchResult& result) {
            {{"rms", json_of(row.position.rms)},
             {"percentile99", json_of(row.position.percentile99)},
             {"max", json_of(row.position.max)},
-            {"worst", isoextract::json_of(row.position.worst)},
+            {"worst", convert::json_of(row.position.worst)},
             {"rounding", row.rounding},
             {"unmeasured", row.position.unmeasured()}}},
           {"smooth_normals", json_of(row.smooth_normals)},
@@ -125,18 +127,19 @@ std::string csv_cell(const std::string& text) {
 std::string csv_cell(const std::optional<double>& value) { return value ? fmt::format("{}", *value) : ""; }
 
 // Where the time of GPUs went; empty if there is none.
-std::string device_text(const BenchResult& result) {
+std::string device_text(const measure::BenchResult& result) {
   std::vector<std::vector<std::string>> rows{{"method", "backend", "size", "threads", "draw", "cells/s", "count",
                                               "capture", "upload", "read back", "weld", "uploaded", "captured"},
                                              {"", "", "", "", "ms", "", "ms", "ms", "ms", "ms", "ms", "", ""}};
-  for (const BenchRow& row : result.rows) {
+  for (const measure::BenchRow& row : result.rows) {
     if (!row.device) continue;
-    const BenchDeviceTimes& times = *row.device;
-    const BenchLevel& level = result.levels[row.level];
-    rows.push_back({std::string(method_name(row.method)), row.backend, level.size, fmt::format("{}", row.threads),
-                    milliseconds(times.draw()), fmt::format("{:.2e}", static_cast<double>(level.cells) / times.draw()),
-                    milliseconds(times.count), milliseconds(times.capture), milliseconds(times.upload),
-                    milliseconds(times.read_back), milliseconds(times.weld), format_byte_size(times.bytes_uploaded),
+    const measure::BenchDeviceTimes& times = *row.device;
+    const measure::BenchLevel& level = result.levels[row.level];
+    rows.push_back({std::string(measure::method_name(row.method)), row.backend, level.size,
+                    fmt::format("{}", row.threads), milliseconds(times.draw()),
+                    fmt::format("{:.2e}", static_cast<double>(level.cells) / times.draw()), milliseconds(times.count),
+                    milliseconds(times.capture), milliseconds(times.upload), milliseconds(times.read_back),
+                    milliseconds(times.weld), format_byte_size(times.bytes_uploaded),
                     format_byte_size(times.bytes_captured)});
   }
   if (rows.size() == 2) return "";
@@ -163,7 +166,7 @@ std::string aligned_table(const std::vector<std::vector<std::string>>& rows, std
   return text;
 }
 
-std::string bench_table(const BenchResult& result, int repeats) {
+std::string bench_table(const measure::BenchResult& result, int repeats) {
   std::string text = fmt::format("{} at iso {}\n", result.input, result.iso);
   text += fmt::format("Truth: {}.\n", result.truth);
   text += fmt::format("Times: extraction alone, median of {} (least .. most), {}.\n\n", repeats, cpu_name());
@@ -171,9 +174,9 @@ std::string bench_table(const BenchResult& result, int repeats) {
       {"method", "backend", "size", "threads", "triangles", "ms", "", "rms", "max", "rms", "max", "smooth", "flat",
        "area", "volume", ""},
       {"", "", "", "", "", "", "", "voxels", "voxels", "world", "world", "deg", "deg", "%", "%", ""}};
-  for (const BenchRow& row : result.rows) {
-    const ErrorStatistics& position = row.position;
-    rows.push_back({std::string(method_name(row.method)), row.backend, result.levels[row.level].size,
+  for (const measure::BenchRow& row : result.rows) {
+    const measure::ErrorStatistics& position = row.position;
+    rows.push_back({std::string(measure::method_name(row.method)), row.backend, result.levels[row.level].size,
                     fmt::format("{}", row.threads), fmt::format("{}", row.triangles), milliseconds(row.median_seconds),
                     fmt::format("({} .. {})", milliseconds(row.min_seconds), milliseconds(row.max_seconds)),
                     fmt::format("{:.3g}", position.rms.voxels), fmt::format("{:.3g}", position.max.voxels),
@@ -187,45 +190,45 @@ std::string bench_table(const BenchResult& result, int repeats) {
     text += fmt::format("Not in this: up to {} points of a mesh without a surface to measure to.\n", points);
   }
   text += "\n";
-  if (std::ranges::count(result.levels, false, &BenchLevel::is_truth) >= 2) text += orders_text(result) + "\n";
+  if (std::ranges::count(result.levels, false, &measure::BenchLevel::is_truth) >= 2) text += orders_text(result) + "\n";
   return text + device_text(result) + front_text(result);
 }
 
-std::string bench_csv(const std::vector<BenchResult>& results) {
+std::string bench_csv(const std::vector<measure::BenchResult>& results) {
   std::string text =
       "input,iso,method,backend,size,spacing,threads,triangles,median_seconds,min_seconds,max_seconds,rms_voxels,"
       "max_voxels,rms_world,max_world,unmeasured_points,smooth_normals_degrees,flat_normals_degrees,area_error,"
       "volume_error,on_front\n";
-  for (const BenchResult& result : results) {
-    for (const BenchRow& row : result.rows) {
-      const BenchLevel& level = result.levels[row.level];
-      const ErrorStatistics& position = row.position;
-      const auto degrees = [](const std::optional<AngleStatistics>& angles) {
+  for (const measure::BenchResult& result : results) {
+    for (const measure::BenchRow& row : result.rows) {
+      const measure::BenchLevel& level = result.levels[row.level];
+      const measure::ErrorStatistics& position = row.position;
+      const auto degrees = [](const std::optional<measure::AngleStatistics>& angles) {
         return csv_cell(angles ? std::optional(angles->rms_degrees) : std::nullopt);
       };
       text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_cell(result.input),
-                          result.iso, method_name(row.method), row.backend, level.size, level.spacing, row.threads,
-                          row.triangles, row.median_seconds, row.min_seconds, row.max_seconds, position.rms.voxels,
-                          position.max.voxels, position.rms.world, position.max.world, position.unmeasured(),
-                          degrees(row.smooth_normals), degrees(row.flat_normals), csv_cell(row.area_error),
-                          csv_cell(row.volume_error), row.on_front ? 1 : 0);
+                          result.iso, measure::method_name(row.method), row.backend, level.size, level.spacing,
+                          row.threads, row.triangles, row.median_seconds, row.min_seconds, row.max_seconds,
+                          position.rms.voxels, position.max.voxels, position.rms.world, position.max.world,
+                          position.unmeasured(), degrees(row.smooth_normals), degrees(row.flat_normals),
+                          csv_cell(row.area_error), csv_cell(row.volume_error), row.on_front ? 1 : 0);
     }
   }
   return text;
 }
 
-Json bench_json(const std::vector<BenchResult>& results, int repeats) {
-  Json benchmarks = Json::array();
-  for (const BenchResult& result : results) {
-    Json levels = Json::array();
-    for (const BenchLevel& level : result.levels)
+convert::Json bench_json(const std::vector<measure::BenchResult>& results, int repeats) {
+  convert::Json benchmarks = convert::Json::array();
+  for (const measure::BenchResult& result : results) {
+    convert::Json levels = convert::Json::array();
+    for (const measure::BenchLevel& level : result.levels)
       levels.push_back(
           {{"size", level.size}, {"cells", level.cells}, {"spacing", level.spacing}, {"is_truth", level.is_truth}});
-    Json rows = Json::array();
-    for (const BenchRow& row : result.rows) rows.push_back(json_of(row, result));
-    Json orders = Json::array();
-    for (const BenchOrders& order : result.orders) {
-      orders.push_back({{"method", method_name(order.method)},
+    convert::Json rows = convert::Json::array();
+    for (const measure::BenchRow& row : result.rows) rows.push_back(json_of(row, result));
+    convert::Json orders = convert::Json::array();
+    for (const measure::BenchOrders& order : result.orders) {
+      orders.push_back({{"method", measure::method_name(order.method)},
                         {"backend", order.backend},
                         {"position", json_of(order.position)},
                         {"smooth_normals", json_of(order.smooth_normals)},
@@ -242,7 +245,7 @@ Json bench_json(const std::vector<BenchResult>& results, int repeats) {
                           {"orders", std::move(orders)}});
   }
   return {
-      {"generator", kGenerator}, {"device", cpu_name()}, {"repeats", repeats}, {"benchmarks", std::move(benchmarks)}};
+      {"generator", generator()}, {"device", cpu_name()}, {"repeats", repeats}, {"benchmarks", std::move(benchmarks)}};
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-namespace isoextract {
+namespace isoextract::cli {
 namespace {
 
 std::vector<std::string> command_names(const CLI::App& app) {
@@ -148,4 +148,4 @@ Result<Parsed> parse_command_line(CommandLine& line, std::vector<std::string> ar
   return Parsed{request_of(line, command), command};
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

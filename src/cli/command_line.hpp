@@ -7,7 +7,7 @@
 #include "base/error.hpp"
 #include "cli/options.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 
 enum class Request {
   convert,
@@ -32,4 +32,4 @@ struct Parsed {
 // version, "convert" stands before it.
 [[nodiscard]] Result<Parsed> parse_command_line(CommandLine& line, std::vector<std::string> arguments);
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

@@ -29,7 +29,7 @@
 #include "cli/stability_command.hpp"
 #include "cli/verify_command.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 namespace {
 
 constexpr int kDone = 0;
@@ -127,7 +127,7 @@ int run_arguments(std::vector<std::string> arguments) {
   const auto parsed = parse_command_line(*line, arguments);
   if (!parsed) return report(parsed.error());
   switch (parsed->request) {
-    case Request::version_flag: return print(fmt::format("{}\n", kGenerator));
+    case Request::version_flag: return print(fmt::format("{}\n", generator()));
     case Request::help_flag:
       return print(parsed->command == &line->app ? help_overview(line->app) : help_of_command(*parsed->command));
     case Request::help:
@@ -165,4 +165,4 @@ int run(int argc, char** argv) {
   }
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

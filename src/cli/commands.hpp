@@ -1,8 +1,8 @@
 // The program: arguments in, exit code out.
 #pragma once
 
-namespace isoextract {
+namespace isoextract::cli {
 
 [[nodiscard]] int run(int argc, char** argv);
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

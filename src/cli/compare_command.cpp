@@ -8,40 +8,40 @@
 #include "base/limits.hpp"
 #include "base/machine.hpp"
 #include "base/stopwatch.hpp"
-#include "batch/json_values.hpp"
 #include "cli/layout.hpp"
 #include "cli/progress_bar.hpp"
-#include "io/mesh_reader.hpp"
+#include "convert/json_values.hpp"
 #include "measure/mesh_distance.hpp"
 #include "mesh/metrics.hpp"
 #include "mesh/topology.hpp"
+#include "meshes/mesh_reader.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 namespace {
 
 struct Side {
   std::string path;
-  MeshFile file;
-  Topology topology;
-  MeshSize size;
-  Bounds bounds;
+  meshes::MeshFile file;
+  mesh::Topology topology;
+  mesh::MeshSize size;
+  mesh::Bounds bounds;
 };
 
 Result<Side> read_side(const std::string& path, const Limits& limits) {
-  auto file = read_mesh(path, limits);
+  auto file = meshes::read_mesh(path, limits);
   if (!file) return tl::unexpected(std::move(file.error()));
   Side side;
   side.path = path;
   side.file = std::move(*file);
   side.file.mesh.name = path;
-  side.topology = measure_topology(side.file.mesh);
-  side.size = measure_size(side.file.mesh);
-  side.bounds = measure_bounds(side.file.mesh);
+  side.topology = mesh::measure_topology(side.file.mesh);
+  side.size = mesh::measure_size(side.file.mesh);
+  side.bounds = mesh::measure_bounds(side.file.mesh);
   return side;
 }
 
 // "no: 12 open edges, 1 non-manifold vertex", or the genus.
-std::string closed_text(const Topology& topology) {
+std::string closed_text(const mesh::Topology& topology) {
   if (topology.is_closed_oriented_manifold()) return fmt::format("yes; genus {}", topology.genus());
   std::string text = "no";
   const char* before = ": ";
@@ -77,7 +77,7 @@ void add_side(NamedLines& lines, const Side& side) {
 
 std::string interval_text(double lower, double upper) { return fmt::format("{:.6g} to {:.6g}", lower, upper); }
 
-void add_direction(NamedLines& lines, std::string_view name, const DirectedDistance& distance) {
+void add_direction(NamedLines& lines, std::string_view name, const measure::DirectedDistance& distance) {
   lines.add(name, fmt::format("max {}, rms {:.6g}, mean {:.6g}, 99 % {:.6g}",
                               interval_text(distance.max_lower, distance.max_upper), distance.rms, distance.mean,
                               distance.percentile99));
@@ -85,7 +85,7 @@ void add_direction(NamedLines& lines, std::string_view name, const DirectedDista
             fmt::format("farthest at ({:.9g}, {:.9g}, {:.9g})", distance.place.x, distance.place.y, distance.place.z));
 }
 
-std::string text_of(const std::array<Side, 2>& sides, const MeshDistance& distance) {
+std::string text_of(const std::array<Side, 2>& sides, const measure::MeshDistance& distance) {
   NamedLines lines;
   for (const Side& side : sides) add_side(lines, side);
   lines.plain("distances, in the unit of the meshes");
@@ -98,26 +98,26 @@ std::string text_of(const std::array<Side, 2>& sides, const MeshDistance& distan
   return lines.take();
 }
 
-Json side_json(const Side& side) {
-  Json json{{"file", side.path},
-            {"format", side.file.format},
-            {"vertices", side.file.mesh.positions.size()},
-            {"triangles", side.file.mesh.triangles.size()}};
-  json.update(json_of(side.topology, side.size));
-  json["bounds"] = json_of(Box{side.bounds.min, side.bounds.max});
+convert::Json side_json(const Side& side) {
+  convert::Json json{{"file", side.path},
+                     {"format", side.file.format},
+                     {"vertices", side.file.mesh.positions.size()},
+                     {"triangles", side.file.mesh.triangles.size()}};
+  json.update(convert::json_of(side.topology, side.size));
+  json["bounds"] = convert::json_of(field::Box{side.bounds.min, side.bounds.max});
   return json;
 }
 
-Json direction_json(const DirectedDistance& distance) {
+convert::Json direction_json(const measure::DirectedDistance& distance) {
   return {{"max", {distance.max_lower, distance.max_upper}},
-          {"place", json_of(distance.place)},
-          {"nearest", json_of(distance.nearest)},
+          {"place", convert::json_of(distance.place)},
+          {"nearest", convert::json_of(distance.nearest)},
           {"rms", distance.rms},
           {"mean", distance.mean},
           {"percentile99", distance.percentile99}};
 }
 
-Json comparison_json(const std::array<Side, 2>& sides, const MeshDistance& distance) {
+convert::Json comparison_json(const std::array<Side, 2>& sides, const measure::MeshDistance& distance) {
   return {{"a", side_json(sides[0])},
           {"b", side_json(sides[1])},
           {"a_to_b", direction_json(distance.a_to_b)},
@@ -130,14 +130,15 @@ Json comparison_json(const std::array<Side, 2>& sides, const MeshDistance& dista
 }
 
 // Where the limit lies within the interval of the greatest distance, a narrower one says on which side it is.
-void look_closer(const std::array<Side, 2>& sides, double limit, DistanceOptions options, MeshDistance& distance) {
+void look_closer(const std::array<Side, 2>& sides, double limit, measure::DistanceOptions options,
+                 measure::MeshDistance& distance) {
   if (distance.hausdorff_upper <= limit) return;
   options.tolerance = 1e-4;
   options.enough = limit;
   options.samples = 0;
-  const auto closer = measure_distance(sides[0].file.mesh, sides[1].file.mesh, options);
+  const auto closer = measure::measure_distance(sides[0].file.mesh, sides[1].file.mesh, options);
   if (!closer) return;
-  const auto narrow = [](DirectedDistance& wide, const DirectedDistance& found) {
+  const auto narrow = [](measure::DirectedDistance& wide, const measure::DirectedDistance& found) {
     wide.max_upper = std::min(wide.max_upper, found.max_upper);
     if (found.max_lower <= wide.max_lower) return;
     wide.max_lower = found.max_lower;
@@ -150,7 +151,7 @@ void look_closer(const std::array<Side, 2>& sides, double limit, DistanceOptions
   distance.hausdorff_upper = std::max(distance.a_to_b.max_upper, distance.b_to_a.max_upper);
 }
 
-Result<void> check_distance(const ComparePlan& plan, const MeshDistance& distance) {
+Result<void> check_distance(const ComparePlan& plan, const measure::MeshDistance& distance) {
   // Written so that figures that are not numbers fail.
   const bool known = distance.hausdorff_lower <= distance.hausdorff_upper;
   if (!plan.max_distance || (known && distance.hausdorff_upper <= *plan.max_distance)) return {};
@@ -177,12 +178,12 @@ Result<void> run_compare(const ComparePlan& plan, const Messages& messages) {
     // What was left out may be why the next step fails.
     for (const std::string& note : sides[i].file.notes) messages.note(note);
   }
-  MeshDistance distance;
+  measure::MeshDistance distance;
   {
     ProgressBar bar(messages.verbosity() != Verbosity::quiet);
-    DistanceOptions options;
+    measure::DistanceOptions options;
     options.progress = bar.progress();
-    auto measured = measure_distance(sides[0].file.mesh, sides[1].file.mesh, options);
+    auto measured = measure::measure_distance(sides[0].file.mesh, sides[1].file.mesh, options);
     if (!measured) return tl::unexpected(std::move(measured.error()));
     distance = *measured;
     if (plan.max_distance && distance.hausdorff_lower <= *plan.max_distance) {
@@ -191,9 +192,9 @@ Result<void> run_compare(const ComparePlan& plan, const Messages& messages) {
   }
   messages.detail(fmt::format("compared in {:.2f} s, peak memory {}", watch.elapsed().wall_seconds,
                               format_byte_size(peak_memory())));
-  const std::string text = plan.json ? json_text(comparison_json(sides, distance)) : text_of(sides, distance);
+  const std::string text = plan.json ? convert::json_text(comparison_json(sides, distance)) : text_of(sides, distance);
   if (auto printed = print_to_stdout(text); !printed) return printed;
   return check_distance(plan, distance);
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

@@ -5,9 +5,9 @@
 #include "cli/messages.hpp"
 #include "cli/plan.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 
 // Fails with ErrorKind::verification, after the report, if the meshes may be farther apart than --max-distance.
 [[nodiscard]] Result<void> run_compare(const ComparePlan& plan, const Messages& messages);
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

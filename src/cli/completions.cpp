@@ -7,7 +7,7 @@
 #include "cli/options.hpp"
 #include "field/demo_field.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 namespace {
 
 std::vector<std::string> words_of(const CLI::Option& option) {
@@ -24,7 +24,8 @@ bool takes_file(const CLI::Option& option) {
 
 std::vector<std::string> demo_names() {
   std::vector<std::string> names;
-  for (const DemoDescription& demo : demo_fields()) names.push_back(fmt::format("{}{}", kDemoPrefix, demo.name));
+  for (const field::DemoDescription& demo : field::demo_fields())
+    names.push_back(fmt::format("{}{}", field::kDemoPrefix, demo.name));
   return names;
 }
 
@@ -295,4 +296,4 @@ complete -c isoextract -f
   return out;
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

@@ -10,7 +10,6 @@
 
 #include "base/machine.hpp"
 #include "base/stopwatch.hpp"
-#include "batch/work_facts.hpp"
 #include "cli/backends.hpp"
 #include "cli/convert_report.hpp"
 #include "cli/field_label.hpp"
@@ -18,13 +17,15 @@
 #include "cli/mesh_simplify.hpp"
 #include "cli/output_checks.hpp"
 #include "cli/progress_bar.hpp"
+#include "cli/remedies.hpp"
 #include "cli/verification.hpp"
+#include "convert/work_facts.hpp"
 #include "extract/extractor.hpp"
 #include "field/resample.hpp"
 #include "field/statistics.hpp"
-#include "io/file_bytes.hpp"
+#include "files/file_bytes.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 namespace {
 
 std::string times_text(const StageTime& time) {
@@ -50,11 +51,14 @@ class Conversion {
   }
 
   // Call once, after run().
-  ConversionReport take_report(const Result<void>& done) {
+  convert::ConversionReport take_report(const Result<void>& done) {
     report_.total = total_.elapsed();
-    report_.bytes_read = bytes_read();
+    report_.bytes_read = files::bytes_read();
     report_.peak_memory = peak_memory();
-    if (!done) report_.error = done.error();
+    if (!done) {
+      report_.error = done.error();
+      report_.error->hint = words_of(done.error().hint);
+    }
     return std::move(report_);
   }
 
@@ -84,9 +88,9 @@ class Conversion {
     const Stopwatch watch;
     {
       ProgressBar bar(bar_wanted());
-      ReadOptions options = plan_.read;
+      volumes::ReadOptions options = plan_.read;
       options.progress = bar.progress();
-      auto field = read_volume(plan_.input, options);
+      auto field = volumes::read_volume(plan_.input, options);
       if (!field) return tl::unexpected(std::move(field.error()));
       field_ = std::move(*field);
     }
@@ -95,7 +99,7 @@ class Conversion {
     label_ = field_label(field_);
     tell_stage(fmt::format("{}: read in {}", label_, times_text(time)));
     report_.stages.push_back({"read", std::nullopt, time});
-    report_.input = input_facts(plan_.input, field_);
+    report_.input = convert::input_facts(plan_.input, field_);
     look_at_reading();
     if (auto done = change_resolution(); !done) return done;
     return place();
@@ -105,30 +109,30 @@ class Conversion {
   void look_at_reading() {
     if (!(plan_.explain || plan_.report)) return;
     std::uint64_t grids = 1;
-    if (std::holds_alternative<SparseSamples>(field_.samples)) {
-      const auto found = list_grids(plan_.input, plan_.read);
+    if (std::holds_alternative<field::SparseSamples>(field_.samples)) {
+      const auto found = volumes::list_grids(plan_.input, plan_.read);
       if (found) grids = found->size();
     }
-    report_.work = reading_facts(field_, grids);
+    report_.work = convert::reading_facts(field_, grids);
     if (!plan_.explain) return;
-    for (const WorkFact& fact : report_.work) messages_.explanation(fact_text(fact));
+    for (const convert::WorkFact& fact : report_.work) messages_.explanation(fact_text(fact));
   }
 
   // The grid of --resolution takes the place of the data, which only --error still needs.
   Result<void> change_resolution() {
     if (!plan_.resolution) return {};
     const Stopwatch watch;
-    Result<ScalarField> grid;
+    Result<field::ScalarField> grid;
     {
       ProgressBar bar(bar_wanted());
-      grid = resample(field_, *plan_.resolution, plan_.read.limits, bar.progress());
+      grid = field::resample(field_, *plan_.resolution, plan_.read.limits, bar.progress());
     }
     if (!grid) return tl::unexpected(std::move(grid.error()));
     const StageTime time = watch.elapsed();
     for (const std::string& text : grid->notes) note(text);
     tell_stage(fmt::format("{}: resampled in {}", label_, times_text(time)));
     report_.stages.push_back({"resample", std::nullopt, time});
-    report_.work.push_back(resolution_fact(field_, *grid));
+    report_.work.push_back(convert::resolution_fact(field_, *grid));
     if (plan_.explain) messages_.explanation(fact_text(report_.work.back()));
     if (plan_.error) data_ = std::move(field_);
     field_ = std::move(*grid);
@@ -147,18 +151,18 @@ class Conversion {
   }
 
   Result<void> run_job(const OutputJob& job) {
-    std::vector<Mesh> meshes;
+    std::vector<mesh::Mesh> meshes;
     std::vector<double> isos;
     std::vector<MeshSimplification> simplifications;
     std::vector<MeshError> errors;
     std::vector<std::string> story;  // told when the bar is gone
-    MeshWriteResult written;
+    meshes::MeshWriteResult written;
     {
       ProgressBar bar(bar_wanted());
       for (const double iso : job.isos) {
         auto extraction = extract(iso, bar.progress(), story);
         if (!extraction) return tl::unexpected(std::move(extraction.error()));
-        Mesh& mesh = extraction->mesh;
+        mesh::Mesh& mesh = extraction->mesh;
         if (mesh.triangles.empty() && plan_.empty != EmptyPolicy::write) {
           if (plan_.empty == EmptyPolicy::error) return tl::unexpected(no_surface(iso));
           continue;
@@ -172,7 +176,7 @@ class Conversion {
       if (!meshes.empty()) {
         const Stopwatch watch;
         bar.progress()->begin("writing", 0);
-        auto result = write_meshes(meshes, job.path, plan_.write);
+        auto result = meshes::write_meshes(meshes, job.path, plan_.write);
         if (!result) return tl::unexpected(std::move(result.error()));
         written = std::move(*result);
         const StageTime time = watch.elapsed();
@@ -181,7 +185,7 @@ class Conversion {
         if (plan_.report) record_meshes(job, meshes, isos, errors, bar.progress());
       }
     }
-    for (const WrittenFile& file : written.files) report_.files.push_back({file.path, file.bytes});
+    for (const meshes::WrittenFile& file : written.files) report_.files.push_back({file.path, file.bytes});
     for (const std::string& text : std::exchange(late_notes_, {})) note(text);
     for (const std::string& line : story) tell_stage(line);
     for (const std::string& text : written.notes) note(text);
@@ -191,7 +195,7 @@ class Conversion {
       messages_.summary("  " + simplification_summary(simplification));
     }
     for (const MeshError& error : errors) tell_error(error);
-    for (const VerificationRecord& record : report_.verifications) {
+    for (const convert::VerificationRecord& record : report_.verifications) {
       if (std::ranges::find(job.isos, record.iso) != job.isos.end()) {
         messages_.summary("  " + verification_summary(record));
       }
@@ -199,8 +203,8 @@ class Conversion {
     return {};
   }
 
-  [[nodiscard]] ExtractOptions extract_options(double iso, Progress* progress) const {
-    ExtractOptions options = plan_.extract;
+  [[nodiscard]] extract::ExtractOptions extract_options(double iso, Progress* progress) const {
+    extract::ExtractOptions options = plan_.extract;
     options.iso = iso;
     options.region = report_.region;
     options.output_from_index = output_from_index_;
@@ -208,7 +212,7 @@ class Conversion {
     return options;
   }
 
-  void simplify(Mesh& mesh, double iso, Progress* progress, std::vector<MeshSimplification>& simplifications,
+  void simplify(mesh::Mesh& mesh, double iso, Progress* progress, std::vector<MeshSimplification>& simplifications,
                 std::vector<std::string>& story) {
     simplifications.push_back(simplify_mesh(mesh, iso, *plan_.simplify, output_from_index_, progress));
     const MeshSimplification& done = simplifications.back();
@@ -218,7 +222,7 @@ class Conversion {
     report_.simplifications.push_back(done.record);
   }
 
-  MeshError measure_error(const Mesh& mesh, double iso, Progress* progress, std::vector<std::string>& story) {
+  MeshError measure_error(const mesh::Mesh& mesh, double iso, Progress* progress, std::vector<std::string>& story) {
     const Stopwatch watch;
     MeshError error = measure_mesh_error(mesh, data_ ? *data_ : field_, extract_options(iso, progress), *plan_.error,
                                          data_ ? &field_ : nullptr);
@@ -234,13 +238,13 @@ class Conversion {
     for (const std::string& line : error_details(error)) messages_.explanation("  " + line);
   }
 
-  Result<Extraction> extract(double iso, Progress* progress, std::vector<std::string>& story) {
+  Result<extract::Extraction> extract(double iso, Progress* progress, std::vector<std::string>& story) {
     const Stopwatch watch;
-    const ExtractOptions options = extract_options(iso, progress);
+    const extract::ExtractOptions options = extract_options(iso, progress);
     auto extraction = extractor_->extract(field_, options);
     if (!extraction && gave_way(extraction.error())) extraction = extractor_->extract(field_, options);
     if (!extraction) return extraction;
-    const ExtractStats& stats = extraction->stats;
+    const extract::ExtractStats& stats = extraction->stats;
     story.push_back(
         fmt::format("{} iso {}: extracted in {}: {:.3f} s to compare samples, {:.3f} s to count, {:.3f} s "
                     "to make the mesh",
@@ -260,10 +264,10 @@ class Conversion {
     }
     report_.stages.push_back({"count", iso, stats.count});
     report_.stages.push_back({"emit", iso, stats.emit});
-    const AskedFor asked{.flat_normals = plan_.write.flat_normals, .error = plan_.error.has_value()};
-    const std::vector<WorkFact> facts = extraction_facts(stats, options, asked);
+    const convert::AskedFor asked{.flat_normals = plan_.write.flat_normals, .error = plan_.error.has_value()};
+    const std::vector<convert::WorkFact> facts = convert::extraction_facts(stats, options, asked);
     if (plan_.explain) {
-      for (const WorkFact& fact : facts) story.push_back(fact_text(fact));
+      for (const convert::WorkFact& fact : facts) story.push_back(fact_text(fact));
     }
     report_.extractions.push_back({iso, extraction->mesh.triangles.size(), facts});
     if (other_extractor_ != nullptr) {
@@ -278,7 +282,7 @@ class Conversion {
     const bool may = plan_.backend.backend == Backend::automatic && extractor_->name() == backend_name(Backend::gpu) &&
                      other_extractor_ == nullptr;
     if (!may || error.kind != ErrorKind::unavailable) return false;
-    extractor_ = make_cpu_extractor();
+    extractor_ = extract::make_cpu_extractor();
     report_.backend = extractor_->name();
     report_.device = extractor_->device();
     late_notes_.push_back(fmt::format("--backend auto: cpu, because {}", error.message));
@@ -286,7 +290,7 @@ class Conversion {
   }
 
   // Against the other backend. The keys have done their work then.
-  Result<void> verify(Mesh& mesh, const ExtractOptions& options, std::vector<std::string>& story) {
+  Result<void> verify(mesh::Mesh& mesh, const extract::ExtractOptions& options, std::vector<std::string>& story) {
     auto record = compare_backends(field_, options, mesh, *extractor_, *other_extractor_);
     if (!record) return tl::unexpected(std::move(record.error()));
     mesh.edges = {};
@@ -297,12 +301,12 @@ class Conversion {
   }
 
   // What only the report asks for: finding components and open edges takes about as long as writing.
-  void record_meshes(const OutputJob& job, const std::vector<Mesh>& meshes, const std::vector<double>& isos,
+  void record_meshes(const OutputJob& job, const std::vector<mesh::Mesh>& meshes, const std::vector<double>& isos,
                      const std::vector<MeshError>& errors, Progress* progress) {
     const Stopwatch watch;
     progress->begin("measuring", meshes.size());
     for (std::size_t m = 0; m < meshes.size(); ++m) {
-      report_.meshes.push_back(mesh_record(isos[m], job.path, meshes[m]));
+      report_.meshes.push_back(convert::mesh_record(isos[m], job.path, meshes[m]));
       if (!errors.empty()) report_.meshes.back().error = json_of(errors[m]);
       progress->advance(1);
     }
@@ -317,7 +321,7 @@ class Conversion {
     }
   }
 
-  static std::string fact_text(const WorkFact& fact) { return fmt::format("  {}: {}", fact.done, fact.text); }
+  static std::string fact_text(const convert::WorkFact& fact) { return fmt::format("  {}: {}", fact.done, fact.text); }
 
   void note(const std::string& text) {
     messages_.note(text);
@@ -326,13 +330,13 @@ class Conversion {
 
   Error no_surface(double iso) {
     const Stopwatch watch;
-    const FieldStatistics statistics = measure_statistics(field_);
+    const field::FieldStatistics statistics = field::measure_statistics(field_);
     report_.stages.push_back({"statistics", std::nullopt, watch.elapsed()});
     if (statistics.samples == 0) {
       return {ErrorKind::input, fmt::format("{}: there is no surface: no sample is a finite number", label_), ""};
     }
     const bool roi_hides_it = report_.region && statistics.min <= iso && iso <= statistics.max;
-    const IsoSuggestion suggestion = suggest_iso(field_, statistics);
+    const field::IsoSuggestion suggestion = field::suggest_iso(field_, statistics);
     const bool helps = statistics.min < suggestion.iso && suggestion.iso < statistics.max;
     const std::string other = helps ? fmt::format("try --iso {} ({})", suggestion.iso, suggestion.method)
                                     : std::string("try another input: this one has no surface worth suggesting");
@@ -355,16 +359,16 @@ class Conversion {
                                   : fmt::format("{} is without it", shown_path(job))));
   }
 
-  void summarize(const OutputJob& job, const std::vector<double>& isos, const std::vector<Mesh>& meshes,
-                 const MeshWriteResult& written) {
+  void summarize(const OutputJob& job, const std::vector<double>& isos, const std::vector<mesh::Mesh>& meshes,
+                 const meshes::MeshWriteResult& written) {
     std::uint64_t triangles = 0;
     std::uint64_t vertices = 0;
-    for (const Mesh& mesh : meshes) {
+    for (const mesh::Mesh& mesh : meshes) {
       triangles += mesh.triangles.size();
       vertices += mesh.positions.size();
     }
     std::uint64_t bytes = 0;
-    for (const WrittenFile& file : written.files) bytes += file.bytes;
+    for (const meshes::WrittenFile& file : written.files) bytes += file.bytes;
     messages_.summary(fmt::format("{} iso {} -> {}: {} triangles, {} vertices, {}; {}; {:.2f} s", label_,
                                   fmt::join(isos, ", "), shown_path(job), triangles, vertices, format_byte_size(bytes),
                                   describe(plan_.placement), watch_.elapsed().wall_seconds));
@@ -378,14 +382,14 @@ class Conversion {
   const Messages& messages_;
   Stopwatch total_;
   Stopwatch watch_;  // since the start, or since the last file
-  ConversionReport report_;
-  ScalarField field_;                // that is extracted from
-  std::optional<ScalarField> data_;  // with --resolution and --error: what was read
+  convert::ConversionReport report_;
+  field::ScalarField field_;                // that is extracted from
+  std::optional<field::ScalarField> data_;  // with --resolution and --error: what was read
   std::string label_;
-  Affine output_from_index_;
-  std::unique_ptr<Extractor> extractor_;
-  std::unique_ptr<Extractor> other_extractor_;  // only to verify
-  std::vector<std::string> late_notes_;         // told when the bar is gone
+  field::Affine output_from_index_;
+  std::unique_ptr<extract::Extractor> extractor_;
+  std::unique_ptr<extract::Extractor> other_extractor_;  // only to verify
+  std::vector<std::string> late_notes_;                  // told when the bar is gone
 };
 
 }  // namespace
@@ -408,4 +412,4 @@ Result<void> run_convert(const ConvertPlan& plan, const Messages& messages) {
   return done;
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

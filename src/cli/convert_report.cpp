@@ -7,17 +7,17 @@
 #include <tbb/task_arena.h>
 
 #include "cli/mesh_error.hpp"
-#include "io/output_file.hpp"
+#include "files/output_file.hpp"
 #include "measure/benchmark.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 namespace {
 
-std::string nan_word(NanPolicy policy) {
+std::string nan_word(extract::NanPolicy policy) {
   switch (policy) {
-    case NanPolicy::error: return "error";
-    case NanPolicy::outside: return "outside";
-    case NanPolicy::hole: break;
+    case extract::NanPolicy::error: return "error";
+    case extract::NanPolicy::outside: return "outside";
+    case extract::NanPolicy::hole: break;
   }
   return "hole";
 }
@@ -31,9 +31,9 @@ std::string empty_word(EmptyPolicy policy) {
   return "write";
 }
 
-ResolvedOptions resolved_options(const ConvertPlan& plan) {
-  ResolvedOptions options;
-  options.method = method_name(plan.extract.method);
+convert::ResolvedOptions resolved_options(const ConvertPlan& plan) {
+  convert::ResolvedOptions options;
+  options.method = measure::method_name(plan.extract.method);
   for (const OutputJob& job : plan.jobs) options.isos.insert(options.isos.end(), job.isos.begin(), job.isos.end());
   options.normals = plan.extract.smooth_normals ? "smooth" : plan.write.flat_normals ? "flat" : "none";
   options.nan = nan_word(plan.extract.nan);
@@ -46,7 +46,7 @@ ResolvedOptions resolved_options(const ConvertPlan& plan) {
   options.turned_to_y_up = plan.placement.turn_z_up_to_y_up;
   options.scale = plan.placement.scale;
   options.unit = plan.placement.unit;
-  options.format = mesh_format_info(plan.write.format).name;
+  options.format = meshes::mesh_format_info(plan.write.format).name;
   options.ascii = plan.write.ascii;
   if (plan.simplify) {
     options.simplify = fmt::format("{}{}", plan.simplify->distance, plan.simplify->in_world_units ? "world" : "voxel");
@@ -64,8 +64,8 @@ int thread_count() {
 
 }  // namespace
 
-ConversionReport begin_report(const ConvertPlan& plan) {
-  ConversionReport report;
+convert::ConversionReport begin_report(const ConvertPlan& plan) {
+  convert::ConversionReport report;
   report.arguments = plan.arguments;
   report.options = resolved_options(plan);
   report.backend = backend_name(plan.backend.backend);
@@ -73,11 +73,11 @@ ConversionReport begin_report(const ConvertPlan& plan) {
   return report;
 }
 
-Result<void> write_report(const std::string& path, const ConversionReport& report) {
-  auto file = OutputFile::create(path);
+Result<void> write_report(const std::string& path, const convert::ConversionReport& report) {
+  auto file = files::OutputFile::create(path);
   if (!file) return tl::unexpected(file.error());
-  if (auto written = file->write(json_text(json_of(report))); !written) return written;
+  if (auto written = file->write(convert::json_text(json_of(report))); !written) return written;
   return file->commit();
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

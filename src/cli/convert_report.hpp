@@ -4,15 +4,15 @@
 #include <string>
 
 #include "base/error.hpp"
-#include "batch/conversion_report.hpp"
 #include "cli/plan.hpp"
+#include "convert/conversion_report.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 
 // A report of what is known before the work: arguments, options, device.
-[[nodiscard]] ConversionReport begin_report(const ConvertPlan& plan);
+[[nodiscard]] convert::ConversionReport begin_report(const ConvertPlan& plan);
 
 // Whole or not there, as all output.
-[[nodiscard]] Result<void> write_report(const std::string& path, const ConversionReport& report);
+[[nodiscard]] Result<void> write_report(const std::string& path, const convert::ConversionReport& report);
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

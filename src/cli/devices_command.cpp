@@ -3,14 +3,14 @@
 #include <fmt/format.h>
 
 #include "base/limits.hpp"
-#include "batch/json_values.hpp"
 #include "cli/messages.hpp"
-#include "gpu/gpu_device.hpp"
+#include "convert/json_values.hpp"
+#include "gl/gpu_device.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 namespace {
 
-std::string device_text(const GpuDevice& device) {
+std::string device_text(const gl::GpuDevice& device) {
   if (device.problem) return fmt::format("{}  not usable: {}\n", device.index, device.problem->message);
   std::string text = fmt::format("{}  {}\n", device.index, device.renderer);
   text += fmt::format("   vendor  {}\n   OpenGL  {}\n", device.vendor, device.version);
@@ -20,8 +20,8 @@ std::string device_text(const GpuDevice& device) {
   return text;
 }
 
-Json device_json(const GpuDevice& device) {
-  Json json{{"index", device.index}, {"usable", !device.problem}};
+convert::Json device_json(const gl::GpuDevice& device) {
+  convert::Json json{{"index", device.index}, {"usable", !device.problem}};
   if (device.problem) {
     json["problem"] = device.problem->message;
     return json;
@@ -30,23 +30,23 @@ Json device_json(const GpuDevice& device) {
   json["renderer"] = device.renderer;
   json["version"] = device.version;
   json["software"] = device.software;
-  json["memory_bytes"] = device.memory_bytes ? Json(*device.memory_bytes) : Json(nullptr);
-  json["cuda_index"] = device.cuda_index ? Json(*device.cuda_index) : Json(nullptr);
+  json["memory_bytes"] = device.memory_bytes ? convert::Json(*device.memory_bytes) : convert::Json(nullptr);
+  json["cuda_index"] = device.cuda_index ? convert::Json(*device.cuda_index) : convert::Json(nullptr);
   return json;
 }
 
 }  // namespace
 
 Result<void> run_devices(const DevicesFlags& flags) {
-  const auto devices = list_gpu_devices();
+  const auto devices = gl::list_gpu_devices();
   if (!devices) return tl::unexpected(devices.error());
   std::string text;
-  Json json = Json::array();
-  for (const GpuDevice& device : *devices) {
+  convert::Json json = convert::Json::array();
+  for (const gl::GpuDevice& device : *devices) {
     text += device_text(device);
     json.push_back(device_json(device));
   }
-  return print_to_stdout(flags.json ? json_text(json) : text);
+  return print_to_stdout(flags.json ? convert::json_text(json) : text);
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

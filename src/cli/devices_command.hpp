@@ -4,9 +4,9 @@
 #include "base/error.hpp"
 #include "cli/options.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 
 // Fails with ErrorKind::unavailable where there is no device at all. Devices that cannot be used are listed with why.
 [[nodiscard]] Result<void> run_devices(const DevicesFlags& flags);
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

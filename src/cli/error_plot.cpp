@@ -11,7 +11,7 @@
 
 #include "cli/gnuplot.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 namespace {
 
 // Okabe and Ito, "Color universal design", 2008: told apart with any colour vision.
@@ -34,16 +34,16 @@ std::size_t place_of(std::vector<T>& known, const T& value) {
   return place;
 }
 
-std::string data_row(const BenchResult& result, const BenchRow& row) {
+std::string data_row(const measure::BenchResult& result, const measure::BenchRow& row) {
   return fmt::format("{:.9g} {:.9g} {}\n", 1e3 * row.median_seconds, row.rms_above_rounding(),
                      result.levels[row.level].size);
 }
 
-std::vector<Line> lines_of(const std::vector<BenchResult>& results) {
+std::vector<Line> lines_of(const std::vector<measure::BenchResult>& results) {
   std::vector<Line> lines;
-  for (const BenchResult& result : results) {
-    for (const BenchRow& row : result.rows) {
-      std::string hue = row.method == Method::mc ? "marching cubes" : "marching tetrahedra";
+  for (const measure::BenchResult& result : results) {
+    for (const measure::BenchRow& row : result.rows) {
+      std::string hue = row.method == extract::Method::mc ? "marching cubes" : "marching tetrahedra";
       if (row.backend != "cpu") hue += " on " + row.backend;
       if (results.size() > 1) hue = fmt::format("{}: {}", result.input, hue);
       auto line = std::ranges::find_if(
@@ -58,10 +58,10 @@ std::vector<Line> lines_of(const std::vector<BenchResult>& results) {
   return lines;
 }
 
-std::string front_of(const std::vector<BenchResult>& results) {
+std::string front_of(const std::vector<measure::BenchResult>& results) {
   std::string data;
-  for (const BenchResult& result : results) {
-    for (const BenchRow& row : result.rows) {
+  for (const measure::BenchResult& result : results) {
+    for (const measure::BenchRow& row : result.rows) {
       if (row.on_front) data += data_row(result, row);
     }
   }
@@ -78,12 +78,12 @@ std::string range_with_numbers(double low, double high) {
 }
 
 // Some room around the points.
-std::string ranges(const std::vector<BenchResult>& results) {
+std::string ranges(const std::vector<measure::BenchResult>& results) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   double least[2] = {kInfinity, kInfinity};
   double most[2] = {0, 0};
-  for (const BenchResult& result : results) {
-    for (const BenchRow& row : result.rows) {
+  for (const measure::BenchResult& result : results) {
+    for (const measure::BenchRow& row : result.rows) {
       const double place[2] = {1e3 * row.median_seconds, row.rms_above_rounding()};
       for (int axis = 0; axis < 2; ++axis) {
         if (!(place[axis] > 0)) continue;
@@ -104,10 +104,11 @@ std::string terminal(PictureFormat format) {
 
 }  // namespace
 
-std::string error_plot_script(const std::vector<BenchResult>& results, int repeats, PictureFormat format) {
+std::string error_plot_script(const std::vector<measure::BenchResult>& results, int repeats, PictureFormat format) {
   std::string script = terminal(format);
   std::vector<std::string> inputs;
-  for (const BenchResult& result : results) inputs.push_back(fmt::format("{} at iso {}", result.input, result.iso));
+  for (const measure::BenchResult& result : results)
+    inputs.push_back(fmt::format("{} at iso {}", result.input, result.iso));
   script += fmt::format("set title {} noenhanced\n",
                         gnuplot_quoted(fmt::format("Error against run time: {}", fmt::join(inputs, ", "))));
   script += fmt::format("set xlabel 'extraction, ms (median of {})'\n", repeats);
@@ -151,4 +152,4 @@ std::string error_plot_script(const std::vector<BenchResult>& results, int repea
   return script + fmt::format("plot {}\n", fmt::join(plots, ", \\\n     "));
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

@@ -6,12 +6,13 @@
 
 #include "measure/benchmark.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 
 enum class PictureFormat { svg, png };
 
 // Both axes logarithmic; one line for each input, method, backend and number of threads, points labelled with their
 // size, and rings around those that nothing beats on both.
-[[nodiscard]] std::string error_plot_script(const std::vector<BenchResult>& results, int repeats, PictureFormat format);
+[[nodiscard]] std::string error_plot_script(const std::vector<measure::BenchResult>& results, int repeats,
+                                            PictureFormat format);
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

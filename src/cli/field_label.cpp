@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-namespace isoextract {
+namespace isoextract::cli {
 
-std::string field_label(const ScalarField& field) {
+std::string field_label(const field::ScalarField& field) {
   // Only sparse formats have grids with names.
-  const bool has_grids = std::holds_alternative<SparseSamples>(field.samples);
+  const bool has_grids = std::holds_alternative<field::SparseSamples>(field.samples);
   return has_grids ? fmt::format("{}[{}]", field.source, field.name) : field.source;
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

@@ -7,7 +7,7 @@ namespace CLI {
 class App;
 }
 
-namespace isoextract {
+namespace isoextract::cli {
 
 enum class Document { man, bash, zsh, fish };
 
@@ -19,4 +19,4 @@ enum class Document { man, bash, zsh, fish };
 [[nodiscard]] std::string zsh_completion(const CLI::App& app);
 [[nodiscard]] std::string fish_completion(const CLI::App& app);
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

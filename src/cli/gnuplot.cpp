@@ -13,7 +13,7 @@
 
 #include <fmt/format.h>
 
-namespace isoextract {
+namespace isoextract::cli {
 namespace {
 
 constexpr const char* kHint = "install it with: apt-get install gnuplot-nox";
@@ -143,4 +143,4 @@ std::string gnuplot_quoted(std::string_view text) {
   return quoted + "'";
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

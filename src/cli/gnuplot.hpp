@@ -6,7 +6,7 @@
 
 #include "base/error.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 
 // Fails with ErrorKind::unavailable where there is no gnuplot to run; the hint names its package.
 [[nodiscard]] Result<void> check_gnuplot();
@@ -18,4 +18,4 @@ namespace isoextract {
 // `text` as a string of a script, whatever is in it.
 [[nodiscard]] std::string gnuplot_quoted(std::string_view text);
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

@@ -8,11 +8,11 @@
 #include "base/version.hpp"
 #include "cli/bench_report.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 namespace {
 
-const ThreadCreation& of(const ThreadCreationLevel& level, ThreadMaker maker) {
-  return *std::ranges::find(level.makers, maker, &ThreadCreation::maker);
+const gpu::ThreadCreation& of(const gpu::ThreadCreationLevel& level, gpu::ThreadMaker maker) {
+  return *std::ranges::find(level.makers, maker, &gpu::ThreadCreation::maker);
 }
 
 std::string ratio_text(double other, double tessellation) {
@@ -21,7 +21,7 @@ std::string ratio_text(double other, double tessellation) {
 
 }  // namespace
 
-std::string gpu_threads_table(const ThreadCreationResult& result, int repeats) {
+std::string gpu_threads_table(const gpu::ThreadCreationResult& result, int repeats) {
   std::string text = "One geometry-shader thread a cell, which ends at once (seed paper S2)\n";
   text += fmt::format("Times: a pass over all cells, median of {} (least .. most), {}.\n", repeats,
                       describe(result.device));
@@ -29,16 +29,17 @@ std::string gpu_threads_table(const ThreadCreationResult& result, int repeats) {
                       result.copy_bytes_per_second / 1e9);
   std::vector<std::vector<std::string>> rows{
       {"cells", "threads by", "ms", "", "cells/s", "vertex data", "driver says", "time", "memory"}};
-  for (const ThreadCreationLevel& level : result.levels) {
-    const ThreadCreation& paper = of(level, ThreadMaker::tessellation);
-    for (const ThreadCreation& row : level.makers) {
+  for (const gpu::ThreadCreationLevel& level : result.levels) {
+    const gpu::ThreadCreation& paper = of(level, gpu::ThreadMaker::tessellation);
+    for (const gpu::ThreadCreation& row : level.makers) {
       const std::string size = fmt::format("{}^3", level.size);
       if (row.problem) {
-        rows.push_back({size, std::string(thread_maker_name(row.maker)), *row.problem});
+        rows.push_back({size, std::string(gpu::thread_maker_name(row.maker)), *row.problem});
         continue;
       }
       const double cells = static_cast<double>(level.size) * level.size * level.size;
-      rows.push_back({size, std::string(thread_maker_name(row.maker)), fmt::format("{:.3g}", 1e3 * row.median_seconds),
+      rows.push_back({size, std::string(gpu::thread_maker_name(row.maker)),
+                      fmt::format("{:.3g}", 1e3 * row.median_seconds),
                       fmt::format("({:.3g} .. {:.3g})", 1e3 * row.min_seconds, 1e3 * row.max_seconds),
                       fmt::format("{:.2e}", cells / row.median_seconds), format_byte_size(row.buffer_bytes),
                       row.driver_bytes ? format_byte_size(*row.driver_bytes) : "-",
@@ -53,28 +54,28 @@ std::string gpu_threads_table(const ThreadCreationResult& result, int repeats) {
   return text;
 }
 
-Json gpu_threads_json(const ThreadCreationResult& result, int repeats) {
-  Json levels = Json::array();
-  for (const ThreadCreationLevel& level : result.levels) {
-    Json makers = Json::array();
-    for (const ThreadCreation& row : level.makers) {
-      Json json{{"threads_by", thread_maker_name(row.maker)}};
+convert::Json gpu_threads_json(const gpu::ThreadCreationResult& result, int repeats) {
+  convert::Json levels = convert::Json::array();
+  for (const gpu::ThreadCreationLevel& level : result.levels) {
+    convert::Json makers = convert::Json::array();
+    for (const gpu::ThreadCreation& row : level.makers) {
+      convert::Json json{{"threads_by", gpu::thread_maker_name(row.maker)}};
       if (row.problem) {
         json["problem"] = *row.problem;
       } else {
         json["seconds"] = {{"median", row.median_seconds}, {"min", row.min_seconds}, {"max", row.max_seconds}};
         json["vertex_bytes"] = row.buffer_bytes;
-        json["driver_bytes"] = row.driver_bytes ? Json(*row.driver_bytes) : Json(nullptr);
+        json["driver_bytes"] = row.driver_bytes ? convert::Json(*row.driver_bytes) : convert::Json(nullptr);
       }
       makers.push_back(std::move(json));
     }
     levels.push_back({{"size", level.size}, {"makers", std::move(makers)}});
   }
-  return {{"generator", kGenerator},
+  return {{"generator", generator()},
           {"device", describe(result.device)},
           {"repeats", repeats},
           {"copy_bytes_per_second", result.copy_bytes_per_second},
           {"gpu_threads", std::move(levels)}};
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

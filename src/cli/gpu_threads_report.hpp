@@ -3,12 +3,12 @@
 
 #include <string>
 
-#include "batch/json_values.hpp"
+#include "convert/json_values.hpp"
 #include "gpu/thread_creation.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 
-[[nodiscard]] std::string gpu_threads_table(const ThreadCreationResult& result, int repeats);
-[[nodiscard]] Json gpu_threads_json(const ThreadCreationResult& result, int repeats);
+[[nodiscard]] std::string gpu_threads_table(const gpu::ThreadCreationResult& result, int repeats);
+[[nodiscard]] convert::Json gpu_threads_json(const gpu::ThreadCreationResult& result, int repeats);
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

@@ -10,7 +10,7 @@
 #include "cli/options.hpp"
 #include "field/demo_field.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 namespace {
 
 constexpr std::array<std::string_view, 5> kGroups{"Input", "Surface", "Placement", "Output", "Run"};
@@ -34,13 +34,13 @@ HelpTopic formats_topic() {
       "Volumes that can be read. The format is found by the content of the file, then by its extension; "
       "--input-format overrides both.",
       {}};
-  for (const VolumeFormatInfo& info : volume_formats()) {
+  for (const volumes::VolumeFormatInfo& info : volumes::volume_formats()) {
     const std::string extensions = info.extensions.empty() ? "" : fmt::format(" ({})", info.extensions);
     read.rows.push_back({std::string(info.name), fmt::format("{}{}", info.title, extensions)});
   }
   HelpBlock written{"Meshes that can be written. The format is chosen by the extension of the output, or by --format.",
                     {}};
-  for (const MeshFormatInfo& info : mesh_formats()) {
+  for (const meshes::MeshFormatInfo& info : meshes::mesh_formats()) {
     std::string text(info.title);
     text += info.holds_several_meshes ? "; several surfaces a file" : "; one surface a file";
     if (!info.can_stream) text += "; not to stdout";
@@ -57,7 +57,7 @@ HelpTopic demo_topic() {
       "demo:NAME?size=N has N samples along each axis (2 to 2048, default 64). Inside is above the iso "
       "value.",
       {}};
-  for (const DemoDescription& demo : demo_fields()) {
+  for (const field::DemoDescription& demo : field::demo_fields()) {
     block.rows.push_back({fmt::format("demo:{}", demo.name), fmt::format("{} (iso {})", demo.formula, demo.iso)});
   }
   topic.blocks = {std::move(block)};
@@ -153,7 +153,7 @@ std::vector<std::string> help_names() {
 }
 
 std::string help_overview(const CLI::App& app) {
-  std::string out = fmt::format("{}: {}\n\n", kGenerator, app.get_description());
+  std::string out = fmt::format("{}: {}\n\n", generator(), app.get_description());
   HelpBlock commands;
   const char* before = "Usage: ";
   for (const CLI::App* command : commands_of(app)) {
@@ -209,4 +209,4 @@ std::string short_usage(const CLI::App& app) {
   return out + "Try: isoextract demo:gyroid --iso 0 -o gyroid.glb   or: isoextract help\n";
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

@@ -12,7 +12,7 @@ namespace CLI {
 class App;
 }
 
-namespace isoextract {
+namespace isoextract::cli {
 
 // A subject of its own, in the help and as a section of the man page.
 struct HelpTopic {
@@ -45,4 +45,4 @@ struct Example {
 // A few lines for someone who gave no argument at all.
 [[nodiscard]] std::string short_usage(const CLI::App& app);
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

@@ -11,12 +11,13 @@
 #include "cli/info_report.hpp"
 #include "cli/progress_bar.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 namespace {
 
-std::uint64_t stored_samples(const Samples& samples) {
-  if (const auto* dense = std::get_if<DenseSamples>(&samples)) return dense->count();
-  return std::get<SparseSamples>(samples).blocks.size() * SparseBlock::kSize * SparseBlock::kSize * SparseBlock::kSize;
+std::uint64_t stored_samples(const field::Samples& samples) {
+  if (const auto* dense = std::get_if<field::DenseSamples>(&samples)) return dense->count();
+  return std::get<field::SparseSamples>(samples).blocks.size() * field::SparseBlock::kSize * field::SparseBlock::kSize *
+         field::SparseBlock::kSize;
 }
 
 std::string example_command(const InfoPlan& plan, const std::string& input, double iso) {
@@ -28,17 +29,17 @@ std::string example_command(const InfoPlan& plan, const std::string& input, doub
 
 Result<FieldReport> measure(const InfoPlan& plan, const std::string& input, const Messages& messages) {
   ProgressBar bar(messages.verbosity() != Verbosity::quiet);
-  ReadOptions options = plan.read;
+  volumes::ReadOptions options = plan.read;
   options.progress = bar.progress();
-  auto field = read_volume(input, options);
+  auto field = volumes::read_volume(input, options);
   if (!field) return tl::unexpected(std::move(field.error()));
   FieldReport report;
   report.field = std::move(*field);
-  report.statistics = measure_statistics(report.field, bar.progress());
-  report.suggestion = suggest_iso(report.field, report.statistics);
-  report.vertices = estimate_vertices(report.field, report.suggestion.iso);
+  report.statistics = field::measure_statistics(report.field, bar.progress());
+  report.suggestion = field::suggest_iso(report.field, report.statistics);
+  report.vertices = field::estimate_vertices(report.field, report.suggestion.iso);
   const std::uint64_t samples = stored_samples(report.field.samples);
-  report.sample_bytes = samples * sample_size(report.field.type());
+  report.sample_bytes = samples * field::sample_size(report.field.type());
   report.conversion_bytes = estimated_conversion_bytes(report.sample_bytes, samples, report.vertices);
   report.command = example_command(plan, input, report.suggestion.iso);
   return report;
@@ -47,14 +48,14 @@ Result<FieldReport> measure(const InfoPlan& plan, const std::string& input, cons
 InputReport look_at(const InfoPlan& plan, const std::string& input, const Messages& messages) {
   InputReport report;
   report.input = input;
-  auto grids = list_grids(input, plan.read);
+  auto grids = volumes::list_grids(input, plan.read);
   if (!grids) {
     report.error = std::move(grids.error());
     return report;
   }
   report.grids = std::move(*grids);
-  const auto scalars =
-      std::count_if(report.grids.begin(), report.grids.end(), [](const GridInfo& grid) { return grid.scalar; });
+  const auto scalars = std::count_if(report.grids.begin(), report.grids.end(),
+                                     [](const volumes::GridInfo& grid) { return grid.scalar; });
   if (scalars != 1 && !plan.read.grid && !report.grids.empty()) return report;
   auto field = measure(plan, input, messages);
   if (field) {
@@ -70,7 +71,7 @@ InputReport look_at(const InfoPlan& plan, const std::string& input, const Messag
 std::optional<Error> run_info(const InfoPlan& plan, const Messages& messages) {
   std::optional<Error> failure;
   std::string text;
-  Json json = Json::array();
+  convert::Json json = convert::Json::array();
   for (const std::string& input : plan.inputs) {
     const Stopwatch watch;
     const InputReport report = look_at(plan, input, messages);
@@ -89,7 +90,7 @@ std::optional<Error> run_info(const InfoPlan& plan, const Messages& messages) {
       text += (text.empty() ? "" : "\n") + text_of(report);
     }
   }
-  if (plan.json) text = json_text(json);
+  if (plan.json) text = convert::json_text(json);
   if (text.empty()) return failure;
   if (auto printed = print_to_stdout(text); !printed) {
     messages.error(printed.error());
@@ -98,4 +99,4 @@ std::optional<Error> run_info(const InfoPlan& plan, const Messages& messages) {
   return failure;
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

@@ -7,9 +7,9 @@
 #include "cli/messages.hpp"
 #include "cli/plan.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 
 // Reports on every input it can read. Errors are shown here; the first is also the answer, for the exit code.
 [[nodiscard]] std::optional<Error> run_info(const InfoPlan& plan, const Messages& messages);
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

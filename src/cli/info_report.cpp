@@ -9,27 +9,26 @@
 #include "base/limits.hpp"
 #include "cli/layout.hpp"
 #include "cli/placement.hpp"
-#include "io/file_bytes.hpp"
+#include "cli/remedies.hpp"
+#include "files/file_bytes.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 namespace {
-
-using isoextract::json_of;
 
 constexpr std::array kPercentiles{1, 5, 25, 50, 75, 95, 99};
 constexpr std::size_t kHistogramRows = 16;
 constexpr std::size_t kBarWidth = 40;
 
-std::string grid_name(const GridInfo& grid) {
+std::string grid_name(const volumes::GridInfo& grid) {
   return grid.name_repeats ? fmt::format("{}[{}]", grid.name, grid.index_of_name) : grid.name;
 }
 
 // Names in files are not to be trusted with a terminal.
-std::string printable_name(const std::string& name) { return printable(std::string_view(name), 200); }
+std::string printable_name(const std::string& name) { return files::printable(std::string_view(name), 200); }
 
-std::string grid_label(const GridInfo& grid) { return printable_name(grid_name(grid)); }
+std::string grid_label(const volumes::GridInfo& grid) { return printable_name(grid_name(grid)); }
 
-std::string dims_text(const IndexBox& box) {
+std::string dims_text(const field::IndexBox& box) {
   if (box.empty()) return "no active voxels";
   const glm::i64vec3 dims = box.dims();
   return fmt::format("{} x {} x {}", dims.x, dims.y, dims.z);
@@ -37,15 +36,15 @@ std::string dims_text(const IndexBox& box) {
 
 std::string vector_text(const glm::dvec3& v) { return fmt::format("{:.6g}, {:.6g}, {:.6g}", v.x, v.y, v.z); }
 
-glm::dvec3 spacing_of(const Affine& map) {
+glm::dvec3 spacing_of(const field::Affine& map) {
   return {glm::length(map.linear[0]), glm::length(map.linear[1]), glm::length(map.linear[2])};
 }
 
 // Samples that are whole numbers have percentiles that are whole numbers.
 double percentile_of(const FieldReport& report, int percent) {
   const double value = report.statistics.percentile(percent / 100.0);
-  const bool whole =
-      visit_sample_type(report.field.type(), []<class T>(std::type_identity<T>) { return !is_floating_sample<T>; });
+  const bool whole = visit_sample_type(report.field.type(),
+                                       []<class T>(std::type_identity<T>) { return !field::is_floating_sample<T>; });
   return whole && report.field.scale.is_identity() ? std::round(value) : value;
 }
 
@@ -53,30 +52,31 @@ void add_grids(NamedLines& lines, const InputReport& report) {
   if (report.grids.size() == 1 && report.field) return;
   lines.add("grids", fmt::format("{}", report.grids.size()));
   std::size_t name_width = 4;
-  for (const GridInfo& grid : report.grids) name_width = std::max(name_width, grid_label(grid).size());
-  for (const GridInfo& grid : report.grids) {
+  for (const volumes::GridInfo& grid : report.grids) name_width = std::max(name_width, grid_label(grid).size());
+  for (const volumes::GridInfo& grid : report.grids) {
     lines.plain(fmt::format("    {:<{}}  {:<8}  {:<18}  {} active voxels{}{}", grid_label(grid), name_width, grid.type,
                             dims_text(grid.box), grid.voxels,
-                            grid.kind ? fmt::format(", {}", kind_name(*grid.kind)) : "",
+                            grid.kind ? fmt::format(", {}", convert::kind_name(*grid.kind)) : "",
                             grid.scalar ? "" : "; no surface can be extracted from this type"));
   }
 }
 
 void add_shape(NamedLines& lines, const FieldReport& report) {
-  const ScalarField& field = report.field;
+  const field::ScalarField& field = report.field;
   lines.add("format", field.format);
   if (!field.name.empty()) lines.add("name", printable_name(field.name));
-  lines.add("kind", fmt::format("{}: {} the iso value is inside", kind_name(field.kind), inside_name(field.kind)));
-  const IndexBox box = field.extents();
-  if (const auto* sparse = std::get_if<SparseSamples>(&field.samples)) {
+  lines.add("kind", fmt::format("{}: {} the iso value is inside", convert::kind_name(field.kind),
+                                convert::inside_name(field.kind)));
+  const field::IndexBox box = field.extents();
+  if (const auto* sparse = std::get_if<field::SparseSamples>(&field.samples)) {
     lines.add("samples", fmt::format("{}, sparse: {} active voxels in {} blocks and {} tiles, background {:.6g}",
-                                     sample_type_name(sparse->type), sparse->active_voxels, sparse->blocks.size(),
-                                     sparse->tiles.size(), field.scale(sparse->background)));
+                                     field::sample_type_name(sparse->type), sparse->active_voxels,
+                                     sparse->blocks.size(), sparse->tiles.size(), field.scale(sparse->background)));
     lines.add("extents", box.empty() ? dims_text(box)
                                      : fmt::format("{} from ({}, {}, {}) to ({}, {}, {})", dims_text(box), box.min.x,
                                                    box.min.y, box.min.z, box.max.x, box.max.y, box.max.z));
   } else {
-    lines.add("samples", fmt::format("{}, dense", sample_type_name(field.type())));
+    lines.add("samples", fmt::format("{}, dense", field::sample_type_name(field.type())));
     lines.add("extents", dims_text(box));
   }
   if (!field.scale.is_identity()) {
@@ -95,7 +95,7 @@ void add_shape(NamedLines& lines, const FieldReport& report) {
   if (!field.world_space.empty()) lines.add("world space", field.world_space);
 }
 
-void add_histogram(NamedLines& lines, const FieldStatistics& statistics) {
+void add_histogram(NamedLines& lines, const field::FieldStatistics& statistics) {
   if (statistics.histogram.empty() || statistics.min == statistics.max) return;
   lines.add("histogram", "from each value to the next; bars show the square root of the share");
   const std::size_t bins_a_row = statistics.histogram.size() / kHistogramRows;
@@ -113,7 +113,7 @@ void add_histogram(NamedLines& lines, const FieldStatistics& statistics) {
 }
 
 void add_values(NamedLines& lines, const FieldReport& report) {
-  const FieldStatistics& statistics = report.statistics;
+  const field::FieldStatistics& statistics = report.statistics;
   if (statistics.samples > 0) {
     lines.add("values", fmt::format("{:.6g} .. {:.6g}, mean {:.6g}", statistics.min, statistics.max, statistics.mean));
     std::array<std::string, 2> percentiles;  // two lines
@@ -139,17 +139,17 @@ void add_advice(NamedLines& lines, const FieldReport& report) {
   lines.plain(fmt::format("\n  {}", report.command));
 }
 
-Json json_of(const GridInfo& grid) {
-  Json json{{"name", grid_name(grid)}, {"type", grid.type}, {"scalar", grid.scalar}};
-  json["kind"] = grid.kind ? Json(kind_name(*grid.kind)) : nullptr;
-  json["box"] = json_of(grid.box);
+convert::Json json_of(const volumes::GridInfo& grid) {
+  convert::Json json{{"name", grid_name(grid)}, {"type", grid.type}, {"scalar", grid.scalar}};
+  json["kind"] = grid.kind ? convert::Json(convert::kind_name(*grid.kind)) : nullptr;
+  json["box"] = convert::json_of(grid.box);
   json["voxels"] = grid.voxels;
   return json;
 }
 
-Json json_of_values(const FieldReport& report) {
-  const FieldStatistics& statistics = report.statistics;
-  Json json{{"finite", statistics.samples}, {"nan", statistics.nan}, {"infinite", statistics.infinite}};
+convert::Json json_of_values(const FieldReport& report) {
+  const field::FieldStatistics& statistics = report.statistics;
+  convert::Json json{{"finite", statistics.samples}, {"nan", statistics.nan}, {"infinite", statistics.infinite}};
   if (statistics.samples == 0) return json;
   json["min"] = statistics.min;
   json["max"] = statistics.max;
@@ -159,23 +159,23 @@ Json json_of_values(const FieldReport& report) {
   return json;
 }
 
-Json json_of(const FieldReport& report) {
-  const ScalarField& field = report.field;
-  Json json{{"format", field.format},
-            {"name", field.name},
-            {"kind", kind_name(field.kind)},
-            {"inside", inside_name(field.kind)},
-            {"type", sample_type_name(field.type())}};
-  const auto* sparse = std::get_if<SparseSamples>(&field.samples);
+convert::Json json_of(const FieldReport& report) {
+  const field::ScalarField& field = report.field;
+  convert::Json json{{"format", field.format},
+                     {"name", field.name},
+                     {"kind", convert::kind_name(field.kind)},
+                     {"inside", convert::inside_name(field.kind)},
+                     {"type", field::sample_type_name(field.type())}};
+  const auto* sparse = std::get_if<field::SparseSamples>(&field.samples);
   json["sparse"] = sparse != nullptr;
   if (sparse != nullptr) {
     json["active_voxels"] = sparse->active_voxels;
     json["background"] = field.scale(sparse->background);
   }
-  json["box"] = json_of(field.extents());
-  json["spacing"] = json_of(spacing_of(field.index_to_world));
-  json["index_to_world"] = json_of(field.index_to_world);
-  json["world_box"] = field.extents().empty() ? Json(nullptr) : json_of(world_bounds(field));
+  json["box"] = convert::json_of(field.extents());
+  json["spacing"] = convert::json_of(spacing_of(field.index_to_world));
+  json["index_to_world"] = convert::json_of(field.index_to_world);
+  json["world_box"] = field.extents().empty() ? convert::Json(nullptr) : convert::json_of(world_bounds(field));
   json["world_space"] = field.world_space;
   json["values"] = json_of_values(report);
   json["suggestion"] = {{"iso", report.suggestion.iso},
@@ -206,19 +206,20 @@ std::string text_of(const InputReport& report) {
     add_shape(lines, *report.field);
     add_values(lines, *report.field);
     add_advice(lines, *report.field);
-  } else if (std::any_of(report.grids.begin(), report.grids.end(), [](const GridInfo& grid) { return grid.scalar; })) {
+  } else if (std::any_of(report.grids.begin(), report.grids.end(),
+                         [](const volumes::GridInfo& grid) { return grid.scalar; })) {
     lines.plain("  --grid NAME chooses one of them");
   }
   return lines.take();
 }
 
-Json json_of(const InputReport& report) {
-  Json json{{"input", report.input}};
-  json["grids"] = Json::array();
-  for (const GridInfo& grid : report.grids) json["grids"].push_back(json_of(grid));
-  json["field"] = report.field ? json_of(*report.field) : Json(nullptr);
-  if (report.error) json["error"] = {{"message", report.error->message}, {"hint", report.error->hint}};
+convert::Json json_of(const InputReport& report) {
+  convert::Json json{{"input", report.input}};
+  json["grids"] = convert::Json::array();
+  for (const volumes::GridInfo& grid : report.grids) json["grids"].push_back(json_of(grid));
+  json["field"] = report.field ? json_of(*report.field) : convert::Json(nullptr);
+  if (report.error) json["error"] = {{"message", report.error->message}, {"hint", words_of(report.error->hint)}};
   return json;
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

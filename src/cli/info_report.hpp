@@ -7,18 +7,18 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "batch/json_values.hpp"
+#include "convert/json_values.hpp"
 #include "field/scalar_field.hpp"
 #include "field/statistics.hpp"
-#include "io/volume_reader.hpp"
+#include "volumes/volume_reader.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 
 // Of the one field that was read.
 struct FieldReport {
-  ScalarField field;
-  FieldStatistics statistics;
-  IsoSuggestion suggestion;
+  field::ScalarField field;
+  field::FieldStatistics statistics;
+  field::IsoSuggestion suggestion;
   std::uint64_t sample_bytes = 0;
   std::uint64_t vertices = 0;          // estimated, of the surface at the suggested iso value
   std::uint64_t conversion_bytes = 0;  // estimated peak of memory of that conversion
@@ -27,7 +27,7 @@ struct FieldReport {
 
 struct InputReport {
   std::string input;
-  std::vector<GridInfo> grids;
+  std::vector<volumes::GridInfo> grids;
   std::optional<FieldReport> field;  // not there if a choice of grid is missing, or on an error
   std::optional<Error> error;
 };
@@ -40,6 +40,6 @@ struct InputReport {
 [[nodiscard]] std::uint64_t estimated_triangles(std::uint64_t vertices);
 
 [[nodiscard]] std::string text_of(const InputReport& report);
-[[nodiscard]] Json json_of(const InputReport& report);
+[[nodiscard]] convert::Json json_of(const InputReport& report);
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-namespace isoextract {
+namespace isoextract::cli {
 namespace {
 
 constexpr std::size_t kWidth = 80;
@@ -55,4 +55,4 @@ std::string plain_text(const HelpBlock& block) {
 void NamedLines::add(std::string_view name, std::string_view text) { out_ += fmt::format("  {:<13} {}\n", name, text); }
 void NamedLines::plain(std::string_view text) { out_ += fmt::format("{}\n", text); }
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-namespace isoextract {
+namespace isoextract::cli {
 
 // A term and what is said of it: an option, a format, an exit code.
 struct HelpRow {
@@ -38,4 +38,4 @@ class NamedLines {
 // Paragraph and list for a terminal of 80 columns; ends with a newline unless the block is empty.
 [[nodiscard]] std::string plain_text(const HelpBlock& block);
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

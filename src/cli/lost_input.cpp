@@ -8,7 +8,7 @@
 
 #include "base/error.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 namespace {
 
 std::string message;  // made before the handler is there, which may not allocate
@@ -42,4 +42,4 @@ void report_lost_input() {
   ::sigaction(SIGBUS, &action, nullptr);
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

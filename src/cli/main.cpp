@@ -1,3 +1,3 @@
 #include "cli/commands.hpp"
 
-int main(int argc, char** argv) { return isoextract::run(argc, argv); }
+int main(int argc, char** argv) { return isoextract::cli::run(argc, argv); }

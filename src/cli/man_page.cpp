@@ -9,7 +9,7 @@
 #include "cli/help_topics.hpp"
 #include "cli/options.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 namespace {
 
 constexpr std::string_view kDate = "November 21, 2026";  // of the last change to the texts
@@ -151,4 +151,4 @@ std::string generate_document(const CLI::App& app, Document document) {
   return fish_completion(app);
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

@@ -5,22 +5,22 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-namespace isoextract {
+namespace isoextract::cli {
 namespace {
 
-std::string sizes_text(const ErrorStatistics& error) {
+std::string sizes_text(const measure::ErrorStatistics& error) {
   return fmt::format("rms {:.3g}, 99 % {:.3g}, max {:.3g} voxels", error.rms.voxels, error.percentile99.voxels,
                      error.max.voxels);
 }
 
-std::string world_text(const ErrorStatistics& error) {
+std::string world_text(const measure::ErrorStatistics& error) {
   return fmt::format("in the mesh's units rms {:.3g}, 99 % {:.3g}, max {:.3g} at ({:.6g}, {:.6g}, {:.6g})",
                      error.rms.world, error.percentile99.world, error.max.world, error.worst.x, error.worst.y,
                      error.worst.z);
 }
 
 // "3 beside samples that are not finite, 1 where the field is constant"
-std::string unmeasured_text(const ErrorStatistics& error) {
+std::string unmeasured_text(const measure::ErrorStatistics& error) {
   std::vector<std::string> parts;
   if (error.not_finite > 0) parts.push_back(fmt::format("{} beside samples that are not finite", error.not_finite));
   if (error.flat > 0) parts.push_back(fmt::format("{} where the gradient is zero", error.flat));
@@ -30,7 +30,7 @@ std::string unmeasured_text(const ErrorStatistics& error) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-void add_unmeasured(std::vector<std::string>& lines, std::string_view what, const ErrorStatistics& error) {
+void add_unmeasured(std::vector<std::string>& lines, std::string_view what, const measure::ErrorStatistics& error) {
   if (error.unmeasured() == 0) return;
   lines.push_back(fmt::format("not in this: {} of {} {}: {}", error.unmeasured(), error.unmeasured() + error.points,
                               what, unmeasured_text(error)));
@@ -41,7 +41,7 @@ std::string percent_text(double measured, double exact) {
 }
 
 std::string analytic_text(const MeshError& error) {
-  const AnalyticError& analytic = *error.analytic;
+  const measure::AnalyticError& analytic = *error.analytic;
   std::string text = fmt::format("error at iso {} against the formula: {}; normals rms {}{:.3g} degrees flat",
                                  error.iso, sizes_text(analytic.interior),
                                  analytic.smooth_normals.points == 0
@@ -53,15 +53,15 @@ std::string analytic_text(const MeshError& error) {
   return text;
 }
 
-Json json_of(const Length& length) { return {{"voxels", length.voxels}, {"world", length.world}}; }
+convert::Json json_of(const measure::Length& length) { return {{"voxels", length.voxels}, {"world", length.world}}; }
 
-Json json_of(const ErrorStatistics& error) {
-  Json json{{"points", error.points}};
+convert::Json json_of(const measure::ErrorStatistics& error) {
+  convert::Json json{{"points", error.points}};
   if (error.points > 0) {
     json["rms"] = json_of(error.rms);
     json["percentile99"] = json_of(error.percentile99);
     json["max"] = json_of(error.max);
-    json["worst"] = isoextract::json_of(error.worst);
+    json["worst"] = convert::json_of(error.worst);
   }
   json["not_finite"] = error.not_finite;
   json["flat"] = error.flat;
@@ -70,28 +70,29 @@ Json json_of(const ErrorStatistics& error) {
   return json;
 }
 
-Json json_of(const AngleStatistics& angles) {
+convert::Json json_of(const measure::AngleStatistics& angles) {
   if (angles.points == 0) return nullptr;
   return {{"points", angles.points}, {"rms_degrees", angles.rms_degrees}, {"max_degrees", angles.max_degrees}};
 }
 
-Json json_of_size(double measured, double exact) {
+convert::Json json_of_size(double measured, double exact) {
   return {{"measured", measured}, {"exact", exact}, {"relative_error", measured / exact - 1}};
 }
 
-Json json_of(const AnalyticError& analytic, const std::optional<SurfaceSize>& exact) {
-  return {{"closed_form", analytic.closed_form},
-          {"interior", json_of(analytic.interior)},
-          {"vertices", json_of(analytic.vertices)},
-          {"smooth_normals", json_of(analytic.smooth_normals)},
-          {"flat_normals", json_of(analytic.flat_normals)},
-          {"area", exact ? json_of_size(analytic.area, exact->area) : Json(nullptr)},
-          {"volume", exact && analytic.volume ? json_of_size(*analytic.volume, exact->volume) : Json(nullptr)}};
+convert::Json json_of(const measure::AnalyticError& analytic, const std::optional<field::SurfaceSize>& exact) {
+  return {
+      {"closed_form", analytic.closed_form},
+      {"interior", json_of(analytic.interior)},
+      {"vertices", json_of(analytic.vertices)},
+      {"smooth_normals", json_of(analytic.smooth_normals)},
+      {"flat_normals", json_of(analytic.flat_normals)},
+      {"area", exact ? json_of_size(analytic.area, exact->area) : convert::Json(nullptr)},
+      {"volume", exact && analytic.volume ? json_of_size(*analytic.volume, exact->volume) : convert::Json(nullptr)}};
 }
 
 // How far from the surface of the data, in their voxels, the mesh of another grid may be: a coarser one's is off by
 // voxels of its own.
-double reach_from(const ScalarField& grid) {
+double reach_from(const field::ScalarField& grid) {
   double longest = 0;
   for (int axis = 0; axis < 3; ++axis) longest = std::max(longest, glm::length(grid.index_to_file.linear[axis]));
   return std::max(1.0, 2 * longest);
@@ -99,32 +100,33 @@ double reach_from(const ScalarField& grid) {
 
 }  // namespace
 
-MeshError measure_mesh_error(const Mesh& mesh, const ScalarField& field, const ExtractOptions& extracted,
-                             Interpolation interpolation, const ScalarField* grid) {
+MeshError measure_mesh_error(const mesh::Mesh& mesh, const field::ScalarField& field,
+                             const extract::ExtractOptions& extracted, field::Interpolation interpolation,
+                             const field::ScalarField* grid) {
   MeshError error;
   error.iso = extracted.iso;
-  FieldErrorOptions options;
+  measure::FieldErrorOptions options;
   options.interpolation = interpolation;
   options.grid = grid;
   if (grid != nullptr) options.reach = reach_from(*grid);
   options.progress = extracted.progress;
-  error.field = measure_field_error(mesh, field, extracted, options);
-  error.analytic = measure_analytic_error(mesh, field, extracted, grid);
-  if (error.analytic && !extracted.region && field.kind == FieldKind::density) {
+  error.field = measure::measure_field_error(mesh, field, extracted, options);
+  error.analytic = measure::measure_analytic_error(mesh, field, extracted, grid);
+  if (error.analytic && !extracted.region && field.kind == field::FieldKind::density) {
     const double unit = error.analytic->unit;
-    error.exact = find_analytic_field(field.name)->size(extracted.iso);
+    error.exact = field::find_analytic_field(field.name)->size(extracted.iso);
     if (error.exact)
-      error.exact = SurfaceSize{error.exact->area * unit * unit, error.exact->volume * unit * unit * unit};
+      error.exact = field::SurfaceSize{error.exact->area * unit * unit, error.exact->volume * unit * unit * unit};
   }
   return error;
 }
 
-std::string_view interpolation_name(Interpolation interpolation) {
-  return interpolation == Interpolation::trilinear ? "trilinear" : "tricubic";
+std::string_view interpolation_name(field::Interpolation interpolation) {
+  return interpolation == field::Interpolation::trilinear ? "trilinear" : "tricubic";
 }
 
 std::vector<std::string> error_summary(const MeshError& error) {
-  const ErrorStatistics& interior = error.field.interior;
+  const measure::ErrorStatistics& interior = error.field.interior;
   std::vector<std::string> lines;
   lines.push_back(interior.points == 0 ? fmt::format("error at iso {}: nothing could be measured", error.iso)
                                        : fmt::format("error at iso {} against the {} interpolant: {}; {}", error.iso,
@@ -139,7 +141,7 @@ std::vector<std::string> error_summary(const MeshError& error) {
 }
 
 std::vector<std::string> error_details(const MeshError& error) {
-  const FieldError& field = error.field;
+  const measure::FieldError& field = error.field;
   std::vector<std::string> lines;
   lines.push_back(fmt::format(
       "measured: the distance to the isosurface along the gradient, at {} points inside the triangles, by area",
@@ -164,13 +166,13 @@ std::vector<std::string> error_details(const MeshError& error) {
   return lines;
 }
 
-Json json_of(const MeshError& error) {
+convert::Json json_of(const MeshError& error) {
   return {{"interpolant", interpolation_name(error.field.interpolation)},
           {"interior", json_of(error.field.interior)},
           {"vertices", json_of(error.field.vertices)},
           {"storage", json_of(error.field.storage)},
           {"cap_triangles", error.field.cap_triangles},
-          {"analytic", error.analytic ? json_of(*error.analytic, error.exact) : Json(nullptr)}};
+          {"analytic", error.analytic ? json_of(*error.analytic, error.exact) : convert::Json(nullptr)}};
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

@@ -5,25 +5,26 @@
 #include <string>
 #include <vector>
 
-#include "batch/json_values.hpp"
+#include "convert/json_values.hpp"
 #include "measure/analytic_error.hpp"
 #include "measure/field_error.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 
 struct MeshError {
   double iso = 0;
-  FieldError field;
-  std::optional<AnalyticError> analytic;  // of demo fields with a formula
-  std::optional<SurfaceSize> exact;       // likewise, where their size is known, in the mesh's units
+  measure::FieldError field;
+  std::optional<measure::AnalyticError> analytic;  // of demo fields with a formula
+  std::optional<field::SurfaceSize> exact;         // likewise, where their size is known, in the mesh's units
 };
 
 // `extracted` is how the mesh was extracted from `field`, or from `grid` if there is one, which resample() made of it.
-[[nodiscard]] MeshError measure_mesh_error(const Mesh& mesh, const ScalarField& field, const ExtractOptions& extracted,
-                                           Interpolation interpolation, const ScalarField* grid = nullptr);
+[[nodiscard]] MeshError measure_mesh_error(const mesh::Mesh& mesh, const field::ScalarField& field,
+                                           const extract::ExtractOptions& extracted, field::Interpolation interpolation,
+                                           const field::ScalarField* grid = nullptr);
 
 // "trilinear", "tricubic": the spelling of --error.
-[[nodiscard]] std::string_view interpolation_name(Interpolation interpolation);
+[[nodiscard]] std::string_view interpolation_name(field::Interpolation interpolation);
 
 // The lines that every run with --error shows: the distance, and what could not be measured.
 [[nodiscard]] std::vector<std::string> error_summary(const MeshError& error);
@@ -31,6 +32,6 @@ struct MeshError {
 [[nodiscard]] std::vector<std::string> error_details(const MeshError& error);
 
 // For the report: "error" of a mesh in docs/report.schema.json.
-[[nodiscard]] Json json_of(const MeshError& error);
+[[nodiscard]] convert::Json json_of(const MeshError& error);
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-namespace isoextract {
+namespace isoextract::cli {
 namespace {
 
 constexpr double kPatchVoxels = 24;
@@ -39,10 +39,10 @@ Stretch stretch_of(const glm::dmat3& map) {
 
 }  // namespace
 
-MeshSimplification simplify_mesh(Mesh& mesh, double iso, const SimplifyError& error, const Affine& output_from_index,
-                                 Progress* progress) {
+MeshSimplification simplify_mesh(mesh::Mesh& mesh, double iso, const SimplifyError& error,
+                                 const field::Affine& output_from_index, Progress* progress) {
   const Stretch voxel = stretch_of(output_from_index.linear);
-  SimplifyOptions options;
+  edit::SimplifyOptions options;
   options.max_distance = error.distance;
   options.patch_size = kPatchVoxels * std::cbrt(std::abs(output_from_index.determinant()));
   options.progress = progress;
@@ -52,16 +52,16 @@ MeshSimplification simplify_mesh(Mesh& mesh, double iso, const SimplifyError& er
     options.to_metric = glm::inverse(output_from_index.linear);
     options.patch_size = kPatchVoxels;
   }
-  SimplifiedMesh simplified = simplify_within(std::move(mesh), options);
+  edit::SimplifiedMesh simplified = edit::simplify_within(std::move(mesh), options);
   mesh = std::move(simplified.mesh);
 
   MeshSimplification result;
   result.facts = simplified.facts;
-  SimplificationRecord& record = result.record;
+  convert::SimplificationRecord& record = result.record;
   record.iso = iso;
   record.asked = error.distance;
   record.asked_in_voxels = !error.in_world_units;
-  const DistanceRange measured{simplified.facts.measured_lower, simplified.facts.measured_upper};
+  const convert::DistanceRange measured{simplified.facts.measured_lower, simplified.facts.measured_upper};
   if (options.to_metric != glm::dmat3(1.0)) {
     record.voxels = measured;
     record.world = {measured.lower * voxel.least, measured.upper * voxel.most};
@@ -77,7 +77,7 @@ MeshSimplification simplify_mesh(Mesh& mesh, double iso, const SimplifyError& er
 }
 
 std::string simplification_summary(const MeshSimplification& simplification) {
-  const SimplificationRecord& record = simplification.record;
+  const convert::SimplificationRecord& record = simplification.record;
   const std::string asked =
       fmt::format("{} {}", record.asked, record.asked_in_voxels ? "voxels" : "of the mesh's units");
   if (record.triangles_after == record.triangles_before) {
@@ -94,9 +94,9 @@ std::string simplification_summary(const MeshSimplification& simplification) {
 }
 
 std::string simplification_details(const MeshSimplification& simplification) {
-  const Simplification& facts = simplification.facts;
+  const edit::Simplification& facts = simplification.facts;
   return fmt::format("{} passes over {} patches; {} patches kept as they were; {:.2f} s of processor time",
                      facts.passes, facts.patches, facts.patches_kept, facts.time.cpu_seconds);
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

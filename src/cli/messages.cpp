@@ -3,9 +3,10 @@
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
-#include "io/output_file.hpp"
+#include "cli/remedies.hpp"
+#include "files/output_file.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 namespace {
 
 spdlog::level::level_enum level_of(Verbosity verbosity) {
@@ -28,7 +29,7 @@ Messages::Messages(Verbosity verbosity)
 
 void Messages::error(const Error& error) const {
   log_->error("isoextract: error: {}", error.message);
-  if (!error.hint.empty()) log_->error("  hint: {}", error.hint);
+  if (!error.hint.empty()) log_->error("  hint: {}", words_of(error.hint));
 }
 
 void Messages::note(std::string_view text) const { log_->warn("isoextract: note: {}", text); }
@@ -37,10 +38,10 @@ void Messages::explanation(std::string_view text) const { log_->info("{}", text)
 void Messages::detail(std::string_view text) const { log_->debug("{}", text); }
 
 Result<void> print_to_stdout(std::string_view text) {
-  auto out = OutputFile::create("-");
+  auto out = files::OutputFile::create("-");
   if (!out) return tl::unexpected(out.error());
   if (auto written = out->write(text); !written) return written;
   return out->commit();
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

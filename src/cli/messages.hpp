@@ -10,7 +10,7 @@ namespace spdlog {
 class logger;
 }
 
-namespace isoextract {
+namespace isoextract::cli {
 
 enum class Verbosity { quiet, normal, verbose };
 
@@ -34,4 +34,4 @@ class Messages {
 // Writes `text` to stdout as a whole. Fails with ErrorKind::output, for example on a closed pipe or a full disk.
 [[nodiscard]] Result<void> print_to_stdout(std::string_view text);
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

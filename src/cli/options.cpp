@@ -11,7 +11,7 @@
 #include "cli/help_topics.hpp"
 #include "field/demo_field.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 namespace {
 
 // A word of the command line and what it means.
@@ -101,26 +101,28 @@ class Group {
   std::string name_;
 };
 
-std::vector<Choice<SampleType>> sample_types() {
-  std::vector<Choice<SampleType>> types;
-  for (const SampleType type : {SampleType::u8, SampleType::i8, SampleType::u16, SampleType::i16, SampleType::u32,
-                                SampleType::i32, SampleType::f16, SampleType::f32, SampleType::f64}) {
-    types.push_back({std::string(sample_type_name(type)), type});
+std::vector<Choice<field::SampleType>> sample_types() {
+  std::vector<Choice<field::SampleType>> types;
+  for (const field::SampleType type : {field::SampleType::u8, field::SampleType::i8, field::SampleType::u16,
+                                       field::SampleType::i16, field::SampleType::u32, field::SampleType::i32,
+                                       field::SampleType::f16, field::SampleType::f32, field::SampleType::f64}) {
+    types.push_back({std::string(field::sample_type_name(type)), type});
   }
   return types;
 }
 
-std::vector<Choice<VolumeFormat>> input_formats() {
-  std::vector<Choice<VolumeFormat>> formats;
-  for (const VolumeFormatInfo& info : volume_formats()) {
-    if (info.format != VolumeFormat::demo) formats.push_back({std::string(info.name), info.format});
+std::vector<Choice<volumes::VolumeFormat>> input_formats() {
+  std::vector<Choice<volumes::VolumeFormat>> formats;
+  for (const volumes::VolumeFormatInfo& info : volumes::volume_formats()) {
+    if (info.format != volumes::VolumeFormat::demo) formats.push_back({std::string(info.name), info.format});
   }
   return formats;
 }
 
-std::vector<Choice<MeshFormat>> output_formats() {
-  std::vector<Choice<MeshFormat>> formats;
-  for (const MeshFormatInfo& info : mesh_formats()) formats.push_back({std::string(info.name), info.format});
+std::vector<Choice<meshes::MeshFormat>> output_formats() {
+  std::vector<Choice<meshes::MeshFormat>> formats;
+  for (const meshes::MeshFormatInfo& info : meshes::mesh_formats())
+    formats.push_back({std::string(info.name), info.format});
   return formats;
 }
 
@@ -155,7 +157,7 @@ void declare_input(CLI::App& app, InputFlags& flags, const std::string& metavar,
               "Distance of the samples along each axis, or one number for all; replaces what the file says.");
   group.value("--origin", "X,Y,Z", flags.origin, parse_vector,
               "World position of the first sample; replaces what the file says.");
-  group.choice("--inside", flags.inside, {{"above", FieldKind::density}, {"below", FieldKind::level_set}},
+  group.choice("--inside", flags.inside, {{"above", field::FieldKind::density}, {"below", field::FieldKind::level_set}},
                "Which side of the iso value is inside: above as in densities, or below as in level sets (default: as "
                "the file says, else above). A value equal to the iso value is outside.");
   group.value("--memory-limit", "SIZE", flags.memory_limit, parse_size, kMemoryLimitText);
@@ -175,9 +177,11 @@ void declare_run(CLI::App& app, RunFlags& flags) {
   declare_verbosity(group, flags);
 }
 
-void declare_nan(const Group& group, std::optional<NanPolicy>& policy) {
+void declare_nan(const Group& group, std::optional<extract::NanPolicy>& policy) {
   group.choice("--nan", policy,
-               {{"error", NanPolicy::error}, {"outside", NanPolicy::outside}, {"hole", NanPolicy::hole}},
+               {{"error", extract::NanPolicy::error},
+                {"outside", extract::NanPolicy::outside},
+                {"hole", extract::NanPolicy::hole}},
                "What a sample that is not a number means: the end, outside, or a hole in the surface, left by the "
                "cells that touch it (default: error).");
 }
@@ -201,7 +205,7 @@ void declare_backends(const Group& group, std::optional<std::vector<NamedBackend
 }
 
 void declare_surface(const Group& group, SurfaceFlags& flags) {
-  group.choice("--method", flags.method, {{"mc", Method::mc}, {"mt", Method::mt}},
+  group.choice("--method", flags.method, {{"mc", extract::Method::mc}, {"mt", extract::Method::mt}},
                "Marching cubes, or marching tetrahedra with six a cell (default: mc).");
   group.value("--roi", "X0,Y0,Z0,X1,Y1,Z1", flags.roi, parse_box,
               "Only the samples in this box, given by its smaller and larger corner in the input's world coordinates "
@@ -352,7 +356,7 @@ std::unique_ptr<CommandLine> declare_command_line() {
   app.description("Extract isosurfaces from volumes and write them as meshes.");
   app.allow_extras();
   app.set_help_flag("-h,--help", "Show an overview and exit.")->group("Run");
-  app.set_version_flag("--version", "isoextract " + std::string(kVersion), "Show the version and exit.")->group("Run");
+  app.set_version_flag("--version", "isoextract " + std::string(version()), "Show the version and exit.")->group("Run");
   app.require_subcommand(1);
 
   line->convert = add_command(app, "convert", "Extract a surface and write it as a mesh. The default command.");
@@ -364,7 +368,7 @@ std::unique_ptr<CommandLine> declare_command_line() {
   const Group convert_run(*line->convert, "Run");
   convert_run
       .choice("--error", convert.error,
-              {{"trilinear", Interpolation::trilinear}, {"tricubic", Interpolation::tricubic}},
+              {{"trilinear", field::Interpolation::trilinear}, {"tricubic", field::Interpolation::tricubic}},
               "Measure how far the mesh is from the isosurface of the data, interpolated linearly along each axis "
               "(the default) or smoothly; of demo fields also how far from the formula.")
       ->expected(0, 1);
@@ -461,4 +465,4 @@ std::vector<const CLI::App*> commands_of(const CLI::App& app) {
   return app.get_subcommands([](const CLI::App*) { return true; });
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

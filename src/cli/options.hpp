@@ -22,10 +22,10 @@
 #include "extract/extractor.hpp"
 #include "field/interpolant.hpp"
 #include "field/scalar_field.hpp"
-#include "io/mesh_writer.hpp"
-#include "io/volume_reader.hpp"
+#include "meshes/mesh_writer.hpp"
+#include "volumes/volume_reader.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 
 enum class Normals { none, flat, smooth };
 enum class EmptyPolicy { error, skip, write };
@@ -34,14 +34,14 @@ enum class EmptyPolicy { error, skip, write };
 struct InputFlags {
   std::vector<std::string> inputs;
   std::optional<std::string> grid;
-  std::optional<VolumeFormat> format;
+  std::optional<volumes::VolumeFormat> format;
   std::optional<glm::ivec3> dims;
-  std::optional<SampleType> dtype;
+  std::optional<field::SampleType> dtype;
   std::optional<std::endian> endian;
   std::optional<std::uint64_t> skip;
   std::optional<glm::dvec3> spacing;
   std::optional<glm::dvec3> origin;
-  std::optional<FieldKind> inside;
+  std::optional<field::FieldKind> inside;
   std::optional<std::uint64_t> memory_limit;
 };
 
@@ -53,11 +53,11 @@ struct RunFlags {
 
 // What decides about a surface besides the iso value.
 struct SurfaceFlags {
-  std::optional<Method> method;
-  std::optional<Box> roi;
+  std::optional<extract::Method> method;
+  std::optional<field::Box> roi;
   std::optional<glm::ivec3> resolution;
   bool cap = false;
-  std::optional<NanPolicy> nan;
+  std::optional<extract::NanPolicy> nan;
 };
 
 struct PlacementFlags {
@@ -68,7 +68,7 @@ struct PlacementFlags {
 };
 
 struct DeviceFlags {
-  std::optional<DeviceChoice> device;
+  std::optional<gl::DeviceChoice> device;
   std::optional<std::uint64_t> gpu_memory;
 };
 
@@ -83,9 +83,9 @@ struct ConvertFlags {
   std::optional<EmptyPolicy> empty;
   PlacementFlags placement;
   std::optional<std::string> output;
-  std::optional<MeshFormat> format;
+  std::optional<meshes::MeshFormat> format;
   bool ascii = false;
-  std::optional<Interpolation> error;
+  std::optional<field::Interpolation> error;
   bool verify = false;
   bool explain = false;
   std::optional<std::string> report;
@@ -122,8 +122,8 @@ struct BenchFlags {
   std::optional<std::vector<int>> sizes;
   std::optional<std::vector<int>> coarser;
   std::optional<double> iso;
-  std::optional<std::vector<Method>> methods;
-  std::optional<NanPolicy> nan;
+  std::optional<std::vector<extract::Method>> methods;
+  std::optional<extract::NanPolicy> nan;
   std::optional<std::vector<NamedBackend>> backends;
   DeviceFlags device;
   std::optional<std::vector<int>> threads;
@@ -188,4 +188,4 @@ struct BadValue : CLI::ParseError {
 [[nodiscard]] std::vector<const CLI::Option*> options_in_group(const CLI::App& command, const std::string& group);
 [[nodiscard]] std::vector<const CLI::App*> commands_of(const CLI::App& app);
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

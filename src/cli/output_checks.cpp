@@ -5,33 +5,33 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "io/output_file.hpp"
-#include "io/volume_reader.hpp"
+#include "files/output_file.hpp"
+#include "volumes/volume_reader.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 namespace {
 
 namespace fs = std::filesystem;
 
 // The files that a job writes: glTF is two.
-std::vector<fs::path> files_of(const OutputJob& job, MeshFormat format) {
+std::vector<fs::path> files_of(const OutputJob& job, meshes::MeshFormat format) {
   std::vector<fs::path> files{job.path};
-  if (format == MeshFormat::gltf) files.push_back(fs::path(job.path).replace_extension(".bin"));
+  if (format == meshes::MeshFormat::gltf) files.push_back(fs::path(job.path).replace_extension(".bin"));
   return files;
 }
 
-Result<void> check_stdout(const MeshWriteOptions& options) {
-  const bool is_text = options.ascii || options.format == MeshFormat::obj;
+Result<void> check_stdout(const meshes::MeshWriteOptions& options) {
+  const bool is_text = options.ascii || options.format == meshes::MeshFormat::obj;
   if (is_text || ::isatty(STDOUT_FILENO) == 0) return {};
   return fail(ErrorKind::usage,
-              fmt::format("stdout is a terminal, and {} is binary data", mesh_format_info(options.format).name),
+              fmt::format("stdout is a terminal, and {} is binary data", meshes::mesh_format_info(options.format).name),
               "redirect it to a file or a pipe");
 }
 
 // Where the input's header is a file of its own, those that hold the samples. What cannot be told is an error when the
 // input is read.
 Result<void> check_data_files(const fs::path& output, const ConvertPlan& plan) {
-  const auto inputs = list_input_files(plan.input, plan.read);
+  const auto inputs = volumes::list_input_files(plan.input, plan.read);
   if (!inputs) return {};
   for (const fs::path& input : *inputs) {
     std::error_code none;
@@ -54,7 +54,7 @@ Result<void> check_output_file(const fs::path& path, const std::string& input) {
   }
   const fs::file_status status = fs::status(path, none);
   if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status)) return {};
-  auto probe = OutputFile::create(path);
+  auto probe = files::OutputFile::create(path);
   if (!probe) return tl::unexpected(probe.error());
   return {};
 }
@@ -95,4 +95,4 @@ Result<void> check_mesh_files(const ConvertPlan& plan) {
   return {};
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

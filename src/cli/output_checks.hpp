@@ -7,7 +7,7 @@
 #include "base/error.hpp"
 #include "cli/plan.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 
 // The report's file: writable, and neither the input nor a file that the conversion writes besides.
 [[nodiscard]] Result<void> check_report_file(const ConvertPlan& plan);
@@ -21,4 +21,4 @@ namespace isoextract {
 // Whether two paths name one file, whether it exists or not.
 [[nodiscard]] bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

@@ -8,7 +8,7 @@
 
 #include "cli/field_label.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 namespace {
 
 constexpr std::array kUnits{LengthUnit{"um", 1e-6}, LengthUnit{"mm", 1e-3},   LengthUnit{"cm", 1e-2},
@@ -18,26 +18,27 @@ constexpr double kVoxelTolerance = 1e-6;
 constexpr double kAxisTolerance = 1e-6;  // of an axis' length
 
 // The field's extents in world or voxel coordinates.
-Box bounds_in(const ScalarField& field, Space space) {
-  const IndexBox extents = field.extents();
-  return image_of(space == Space::index ? field.index_to_file : field.index_to_world,
-                  {glm::dvec3(extents.min), glm::dvec3(extents.max)});
+field::Box bounds_in(const field::ScalarField& field, Space space) {
+  const field::IndexBox extents = field.extents();
+  return field::image_of(space == Space::index ? field.index_to_file : field.index_to_world,
+                         {glm::dvec3(extents.min), glm::dvec3(extents.max)});
 }
 
 // Where samples are: sparse ones are everywhere, for the background is a value like any other.
-IndexBox sample_box(const ScalarField& field) {
-  if (std::holds_alternative<DenseSamples>(field.samples)) return field.extents();
-  return {glm::ivec3(-kMaxSparseIndex), glm::ivec3(kMaxSparseIndex)};
+field::IndexBox sample_box(const field::ScalarField& field) {
+  if (std::holds_alternative<field::DenseSamples>(field.samples)) return field.extents();
+  return {glm::ivec3(-field::kMaxSparseIndex), glm::ivec3(field::kMaxSparseIndex)};
 }
 
 }  // namespace
 
 std::span<const LengthUnit> length_units() { return kUnits; }
 
-Affine output_from_index(const ScalarField& field, const Placement& placement) {
+field::Affine output_from_index(const field::ScalarField& field, const Placement& placement) {
   if (placement.space == Space::index) return field.index_to_file;
-  Affine map = scaling(glm::dvec3(placement.scale)).after(field.index_to_world);
-  if (placement.turn_z_up_to_y_up) map = Affine{glm::dmat3(1, 0, 0, 0, 0, -1, 0, 1, 0), glm::dvec3(0)}.after(map);
+  field::Affine map = field::scaling(glm::dvec3(placement.scale)).after(field.index_to_world);
+  if (placement.turn_z_up_to_y_up)
+    map = field::Affine{glm::dmat3(1, 0, 0, 0, 0, -1, 0, 1, 0), glm::dvec3(0)}.after(map);
   return map;
 }
 
@@ -50,9 +51,9 @@ std::string describe(const Placement& placement) {
   return text;
 }
 
-Box world_bounds(const ScalarField& field) { return bounds_in(field, Space::world); }
+field::Box world_bounds(const field::ScalarField& field) { return bounds_in(field, Space::world); }
 
-bool is_axis_aligned(const Affine& index_to_world) {
+bool is_axis_aligned(const field::Affine& index_to_world) {
   for (int column = 0; column < 3; ++column) {
     const glm::dvec3 axis = glm::abs(index_to_world.linear[column]);
     const double longest = std::max({axis.x, axis.y, axis.z});
@@ -61,13 +62,13 @@ bool is_axis_aligned(const Affine& index_to_world) {
   return true;
 }
 
-Result<IndexBox> samples_in_box(const ScalarField& field, const Box& box, Space space) {
-  const Affine& map = space == Space::index ? field.index_to_file : field.index_to_world;
-  const Box wanted = image_of(map.inverse(), box);
-  const IndexBox stored = sample_box(field);
+Result<field::IndexBox> samples_in_box(const field::ScalarField& field, const field::Box& box, Space space) {
+  const field::Affine& map = space == Space::index ? field.index_to_file : field.index_to_world;
+  const field::Box wanted = field::image_of(map.inverse(), box);
+  const field::IndexBox stored = sample_box(field);
   const glm::dvec3 first(stored.min);
   const glm::dvec3 last(stored.max);
-  IndexBox samples;
+  field::IndexBox samples;
   for (int axis = 0; axis < 3; ++axis) {
     // Clipped as doubles: the box may reach further than an int.
     samples.min[axis] =
@@ -86,7 +87,8 @@ Result<IndexBox> samples_in_box(const ScalarField& field, const Box& box, Space 
   return samples;
 }
 
-Result<PlacedField> place_field(const ScalarField& field, const Placement& placement, const std::optional<Box>& roi) {
+Result<PlacedField> place_field(const field::ScalarField& field, const Placement& placement,
+                                const std::optional<field::Box>& roi) {
   PlacedField placed;
   placed.output_from_index = output_from_index(field, placement);
   if (field.index_to_world.is_regular() && !placed.output_from_index.is_regular()) {
@@ -108,9 +110,9 @@ Result<PlacedField> place_field(const ScalarField& field, const Placement& place
   return placed;
 }
 
-std::string box_text(const Box& box) {
+std::string box_text(const field::Box& box) {
   return fmt::format("({:.6g}, {:.6g}, {:.6g}) .. ({:.6g}, {:.6g}, {:.6g})", box.min.x, box.min.y, box.min.z, box.max.x,
                      box.max.y, box.max.z);
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

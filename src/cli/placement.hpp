@@ -11,7 +11,7 @@
 #include "cli/values.hpp"
 #include "field/scalar_field.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 
 enum class Space { world, index };
 enum class UpAxis { y, z };
@@ -31,34 +31,35 @@ struct Placement {
   std::string_view unit;  // that `scale` converts to metres; empty if none was named
 };
 
-[[nodiscard]] Affine output_from_index(const ScalarField& field, const Placement& placement);
+[[nodiscard]] field::Affine output_from_index(const field::ScalarField& field, const Placement& placement);
 
 // "world coordinates, turned from z up to y up, scaled by 0.001 (mm to m)"
 [[nodiscard]] std::string describe(const Placement& placement);
 
 // The field's extents in world coordinates.
-[[nodiscard]] Box world_bounds(const ScalarField& field);
+[[nodiscard]] field::Box world_bounds(const field::ScalarField& field);
 
 // True if every axis of the samples runs along an axis of the world.
-[[nodiscard]] bool is_axis_aligned(const Affine& index_to_world);
+[[nodiscard]] bool is_axis_aligned(const field::Affine& index_to_world);
 
 // The samples of `field` in `box` (world or voxel coordinates, as `space` says), to a millionth of a voxel. Where the
 // samples' axes are oblique, the smallest index box that holds them all. Fails with ErrorKind::input if that is less
 // than one cell of the data.
-[[nodiscard]] Result<IndexBox> samples_in_box(const ScalarField& field, const Box& box, Space space);
+[[nodiscard]] Result<field::IndexBox> samples_in_box(const field::ScalarField& field, const field::Box& box,
+                                                     Space space);
 
 // A field's place in the output, and what of it is wanted.
 struct PlacedField {
-  Affine output_from_index;
-  std::optional<IndexBox> region;
+  field::Affine output_from_index;
+  std::optional<field::IndexBox> region;
   std::vector<std::string> notes;  // what --roi took that was not asked for
 };
 
 // Fails with ErrorKind::usage where --scale or --unit leads out of the range of numbers, and as samples_in_box does.
-[[nodiscard]] Result<PlacedField> place_field(const ScalarField& field, const Placement& placement,
-                                              const std::optional<Box>& roi);
+[[nodiscard]] Result<PlacedField> place_field(const field::ScalarField& field, const Placement& placement,
+                                              const std::optional<field::Box>& roi);
 
 // "(0, 0, 0) .. (1, 2, 3)"
-[[nodiscard]] std::string box_text(const Box& box);
+[[nodiscard]] std::string box_text(const field::Box& box);
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

@@ -9,23 +9,25 @@
 
 #include "field/demo_field.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 namespace {
 
 constexpr std::string_view kIsoPattern = "{iso}";
 
-tl::unexpected<Error> usage(std::string message, std::string hint = {}) {
+tl::unexpected<Error> usage(std::string message, Hint hint = {}) {
   return fail(ErrorKind::usage, std::move(message), std::move(hint));
 }
 
-bool is_gltf(MeshFormat format) { return format == MeshFormat::glb || format == MeshFormat::gltf; }
+bool is_gltf(meshes::MeshFormat format) {
+  return format == meshes::MeshFormat::glb || format == meshes::MeshFormat::gltf;
+}
 
-Result<ReadOptions> plan_read(const InputFlags& flags) {
+Result<volumes::ReadOptions> plan_read(const InputFlags& flags) {
   for (const std::string& input : flags.inputs) {
     if (input.empty()) return usage("INPUT is empty");
     if (input == "-") return usage("the input cannot be read from stdin", "give the path of a file");
   }
-  ReadOptions read;
+  volumes::ReadOptions read;
   read.format = flags.format;
   read.grid = flags.grid;
   read.spacing = flags.spacing;
@@ -33,7 +35,7 @@ Result<ReadOptions> plan_read(const InputFlags& flags) {
   read.kind = flags.inside;
   if (flags.memory_limit) read.limits.memory_bytes = *flags.memory_limit;
   if (flags.dims) {
-    RawLayout raw;
+    volumes::RawLayout raw;
     raw.dims = *flags.dims;
     raw.type = flags.dtype.value_or(raw.type);
     raw.endian = flags.endian.value_or(raw.endian);
@@ -48,31 +50,32 @@ Result<ReadOptions> plan_read(const InputFlags& flags) {
   return read;
 }
 
-Result<MeshFormat> format_of_path(const std::string& path, std::string hint) {
-  if (const auto format = mesh_format_by_path(path)) return *format;
+Result<meshes::MeshFormat> format_of_path(const std::string& path, std::string hint) {
+  if (const auto format = meshes::mesh_format_by_path(path)) return *format;
   std::vector<std::string_view> names;
-  for (const MeshFormatInfo& info : mesh_formats()) names.push_back(info.name);
+  for (const meshes::MeshFormatInfo& info : meshes::mesh_formats()) names.push_back(info.name);
   return usage(fmt::format("{}: expected an extension of {}", path, fmt::join(names, ", ")), std::move(hint));
 }
 
-Result<MeshFormat> plan_format(const ConvertFlags& flags) {
+Result<meshes::MeshFormat> plan_format(const ConvertFlags& flags) {
   if (flags.format) return *flags.format;
-  if (!flags.output) return MeshFormat::glb;
+  if (!flags.output) return meshes::MeshFormat::glb;
   if (*flags.output == "-") return usage("-o - needs --format", "for example --format ply");
   return format_of_path(*flags.output, "choose the format with --format");
 }
 
 // What --method, --cap and --nan make of the options.
-ExtractOptions plan_extract(const SurfaceFlags& flags, const Limits& limits) {
-  ExtractOptions extract;
+extract::ExtractOptions plan_extract(const SurfaceFlags& flags, const Limits& limits) {
+  extract::ExtractOptions extract;
   extract.limits = limits;
-  extract.method = flags.method.value_or(Method::mc);
+  extract.method = flags.method.value_or(extract::Method::mc);
   extract.cap = flags.cap;
-  extract.nan = flags.nan.value_or(NanPolicy::error);
+  extract.nan = flags.nan.value_or(extract::NanPolicy::error);
   return extract;
 }
 
-Result<Placement> plan_placement(const PlacementFlags& flags, MeshFormat format, std::vector<std::string>& notes) {
+Result<Placement> plan_placement(const PlacementFlags& flags, meshes::MeshFormat format,
+                                 std::vector<std::string>& notes) {
   Placement placement;
   placement.space = flags.space.value_or(Space::world);
   placement.up = flags.up.value_or(UpAxis::z);
@@ -88,7 +91,7 @@ Result<Placement> plan_placement(const PlacementFlags& flags, MeshFormat format,
   placement.turn_z_up_to_y_up = is_gltf(format) && placement.up == UpAxis::z;
   if (flags.up && !is_gltf(format)) {
     notes.push_back(fmt::format("--up changes nothing: {} prescribes no up axis and keeps the input's axes",
-                                mesh_format_info(format).name));
+                                meshes::mesh_format_info(format).name));
   }
   if (flags.scale) placement.scale = *flags.scale;
   if (flags.unit) {
@@ -98,8 +101,8 @@ Result<Placement> plan_placement(const PlacementFlags& flags, MeshFormat format,
   return placement;
 }
 
-Result<Normals> plan_normals(const ConvertFlags& flags, MeshFormat format) {
-  if (format == MeshFormat::stl) {
+Result<Normals> plan_normals(const ConvertFlags& flags, meshes::MeshFormat format) {
+  if (format == meshes::MeshFormat::stl) {
     if (flags.normals.value_or(Normals::flat) == Normals::flat) return Normals::flat;
     return usage(fmt::format("--normals {} does not go with stl, which always stores one normal a triangle",
                              *flags.normals == Normals::smooth ? "smooth" : "none"),
@@ -122,7 +125,7 @@ Error no_iso(const std::string& input) {
           fmt::format("'isoextract info {}' shows the values and suggests one", shell_quoted(input))};
 }
 
-Result<std::vector<OutputJob>> plan_jobs(const ConvertFlags& flags, const MeshFormatInfo& format) {
+Result<std::vector<OutputJob>> plan_jobs(const ConvertFlags& flags, const meshes::MeshFormatInfo& format) {
   std::vector<double> sorted = flags.isos;
   std::sort(sorted.begin(), sorted.end());
   const auto repeated = std::adjacent_find(sorted.begin(), sorted.end());
@@ -132,8 +135,9 @@ Result<std::vector<OutputJob>> plan_jobs(const ConvertFlags& flags, const MeshFo
       flags.output ? *flags.output : fmt::format("{}.{}", input_stem(flags.input.inputs.front()), format.name);
   if (path.empty()) return usage("-o needs the name of a file");
   if (path == "-" && !format.can_stream) {
-    return usage(fmt::format("{} cannot be written to stdout", format.name),
-                 format.format == MeshFormat::gltf ? "it is two files; use --format glb" : "give a file with -o");
+    return usage(fmt::format("{} cannot be written to stdout", format.name), format.format == meshes::MeshFormat::gltf
+                                                                                 ? "it is two files; use --format glb"
+                                                                                 : "give a file with -o");
   }
   if (path.find(kIsoPattern) != std::string::npos) {
     std::vector<OutputJob> jobs;
@@ -151,8 +155,8 @@ Result<std::vector<OutputJob>> plan_jobs(const ConvertFlags& flags, const MeshFo
 
 }  // namespace
 
-GpuOptions plan_gpu(const DeviceFlags& flags) {
-  GpuOptions gpu;
+gpu::GpuOptions plan_gpu(const DeviceFlags& flags) {
+  gpu::GpuOptions gpu;
   if (flags.device) gpu.device = *flags.device;
   gpu.memory_bytes = flags.gpu_memory;
   return gpu;
@@ -188,8 +192,8 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& flags) {
 
   const auto format = plan_format(flags);
   if (!format) return tl::unexpected(format.error());
-  const MeshFormatInfo& info = mesh_format_info(*format);
-  if (flags.output && mesh_format_by_path(*flags.output).value_or(*format) != *format) {
+  const meshes::MeshFormatInfo& info = meshes::mesh_format_info(*format);
+  if (flags.output && meshes::mesh_format_by_path(*flags.output).value_or(*format) != *format) {
     plan.notes.push_back(
         fmt::format("{}: its format is {}, as --format says, and not what its name says", *flags.output, info.name));
   }
@@ -257,13 +261,13 @@ Result<VerifyPlan> plan_verify(const VerifyFlags& flags) {
   auto read = plan_read(flags.input);
   if (!read) return tl::unexpected(read.error());
   plan.read = std::move(*read);
-  MeshFormat format = MeshFormat::glb;  // backends are compared where the default output would be
+  meshes::MeshFormat format = meshes::MeshFormat::glb;  // backends are compared where the default output would be
   if (plan.mesh) {
     const auto given = format_of_path(*plan.mesh, "MESH is a mesh that isoextract wrote");
     if (!given) return tl::unexpected(given.error());
     format = *given;
   }
-  plan.float32_world = format == MeshFormat::stl;
+  plan.float32_world = format == meshes::MeshFormat::stl;
   auto placement = plan_placement(flags.placement, format, plan.notes);
   if (!placement) return tl::unexpected(placement.error());
   plan.placement = *placement;
@@ -322,8 +326,8 @@ Result<BenchPlan> plan_bench(const BenchFlags& flags) {
     if (plan.inputs.size() == 1) return plan_gpu_threads(flags, std::move(plan));
     return usage("bench gpu-threads extracts no surface, so it takes no other input beside it", "run bench twice");
   }
-  if (plan.inputs.empty()) plan.inputs.push_back(fmt::format("{}torus", kDemoPrefix));
-  const auto is_demo = [](const std::string& input) { return input.starts_with(kDemoPrefix); };
+  if (plan.inputs.empty()) plan.inputs.push_back(fmt::format("{}torus", field::kDemoPrefix));
+  const auto is_demo = [](const std::string& input) { return input.starts_with(field::kDemoPrefix); };
   const auto file = std::ranges::find_if_not(plan.inputs, is_demo);
   const auto demo = std::ranges::find_if(plan.inputs, is_demo);
   if (file != plan.inputs.end() && !flags.iso) {
@@ -342,24 +346,26 @@ Result<BenchPlan> plan_bench(const BenchFlags& flags) {
   }
   for (const std::string& input : plan.inputs) {
     if (!is_demo(input)) continue;
-    const auto spec = parse_demo_spec(input);
+    const auto spec = field::parse_demo_spec(input);
     if (!spec) return tl::unexpected(spec.error());
     if (input.find('?') != std::string::npos) {
-      return usage(fmt::format("{}: expected a demo field without a size, found one", input),
-                   fmt::format("bench measures several sizes: {}{} --sizes {}", kDemoPrefix, spec->name, spec->size));
+      return usage(
+          fmt::format("{}: expected a demo field without a size, found one", input),
+          fmt::format("bench measures several sizes: {}{} --sizes {}", field::kDemoPrefix, spec->name, spec->size));
     }
   }
   plan.iso = flags.iso;
   plan.sizes = flags.sizes.value_or(std::vector<int>{32, 64, 128, 256});
   plan.coarser = flags.coarser.value_or(std::vector<int>{});
   std::ranges::reverse(plan.coarser);
-  plan.options.nan = flags.nan.value_or(NanPolicy::error);
-  plan.options.methods = flags.methods.value_or(std::vector<Method>{Method::mc, Method::mt});
+  plan.options.nan = flags.nan.value_or(extract::NanPolicy::error);
+  plan.options.methods = flags.methods.value_or(std::vector<extract::Method>{extract::Method::mc, extract::Method::mt});
   if (flags.backends) plan.backends = plan_backends(*flags.backends, flags.device);
   plan.gpu = plan_gpu(flags.device);
   plan.options.limits = plan.read.limits;
   plan.options.threads = flags.threads.value_or(std::vector<int>{1});
-  if (auto checked = check_thread_counts(plan.options.threads); !checked) return tl::unexpected(checked.error());
+  if (auto checked = measure::check_thread_counts(plan.options.threads); !checked)
+    return tl::unexpected(checked.error());
   const int all = tbb::this_task_arena::max_concurrency();
   if (!flags.threads && all > 1) plan.options.threads.push_back(all);
 
@@ -382,8 +388,8 @@ Result<BenchPlan> plan_bench(const BenchFlags& flags) {
 }
 
 std::string input_stem(const std::string& input) {
-  if (input.starts_with(kDemoPrefix)) {
-    const std::string name = input.substr(kDemoPrefix.size());
+  if (input.starts_with(field::kDemoPrefix)) {
+    const std::string name = input.substr(field::kDemoPrefix.size());
     return name.substr(0, name.find('?'));
   }
   std::filesystem::path path = std::filesystem::path(input).filename();
@@ -391,4 +397,4 @@ std::string input_stem(const std::string& input) {
   return path.stem().string();
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

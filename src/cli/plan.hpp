@@ -11,10 +11,10 @@
 #include "cli/messages.hpp"
 #include "cli/options.hpp"
 #include "cli/placement.hpp"
-#include "io/mesh_writer.hpp"
-#include "io/volume_reader.hpp"
+#include "meshes/mesh_writer.hpp"
+#include "volumes/volume_reader.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 
 // One file to write, and the surfaces in it.
 struct OutputJob {
@@ -24,17 +24,17 @@ struct OutputJob {
 
 struct ConvertPlan {
   std::string input;
-  ReadOptions read;
-  ExtractOptions extract;  // without iso, region and placement, which depend on the surface and the field
-  std::optional<Box> roi;
+  volumes::ReadOptions read;
+  extract::ExtractOptions extract;  // without iso, region and placement, which depend on the surface and the field
+  std::optional<field::Box> roi;
   std::optional<glm::ivec3> resolution;  // of the grid to extract from, in place of the input's own samples
   std::optional<SimplifyError> simplify;
   EmptyPolicy empty = EmptyPolicy::error;
   Placement placement;
-  MeshWriteOptions write;
+  meshes::MeshWriteOptions write;
   std::vector<OutputJob> jobs;
   BackendChoice backend;
-  std::optional<Interpolation> error;  // to measure the mesh against
+  std::optional<field::Interpolation> error;  // to measure the mesh against
   bool verify = false;
   bool explain = false;
   std::optional<std::string> report;   // the path of the JSON report
@@ -44,7 +44,7 @@ struct ConvertPlan {
 
 struct InfoPlan {
   std::vector<std::string> inputs;
-  ReadOptions read;
+  volumes::ReadOptions read;
   std::vector<std::string> input_arguments;  // the input options as they were given, to repeat in an example
   bool json = false;
 };
@@ -52,12 +52,12 @@ struct InfoPlan {
 struct VerifyPlan {
   std::string input;
   std::optional<std::string> mesh;  // none: the backends are compared
-  ReadOptions read;
-  ExtractOptions extract;  // without region and placement, which depend on the field
-  std::optional<Box> roi;
+  volumes::ReadOptions read;
+  extract::ExtractOptions extract;  // without region and placement, which depend on the field
+  std::optional<field::Box> roi;
   std::optional<glm::ivec3> resolution;
   Placement placement;
-  GpuOptions gpu;
+  gpu::GpuOptions gpu;
   bool float32_world = false;  // the mesh's format has float32 world coordinates only
   bool json = false;
   std::vector<std::string> notes;
@@ -74,12 +74,12 @@ struct BenchPlan {
   std::vector<std::string> inputs;
   bool gpu_threads = false;                           // instead of inputs
   std::optional<std::vector<NamedBackend>> backends;  // none: cpu, and gpu where there is one that is not software
-  GpuOptions gpu;                                     // of the default
-  ReadOptions read;
-  std::optional<double> iso;  // none: each demo field's own
-  std::vector<int> sizes;     // of demo fields
-  std::vector<int> coarser;   // of files, falling, without 1; empty: as far as they allow
-  BenchOptions options;       // without iso and backends
+  gpu::GpuOptions gpu;                                // of the default
+  volumes::ReadOptions read;
+  std::optional<double> iso;      // none: each demo field's own
+  std::vector<int> sizes;         // of demo fields
+  std::vector<int> coarser;       // of files, falling, without 1; empty: as far as they allow
+  measure::BenchOptions options;  // without iso and backends
   std::optional<std::string> csv;
   std::optional<std::string> json;
   std::optional<std::string> plot;
@@ -87,7 +87,7 @@ struct BenchPlan {
 };
 
 // What --device and --gpu-memory say.
-[[nodiscard]] GpuOptions plan_gpu(const DeviceFlags& flags);
+[[nodiscard]] gpu::GpuOptions plan_gpu(const DeviceFlags& flags);
 // The same for each backend of a list.
 [[nodiscard]] std::vector<NamedBackend> plan_backends(std::vector<NamedBackend> backends, const DeviceFlags& flags);
 [[nodiscard]] Result<Verbosity> plan_verbosity(const RunFlags& flags);
@@ -100,4 +100,4 @@ struct BenchPlan {
 // "scan.nii.gz" -> "scan", "demo:torus?size=32" -> "torus"
 [[nodiscard]] std::string input_stem(const std::string& input);
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

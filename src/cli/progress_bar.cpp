@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-namespace isoextract {
+namespace isoextract::cli {
 namespace {
 
 using namespace std::chrono_literals;
@@ -64,4 +64,4 @@ void ProgressBar::draw_until_done() {
   write_to_stderr(kEraseLine);
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

@@ -7,7 +7,7 @@
 
 #include "base/progress.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 
 // Lives as long as the work; draws from a thread of its own and erases itself at the end. Nothing else may write to
 // stderr meanwhile.
@@ -31,4 +31,4 @@ class ProgressBar {
   std::thread thread_;
 };
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

@@ -7,19 +7,19 @@
 #include <fmt/ranges.h>
 
 #include "base/version.hpp"
-#include "batch/json_values.hpp"
 #include "cli/backends.hpp"
 #include "cli/messages.hpp"
 #include "cli/plan.hpp"
+#include "convert/json_values.hpp"
 #include "measure/stability.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 namespace {
 
 // Those that were asked for; otherwise the CPU, and a GPU where there is one.
-Result<std::vector<BenchBackend>> choose_backends(const StabilityFlags& flags, const Messages& messages) {
+Result<std::vector<measure::BenchBackend>> choose_backends(const StabilityFlags& flags, const Messages& messages) {
   if (flags.backends) return open_backends(plan_backends(*flags.backends, flags.device));
-  std::vector<BenchBackend> backends{{"cpu", make_cpu_extractor(), {}}};
+  std::vector<measure::BenchBackend> backends{{"cpu", extract::make_cpu_extractor(), {}}};
   auto gpu = open_backend({Backend::gpu, plan_gpu(flags.device)});
   if (gpu) {
     backends.push_back({"gpu", std::move(gpu->extractor), {}});
@@ -29,33 +29,33 @@ Result<std::vector<BenchBackend>> choose_backends(const StabilityFlags& flags, c
   return backends;
 }
 
-Result<std::vector<const StabilityCase*>> chosen_cases(const std::vector<std::string>& names) {
+Result<std::vector<const measure::StabilityCase*>> chosen_cases(const std::vector<std::string>& names) {
   std::vector<std::string> known;
-  for (const StabilityCase& test : stability_cases()) known.emplace_back(test.name);
+  for (const measure::StabilityCase& test : measure::stability_cases()) known.emplace_back(test.name);
   for (const std::string& name : names) {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
     const std::string near = nearest_name(name, known);
     return fail(ErrorKind::usage, fmt::format("--case: there is no case '{}'", name),
                 near.empty() ? "'isoextract stability --list' names them" : fmt::format("did you mean '{}'?", near));
   }
-  std::vector<const StabilityCase*> chosen;
-  for (const StabilityCase& test : stability_cases()) {
+  std::vector<const measure::StabilityCase*> chosen;
+  for (const measure::StabilityCase& test : measure::stability_cases()) {
     if (names.empty() || std::find(names.begin(), names.end(), test.name) != names.end()) chosen.push_back(&test);
   }
   return chosen;
 }
 
-std::string list_text(const std::vector<const StabilityCase*>& cases) {
+std::string list_text(const std::vector<const measure::StabilityCase*>& cases) {
   std::string text;
-  for (const StabilityCase* test : cases) {
+  for (const measure::StabilityCase* test : cases) {
     text += fmt::format("{}\n  {}\n  Plain float32: {}.\n", test->name, test->extreme, test->plain);
   }
   return text;
 }
 
-Json list_json(const std::vector<const StabilityCase*>& cases) {
-  Json json = Json::array();
-  for (const StabilityCase* test : cases) {
+convert::Json list_json(const std::vector<const measure::StabilityCase*>& cases) {
+  convert::Json json = convert::Json::array();
+  for (const measure::StabilityCase* test : cases) {
     json.push_back({{"case", test->name},
                     {"extreme", test->extreme},
                     {"plain_float32", test->plain},
@@ -64,28 +64,28 @@ Json list_json(const std::vector<const StabilityCase*>& cases) {
   return json;
 }
 
-std::size_t count_failed(const std::vector<StabilityRow>& rows) {
+std::size_t count_failed(const std::vector<measure::StabilityRow>& rows) {
   return static_cast<std::size_t>(
-      std::count_if(rows.begin(), rows.end(), [](const StabilityRow& row) { return !row.failures.empty(); }));
+      std::count_if(rows.begin(), rows.end(), [](const measure::StabilityRow& row) { return !row.failures.empty(); }));
 }
 
-std::string table_text(const std::vector<StabilityRow>& rows) {
+std::string table_text(const std::vector<measure::StabilityRow>& rows) {
   std::string text = fmt::format("{:<18} {:<6} {:<10} {:>8} {:>9} {:>6} {:>8} {:>8}  {}\n", "case", "method", "backend",
                                  "vertices", "triangles", "ulps", "voxels", "allowed", "verdict");
-  for (const StabilityRow& row : rows) {
-    const StabilityFindings& found = row.findings;
+  for (const measure::StabilityRow& row : rows) {
+    const measure::StabilityFindings& found = row.findings;
     text += fmt::format("{:<18} {:<6} {:<10} {:>8} {:>9} {:>6.2f} {:>8.1e} {:>8.1e}  {}\n", row.name,
-                        method_name(row.method), row.backend, found.vertices, found.triangles, found.ulps, found.voxels,
-                        row.voxels_allowed,
+                        measure::method_name(row.method), row.backend, found.vertices, found.triangles, found.ulps,
+                        found.voxels, row.voxels_allowed,
                         row.failures.empty() ? "pass" : fmt::format("FAIL: {}", fmt::join(row.failures, "; ")));
   }
   return text + fmt::format("{} of {} passed\n", rows.size() - count_failed(rows), rows.size());
 }
 
-Json row_json(const StabilityRow& row) {
-  const StabilityFindings& found = row.findings;
+convert::Json row_json(const measure::StabilityRow& row) {
+  const measure::StabilityFindings& found = row.findings;
   return {{"case", row.name},
-          {"method", method_name(row.method)},
+          {"method", measure::method_name(row.method)},
           {"backend", row.backend},
           {"passed", row.failures.empty()},
           {"failures", row.failures},
@@ -98,7 +98,7 @@ Json row_json(const StabilityRow& row) {
           {"open_edges", found.open_edges},
           {"unsound", found.unsound},
           {"ulps", found.ulps},
-          {"ulps_allowed", kStabilityUlps},
+          {"ulps_allowed", measure::kStabilityUlps},
           {"voxels", found.voxels},
           {"voxels_allowed", row.voxels_allowed}};
 }
@@ -109,28 +109,29 @@ Result<void> run_stability(const StabilityFlags& flags, const Messages& messages
   const auto cases = chosen_cases(flags.cases);
   if (!cases) return tl::unexpected(cases.error());
   if (flags.list) {
-    return print_to_stdout(flags.json ? json_text(list_json(*cases)) : list_text(*cases));
+    return print_to_stdout(flags.json ? convert::json_text(list_json(*cases)) : list_text(*cases));
   }
   const auto backends = choose_backends(flags, messages);
   if (!backends) return tl::unexpected(backends.error());
-  std::vector<StabilityRow> rows;
-  for (const StabilityCase* test : *cases) {
-    for (const Method method : {Method::mc, Method::mt}) {
-      for (const BenchBackend& backend : *backends) {
+  std::vector<measure::StabilityRow> rows;
+  for (const measure::StabilityCase* test : *cases) {
+    for (const extract::Method method : {extract::Method::mc, extract::Method::mt}) {
+      for (const measure::BenchBackend& backend : *backends) {
         if (!backend.runs(method)) continue;
-        rows.push_back(run_stability_case(*test, method, *backend.extractor));
+        rows.push_back(measure::run_stability_case(*test, method, *backend.extractor));
         rows.back().backend = backend.name;
       }
     }
   }
   const std::size_t failed = count_failed(rows);
-  Json json{{"version", kVersion}, {"passed", failed == 0}};
-  json["rows"] = Json::array();
-  for (const StabilityRow& row : rows) json["rows"].push_back(row_json(row));
-  if (auto printed = print_to_stdout(flags.json ? json_text(json) : table_text(rows)); !printed) return printed;
+  convert::Json json{{"version", version()}, {"passed", failed == 0}};
+  json["rows"] = convert::Json::array();
+  for (const measure::StabilityRow& row : rows) json["rows"].push_back(row_json(row));
+  if (auto printed = print_to_stdout(flags.json ? convert::json_text(json) : table_text(rows)); !printed)
+    return printed;
   if (failed == 0) return {};
   return fail(ErrorKind::verification, fmt::format("{} of {} cases failed", failed, rows.size()),
               "the verdicts say how; please report them");
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

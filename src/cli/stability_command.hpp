@@ -5,10 +5,10 @@
 #include "cli/messages.hpp"
 #include "cli/options.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 
 // Prints the table, the JSON or the list of cases. Fails with ErrorKind::usage for a case that is not there, and with
 // ErrorKind::verification, after the table, where a case does not pass.
 [[nodiscard]] Result<void> run_stability(const StabilityFlags& flags, const Messages& messages);
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

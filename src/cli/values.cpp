@@ -10,7 +10,7 @@
 
 #include "base/limits.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 namespace {
 
 constexpr int kMaxThreads = 1024;
@@ -162,10 +162,10 @@ Result<glm::ivec3> parse_resolution(std::string_view text) {
   return *resolution;
 }
 
-Result<Box> parse_box(std::string_view text) {
+Result<field::Box> parse_box(std::string_view text) {
   const auto numbers = numbers_in(text, 6);
   if (!numbers) return expected_found("six numbers X0,Y0,Z0,X1,Y1,Z1", text);
-  const Box box{{(*numbers)[0], (*numbers)[1], (*numbers)[2]}, {(*numbers)[3], (*numbers)[4], (*numbers)[5]}};
+  const field::Box box{{(*numbers)[0], (*numbers)[1], (*numbers)[2]}, {(*numbers)[3], (*numbers)[4], (*numbers)[5]}};
   for (int axis = 0; axis < 3; ++axis) {
     if (box.min[axis] > box.max[axis]) {
       return expected_found(fmt::format("the smaller corner first, but {0}0 = {1} is above {0}1 = {2}", "XYZ"[axis],
@@ -199,18 +199,18 @@ Result<std::vector<int>> parse_coarse_factors(std::string_view text) {
                        [](int n) { return n >= 2 && n <= 64 && std::has_single_bit(static_cast<unsigned>(n)); });
 }
 
-Result<std::vector<Method>> parse_methods(std::string_view text) {
-  std::vector<Method> methods;
+Result<std::vector<extract::Method>> parse_methods(std::string_view text) {
+  std::vector<extract::Method> methods;
   for (const std::string_view word : split(text, ",")) {
     if (word != "mc" && word != "mt") return expected_found("some of mc, mt, such as mc,mt", text);
-    const Method method = word == "mc" ? Method::mc : Method::mt;
+    const extract::Method method = word == "mc" ? extract::Method::mc : extract::Method::mt;
     if (std::ranges::find(methods, method) != methods.end()) return expected_found("each method once", text);
     methods.push_back(method);
   }
   return methods;
 }
 
-Result<DeviceChoice> parse_device(std::string_view text) { return parse_device_choice(std::string(text)); }
+Result<gl::DeviceChoice> parse_device(std::string_view text) { return gl::parse_device_choice(std::string(text)); }
 
 Result<int> parse_repeats(std::string_view text) {
   const auto number = whole_text_as<int>(text);
@@ -249,4 +249,4 @@ std::string shell_quoted(std::string_view text) {
   return quoted + "'";
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

@@ -12,9 +12,9 @@
 #include "base/error.hpp"
 #include "extract/extractor.hpp"
 #include "field/affine.hpp"
-#include "gpu/gpu_device.hpp"
+#include "gl/gpu_device.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 
 [[nodiscard]] Result<std::string> parse_text(std::string_view text);     // anything, the empty text too
 [[nodiscard]] Result<double> parse_number(std::string_view text);        // finite
@@ -30,17 +30,17 @@ struct SimplifyError {
 [[nodiscard]] Result<glm::dvec3> parse_spacing(std::string_view text);            // SX,SY,SZ or one for all, above 0
 [[nodiscard]] Result<glm::ivec3> parse_dims(std::string_view text);               // NX,NY,NZ or NXxNYxNZ, above 0
 [[nodiscard]] Result<glm::ivec3> parse_resolution(std::string_view text);         // as dims or one for all, 2 or above
-[[nodiscard]] Result<Box> parse_box(std::string_view text);                       // X0,Y0,Z0,X1,Y1,Z1, min <= max
+[[nodiscard]] Result<field::Box> parse_box(std::string_view text);                // X0,Y0,Z0,X1,Y1,Z1, min <= max
 [[nodiscard]] Result<int> parse_thread_count(std::string_view text);              // 1..1024
 [[nodiscard]] Result<std::uint64_t> parse_size(std::string_view text);            // bytes, with or without K, M, G, T
 
 // Lists, separated by commas and without repetition, in rising order.
-[[nodiscard]] Result<std::vector<int>> parse_thread_counts(std::string_view text);   // each as one
-[[nodiscard]] Result<std::vector<int>> parse_demo_sizes(std::string_view text);      // 8..2048
-[[nodiscard]] Result<std::vector<int>> parse_coarse_factors(std::string_view text);  // powers of two from 2 to 64
-[[nodiscard]] Result<std::vector<Method>> parse_methods(std::string_view text);      // in the order given
+[[nodiscard]] Result<std::vector<int>> parse_thread_counts(std::string_view text);        // each as one
+[[nodiscard]] Result<std::vector<int>> parse_demo_sizes(std::string_view text);           // 8..2048
+[[nodiscard]] Result<std::vector<int>> parse_coarse_factors(std::string_view text);       // powers of two from 2 to 64
+[[nodiscard]] Result<std::vector<extract::Method>> parse_methods(std::string_view text);  // in the order given
 
-[[nodiscard]] Result<DeviceChoice> parse_device(std::string_view text);  // N, cuda:N or a name
+[[nodiscard]] Result<gl::DeviceChoice> parse_device(std::string_view text);  // N, cuda:N or a name
 
 [[nodiscard]] Result<int> parse_repeats(std::string_view text);  // 1..1000
 
@@ -50,4 +50,4 @@ struct SimplifyError {
 // As one word of a POSIX shell: quoted only where that is needed.
 [[nodiscard]] std::string shell_quoted(std::string_view text);
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

@@ -8,34 +8,35 @@
 #include "cli/layout.hpp"
 #include "measure/stability.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 namespace {
 
-std::string worst_text(double worst, std::string_view unit, double allowed, const std::optional<EdgeKey>& edge) {
+std::string worst_text(double worst, std::string_view unit, double allowed, const std::optional<mesh::EdgeKey>& edge) {
   std::string text = fmt::format("at most {:.3g} {} apart, allowed {:.3g}", worst, unit, allowed);
-  if (edge) text += fmt::format("; the most at sample {}", edge_text(*edge));
+  if (edge) text += fmt::format("; the most at sample {}", measure::edge_text(*edge));
   return text;
 }
 
 }  // namespace
 
-Result<VerificationRecord> compare_backends(const ScalarField& field, const ExtractOptions& options, const Mesh& mesh,
-                                            const Extractor& first, Extractor& second) {
+Result<convert::VerificationRecord> compare_backends(const field::ScalarField& field,
+                                                     const extract::ExtractOptions& options, const mesh::Mesh& mesh,
+                                                     const extract::Extractor& first, extract::Extractor& second) {
   const Stopwatch watch;
   auto other = second.extract(field, options);
   if (!other) return tl::unexpected(std::move(other.error()));
-  auto comparison = compare_extractions(mesh, other->mesh, options.limits);
+  auto comparison = measure::compare_extractions(mesh, other->mesh, options.limits);
   if (!comparison) return tl::unexpected(std::move(comparison.error()));
-  VerificationRecord record;
+  convert::VerificationRecord record;
   record.iso = options.iso;
   record.backends = {std::string(first.name()), std::string(second.name())};
-  record.differences = differences(*comparison, {record.backends[0], record.backends[1]});
+  record.differences = measure::differences(*comparison, {record.backends[0], record.backends[1]});
   record.comparison = *comparison;
   record.time = watch.elapsed();
   return record;
 }
 
-Result<void> check_verification(const std::string& label, const VerificationRecord& record) {
+Result<void> check_verification(const std::string& label, const convert::VerificationRecord& record) {
   if (record.differences.empty()) return {};
   return fail(ErrorKind::verification,
               fmt::format("{} iso {}: {} and {} differ: {}", label, record.iso, record.backends[0], record.backends[1],
@@ -43,8 +44,8 @@ Result<void> check_verification(const std::string& label, const VerificationReco
               "this is a defect of one of them; please report it");
 }
 
-std::string verification_summary(const VerificationRecord& record) {
-  const ExtractionComparison& found = record.comparison;
+std::string verification_summary(const convert::VerificationRecord& record) {
+  const measure::ExtractionComparison& found = record.comparison;
   std::string text = fmt::format(
       "verified at iso {}: {} gives the same {} triangles and {} vertices as {}, at most "
       "{:.3g} ulps apart",
@@ -53,8 +54,8 @@ std::string verification_summary(const VerificationRecord& record) {
   return text + fmt::format("; {:.2f} s", record.time.wall_seconds);
 }
 
-std::string verification_table(const std::string& label, const VerificationRecord& record) {
-  const ExtractionComparison& found = record.comparison;
+std::string verification_table(const std::string& label, const convert::VerificationRecord& record) {
+  const measure::ExtractionComparison& found = record.comparison;
   NamedLines lines;
   lines.plain(fmt::format("{} iso {}: {} and {}", label, record.iso, record.backends[0], record.backends[1]));
   const auto counts = [&](std::string_view name, const std::array<std::uint64_t, 2>& total,
@@ -63,12 +64,12 @@ std::string verification_table(const std::string& label, const VerificationRecor
   };
   counts("triangles", found.triangles.total, found.triangles.only);
   counts("vertices", found.vertices, found.vertices_only);
-  lines.add("positions", worst_text(found.ulps, "ulps", kStabilityUlps, found.farthest));
+  lines.add("positions", worst_text(found.ulps, "ulps", measure::kStabilityUlps, found.farthest));
   if (found.normals_compared) {
-    lines.add("normals", worst_text(found.degrees, "degrees", kNormalDegrees, found.most_turned));
+    lines.add("normals", worst_text(found.degrees, "degrees", measure::kNormalDegrees, found.most_turned));
   }
   lines.add("same", record.differences.empty() ? "yes" : "no");
   return lines.take();
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

@@ -13,27 +13,27 @@
 #include "cli/progress_bar.hpp"
 #include "cli/verification.hpp"
 #include "field/resample.hpp"
-#include "io/mesh_reader.hpp"
 #include "measure/mesh_match.hpp"
+#include "meshes/mesh_reader.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 namespace {
 
 // The volume, and how its surface is extracted.
 struct Source {
-  ScalarField field;
-  ExtractOptions options;
+  field::ScalarField field;
+  extract::ExtractOptions options;
   std::string label;
 };
 
 Result<Source> read_source(const VerifyPlan& plan, const Messages& messages, Progress* progress) {
-  ReadOptions read = plan.read;
+  volumes::ReadOptions read = plan.read;
   read.progress = progress;
-  auto field = read_volume(plan.input, read);
+  auto field = volumes::read_volume(plan.input, read);
   if (!field) return tl::unexpected(std::move(field.error()));
   for (const std::string& note : field->notes) messages.note(note);
   if (plan.resolution) {
-    field = resample(*field, *plan.resolution, plan.read.limits, progress);
+    field = field::resample(*field, *plan.resolution, plan.read.limits, progress);
     if (!field) return tl::unexpected(std::move(field.error()));
     for (const std::string& note : field->notes) messages.note(note);
   }
@@ -49,10 +49,10 @@ Result<Source> read_source(const VerifyPlan& plan, const Messages& messages, Pro
 }
 
 Result<void> verify_backends(const VerifyPlan& plan, const Messages& messages) {
-  const std::unique_ptr<Extractor> first = make_cpu_extractor();
+  const std::unique_ptr<extract::Extractor> first = extract::make_cpu_extractor();
   const auto second = open_backend({Backend::gpu, plan.gpu});
   if (!second) return tl::unexpected(second.error());
-  VerificationRecord record;
+  convert::VerificationRecord record;
   std::string label;
   {
     ProgressBar bar(messages.verbosity() != Verbosity::quiet);
@@ -65,12 +65,12 @@ Result<void> verify_backends(const VerifyPlan& plan, const Messages& messages) {
     if (!compared) return tl::unexpected(std::move(compared.error()));
     record = std::move(*compared);
   }
-  const std::string text = plan.json ? json_text(json_of(record)) : verification_table(label, record);
+  const std::string text = plan.json ? convert::json_text(convert::json_of(record)) : verification_table(label, record);
   if (auto printed = print_to_stdout(text); !printed) return printed;
   return check_verification(label, record);
 }
 
-std::string match_table(const std::string& path, const std::string& surface, const MeshMatch& match) {
+std::string match_table(const std::string& path, const std::string& surface, const measure::MeshMatch& match) {
   NamedLines lines;
   lines.plain(fmt::format("{} and {}", path, surface));
   const auto counts = [&](std::string_view name, const std::array<std::uint64_t, 2>& total,
@@ -80,10 +80,10 @@ std::string match_table(const std::string& path, const std::string& surface, con
   counts("triangles", match.triangles.total, match.triangles.only, "in one");
   counts("vertices", match.vertices, match.vertices_only, "places in one");
   const bool exact = match.distance == glm::dvec3(0);
-  lines.add("positions",
-            exact ? std::string("the very same numbers")
-                  : fmt::format("at most {} apart, at {}", point_text(match.distance), point_text(match.farthest)));
-  lines.add("allowed", point_text(match.allowed));
+  lines.add("positions", exact ? std::string("the very same numbers")
+                               : fmt::format("at most {} apart, at {}", measure::point_text(match.distance),
+                                             measure::point_text(match.farthest)));
+  lines.add("allowed", measure::point_text(match.allowed));
   const bool same =
       match.vertices_only == std::array<std::uint64_t, 2>{} && match.triangles.only == std::array<std::uint64_t, 2>{};
   lines.add("same", same ? "yes" : "no");
@@ -91,7 +91,7 @@ std::string match_table(const std::string& path, const std::string& surface, con
 }
 
 // What may have made the meshes different.
-std::string hint_for(const MeshMatch& match) {
+std::string hint_for(const measure::MeshMatch& match) {
   const bool fewer = match.triangles.total[0] < match.triangles.total[1];
   if (fewer && match.vertices_only[0] == 0 && match.triangles.only[0] > 0) {
     return "it looks simplified: 'isoextract compare' measures how far it is from a mesh that was written without "
@@ -104,13 +104,13 @@ std::string hint_for(const MeshMatch& match) {
 }
 
 Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages) {
-  const std::unique_ptr<Extractor> extractor = make_cpu_extractor();
-  MeshMatch match;
+  const std::unique_ptr<extract::Extractor> extractor = extract::make_cpu_extractor();
+  measure::MeshMatch match;
   std::string surface;
   {
     ProgressBar bar(messages.verbosity() != Verbosity::quiet);
     bar.progress()->begin("reading the mesh", 0);
-    auto file = read_mesh(*plan.mesh, plan.read.limits);
+    auto file = meshes::read_mesh(*plan.mesh, plan.read.limits);
     if (!file) return tl::unexpected(std::move(file.error()));
     for (const std::string& note : file->notes) messages.note(note);
     const auto source = read_source(plan, messages, bar.progress());
@@ -118,12 +118,13 @@ Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages) {
     surface = fmt::format("{} iso {}", source->label, plan.extract.iso);
     const auto extraction = extractor->extract(source->field, source->options);
     if (!extraction) return tl::unexpected(extraction.error());
-    const auto matched = match_meshes(file->mesh, extraction->mesh, plan.float32_world, plan.read.limits);
+    const auto matched = measure::match_meshes(file->mesh, extraction->mesh, plan.float32_world, plan.read.limits);
     if (!matched) return tl::unexpected(matched.error());
     match = *matched;
   }
-  const std::vector<std::string> found = differences(match, {"the file", "the volume's surface"});
-  const std::string text = plan.json ? json_text(json_of(match, found)) : match_table(*plan.mesh, surface, match);
+  const std::vector<std::string> found = measure::differences(match, {"the file", "the volume's surface"});
+  const std::string text =
+      plan.json ? convert::json_text(convert::json_of(match, found)) : match_table(*plan.mesh, surface, match);
   if (auto printed = print_to_stdout(text); !printed) return printed;
   if (found.empty()) return {};
   return fail(ErrorKind::verification,
@@ -142,4 +143,4 @@ Result<void> run_verify(const VerifyPlan& plan, const Messages& messages) {
   return done;
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

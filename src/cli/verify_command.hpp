@@ -5,9 +5,9 @@
 #include "cli/messages.hpp"
 #include "cli/plan.hpp"
 
-namespace isoextract {
+namespace isoextract::cli {
 
 // Fails with ErrorKind::verification, after the report on stdout, if something differs.
 [[nodiscard]] Result<void> run_verify(const VerifyPlan& plan, const Messages& messages);
 
-}  // namespace isoextract
+}  // namespace isoextract::cli

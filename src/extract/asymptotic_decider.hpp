@@ -21,7 +21,7 @@
 #include "extract/cube_cell.hpp"
 #include "extract/inside_test.hpp"
 
-namespace isoextract {
+namespace isoextract::extract {
 
 // On a face (or a slice of a cell) whose corners alternate: whether the bilinear interpolant joins the two inside
 // corners. Corners are given by their depths (inside_test.hpp). Where infinities leave it open, and for NaN, they are
@@ -98,4 +98,4 @@ template <class Value>
   return cell_variant(table, cell_case, rule, [&](int corner) { return corners[static_cast<std::size_t>(corner)]; });
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::extract

@@ -18,7 +18,7 @@
 #include "extract/extractor.hpp"
 #include "field/samples.hpp"
 
-namespace isoextract {
+namespace isoextract::extract {
 
 struct BorderCap {
   std::vector<glm::ivec3> samples;    // where the cap vertices stand, in the order of their numbers
@@ -44,7 +44,7 @@ struct BoxFace {
 // Numbers of the cap vertices. A sample on several faces belongs to the first of them.
 class CapNumbers {
  public:
-  explicit CapNumbers(const IndexBox& box) : box_(box), dims_(box.dims()) {
+  explicit CapNumbers(const field::IndexBox& box) : box_(box), dims_(box.dims()) {
     for (int face = 0; face < 6; ++face) {
       const BoxFace f = BoxFace::of(face);
       numbers_[face].resize(static_cast<std::size_t>(dims_[f.u] * dims_[f.v]));
@@ -66,7 +66,7 @@ class CapNumbers {
   }
 
  private:
-  IndexBox box_;
+  field::IndexBox box_;
   glm::i64vec3 dims_;
   std::array<std::vector<std::uint32_t>, 6> numbers_;
 };
@@ -77,7 +77,7 @@ class CapNumbers {
 // sample p along the axis bits `direction`; `depth(p)` is InsideRule::depth of a sample; cap vertices are numbered from
 // `first_number` on; squares with a corner that is `missing(p)` are left out.
 template <class Inside, class EdgeVertex, class Depth, class Missing>
-BorderCap make_border_cap(const IndexBox& box, Method method, std::uint32_t first_number, const Inside& inside,
+BorderCap make_border_cap(const field::IndexBox& box, Method method, std::uint32_t first_number, const Inside& inside,
                           const EdgeVertex& edge_vertex, const Depth& depth, const Missing& missing) {
   BorderCap cap;
   detail::CapNumbers numbers(box);
@@ -159,8 +159,8 @@ BorderCap make_border_cap(const IndexBox& box, Method method, std::uint32_t firs
 }
 
 // The sum of the outward axes of the faces that a border sample lies on, as an index-space covector.
-[[nodiscard]] inline glm::dvec3 border_normal(const IndexBox& box, const glm::ivec3& p) {
+[[nodiscard]] inline glm::dvec3 border_normal(const field::IndexBox& box, const glm::ivec3& p) {
   return glm::dvec3(glm::equal(p, box.max)) - glm::dvec3(glm::equal(p, box.min));
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::extract

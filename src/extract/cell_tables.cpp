@@ -5,9 +5,9 @@
 #include <cassert>
 
 #include "extract/cube_cell.hpp"
-#include "extract/cubes_table.hpp"
+#include "extract/detail/cubes_table.hpp"
 
-namespace isoextract {
+namespace isoextract::extract {
 namespace {
 
 std::uint8_t edge_index(const CaseTable& table, unsigned corner_a, unsigned corner_b) {
@@ -85,4 +85,4 @@ const std::array<TetrahedronCase, 16>& tetrahedron_cases() { return kTetrahedron
 
 const std::array<std::array<std::uint8_t, 4>, 6>& cell_tetrahedra() { return kTetrahedra; }
 
-}  // namespace isoextract
+}  // namespace isoextract::extract

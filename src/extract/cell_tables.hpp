@@ -26,7 +26,7 @@
 
 #include "extract/extractor.hpp"
 
-namespace isoextract {
+namespace isoextract::extract {
 
 struct CellEdge {
   std::uint8_t corner;     // the lower end
@@ -94,4 +94,4 @@ struct TetrahedronCase {
 // The six tetrahedra of a cell, as cell corners; all have the same handedness.
 [[nodiscard]] const std::array<std::array<std::uint8_t, 4>, 6>& cell_tetrahedra();
 
-}  // namespace isoextract
+}  // namespace isoextract::extract

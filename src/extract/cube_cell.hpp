@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-namespace isoextract {
+namespace isoextract::extract {
 
 [[nodiscard]] constexpr bool is_inside(unsigned cell_case, unsigned corner) { return (cell_case >> corner & 1) != 0; }
 
@@ -29,4 +29,4 @@ inline constexpr std::array<std::array<std::uint8_t, 4>, 6> kCubeFaces{
   return (normal == 1 ? 0 : normal == 2 ? 2 : 4) + ((corner_a & normal) != 0 ? 1 : 0);
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::extract

@@ -2,9 +2,10 @@
 
 #include <fmt/format.h>
 
-namespace isoextract {
+namespace isoextract::extract {
 
-Result<IndexBox> dense_region(const ScalarField& field, const DenseSamples& samples, const ExtractOptions& options) {
+Result<field::IndexBox> dense_region(const field::ScalarField& field, const field::DenseSamples& samples,
+                                     const ExtractOptions& options) {
   constexpr int kMaxDim = 1 << 30;  // positions in a row are ints
   if (glm::any(glm::greaterThan(samples.dims, glm::ivec3(kMaxDim)))) {
     return fail(ErrorKind::input, fmt::format("{}: expected at most {} samples along an axis, found {} x {} x {}",
@@ -13,4 +14,4 @@ Result<IndexBox> dense_region(const ScalarField& field, const DenseSamples& samp
   return clip_region(field, {glm::ivec3(0), samples.dims - 1}, options);
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::extract

@@ -7,15 +7,15 @@
 #include "extract/dense_masks.hpp"
 #include "extract/mesh_assembly.hpp"
 
-namespace isoextract {
+namespace isoextract::extract {
 
 // The samples to extract from. Fails with ErrorKind::input for more samples along an axis than an extractor can number,
 // and where options.region holds no cell.
-[[nodiscard]] Result<IndexBox> dense_region(const ScalarField& field, const DenseSamples& samples,
-                                            const ExtractOptions& options);
+[[nodiscard]] Result<field::IndexBox> dense_region(const field::ScalarField& field, const field::DenseSamples& samples,
+                                                   const ExtractOptions& options);
 
 template <class T>
-[[nodiscard]] DenseView<T> dense_view(const DenseSamples& samples) {
+[[nodiscard]] DenseView<T> dense_view(const field::DenseSamples& samples) {
   constexpr std::size_t kLarge = std::size_t{64} << 20;  // bytes
   const std::int64_t stride_y = samples.dims.x;
   return {static_cast<const T*>(samples.data), samples.dims, stride_y, stride_y * samples.dims.y,
@@ -23,7 +23,7 @@ template <class T>
 }
 
 template <class T>
-[[nodiscard]] DenseView<T> part_of(const DenseView<T>& whole, const IndexBox& region) {
+[[nodiscard]] DenseView<T> part_of(const DenseView<T>& whole, const field::IndexBox& region) {
   return {whole.row(region.min.y, region.min.z) + region.min.x, glm::ivec3(region.dims()), whole.stride_y,
           whole.stride_z, whole.transient};
 }
@@ -32,13 +32,13 @@ template <class T>
 // inside numbers, or nothing where no number of the type is inside; then the masks are not filled. Fails with
 // ErrorKind::input for NaN, if that is an error.
 template <class T>
-[[nodiscard]] Result<std::optional<InsideThreshold<T>>> classify_dense(const ScalarField& field,
+[[nodiscard]] Result<std::optional<InsideThreshold<T>>> classify_dense(const field::ScalarField& field,
                                                                        const DenseView<T>& view, const glm::ivec3& low,
                                                                        const ExtractOptions& options, DenseMasks& masks,
                                                                        ExtractStats& stats) {
   const Stopwatch watch;
   const auto threshold = find_inside_threshold<T>({field.kind, options.iso}, field.scale);
-  if (!threshold && !(is_floating_sample<T> && options.nan == NanPolicy::error)) return threshold;
+  if (!threshold && !(field::is_floating_sample<T> && options.nan == NanPolicy::error)) return threshold;
   // Without a threshold nothing is inside, but NaN must still be found.
   stats.nan_samples = classify(view, threshold.value_or(InsideThreshold<T>{}), masks, options.progress);
   const glm::u64vec3 dims(view.dims);
@@ -50,4 +50,4 @@ template <class T>
   return threshold;
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::extract

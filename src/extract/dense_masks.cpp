@@ -4,9 +4,9 @@
 
 #include <tbb/parallel_for.h>
 
-#include "extract/classify_samples.hpp"
+#include "extract/detail/classify_samples.hpp"
 
-namespace isoextract {
+namespace isoextract::extract {
 
 template <class T>
 std::uint64_t classify(const DenseView<T>& view, const InsideThreshold<T>& threshold, DenseMasks& masks,
@@ -40,8 +40,9 @@ template std::uint64_t classify(const DenseView<std::uint32_t>&, const InsideThr
                                 Progress*);
 template std::uint64_t classify(const DenseView<std::int32_t>&, const InsideThreshold<std::int32_t>&, DenseMasks&,
                                 Progress*);
-template std::uint64_t classify(const DenseView<Half>&, const InsideThreshold<Half>&, DenseMasks&, Progress*);
+template std::uint64_t classify(const DenseView<field::Half>&, const InsideThreshold<field::Half>&, DenseMasks&,
+                                Progress*);
 template std::uint64_t classify(const DenseView<float>&, const InsideThreshold<float>&, DenseMasks&, Progress*);
 template std::uint64_t classify(const DenseView<double>&, const InsideThreshold<double>&, DenseMasks&, Progress*);
 
-}  // namespace isoextract
+}  // namespace isoextract::extract

@@ -11,7 +11,7 @@
 #include "base/progress.hpp"
 #include "extract/inside_test.hpp"
 
-namespace isoextract {
+namespace isoextract::extract {
 
 // A box within a dense array: `data` is its first sample; x is contiguous.
 template <class T>
@@ -81,4 +81,4 @@ template <class T>
 std::uint64_t classify(const DenseView<T>& view, const InsideThreshold<T>& threshold, DenseMasks& masks,
                        Progress* progress);
 
-}  // namespace isoextract
+}  // namespace isoextract::extract

@@ -4,7 +4,7 @@
 
 #include "mesh/local_origin.hpp"
 
-namespace isoextract {
+namespace isoextract::extract {
 namespace {
 
 double max_component(const glm::dvec3& v) { return std::max({v.x, v.y, v.z}); }
@@ -13,7 +13,7 @@ constexpr double kLargestMargin = 0x1p-6;
 
 // Eight times what float32 rounds by, as a fraction of the shortest grid step that the rounding can act against. At 512
 // samples a side this is 0.0002 of an edge.
-double wanted_margin(const Affine& local_from_index, const Box& local) {
+double wanted_margin(const field::Affine& local_from_index, const field::Box& local) {
   constexpr double kRounding = 0x1p-24;  // half a unit in the last place of 1
   constexpr double kFactor = 8;
   const glm::dvec3 farthest = glm::max(glm::abs(local.min), glm::abs(local.max));
@@ -31,15 +31,16 @@ double wanted_margin(const Affine& local_from_index, const Box& local) {
 
 }  // namespace
 
-Placement::Placement(const Affine& output_from_index, const IndexBox& box, FieldKind kind, const ValueScale& scale)
+OutputFrame::OutputFrame(const field::Affine& output_from_index, const field::IndexBox& box, field::FieldKind kind,
+                         const field::ValueScale& scale)
     : local_from_index_(output_from_index),
       covector_map_(glm::transpose(glm::inverse(output_from_index.linear))),
-      outward_((kind == FieldKind::level_set) == (scale.slope > 0) ? 1 : -1),
+      outward_((kind == field::FieldKind::level_set) == (scale.slope > 0) ? 1 : -1),
       mirrored_(output_from_index.determinant() < 0) {
-  const Box world = image_of(output_from_index, {glm::dvec3(box.min), glm::dvec3(box.max)});
-  origin_ = choose_local_origin(world.min, world.max);
+  const field::Box world = field::image_of(output_from_index, {glm::dvec3(box.min), glm::dvec3(box.max)});
+  origin_ = mesh::choose_local_origin(world.min, world.max);
   local_from_index_.offset -= origin_;
-  const Box local{world.min - origin_, world.max - origin_};
+  const field::Box local{world.min - origin_, world.max - origin_};
   const double margin = wanted_margin(local_from_index_, local);
   margin_ = std::min(margin, kLargestMargin);
 
@@ -51,7 +52,7 @@ Placement::Placement(const Affine& output_from_index, const IndexBox& box, Field
                   shortest * margin_ > std::numeric_limits<float>::min();
 }
 
-glm::vec3 Placement::normal(const glm::dvec3& gradient, const glm::dvec3& out) const {
+glm::vec3 OutputFrame::normal(const glm::dvec3& gradient, const glm::dvec3& out) const {
   const glm::dvec3 mapped = covector_map_ * (outward_ * gradient);
   // Scaled before its length is taken: squares of very large or very small gradients leave the range of double.
   const double largest = max_component(glm::abs(mapped));
@@ -63,4 +64,4 @@ glm::vec3 Placement::normal(const glm::dvec3& gradient, const glm::dvec3& out) c
   return glm::normalize(local_from_index_.linear * out);
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::extract

@@ -9,7 +9,7 @@
 
 #include "extract/extractor.hpp"
 
-namespace isoextract {
+namespace isoextract::extract {
 
 // The parameter of the crossing on an edge from value f0 to f1, of which exactly one is inside: (iso - f0) / (f1 - f0)
 // (seed S1), in double, kept at least `margin` away from both ends.
@@ -36,10 +36,11 @@ namespace isoextract {
 }
 
 // From index space to the float32 positions of a mesh.
-class Placement {
+class OutputFrame {
  public:
   // `box` holds every sample of the field (not only the region), so that a region changes no position.
-  Placement(const Affine& output_from_index, const IndexBox& box, FieldKind kind, const ValueScale& scale);
+  OutputFrame(const field::Affine& output_from_index, const field::IndexBox& box, field::FieldKind kind,
+              const field::ValueScale& scale);
 
   [[nodiscard]] const glm::dvec3& origin() const { return origin_; }
   [[nodiscard]] double margin() const { return margin_; }
@@ -49,7 +50,7 @@ class Placement {
   // True if triangles must be turned over, because the transform mirrors.
   [[nodiscard]] bool mirrored() const { return mirrored_; }
 
-  [[nodiscard]] const Affine& local_from_index() const { return local_from_index_; }
+  [[nodiscard]] const field::Affine& local_from_index() const { return local_from_index_; }
   // Maps gradients of the stored samples in index space to outward normals, which are yet to be made unit length.
   [[nodiscard]] glm::dmat3 outward_covectors() const { return outward_ * covector_map_; }
   // Its parts, for those who round as normal() does: +1 or -1, and the map of covectors.
@@ -68,7 +69,7 @@ class Placement {
   }
 
  private:
-  Affine local_from_index_;
+  field::Affine local_from_index_;
   glm::dvec3 origin_{0.0};
   glm::dmat3 covector_map_;  // inverse transpose of the linear part: gradients are covectors
   double outward_;           // +1 if values grow outward in stored samples
@@ -85,4 +86,4 @@ class Placement {
 // And back.
 [[nodiscard]] inline int step_direction(const glm::ivec3& step) { return step.x | step.y << 1 | step.z << 2; }
 
-}  // namespace isoextract
+}  // namespace isoextract::extract

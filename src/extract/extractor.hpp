@@ -21,7 +21,7 @@
 #include "field/scalar_field.hpp"
 #include "mesh/mesh.hpp"
 
-namespace isoextract {
+namespace isoextract::extract {
 
 enum class Method {
   mc,  // marching cubes, with the topology of the trilinear interpolant (asymptotic_decider.hpp)
@@ -42,9 +42,9 @@ struct ExtractOptions {
   bool edge_keys = false;       // fill Mesh::edges: for who compares meshes
   bool cap = false;             // close the surface where it leaves the data or the region
   NanPolicy nan = NanPolicy::error;
-  std::optional<IndexBox> region;    // extract only from cells within this box of samples (clipped to the data)
-  Affine output_from_index;          // places the mesh: index_to_world, or that with turns and scales after it
-  Limits limits = default_limits();  // held against the exact size of the mesh before it is allocated
+  std::optional<field::IndexBox> region;  // extract only from cells within this box of samples (clipped to the data)
+  field::Affine output_from_index;        // places the mesh: index_to_world, or that with turns and scales after it
+  Limits limits = default_limits();       // held against the exact size of the mesh before it is allocated
   Progress* progress = nullptr;
 };
 
@@ -77,7 +77,7 @@ struct ExtractStats {
 };
 
 struct Extraction {
-  Mesh mesh;
+  mesh::Mesh mesh;
   ExtractStats stats;
 };
 
@@ -86,10 +86,10 @@ class Extractor {
   virtual ~Extractor() = default;
   [[nodiscard]] virtual std::string_view name() const = 0;  // "cpu", "gpu"
   [[nodiscard]] virtual std::string device() const = 0;     // what it runs on: "AMD EPYC 7763 64-Core Processor"
-  [[nodiscard]] virtual Result<Extraction> extract(const ScalarField& field, const ExtractOptions& options) = 0;
+  [[nodiscard]] virtual Result<Extraction> extract(const field::ScalarField& field, const ExtractOptions& options) = 0;
 };
 
 // Dense and sparse fields, on all threads that oneTBB is allowed.
 [[nodiscard]] std::unique_ptr<Extractor> make_cpu_extractor();
 
-}  // namespace isoextract
+}  // namespace isoextract::extract

@@ -16,7 +16,7 @@
 
 #include "field/scalar_field.hpp"
 
-namespace isoextract {
+namespace isoextract::extract {
 
 // The numbers of T in rising order, as unsigned integers; for floats from -infinity to +infinity, NaN left out.
 template <class T>
@@ -51,18 +51,18 @@ struct OrderedKey<float> : OrderedFloat<float, std::uint32_t, 0x7F800000U> {};
 template <>
 struct OrderedKey<double> : OrderedFloat<double, std::uint64_t, 0x7FF0000000000000ULL> {};
 template <>
-struct OrderedKey<Half> : OrderedFloat<Half, std::uint16_t, 0x7C00U> {};
+struct OrderedKey<field::Half> : OrderedFloat<field::Half, std::uint16_t, 0x7C00U> {};
 
 // The rule itself, in the field's own values. NaN is outside.
 struct InsideRule {
-  FieldKind kind;
+  field::FieldKind kind;
   double iso;
-  bool operator()(double value) const { return kind == FieldKind::density ? value > iso : value < iso; }
+  bool operator()(double value) const { return kind == field::FieldKind::density ? value > iso : value < iso; }
 
   // How far a value is inside; not rounded to nothing, and without overflow, for all values and iso values.
   [[nodiscard]] long double depth(double value) const {
     const long double above = static_cast<long double>(value) - static_cast<long double>(iso);
-    return kind == FieldKind::density ? above : -above;
+    return kind == field::FieldKind::density ? above : -above;
   }
 };
 
@@ -74,11 +74,11 @@ struct InsideThreshold {
 
 // Nothing if no number of T is inside.
 template <class T>
-std::optional<InsideThreshold<T>> find_inside_threshold(const InsideRule& rule, const ValueScale& scale) {
+std::optional<InsideThreshold<T>> find_inside_threshold(const InsideRule& rule, const field::ValueScale& scale) {
   using Order = OrderedKey<T>;
   using Key = typename Order::Key;
   const auto inside = [&](Key key) { return rule(scale(static_cast<double>(Order::value(key)))); };
-  const bool above = (rule.kind == FieldKind::density) == (scale.slope > 0);
+  const bool above = (rule.kind == field::FieldKind::density) == (scale.slope > 0);
   // `in` is always an inside key, `out` an outside one, until they are neighbours.
   Key in = above ? Order::kHighest : Order::kLowest;
   Key out = above ? Order::kLowest : Order::kHighest;
@@ -108,14 +108,14 @@ class InsideClassifier {
  private:
   // What is compared: the number itself, except that halves are compared as ordered integers.
   static auto comparable(T sample) {
-    if constexpr (std::is_same_v<T, Half>) {
+    if constexpr (std::is_same_v<T, field::Half>) {
       return OrderedFloatBits<std::uint16_t>::key(sample.bits());
     } else {
       return sample;
     }
   }
   static bool is_nan(T sample) {
-    if constexpr (std::is_same_v<T, Half>) return (sample.bits() & 0x7FFF) > 0x7C00;
+    if constexpr (std::is_same_v<T, field::Half>) return (sample.bits() & 0x7FFF) > 0x7C00;
     if constexpr (std::is_floating_point_v<T>) return sample != sample;
     return false;
   }
@@ -127,8 +127,8 @@ class InsideClassifier {
     unsigned found_nan = 0;
     for (int b = 0; b < count; ++b) {
       bool in = kAbove ? comparable(samples[b]) >= threshold_ : comparable(samples[b]) <= threshold_;
-      if constexpr (is_floating_sample<T>) found_nan += is_nan(samples[b]) ? 1U : 0U;
-      if constexpr (std::is_same_v<T, Half>) in = in && !is_nan(samples[b]);
+      if constexpr (field::is_floating_sample<T>) found_nan += is_nan(samples[b]) ? 1U : 0U;
+      if constexpr (std::is_same_v<T, field::Half>) in = in && !is_nan(samples[b]);
       flags[b] = in ? 1 : 0;
     }
     nan += found_nan;
@@ -145,4 +145,4 @@ class InsideClassifier {
   bool above_;
 };
 
-}  // namespace isoextract
+}  // namespace isoextract::extract

@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
-namespace isoextract {
+namespace isoextract::extract {
 
-Result<void> check_request(const ScalarField& field, const ExtractOptions& options) {
+Result<void> check_request(const field::ScalarField& field, const ExtractOptions& options) {
   if (!std::isfinite(options.iso)) {
     return fail(ErrorKind::usage, fmt::format("the iso value must be a finite number, found {}", options.iso));
   }
@@ -18,8 +18,9 @@ Result<void> check_request(const ScalarField& field, const ExtractOptions& optio
   return {};
 }
 
-Result<IndexBox> clip_region(const ScalarField& field, const IndexBox& box, const ExtractOptions& options) {
-  IndexBox region = box;
+Result<field::IndexBox> clip_region(const field::ScalarField& field, const field::IndexBox& box,
+                                    const ExtractOptions& options) {
+  field::IndexBox region = box;
   if (options.region) {
     region.min = glm::max(region.min, options.region->min);
     region.max = glm::min(region.max, options.region->max);
@@ -37,14 +38,14 @@ Result<IndexBox> clip_region(const ScalarField& field, const IndexBox& box, cons
               "give --roi a larger box, or leave it out");
 }
 
-Result<void> check_placement(const ScalarField& field, const Placement& placement) {
+Result<void> check_placement(const field::ScalarField& field, const OutputFrame& placement) {
   if (placement.fits_float32()) return {};
   return fail(ErrorKind::input,
               fmt::format("{}: its placed coordinates leave what float32 positions can hold apart", field.source),
               "choose another --spacing, --scale or --unit, or --space index");
 }
 
-Result<void> check_mesh_size(const ScalarField& field, const MeshSizes& sizes, const ExtractOptions& options) {
+Result<void> check_mesh_size(const field::ScalarField& field, const MeshSizes& sizes, const ExtractOptions& options) {
   if (sizes.vertices > std::numeric_limits<std::uint32_t>::max()) {
     return fail(ErrorKind::input,
                 fmt::format("{}: the surface has {} vertices, a mesh holds {}", field.source, sizes.vertices,
@@ -52,7 +53,7 @@ Result<void> check_mesh_size(const ScalarField& field, const MeshSizes& sizes, c
                 "extract it in parts with --roi");
   }
   const std::uint64_t vertex_bytes =
-      sizeof(glm::vec3) * (options.smooth_normals ? 2 : 1) + (options.edge_keys ? sizeof(EdgeKey) : 0);
+      sizeof(glm::vec3) * (options.smooth_normals ? 2 : 1) + (options.edge_keys ? sizeof(mesh::EdgeKey) : 0);
   return check_memory(sizes.vertices * vertex_bytes + sizes.triangles * sizeof(glm::uvec3), options.limits,
                       fmt::format("{}: the {} triangles of its surface", field.source, sizes.triangles));
 }
@@ -61,14 +62,15 @@ MeshSizes with_cap(const MeshSizes& surface, const BorderCap& cap) {
   return {surface.vertices + cap.samples.size(), surface.triangles + cap.triangles.size()};
 }
 
-Result<void> check_cap_size(const ScalarField& field, const IndexBox& box, const ExtractOptions& options) {
+Result<void> check_cap_size(const field::ScalarField& field, const field::IndexBox& box,
+                            const ExtractOptions& options) {
   const glm::u64vec3 dims(box.dims());
   const std::uint64_t squares = 2 * (dims.x * dims.y + dims.y * dims.z + dims.z * dims.x);
   return check_memory(squares * sizeof(std::uint32_t), options.limits,
                       fmt::format("{}: the {} samples of the border to cap", field.source, squares));
 }
 
-tl::unexpected<Error> nan_error(const ScalarField& field, std::uint64_t count, const glm::ivec3& first) {
+tl::unexpected<Error> nan_error(const field::ScalarField& field, std::uint64_t count, const glm::ivec3& first) {
   const glm::dvec3 voxel = field.index_to_file(first);
   return fail(ErrorKind::input,
               fmt::format("{}: {} of the samples {} not a number (NaN), the first at index ({:.10g}, {:.10g}, {:.10g})",
@@ -76,15 +78,15 @@ tl::unexpected<Error> nan_error(const ScalarField& field, std::uint64_t count, c
               "use --nan outside to take them as outside, or --nan hole to leave the surface open around them");
 }
 
-void allocate_mesh(Mesh& mesh, const MeshSizes& surface, const BorderCap& cap, const ExtractOptions& options) {
+void allocate_mesh(mesh::Mesh& mesh, const MeshSizes& surface, const BorderCap& cap, const ExtractOptions& options) {
   mesh.positions = Buffer<glm::vec3>(surface.vertices + cap.samples.size());
   if (options.smooth_normals) mesh.normals = Buffer<glm::vec3>(mesh.positions.size());
-  if (options.edge_keys) mesh.edges = Buffer<EdgeKey>(mesh.positions.size());
+  if (options.edge_keys) mesh.edges = Buffer<mesh::EdgeKey>(mesh.positions.size());
   mesh.triangles = Buffer<glm::uvec3>(surface.triangles + cap.triangles.size());
 }
 
-void append_cap(Mesh& mesh, const MeshSizes& surface, const BorderCap& cap, const IndexBox& box,
-                const glm::ivec3& index_origin, const Placement& placement) {
+void append_cap(mesh::Mesh& mesh, const MeshSizes& surface, const BorderCap& cap, const field::IndexBox& box,
+                const glm::ivec3& index_origin, const OutputFrame& placement) {
   for (std::size_t v = 0; v < cap.samples.size(); ++v) {
     const std::size_t number = surface.vertices + v;
     const glm::ivec3 sample = cap.samples[v] + index_origin;
@@ -101,4 +103,4 @@ void append_cap(Mesh& mesh, const MeshSizes& surface, const BorderCap& cap, cons
   }
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::extract

@@ -8,7 +8,7 @@
 #include "extract/border_cap.hpp"
 #include "extract/edge_geometry.hpp"
 
-namespace isoextract {
+namespace isoextract::extract {
 
 struct MeshSizes {
   std::uint64_t vertices = 0;
@@ -17,12 +17,12 @@ struct MeshSizes {
 
 // What no extraction can be made with: ErrorKind::usage for an iso value that is not finite, ErrorKind::input for a
 // placement that flattens space.
-[[nodiscard]] Result<void> check_request(const ScalarField& field, const ExtractOptions& options);
+[[nodiscard]] Result<void> check_request(const field::ScalarField& field, const ExtractOptions& options);
 
 // The frame of every extraction: check_request(), `extract` with the field's samples, dense or sparse, and the mesh's
 // name. Memory that runs out is ErrorKind::input.
 template <class Extract>
-[[nodiscard]] Result<Extraction> extract_guarded(const ScalarField& field, const ExtractOptions& options,
+[[nodiscard]] Result<Extraction> extract_guarded(const field::ScalarField& field, const ExtractOptions& options,
                                                  const Extract& extract) {
   constexpr const char* kHint = "extract it in parts with --roi";
   if (auto sound = check_request(field, options); !sound) return tl::unexpected(sound.error());
@@ -39,31 +39,33 @@ template <class Extract>
 
 // The samples to extract from: the part of options.region within `box`. Fails with ErrorKind::input where that holds no
 // cell (two samples along each axis).
-[[nodiscard]] Result<IndexBox> clip_region(const ScalarField& field, const IndexBox& box,
-                                           const ExtractOptions& options);
+[[nodiscard]] Result<field::IndexBox> clip_region(const field::ScalarField& field, const field::IndexBox& box,
+                                                  const ExtractOptions& options);
 
-// Fails with ErrorKind::input where float32 cannot hold the mesh (Placement::fits_float32).
-[[nodiscard]] Result<void> check_placement(const ScalarField& field, const Placement& placement);
+// Fails with ErrorKind::input where float32 cannot hold the mesh (OutputFrame::fits_float32).
+[[nodiscard]] Result<void> check_placement(const field::ScalarField& field, const OutputFrame& placement);
 
 // Vertex numbers are 32-bit, and the mesh must fit into the memory limit.
-[[nodiscard]] Result<void> check_mesh_size(const ScalarField& field, const MeshSizes& sizes,
+[[nodiscard]] Result<void> check_mesh_size(const field::ScalarField& field, const MeshSizes& sizes,
                                            const ExtractOptions& options);
 
 // The sizes of surface and cap together.
 [[nodiscard]] MeshSizes with_cap(const MeshSizes& surface, const BorderCap& cap);
 
 // What numbering the cap's vertices needs, held against the memory limit.
-[[nodiscard]] Result<void> check_cap_size(const ScalarField& field, const IndexBox& box, const ExtractOptions& options);
+[[nodiscard]] Result<void> check_cap_size(const field::ScalarField& field, const field::IndexBox& box,
+                                          const ExtractOptions& options);
 
 // `first` is told as an index of the file.
-[[nodiscard]] tl::unexpected<Error> nan_error(const ScalarField& field, std::uint64_t count, const glm::ivec3& first);
+[[nodiscard]] tl::unexpected<Error> nan_error(const field::ScalarField& field, std::uint64_t count,
+                                              const glm::ivec3& first);
 
 // Room for the surface and the cap; nothing is initialised.
-void allocate_mesh(Mesh& mesh, const MeshSizes& surface, const BorderCap& cap, const ExtractOptions& options);
+void allocate_mesh(mesh::Mesh& mesh, const MeshSizes& surface, const BorderCap& cap, const ExtractOptions& options);
 
 // Writes the cap behind the surface. `box` is the capped box in the cap's own indices, `index_origin` what must be
 // added to them to get indices of the field.
-void append_cap(Mesh& mesh, const MeshSizes& surface, const BorderCap& cap, const IndexBox& box,
-                const glm::ivec3& index_origin, const Placement& placement);
+void append_cap(mesh::Mesh& mesh, const MeshSizes& surface, const BorderCap& cap, const field::IndexBox& box,
+                const glm::ivec3& index_origin, const OutputFrame& placement);
 
-}  // namespace isoextract
+}  // namespace isoextract::extract

@@ -4,7 +4,7 @@
 #include <bit>
 #include <cstdint>
 
-namespace isoextract {
+namespace isoextract::extract {
 
 // Calls f(position) for each set bit, rising.
 template <class F>
@@ -22,4 +22,4 @@ void for_each_bit(std::uint64_t word, F&& f) {
 // Word w, moved by one: bit b is that of the sample after b.
 [[nodiscard]] inline std::uint64_t next_bits(const std::uint64_t* row, int w) { return row[w] >> 1 | row[w + 1] << 63; }
 
-}  // namespace isoextract
+}  // namespace isoextract::extract

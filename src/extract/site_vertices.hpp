@@ -10,7 +10,7 @@
 #include "base/buffer.hpp"
 #include "extract/sparse_blocks.hpp"
 
-namespace isoextract {
+namespace isoextract::extract {
 
 class SiteVertices {
  public:
@@ -76,4 +76,4 @@ class SiteVertices {
   Buffer<Edges> edges_;
 };
 
-}  // namespace isoextract
+}  // namespace isoextract::extract

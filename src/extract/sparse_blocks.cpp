@@ -6,13 +6,13 @@
 
 #include <tbb/parallel_for.h>
 
-namespace isoextract {
+namespace isoextract::extract {
 namespace {
 
-constexpr int kSize = SparseBlock::kSize;
+constexpr int kSize = field::SparseBlock::kSize;
 
 // Appends the places of block size whose 2 x 2 x 2 group is partly in the tile and partly not.
-void add_tile_skin(const SparseTile& tile, std::vector<glm::ivec3>& places) {
+void add_tile_skin(const field::SparseTile& tile, std::vector<glm::ivec3>& places) {
   const int blocks = tile.size / kSize;
   const auto on_skin = [&](int b) { return b == -1 || b == blocks - 1; };
   for (int x = -1; x < blocks; ++x) {
@@ -25,44 +25,45 @@ void add_tile_skin(const SparseTile& tile, std::vector<glm::ivec3>& places) {
 
 }  // namespace
 
-IndexBox stored_box(const SparseSamples& samples) {
-  IndexBox box{glm::ivec3(std::numeric_limits<int>::max()), glm::ivec3(std::numeric_limits<int>::min())};
+field::IndexBox stored_box(const field::SparseSamples& samples) {
+  field::IndexBox box{glm::ivec3(std::numeric_limits<int>::max()), glm::ivec3(std::numeric_limits<int>::min())};
   const auto add = [&](const glm::ivec3& origin, int size) {
     box.min = glm::min(box.min, origin);
     box.max = glm::max(box.max, origin + (size - 1));
   };
-  for (const SparseBlock& block : samples.blocks) add(block.origin, kSize);
-  for (const SparseTile& tile : samples.tiles) add(tile.origin, tile.size);
+  for (const field::SparseBlock& block : samples.blocks) add(block.origin, kSize);
+  for (const field::SparseTile& tile : samples.tiles) add(tile.origin, tile.size);
   return box;
 }
 
-std::uint64_t tile_skin_bytes(const SparseSamples& samples, const InsideRule& rule, const ValueScale& scale) {
+std::uint64_t tile_skin_bytes(const field::SparseSamples& samples, const InsideRule& rule,
+                              const field::ValueScale& scale) {
   constexpr std::uint64_t kBytesAPlace = 128;
   const bool background_inside = rule(scale(samples.background));
   std::uint64_t places = 0;
-  for (const SparseTile& tile : samples.tiles) {
-    if (tile.size < SparseLookup::Node::kSize || rule(scale(tile.value)) == background_inside) continue;
+  for (const field::SparseTile& tile : samples.tiles) {
+    if (tile.size < field::SparseLookup::Node::kSize || rule(scale(tile.value)) == background_inside) continue;
     const auto blocks = static_cast<std::uint64_t>(tile.size / kSize);
     places += (blocks + 1) * (blocks + 1) * (blocks + 1) - (blocks - 1) * (blocks - 1) * (blocks - 1);
   }
   return places * kBytesAPlace;
 }
 
-std::vector<glm::ivec3> unstored_places(const SparseSamples& samples, const SparseLookup& lookup,
+std::vector<glm::ivec3> unstored_places(const field::SparseSamples& samples, const field::SparseLookup& lookup,
                                         const ConstantSides& sides) {
   enum class State : std::uint8_t { outside, inside, block };
   const auto state = [&](std::int32_t place) {
     if (place >= 0) return State::block;
     return sides.inside(place) ? State::inside : State::outside;
   };
-  const State background = state(SparseLookup::kBackground);
+  const State background = state(field::SparseLookup::kBackground);
 
   // Every node looks at its own places and at those just before it.
-  constexpr int kPlaces = SparseLookup::Node::kPlaces;
+  constexpr int kPlaces = field::SparseLookup::Node::kPlaces;
   constexpr int kSide = kPlaces + 2;
   std::vector<std::vector<glm::ivec3>> found(lookup.nodes().size() + 1);
   tbb::parallel_for(std::size_t{0}, lookup.nodes().size(), [&](std::size_t n) {
-    const SparseLookup::Node& node = lookup.nodes()[n];
+    const field::SparseLookup::Node& node = lookup.nodes()[n];
     // Where little is stored, its surroundings are looked at and not the whole node.
     constexpr std::size_t kLittle = 64;
     std::vector<std::int32_t> stored;  // slots
@@ -74,7 +75,7 @@ std::vector<glm::ivec3> unstored_places(const SparseSamples& samples, const Spar
         const glm::ivec3 place = node.origin + kSize * glm::ivec3(slot >> 8, slot >> 4 & 15, slot & 15);
         for (int c = 0; c < 8; ++c) {
           const glm::ivec3 before = place - kSize * glm::ivec3(c & 1, c >> 1 & 1, c >> 2);
-          const SparseLookup::Group group = lookup.group(before);
+          const field::SparseLookup::Group group = lookup.group(before);
           if (group[0] >= 0) continue;
           const State here = state(group[0]);
           if (std::ranges::any_of(group, [&](std::int32_t p) { return state(p) != here; })) found[n].push_back(before);
@@ -94,7 +95,8 @@ std::vector<glm::ivec3> unstored_places(const SparseSamples& samples, const Spar
         for (int z = 0; z < kSide; ++z) {
           const glm::ivec3 place = origin_at(x, y, z);
           const bool own = within(x) && within(y) && within(z);
-          states[at(x, y, z)] = state(own ? node.contents[SparseLookup::Node::slot(place)] : lookup.place(place));
+          states[at(x, y, z)] =
+              state(own ? node.contents[field::SparseLookup::Node::slot(place)] : lookup.place(place));
         }
       }
     }
@@ -114,7 +116,8 @@ std::vector<glm::ivec3> unstored_places(const SparseSamples& samples, const Spar
   // Between large tiles and the background there may be no node.
   std::vector<glm::ivec3>& skins = found.back();
   for (std::size_t t = 0; t < samples.tiles.size(); ++t) {
-    if (samples.tiles[t].size >= SparseLookup::Node::kSize && state(SparseLookup::tile_place(t)) != background) {
+    if (samples.tiles[t].size >= field::SparseLookup::Node::kSize &&
+        state(field::SparseLookup::tile_place(t)) != background) {
       add_tile_skin(samples.tiles[t], skins);
     }
   }
@@ -148,4 +151,4 @@ SitePlanes site_planes(const std::array<const BlockBits*, 8>& group) {
   return planes;
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::extract

@@ -10,10 +10,10 @@
 #include "extract/inside_test.hpp"
 #include "field/sparse_lookup.hpp"
 
-namespace isoextract {
+namespace isoextract::extract {
 
 // The box of all blocks and tiles; empty if there are none.
-[[nodiscard]] IndexBox stored_box(const SparseSamples& samples);
+[[nodiscard]] field::IndexBox stored_box(const field::SparseSamples& samples);
 
 // The 3 x 3 x 3 places around and at one, numbered x fastest; `away` is -1 to 1 along each axis.
 inline constexpr std::size_t kNearPlaces = 27;
@@ -28,7 +28,7 @@ void for_each_near_place(const glm::ivec3& origin, int lowest, const F& f) {
   for (int z = lowest; z <= 1; ++z) {
     for (int y = lowest; y <= 1; ++y) {
       for (int x = lowest; x <= 1; ++x) {
-        f(near_place_slot({x, y, z}), origin + SparseBlock::kSize * glm::ivec3(x, y, z));
+        f(near_place_slot({x, y, z}), origin + field::SparseBlock::kSize * glm::ivec3(x, y, z));
       }
     }
   }
@@ -39,8 +39,8 @@ using BlockBits = std::array<std::uint64_t, 8>;
 
 // What listing the skins of large tiles that are not on the background's side will need in memory, about. The mesh on
 // them is counted exactly later.
-[[nodiscard]] std::uint64_t tile_skin_bytes(const SparseSamples& samples, const InsideRule& rule,
-                                            const ValueScale& scale);
+[[nodiscard]] std::uint64_t tile_skin_bytes(const field::SparseSamples& samples, const InsideRule& rule,
+                                            const field::ValueScale& scale);
 
 // On which side of iso the constants are.
 struct ConstantSides {
@@ -49,14 +49,15 @@ struct ConstantSides {
 
   // Of a place without a block, as SparseLookup tells it.
   [[nodiscard]] bool inside(std::int32_t place) const {
-    return place == SparseLookup::kBackground ? background_inside : tiles_inside[SparseLookup::tile_of(place)] != 0;
+    return place == field::SparseLookup::kBackground ? background_inside
+                                                     : tiles_inside[field::SparseLookup::tile_of(place)] != 0;
   }
 };
 
 // Places without a stored block around which both sides may occur: those that share a cell with a stored block, and the
 // skins of tiles that are not on the background's side. Sorted; a place may be named that turns out to be one-sided.
-[[nodiscard]] std::vector<glm::ivec3> unstored_places(const SparseSamples& samples, const SparseLookup& lookup,
-                                                      const ConstantSides& sides);
+[[nodiscard]] std::vector<glm::ivec3> unstored_places(const field::SparseSamples& samples,
+                                                      const field::SparseLookup& lookup, const ConstantSides& sides);
 
 // The bits of the planes x = 0 to 8 of a block, each four times: as they are, and moved by one sample along y, along z,
 // along both. `group[n]` are the bits of the block that lies n & 1, n >> 1 & 1, n >> 2 & 1 blocks along x, y, z.
@@ -69,4 +70,4 @@ using SitePlanes = std::array<std::array<std::uint64_t, 4>, 9>;
   return planes[static_cast<std::size_t>(plane)][static_cast<std::size_t>(step >> 1)];
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::extract

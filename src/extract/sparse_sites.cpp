@@ -8,35 +8,36 @@
 #include <fmt/format.h>
 
 #include "extract/cell_tables.hpp"
-#include "extract/classify_samples.hpp"
+#include "extract/detail/classify_samples.hpp"
 #include "extract/mesh_assembly.hpp"
 
-namespace isoextract {
+namespace isoextract::extract {
 namespace {
 
-constexpr int kSize = SparseBlock::kSize;
+constexpr int kSize = field::SparseBlock::kSize;
 constexpr int kBlockSamples = kSize * kSize * kSize;
 
 }  // namespace
 
-Result<IndexBox> sparse_region(const ScalarField& field, const SparseSamples& samples, const ExtractOptions& options) {
-  const IndexBox stored = stored_box(samples);
+Result<field::IndexBox> sparse_region(const field::ScalarField& field, const field::SparseSamples& samples,
+                                      const ExtractOptions& options) {
+  const field::IndexBox stored = stored_box(samples);
   if (stored.empty()) return stored;
-  if (glm::any(glm::lessThan(stored.min, glm::ivec3(-kMaxSparseIndex))) ||
-      glm::any(glm::greaterThan(stored.max, glm::ivec3(kMaxSparseIndex)))) {
+  if (glm::any(glm::lessThan(stored.min, glm::ivec3(-field::kMaxSparseIndex))) ||
+      glm::any(glm::greaterThan(stored.max, glm::ivec3(field::kMaxSparseIndex)))) {
     return fail(ErrorKind::input,
-                fmt::format("{}: voxels lie farther than {} from index 0", field.source, kMaxSparseIndex));
+                fmt::format("{}: voxels lie farther than {} from index 0", field.source, field::kMaxSparseIndex));
   }
-  IndexBox reach{stored.min - 1, stored.max + 1};
+  field::IndexBox reach{stored.min - 1, stored.max + 1};
   // Where the background itself is inside, a region's cap must stand where the region ends.
   if (options.region && InsideRule{field.kind, options.iso}(field.scale(samples.background))) {
-    reach = {glm::ivec3(-kMaxSparseIndex), glm::ivec3(kMaxSparseIndex)};
+    reach = {glm::ivec3(-field::kMaxSparseIndex), glm::ivec3(field::kMaxSparseIndex)};
   }
   return clip_region(field, reach, options);
 }
 
-SparseSites::SparseSites(const ScalarField& field, const SparseSamples& samples, const IndexBox& region,
-                         const ExtractOptions& options)
+SparseSites::SparseSites(const field::ScalarField& field, const field::SparseSamples& samples,
+                         const field::IndexBox& region, const ExtractOptions& options)
     : field_(field),
       samples_(samples),
       region_(region),
@@ -51,9 +52,10 @@ SparseSites::SparseSites(const ScalarField& field, const SparseSamples& samples,
 Result<void> SparseSites::find(ExtractStats& stats) {
   stats.brick = "8x8x8 voxels";
   stats.bricks = samples_.blocks.size();
-  std::vector<glm::ivec3> nodes = SparseLookup::node_origins(samples_);
+  std::vector<glm::ivec3> nodes = field::SparseLookup::node_origins(samples_);
   if (auto fits = check_memory(
-          tile_skin_bytes(samples_, rule_, field_.scale) + nodes.size() * sizeof(SparseLookup::Node), options_.limits,
+          tile_skin_bytes(samples_, rule_, field_.scale) + nodes.size() * sizeof(field::SparseLookup::Node),
+          options_.limits,
           fmt::format("{}: finding what lies beside its {} blocks and {} tiles", field_.source, samples_.blocks.size(),
                       samples_.tiles.size()));
       !fits) {
@@ -96,7 +98,7 @@ void SparseSites::classify(ExtractStats& stats) {
   sides_.background_inside = rule_(field_.scale(samples_.background));
   stats.samples_classified = blocks * kBlockSamples;
   stats.nan_samples = nan.load();
-  for (const SparseTile& tile : samples_.tiles) {
+  for (const field::SparseTile& tile : samples_.tiles) {
     if (!std::isnan(tile.value) || !touches_region(tile.origin, tile.size)) continue;
     const auto side = static_cast<std::uint64_t>(tile.size);
     stats.nan_samples += side * side * side;
@@ -111,13 +113,13 @@ bool SparseSites::touches_region(const glm::ivec3& origin, int size) const {
 }
 
 glm::ivec3 SparseSites::first_nan() const {
-  for (const SparseBlock& block : samples_.blocks) {
+  for (const field::SparseBlock& block : samples_.blocks) {
     if (!touches_region(block.origin, kSize)) continue;
     for (int v = 0; v < kBlockSamples; ++v) {
       if (std::isnan(stored_number_(block.values, v))) return block.origin + glm::ivec3(v >> 6, v >> 3 & 7, v & 7);
     }
   }
-  for (const SparseTile& tile : samples_.tiles) {
+  for (const field::SparseTile& tile : samples_.tiles) {
     if (std::isnan(tile.value) && touches_region(tile.origin, tile.size)) return tile.origin;
   }
   return stored_box(samples_).max + 1;  // only the background is left
@@ -135,17 +137,17 @@ const BlockBits* SparseSites::bits_of(std::int32_t place) const {
   return sides_.inside(place) ? &kInside : &kOutside;
 }
 
-SitePlanes SparseSites::planes_of(const SparseLookup::Group& group) const {
+SitePlanes SparseSites::planes_of(const field::SparseLookup::Group& group) const {
   std::array<const BlockBits*, 8> bits;
   for (std::size_t n = 0; n < 8; ++n) bits[n] = bits_of(group[n]);
   return site_planes(bits);
 }
 
 double SparseSites::value(const glm::ivec3& p) const {
-  const glm::ivec3 origin = block_origin(p);
+  const glm::ivec3 origin = field::block_origin(p);
   const std::int32_t block = lookup_->block(origin);
   if (block < 0) return field_.scale(lookup_->constant(origin));
-  return field_.scale(stored_number_(samples_.blocks[static_cast<std::size_t>(block)].values, block_offset(p)));
+  return field_.scale(stored_number_(samples_.blocks[static_cast<std::size_t>(block)].values, field::block_offset(p)));
 }
 
 // The samples of word x whose position plus `step` is still in the region.
@@ -195,7 +197,7 @@ BlockBits SparseSites::crossed_edges_at(const glm::ivec3& origin, const SitePlan
   return crossed;
 }
 
-bool SparseSites::owns_crossed_edge(const glm::ivec3& origin, const SparseLookup::Group& group) const {
+bool SparseSites::owns_crossed_edge(const glm::ivec3& origin, const field::SparseLookup::Group& group) const {
   // Most places are decided by whether their own samples are on both sides, or all around on one.
   const auto sides = [](const BlockBits& bits) {
     std::uint64_t any = 0;
@@ -223,7 +225,7 @@ Result<void> SparseSites::list_sites() {
   const std::vector<glm::ivec3> unstored = unstored_places(samples_, *lookup_, sides_);
   const std::size_t blocks = samples_.blocks.size();
   const auto place = [&](std::size_t p) { return p < blocks ? samples_.blocks[p].origin : unstored[p - blocks]; };
-  std::vector<SparseLookup::Group> groups(blocks + unstored.size());
+  std::vector<field::SparseLookup::Group> groups(blocks + unstored.size());
   std::vector<std::uint8_t> passed(groups.size());
   for_each("finding crossed blocks", groups.size(), [&](std::size_t p) {
     groups[p] = lookup_->group(place(p));
@@ -239,7 +241,7 @@ Result<void> SparseSites::list_sites() {
   }
   sites_.reserve(count);
   groups_.reserve(count);
-  site_index_ = OriginIndex(count);
+  site_index_ = field::OriginIndex(count);
   for (std::size_t p = 0; p < groups.size(); ++p) {
     if (passed[p] == 0) continue;
     site_index_.insert(place(p), static_cast<std::int32_t>(sites_.size()));
@@ -250,4 +252,4 @@ Result<void> SparseSites::list_sites() {
   return {};
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::extract

@@ -13,18 +13,18 @@
 #include "extract/extractor.hpp"
 #include "extract/sparse_blocks.hpp"
 
-namespace isoextract {
+namespace isoextract::extract {
 
 // The samples to extract from, and one of background all round, which closes every surface. Empty if nothing is stored.
 // Fails with ErrorKind::input where voxels lie too far from index 0, and where options.region holds no cell.
-[[nodiscard]] Result<IndexBox> sparse_region(const ScalarField& field, const SparseSamples& samples,
-                                             const ExtractOptions& options);
+[[nodiscard]] Result<field::IndexBox> sparse_region(const field::ScalarField& field,
+                                                    const field::SparseSamples& samples, const ExtractOptions& options);
 
 // A site is a place of 8 x 8 x 8 samples that owns a crossed edge: the lower end of the edge is one of its samples.
 class SparseSites {
  public:
   // All arguments must outlive it.
-  SparseSites(const ScalarField& field, const SparseSamples& samples, const IndexBox& region,
+  SparseSites(const field::ScalarField& field, const field::SparseSamples& samples, const field::IndexBox& region,
               const ExtractOptions& options);
 
   // Compares every sample with iso, then lists the sites. Fails with ErrorKind::input for NaN samples in the region, if
@@ -39,17 +39,18 @@ class SparseSites {
   // The sites that own the edges of this site's cells, itself first.
   [[nodiscard]] std::array<std::int32_t, 8> near(std::size_t site) const {
     std::array<std::int32_t, 8> sites;
-    for (int n = 0; n < 8; ++n) sites[n] = site_index_.find(sites_[site] + SparseBlock::kSize * direction_step(n));
+    for (int n = 0; n < 8; ++n)
+      sites[n] = site_index_.find(sites_[site] + field::SparseBlock::kSize * direction_step(n));
     return sites;
   }
 
-  [[nodiscard]] const SparseLookup& lookup() const { return *lookup_; }  // once find() was called
-  [[nodiscard]] bool has_holes() const { return has_holes_; }            // some samples are NaN, and NanPolicy::hole
+  [[nodiscard]] const field::SparseLookup& lookup() const { return *lookup_; }  // once find() was called
+  [[nodiscard]] bool has_holes() const { return has_holes_; }  // some samples are NaN, and NanPolicy::hole
 
   // Of any sample: for the few that are looked at one by one.
   [[nodiscard]] bool inside(const glm::ivec3& p) const {
-    const int offset = block_offset(p);
-    return ((*bits_of(lookup_->place(block_origin(p))))[offset >> 6] >> (offset & 63) & 1) != 0;
+    const int offset = field::block_offset(p);
+    return ((*bits_of(lookup_->place(field::block_origin(p))))[offset >> 6] >> (offset & 63) & 1) != 0;
   }
   [[nodiscard]] double value(const glm::ivec3& p) const;
 
@@ -82,26 +83,26 @@ class SparseSites {
   [[nodiscard]] glm::ivec3 first_nan() const;
   [[nodiscard]] bool touches_region(const glm::ivec3& origin, int size) const;
   [[nodiscard]] const BlockBits* bits_of(std::int32_t place) const;
-  [[nodiscard]] SitePlanes planes_of(const SparseLookup::Group& group) const;
-  [[nodiscard]] bool owns_crossed_edge(const glm::ivec3& origin, const SparseLookup::Group& group) const;
+  [[nodiscard]] SitePlanes planes_of(const field::SparseLookup::Group& group) const;
+  [[nodiscard]] bool owns_crossed_edge(const glm::ivec3& origin, const field::SparseLookup::Group& group) const;
   [[nodiscard]] BlockBits crossed_edges_at(const glm::ivec3& origin, const SitePlanes& planes, int direction) const;
   [[nodiscard]] std::uint64_t region_bits(const glm::ivec3& origin, const glm::ivec3& step, int x) const;
   [[nodiscard]] bool wholly_in_region(const glm::ivec3& origin) const;
 
-  const ScalarField& field_;
-  const SparseSamples& samples_;
-  IndexBox region_;
+  const field::ScalarField& field_;
+  const field::SparseSamples& samples_;
+  field::IndexBox region_;
   const ExtractOptions& options_;
   InsideRule rule_;
-  std::optional<SparseLookup> lookup_;
+  std::optional<field::SparseLookup> lookup_;
   double (*stored_number_)(const void* values, int offset);
   Buffer<BlockBits> bits_;  // of the stored blocks
   ConstantSides sides_;     // of all else
   std::vector<glm::ivec3> sites_;
-  std::vector<SparseLookup::Group> groups_;  // by site
+  std::vector<field::SparseLookup::Group> groups_;  // by site
   std::size_t stored_sites_ = 0;
-  OriginIndex site_index_;
+  field::OriginIndex site_index_;
   bool has_holes_ = false;
 };
 
-}  // namespace isoextract
+}  // namespace isoextract::extract

@@ -6,11 +6,9 @@
 
 #include <glm/glm.hpp>
 
-namespace isoextract {
+#include "base/finite.hpp"
 
-[[nodiscard]] inline bool is_finite(const glm::dvec3& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
+namespace isoextract::field {
 
 // p -> linear * p + offset. GLM matrices are column-major: linear[a] is the image of the unit step along axis a.
 struct Affine {
@@ -62,4 +60,4 @@ struct Box {
   return {glm::dmat3(factors.x, 0, 0, 0, factors.y, 0, 0, 0, factors.z), glm::dvec3(0)};
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::field

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-namespace isoextract {
+namespace isoextract::field {
 namespace {
 
 using formulas::kPi;
@@ -67,4 +67,4 @@ const AnalyticField* find_analytic_field(std::string_view demo_name) {
   return found == kFields.end() ? nullptr : found;
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::field

@@ -8,7 +8,7 @@
 
 #include "field/demo_formulas.hpp"
 
-namespace isoextract {
+namespace isoextract::field {
 
 struct SurfaceSize {
   double area = 0;
@@ -31,4 +31,4 @@ struct AnalyticField {
 // Null for names without a formula, such as random.
 [[nodiscard]] const AnalyticField* find_analytic_field(std::string_view demo_name);
 
-}  // namespace isoextract
+}  // namespace isoextract::field

@@ -9,7 +9,7 @@
 #include "base/buffer.hpp"
 #include "field/sparse_lookup.hpp"
 
-namespace isoextract {
+namespace isoextract::field {
 namespace {
 
 template <class T>
@@ -156,4 +156,4 @@ Result<ScalarField> coarsen(const ScalarField& field, int factor, const Limits& 
   return coarse;
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::field

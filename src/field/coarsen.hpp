@@ -6,7 +6,7 @@
 #include "base/progress.hpp"
 #include "field/scalar_field.hpp"
 
-namespace isoextract {
+namespace isoextract::field {
 
 // One sample for each `factor`^3 (a power of two, 2 or more), their mean: a box filter. It stands at the centre of
 // those samples. Dense stays dense, without the last samples of an axis where `factor` does not divide their number;
@@ -16,4 +16,4 @@ namespace isoextract {
 [[nodiscard]] Result<ScalarField> coarsen(const ScalarField& field, int factor, const Limits& limits,
                                           Progress* progress = nullptr);
 
-}  // namespace isoextract
+}  // namespace isoextract::field

@@ -14,7 +14,7 @@
 #include "base/buffer.hpp"
 #include "field/demo_formulas.hpp"
 
-namespace isoextract {
+namespace isoextract::field {
 namespace {
 
 // World coordinates of the samples along one axis; the same for all three.
@@ -171,4 +171,4 @@ Result<ScalarField> make_demo_field(std::string_view spec, const Limits& limits,
   return field;
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::field

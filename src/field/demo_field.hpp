@@ -13,7 +13,7 @@
 #include "base/progress.hpp"
 #include "field/scalar_field.hpp"
 
-namespace isoextract {
+namespace isoextract::field {
 
 struct DemoDescription {
   std::string_view name;     // as in demo:NAME
@@ -38,4 +38,4 @@ struct DemoSpec {
 [[nodiscard]] Result<ScalarField> make_demo_field(std::string_view spec, const Limits& limits,
                                                   Progress* progress = nullptr);
 
-}  // namespace isoextract
+}  // namespace isoextract::field

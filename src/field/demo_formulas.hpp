@@ -12,7 +12,7 @@
 
 #include <glm/glm.hpp>
 
-namespace isoextract {
+namespace isoextract::field {
 
 // A value and its gradient.
 struct Dual {
@@ -116,4 +116,4 @@ struct Metaballs {
 };
 
 }  // namespace formulas
-}  // namespace isoextract
+}  // namespace isoextract::field

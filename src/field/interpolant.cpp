@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-namespace isoextract {
+namespace isoextract::field {
 namespace {
 
 // What each of an axis' samples counts for, in the value and in its derivative.
@@ -155,4 +155,4 @@ Interpolated Interpolant::Cursor::operator()(const glm::dvec3& index) {
   return weighted_sum<4>(weights, values_.data());
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::field

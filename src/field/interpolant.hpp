@@ -17,7 +17,7 @@
 #include "field/scalar_field.hpp"
 #include "field/sparse_lookup.hpp"
 
-namespace isoextract {
+namespace isoextract::field {
 
 enum class Interpolation { trilinear, tricubic };
 
@@ -58,4 +58,4 @@ class Interpolant {
   std::optional<SparseLookup> lookup_;
 };
 
-}  // namespace isoextract
+}  // namespace isoextract::field

@@ -13,7 +13,7 @@
 #include "base/checked.hpp"
 #include "field/sparse_lookup.hpp"
 
-namespace isoextract {
+namespace isoextract::field {
 namespace {
 
 template <class T>
@@ -223,4 +223,4 @@ Result<ScalarField> resample(const ScalarField& field, const glm::ivec3& resolut
       field.type(), [&]<class T>(std::type_identity<T>) { return resampled<T>(field, resolution, limits, progress); });
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::field

@@ -8,7 +8,7 @@
 #include "base/progress.hpp"
 #include "field/scalar_field.hpp"
 
-namespace isoextract {
+namespace isoextract::field {
 
 // The trilinear interpolant of `field`, sampled on a dense grid of `resolution` samples that covers the same box: along
 // each axis its first sample is the field's first and its last the field's last. `index_to_world` and `index_to_file`
@@ -32,4 +32,4 @@ namespace isoextract {
 [[nodiscard]] Result<ScalarField> resample(const ScalarField& field, const glm::ivec3& resolution, const Limits& limits,
                                            Progress* progress = nullptr);
 
-}  // namespace isoextract
+}  // namespace isoextract::field

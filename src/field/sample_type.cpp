@@ -2,7 +2,7 @@
 
 #include <array>
 
-namespace isoextract {
+namespace isoextract::field {
 namespace {
 
 constexpr std::array<std::pair<SampleType, std::string_view>, 9> kNames{{{SampleType::u8, "u8"},
@@ -35,4 +35,4 @@ std::optional<SampleType> parse_sample_type(std::string_view name) {
   return std::nullopt;
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::field

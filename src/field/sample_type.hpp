@@ -10,7 +10,7 @@
 
 #include <half.h>  // Imath
 
-namespace isoextract {
+namespace isoextract::field {
 
 enum class SampleType { u8, i8, u16, i16, u32, i32, f16, f32, f64 };
 
@@ -56,4 +56,4 @@ template <class T>
   if constexpr (std::is_same_v<T, double>) return SampleType::f64;
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::field

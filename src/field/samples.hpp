@@ -12,7 +12,7 @@
 
 #include "field/sample_type.hpp"
 
-namespace isoextract {
+namespace isoextract::field {
 
 // Inclusive box of sample indices (i, j, k). Empty if any max < min.
 struct IndexBox {
@@ -69,4 +69,4 @@ struct SparseSamples {
 
 using Samples = std::variant<DenseSamples, SparseSamples>;
 
-}  // namespace isoextract
+}  // namespace isoextract::field

@@ -8,7 +8,7 @@
 #include "field/affine.hpp"
 #include "field/samples.hpp"
 
-namespace isoextract {
+namespace isoextract::field {
 
 enum class FieldKind {
   density,    // inside is value > iso
@@ -47,4 +47,4 @@ struct ScalarField {
   }
 };
 
-}  // namespace isoextract
+}  // namespace isoextract::field

@@ -4,7 +4,7 @@
 #include <bit>
 #include <tuple>
 
-namespace isoextract {
+namespace isoextract::field {
 namespace {
 
 constexpr std::int32_t kEmpty = -1;
@@ -121,4 +121,4 @@ std::int32_t SparseLookup::large_tile(const glm::ivec3& origin) const {
   return kBackground;
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::field

@@ -11,7 +11,7 @@
 
 #include "field/samples.hpp"
 
-namespace isoextract {
+namespace isoextract::field {
 
 // A hash table from origins (of blocks, tiles, nodes) to their numbers in a list. Open addressing, at most half full.
 class OriginIndex {
@@ -100,4 +100,4 @@ class SparseLookup {
   std::vector<std::pair<int, OriginIndex>> large_tiles_;  // those of a node's size and more, by size
 };
 
-}  // namespace isoextract
+}  // namespace isoextract::field

@@ -13,7 +13,7 @@
 
 #include "field/demo_field.hpp"
 
-namespace isoextract {
+namespace isoextract::field {
 namespace {
 
 constexpr std::size_t kBins = 1024;
@@ -339,4 +339,4 @@ std::uint64_t estimate_vertices(const ScalarField& field, double iso) {
   });
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::field

@@ -8,7 +8,7 @@
 #include "base/progress.hpp"
 #include "field/scalar_field.hpp"
 
-namespace isoextract {
+namespace isoextract::field {
 
 // Dense: over all samples. Sparse: over the blocks' samples and the tiles (a tile counts as all its voxels), without
 // the unbounded background. Values are scaled (ValueScale); NaN and infinities are counted and otherwise left out.
@@ -40,4 +40,4 @@ struct IsoSuggestion {
 // faced every axis alike.
 [[nodiscard]] std::uint64_t estimate_vertices(const ScalarField& field, double iso);
 
-}  // namespace isoextract
+}  // namespace isoextract::field

@@ -8,14 +8,14 @@
 
 #include "extract/border_cap.hpp"
 #include "extract/dense_input.hpp"
-#include "gpu/cell_programs.hpp"
-#include "gpu/dense_sites.hpp"
-#include "gpu/dense_source.hpp"
-#include "gpu/site_weld.hpp"
-#include "gpu/sparse_source.hpp"
+#include "gpu/detail/cell_programs.hpp"
+#include "gpu/detail/dense_sites.hpp"
+#include "gpu/detail/dense_source.hpp"
+#include "gpu/detail/site_weld.hpp"
+#include "gpu/detail/sparse_source.hpp"
 #include "mesh/vertex_fans.hpp"
 
-namespace isoextract {
+namespace isoextract::gpu {
 namespace {
 
 constexpr std::uint64_t kMiB = 1 << 20;
@@ -26,7 +26,7 @@ struct MemoryShares {
   std::uint64_t feedback;
 };
 
-MemoryShares share_memory(const GpuOptions& options, const GpuDevice& device) {
+MemoryShares share_memory(const GpuOptions& options, const gl::GpuDevice& device) {
   // Drivers limit one texture, some to a quarter of the memory.
   const std::uint64_t all = options.memory_bytes.value_or(device.memory_bytes ? *device.memory_bytes / 4 : 1024 * kMiB);
   const std::uint64_t feedback = std::min(all / 4, 256 * kMiB);
@@ -41,16 +41,16 @@ struct SurfaceSites {
   std::function<bool(const glm::ivec3&)> inside;
   std::function<double(const glm::ivec3&)> value;
   KeyRange inside_keys;
-  IndexBox region;
-  IndexBox stored;  // every sample of the field
+  field::IndexBox region;
+  field::IndexBox stored;  // every sample of the field
   bool holes = false;
   bool sparse = false;
   bool can_cap = true;
 };
 
-class GpuExtractor final : public Extractor {
+class GpuExtractor final : public extract::Extractor {
  public:
-  GpuExtractor(std::unique_ptr<GlContext> context, const GpuOptions& options)
+  GpuExtractor(std::unique_ptr<gl::GlContext> context, const GpuOptions& options)
       : context_(std::move(context)), options_(options), memory_(share_memory(options, context_->device())) {
     glGetIntegerv(GL_MAX_3D_TEXTURE_SIZE, &max_texture_size_);
   }
@@ -60,18 +60,20 @@ class GpuExtractor final : public Extractor {
   ~GpuExtractor() override { context_->make_current(); }  // for what members have on the device
 
   [[nodiscard]] std::string_view name() const override { return "gpu"; }
-  [[nodiscard]] std::string device() const override { return describe(context_->device()); }
+  [[nodiscard]] std::string device() const override { return gl::describe(context_->device()); }
 
-  [[nodiscard]] Result<Extraction> extract(const ScalarField& field, const ExtractOptions& options) override {
+  [[nodiscard]] Result<extract::Extraction> extract(const field::ScalarField& field,
+                                                    const extract::ExtractOptions& options) override {
     // Another extractor may have come since.
     if (auto current = context_->make_current(); !current) return tl::unexpected(current.error());
-    return extract_guarded(field, options, [&](const auto& samples) { return extract_from(field, samples, options); });
+    return extract::extract_guarded(field, options,
+                                    [&](const auto& samples) { return extract_from(field, samples, options); });
   }
 
  private:
-  Result<Extraction> extract_from(const ScalarField& field, const DenseSamples& samples,
-                                  const ExtractOptions& options) {
-    const auto region = dense_region(field, samples, options);
+  Result<extract::Extraction> extract_from(const field::ScalarField& field, const field::DenseSamples& samples,
+                                           const extract::ExtractOptions& options) {
+    const auto region = extract::dense_region(field, samples, options);
     if (!region) return tl::unexpected(region.error());
     return visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) {
       return extract_dense<T>(field, samples, *region, options);
@@ -79,17 +81,18 @@ class GpuExtractor final : public Extractor {
   }
 
   template <class T>
-  Result<Extraction> extract_dense(const ScalarField& field, const DenseSamples& samples, const IndexBox& region,
-                                   const ExtractOptions& options) {
-    const DenseView<T> whole = dense_view<T>(samples);
-    const DenseView<T> view = part_of(whole, region);
-    const Placement placement(options.output_from_index, {glm::ivec3(0), samples.dims - 1}, field.kind, field.scale);
-    Extraction result;
+  Result<extract::Extraction> extract_dense(const field::ScalarField& field, const field::DenseSamples& samples,
+                                            const field::IndexBox& region, const extract::ExtractOptions& options) {
+    const extract::DenseView<T> whole = extract::dense_view<T>(samples);
+    const extract::DenseView<T> view = extract::part_of(whole, region);
+    const extract::OutputFrame placement(options.output_from_index, {glm::ivec3(0), samples.dims - 1}, field.kind,
+                                         field.scale);
+    extract::Extraction result;
     result.mesh.origin = placement.origin();
     result.stats.brick = "8x8x8 cells";
-    if (auto fits = check_placement(field, placement); !fits) return tl::unexpected(fits.error());
-    DenseMasks masks(view.dims);
-    const auto threshold = classify_dense(field, view, region.min, options, masks, result.stats);
+    if (auto fits = extract::check_placement(field, placement); !fits) return tl::unexpected(fits.error());
+    extract::DenseMasks masks(view.dims);
+    const auto threshold = extract::classify_dense(field, view, region.min, options, masks, result.stats);
     if (!threshold) return tl::unexpected(threshold.error());
     if (!*threshold) return result;
     const Stopwatch watch;
@@ -107,7 +110,7 @@ class GpuExtractor final : public Extractor {
     sites.inside_keys = inside_keys(**threshold);
     sites.region = region;
     sites.stored = {glm::ivec3(0), samples.dims - 1};
-    sites.holes = result.stats.nan_samples != 0 && options.nan == NanPolicy::hole;
+    sites.holes = result.stats.nan_samples != 0 && options.nan == extract::NanPolicy::hole;
     auto source = DenseSource::make(*context_, samples, sites.origins, region,
                                     {options.smooth_normals, memory_.samples, max_texture_size_});
     if (!source) return tl::unexpected(source.error());
@@ -115,20 +118,22 @@ class GpuExtractor final : public Extractor {
     return result;
   }
 
-  Result<Extraction> extract_from(const ScalarField& field, const SparseSamples& samples,
-                                  const ExtractOptions& options) {
-    const auto region = sparse_region(field, samples, options);
+  Result<extract::Extraction> extract_from(const field::ScalarField& field, const field::SparseSamples& samples,
+                                           const extract::ExtractOptions& options) {
+    const auto region = extract::sparse_region(field, samples, options);
     if (!region) return tl::unexpected(region.error());
-    Extraction result;
+    extract::Extraction result;
     result.stats.brick = "8x8x8 voxels";
     if (region->empty()) return result;
-    const Placement placement(options.output_from_index, stored_box(samples), field.kind, field.scale);
+    const extract::OutputFrame placement(options.output_from_index, extract::stored_box(samples), field.kind,
+                                         field.scale);
     result.mesh.origin = placement.origin();
-    if (auto fits = check_placement(field, placement); !fits) return tl::unexpected(fits.error());
-    SparseSites leaves(field, samples, *region, options);
+    if (auto fits = extract::check_placement(field, placement); !fits) return tl::unexpected(fits.error());
+    extract::SparseSites leaves(field, samples, *region, options);
     if (auto found = leaves.find(result.stats); !found) return tl::unexpected(found.error());
     const auto keys = visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) -> std::optional<KeyRange> {
-      const auto threshold = find_inside_threshold<T>(InsideRule{field.kind, options.iso}, field.scale);
+      const auto threshold =
+          extract::find_inside_threshold<T>(extract::InsideRule{field.kind, options.iso}, field.scale);
       if (!threshold) return std::nullopt;
       return inside_keys(*threshold);
     });
@@ -137,7 +142,7 @@ class GpuExtractor final : public Extractor {
     SurfaceSites sites;
     sites.origins = leaves.origins();
     sites.near = [&](std::size_t s) { return leaves.near(s); };
-    sites.site = [&](const glm::ivec3& p) { return leaves.site(block_origin(p)); };
+    sites.site = [&](const glm::ivec3& p) { return leaves.site(field::block_origin(p)); };
     sites.inside = [&](const glm::ivec3& p) { return leaves.inside(p); };
     sites.value = [&](const glm::ivec3& p) { return leaves.value(p); };
     sites.inside_keys = *keys;
@@ -157,13 +162,14 @@ class GpuExtractor final : public Extractor {
     return kind;
   }
 
-  [[nodiscard]] GpuPipeline pipeline(Method method) const {
-    if (method == Method::mt) return GpuPipeline::mt_geometry;
+  [[nodiscard]] GpuPipeline pipeline(extract::Method method) const {
+    if (method == extract::Method::mt) return GpuPipeline::mt_geometry;
     return options_.tessellation ? GpuPipeline::mc_tessellation : GpuPipeline::mc_points;
   }
 
-  Result<void> draw(const ScalarField& field, const ExtractOptions& options, const Placement& placement,
-                    const SurfaceSites& sites, FieldSource& source, Extraction& result) {
+  Result<void> draw(const field::ScalarField& field, const extract::ExtractOptions& options,
+                    const extract::OutputFrame& placement, const SurfaceSites& sites, FieldSource& source,
+                    extract::Extraction& result) {
     CellProgramKind kind;
     kind.pipeline = pipeline(options.method);
     kind.sample_define = sample_format(field.type()).define;
@@ -177,13 +183,13 @@ class GpuExtractor final : public Extractor {
     kind.counting = true;
     const auto counting = programs_.find(*context_, kind);
     if (!counting) return tl::unexpected(counting.error());
-    DeviceStats& device = result.stats.device.emplace();
+    extract::DeviceStats& device = result.stats.device.emplace();
     device.compile = compiling.elapsed();
-    const CellPass pass{*counting, *capturing};
-    for (const CellProgram* program : pass.programs()) set_uniforms(*program, field, options, placement, sites);
+    const gl::CellPass pass{*counting, *capturing};
+    for (const gl::CellProgram* program : pass.programs()) set_uniforms(*program, field, options, placement, sites);
 
-    const CaseTable& table = case_table(options.method);
-    const InsideRule rule{field.kind, options.iso};
+    const extract::CaseTable& table = extract::case_table(options.method);
+    const extract::InsideRule rule{field.kind, options.iso};
     std::atomic<std::uint64_t> hole_cells{0};
     const auto decide = [&](const glm::ivec3& cell) -> unsigned {
       if (sites.holes && touches_nan(sites, cell)) {
@@ -191,8 +197,9 @@ class GpuExtractor final : public Extractor {
         return table.variants[0];
       }
       unsigned cell_case = 0;
-      for (int c = 0; c < 8; ++c) cell_case |= (sites.inside(cell + direction_step(c)) ? 1U : 0U) << c;
-      return cell_variant(table, cell_case, rule, [&](int c) { return sites.value(cell + direction_step(c)); });
+      for (int c = 0; c < 8; ++c) cell_case |= (sites.inside(cell + extract::direction_step(c)) ? 1U : 0U) << c;
+      return extract::cell_variant(table, cell_case, rule,
+                                   [&](int c) { return sites.value(cell + extract::direction_step(c)); });
     };
     SiteWeld weld(table, sites.origins, sites.near, decide);
     CellCapture capture(*context_, kind.pipeline, options.smooth_normals ? 7 : 4, memory_.feedback);
@@ -208,7 +215,7 @@ class GpuExtractor final : public Extractor {
 
     const auto sizes = weld.number();
     if (!sizes) return tl::unexpected(sizes.error());
-    if (auto fits = check_mesh_size(field, *sizes, options); !fits) return fits;
+    if (auto fits = extract::check_mesh_size(field, *sizes, options); !fits) return fits;
     const Stopwatch watch;
     if (auto made = make_mesh(field, options, placement, sites, weld, *sizes, result.mesh); !made) return made;
     result.stats.emit = watch.elapsed();
@@ -216,9 +223,9 @@ class GpuExtractor final : public Extractor {
     return {};
   }
 
-  Result<void> draw_batch(const ScalarField& field, const CellPass& pass, std::span<const std::uint32_t> ready,
-                          const SurfaceSites& sites, FieldSource& source, CellCapture& capture, SiteWeld& weld,
-                          const ExtractOptions& options) {
+  Result<void> draw_batch(const field::ScalarField& field, const gl::CellPass& pass,
+                          std::span<const std::uint32_t> ready, const SurfaceSites& sites, FieldSource& source,
+                          CellCapture& capture, SiteWeld& weld, const extract::ExtractOptions& options) {
     std::vector<glm::ivec3> origins(ready.size());
     for (std::size_t s = 0; s < ready.size(); ++s) origins[s] = sites.origins[ready[s]];
     return capture.draw(
@@ -228,12 +235,13 @@ class GpuExtractor final : public Extractor {
           if (options.progress != nullptr) options.progress->advance(count);
         },
         [&](std::uint64_t triangles) {
-          return check_mesh_size(field, {0, triangles}, options);
+          return extract::check_mesh_size(field, {0, triangles}, options);
         });
   }
 
-  static void set_uniforms(const CellProgram& program, const ScalarField& field, const ExtractOptions& options,
-                           const Placement& placement, const SurfaceSites& sites) {
+  static void set_uniforms(const gl::CellProgram& program, const field::ScalarField& field,
+                           const extract::ExtractOptions& options, const extract::OutputFrame& placement,
+                           const SurfaceSites& sites) {
     program.set("inside_from", sites.inside_keys.from);
     program.set("inside_to", sites.inside_keys.to);
     program.set("first_cell", sites.region.min);
@@ -243,7 +251,7 @@ class GpuExtractor final : public Extractor {
     program.set("edge_margin", placement.margin());
     program.set("value_slope", field.scale.slope);
     program.set("value_intercept", field.scale.intercept);
-    const Affine& local = placement.local_from_index();
+    const field::Affine& local = placement.local_from_index();
     program.set("local_x", local.linear[0]);
     program.set("local_y", local.linear[1]);
     program.set("local_z", local.linear[2]);
@@ -254,37 +262,39 @@ class GpuExtractor final : public Extractor {
     program.set("covector_z", outward[2]);
   }
 
-  Result<void> make_mesh(const ScalarField& field, const ExtractOptions& options, const Placement& placement,
-                         const SurfaceSites& sites, const SiteWeld& weld, const MeshSizes& sizes, Mesh& mesh) {
-    BorderCap cap;
+  Result<void> make_mesh(const field::ScalarField& field, const extract::ExtractOptions& options,
+                         const extract::OutputFrame& placement, const SurfaceSites& sites, const SiteWeld& weld,
+                         const extract::MeshSizes& sizes, mesh::Mesh& mesh) {
+    extract::BorderCap cap;
     if (options.cap && sites.can_cap) {
-      if (auto fits = check_cap_size(field, sites.region, options); !fits) return fits;
-      const InsideRule rule{field.kind, options.iso};
-      cap = make_border_cap(
+      if (auto fits = extract::check_cap_size(field, sites.region, options); !fits) return fits;
+      const extract::InsideRule rule{field.kind, options.iso};
+      cap = extract::make_border_cap(
           sites.region, options.method, static_cast<std::uint32_t>(sizes.vertices), sites.inside,
           [&](const glm::ivec3& p, int direction) {
             const auto site = static_cast<std::size_t>(sites.site(p));
-            return weld.vertex_at(site, direction, block_offset(p - sites.origins[site]));
+            return weld.vertex_at(site, direction, field::block_offset(p - sites.origins[site]));
           },
           [&](const glm::ivec3& p) { return rule.depth(sites.value(p)); },
           [&](const glm::ivec3& p) { return sites.holes && std::isnan(sites.value(p)); });
-      if (auto fits = check_mesh_size(field, with_cap(sizes, cap), options); !fits) return fits;
+      if (auto fits = extract::check_mesh_size(field, extract::with_cap(sizes, cap), options); !fits) return fits;
     }
-    allocate_mesh(mesh, sizes, cap, options);
+    extract::allocate_mesh(mesh, sizes, cap, options);
     weld.write(mesh, placement.mirrored());
-    append_cap(mesh, sizes, cap, sites.region, glm::ivec3(0), placement);
-    return sites.holes ? make_one_vertex_a_fan(mesh, options.limits, field.source) : Result<void>();
+    extract::append_cap(mesh, sizes, cap, sites.region, glm::ivec3(0), placement);
+    return sites.holes ? mesh::make_one_vertex_a_fan(mesh, options.limits, field.source) : Result<void>();
   }
 
   static bool touches_nan(const SurfaceSites& sites, const glm::ivec3& cell) {
     for (int c = 0; c < 8; ++c) {
-      if (std::isnan(sites.value(cell + direction_step(c)))) return true;
+      if (std::isnan(sites.value(cell + extract::direction_step(c)))) return true;
     }
     return false;
   }
 
-  void tell(const CellCapture& capture, const SiteWeld& weld, const UploadFigures& uploads, ExtractStats& stats) const {
-    DeviceStats& device = *stats.device;
+  void tell(const CellCapture& capture, const SiteWeld& weld, const UploadFigures& uploads,
+            extract::ExtractStats& stats) const {
+    extract::DeviceStats& device = *stats.device;
     device.bytes_uploaded = uploads.bytes;
     device.samples_uploaded = uploads.samples;
     device.bytes_captured = capture.captured_bytes();
@@ -303,7 +313,7 @@ class GpuExtractor final : public Extractor {
                 fmt::format("{}: the driver complains: {}", device(), context_->debug_messages().front()));
   }
 
-  std::unique_ptr<GlContext> context_;  // first, so that it goes last
+  std::unique_ptr<gl::GlContext> context_;  // first, so that it goes last
   GpuOptions options_;
   MemoryShares memory_;
   GLint max_texture_size_ = 0;
@@ -318,10 +328,10 @@ Result<GpuExtractorAndDevice> make_gpu_extractor(const GpuOptions& options) {
                 fmt::format("--gpu-memory: expected 1 MiB or more, found {}", format_byte_size(*options.memory_bytes)),
                 "for example --gpu-memory 256M");
   }
-  auto context = GlContext::open({options.device, options.debug});
+  auto context = gl::GlContext::open({options.device, options.debug});
   if (!context) return tl::unexpected(context.error());
-  GpuDevice device = (*context)->device();
+  gl::GpuDevice device = (*context)->device();
   return GpuExtractorAndDevice{std::make_unique<GpuExtractor>(std::move(*context), options), std::move(device)};
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::gpu

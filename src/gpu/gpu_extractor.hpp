@@ -12,12 +12,12 @@
 #include <optional>
 
 #include "extract/extractor.hpp"
-#include "gpu/gpu_device.hpp"
+#include "gl/gpu_device.hpp"
 
-namespace isoextract {
+namespace isoextract::gpu {
 
 struct GpuOptions {
-  DeviceChoice device;
+  gl::DeviceChoice device;
   std::optional<std::uint64_t> memory_bytes;  // what samples and captured triangles may take on the device together;
                                               // default: a quarter of what it has, 1 GiB where it does not tell
   bool tessellation = true;  // threads of marching cubes are made by the tessellator (seed S2), else by number alone
@@ -26,12 +26,12 @@ struct GpuOptions {
 };
 
 struct GpuExtractorAndDevice {
-  std::unique_ptr<Extractor> extractor;
-  GpuDevice device;
+  std::unique_ptr<extract::Extractor> extractor;
+  gl::GpuDevice device;
 };
 
 // Opens the device. Fails with ErrorKind::unavailable where there is none, ErrorKind::usage for too little memory. The
 // extractor is used and dropped on this thread.
 [[nodiscard]] Result<GpuExtractorAndDevice> make_gpu_extractor(const GpuOptions& options);
 
-}  // namespace isoextract
+}  // namespace isoextract::gpu

@@ -6,15 +6,15 @@
 #include <fmt/format.h>
 
 #include "base/median.hpp"
-#include "gpu/gl_program.hpp"
+#include "gl/gl_program.hpp"
 
-namespace isoextract {
+namespace isoextract::gpu {
 namespace {
 
 // One thread a cell of a grid, in draws that a device can take.
 class ThreadPass {
  public:
-  ThreadPass(const GlContext& context, ThreadMaker maker, int size)
+  ThreadPass(const gl::GlContext& context, ThreadMaker maker, int size)
       : context_(context), maker_(maker), size_(size), layer_cells_(static_cast<std::uint64_t>(size) * size) {}
 
   ThreadPass(const ThreadPass&) = delete;
@@ -25,7 +25,7 @@ class ThreadPass {
   [[nodiscard]] std::uint64_t buffer_bytes() const { return buffer_bytes_; }
 
   Result<void> prepare() {
-    ProgramSource source;
+    gl::ProgramSource source;
     switch (maker_) {
       case ThreadMaker::tessellation:
         source.stages = {{GL_VERTEX_SHADER, {"threads_patch.vert"}},
@@ -36,7 +36,7 @@ class ThreadPass {
       case ThreadMaker::vertex_number: source.stages = {{GL_VERTEX_SHADER, {"threads_numbered.vert"}}}; break;
     }
     source.stages.push_back({GL_GEOMETRY_SHADER, {"threads.geom"}});
-    auto program = CellProgram::link(context_, source);
+    auto program = gl::CellProgram::link(context_, source);
     if (!program) return tl::unexpected(program.error());
     program_ = std::move(*program);
     program_.set("grid", glm::ivec3(size_));
@@ -117,7 +117,7 @@ class ThreadPass {
     const std::uint64_t vertices = patches ? 4 * patches_ : cells();
     const std::uint64_t of_draw = layer_cells_ * static_cast<std::uint64_t>(layers_per_draw());
     buffer_bytes_ = vertices * sizeof(std::uint32_t);
-    buffer_ = GlBuffer::make();
+    buffer_ = gl::GlBuffer::make();
     glBindBuffer(GL_ARRAY_BUFFER, buffer_.name());
     glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(buffer_bytes_), nullptr, GL_STATIC_DRAW);
     if (auto checked = context_.check("taking memory for vertices"); !checked) return checked;
@@ -137,16 +137,16 @@ class ThreadPass {
     return context_.check("filling a buffer of vertices");
   }
 
-  const GlContext& context_;
+  const gl::GlContext& context_;
   ThreadMaker maker_;
   int size_;
   std::uint64_t layer_cells_;
   std::uint64_t patches_ = 0;
   std::uint64_t patches_per_draw_ = 1 << 20;
   std::uint64_t buffer_bytes_ = 0;
-  CellProgram program_;
-  GlBuffer buffer_;
-  GlQuery query_ = GlQuery::make();
+  gl::CellProgram program_;
+  gl::GlBuffer buffer_;
+  gl::GlQuery query_ = gl::GlQuery::make();
 };
 
 std::optional<std::uint64_t> free_memory() {
@@ -170,7 +170,7 @@ std::vector<double> timed(int repeats, const F& f) {
   return seconds;
 }
 
-Result<void> measure(const GlContext& context, int size, int repeats, ThreadCreation& row) {
+Result<void> measure(const gl::GlContext& context, int size, int repeats, ThreadCreation& row) {
   glFinish();
   const auto before = free_memory();
   ThreadPass pass(context, row.maker, size);
@@ -187,10 +187,10 @@ Result<void> measure(const GlContext& context, int size, int repeats, ThreadCrea
   return context.check("timing threads");
 }
 
-double copy_bandwidth(const GlContext& context, int repeats) {
+double copy_bandwidth(const gl::GlContext& context, int repeats) {
   const GLsizeiptr bytes = context.device().software ? 1 << 26 : 1 << 29;
-  const GlBuffer from = GlBuffer::make();
-  const GlBuffer to = GlBuffer::make();
+  const gl::GlBuffer from = gl::GlBuffer::make();
+  const gl::GlBuffer to = gl::GlBuffer::make();
   glBindBuffer(GL_COPY_READ_BUFFER, from.name());
   glBufferData(GL_COPY_READ_BUFFER, bytes, nullptr, GL_STATIC_COPY);
   glBindBuffer(GL_COPY_WRITE_BUFFER, to.name());
@@ -202,9 +202,9 @@ double copy_bandwidth(const GlContext& context, int repeats) {
 
 }  // namespace
 
-Result<ThreadCreationResult> measure_thread_creation(const DeviceChoice& device, const std::vector<int>& sizes,
+Result<ThreadCreationResult> measure_thread_creation(const gl::DeviceChoice& device, const std::vector<int>& sizes,
                                                      int repeats) {
-  const auto context = GlContext::open({device, false});
+  const auto context = gl::GlContext::open({device, false});
   if (!context) return tl::unexpected(context.error());
   ThreadCreationResult result;
   result.device = (*context)->device();
@@ -233,4 +233,4 @@ std::string_view thread_maker_name(ThreadMaker maker) {
   return "vertex number";
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::gpu

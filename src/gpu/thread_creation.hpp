@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "gpu/gpu_device.hpp"
+#include "gl/gpu_device.hpp"
 
-namespace isoextract {
+namespace isoextract::gpu {
 
 enum class ThreadMaker { tessellation, dummy_vertices, vertex_number };
 
@@ -29,16 +29,16 @@ struct ThreadCreationLevel {
 };
 
 struct ThreadCreationResult {
-  GpuDevice device;
+  gl::GpuDevice device;
   double copy_bytes_per_second = 0;  // of a large buffer on the device, reading and writing both counted
   std::vector<ThreadCreationLevel> levels;
 };
 
 // Every maker is first checked to start exactly one thread a cell. Fails with ErrorKind::unavailable where there is no
 // such device; a grid that does not fit is a `problem` of its row.
-[[nodiscard]] Result<ThreadCreationResult> measure_thread_creation(const DeviceChoice& device,
+[[nodiscard]] Result<ThreadCreationResult> measure_thread_creation(const gl::DeviceChoice& device,
                                                                    const std::vector<int>& sizes, int repeats);
 
 [[nodiscard]] std::string_view thread_maker_name(ThreadMaker maker);  // "tessellation", "dummy vertices", ...
 
-}  // namespace isoextract
+}  // namespace isoextract::gpu

@@ -5,12 +5,12 @@
 #include <numbers>
 #include <vector>
 
-#include "measure/index_mesh.hpp"
-#include "measure/quadrature.hpp"
-#include "measure/reduction.hpp"
+#include "measure/detail/index_mesh.hpp"
+#include "measure/detail/quadrature.hpp"
+#include "measure/detail/reduction.hpp"
 #include "mesh/metrics.hpp"
 
-namespace isoextract {
+namespace isoextract::measure {
 namespace {
 
 // The nearest point of the surface, and the gradient there.
@@ -22,7 +22,7 @@ struct Foot {
 
 class ClosestPoint {
  public:
-  ClosestPoint(const AnalyticField& field, double iso)
+  ClosestPoint(const field::AnalyticField& field, double iso)
       : field_(field), iso_(iso), closed_form_(field.is_distance && field.size(iso)) {}
 
   [[nodiscard]] bool closed_form() const { return closed_form_; }
@@ -34,7 +34,7 @@ class ClosestPoint {
     constexpr double kTolerance = 1e-10;
     glm::dvec3 q = p;
     for (int step = 0; step < kMaxSteps; ++step) {
-      const Dual here = field_.value_and_gradient(q);
+      const field::Dual here = field_.value_and_gradient(q);
       const double squared = glm::dot(here.gradient, here.gradient);
       if (!(squared > 0)) return {};
       const double residual = here.value - iso_ + glm::dot(here.gradient, p - q);
@@ -47,7 +47,7 @@ class ClosestPoint {
   }
 
  private:
-  const AnalyticField& field_;
+  const field::AnalyticField& field_;
   double iso_;
   bool closed_form_;
 };
@@ -111,16 +111,16 @@ bool is_similarity(const glm::dmat3& linear) {
 class AnalyticMeasurement {
  public:
   // `placed` is `mesh`, in the index space of `field`.
-  AnalyticMeasurement(const Mesh& mesh, const IndexMesh& placed, const ScalarField& field,
-                      const ExtractOptions& extracted, const AnalyticField& formula)
+  AnalyticMeasurement(const mesh::Mesh& mesh, const IndexMesh& placed, const field::ScalarField& field,
+                      const extract::ExtractOptions& extracted, const field::AnalyticField& formula)
       : mesh_(mesh),
         extracted_(extracted),
         placed_(placed),
         closest_(formula, extracted.iso),
-        step_(2.0 / (std::get<DenseSamples>(field.samples).dims.x - 1)),
+        step_(2.0 / (std::get<field::DenseSamples>(field.samples).dims.x - 1)),
         unit_(placed_.voxel() / step_),
         // Gradients are covectors; of a similarity the inverse transpose is the map itself, but for its scale.
-        normal_map_((field.kind == FieldKind::density ? -1.0 : 1.0) / placed_.voxel() *
+        normal_map_((field.kind == field::FieldKind::density ? -1.0 : 1.0) / placed_.voxel() *
                     placed_.output_from_index().linear) {}
 
   AnalyticError run() {
@@ -147,7 +147,7 @@ class AnalyticMeasurement {
                                         }
                                       })
                           .result();
-    if (!extracted_.region && (extracted_.cap || result.closed_form)) result.volume = measure_size(mesh_).volume;
+    if (!extracted_.region && (extracted_.cap || result.closed_form)) result.volume = mesh::measure_size(mesh_).volume;
     return result;
   }
 
@@ -190,8 +190,8 @@ class AnalyticMeasurement {
     }
   }
 
-  const Mesh& mesh_;
-  const ExtractOptions& extracted_;
+  const mesh::Mesh& mesh_;
+  const extract::ExtractOptions& extracted_;
   const IndexMesh& placed_;
   ClosestPoint closest_;
   double step_;  // of the samples, in the formula's units
@@ -201,13 +201,14 @@ class AnalyticMeasurement {
 
 }  // namespace
 
-std::optional<AnalyticError> measure_analytic_error(const Mesh& mesh, const ScalarField& field,
-                                                    const ExtractOptions& extracted, const ScalarField* grid) {
-  const AnalyticField* formula = field.format == "demo" ? find_analytic_field(field.name) : nullptr;
+std::optional<AnalyticError> measure_analytic_error(const mesh::Mesh& mesh, const field::ScalarField& field,
+                                                    const extract::ExtractOptions& extracted,
+                                                    const field::ScalarField* grid) {
+  const field::AnalyticField* formula = field.format == "demo" ? field::find_analytic_field(field.name) : nullptr;
   if (formula == nullptr) return std::nullopt;
   const IndexMesh placed(mesh, field, extracted, grid);
   if (!is_similarity(placed.output_from_index().linear)) return std::nullopt;
   return AnalyticMeasurement(mesh, placed, field, extracted, *formula).run();
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::measure

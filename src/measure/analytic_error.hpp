@@ -7,7 +7,7 @@
 #include "field/analytic_field.hpp"
 #include "measure/error_statistics.hpp"
 
-namespace isoextract {
+namespace isoextract::measure {
 
 // Of angles between normals, weighted by area.
 struct AngleStatistics {
@@ -36,8 +36,9 @@ struct AnalyticError {
 // `extracted` is how `mesh` was extracted from `field`, which must be a demo field, or from `grid` if there is one,
 // which resample() made of it. Nothing where there is no formula, or where the placement is more than a turn, a scale
 // and a shift, so that it stretches distances. The same answer for any number of threads.
-[[nodiscard]] std::optional<AnalyticError> measure_analytic_error(const Mesh& mesh, const ScalarField& field,
-                                                                  const ExtractOptions& extracted,
-                                                                  const ScalarField* grid = nullptr);
+[[nodiscard]] std::optional<AnalyticError> measure_analytic_error(const mesh::Mesh& mesh,
+                                                                  const field::ScalarField& field,
+                                                                  const extract::ExtractOptions& extracted,
+                                                                  const field::ScalarField* grid = nullptr);
 
-}  // namespace isoextract
+}  // namespace isoextract::measure

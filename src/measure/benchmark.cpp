@@ -16,20 +16,21 @@
 #include "field/coarsen.hpp"
 #include "field/demo_field.hpp"
 #include "field/statistics.hpp"
+#include "measure/detail/index_mesh.hpp"
+#include "measure/detail/reference_size.hpp"
 #include "measure/field_error.hpp"
-#include "measure/index_mesh.hpp"
-#include "measure/reference_size.hpp"
 #include "mesh/metrics.hpp"
 #include "mesh/topology.hpp"
 
-namespace isoextract {
+namespace isoextract::measure {
 namespace {
 
 // Relative errors up to this are float32 rounding, and follow no order.
 constexpr double kRounding = 1e-7;
 
-ExtractOptions extract_options(const ScalarField& field, Method method, const BenchOptions& options) {
-  ExtractOptions extract;
+extract::ExtractOptions extract_options(const field::ScalarField& field, extract::Method method,
+                                        const BenchOptions& options) {
+  extract::ExtractOptions extract;
   extract.method = method;
   extract.iso = options.iso;
   extract.nan = options.nan;
@@ -38,15 +39,15 @@ ExtractOptions extract_options(const ScalarField& field, Method method, const Be
   return extract;
 }
 
-double spacing_of(const ScalarField& field) { return std::cbrt(std::abs(field.index_to_world.determinant())); }
+double spacing_of(const field::ScalarField& field) { return std::cbrt(std::abs(field.index_to_world.determinant())); }
 
-std::string size_text(const ScalarField& field) {
+std::string size_text(const field::ScalarField& field) {
   const glm::i64vec3 dims = field.extents().dims();
   return dims.x == dims.y && dims.y == dims.z ? fmt::format("{}", dims.x)
                                               : fmt::format("{}x{}x{}", dims.x, dims.y, dims.z);
 }
 
-std::uint64_t cells_of(const ScalarField& field) {
+std::uint64_t cells_of(const field::ScalarField& field) {
   const glm::i64vec3 cells = glm::max(field.extents().dims() - glm::i64vec3(1), glm::i64vec3(0));
   return static_cast<std::uint64_t>(cells.x) * static_cast<std::uint64_t>(cells.y) *
          static_cast<std::uint64_t>(cells.z);
@@ -54,15 +55,15 @@ std::uint64_t cells_of(const ScalarField& field) {
 
 // One method and backend at one resolution, and its times by number of threads.
 struct Setting {
-  Method method;
+  extract::Method method;
   const BenchBackend* backend;
   int threads;
   std::uint64_t triangles = 0;
   std::vector<double> seconds;
-  std::vector<ExtractStats> stats;  // of the same runs
+  std::vector<extract::ExtractStats> stats;  // of the same runs
 };
 
-Result<void> run_once(const ScalarField& field, const BenchOptions& options, bool timed, Setting& setting) {
+Result<void> run_once(const field::ScalarField& field, const BenchOptions& options, bool timed, Setting& setting) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   static_cast<std::size_t>(setting.threads));
   const Stopwatch watch;
@@ -77,27 +78,28 @@ Result<void> run_once(const ScalarField& field, const BenchOptions& options, boo
   return {};
 }
 
-std::optional<BenchDeviceTimes> device_times(const std::vector<ExtractStats>& runs) {
+std::optional<BenchDeviceTimes> device_times(const std::vector<extract::ExtractStats>& runs) {
   if (!runs.front().device) return std::nullopt;
   const auto median_of = [&](const auto& stage) {
     std::vector<double> seconds;
-    for (const ExtractStats& run : runs) seconds.push_back(stage(run).wall_seconds);
+    for (const extract::ExtractStats& run : runs) seconds.push_back(stage(run).wall_seconds);
     return median(std::move(seconds));
   };
   BenchDeviceTimes times;
-  times.upload = median_of([](const ExtractStats& run) { return run.device->upload; });
-  times.count = median_of([](const ExtractStats& run) { return run.count; });
-  times.capture = median_of([](const ExtractStats& run) { return run.device->capture; });
-  times.read_back = median_of([](const ExtractStats& run) { return run.device->read_back; });
-  times.weld = median_of([](const ExtractStats& run) { return run.device->weld; });
+  times.upload = median_of([](const extract::ExtractStats& run) { return run.device->upload; });
+  times.count = median_of([](const extract::ExtractStats& run) { return run.count; });
+  times.capture = median_of([](const extract::ExtractStats& run) { return run.device->capture; });
+  times.read_back = median_of([](const extract::ExtractStats& run) { return run.device->read_back; });
+  times.weld = median_of([](const extract::ExtractStats& run) { return run.device->weld; });
   times.bytes_uploaded = runs.front().device->bytes_uploaded;
   times.bytes_captured = runs.front().device->bytes_captured;
   return times;
 }
 
-Result<std::vector<BenchRow>> time_level(const ScalarField& field, std::size_t level, const BenchOptions& options) {
+Result<std::vector<BenchRow>> time_level(const field::ScalarField& field, std::size_t level,
+                                         const BenchOptions& options) {
   std::vector<Setting> settings;
-  for (const Method method : options.methods) {
+  for (const extract::Method method : options.methods) {
     for (const BenchBackend& backend : options.backends) {
       if (!backend.runs(method)) continue;
       for (const int threads : options.threads) settings.push_back({method, &backend, threads, 0, {}, {}});
@@ -132,15 +134,15 @@ Result<std::vector<BenchRow>> time_level(const ScalarField& field, std::size_t l
 
 // What one method and backend made of one resolution, for the errors.
 struct Specimen {
-  const ScalarField& field;
-  const ExtractOptions& extracted;
-  const Mesh& mesh;
+  const field::ScalarField& field;
+  const extract::ExtractOptions& extracted;
+  const mesh::Mesh& mesh;
   double volume;  // of the capped mesh
 };
 
 // `in_finer`: finer data do have one.
-tl::unexpected<Error> no_surface(const ScalarField& field, double iso, bool in_finer) {
-  const FieldStatistics statistics = measure_statistics(field);
+tl::unexpected<Error> no_surface(const field::ScalarField& field, double iso, bool in_finer) {
+  const field::FieldStatistics statistics = field::measure_statistics(field);
   if (statistics.samples == 0) {
     return fail(ErrorKind::input, fmt::format("{}: there is no surface: no sample is a finite number", field.source));
   }
@@ -149,22 +151,22 @@ tl::unexpected<Error> no_surface(const ScalarField& field, double iso, bool in_f
       fmt::format("{}: no surface at iso {} with {} samples along an axis; the values run from {:.6g} to {:.6g}",
                   field.source, iso, size_text(field), statistics.min, statistics.max),
       in_finer ? "leave out the coarsest with --sizes (demo fields) or --coarser (files), or choose another --iso"
-               : fmt::format("try --iso {}", suggest_iso(field, statistics).iso));
+               : fmt::format("try --iso {}", field::suggest_iso(field, statistics).iso));
 }
 
 // Fills all errors but the rounding.
 using Judge = std::function<void(const Specimen& specimen, BenchErrors& errors)>;
 
-Result<void> judge_level(const ScalarField& field, const BenchOptions& options, const Judge& judge, bool in_finer,
-                         std::vector<BenchRow>& rows) {
-  for (const Method method : options.methods) {
+Result<void> judge_level(const field::ScalarField& field, const BenchOptions& options, const Judge& judge,
+                         bool in_finer, std::vector<BenchRow>& rows) {
+  for (const extract::Method method : options.methods) {
     for (const BenchBackend& backend : options.backends) {
       if (!backend.runs(method)) continue;
-      ExtractOptions extract = extract_options(field, method, options);
+      extract::ExtractOptions extract = extract_options(field, method, options);
       extract.cap = true;
       const auto capped = backend.extractor->extract(field, extract);
       if (!capped) return tl::unexpected(capped.error());
-      const double volume = measure_size(capped->mesh).volume;
+      const double volume = mesh::measure_size(capped->mesh).volume;
       extract.cap = false;
       extract.smooth_normals = true;
       extract.progress = options.progress;
@@ -182,8 +184,8 @@ Result<void> judge_level(const ScalarField& field, const BenchOptions& options, 
   return {};
 }
 
-Result<void> add_level(BenchResult& result, const ScalarField& field, const BenchOptions& options, const Judge& judge,
-                       bool in_finer) {
+Result<void> add_level(BenchResult& result, const field::ScalarField& field, const BenchOptions& options,
+                       const Judge& judge, bool in_finer) {
   auto rows = time_level(field, result.levels.size(), options);
   if (!rows) return tl::unexpected(rows.error());
   if (auto judged = judge_level(field, options, judge, in_finer, *rows); !judged) return judged;
@@ -213,11 +215,11 @@ std::optional<ConvergenceOrder> order_of(const BenchResult& result, const BenchO
 }
 
 // `uncertainty`: how far the true area and volume may be off, as fractions.
-void conclude(BenchResult& result, const BenchOptions& options, const SurfaceSize& uncertainty = {}) {
+void conclude(BenchResult& result, const BenchOptions& options, const field::SurfaceSize& uncertainty = {}) {
   double rounding = 0;
   for (const BenchRow& row : result.rows) rounding = std::max(rounding, row.rounding);
-  const SurfaceSize floor{std::max(kRounding, uncertainty.area), std::max(kRounding, uncertainty.volume)};
-  for (const Method method : options.methods) {
+  const field::SurfaceSize floor{std::max(kRounding, uncertainty.area), std::max(kRounding, uncertainty.volume)};
+  for (const extract::Method method : options.methods) {
     for (const BenchBackend& backend : options.backends) {
       if (!backend.runs(method)) continue;
       BenchOrders orders;
@@ -241,12 +243,12 @@ void conclude(BenchResult& result, const BenchOptions& options, const SurfaceSiz
   for (std::size_t r = 0; r < front.size(); ++r) result.rows[r].on_front = front[r];
 }
 
-SurfaceSize relative_uncertainty(const ReferenceSize& reference) {
+field::SurfaceSize relative_uncertainty(const ReferenceSize& reference) {
   return {reference.uncertainty.area / reference.size.area, reference.uncertainty.volume / reference.size.volume};
 }
 
 std::string truth_of(const ReferenceSize& reference) {
-  const SurfaceSize uncertainty = relative_uncertainty(reference);
+  const field::SurfaceSize uncertainty = relative_uncertainty(reference);
   if (reference.closed_form) return "the formula, all in closed form";
   return fmt::format(
       "the formula; points by closest-point iteration to 1e-10, area and volume by integration along columns to {:.1g} "
@@ -256,22 +258,22 @@ std::string truth_of(const ReferenceSize& reference) {
 
 // The surface of the data that are the truth, by one method and backend.
 struct FinestSurface {
-  SurfaceSize size;
+  field::SurfaceSize size;
   bool closed = false;
   glm::dvec3 low{std::numeric_limits<double>::infinity()};  // its box, in index space
   glm::dvec3 high{-std::numeric_limits<double>::infinity()};
 };
 
-bool is_closed(const Mesh& mesh) { return measure_topology(mesh).open_edges == 0; }
+bool is_closed(const mesh::Mesh& mesh) { return mesh::measure_topology(mesh).open_edges == 0; }
 
-Result<FinestSurface> finest_surface(const ScalarField& field, const Method method, Extractor& extractor,
-                                     const BenchOptions& options) {
-  ExtractOptions extract = extract_options(field, method, options);
+Result<FinestSurface> finest_surface(const field::ScalarField& field, const extract::Method method,
+                                     extract::Extractor& extractor, const BenchOptions& options) {
+  extract::ExtractOptions extract = extract_options(field, method, options);
   const auto open = extractor.extract(field, extract);
   if (!open) return tl::unexpected(open.error());
   if (open->mesh.triangles.empty()) return no_surface(field, options.iso, false);
   FinestSurface surface;
-  surface.size.area = measure_size(open->mesh).area;
+  surface.size.area = mesh::measure_size(open->mesh).area;
   surface.closed = is_closed(open->mesh);
   const IndexMesh placed(open->mesh, field, extract);
   for (std::size_t v = 0; v < open->mesh.positions.size(); ++v) {
@@ -281,13 +283,13 @@ Result<FinestSurface> finest_surface(const ScalarField& field, const Method meth
   extract.cap = true;
   const auto capped = extractor.extract(field, extract);
   if (!capped) return tl::unexpected(capped.error());
-  surface.size.volume = measure_size(capped->mesh).volume;
+  surface.size.volume = mesh::measure_size(capped->mesh).volume;
   return surface;
 }
 
 // Whether the box of samples of dense `coarse`, the finest data coarser by `factor`, holds the surface.
-bool covers(const ScalarField& coarse, int factor, const FinestSurface& surface) {
-  const auto* dense = std::get_if<DenseSamples>(&coarse.samples);
+bool covers(const field::ScalarField& coarse, int factor, const FinestSurface& surface) {
+  const auto* dense = std::get_if<field::DenseSamples>(&coarse.samples);
   if (dense == nullptr) return true;
   const glm::dvec3 low((factor - 1) / 2.0);
   const glm::dvec3 high = low + static_cast<double>(factor) * glm::dvec3(dense->dims - 1);
@@ -295,8 +297,8 @@ bool covers(const ScalarField& coarse, int factor, const FinestSurface& surface)
 }
 
 // What coarsen() drops, as a note; empty if nothing.
-std::string dropped_samples(const ScalarField& field, int factor) {
-  const auto* dense = std::get_if<DenseSamples>(&field.samples);
+std::string dropped_samples(const field::ScalarField& field, int factor) {
+  const auto* dense = std::get_if<field::DenseSamples>(&field.samples);
   if (dense == nullptr) return "";
   const glm::ivec3 rest = dense->dims % factor;
   if (rest == glm::ivec3(0)) return "";
@@ -318,19 +320,21 @@ Result<void> check_thread_counts(std::span<const int> threads) {
 }
 
 Result<BenchResult> bench_demo(std::string_view name, const std::vector<int>& sizes, const BenchOptions& options) {
-  const AnalyticField* formula = find_analytic_field(name);
+  const field::AnalyticField* formula = field::find_analytic_field(name);
   if (formula == nullptr) {
-    return fail(ErrorKind::usage, fmt::format("{}{}: there is no formula to measure errors against", kDemoPrefix, name),
+    return fail(ErrorKind::usage,
+                fmt::format("{}{}: there is no formula to measure errors against", field::kDemoPrefix, name),
                 "take another demo field, or a file");
   }
   if (auto checked = check_thread_counts(options.threads); !checked) return tl::unexpected(checked.error());
   const ReferenceSize reference = find_reference_size(*formula, options.iso, options.progress);
   BenchResult result;
-  result.input = fmt::format("{}{}", kDemoPrefix, name);
+  result.input = fmt::format("{}{}", field::kDemoPrefix, name);
   result.iso = options.iso;
   result.truth = truth_of(reference);
   for (const int size : sizes) {
-    const auto field = make_demo_field(fmt::format("{}?size={}", result.input, size), options.limits, options.progress);
+    const auto field =
+        field::make_demo_field(fmt::format("{}?size={}", result.input, size), options.limits, options.progress);
     if (!field) return tl::unexpected(field.error());
     const Judge judge = [&](const Specimen& specimen, BenchErrors& errors) {
       const auto error = measure_analytic_error(specimen.mesh, specimen.field, specimen.extracted);
@@ -349,7 +353,7 @@ Result<BenchResult> bench_demo(std::string_view name, const std::vector<int>& si
   return result;
 }
 
-Result<BenchResult> bench_field(const ScalarField& field, const std::vector<int>& factors,
+Result<BenchResult> bench_field(const field::ScalarField& field, const std::vector<int>& factors,
                                 const BenchOptions& options) {
   if (auto checked = check_thread_counts(options.threads); !checked) return tl::unexpected(checked.error());
   BenchResult result;
@@ -360,7 +364,7 @@ Result<BenchResult> bench_field(const ScalarField& field, const std::vector<int>
       "counts in no order of convergence",
       size_text(field));
   std::vector<FinestSurface> finest;  // by method and backend, in the order of the judgements
-  for (const Method method : options.methods) {
+  for (const extract::Method method : options.methods) {
     for (const BenchBackend& backend : options.backends) {
       if (!backend.runs(method)) continue;
       auto surface = finest_surface(field, method, *backend.extractor, options);
@@ -370,9 +374,9 @@ Result<BenchResult> bench_field(const ScalarField& field, const std::vector<int>
   }
   std::vector<std::string> not_comparable;  // sizes
   for (const int factor : factors) {
-    std::optional<ScalarField> coarse;
+    std::optional<field::ScalarField> coarse;
     if (factor > 1) {
-      auto made = coarsen(field, factor, options.limits, options.progress);
+      auto made = field::coarsen(field, factor, options.limits, options.progress);
       if (!made) return tl::unexpected(made.error());
       coarse = std::move(*made);
       if (std::string dropped = dropped_samples(field, factor); !dropped.empty()) {
@@ -381,7 +385,7 @@ Result<BenchResult> bench_field(const ScalarField& field, const std::vector<int>
     }
     auto exact = finest.begin();
     const Judge judge = [&](const Specimen& specimen, BenchErrors& errors) {
-      ExtractOptions of_finest = specimen.extracted;
+      extract::ExtractOptions of_finest = specimen.extracted;
       of_finest.output_from_index = field.index_to_world;
       FieldErrorOptions error;
       error.reach = 2.0 * factor;
@@ -392,7 +396,7 @@ Result<BenchResult> bench_field(const ScalarField& field, const std::vector<int>
       }
       if (factor > 1) {
         if (exact->closed && covers(specimen.field, factor, *exact) && is_closed(specimen.mesh)) {
-          errors.area_error = relative_error(measure_size(specimen.mesh).area, exact->size.area);
+          errors.area_error = relative_error(mesh::measure_size(specimen.mesh).area, exact->size.area);
           errors.volume_error = relative_error(specimen.volume, exact->size.volume);
         } else if (const std::string size = size_text(specimen.field);
                    not_comparable.empty() || not_comparable.back() != size) {
@@ -416,6 +420,6 @@ Result<BenchResult> bench_field(const ScalarField& field, const std::vector<int>
   return result;
 }
 
-std::string_view method_name(Method method) { return method == Method::mc ? "mc" : "mt"; }
+std::string_view method_name(extract::Method method) { return method == extract::Method::mc ? "mc" : "mt"; }
 
-}  // namespace isoextract
+}  // namespace isoextract::measure

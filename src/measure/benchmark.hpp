@@ -18,20 +18,20 @@
 #include "measure/convergence.hpp"
 #include "measure/error_statistics.hpp"
 
-namespace isoextract {
+namespace isoextract::measure {
 
 struct BenchBackend {
   std::string name;  // "cpu", "gpu", and others for variants of these
-  std::shared_ptr<Extractor> extractor;
-  std::optional<Method> only{};  // of a variant that concerns one method
+  std::shared_ptr<extract::Extractor> extractor;
+  std::optional<extract::Method> only{};  // of a variant that concerns one method
 
-  [[nodiscard]] bool runs(Method method) const { return only.value_or(method) == method; }
+  [[nodiscard]] bool runs(extract::Method method) const { return only.value_or(method) == method; }
 };
 
 struct BenchOptions {
   double iso = 0;
-  NanPolicy nan = NanPolicy::error;
-  std::vector<Method> methods;
+  extract::NanPolicy nan = extract::NanPolicy::error;
+  std::vector<extract::Method> methods;
   std::vector<BenchBackend> backends;
   std::vector<int> threads;
   int repeats = 5;
@@ -75,7 +75,7 @@ struct BenchErrors {
 
 struct BenchRow : BenchErrors {
   std::size_t level = 0;
-  Method method = Method::mc;
+  extract::Method method = extract::Method::mc;
   std::string backend;
   int threads = 1;
   std::uint64_t triangles = 0;
@@ -87,7 +87,7 @@ struct BenchRow : BenchErrors {
 };
 
 struct BenchOrders {
-  Method method = Method::mc;
+  extract::Method method = extract::Method::mc;
   std::string backend;
   std::optional<ConvergenceOrder> position;  // of the rms
   std::optional<ConvergenceOrder> smooth_normals;
@@ -119,10 +119,10 @@ struct BenchResult {
 // own trilinear interpolant; areas and volumes are compared with those of the same method on the field itself. Coarser
 // data cover a smaller box. Where the surface is open, or the field's own leaves that box, there is no such comparison,
 // and a note says so. Fails as bench_demo() does.
-[[nodiscard]] Result<BenchResult> bench_field(const ScalarField& field, const std::vector<int>& factors,
+[[nodiscard]] Result<BenchResult> bench_field(const field::ScalarField& field, const std::vector<int>& factors,
                                               const BenchOptions& options);
 
 // "mc", "mt"
-[[nodiscard]] std::string_view method_name(Method method);
+[[nodiscard]] std::string_view method_name(extract::Method method);
 
-}  // namespace isoextract
+}  // namespace isoextract::measure

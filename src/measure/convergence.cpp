@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace isoextract {
+namespace isoextract::measure {
 
 std::optional<ConvergenceOrder> observed_order(std::span<const double> spacings, std::span<const double> errors,
                                                double floor) {
@@ -37,4 +37,4 @@ std::vector<bool> pareto_front(std::span<const Cost> costs) {
   return front;
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::measure

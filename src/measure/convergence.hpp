@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-namespace isoextract {
+namespace isoextract::measure {
 
 // The p of error ~ spacing^p.
 struct ConvergenceOrder {
@@ -26,4 +26,4 @@ struct Cost {
 // For each whether it is on the Pareto front: no other is at least as good in both and better in one.
 [[nodiscard]] std::vector<bool> pareto_front(std::span<const Cost> costs);
 
-}  // namespace isoextract
+}  // namespace isoextract::measure

@@ -4,7 +4,7 @@
 #include <bit>
 #include <cmath>
 
-namespace isoextract {
+namespace isoextract::measure {
 namespace {
 
 // A bin is a binary exponent and the first bits after it: 64 bins an octave, from 2^-60 to 2^20 voxels.
@@ -84,4 +84,4 @@ ErrorStatistics ErrorAccumulator::result() const {
   return result;
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::measure

@@ -6,7 +6,7 @@
 
 #include <glm/glm.hpp>
 
-namespace isoextract {
+namespace isoextract::measure {
 
 // The same step, measured in index space and in the mesh's own coordinates.
 struct Length {
@@ -57,4 +57,4 @@ class ErrorAccumulator {
   std::vector<double> world_bins_;
 };
 
-}  // namespace isoextract
+}  // namespace isoextract::measure

@@ -9,17 +9,17 @@
 
 #include <fmt/format.h>
 
-#include "measure/buckets.hpp"
-#include "measure/float_spacing.hpp"
-#include "measure/reduction.hpp"
+#include "measure/detail/buckets.hpp"
+#include "measure/detail/float_spacing.hpp"
+#include "measure/detail/reduction.hpp"
 #include "measure/stability.hpp"
 #include "measure/triangle_sets.hpp"
 
-namespace isoextract {
+namespace isoextract::measure {
 namespace {
 
 struct KeyedVertex {
-  EdgeKey key;
+  mesh::EdgeKey key;
   std::uint32_t vertex;
 
   friend bool operator<(const KeyedVertex& a, const KeyedVertex& b) {
@@ -31,9 +31,9 @@ struct KeyedVertex {
 constexpr std::size_t kVerticesABucket = 16;
 constexpr int kBlockBits = 2;
 
-Buckets<KeyedVertex> by_block(const Mesh& mesh, std::size_t buckets) {
+Buckets<KeyedVertex> by_block(const mesh::Mesh& mesh, std::size_t buckets) {
   return {mesh.edges.size(), buckets, [&](std::size_t v, const auto& put) {
-            const EdgeKey& key = mesh.edges[v];
+            const mesh::EdgeKey& key = mesh.edges[v];
             const glm::ivec3 block = key.low >> kBlockBits;
             put(bucket_of_cell(block.x, block.y, block.z, buckets), KeyedVertex{key, static_cast<std::uint32_t>(v)});
           }};
@@ -41,7 +41,7 @@ Buckets<KeyedVertex> by_block(const Mesh& mesh, std::size_t buckets) {
 
 double largest(const glm::dvec3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
-double ulps_apart(const Mesh& a, std::uint32_t in_a, const Mesh& b, std::uint32_t in_b) {
+double ulps_apart(const mesh::Mesh& a, std::uint32_t in_a, const mesh::Mesh& b, std::uint32_t in_b) {
   const glm::dvec3 p(a.positions[in_a]);
   const glm::dvec3 q(b.positions[in_b]);
   const glm::dvec3 away = (p - q) + (a.origin - b.origin);
@@ -60,9 +60,9 @@ double degrees_apart(const glm::vec3& n, const glm::vec3& m) {
 
 struct Worst {
   double amount = 0;
-  std::optional<EdgeKey> edge;
+  std::optional<mesh::EdgeKey> edge;
 
-  void add(double other_amount, const EdgeKey& other_edge) {
+  void add(double other_amount, const mesh::EdgeKey& other_edge) {
     if (other_amount < amount || other_amount == 0) return;
     if (other_amount == amount && !(other_edge < *edge)) return;
     amount = other_amount;
@@ -72,11 +72,11 @@ struct Worst {
 
 struct VertexSums {
   std::array<std::uint64_t, 2> only{};
-  std::array<std::optional<EdgeKey>, 2> example{};
+  std::array<std::optional<mesh::EdgeKey>, 2> example{};
   Worst position;
   Worst normal;
 
-  void add_only(std::size_t side, std::uint64_t count, const EdgeKey& edge) {
+  void add_only(std::size_t side, std::uint64_t count, const mesh::EdgeKey& edge) {
     if (count == 0) return;
     only[side] += count;
     if (!example[side] || edge < *example[side]) example[side] = edge;
@@ -93,7 +93,7 @@ struct VertexSums {
 // Finds the vertices that both meshes have. A vertex is named by the first mesh's first vertex of the same key.
 class VertexMatcher {
  public:
-  VertexMatcher(const Mesh& a, const Mesh& b)
+  VertexMatcher(const mesh::Mesh& a, const mesh::Mesh& b)
       : a_(a),
         b_(b),
         normals_(!a.normals.empty() && !b.normals.empty()),
@@ -114,7 +114,7 @@ class VertexMatcher {
   [[nodiscard]] std::span<const std::uint32_t> names_a() const { return names_a_.span(); }
   [[nodiscard]] std::span<const std::uint32_t> names_b() const { return names_b_.span(); }
 
-  static std::uint64_t bytes(const Mesh& a, const Mesh& b) {
+  static std::uint64_t bytes(const mesh::Mesh& a, const mesh::Mesh& b) {
     const std::uint64_t vertices = a.edges.size() + b.edges.size();
     return Buckets<KeyedVertex>::bytes(vertices, 2 * bucket_count(a, b)) + vertices * sizeof(std::uint32_t);
   }
@@ -122,12 +122,12 @@ class VertexMatcher {
  private:
   using Run = std::span<const KeyedVertex>;
 
-  static std::size_t bucket_count(const Mesh& a, const Mesh& b) {
+  static std::size_t bucket_count(const mesh::Mesh& a, const mesh::Mesh& b) {
     return std::max(a.edges.size(), b.edges.size()) / kVerticesABucket + 1;
   }
 
   // The first vertices, all with the key `key`; taken off `sorted`.
-  static Run take_run(Run& sorted, const EdgeKey& key) {
+  static Run take_run(Run& sorted, const mesh::EdgeKey& key) {
     std::size_t size = 0;
     while (size < sorted.size() && sorted[size].key == key) ++size;
     const Run run = sorted.first(size);
@@ -138,7 +138,7 @@ class VertexMatcher {
   void match(Run a, Run b, VertexSums& sums) {
     while (!a.empty() || !b.empty()) {
       const bool from_a = b.empty() || (!a.empty() && a.front().key < b.front().key);
-      const EdgeKey key = from_a ? a.front().key : b.front().key;
+      const mesh::EdgeKey key = from_a ? a.front().key : b.front().key;
       const Run of_a = take_run(a, key);
       const Run of_b = take_run(b, key);
       const std::uint32_t name = of_a.empty() || of_b.empty() ? kNoName : of_a.front().vertex;
@@ -151,13 +151,13 @@ class VertexMatcher {
     }
   }
 
-  void compare(std::uint32_t in_a, std::uint32_t in_b, const EdgeKey& key, VertexSums& sums) const {
+  void compare(std::uint32_t in_a, std::uint32_t in_b, const mesh::EdgeKey& key, VertexSums& sums) const {
     sums.position.add(ulps_apart(a_, in_a, b_, in_b), key);
     if (normals_) sums.normal.add(degrees_apart(a_.normals[in_a], b_.normals[in_b]), key);
   }
 
-  const Mesh& a_;
-  const Mesh& b_;
+  const mesh::Mesh& a_;
+  const mesh::Mesh& b_;
   bool normals_;
   Buffer<std::uint32_t> names_a_;
   Buffer<std::uint32_t> names_b_;
@@ -165,8 +165,8 @@ class VertexMatcher {
 
 }  // namespace
 
-Result<ExtractionComparison> compare_extractions(const Mesh& a, const Mesh& b, const Limits& limits) {
-  for (const Mesh* mesh : {&a, &b}) {
+Result<ExtractionComparison> compare_extractions(const mesh::Mesh& a, const mesh::Mesh& b, const Limits& limits) {
+  for (const mesh::Mesh* mesh : {&a, &b}) {
     if (mesh->edges.size() == mesh->positions.size()) continue;
     return fail(ErrorKind::verification,
                 fmt::format("{}: expected the edge of each of the {} vertices, found those of {}", mesh->name,
@@ -220,7 +220,7 @@ std::vector<std::string> differences(const ExtractionComparison& comparison, con
   return found;
 }
 
-std::string edge_text(const EdgeKey& edge) {
+std::string edge_text(const mesh::EdgeKey& edge) {
   std::string text = fmt::format("({}, {}, {})", edge.low.x, edge.low.y, edge.low.z);
   if (edge.direction == 0) return text;
   text += " along ";
@@ -230,4 +230,4 @@ std::string edge_text(const EdgeKey& edge) {
   return text;
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::measure

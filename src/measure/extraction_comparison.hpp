@@ -19,7 +19,7 @@
 #include "measure/triangle_sets.hpp"
 #include "mesh/mesh.hpp"
 
-namespace isoextract {
+namespace isoextract::measure {
 
 // What the normals of two backends may differ by: many times the rounding of a unit vector in float32, and far below
 // what shading shows.
@@ -31,22 +31,22 @@ struct ExtractionComparison {
 
   Both<std::uint64_t> vertices{};
   TriangleDifference triangles;
-  Both<std::uint64_t> vertices_only{};            // on edges, or as often on an edge, as only this mesh has
-  Both<std::optional<EdgeKey>> vertex_example{};  // one of them
+  Both<std::uint64_t> vertices_only{};                  // on edges, or as often on an edge, as only this mesh has
+  Both<std::optional<mesh::EdgeKey>> vertex_example{};  // one of them
   bool origins_differ = false;
   bool normals_in_one_only = false;
   bool normals_compared = false;
   // Of the vertices that both have; the edge is there unless all are 0.
   double ulps = 0;
-  std::optional<EdgeKey> farthest;
+  std::optional<mesh::EdgeKey> farthest;
   double degrees = 0;  // between normals
-  std::optional<EdgeKey> most_turned;
+  std::optional<mesh::EdgeKey> most_turned;
 };
 
 // Where a hole parts a vertex, its copies share a key: how many there are is compared, not which triangles each has.
 // Fails with ErrorKind::verification if a mesh lacks edge keys, with ErrorKind::input if the comparison needs more
 // memory than the limit. Indices of vertices that are not there are a difference like any other.
-[[nodiscard]] Result<ExtractionComparison> compare_extractions(const Mesh& a, const Mesh& b,
+[[nodiscard]] Result<ExtractionComparison> compare_extractions(const mesh::Mesh& a, const mesh::Mesh& b,
                                                                const Limits& limits = default_limits());
 
 // What differs by more than it may, a sentence without its full stop each; none if the meshes are the same: the same
@@ -55,6 +55,6 @@ struct ExtractionComparison {
 [[nodiscard]] std::vector<std::string> differences(const ExtractionComparison& comparison, const MeshNames& names);
 
 // "(3, 4, 5) along xz", or of a vertex of a cap "(3, 4, 5)".
-[[nodiscard]] std::string edge_text(const EdgeKey& edge);
+[[nodiscard]] std::string edge_text(const mesh::EdgeKey& edge);
 
-}  // namespace isoextract
+}  // namespace isoextract::measure

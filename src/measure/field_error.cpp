@@ -6,22 +6,22 @@
 #include <optional>
 #include <vector>
 
-#include "measure/crossing.hpp"
-#include "measure/index_mesh.hpp"
-#include "measure/quadrature.hpp"
-#include "measure/reduction.hpp"
+#include "measure/detail/crossing.hpp"
+#include "measure/detail/index_mesh.hpp"
+#include "measure/detail/quadrature.hpp"
+#include "measure/detail/reduction.hpp"
 
-namespace isoextract {
+namespace isoextract::measure {
 namespace {
 
 // Looks for the isosurface from one point after the other. Like the cursor it holds: one a thread.
 class SurfaceProbe {
  public:
   // `rounding`: how far out of the data a point may be, in voxels.
-  SurfaceProbe(const Interpolant& interpolant, const ScalarField& field, double rounding,
-               const Affine& world_from_index, double iso, double reach)
+  SurfaceProbe(const field::Interpolant& interpolant, const field::ScalarField& field, double rounding,
+               const field::Affine& world_from_index, double iso, double reach)
       : field_(interpolant), world_from_index_(world_from_index), iso_(iso), reach_(reach) {
-    if (const auto* dense = std::get_if<DenseSamples>(&field.samples)) {
+    if (const auto* dense = std::get_if<field::DenseSamples>(&field.samples)) {
       last_cell_ = dense->dims - 2;
       low_ = glm::dvec3(-rounding);
       high_ = glm::dvec3(dense->dims - 1) + rounding;
@@ -31,7 +31,7 @@ class SurfaceProbe {
   }
 
   void measure(const glm::dvec3& index, double weight, ErrorAccumulator& into) {
-    const Interpolated here = field_(index);
+    const field::Interpolated here = field_(index);
     const double residual = here.value - iso_;
     const double largest = max_abs(here.gradient);
     if (!std::isfinite(residual) || !std::isfinite(largest)) {
@@ -143,8 +143,8 @@ class SurfaceProbe {
     }
   }
 
-  Interpolant::Cursor field_;
-  const Affine& world_from_index_;
+  field::Interpolant::Cursor field_;
+  const field::Affine& world_from_index_;
   glm::dmat3 metric_;  // from gradients in index space to index-space steps along the world's gradient
   double iso_;
   double reach_;
@@ -175,14 +175,14 @@ struct VertexSums {
 
 class FieldMeasurement {
  public:
-  FieldMeasurement(const Mesh& mesh, const ScalarField& field, const ExtractOptions& extracted,
+  FieldMeasurement(const mesh::Mesh& mesh, const field::ScalarField& field, const extract::ExtractOptions& extracted,
                    const FieldErrorOptions& options)
       : mesh_(mesh),
         field_(field),
         extracted_(extracted),
         options_(options),
         chosen_(field, options.interpolation),
-        trilinear_(field, Interpolation::trilinear),
+        trilinear_(field, field::Interpolation::trilinear),
         placed_(mesh, field, extracted, options.grid) {}
 
   FieldError run() {
@@ -207,7 +207,7 @@ class FieldMeasurement {
   }
 
  private:
-  [[nodiscard]] SurfaceProbe probe(const Interpolant& interpolant) const {
+  [[nodiscard]] SurfaceProbe probe(const field::Interpolant& interpolant) const {
     return {interpolant, field_, placed_.tolerance(), placed_.output_from_index(), extracted_.iso, options_.reach};
   }
 
@@ -237,21 +237,21 @@ class FieldMeasurement {
     }
   }
 
-  const Mesh& mesh_;
-  const ScalarField& field_;
-  const ExtractOptions& extracted_;
+  const mesh::Mesh& mesh_;
+  const field::ScalarField& field_;
+  const extract::ExtractOptions& extracted_;
   const FieldErrorOptions& options_;
-  Interpolant chosen_;
-  Interpolant trilinear_;
+  field::Interpolant chosen_;
+  field::Interpolant trilinear_;
   IndexMesh placed_;
   std::vector<std::uint8_t> surface_vertices_;
 };
 
 }  // namespace
 
-FieldError measure_field_error(const Mesh& mesh, const ScalarField& field, const ExtractOptions& extracted,
-                               const FieldErrorOptions& options) {
+FieldError measure_field_error(const mesh::Mesh& mesh, const field::ScalarField& field,
+                               const extract::ExtractOptions& extracted, const FieldErrorOptions& options) {
   return FieldMeasurement(mesh, field, extracted, options).run();
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::measure

@@ -14,17 +14,17 @@
 #include "field/interpolant.hpp"
 #include "measure/error_statistics.hpp"
 
-namespace isoextract {
+namespace isoextract::measure {
 
 struct FieldErrorOptions {
-  Interpolation interpolation = Interpolation::trilinear;  // whose isosurface is the truth
-  double reach = 1;                                        // voxels of the field
-  const ScalarField* grid = nullptr;  // that the mesh was extracted from, if resample() made it of the field
+  field::Interpolation interpolation = field::Interpolation::trilinear;  // whose isosurface is the truth
+  double reach = 1;                                                      // voxels of the field
+  const field::ScalarField* grid = nullptr;  // that the mesh was extracted from, if resample() made it of the field
   Progress* progress = nullptr;
 };
 
 struct FieldError {
-  Interpolation interpolation = Interpolation::trilinear;
+  field::Interpolation interpolation = field::Interpolation::trilinear;
   ErrorStatistics interior;  // at seven points inside each triangle (quadrature.hpp), weighted by area
   ErrorStatistics vertices;  // at the vertices, each alike
 
@@ -40,7 +40,8 @@ struct FieldError {
 // `extracted` is how `mesh` was extracted, from `field` or from the grid in `options`: iso value, placement, region and
 // cap are taken from it. The mesh may have fewer triangles since. Voxels are those of `field`. The same answer for any
 // number of threads.
-[[nodiscard]] FieldError measure_field_error(const Mesh& mesh, const ScalarField& field,
-                                             const ExtractOptions& extracted, const FieldErrorOptions& options);
+[[nodiscard]] FieldError measure_field_error(const mesh::Mesh& mesh, const field::ScalarField& field,
+                                             const extract::ExtractOptions& extracted,
+                                             const FieldErrorOptions& options);
 
-}  // namespace isoextract
+}  // namespace isoextract::measure

@@ -12,11 +12,11 @@
 #include <tbb/parallel_sort.h>
 #include <tbb/partitioner.h>
 
-#include "measure/distance_bound.hpp"
-#include "measure/triangle_tree.hpp"
+#include "mesh/distance_bound.hpp"
 #include "mesh/metrics.hpp"
+#include "mesh/triangle_tree.hpp"
 
-namespace isoextract {
+namespace isoextract::measure {
 namespace {
 
 // The ends of the ranges follow from the size alone (simple_partitioner), and with them every hint.
@@ -42,7 +42,8 @@ glm::dvec2 spread(std::uint64_t n) {
 // A's side of the comparison: its points in the frame of B's tree.
 class Direction {
  public:
-  Direction(const Mesh& a, const Mesh& b, const TriangleTree& tree, const DistanceOptions& options, double floor)
+  Direction(const mesh::Mesh& a, const mesh::Mesh& b, const mesh::TriangleTree& tree, const DistanceOptions& options,
+            double floor)
       : a_(a), b_(b), tree_(tree), options_(options), shift_(a.origin - b.origin) {
     limits_.tolerance = options.tolerance;
     limits_.floor = floor;
@@ -72,7 +73,7 @@ class Direction {
     result_.nearest = nearest;
   }
   void take_nearest_of(const glm::dvec3& p, std::uint32_t hint) {
-    const TriangleTree::Nearest nearest = tree_.nearest(p, hint);
+    const mesh::TriangleTree::Nearest nearest = tree_.nearest(p, hint);
     take(std::sqrt(nearest.distance_squared), p, nearest.point);
   }
 
@@ -85,7 +86,7 @@ class Direction {
       std::uint32_t hint = 0;
       for (std::size_t v = first; v < last; ++v) {
         if (used[v] == 0) continue;
-        const TriangleTree::Nearest nearest = tree_.nearest(point(static_cast<std::uint32_t>(v)), hint);
+        const mesh::TriangleTree::Nearest nearest = tree_.nearest(point(static_cast<std::uint32_t>(v)), hint);
         corners_[v] = {nearest.distance_squared, nearest.slot};
         hint = nearest.slot;
       }
@@ -121,7 +122,7 @@ class Direction {
         glm::dvec2 uv = spread(k);
         if (uv.x + uv.y > 1) uv = glm::dvec2(1) - uv;
         places[k] = (1 - uv.x - uv.y) * point(t.x) + uv.x * point(t.y) + uv.y * point(t.z);
-        const TriangleTree::Nearest nearest = tree_.nearest(places[k], hint);
+        const mesh::TriangleTree::Nearest nearest = tree_.nearest(places[k], hint);
         samples_[k] = std::sqrt(nearest.distance_squared);
         hint = nearest.slot;
       }
@@ -173,7 +174,7 @@ class Direction {
       return x.upper != y.upper ? x.upper > y.upper : x.triangle < y.triangle;
     });
     std::size_t round = 256;
-    std::vector<TriangleBound> bounds;
+    std::vector<mesh::TriangleBound> bounds;
     for (std::size_t first = 0; first < open.size();) {
       if (open[first].upper <= limits_.good_upper(result_.max_lower)) {
         result_.max_upper = std::max(result_.max_upper, open[first].upper);
@@ -184,9 +185,10 @@ class Direction {
       const double known = result_.max_lower;
       tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
         const glm::uvec3& t = a_.triangles[open[first + i].triangle];
-        bounds[i] = bound_distance({point(t.x), point(t.y), point(t.z)}, tree_, limits_, known, corners_[t.x].slot);
+        bounds[i] =
+            mesh::bound_distance({point(t.x), point(t.y), point(t.z)}, tree_, limits_, known, corners_[t.x].slot);
       });
-      for (const TriangleBound& bound : bounds) {
+      for (const mesh::TriangleBound& bound : bounds) {
         take(bound.lower, bound.place, bound.nearest);
         result_.max_upper = std::max(result_.max_upper, bound.upper);
       }
@@ -200,12 +202,12 @@ class Direction {
     std::uint32_t slot = 0;
   };
 
-  const Mesh& a_;
-  const Mesh& b_;
-  const TriangleTree& tree_;
+  const mesh::Mesh& a_;
+  const mesh::Mesh& b_;
+  const mesh::TriangleTree& tree_;
   const DistanceOptions& options_;
   glm::dvec3 shift_;
-  DistanceLimits limits_;
+  mesh::DistanceLimits limits_;
   std::vector<Corner> corners_;  // of A's vertices
   std::vector<double> samples_;
   bool has_place_ = false;
@@ -234,16 +236,16 @@ SampleFigures figures_of(std::vector<double>& samples) {
   return figures;
 }
 
-double float32_resolution(const Mesh& mesh) {
-  const LocalBounds bounds = measure_local_bounds(mesh);
+double float32_resolution(const mesh::Mesh& mesh) {
+  const mesh::LocalBounds bounds = mesh::measure_local_bounds(mesh);
   const glm::vec3 farthest = glm::max(glm::abs(bounds.min), glm::abs(bounds.max));
   return static_cast<double>(std::max({farthest.x, farthest.y, farthest.z})) * 0x1p-23;
 }
 
 }  // namespace
 
-Result<MeshDistance> measure_distance(const Mesh& a, const Mesh& b, const DistanceOptions& options) {
-  for (const Mesh* mesh : {&a, &b}) {
+Result<MeshDistance> measure_distance(const mesh::Mesh& a, const mesh::Mesh& b, const DistanceOptions& options) {
+  for (const mesh::Mesh* mesh : {&a, &b}) {
     if (!mesh->triangles.empty()) continue;
     return fail(ErrorKind::input,
                 fmt::format("{} mesh{} has no triangles, so there is no distance to it",
@@ -260,8 +262,8 @@ Result<MeshDistance> measure_distance(const Mesh& a, const Mesh& b, const Distan
   MeshDistance result;
   result.resolution = std::max(float32_resolution(a), float32_resolution(b));
   if (options.progress != nullptr) options.progress->begin("measuring distances", 0);
-  const auto directed = [&](const Mesh& from, const Mesh& to, std::vector<double>& samples) {
-    const TriangleTree tree(to.positions.span(), to.triangles.span());
+  const auto directed = [&](const mesh::Mesh& from, const mesh::Mesh& to, std::vector<double>& samples) {
+    const mesh::TriangleTree tree(to.positions.span(), to.triangles.span());
     Direction direction(from, to, tree, options, result.resolution);
     DirectedDistance distance = direction.measure();
     samples = std::move(direction.samples());
@@ -285,4 +287,4 @@ Result<MeshDistance> measure_distance(const Mesh& a, const Mesh& b, const Distan
   return result;
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::measure

@@ -16,7 +16,7 @@
 #include "base/progress.hpp"
 #include "mesh/mesh.hpp"
 
-namespace isoextract {
+namespace isoextract::measure {
 
 struct DistanceOptions {
   double tolerance = 0.01;  // width of the interval of the greatest distance, as a fraction of it; above 0
@@ -51,6 +51,7 @@ struct MeshDistance {
 
 // Fails with ErrorKind::input if a mesh has no triangles: nothing has a distance to nothing; or if the origins
 // are more than 1e150 apart, where squared distances leave the range of double. Positions must be finite.
-[[nodiscard]] Result<MeshDistance> measure_distance(const Mesh& a, const Mesh& b, const DistanceOptions& options = {});
+[[nodiscard]] Result<MeshDistance> measure_distance(const mesh::Mesh& a, const mesh::Mesh& b,
+                                                    const DistanceOptions& options = {});
 
-}  // namespace isoextract
+}  // namespace isoextract::measure

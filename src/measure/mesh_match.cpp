@@ -9,13 +9,13 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
-#include "measure/buckets.hpp"
-#include "measure/float_spacing.hpp"
-#include "measure/reduction.hpp"
+#include "measure/detail/buckets.hpp"
+#include "measure/detail/float_spacing.hpp"
+#include "measure/detail/reduction.hpp"
 #include "measure/stability.hpp"
 #include "mesh/metrics.hpp"
 
-namespace isoextract {
+namespace isoextract::measure {
 namespace {
 
 double largest(const glm::dvec3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
@@ -25,9 +25,9 @@ struct Reach {
   double local = 0;
   glm::dvec3 world{0.0};
 
-  explicit Reach(const Mesh& mesh) {
+  explicit Reach(const mesh::Mesh& mesh) {
     if (mesh.positions.empty()) return;
-    const LocalBounds bounds = measure_local_bounds(mesh);
+    const mesh::LocalBounds bounds = mesh::measure_local_bounds(mesh);
     for (const glm::vec3& corner : {bounds.min, bounds.max}) {
       local = std::max(local, largest(glm::dvec3(corner)));
       world = glm::max(world, glm::abs(mesh.origin + glm::dvec3(corner)));
@@ -35,7 +35,7 @@ struct Reach {
   }
 };
 
-glm::dvec3 near_enough(const Mesh& written, const Mesh& extracted, bool float32_world) {
+glm::dvec3 near_enough(const mesh::Mesh& written, const mesh::Mesh& extracted, bool float32_world) {
   constexpr double kSums = 4;
   const Reach ours(extracted);
   const Reach theirs(written);
@@ -84,7 +84,7 @@ class Cells {
 // Vertices by the float32 numbers that their file has, or would have.
 class Places {
  public:
-  Places(const Mesh& mesh, bool float32_world) : stored_(mesh.positions.span()), origin_(mesh.origin) {
+  Places(const mesh::Mesh& mesh, bool float32_world) : stored_(mesh.positions.span()), origin_(mesh.origin) {
     if (!float32_world) return;
     // Rounded in a pass of its own: where they become double again in the same expression, GCC 12 may leave the
     // rounding out (-ftree-slp-vectorize).
@@ -174,7 +174,8 @@ std::uint64_t matching_bytes(std::uint64_t vertices) {
 
 }  // namespace
 
-Result<MeshMatch> match_meshes(const Mesh& written, const Mesh& extracted, bool float32_world, const Limits& limits) {
+Result<MeshMatch> match_meshes(const mesh::Mesh& written, const mesh::Mesh& extracted, bool float32_world,
+                               const Limits& limits) {
   const std::uint64_t vertices = written.positions.size() + extracted.positions.size();
   const std::uint64_t triangles = written.triangles.size() + extracted.triangles.size();
   const std::uint64_t bytes =
@@ -255,4 +256,4 @@ std::vector<std::string> differences(const MeshMatch& match, const MeshNames& na
   return found;
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::measure

@@ -13,7 +13,7 @@
 // - the reader makes float32 numbers of coordinates in double, relative to an origin that it chooses: half a spacing of
 //   those, unless the origin is the extraction's own (then the file had the very numbers);
 // - sums in double: a few roundings of the world coordinates.
-// The extractors keep vertices of different edges at least four ulps of the local coordinates apart (Placement), so
+// The extractors keep vertices of different edges at least four ulps of the local coordinates apart (OutputFrame), so
 // that the nearest one is the right one; only STL far from the origin of the world may hold less than that.
 #pragma once
 
@@ -28,7 +28,7 @@
 #include "measure/triangle_sets.hpp"
 #include "mesh/mesh.hpp"
 
-namespace isoextract {
+namespace isoextract::measure {
 
 struct MeshMatch {
   // Of the written and of the extracted mesh.
@@ -44,11 +44,11 @@ struct MeshMatch {
 
 // `float32_world`: the file's format has float32 world coordinates only. Fails with ErrorKind::input if matching needs
 // more memory than the limit.
-[[nodiscard]] Result<MeshMatch> match_meshes(const Mesh& written, const Mesh& extracted, bool float32_world,
+[[nodiscard]] Result<MeshMatch> match_meshes(const mesh::Mesh& written, const mesh::Mesh& extracted, bool float32_world,
                                              const Limits& limits = default_limits());
 
 // What differs, a sentence without its full stop each; none if they are the same. `names` are what the meshes are
 // called.
 [[nodiscard]] std::vector<std::string> differences(const MeshMatch& match, const MeshNames& names);
 
-}  // namespace isoextract
+}  // namespace isoextract::measure

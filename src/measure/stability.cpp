@@ -2,14 +2,15 @@
 
 #include <fmt/format.h>
 
-namespace isoextract {
+namespace isoextract::measure {
 namespace {
 
 bool expects_triangles(StabilityOutcome outcome, bool cap) {
   return outcome == StabilityOutcome::surface || (outcome == StabilityOutcome::cap_only && cap);
 }
 
-void run_once(const StabilityScene& scene, ExtractOptions options, Extractor& extractor, StabilityRow& row) {
+void run_once(const StabilityScene& scene, extract::ExtractOptions options, extract::Extractor& extractor,
+              StabilityRow& row) {
   const auto add = [&](std::string_view what) {
     row.failures.push_back(fmt::format("{}{}", options.cap ? "with a cap: " : "", what));
   };
@@ -19,18 +20,18 @@ void run_once(const StabilityScene& scene, ExtractOptions options, Extractor& ex
     return;
   }
   if (!extraction) return add(extraction.error().message);
-  const Mesh& mesh = extraction->mesh;
+  const mesh::Mesh& mesh = extraction->mesh;
   const bool expected = expects_triangles(scene.outcome, options.cap);
   if (mesh.triangles.empty() == expected) add(expected ? "no surface" : "a surface where there is none");
   const StabilityFindings findings = check_stability(mesh, scene.field, options);
-  const bool must_be_closed = options.nan != NanPolicy::hole && (options.cap || scene.closed);
+  const bool must_be_closed = options.nan != extract::NanPolicy::hole && (options.cap || scene.closed);
   for (const std::string& failure : failures(findings, must_be_closed, kStabilityUlps, scene.voxels)) add(failure);
   row.findings.add(findings);
 }
 
 }  // namespace
 
-StabilityRow run_stability_case(const StabilityCase& test, Method method, Extractor& extractor) {
+StabilityRow run_stability_case(const StabilityCase& test, extract::Method method, extract::Extractor& extractor) {
   const StabilityScene scene = test.make();
   StabilityRow row;
   row.name = test.name;
@@ -38,7 +39,7 @@ StabilityRow run_stability_case(const StabilityCase& test, Method method, Extrac
   row.backend = extractor.name();
   row.voxels_allowed = scene.voxels;
   for (const bool cap : {false, true}) {
-    ExtractOptions options = scene.options;
+    extract::ExtractOptions options = scene.options;
     options.method = method;
     options.smooth_normals = true;
     options.cap = cap;
@@ -47,4 +48,4 @@ StabilityRow run_stability_case(const StabilityCase& test, Method method, Extrac
   return row;
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::measure

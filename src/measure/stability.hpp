@@ -8,14 +8,14 @@
 #include "measure/stability_cases.hpp"
 #include "measure/stability_checks.hpp"
 
-namespace isoextract {
+namespace isoextract::measure {
 
 // What GPU and CPU may differ by (DESIGN section 3, identity), and more than rounding once costs.
 inline constexpr double kStabilityUlps = 2;
 
 struct StabilityRow {
   std::string_view name;
-  Method method = Method::mc;
+  extract::Method method = extract::Method::mc;
   std::string backend;
   StabilityFindings findings;  // of both meshes together
   double voxels_allowed = 0;
@@ -25,6 +25,7 @@ struct StabilityRow {
 // What must hold: vertices are finite, each strictly within its own edge of the grid and near the crossing; triangles
 // have an area and are there once; the mesh is oriented and manifold, closed with a cap (unless holes are asked for),
 // and without one where the scene says so; there is a surface exactly where there should be one.
-[[nodiscard]] StabilityRow run_stability_case(const StabilityCase& test, Method method, Extractor& extractor);
+[[nodiscard]] StabilityRow run_stability_case(const StabilityCase& test, extract::Method method,
+                                              extract::Extractor& extractor);
 
-}  // namespace isoextract
+}  // namespace isoextract::measure

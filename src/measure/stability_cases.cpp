@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-namespace isoextract {
+namespace isoextract::measure {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -20,8 +20,8 @@ StabilityScene scene(double iso, const F& value, const glm::ivec3& dims = kDims)
     for (int j = 0; j < dims.y; ++j) {
       for (int i = 0; i < dims.x; ++i) {
         const double v = value(glm::ivec3(i, j, k));
-        if constexpr (std::is_same_v<T, Half>) {
-          values->push_back(Half(static_cast<float>(v)));
+        if constexpr (std::is_same_v<T, field::Half>) {
+          values->push_back(field::Half(static_cast<float>(v)));
         } else {
           values->push_back(static_cast<T>(v));
         }
@@ -32,7 +32,7 @@ StabilityScene scene(double iso, const F& value, const glm::ivec3& dims = kDims)
   result.field.name = "stability";
   result.field.source = "stability";
   const void* data = values->data();
-  result.field.samples = DenseSamples{sample_type_of<T>(), dims, std::move(values), data};
+  result.field.samples = field::DenseSamples{field::sample_type_of<T>(), dims, std::move(values), data};
   result.options.iso = iso;
   return result;
 }
@@ -48,7 +48,7 @@ int scattered(const glm::ivec3& p, int count) {
 }
 double wobble(const glm::ivec3& p) { return scattered(p, 101) / 101.0; }
 
-StabilityScene placed_ball(const Affine& frame) {
+StabilityScene placed_ball(const field::Affine& frame) {
   StabilityScene result = scene<float>(0, ball);
   result.options.output_from_index = frame;
   return result;
@@ -64,15 +64,15 @@ StabilityScene open(StabilityScene scene) {
   return scene;
 }
 
-Affine moved(Affine frame, const glm::dvec3& offset) {
+field::Affine moved(field::Affine frame, const glm::dvec3& offset) {
   frame.offset = offset;
   return frame;
 }
 
-const Affine kOblique{glm::dmat3(1, 0.25, 0, -0.5, 2, 0, 0.3, 0.125, 0.5), glm::dvec3(3, -4, 5)};
+const field::Affine kOblique{glm::dmat3(1, 0.25, 0, -0.5, 2, 0, 0.3, 0.125, 0.5), glm::dvec3(3, -4, 5)};
 
 // NaN and both infinities among ordinary values.
-StabilityScene holey_ball(NanPolicy policy) {
+StabilityScene holey_ball(extract::NanPolicy policy) {
   StabilityScene result = scene<float>(0, [](const glm::ivec3& p) {
     const int lot = scattered(p, 40);
     return lot == 0 ? kNan : lot == 1 ? kInfinity : lot == 2 ? -kInfinity : ball(p);
@@ -135,7 +135,7 @@ constexpr std::array kCases{
     StabilityCase{"far-frame", "A frame 1e7 units away, with a spacing of 0.01.",
                   "float32 has steps of 1 at 1e7: hundreds of samples share one position", true,
                   [] {
-                    return placed_ball(moved(scaling(glm::dvec3(0.01)), {1e7, -1e7, 1e7}));
+                    return placed_ball(moved(field::scaling(glm::dvec3(0.01)), {1e7, -1e7, 1e7}));
                   }},
     StabilityCase{"far-oblique", "A rotated and sheared frame 1e7 units away.",
                   "float32 has steps of 1 at 1e7: a vertex is anywhere in its cell", true,
@@ -145,15 +145,15 @@ constexpr std::array kCases{
     StabilityCase{"far-thin", "A spacing of 1 to 1e6, with the fine axis far from 0.",
                   "float32 has steps of five samples along the fine axis", true,
                   [] {
-                    return placed_ball(moved(scaling({100, 0.0001, 100}), {0, 6000, 0}));
+                    return placed_ball(moved(field::scaling({100, 0.0001, 100}), {0, 6000, 0}));
                   }},
     StabilityCase{"spacing-1000", "A spacing of 1 to 1000.", kSurvives, false,
                   [] {
-                    return placed_ball(scaling({0.001, 1, 1}));
+                    return placed_ball(field::scaling({0.001, 1, 1}));
                   }},
     StabilityCase{"mirrored", "A frame that mirrors: triangles must be turned over.", kSurvives, false,
                   [] {
-                    return placed_ball(moved(scaling({-1, 1, 1}), {2, 3, 4}));
+                    return placed_ball(moved(field::scaling({-1, 1, 1}), {2, 3, 4}));
                   }},
     StabilityCase{"sheared", "A frame with oblique axes.", kSurvives, false, [] { return placed_ball(kOblique); }},
     StabilityCase{
@@ -206,17 +206,18 @@ constexpr std::array kCases{
     StabilityCase{"i16-limits", "-32768, 32766 and 32767 at the iso value 32766.", kTies, true,
                   limits_of<std::int16_t>},
     StabilityCase{"half-limits", "Halves of 65504 and -65504.", kSurvives, false,
-                  [] { return scene<Half>(0, [](auto p) { return 65504 * side(p); }); }},
+                  [] { return scene<field::Half>(0, [](auto p) { return 65504 * side(p); }); }},
     StabilityCase{"infinities", "Every sample is infinite.", "infinity - infinity: t is not a number", true,
                   [] { return scene<float>(0, [](auto p) { return kInfinity * side(p); }); }},
     StabilityCase{"nan-outside", "Scattered NaN and infinities, with --nan outside.",
-                  "t is not a number beside NaN and infinities", true, [] { return holey_ball(NanPolicy::outside); }},
+                  "t is not a number beside NaN and infinities", true,
+                  [] { return holey_ball(extract::NanPolicy::outside); }},
     StabilityCase{"nan-hole", "Scattered NaN and infinities, with --nan hole.", "t is not a number beside infinities",
-                  true, [] { return holey_ball(NanPolicy::hole); }},
+                  true, [] { return holey_ball(extract::NanPolicy::hole); }},
     StabilityCase{"all-nan", "Every sample is NaN, with --nan outside.", kSurvives, false,
                   [] {
                     StabilityScene result = scene<float>(0, [](auto) { return kNan; });
-                    result.options.nan = NanPolicy::outside;
+                    result.options.nan = extract::NanPolicy::outside;
                     return with(std::move(result), StabilityOutcome::nothing);
                   }},
     StabilityCase{"two-by-two", "2 x 2 x 40 samples: one row of cells.", kSurvives, false,
@@ -237,4 +238,4 @@ constexpr std::array kCases{
 
 std::span<const StabilityCase> stability_cases() { return kCases; }
 
-}  // namespace isoextract
+}  // namespace isoextract::measure

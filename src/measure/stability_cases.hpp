@@ -6,7 +6,7 @@
 
 #include "extract/extractor.hpp"
 
-namespace isoextract {
+namespace isoextract::measure {
 
 enum class StabilityOutcome {
   surface,   // there is one
@@ -16,8 +16,8 @@ enum class StabilityOutcome {
 };
 
 struct StabilityScene {
-  ScalarField field;       // dense
-  ExtractOptions options;  // iso value, what NaN means, placement
+  field::ScalarField field;         // dense
+  extract::ExtractOptions options;  // iso value, what NaN means, placement
   StabilityOutcome outcome = StabilityOutcome::surface;
   bool closed = true;    // also without a cap
   double voxels = 2e-5;  // how far a vertex may be from its crossing: the margin at the ends of edges, and rounding
@@ -33,4 +33,4 @@ struct StabilityCase {
 
 [[nodiscard]] std::span<const StabilityCase> stability_cases();
 
-}  // namespace isoextract
+}  // namespace isoextract::measure

@@ -10,11 +10,11 @@
 
 #include "extract/edge_geometry.hpp"
 #include "extract/inside_test.hpp"
-#include "measure/float_spacing.hpp"
+#include "measure/detail/float_spacing.hpp"
 #include "mesh/metrics.hpp"
 #include "mesh/topology.hpp"
 
-namespace isoextract {
+namespace isoextract::measure {
 namespace {
 
 using Real = long double;
@@ -22,14 +22,15 @@ using Vector = glm::vec<3, Real>;
 
 class Checker {
  public:
-  Checker(const Mesh& mesh, const ScalarField& field, const ExtractOptions& options)
+  Checker(const mesh::Mesh& mesh, const field::ScalarField& field, const extract::ExtractOptions& options)
       : mesh_(mesh),
         field_(field),
-        samples_(std::get<DenseSamples>(field.samples)),
+        samples_(std::get<field::DenseSamples>(field.samples)),
         options_(options),
         index_from_output_(glm::inverse(options.output_from_index.linear)),
         margin_(
-            Placement(options.output_from_index, {glm::ivec3(0), samples_.dims - 1}, field.kind, field.scale).margin()),
+            extract::OutputFrame(options.output_from_index, {glm::ivec3(0), samples_.dims - 1}, field.kind, field.scale)
+                .margin()),
         whole_(0) {
     for (const glm::vec3& p : mesh.positions) {
       if (is_finite(p)) largest_ = glm::max(largest_, glm::abs(glm::dvec3(p)));
@@ -61,7 +62,7 @@ class Checker {
       edge.low[axis] = static_cast<int>(floor);
       edge.step[axis] = 1;
     }
-    if (options_.method == Method::mc && edge.step.x + edge.step.y + edge.step.z > 1) return std::nullopt;
+    if (options_.method == extract::Method::mc && edge.step.x + edge.step.y + edge.step.z > 1) return std::nullopt;
     return is_expected(edge) ? std::optional(edge) : std::nullopt;
   }
 
@@ -108,7 +109,7 @@ class Checker {
     const glm::ivec3 high = edge.low + edge.step;
     const glm::ivec3 last = samples_.dims - 1;
     if (glm::any(glm::lessThan(edge.low, glm::ivec3(0))) || glm::any(glm::greaterThan(high, last))) return false;
-    const InsideRule inside{field_.kind, options_.iso};
+    const extract::InsideRule inside{field_.kind, options_.iso};
     if (edge.step != glm::ivec3(0)) return inside(value(edge.low)) != inside(value(high));
     const bool on_border = glm::any(glm::equal(edge.low, glm::ivec3(0))) || glm::any(glm::equal(edge.low, last));
     return options_.cap && on_border && inside(value(edge.low));
@@ -124,17 +125,17 @@ class Checker {
     return finite0 ? 0 : 1;
   }
 
-  const Mesh& mesh_;
-  const ScalarField& field_;
-  const DenseSamples& samples_;
-  const ExtractOptions& options_;
+  const mesh::Mesh& mesh_;
+  const field::ScalarField& field_;
+  const field::DenseSamples& samples_;
+  const extract::ExtractOptions& options_;
   glm::dmat3 index_from_output_;
   double margin_;
   glm::dvec3 largest_{0.0};  // local coordinates of the mesh, without sign
   glm::dvec3 whole_;         // how near to a whole number counts as one, in voxels
 };
 
-std::uint64_t repeated_triangles(const Mesh& mesh) {
+std::uint64_t repeated_triangles(const mesh::Mesh& mesh) {
   std::set<std::array<std::uint32_t, 3>> seen;
   for (const glm::uvec3& triangle : mesh.triangles) {
     std::array<std::uint32_t, 3> corners{triangle.x, triangle.y, triangle.z};
@@ -159,15 +160,16 @@ void StabilityFindings::add(const StabilityFindings& other) {
   voxels = std::max(voxels, other.voxels);
 }
 
-std::vector<std::optional<GridEdge>> grid_edges(const Mesh& mesh, const ScalarField& field,
-                                                const ExtractOptions& options) {
+std::vector<std::optional<GridEdge>> grid_edges(const mesh::Mesh& mesh, const field::ScalarField& field,
+                                                const extract::ExtractOptions& options) {
   const Checker checker(mesh, field, options);
   std::vector<std::optional<GridEdge>> edges;
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) edges.push_back(checker.edge(v));
   return edges;
 }
 
-StabilityFindings check_stability(const Mesh& mesh, const ScalarField& field, const ExtractOptions& options) {
+StabilityFindings check_stability(const mesh::Mesh& mesh, const field::ScalarField& field,
+                                  const extract::ExtractOptions& options) {
   StabilityFindings findings;
   findings.vertices = mesh.positions.size();
   findings.triangles = mesh.triangles.size();
@@ -190,12 +192,12 @@ StabilityFindings check_stability(const Mesh& mesh, const ScalarField& field, co
     const bool is_new =
         taken.insert({edge->low.x, edge->low.y, edge->low.z, edge->step.x, edge->step.y, edge->step.z}).second;
     // A hole may part a vertex in two.
-    if (!is_new && options.nan != NanPolicy::hole) ++findings.repeated;
+    if (!is_new && options.nan != extract::NanPolicy::hole) ++findings.repeated;
     checker.compare(v, *edge, findings);
   }
-  const Topology topology = measure_topology(mesh);
+  const mesh::Topology topology = mesh::measure_topology(mesh);
   findings.repeated += repeated_triangles(mesh);
-  findings.zero_area = measure_size(mesh).zero_area_triangles;
+  findings.zero_area = mesh::measure_size(mesh).zero_area_triangles;
   findings.open_edges = topology.open_edges;
   findings.unsound = topology.nonmanifold_edges + topology.misoriented_edges + topology.nonmanifold_vertices +
                      topology.unused_vertices + topology.repeated_index_triangles;
@@ -220,4 +222,4 @@ std::vector<std::string> failures(const StabilityFindings& findings, bool must_b
   return words;
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::measure

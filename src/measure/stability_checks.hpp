@@ -8,7 +8,7 @@
 
 #include "extract/extractor.hpp"
 
-namespace isoextract {
+namespace isoextract::measure {
 
 // The edge of the grid that a vertex lies on, from sample `low` to `low + step`. A zero step is a vertex of a cap, at a
 // sample.
@@ -20,8 +20,8 @@ struct GridEdge {
 // For each vertex the edge that it lies strictly within, found from its position alone: in index space as many
 // coordinates as rounding allows are whole, and the others have one fraction. Nothing where that is no crossed edge of
 // `field`, or no inside sample of the border of a capped one. `options` are those that made the mesh; dense samples.
-[[nodiscard]] std::vector<std::optional<GridEdge>> grid_edges(const Mesh& mesh, const ScalarField& field,
-                                                              const ExtractOptions& options);
+[[nodiscard]] std::vector<std::optional<GridEdge>> grid_edges(const mesh::Mesh& mesh, const field::ScalarField& field,
+                                                              const extract::ExtractOptions& options);
 
 struct StabilityFindings {
   std::uint64_t vertices = 0;
@@ -41,12 +41,12 @@ struct StabilityFindings {
 // The reference crossing is (iso - f0) / (f1 - f0) in long double, at infinities the finite end, and the middle where
 // there is none; ulps are counted against that, kept to the margin of edge_geometry.hpp. Vertices that are not finite
 // or on no edge have no reference.
-[[nodiscard]] StabilityFindings check_stability(const Mesh& mesh, const ScalarField& field,
-                                                const ExtractOptions& options);
+[[nodiscard]] StabilityFindings check_stability(const mesh::Mesh& mesh, const field::ScalarField& field,
+                                                const extract::ExtractOptions& options);
 
 // What is wrong, in words: "3 vertices outside their edge"; empty if nothing is. `ulps` and `voxels` are the
 // thresholds.
 [[nodiscard]] std::vector<std::string> failures(const StabilityFindings& findings, bool must_be_closed, double ulps,
                                                 double voxels);
 
-}  // namespace isoextract
+}  // namespace isoextract::measure

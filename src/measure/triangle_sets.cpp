@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "measure/buckets.hpp"
-#include "measure/reduction.hpp"
+#include "measure/detail/buckets.hpp"
+#include "measure/detail/reduction.hpp"
 
-namespace isoextract {
+namespace isoextract::measure {
 namespace {
 
 std::tuple<std::uint32_t, std::uint32_t, std::uint32_t> ordered(const glm::uvec3& t) { return {t.x, t.y, t.z}; }
@@ -77,7 +77,7 @@ void add_difference(std::span<const Rest> a, std::span<const Rest> b, Sums& sums
 }
 
 // Corners that are not there have no place.
-std::array<glm::dvec3, 3> corners_of(const Mesh& mesh, std::uint64_t triangle) {
+std::array<glm::dvec3, 3> corners_of(const mesh::Mesh& mesh, std::uint64_t triangle) {
   std::array<glm::dvec3, 3> corners;
   for (int c = 0; c < 3; ++c) {
     const std::uint32_t vertex = mesh.triangles[triangle][c];
@@ -100,7 +100,7 @@ TriangleDifference compare_triangle_sets(const NamedMesh& a, const NamedMesh& b,
   TriangleDifference result;
   for (std::size_t side = 0; side < 2; ++side) {
     const NamedMesh& named_mesh = *sides[side];
-    const Mesh& mesh = named_mesh.mesh;
+    const mesh::Mesh& mesh = named_mesh.mesh;
     result.total[side] = mesh.triangles.size();
     if (buckets[side].total() < mesh.triangles.size()) {
       sums.merge(reduce_in_order(mesh.triangles.size(), Sums{}, nullptr, [&](const PointRange& range, Sums& part) {
@@ -133,4 +133,4 @@ std::uint64_t triangle_comparison_bytes(std::uint64_t triangles, std::uint64_t n
   return Buckets<Rest>::bytes(triangles, 2 * names);
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::measure

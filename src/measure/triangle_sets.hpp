@@ -12,14 +12,14 @@
 
 #include "mesh/mesh.hpp"
 
-namespace isoextract {
+namespace isoextract::measure {
 
 // The name of a vertex that the other mesh does not have.
 inline constexpr std::uint32_t kNoName = std::numeric_limits<std::uint32_t>::max();
 
 // A mesh whose vertices have the same names as those of another mesh that are the same.
 struct NamedMesh {
-  const Mesh& mesh;
+  const mesh::Mesh& mesh;
   std::span<const std::uint32_t> names;  // one a vertex: below the number of names, or kNoName
 };
 
@@ -45,4 +45,4 @@ void add_sentences(const TriangleDifference& difference, const MeshNames& names,
 // What that takes in memory.
 [[nodiscard]] std::uint64_t triangle_comparison_bytes(std::uint64_t triangles, std::uint64_t names);
 
-}  // namespace isoextract
+}  // namespace isoextract::measure

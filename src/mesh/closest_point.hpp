@@ -5,7 +5,7 @@
 
 #include <glm/glm.hpp>
 
-namespace isoextract {
+namespace isoextract::mesh {
 
 // The point of the segment from a to b, which may be without length, that is closest to `p`.
 [[nodiscard]] inline glm::dvec3 closest_on_segment(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b) {
@@ -47,4 +47,4 @@ namespace isoextract {
   return nearest;
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::mesh

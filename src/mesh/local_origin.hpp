@@ -3,7 +3,7 @@
 
 #include <glm/glm.hpp>
 
-namespace isoextract {
+namespace isoextract::mesh {
 
 // For coordinates between `min` and `max`: zero where float32 costs them at most two bits, on every axis, against
 // coordinates relative to the centre; the centre otherwise.
@@ -15,4 +15,4 @@ namespace isoextract {
   return near ? glm::dvec3(0) : min / 2.0 + max / 2.0;
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::mesh

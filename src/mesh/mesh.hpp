@@ -9,7 +9,7 @@
 
 #include "base/buffer.hpp"
 
-namespace isoextract {
+namespace isoextract::mesh {
 
 // The edge of the grid that a vertex lies on: its lower sample, in indices of the whole field, and the axes that it
 // runs along as bits (1 is x, 2 is y, 4 is z). Direction 0 is a vertex of a cap, at the sample itself.
@@ -38,4 +38,4 @@ struct Mesh {
   [[nodiscard]] glm::dvec3 position(std::size_t vertex) const { return origin + glm::dvec3(positions[vertex]); }
 };
 
-}  // namespace isoextract
+}  // namespace isoextract::mesh

@@ -5,7 +5,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
-namespace isoextract {
+namespace isoextract::mesh {
 namespace {
 
 // Fixed-size chunks, summed by a deterministic reduction, so that nothing depends on the number of threads. Least and
@@ -64,4 +64,4 @@ MeshSize measure_size(const Mesh& mesh) {
       });
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::mesh

@@ -5,7 +5,7 @@
 
 #include "mesh/mesh.hpp"
 
-namespace isoextract {
+namespace isoextract::mesh {
 
 struct Bounds {
   glm::dvec3 min{0.0};
@@ -29,4 +29,4 @@ struct MeshSize {
 };
 [[nodiscard]] MeshSize measure_size(const Mesh& mesh);
 
-}  // namespace isoextract
+}  // namespace isoextract::mesh

@@ -7,7 +7,7 @@
 
 #include <tbb/parallel_sort.h>
 
-namespace isoextract {
+namespace isoextract::mesh {
 namespace {
 
 // One use of an edge by a triangle: the ends in rising order, the direction of travel, and the corner it starts at.
@@ -115,4 +115,4 @@ Topology measure_topology(const Mesh& mesh) {
   return result;
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::mesh

@@ -5,7 +5,7 @@
 
 #include "mesh/mesh.hpp"
 
-namespace isoextract {
+namespace isoextract::mesh {
 
 struct Topology {
   std::uint64_t edges = 0;
@@ -28,4 +28,4 @@ struct Topology {
 
 [[nodiscard]] Topology measure_topology(const Mesh& mesh);
 
-}  // namespace isoextract
+}  // namespace isoextract::mesh

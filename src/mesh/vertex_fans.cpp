@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-namespace isoextract {
+namespace isoextract::mesh {
 namespace {
 
 // A corner of a triangle: 3 * triangle + 0, 1 or 2.
@@ -112,4 +112,4 @@ Result<void> make_one_vertex_a_fan(Mesh& mesh, const Limits& limits, const std::
   return {};
 }
 
-}  // namespace isoextract
+}  // namespace isoextract::mesh

@@ -7,7 +7,7 @@
 #include "base/limits.hpp"
 #include "mesh/mesh.hpp"
 
-namespace isoextract {
+namespace isoextract::mesh {
 
 // Where triangles were left out, a vertex may have none any more, or several fans of triangles that meet in it alone.
 // This drops the former, and gives each further fan a copy of its vertex: then the mesh is a manifold with a border,
@@ -16,4 +16,4 @@ namespace isoextract {
 // needs more memory than the limit, or more vertices than a mesh can number; `source` starts the message.
 [[nodiscard]] Result<void> make_one_vertex_a_fan(Mesh& mesh, const Limits& limits, const std::string& source);
 
-}  // namespace isoextract
+}  // namespace isoextract::mesh

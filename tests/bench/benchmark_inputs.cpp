@@ -13,8 +13,8 @@
 
 #include "base/buffer.hpp"
 #include "field/demo_field.hpp"
-#include "io/volume_reader.hpp"
 #include "support/data_folder.hpp"
+#include "volumes/volume_reader.hpp"
 
 namespace isoextract::bench {
 namespace {
@@ -30,14 +30,14 @@ constexpr std::array kInputs{
     InputDescription{"fog", Source::vdb, "", 0.5},
 };
 
-BenchmarkInput named(const InputDescription& description, int size, Result<ScalarField> field) {
+BenchmarkInput named(const InputDescription& description, int size, Result<field::ScalarField> field) {
   if (!field) throw std::runtime_error(field.error().message);
   return {std::string(description.name), size, std::move(*field), description.iso, nullptr};
 }
 
 BenchmarkInput make_demo(const InputDescription& description, int size) {
   const std::string spec = fmt::format("demo:{}?size={}", description.origin, size);
-  return named(description, size, make_demo_field(spec, default_limits()));
+  return named(description, size, field::make_demo_field(spec, default_limits()));
 }
 
 // Calls use(first, last) for pieces of [0, count), on all threads.
@@ -62,7 +62,7 @@ double largest_distance(std::span<const float> values, double iso) {
 // A copy of `input` with samples of type To: convert(i) is sample i.
 template <class To, class F>
 BenchmarkInput with_samples(const BenchmarkInput& input, double iso, F&& convert) {
-  const auto& samples = std::get<DenseSamples>(input.field.samples);
+  const auto& samples = std::get<field::DenseSamples>(input.field.samples);
   auto values = std::make_shared<Buffer<To>>(samples.count());
   To* const data = values->data();
   in_pieces(samples.count(), [&](std::size_t first, std::size_t last) {
@@ -70,12 +70,12 @@ BenchmarkInput with_samples(const BenchmarkInput& input, double iso, F&& convert
   });
   BenchmarkInput result = input;
   result.iso = iso;
-  result.field.samples = DenseSamples{sample_type_of<To>(), samples.dims, std::move(values), data};
+  result.field.samples = field::DenseSamples{field::sample_type_of<To>(), samples.dims, std::move(values), data};
   return result;
 }
 
 BenchmarkInput as_float(const BenchmarkInput& input) {
-  const auto& samples = std::get<DenseSamples>(input.field.samples);
+  const auto& samples = std::get<field::DenseSamples>(input.field.samples);
   return visit_sample_type(samples.type, [&]<class From>(std::type_identity<From>) {
     const auto* const from = static_cast<const From*>(samples.data);
     return with_samples<float>(input, input.iso, [from](std::size_t i) { return static_cast<float>(from[i]); });
@@ -84,8 +84,8 @@ BenchmarkInput as_float(const BenchmarkInput& input) {
 
 template <class To>
 BenchmarkInput quantised(const BenchmarkInput& input) {
-  const auto& samples = std::get<DenseSamples>(input.field.samples);
-  if (samples.type != SampleType::f32) throw std::runtime_error("only f32 samples are quantised");
+  const auto& samples = std::get<field::DenseSamples>(input.field.samples);
+  if (samples.type != field::SampleType::f32) throw std::runtime_error("only f32 samples are quantised");
   const std::span<const float> from(static_cast<const float*>(samples.data), samples.count());
   const double iso = input.iso;
   constexpr double kHighest = std::numeric_limits<To>::max();
@@ -115,26 +115,26 @@ std::optional<BenchmarkInput> make_input(const InputDescription& description, in
   }
   const std::filesystem::path path = test::data_file(std::string(description.origin));
   if (!std::filesystem::exists(path)) return std::nullopt;
-  return named(description, 0, read_volume(path.string(), {}));
+  return named(description, 0, volumes::read_volume(path.string(), {}));
 }
 
-BenchmarkInput with_type(const BenchmarkInput& input, SampleType type) {
+BenchmarkInput with_type(const BenchmarkInput& input, field::SampleType type) {
   if (type == input.field.type()) return input;
   switch (type) {
-    case SampleType::f32: return as_float(input);
-    case SampleType::u8: return quantised<std::uint8_t>(input);
-    case SampleType::i8: return quantised<std::int8_t>(input);
-    case SampleType::u16: return quantised<std::uint16_t>(input);
-    case SampleType::i16: return quantised<std::int16_t>(input);
-    default: throw std::runtime_error(fmt::format("no samples of type {} are made", sample_type_name(type)));
+    case field::SampleType::f32: return as_float(input);
+    case field::SampleType::u8: return quantised<std::uint8_t>(input);
+    case field::SampleType::i8: return quantised<std::int8_t>(input);
+    case field::SampleType::u16: return quantised<std::uint16_t>(input);
+    case field::SampleType::i16: return quantised<std::int16_t>(input);
+    default: throw std::runtime_error(fmt::format("no samples of type {} are made", field::sample_type_name(type)));
   }
 }
 
 void write_raw(const BenchmarkInput& input, const std::filesystem::path& path) {
-  const auto& samples = std::get<DenseSamples>(input.field.samples);
+  const auto& samples = std::get<field::DenseSamples>(input.field.samples);
   std::ofstream file(path, std::ios::binary);
   file.write(static_cast<const char*>(samples.data),
-             static_cast<std::streamsize>(samples.count() * sample_size(samples.type)));
+             static_cast<std::streamsize>(samples.count() * field::sample_size(samples.type)));
   if (!file.flush()) throw std::runtime_error(fmt::format("cannot write {}", path.string()));
 }
 

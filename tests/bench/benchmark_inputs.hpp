@@ -18,7 +18,7 @@ class VdbGrid;  // an OpenVDB grid; only openvdb_contestants.cpp looks into it
 struct BenchmarkInput {
   std::string name;  // as in --fields
   int size = 0;      // samples along an axis; 0 for files, whose dims are their own
-  ScalarField field;
+  field::ScalarField field;
   double iso = 0;
   std::shared_ptr<const VdbGrid> grid;  // whose leaves are the blocks of `field`; null for dense fields
 };
@@ -48,7 +48,7 @@ struct InputDescription {
 // A copy in another type: f32 of any, and of f32 integers of 8 and 16 bits; dense fields only. Quantising is linear, so
 // that the largest distance of a sample from iso just fits; iso becomes the middle between two integers, and each
 // sample stays on its side.
-[[nodiscard]] BenchmarkInput with_type(const BenchmarkInput& input, SampleType type);
+[[nodiscard]] BenchmarkInput with_type(const BenchmarkInput& input, field::SampleType type);
 
 // The samples of a dense input as they are in memory, for programs that read raw files.
 void write_raw(const BenchmarkInput& input, const std::filesystem::path& path);

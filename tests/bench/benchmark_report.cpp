@@ -113,7 +113,7 @@ std::string growth_table(const std::vector<Group>& groups) {
   std::string lines;
   for (const Group& group : groups) {
     for (const Row& row : group.rows) {
-      if (row.program != kGenerator) continue;
+      if (row.program != generator()) continue;
       const std::optional<Smaller> before = find_smaller(groups, group, row);
       if (!before) continue;
       lines +=

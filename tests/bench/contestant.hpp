@@ -31,7 +31,7 @@ class Contestant {
 using Contestants = std::vector<std::unique_ptr<Contestant>>;
 
 // They keep a reference to `input`.
-[[nodiscard]] std::unique_ptr<Contestant> isoextract_contestant(const BenchmarkInput& input, Method method,
+[[nodiscard]] std::unique_ptr<Contestant> isoextract_contestant(const BenchmarkInput& input, extract::Method method,
                                                                 bool smooth_normals);
 // Of dense samples; none for others.
 [[nodiscard]] Contestants vtk_contestants(const BenchmarkInput& input, bool smooth_normals);

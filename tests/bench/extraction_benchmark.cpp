@@ -33,13 +33,14 @@ bool contains(const std::vector<std::string>& list, std::string_view word) {
 }
 
 // What is asked for, of formulas; what they have, of others, and float beside the integers of files.
-std::vector<SampleType> types_of(const InputDescription& description, SampleType own, const Options& options) {
-  std::vector<SampleType> types;
+std::vector<field::SampleType> types_of(const InputDescription& description, field::SampleType own,
+                                        const Options& options) {
+  std::vector<field::SampleType> types;
   const bool free = description.source == Source::formula || description.source == Source::random;
   if (!free) types.push_back(own);
   for (const std::string& name : options.types) {
-    const SampleType type = *parse_sample_type(name);
-    const bool possible = free || (description.source == Source::file && type == SampleType::f32);
+    const field::SampleType type = *field::parse_sample_type(name);
+    const bool possible = free || (description.source == Source::file && type == field::SampleType::f32);
     if (possible && std::ranges::find(types, type) == types.end()) types.push_back(type);
   }
   return types;
@@ -71,7 +72,7 @@ class Benchmark {
                  description.origin);
       return;
     }
-    for (const SampleType type : types_of(description, made->field.type(), options_)) {
+    for (const field::SampleType type : types_of(description, made->field.type(), options_)) {
       const BenchmarkInput input = made->grid ? *made : with_type(*made, type);
       for (const std::string& normals : options_.normals) measure(input, normals == "smooth");
     }
@@ -88,8 +89,8 @@ class Benchmark {
   void measure(const BenchmarkInput& input, bool smooth_normals, const std::vector<int>& threads) {
     std::vector<Entrant> entrants;
     for (const int count : threads) {
-      for (const Method method : {Method::mc, Method::mt}) {
-        if (!contains(options_.methods, method == Method::mc ? "mc" : "mt")) continue;
+      for (const extract::Method method : {extract::Method::mc, extract::Method::mt}) {
+        if (!contains(options_.methods, method == extract::Method::mc ? "mc" : "mt")) continue;
         entrants.push_back({isoextract_contestant(input, method, smooth_normals), count, 0});
       }
     }
@@ -100,11 +101,11 @@ class Benchmark {
     entrants.push_back({memory_reader(input), threads.back(), isoextract});
     entrants.push_back({memory_writer(output_bytes), threads.back(), isoextract});
 
-    const std::uint64_t samples = sample_bytes(input) / sample_size(input.field.type());
+    const std::uint64_t samples = volumes::sample_bytes(input) / field::sample_size(input.field.type());
     Group group{input.name,
                 input.size,
                 input.field.extents().dims(),
-                std::string(sample_type_name(input.field.type())),
+                std::string(field::sample_type_name(input.field.type())),
                 smooth_normals,
                 samples,
                 run_rounds(entrants, options_.rounds)};

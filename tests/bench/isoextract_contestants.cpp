@@ -9,34 +9,35 @@ namespace {
 
 class IsoextractContestant : public Contestant {
  public:
-  IsoextractContestant(const BenchmarkInput& input, Method method, bool smooth_normals) : input_(input) {
+  IsoextractContestant(const BenchmarkInput& input, extract::Method method, bool smooth_normals) : input_(input) {
     options_.method = method;
     options_.iso = input.iso;
     options_.smooth_normals = smooth_normals;
   }
 
-  [[nodiscard]] std::string name() const override { return options_.method == Method::mc ? "mc" : "mt"; }
-  [[nodiscard]] std::string program() const override { return std::string(kGenerator); }
+  [[nodiscard]] std::string name() const override { return options_.method == extract::Method::mc ? "mc" : "mt"; }
+  [[nodiscard]] std::string program() const override { return std::string(generator()); }
 
   Outcome run() override {
     const Stopwatch watch;
-    const Result<Extraction> extraction = extractor_->extract(input_.field, options_);
+    const Result<extract::Extraction> extraction = extractor_->extract(input_.field, options_);
     const double seconds = watch.elapsed().wall_seconds;
     if (!extraction) throw std::runtime_error(extraction.error().message);
-    const Mesh& mesh = extraction->mesh;
-    return {1000 * seconds, mesh.triangles.size(), mesh.positions.size(), sample_bytes(input_),
+    const mesh::Mesh& mesh = extraction->mesh;
+    return {1000 * seconds, mesh.triangles.size(), mesh.positions.size(), volumes::sample_bytes(input_),
             mesh.positions.size_bytes() + mesh.normals.size_bytes() + mesh.triangles.size_bytes()};
   }
 
  private:
   const BenchmarkInput& input_;
-  ExtractOptions options_;
-  std::unique_ptr<Extractor> extractor_ = make_cpu_extractor();
+  extract::ExtractOptions options_;
+  std::unique_ptr<extract::Extractor> extractor_ = extract::make_cpu_extractor();
 };
 
 }  // namespace
 
-std::unique_ptr<Contestant> isoextract_contestant(const BenchmarkInput& input, Method method, bool smooth_normals) {
+std::unique_ptr<Contestant> isoextract_contestant(const BenchmarkInput& input, extract::Method method,
+                                                  bool smooth_normals) {
   return std::make_unique<IsoextractContestant>(input, method, smooth_normals);
 }
 

@@ -19,17 +19,18 @@ using Bytes = std::span<const std::byte>;
 constexpr std::size_t kPiece = std::size_t{1} << 20U;  // bytes that a thread takes at a time
 
 // The samples in pieces that are one after the other in memory.
-std::vector<Bytes> pieces_of(const ScalarField& field) {
+std::vector<Bytes> pieces_of(const field::ScalarField& field) {
   std::vector<Bytes> pieces;
-  const std::size_t size = sample_size(field.type());
-  if (const auto* dense = std::get_if<DenseSamples>(&field.samples)) {
+  const std::size_t size = field::sample_size(field.type());
+  if (const auto* dense = std::get_if<field::DenseSamples>(&field.samples)) {
     const Bytes all(static_cast<const std::byte*>(dense->data), dense->count() * size);
     for (std::size_t begin = 0; begin < all.size(); begin += kPiece) {
       pieces.push_back(all.subspan(begin, std::min(kPiece, all.size() - begin)));
     }
   } else {
-    constexpr std::size_t kBlockSamples = SparseBlock::kSize * SparseBlock::kSize * SparseBlock::kSize;
-    for (const SparseBlock& block : std::get<SparseSamples>(field.samples).blocks) {
+    constexpr std::size_t kBlockSamples =
+        field::SparseBlock::kSize * field::SparseBlock::kSize * field::SparseBlock::kSize;
+    for (const field::SparseBlock& block : std::get<field::SparseSamples>(field.samples).blocks) {
       pieces.emplace_back(static_cast<const std::byte*>(block.values), kBlockSamples * size);
     }
   }
@@ -49,7 +50,8 @@ std::uint64_t sum(Bytes piece) {
 
 class MemoryReader : public Contestant {
  public:
-  explicit MemoryReader(const BenchmarkInput& input) : pieces_(pieces_of(input.field)), bytes_(sample_bytes(input)) {}
+  explicit MemoryReader(const BenchmarkInput& input)
+      : pieces_(pieces_of(input.field)), bytes_(volumes::sample_bytes(input)) {}
 
   [[nodiscard]] std::string name() const override { return "read samples once"; }
   [[nodiscard]] std::string program() const override { return "memory"; }

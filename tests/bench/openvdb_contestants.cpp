@@ -25,7 +25,7 @@ glm::ivec3 to_glm(const openvdb::Coord& c) { return {c.x(), c.y(), c.z()}; }
 
 // Blocks that point into the tree's leaves, and the tiles that are not background.
 template <class Node>
-void add_node(const Node& node, SparseSamples& samples) {
+void add_node(const Node& node, field::SparseSamples& samples) {
   using Child = typename Node::ChildNodeType;
   for (auto tile = node.cbeginValueAll(); tile; ++tile) {
     if (*tile == samples.background) continue;
@@ -40,12 +40,12 @@ void add_node(const Node& node, SparseSamples& samples) {
   }
 }
 
-SparseSamples sparse_samples(const openvdb::FloatTree& tree) {
-  SparseSamples samples;
+field::SparseSamples sparse_samples(const openvdb::FloatTree& tree) {
+  field::SparseSamples samples;
   samples.background = tree.background();
   samples.blocks.reserve(tree.leafCount());
   add_node(tree.root(), samples);
-  tbb::parallel_sort(samples.blocks, [](const SparseBlock& a, const SparseBlock& b) {
+  tbb::parallel_sort(samples.blocks, [](const field::SparseBlock& a, const field::SparseBlock& b) {
     return std::tie(a.origin.x, a.origin.y, a.origin.z) < std::tie(b.origin.x, b.origin.y, b.origin.z);
   });
   samples.active_voxels = tree.activeVoxelCount();
@@ -54,11 +54,12 @@ SparseSamples sparse_samples(const openvdb::FloatTree& tree) {
   return samples;
 }
 
-BenchmarkInput as_input(std::string name, int size, const openvdb::FloatGrid::Ptr& grid, FieldKind kind, double iso) {
+BenchmarkInput as_input(std::string name, int size, const openvdb::FloatGrid::Ptr& grid, field::FieldKind kind,
+                        double iso) {
   BenchmarkInput input{std::move(name), size, {}, iso, std::make_shared<VdbGrid>(grid)};
   input.field.name = input.name;
   input.field.kind = kind;
-  SparseSamples samples = sparse_samples(grid->tree());
+  field::SparseSamples samples = sparse_samples(grid->tree());
   samples.owner = input.grid;
   input.field.samples = std::move(samples);
   return input;
@@ -76,7 +77,7 @@ Outcome outcome_of(const BenchmarkInput& input, double seconds, std::uint64_t ve
                    std::uint64_t quads) {
   const std::uint64_t written =
       vertices * sizeof(openvdb::Vec3s) + triangles * sizeof(openvdb::Vec3I) + quads * sizeof(openvdb::Vec4I);
-  return {1000 * seconds, triangles + 2 * quads, vertices, sample_bytes(input), written};
+  return {1000 * seconds, triangles + 2 * quads, vertices, volumes::sample_bytes(input), written};
 }
 
 class OpenvdbContestant : public Contestant {
@@ -126,12 +127,14 @@ class VolumeToMeshPools : public OpenvdbContestant {
 
 }  // namespace
 
-BenchmarkInput make_level_set(int size) { return as_input("level-set", size, sphere(size), FieldKind::level_set, 0); }
+BenchmarkInput make_level_set(int size) {
+  return as_input("level-set", size, sphere(size), field::FieldKind::level_set, 0);
+}
 
 BenchmarkInput make_fog(int size) {
   const openvdb::FloatGrid::Ptr grid = sphere(size);
   openvdb::tools::sdfToFogVolume(*grid);
-  return as_input("fog", size, grid, FieldKind::density, 0.5);
+  return as_input("fog", size, grid, field::FieldKind::density, 0.5);
 }
 
 Contestants openvdb_contestants(const BenchmarkInput& input) {

@@ -18,17 +18,17 @@
 namespace isoextract::bench {
 namespace {
 
-int vtk_type_of(SampleType type) {
+int vtk_type_of(field::SampleType type) {
   switch (type) {
-    case SampleType::u8: return VTK_UNSIGNED_CHAR;
-    case SampleType::i8: return VTK_SIGNED_CHAR;
-    case SampleType::u16: return VTK_UNSIGNED_SHORT;
-    case SampleType::i16: return VTK_SHORT;
-    case SampleType::u32: return VTK_UNSIGNED_INT;
-    case SampleType::i32: return VTK_INT;
-    case SampleType::f32: return VTK_FLOAT;
-    case SampleType::f64: return VTK_DOUBLE;
-    case SampleType::f16: break;
+    case field::SampleType::u8: return VTK_UNSIGNED_CHAR;
+    case field::SampleType::i8: return VTK_SIGNED_CHAR;
+    case field::SampleType::u16: return VTK_UNSIGNED_SHORT;
+    case field::SampleType::i16: return VTK_SHORT;
+    case field::SampleType::u32: return VTK_UNSIGNED_INT;
+    case field::SampleType::i32: return VTK_INT;
+    case field::SampleType::f32: return VTK_FLOAT;
+    case field::SampleType::f64: return VTK_DOUBLE;
+    case field::SampleType::f16: break;
   }
   throw std::runtime_error("VTK has no samples of 16-bit floats");
 }
@@ -43,7 +43,7 @@ class VtkContestant : public Contestant {
  public:
   VtkContestant(const BenchmarkInput& input, bool normals, std::string name)
       : input_(input), normals_(normals), name_(std::move(name)) {
-    const auto& samples = std::get<DenseSamples>(input.field.samples);
+    const auto& samples = std::get<field::DenseSamples>(input.field.samples);
     const auto array = vtkSmartPointer<vtkDataArray>::Take(vtkDataArray::CreateDataArray(vtk_type_of(samples.type)));
     constexpr int kNotYours = 1;
     array->SetVoidArray(const_cast<void*>(samples.data), static_cast<vtkIdType>(samples.count()), kNotYours);
@@ -70,7 +70,7 @@ class VtkContestant : public Contestant {
                                   bytes_of(mesh->GetPointData()->GetNormals()) +
                                   bytes_of(triangles->GetConnectivityArray()) + bytes_of(triangles->GetOffsetsArray());
     return {1000 * seconds, static_cast<std::uint64_t>(triangles->GetNumberOfCells()),
-            static_cast<std::uint64_t>(mesh->GetNumberOfPoints()), sample_bytes(input_), written};
+            static_cast<std::uint64_t>(mesh->GetNumberOfPoints()), volumes::sample_bytes(input_), written};
   }
 
  private:
@@ -84,7 +84,7 @@ class VtkContestant : public Contestant {
 
 Contestants vtk_contestants(const BenchmarkInput& input, bool smooth_normals) {
   Contestants contestants;
-  if (std::holds_alternative<DenseSamples>(input.field.samples)) {
+  if (std::holds_alternative<field::DenseSamples>(input.field.samples)) {
     contestants.push_back(std::make_unique<VtkContestant<vtkFlyingEdges3D>>(input, smooth_normals, "FlyingEdges3D"));
     contestants.push_back(std::make_unique<VtkContestant<vtkMarchingCubes>>(input, smooth_normals, "MarchingCubes"));
   }

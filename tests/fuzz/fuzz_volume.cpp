@@ -9,16 +9,16 @@
 #include <string_view>
 
 #include "field/statistics.hpp"
-#include "io/volume_reader.hpp"
 #include "support/temp_folder.hpp"
+#include "volumes/volume_reader.hpp"
 
 namespace isoextract {
 namespace {
 
 constexpr std::string_view kFormat = ISOEXTRACT_FUZZ_FORMAT;
 
-VolumeFormat format_of_target() {
-  for (const auto& info : volume_formats()) {
+volumes::VolumeFormat format_of_target() {
+  for (const auto& info : volumes::volume_formats()) {
     if (info.name == kFormat) return info.format;
   }
   std::abort();
@@ -30,15 +30,15 @@ std::string file_name(const std::string& bytes) {
 }
 
 // The first 16 bytes choose the layout of a raw file.
-RawLayout take_layout(const std::uint8_t*& data, std::size_t& size) {
+volumes::RawLayout take_layout(const std::uint8_t*& data, std::size_t& size) {
   std::array<std::uint8_t, 16> head{};
   const std::size_t taken = std::min(size, head.size());
   std::copy_n(data, taken, head.begin());
   data += taken;
   size -= taken;
-  RawLayout layout;
+  volumes::RawLayout layout;
   for (int axis = 0; axis < 3; ++axis) std::memcpy(&layout.dims[axis], head.data() + 4 * axis, 4);
-  layout.type = static_cast<SampleType>(head[12] % 9);
+  layout.type = static_cast<field::SampleType>(head[12] % 9);
   layout.endian = head[13] % 2 == 0 ? std::endian::little : std::endian::big;
   layout.skip = head[14];
   return layout;
@@ -46,29 +46,30 @@ RawLayout take_layout(const std::uint8_t*& data, std::size_t& size) {
 
 void read_one(const std::uint8_t* data, std::size_t size) {
   static const test::TempFolder folder;  // detached data can only be found within it
-  ReadOptions options;
+  volumes::ReadOptions options;
   options.format = format_of_target();
   options.limits.memory_bytes = std::uint64_t{8} << 20;
-  if (options.format == VolumeFormat::raw) options.raw = take_layout(data, size);
+  if (options.format == volumes::VolumeFormat::raw) options.raw = take_layout(data, size);
 
   const std::string bytes(reinterpret_cast<const char*>(data), size);
   std::string input = "demo:" + bytes;
-  if (options.format != VolumeFormat::demo) {
+  if (options.format != volumes::VolumeFormat::demo) {
     input = folder / file_name(bytes);
     test::write_bytes(input, bytes);
   }
-  const auto grids = list_grids(input, options);
+  const auto grids = volumes::list_grids(input, options);
   // A file with several grids needs a choice: the first scalar one.
   if (grids && grids->size() > 1) {
-    const auto scalar = std::find_if(grids->begin(), grids->end(), [](const GridInfo& grid) { return grid.scalar; });
+    const auto scalar =
+        std::find_if(grids->begin(), grids->end(), [](const volumes::GridInfo& grid) { return grid.scalar; });
     if (scalar != grids->end()) options.grid = scalar->name + "[" + std::to_string(scalar->index_of_name) + "]";
   }
-  const auto field = read_volume(input, options);
+  const auto field = volumes::read_volume(input, options);
   if (!field) {
     if (field.error().message.empty()) std::abort();
     return;
   }
-  if (measure_statistics(*field).samples > 0 && !field->index_to_world.is_regular()) std::abort();
+  if (field::measure_statistics(*field).samples > 0 && !field->index_to_world.is_regular()) std::abort();
 }
 
 }  // namespace

@@ -17,8 +17,8 @@
 #include <openvdb/tools/LevelSetSphere.h>
 
 #include "support/temp_folder.hpp"
-#include "unit/io/vdb_files.hpp"
-#include "unit/io/volume_files.hpp"
+#include "unit/volumes/vdb_files.hpp"
+#include "unit/volumes/volume_files.hpp"
 
 namespace isoextract::test {
 namespace {
@@ -97,7 +97,7 @@ void write_npy(const fs::path& folder) {
   };
   seed("u8", 1, "|u1", "False", "(5, 4, 3)", ramp_bytes<std::uint8_t>());
   seed("f32", 1, "<f4", "False", "(5, 4, 3)", ramp_bytes<float>());
-  seed("f16_fortran", 2, "<f2", "True", "(3, 4, 5)", ramp_bytes<Half>());
+  seed("f16_fortran", 2, "<f2", "True", "(3, 4, 5)", ramp_bytes<field::Half>());
   seed("i16_big", 3, ">i2", "False", "(12, 5)", ramp_bytes<std::int16_t>(std::endian::big));
   seed("f64", 1, "<f8", "False", "(5, 4, 3)", ramp_bytes<double>());
 }
@@ -111,7 +111,7 @@ void write_raw(const fs::path& folder) {
     put(head, 13, static_cast<std::uint8_t>(type % 2));
     put(head, 14, static_cast<std::uint8_t>(3));
     const std::string samples = visit_sample_type(
-        static_cast<SampleType>(type), [&](auto t) { return ramp_bytes<typename decltype(t)::type>(endian); });
+        static_cast<field::SampleType>(type), [&](auto t) { return ramp_bytes<typename decltype(t)::type>(endian); });
     write_bytes(folder / fmt::format("type{}", type), head + "..." + samples);
   }
 }

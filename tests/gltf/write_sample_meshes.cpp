@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "io/mesh_writer.hpp"
+#include "meshes/mesh_writer.hpp"
 #include "support/sample_meshes.hpp"
 
 namespace {
@@ -16,21 +16,21 @@ using namespace isoextract::test;
 
 struct Sample {
   std::string name;
-  std::function<std::vector<Mesh>()> make;
+  std::function<std::vector<mesh::Mesh>()> make;
   bool flat_normals = false;
   bool ascii = false;
 };
 
 template <class... Meshes>
-std::vector<Mesh> list(Meshes... meshes) {
-  std::vector<Mesh> all;
+std::vector<mesh::Mesh> list(Meshes... meshes) {
+  std::vector<mesh::Mesh> all;
   (all.push_back(std::move(meshes)), ...);
   return all;
 }
 
-Mesh nothing(std::string name) { return make_mesh(std::move(name), {}, {}); }
+mesh::Mesh nothing(std::string name) { return make_mesh(std::move(name), {}, {}); }
 
-Mesh one_triangle() { return make_mesh("triangle", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}); }
+mesh::Mesh one_triangle() { return make_mesh("triangle", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}); }
 
 std::vector<Sample> samples() {
   const glm::dvec3 far(4e6 + 1.0 / 3, -7e6, 1.0 / 7);
@@ -55,13 +55,13 @@ std::vector<Sample> samples() {
   };
 }
 
-bool write(const Sample& sample, const MeshFormatInfo& format, const std::filesystem::path& folder) {
-  const std::vector<Mesh> meshes = sample.make();
+bool write(const Sample& sample, const meshes::MeshFormatInfo& format, const std::filesystem::path& folder) {
+  const std::vector<mesh::Mesh> meshes = sample.make();
   if ((meshes.size() != 1 && !format.holds_several_meshes) || (sample.ascii && !format.has_ascii)) return true;
   // One folder a format: the .bin of one model must not have the name of another's.
   const std::filesystem::path path = folder / format.name / (sample.name + "." + std::string(format.name));
   std::filesystem::create_directories(path.parent_path());
-  const auto written = write_meshes(meshes, path, {format.format, sample.flat_normals, sample.ascii});
+  const auto written = meshes::write_meshes(meshes, path, {format.format, sample.flat_normals, sample.ascii});
   if (!written) std::fprintf(stderr, "%s\n", written.error().message.c_str());
   return written.has_value();
 }
@@ -75,7 +75,7 @@ int main(int argc, char** argv) {
   }
   bool good = true;
   for (const Sample& sample : samples()) {
-    for (const MeshFormatInfo& format : mesh_formats()) good = write(sample, format, argv[1]) && good;
+    for (const meshes::MeshFormatInfo& format : meshes::mesh_formats()) good = write(sample, format, argv[1]) && good;
   }
   return good ? 0 : 1;
 }

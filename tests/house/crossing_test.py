@@ -28,7 +28,7 @@ def preprocessors():
         output = words.index("-o")
         del words[output : output + 2]
         words[words.index("-c") :] = ["-E", "-o", "/dev/null"]
-        commands.setdefault(path.parent.name, words)
+        commands.setdefault(path.relative_to(SOURCE / "src").parts[0], words)
     return commands
 
 
@@ -52,6 +52,24 @@ class CrossingTest(unittest.TestCase):
                             self.assertRegex(done.stderr, f"{header}.*(No such file|not found)")
                             crossings += 1
         self.assertGreaterEqual(crossings, 12)
+
+    def test_what_lies_below_a_room_cannot_be_included_by_others(self):
+        commands = preprocessors()
+        probed = 0
+        with tempfile.TemporaryDirectory(prefix="isoextract-house-") as folder:
+            probe = pathlib.Path(folder) / "probe.cpp"
+            for room, command in commands.items():
+                for other in sorted(rules.reach(room) & set(commands)):
+                    own = sorted((SOURCE / "src" / other).glob("*/*.hpp"))
+                    if not own:
+                        continue
+                    header = own[0].relative_to(SOURCE / "src").as_posix()
+                    with self.subTest(room=room, includes=header):
+                        probe.write_text(f'#include "{header}"\n')
+                        done = subprocess.run([*command, probe], cwd=BUILD, capture_output=True, text=True)
+                        self.assertEqual(done.returncode == 0, room == other, done.stderr)
+                        probed += room != other
+        self.assertGreaterEqual(probed, 6)
 
 
 if __name__ == "__main__":

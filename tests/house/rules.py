@@ -5,32 +5,34 @@ import re
 import subprocess
 import sys
 
-# Which rooms a room's sources may include, besides itself (DESIGN section 2); what those include comes along.
+# Which rooms a room's sources may include, besides itself; what those include comes along.
 MAY_INCLUDE = {
     "base": [],
     "field": ["base"],
     "mesh": ["base"],
-    "io": ["field", "mesh"],
+    "files": ["base"],
+    "gl": ["base"],
+    "volumes": ["field", "files"],
+    "meshes": ["mesh", "files"],
     "extract": ["field", "mesh"],
-    "gpu": ["extract"],
-    "render": ["gpu", "mesh"],
-    "simulate": ["field", "io"],
+    "gpu": ["gl", "extract"],
+    "edit": ["mesh"],
     "measure": ["extract", "mesh"],
-    "batch": ["io", "extract", "measure"],
-    "cli": ["base", "field", "mesh", "io", "extract", "gpu", "render", "simulate", "measure", "batch"],
+    "convert": ["volumes", "meshes", "gpu", "edit", "measure"],
+    "cli": ["convert"],
 }
 
 LINE_LIMIT = 500
 
 # What only some places may use: pattern, the rooms or files that may, what to do instead.
 RESERVED = [
-    (r"#\s*include\s*[<\"](GL|GLES\d?|EGL|epoxy)/", ["gpu", "render"], "GL and EGL belong to gpu and render"),
+    (r"#\s*include\s*[<\"](GL|GLES\d?|EGL|epoxy)/", ["gl", "gpu"], "GL and EGL belong to gl and gpu"),
     (r"\b(_|quick_|std::)?exit\s*\(|\bstd::(abort|terminate)\b|\babort\s*\(", ["cli"], "return an Error instead"),
     (r"\bargv\b", ["cli"], "only cli reads the command line"),
     (r"\bstd::(cout|cerr|clog)\b|\b(stdout|stderr)\b", ["cli"], "only cli speaks; return text or an Error"),
     (r"\b(v?f?printf|puts|fputs|putchar|perror)\s*\(|\bfmt::print\b", ["cli"], "only cli speaks"),
     (r"#\s*include\s*<spdlog/", ["cli"], "only cli speaks"),
-    (r"\bSTDOUT_FILENO\b", ["cli", "io/output_file.cpp"], "write through OutputFile"),
+    (r"\bSTDOUT_FILENO\b", ["cli", "files/output_file.cpp"], "write through OutputFile"),
 ]
 
 MACHINE_PATH = re.compile(r"(^|[^A-Za-z0-9_.~}])/(work|tmp|root|home|Users)/")
@@ -104,6 +106,8 @@ def check_includes(root):
             if first in MAY_INCLUDE and "/" in target:
                 if first not in reach(room):
                     yield f"{place}: {room} may not include {first} ({target})"
+                elif first != room and target.count("/") > 1:
+                    yield f"{place}: {target} is for {first} alone"
             elif quoted or first in (".", ".."):
                 yield f'{place}: write "{target}" as "room/header.hpp"'
 
@@ -123,6 +127,16 @@ def check_links(root):
             yield f"{path.relative_to(root)}: {room} may not link {other}"
 
 
+def check_namespaces(root):
+    """What a room declares is in the namespace of its name; base, which all rooms speak, is the project's own."""
+    for room, path, code in room_sources(root):
+        expected = "isoextract" if room == "base" else f"isoextract::{room}"
+        for place, line in numbered(root, path, code):
+            declared = re.match(r"namespace (isoextract(::\w+)*)\b", line)
+            if declared and declared.group(1) not in (expected, f"{expected}::detail"):
+                yield f"{place}: {declared.group(1)}, expected {expected}"
+
+
 def check_reserved(root):
     """Graphics headers, output, the command line and the end of the program each have their place."""
     for room, path, code in room_sources(root):
@@ -140,9 +154,11 @@ def check_map(root):
     page = root / "src" / "README.md"
     sections = re.split(r"^## (\w+)", page.read_text() if page.exists() else "", flags=re.MULTILINE)
     named = {
-        (room, name) for room, text in zip(sections[1::2], sections[2::2]) for name in re.findall(r"^\| `(\w+)`", text, re.M)
+        (room, name) for room, text in zip(sections[1::2], sections[2::2]) for name in re.findall(r"^\| `([\w/]+)`", text, re.M)
     }
-    there = {(room, path.stem) for room, path, _ in room_sources(root)}
+    there = {
+        (room, path.relative_to(root / "src" / room).with_suffix("").as_posix()) for room, path, _ in room_sources(root)
+    }
     for room, name in sorted(there - named):
         yield f"src/README.md: no line for {room}/{name}"
     for room, name in sorted(named - there):
@@ -170,7 +186,7 @@ def check_machine_paths(root):
                 yield f"{place}: `{line.strip()}`: an absolute path of one machine"
 
 
-CHECKS = [check_includes, check_links, check_reserved, check_map, check_length, check_machine_paths]
+CHECKS = [check_includes, check_links, check_namespaces, check_reserved, check_map, check_length, check_machine_paths]
 
 
 def main():

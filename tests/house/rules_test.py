@@ -10,17 +10,17 @@ import rules
 CLEAN = {
     "src/base/CMakeLists.txt": "isoextract_room(base\n  SOURCES a.cpp)\n",
     "src/base/error.hpp": "#pragma once\n",
-    "src/io/CMakeLists.txt": "isoextract_room(io SOURCES b.cpp ROOMS base field LIBRARIES Some::lib)\n",
-    "src/io/reader.cpp": (
-        '#include "io/reader.hpp"\n#include <vector>\n#include "field/samples.hpp"\n#include "base/error.hpp"\n'
+    "src/volumes/CMakeLists.txt": "isoextract_room(volumes SOURCES b.cpp ROOMS base field LIBRARIES Some::lib)\n",
+    "src/volumes/reader.cpp": (
+        '#include "volumes/reader.hpp"\n#include <vector>\n#include "field/samples.hpp"\n#include "base/error.hpp"\n'
         '// std::cout and exit(1) in a comment\nconst char* s = "printf(\\"argv\\") // no end";\n'
         "int big = 1'000'000; char c = '\"';\n/* abort();\n exit(2); */\nvoid atexit_like(int on_exit);\n"
         'auto r = R"x(std::cerr " )" )x";\n'
     ),
-    "src/cli/CMakeLists.txt": "isoextract_room(cli SOURCES c.cpp ROOMS base io)\n",
+    "src/cli/CMakeLists.txt": "isoextract_room(cli SOURCES c.cpp ROOMS base volumes)\n",
     "src/cli/main.cpp": "#include <cstdio>\nint main(int, char** argv) { std::puts(argv[0]); std::exit(0); }\n",
 }
-CLEAN["src/README.md"] = "## base: x\n| `error` | x |\n## io: x\n| `reader` | x |\n## cli: x\n| `main` | x |\n"
+CLEAN["src/README.md"] = "## base: x\n| `error` | x |\n## volumes: x\n| `reader` | x |\n## cli: x\n| `main` | x |\n"
 SLASH = "/"
 
 
@@ -58,24 +58,32 @@ class RulesTest(unittest.TestCase):
         self.expect_one("src/base/planted.cpp:2", "base may not include field")
 
     def test_include_in_angle_brackets_and_with_spaces(self):
-        self.plant_in_room("io", "  #  include <extract/extractor.hpp>\n")
-        self.expect_one("src/io/planted.cpp:1", "io may not include extract")
+        self.plant_in_room("volumes", "  #  include <extract/extractor.hpp>\n")
+        self.expect_one("src/volumes/planted.cpp:1", "volumes may not include extract")
+
+    def test_include_of_what_is_another_rooms_own(self):
+        self.plant_in_room("volumes", '#include "field/detail/tables.hpp"\n#include "volumes/detail/mine.hpp"\n')
+        self.expect_one("src/volumes/planted.cpp:1", "for field alone")
+
+    def test_namespace_of_another_room(self):
+        self.plant_in_room("volumes", "namespace isoextract::volumes {\n}\nnamespace isoextract::field {\n}\n")
+        self.expect_one("src/volumes/planted.cpp:3", "expected isoextract::volumes")
 
     def test_include_by_relative_path(self):
         self.plant_in_room("base", '#include "../field/samples.hpp"\n')
         self.expect_one("src/base/planted.cpp:1", "room/header.hpp")
 
     def test_include_without_room(self):
-        self.plant_in_room("io", '#include "reader.hpp"\n')
-        self.expect_one("src/io/planted.cpp:1", "room/header.hpp")
+        self.plant_in_room("volumes", '#include "reader.hpp"\n')
+        self.expect_one("src/volumes/planted.cpp:1", "room/header.hpp")
 
     def test_room_outside_the_table(self):
         self.plant_in_room("util", "int x;\n")
         self.expect_one("src/util/planted.cpp", "'util'")
 
     def test_link_line_beyond_the_table(self):
-        self.plant("src/io/CMakeLists.txt", "isoextract_room(io SOURCES b.cpp ROOMS base extract LIBRARIES x)\n")
-        self.expect_one("io may not link extract")
+        self.plant("src/volumes/CMakeLists.txt", "isoextract_room(volumes SOURCES b.cpp ROOMS base extract LIBRARIES x)\n")
+        self.expect_one("volumes may not link extract")
 
     def test_link_beside_the_room_declaration(self):
         text = CLEAN["src/base/CMakeLists.txt"] + "target_link_libraries(isoextract_base PRIVATE isoextract_mesh)\n"
@@ -83,8 +91,8 @@ class RulesTest(unittest.TestCase):
         self.expect_one("base may not link mesh")
 
     def test_graphics_headers(self):
-        self.plant_in_room("io", "#include <epoxy/gl.h>\n")
-        self.expect_one("src/io/planted.cpp:1", "gpu and render")
+        self.plant_in_room("volumes", "#include <epoxy/gl.h>\n")
+        self.expect_one("src/volumes/planted.cpp:1", "gl and gpu")
 
     def test_what_only_cli_may_do(self):
         for code in (
@@ -93,14 +101,14 @@ class RulesTest(unittest.TestCase):
             "write(STDOUT_FILENO, p, n);",
         ):  # fmt: skip
             with self.subTest(code=code):
-                self.plant_in_room("io", f"int x;\n{code}\n")
+                self.plant_in_room("volumes", f"int x;\n{code}\n")
                 findings = self.findings()
-                self.assertTrue(findings and all("src/io/planted.cpp:2" in finding for finding in findings), findings)
+                self.assertTrue(findings and all("src/volumes/planted.cpp:2" in finding for finding in findings), findings)
 
     def test_map_of_the_rooms(self):
-        self.plant("src/io/new.cpp", "int x;\n")
-        self.expect_one("no line for io/new")
-        (self.root / "src/io/new.cpp").rename(self.root / "src/io/reader.hpp")
+        self.plant("src/volumes/new.cpp", "int x;\n")
+        self.expect_one("no line for volumes/new")
+        (self.root / "src/volumes/new.cpp").rename(self.root / "src/volumes/reader.hpp")
         self.assertEqual(self.findings(), [])
         (self.root / "src/base/error.hpp").unlink()
         self.expect_one("names base/error")

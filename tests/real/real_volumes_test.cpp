@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 
 #include "field/interpolant.hpp"
-#include "io/volume_reader.hpp"
 #include "support/data_folder.hpp"
 #include "support/meshes.hpp"
+#include "volumes/volume_reader.hpp"
 
 namespace isoextract {
 namespace {
@@ -17,16 +17,16 @@ namespace {
 struct Volume {
   const char* file;
   const char* expected;  // its name in EXPECTED.json
-  std::optional<RawLayout> raw;
+  std::optional<volumes::RawLayout> raw;
   // index -> world as the header has it, copied by hand
-  Affine world;
+  field::Affine world;
   // FlyingEdges keeps the inside corners of every face apart, which makes more surface in noise than the interpolant
   // has; see AreaIsNearerToTheInterpolants.
   double area_tolerance = 0.005;
 };
 
-Affine diagonal(const glm::dvec3& spacing, const glm::dvec3& origin) {
-  Affine map = scaling(spacing);
+field::Affine diagonal(const glm::dvec3& spacing, const glm::dvec3& origin) {
+  field::Affine map = field::scaling(spacing);
   map.offset = origin;
   return map;
 }
@@ -48,8 +48,9 @@ const Volume kVolumes[] = {
       {64.898239135742202, 110.4311447143555, -27.92553901672364}},
      0.01},
     {"mol/betaGal.npy", "mol/betaGal.npy", {}, diagonal({1, 1, 1}, {0, 0, 0})},
-    {"med/HeadMRVolume.raw", "med/HeadMRVolume.mhd", RawLayout{{48, 62, 42}, SampleType::u8, std::endian::little, 0},
-     diagonal({1, 1, 1}, {0, 0, 0}), 0.025},
+    {"med/HeadMRVolume.raw", "med/HeadMRVolume.mhd",
+     volumes::RawLayout{{48, 62, 42}, field::SampleType::u8, std::endian::little, 0}, diagonal({1, 1, 1}, {0, 0, 0}),
+     0.025},
     {"vdb/smoke.vdb",
      "vdb/smoke.vdb",
      {},
@@ -66,22 +67,22 @@ class RealVolume : public testing::TestWithParam<Volume> {
     ISOEXTRACT_NEEDS_DATA(GetParam().file);
     ISOEXTRACT_NEEDS_DATA("EXPECTED.json");
     expected_ = nlohmann::json::parse(std::ifstream(test::data_file("EXPECTED.json"))).at(GetParam().expected);
-    ReadOptions read;
+    volumes::ReadOptions read;
     read.raw = GetParam().raw;
-    auto field = read_volume(test::data_file(GetParam().file).string(), read);
+    auto field = volumes::read_volume(test::data_file(GetParam().file).string(), read);
     ASSERT_TRUE(field) << field.error().message;
     field_ = std::move(*field);
   }
 
-  [[nodiscard]] ExtractOptions options(Method method) const {
-    ExtractOptions o;
+  [[nodiscard]] extract::ExtractOptions options(extract::Method method) const {
+    extract::ExtractOptions o;
     o.method = method;
     o.iso = expected_.at("iso");
     return o;
   }
 
   nlohmann::json expected_;
-  ScalarField field_;
+  field::ScalarField field_;
 };
 
 INSTANTIATE_TEST_SUITE_P(All, RealVolume, testing::ValuesIn(kVolumes), [](const auto& parameter) {
@@ -92,15 +93,15 @@ INSTANTIATE_TEST_SUITE_P(All, RealVolume, testing::ValuesIn(kVolumes), [](const 
 });
 
 TEST_P(RealVolume, AgreesWithFlyingEdges) {
-  const Mesh mesh = test::extract(field_, options(Method::mc)).mesh;
-  test::expect_sound(mesh,
-                     !expected_.at("border").get<bool>() || std::holds_alternative<SparseSamples>(field_.samples));
+  const mesh::Mesh mesh = test::extract(field_, options(extract::Method::mc)).mesh;
+  test::expect_sound(
+      mesh, !expected_.at("border").get<bool>() || std::holds_alternative<field::SparseSamples>(field_.samples));
   const double area = expected_.at("area");
-  EXPECT_NEAR(measure_size(mesh).area, area, GetParam().area_tolerance * area);
+  EXPECT_NEAR(mesh::measure_size(mesh).area, area, GetParam().area_tolerance * area);
   // The figures count from the first voxel of the dense box they were made from: the active box and one voxel around.
   glm::dvec3 first(0);
-  if (std::holds_alternative<SparseSamples>(field_.samples)) first = glm::dvec3(field_.extents().min - 1);
-  const Bounds bounds = measure_bounds(mesh);
+  if (std::holds_alternative<field::SparseSamples>(field_.samples)) first = glm::dvec3(field_.extents().min - 1);
+  const mesh::Bounds bounds = mesh::measure_bounds(mesh);
   for (int axis = 0; axis < 3; ++axis) {
     EXPECT_NEAR(bounds.min[axis] - first[axis], expected_.at("bounds").at(axis).get<double>(), 0.02);
     EXPECT_NEAR(bounds.max[axis] - first[axis], expected_.at("bounds").at(3 + axis).get<double>(), 0.02);
@@ -110,15 +111,15 @@ TEST_P(RealVolume, AgreesWithFlyingEdges) {
 // Where the areas differ: sampled twice as finely, the interpolant's surface has an area nearer to ours.
 TEST_P(RealVolume, AreaIsNearerToTheInterpolants) {
   if (GetParam().area_tolerance <= 0.005) return;
-  const IndexBox box = std::holds_alternative<SparseSamples>(field_.samples)
-                           ? IndexBox{field_.extents().min - 1, field_.extents().max + 1}
-                           : field_.extents();
+  const field::IndexBox box = std::holds_alternative<field::SparseSamples>(field_.samples)
+                                  ? field::IndexBox{field_.extents().min - 1, field_.extents().max + 1}
+                                  : field_.extents();
   const glm::ivec3 dims = 2 * (box.max - box.min) + 1;
   auto values = std::make_shared<std::vector<float>>(
       static_cast<std::size_t>(dims.x) * static_cast<std::size_t>(dims.y) * static_cast<std::size_t>(dims.z));
-  const Interpolant interpolant(field_, Interpolation::trilinear);
+  const field::Interpolant interpolant(field_, field::Interpolation::trilinear);
   tbb::parallel_for(0, dims.z, [&](int k) {
-    Interpolant::Cursor cursor(interpolant);
+    field::Interpolant::Cursor cursor(interpolant);
     float* out = values->data() +
                  static_cast<std::size_t>(k) * static_cast<std::size_t>(dims.y) * static_cast<std::size_t>(dims.x);
     for (int j = 0; j < dims.y; ++j) {
@@ -127,30 +128,30 @@ TEST_P(RealVolume, AreaIsNearerToTheInterpolants) {
       }
     }
   });
-  ScalarField finer;
+  field::ScalarField finer;
   finer.kind = field_.kind;
   const void* data = values->data();
-  finer.samples = DenseSamples{SampleType::f32, dims, std::move(values), data};
-  const double fine_area = measure_size(test::extract(finer, options(Method::mc)).mesh).area / 4;
-  const double area = measure_size(test::extract(field_, options(Method::mc)).mesh).area;
+  finer.samples = field::DenseSamples{field::SampleType::f32, dims, std::move(values), data};
+  const double fine_area = mesh::measure_size(test::extract(finer, options(extract::Method::mc)).mesh).area / 4;
+  const double area = mesh::measure_size(test::extract(field_, options(extract::Method::mc)).mesh).area;
   EXPECT_LT(std::abs(area - fine_area), std::abs(expected_.at("area").get<double>() - fine_area));
 }
 
 TEST_P(RealVolume, IsClosedWhenCapped) {
-  for (const Method method : {Method::mc, Method::mt}) {
-    ExtractOptions capped = options(method);
+  for (const extract::Method method : {extract::Method::mc, extract::Method::mt}) {
+    extract::ExtractOptions capped = options(method);
     capped.cap = true;
-    const Mesh mesh = test::extract(field_, capped).mesh;
+    const mesh::Mesh mesh = test::extract(field_, capped).mesh;
     test::expect_sound(mesh, true);
-    EXPECT_GT(measure_size(mesh).volume, 0);
+    EXPECT_GT(mesh::measure_size(mesh).volume, 0);
   }
 }
 
 TEST_P(RealVolume, LiesWhereItsHeaderSays) {
-  const Mesh index = test::extract(field_, options(Method::mc)).mesh;
-  ExtractOptions in_world = options(Method::mc);
+  const mesh::Mesh index = test::extract(field_, options(extract::Method::mc)).mesh;
+  extract::ExtractOptions in_world = options(extract::Method::mc);
   in_world.output_from_index = field_.index_to_world;
-  const Mesh world = test::extract(field_, in_world).mesh;
+  const mesh::Mesh world = test::extract(field_, in_world).mesh;
   ASSERT_EQ(index.positions.size(), world.positions.size());
   const double voxel = glm::length(GetParam().world.linear[0]);
   for (std::size_t v = 0; v < index.positions.size(); v += 97) {

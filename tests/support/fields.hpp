@@ -15,8 +15,8 @@ namespace isoextract::test {
 // Halves are made from floats only.
 template <class T, class V>
 T sample(V value) {
-  if constexpr (std::is_same_v<T, Half>) {
-    return Half(static_cast<float>(value));
+  if constexpr (std::is_same_v<T, field::Half>) {
+    return field::Half(static_cast<float>(value));
   } else {
     return static_cast<T>(value);
   }
@@ -24,23 +24,23 @@ T sample(V value) {
 
 // value(i, j, k) for every sample; index space is world space.
 template <class T, class F>
-ScalarField dense_field(const glm::ivec3& dims, const F& value) {
+field::ScalarField dense_field(const glm::ivec3& dims, const F& value) {
   auto values = std::make_shared<std::vector<T>>();
   for (int k = 0; k < dims.z; ++k) {
     for (int j = 0; j < dims.y; ++j) {
       for (int i = 0; i < dims.x; ++i) values->push_back(sample<T>(value(i, j, k)));
     }
   }
-  ScalarField field;
+  field::ScalarField field;
   field.name = "test";
   field.source = "test field";
   const void* data = values->data();
-  field.samples = DenseSamples{sample_type_of<T>(), dims, std::move(values), data};
+  field.samples = field::DenseSamples{field::sample_type_of<T>(), dims, std::move(values), data};
   return field;
 }
 
 template <class T>
-ScalarField random_field(const glm::ivec3& dims, unsigned seed, int distinct_values) {
+field::ScalarField random_field(const glm::ivec3& dims, unsigned seed, int distinct_values) {
   std::mt19937 engine(seed);
   std::uniform_int_distribution<int> value(0, distinct_values - 1);
   return dense_field<T>(dims, [&](int, int, int) { return value(engine); });
@@ -49,11 +49,11 @@ ScalarField random_field(const glm::ivec3& dims, unsigned seed, int distinct_val
 // The same values in 8^3 blocks, tiles where a block is constant, and `background` where it is constant background. The
 // first and the last block are always stored, so that the stored box is the dense box. Dims must be multiples of 8.
 template <class T>
-ScalarField sparse_copy(const ScalarField& field, double background) {
-  const auto& dense = std::get<DenseSamples>(field.samples);
+field::ScalarField sparse_copy(const field::ScalarField& field, double background) {
+  const auto& dense = std::get<field::DenseSamples>(field.samples);
   const auto* source = static_cast<const T*>(dense.data);
   auto values = std::make_shared<std::vector<std::vector<T>>>();
-  SparseSamples sparse;
+  field::SparseSamples sparse;
   sparse.type = dense.type;
   sparse.background = background;
   const glm::ivec3 last = dense.dims - 8;
@@ -80,7 +80,7 @@ ScalarField sparse_copy(const ScalarField& field, double background) {
   for (std::size_t b = 0; b < values->size(); ++b) sparse.blocks[b].values = (*values)[b].data();
   sparse.active_box = {glm::ivec3(0), dense.dims - 1};
   sparse.owner = std::move(values);
-  ScalarField result = field;
+  field::ScalarField result = field;
   result.samples = std::move(sparse);
   return result;
 }

@@ -10,7 +10,7 @@
 namespace isoextract::test {
 
 // Of a closed mesh: vertices - edges + triangles, with 3/2 edges a triangle.
-[[nodiscard]] inline SurfaceTopology component_euler_numbers(const Mesh& mesh) {
+[[nodiscard]] inline SurfaceTopology component_euler_numbers(const mesh::Mesh& mesh) {
   DisjointSets components;
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) components.add();
   for (const glm::uvec3& t : mesh.triangles) {

@@ -17,8 +17,8 @@ Buffer<T> copy_of(const Buffer<T>& buffer) {
   return copy;
 }
 
-inline Mesh copy_of(const Mesh& mesh) {
-  Mesh copy;
+inline mesh::Mesh copy_of(const mesh::Mesh& mesh) {
+  mesh::Mesh copy;
   copy.name = mesh.name;
   copy.origin = mesh.origin;
   copy.positions = copy_of(mesh.positions);
@@ -29,12 +29,12 @@ inline Mesh copy_of(const Mesh& mesh) {
 }
 
 // The same mesh with its vertices and triangles in random order, and triangles that start anywhere.
-inline Mesh shuffled(const Mesh& mesh, unsigned seed) {
+inline mesh::Mesh shuffled(const mesh::Mesh& mesh, unsigned seed) {
   std::mt19937 engine(seed);
   std::vector<std::uint32_t> number(mesh.positions.size());  // the new one of each vertex
   std::iota(number.begin(), number.end(), 0U);
   std::shuffle(number.begin(), number.end(), engine);
-  Mesh result = copy_of(mesh);
+  mesh::Mesh result = copy_of(mesh);
   for (std::size_t v = 0; v < number.size(); ++v) {
     result.positions[number[v]] = mesh.positions[v];
     if (!mesh.normals.empty()) result.normals[number[v]] = mesh.normals[v];
@@ -49,8 +49,8 @@ inline Mesh shuffled(const Mesh& mesh, unsigned seed) {
 }
 
 // Without one of its triangles.
-inline Mesh without_triangle(const Mesh& mesh, std::size_t triangle) {
-  Mesh result = copy_of(mesh);
+inline mesh::Mesh without_triangle(const mesh::Mesh& mesh, std::size_t triangle) {
+  mesh::Mesh result = copy_of(mesh);
   result.triangles = Buffer<glm::uvec3>(mesh.triangles.size() - 1);
   for (std::size_t t = 0, out = 0; t < mesh.triangles.size(); ++t) {
     if (t != triangle) result.triangles[out++] = mesh.triangles[t];

@@ -18,7 +18,7 @@ using Point = std::tuple<double, double, double>;
 
 // Triangles as sorted corner positions that start at their least corner: independent of vertex and triangle order, but
 // not of winding.
-inline std::vector<std::array<Point, 3>> triangle_set(const Mesh& mesh) {
+inline std::vector<std::array<Point, 3>> triangle_set(const mesh::Mesh& mesh) {
   std::vector<std::array<Point, 3>> set;
   for (const glm::uvec3& t : mesh.triangles) {
     std::array<Point, 3> corners;
@@ -34,12 +34,12 @@ inline std::vector<std::array<Point, 3>> triangle_set(const Mesh& mesh) {
 }
 
 // For INSTANTIATE_TEST_SUITE_P over methods.
-inline std::string method_name(const testing::TestParamInfo<Method>& parameter) {
-  return parameter.param == Method::mc ? "mc" : "mt";
+inline std::string method_name(const testing::TestParamInfo<extract::Method>& parameter) {
+  return parameter.param == extract::Method::mc ? "mc" : "mt";
 }
 
-inline Extraction extract(const ScalarField& field, const ExtractOptions& options) {
-  Result<Extraction> result = make_cpu_extractor()->extract(field, options);
+inline extract::Extraction extract(const field::ScalarField& field, const extract::ExtractOptions& options) {
+  Result<extract::Extraction> result = extract::make_cpu_extractor()->extract(field, options);
   if (!result) {
     ADD_FAILURE() << result.error().message;
     return {};
@@ -48,8 +48,8 @@ inline Extraction extract(const ScalarField& field, const ExtractOptions& option
 }
 
 // Closed (if `closed`), oriented, manifold, without unused vertices or zero-area triangles.
-inline void expect_sound(const Mesh& mesh, bool closed) {
-  const Topology t = measure_topology(mesh);
+inline void expect_sound(const mesh::Mesh& mesh, bool closed) {
+  const mesh::Topology t = mesh::measure_topology(mesh);
   if (closed) {
     EXPECT_EQ(t.open_edges, 0U);
   }
@@ -58,7 +58,7 @@ inline void expect_sound(const Mesh& mesh, bool closed) {
   EXPECT_EQ(t.nonmanifold_vertices, 0U);
   EXPECT_EQ(t.repeated_index_triangles, 0U);
   EXPECT_EQ(t.unused_vertices, 0U);
-  EXPECT_EQ(measure_size(mesh).zero_area_triangles, 0U);
+  EXPECT_EQ(mesh::measure_size(mesh).zero_area_triangles, 0U);
 }
 
 }  // namespace isoextract::test

@@ -143,13 +143,13 @@ enum class Side { above, below };
   return TrilinearTopology(samples, kRandomSize, side == Side::above ? beside : -beside)();
 }
 
-[[nodiscard]] inline ScalarField as_field(std::vector<float> samples) {
+[[nodiscard]] inline field::ScalarField as_field(std::vector<float> samples) {
   auto owner = std::make_shared<std::vector<float>>(std::move(samples));
-  ScalarField field;
+  field::ScalarField field;
   field.name = "random";
   field.source = "random field";
   const void* data = owner->data();
-  field.samples = DenseSamples{SampleType::f32, glm::ivec3(kRandomSize), std::move(owner), data};
+  field.samples = field::DenseSamples{field::SampleType::f32, glm::ivec3(kRandomSize), std::move(owner), data};
   return field;
 }
 

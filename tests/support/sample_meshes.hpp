@@ -20,10 +20,10 @@ Buffer<T> buffer_of(const std::vector<T>& values) {
   return buffer;
 }
 
-inline Mesh make_mesh(std::string name, const std::vector<glm::vec3>& positions,
-                      const std::vector<glm::uvec3>& triangles, const std::vector<glm::vec3>& normals = {},
-                      const glm::dvec3& origin = glm::dvec3(0)) {
-  Mesh mesh;
+inline mesh::Mesh make_mesh(std::string name, const std::vector<glm::vec3>& positions,
+                            const std::vector<glm::uvec3>& triangles, const std::vector<glm::vec3>& normals = {},
+                            const glm::dvec3& origin = glm::dvec3(0)) {
+  mesh::Mesh mesh;
   mesh.name = std::move(name);
   mesh.origin = origin;
   mesh.positions = buffer_of(positions);
@@ -33,14 +33,14 @@ inline Mesh make_mesh(std::string name, const std::vector<glm::vec3>& positions,
 }
 
 // Closed; coordinates that no short decimal fraction meets.
-inline Mesh tetrahedron(std::string name = "tetrahedron", const glm::dvec3& origin = glm::dvec3(0)) {
+inline mesh::Mesh tetrahedron(std::string name = "tetrahedron", const glm::dvec3& origin = glm::dvec3(0)) {
   return make_mesh(std::move(name), {{0.1F, -0.0F, 1e-7F}, {1.0F / 3, 0, 0}, {0, 1e6F / 7, 0}, {0, 0, -2.0F / 3}},
                    {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {3, 2, 1}}, {}, origin);
 }
 
 // A closed unit sphere, wound outward, with rings * (2 * rings) vertices and two poles; normals if asked for.
-inline Mesh sphere(unsigned rings, bool normals, std::string name = "sphere",
-                   const glm::dvec3& origin = glm::dvec3(0)) {
+inline mesh::Mesh sphere(unsigned rings, bool normals, std::string name = "sphere",
+                         const glm::dvec3& origin = glm::dvec3(0)) {
   const unsigned columns = 2 * rings;
   std::vector<glm::vec3> positions;
   std::vector<glm::uvec3> triangles;

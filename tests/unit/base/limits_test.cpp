@@ -38,7 +38,7 @@ TEST(Memory, IsHeldAgainstTheLimit) {
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error().kind, ErrorKind::input);
   EXPECT_NE(result.error().message.find("in.raw"), std::string::npos);
-  EXPECT_NE(result.error().hint.find("--memory-limit"), std::string::npos);
+  EXPECT_EQ(result.error().hint.remedy, Remedy::raise_memory_limit);
   EXPECT_GT(default_limits().memory_bytes, 0U);
 }
 

@@ -8,7 +8,7 @@
 #include <glm/glm.hpp>
 #include "support/meshes.hpp"
 
-namespace isoextract {
+namespace isoextract::extract {
 namespace {
 
 class CellTables : public testing::TestWithParam<Method> {
@@ -281,4 +281,4 @@ TEST(CellTetrahedra, FillTheCellWithOneHandedness) {
 }
 
 }  // namespace
-}  // namespace isoextract
+}  // namespace isoextract::extract

@@ -9,7 +9,7 @@
 #include "field/demo_field.hpp"
 #include "support/meshes.hpp"
 
-namespace isoextract {
+namespace isoextract::extract {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -55,13 +55,13 @@ struct Errors {
 };
 
 Errors measure(const Truth& truth, Method method, int size) {
-  const ScalarField field =
-      make_demo_field(std::string(truth.demo) + "?size=" + std::to_string(size), default_limits()).value();
+  const field::ScalarField field =
+      field::make_demo_field(std::string(truth.demo) + "?size=" + std::to_string(size), default_limits()).value();
   ExtractOptions options;
   options.method = method;
   options.smooth_normals = true;
   options.output_from_index = field.index_to_world;
-  const Mesh mesh = test::extract(field, options).mesh;
+  const mesh::Mesh mesh = test::extract(field, options).mesh;
   Errors errors;
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
     const glm::dvec3 p = mesh.position(v);
@@ -71,7 +71,7 @@ Errors measure(const Truth& truth, Method method, int size) {
     errors.normal = std::max(errors.normal, glm::length(glm::cross(n, truth.normal(p))));
     EXPECT_GT(glm::dot(n, truth.normal(p)), 0.9);
   }
-  const MeshSize measured = measure_size(mesh);
+  const mesh::MeshSize measured = mesh::measure_size(mesh);
   errors.area = std::abs(measured.area / truth.area - 1);
   errors.volume = std::abs(measured.volume / truth.volume - 1);
   return errors;
@@ -98,4 +98,4 @@ TEST_P(Convergence, IsOfSecondOrder) {
 }
 
 }  // namespace
-}  // namespace isoextract
+}  // namespace isoextract::extract

@@ -7,13 +7,13 @@
 #include "support/fields.hpp"
 #include "support/meshes.hpp"
 
-namespace isoextract {
+namespace isoextract::extract {
 namespace {
 
-using KeyTriangle = std::array<EdgeKey, 3>;
+using KeyTriangle = std::array<mesh::EdgeKey, 3>;
 
 // Each key is the one edge that the vertex lies strictly within, or the sample that it stands at.
-void expect_keys_fit(const Mesh& mesh) {
+void expect_keys_fit(const mesh::Mesh& mesh) {
   ASSERT_EQ(mesh.edges.size(), mesh.positions.size());
   for (std::size_t v = 0; v < mesh.edges.size(); ++v) {
     const glm::vec3 away = mesh.positions[v] - glm::vec3(mesh.edges[v].low);
@@ -33,7 +33,7 @@ void expect_keys_fit(const Mesh& mesh) {
   }
 }
 
-std::multiset<KeyTriangle> key_triangles(const Mesh& mesh) {
+std::multiset<KeyTriangle> key_triangles(const mesh::Mesh& mesh) {
   std::multiset<KeyTriangle> set;
   for (const glm::uvec3& t : mesh.triangles) {
     KeyTriangle keys{mesh.edges[t.x], mesh.edges[t.y], mesh.edges[t.z]};
@@ -43,7 +43,7 @@ std::multiset<KeyTriangle> key_triangles(const Mesh& mesh) {
   return set;
 }
 
-std::uint64_t distinct_keys(const Mesh& mesh) { return std::set(mesh.edges.begin(), mesh.edges.end()).size(); }
+std::uint64_t distinct_keys(const mesh::Mesh& mesh) { return std::set(mesh.edges.begin(), mesh.edges.end()).size(); }
 
 class EdgeKeys : public testing::TestWithParam<Method> {
  protected:
@@ -55,7 +55,7 @@ class EdgeKeys : public testing::TestWithParam<Method> {
     return o;
   }
   // Random inside, background all round, so that dense and sparse see the same surface.
-  static ScalarField noise(double missing_share) {
+  static field::ScalarField noise(double missing_share) {
     std::mt19937 engine(5);
     std::uniform_int_distribution<int> value(0, 999);
     std::bernoulli_distribution lost(missing_share);
@@ -71,10 +71,10 @@ class EdgeKeys : public testing::TestWithParam<Method> {
 INSTANTIATE_TEST_SUITE_P(Methods, EdgeKeys, testing::Values(Method::mc, Method::mt), test::method_name);
 
 TEST_P(EdgeKeys, NameTheEdgeOfEveryVertexDenseAndSparse) {
-  const ScalarField dense = noise(0);
-  const Mesh a = test::extract(dense, options(600)).mesh;
-  const Mesh b = test::extract(test::sparse_copy<float>(dense, -1), options(600)).mesh;
-  for (const Mesh* mesh : {&a, &b}) {
+  const field::ScalarField dense = noise(0);
+  const mesh::Mesh a = test::extract(dense, options(600)).mesh;
+  const mesh::Mesh b = test::extract(test::sparse_copy<float>(dense, -1), options(600)).mesh;
+  for (const mesh::Mesh* mesh : {&a, &b}) {
     expect_keys_fit(*mesh);
     EXPECT_EQ(distinct_keys(*mesh), mesh->edges.size());
   }
@@ -83,30 +83,30 @@ TEST_P(EdgeKeys, NameTheEdgeOfEveryVertexDenseAndSparse) {
 }
 
 TEST_P(EdgeKeys, CountFromTheFieldsFirstSampleInRegionsAndCaps) {
-  const ScalarField dense = noise(0);
+  const field::ScalarField dense = noise(0);
   const auto whole = key_triangles(test::extract(dense, options(600)).mesh);
   ExtractOptions o = options(600);
-  o.region = IndexBox{{3, 5, 2}, {20, 12, 9}};
+  o.region = field::IndexBox{{3, 5, 2}, {20, 12, 9}};
   const auto part = key_triangles(test::extract(dense, o).mesh);
   EXPECT_TRUE(std::includes(whole.begin(), whole.end(), part.begin(), part.end()));
   o.cap = true;
-  const Mesh a = test::extract(dense, o).mesh;
-  const Mesh b = test::extract(test::sparse_copy<float>(dense, -1), o).mesh;
-  for (const Mesh* mesh : {&a, &b}) {
+  const mesh::Mesh a = test::extract(dense, o).mesh;
+  const mesh::Mesh b = test::extract(test::sparse_copy<float>(dense, -1), o).mesh;
+  for (const mesh::Mesh* mesh : {&a, &b}) {
     expect_keys_fit(*mesh);
     EXPECT_EQ(distinct_keys(*mesh), mesh->edges.size());
-    EXPECT_TRUE(std::ranges::any_of(mesh->edges, [](const EdgeKey& key) { return key.direction == 0; }));
+    EXPECT_TRUE(std::ranges::any_of(mesh->edges, [](const mesh::EdgeKey& key) { return key.direction == 0; }));
   }
   EXPECT_EQ(key_triangles(a), key_triangles(b));
 }
 
 TEST_P(EdgeKeys, AreSharedByTheVerticesThatAHoleParts) {
-  const ScalarField dense = noise(0.1);
+  const field::ScalarField dense = noise(0.1);
   ExtractOptions o = options(600);
   o.nan = NanPolicy::hole;
-  const Mesh a = test::extract(dense, o).mesh;
-  const Mesh b = test::extract(test::sparse_copy<float>(dense, -1), o).mesh;
-  for (const Mesh* mesh : {&a, &b}) {
+  const mesh::Mesh a = test::extract(dense, o).mesh;
+  const mesh::Mesh b = test::extract(test::sparse_copy<float>(dense, -1), o).mesh;
+  for (const mesh::Mesh* mesh : {&a, &b}) {
     expect_keys_fit(*mesh);
     EXPECT_LT(distinct_keys(*mesh), mesh->edges.size());
   }
@@ -114,13 +114,13 @@ TEST_P(EdgeKeys, AreSharedByTheVerticesThatAHoleParts) {
 }
 
 TEST_P(EdgeKeys, ChangeNothingElseAndAreThereOnlyIfAskedFor) {
-  const ScalarField dense = noise(0);
-  const ScalarField sparse = test::sparse_copy<float>(dense, -1);
-  for (const ScalarField* field : {&dense, &sparse}) {
+  const field::ScalarField dense = noise(0);
+  const field::ScalarField sparse = test::sparse_copy<float>(dense, -1);
+  for (const field::ScalarField* field : {&dense, &sparse}) {
     ExtractOptions o = options(600);
-    const Mesh with = test::extract(*field, o).mesh;
+    const mesh::Mesh with = test::extract(*field, o).mesh;
     o.edge_keys = false;
-    const Mesh without = test::extract(*field, o).mesh;
+    const mesh::Mesh without = test::extract(*field, o).mesh;
     EXPECT_TRUE(without.edges.empty());
     EXPECT_TRUE(std::ranges::equal(with.positions, without.positions));
     EXPECT_TRUE(std::ranges::equal(with.triangles, without.triangles));
@@ -128,12 +128,12 @@ TEST_P(EdgeKeys, ChangeNothingElseAndAreThereOnlyIfAskedFor) {
 }
 
 TEST(EdgeKey, OrderIsThatOfDenseMemory) {
-  const std::array ordered{EdgeKey{{5, 5, 0}, 7}, EdgeKey{{9, 0, 1}, 4}, EdgeKey{{-3, 1, 1}, 1}, EdgeKey{{2, 1, 1}, 0},
-                           EdgeKey{{2, 1, 1}, 1}};
+  const std::array ordered{mesh::EdgeKey{{5, 5, 0}, 7}, mesh::EdgeKey{{9, 0, 1}, 4}, mesh::EdgeKey{{-3, 1, 1}, 1},
+                           mesh::EdgeKey{{2, 1, 1}, 0}, mesh::EdgeKey{{2, 1, 1}, 1}};
   EXPECT_TRUE(std::is_sorted(ordered.begin(), ordered.end()));
   EXPECT_FALSE(ordered[3] == ordered[4]);
   EXPECT_FALSE(ordered[4] < ordered[4]);
 }
 
 }  // namespace
-}  // namespace isoextract
+}  // namespace isoextract::extract

@@ -9,7 +9,7 @@
 #include "support/meshes.hpp"
 #include "support/random_trilinear.hpp"
 
-namespace isoextract {
+namespace isoextract::extract {
 namespace {
 
 using test::RandomKind;
@@ -62,11 +62,11 @@ TEST_P(ExactTopology, IsThatOfTheTrilinearInterpolant) {
   std::atomic<unsigned> first_wrong = kFields;
   tbb::parallel_for(0U, kFields, [&](std::uint32_t seed) {
     const std::vector<float> samples = test::random_trilinear(GetParam(), seed);
-    const ScalarField field = test::as_field(samples);
+    const field::ScalarField field = test::as_field(samples);
     for (const Method method : {Method::mc, Method::mt}) {
       const auto extraction = make_cpu_extractor()->extract(field, at_zero(method));
-      if (!extraction || !measure_topology(extraction->mesh).is_closed_oriented_manifold() ||
-          measure_size(extraction->mesh).zero_area_triangles != 0) {
+      if (!extraction || !mesh::measure_topology(extraction->mesh).is_closed_oriented_manifold() ||
+          mesh::measure_size(extraction->mesh).zero_area_triangles != 0) {
         ++unsound;
         continue;
       }
@@ -93,4 +93,4 @@ INSTANTIATE_TEST_SUITE_P(Kinds, ExactTopology, testing::ValuesIn(test::kRandomKi
 });
 
 }  // namespace
-}  // namespace isoextract
+}  // namespace isoextract::extract

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace isoextract {
+namespace isoextract::extract {
 namespace {
 
 // Samples around every kind of edge of the type, and random ones.
@@ -33,15 +33,16 @@ std::vector<T> probes() {
 
 template <class T>
 class InsideTest : public testing::Test {};
-using Types = testing::Types<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::uint32_t, std::int32_t, Half,
-                             float, double>;
+using Types = testing::Types<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::uint32_t, std::int32_t,
+                             field::Half, float, double>;
 TYPED_TEST_SUITE(InsideTest, Types);
 
 // The threshold must agree with the plain comparison of converted values, for every kind of iso and scale.
 TYPED_TEST(InsideTest, AgreesWithTheRule) {
   const std::vector<TypeParam> samples = probes<TypeParam>();
-  for (const FieldKind kind : {FieldKind::density, FieldKind::level_set}) {
-    for (const ValueScale scale : {ValueScale{}, ValueScale{2.00784, 0}, ValueScale{-0.5, 3}, ValueScale{1e-3, -7}}) {
+  for (const field::FieldKind kind : {field::FieldKind::density, field::FieldKind::level_set}) {
+    for (const field::ValueScale scale : {field::ValueScale{}, field::ValueScale{2.00784, 0},
+                                          field::ValueScale{-0.5, 3}, field::ValueScale{1e-3, -7}}) {
       for (const double iso :
            {0.0, -0.0, 60.0, 59.5, -1.0, 0.1, 120.0, 1e7 + 1e-3, 3e38, -1e300, 1e-310, 254.99999999}) {
         const InsideRule rule{kind, iso};
@@ -63,9 +64,9 @@ TYPED_TEST(InsideTest, AgreesWithTheRule) {
 }
 
 TYPED_TEST(InsideTest, CountsNanAndKeepsItOutside) {
-  if constexpr (is_floating_sample<TypeParam>) {
-    for (const FieldKind kind : {FieldKind::density, FieldKind::level_set}) {
-      std::vector<TypeParam> samples(64, static_cast<TypeParam>(kind == FieldKind::density ? 1.0F : -1.0F));
+  if constexpr (field::is_floating_sample<TypeParam>) {
+    for (const field::FieldKind kind : {field::FieldKind::density, field::FieldKind::level_set}) {
+      std::vector<TypeParam> samples(64, static_cast<TypeParam>(kind == field::FieldKind::density ? 1.0F : -1.0F));
       const auto nan = static_cast<TypeParam>(std::numeric_limits<float>::quiet_NaN());
       samples[3] = nan;
       samples[63] = static_cast<TypeParam>(-static_cast<float>(nan));
@@ -80,21 +81,21 @@ TYPED_TEST(InsideTest, CountsNanAndKeepsItOutside) {
 }
 
 TEST(InsideThreshold, IsNothingWhereNoNumberIsInside) {
-  EXPECT_FALSE(find_inside_threshold<std::uint8_t>({FieldKind::density, 255}, {}));
-  EXPECT_FALSE(find_inside_threshold<std::uint8_t>({FieldKind::level_set, 0}, {}));
-  EXPECT_TRUE(find_inside_threshold<std::uint8_t>({FieldKind::density, 254.9}, {}));
-  EXPECT_TRUE(find_inside_threshold<float>({FieldKind::density, 1e300}, {})) << "infinity is above";
+  EXPECT_FALSE(find_inside_threshold<std::uint8_t>({field::FieldKind::density, 255}, {}));
+  EXPECT_FALSE(find_inside_threshold<std::uint8_t>({field::FieldKind::level_set, 0}, {}));
+  EXPECT_TRUE(find_inside_threshold<std::uint8_t>({field::FieldKind::density, 254.9}, {}));
+  EXPECT_TRUE(find_inside_threshold<float>({field::FieldKind::density, 1e300}, {})) << "infinity is above";
 }
 
 TEST(InsideThreshold, DoesNotRoundWideIntegersOrOffsets) {
   // 16777217 is not a float.
-  const auto wide = find_inside_threshold<std::int32_t>({FieldKind::density, 16777216}, {});
+  const auto wide = find_inside_threshold<std::int32_t>({field::FieldKind::density, 16777216}, {});
   ASSERT_TRUE(wide);
   EXPECT_EQ(wide->threshold, 16777217);
-  const auto fine = find_inside_threshold<double>({FieldKind::density, 1e7}, {});
+  const auto fine = find_inside_threshold<double>({field::FieldKind::density, 1e7}, {});
   ASSERT_TRUE(fine);
   EXPECT_EQ(fine->threshold, std::nextafter(1e7, 2e7));
 }
 
 }  // namespace
-}  // namespace isoextract
+}  // namespace isoextract::extract

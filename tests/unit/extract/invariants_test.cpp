@@ -9,7 +9,7 @@
 #include "support/fields.hpp"
 #include "support/meshes.hpp"
 
-namespace isoextract {
+namespace isoextract::extract {
 namespace {
 
 using test::dense_field;
@@ -25,28 +25,28 @@ class Invariants : public testing::TestWithParam<Method> {
     o.cap = cap;
     return o;
   }
-  static ScalarField demo(const char* spec) { return make_demo_field(spec, default_limits()).value(); }
+  static field::ScalarField demo(const char* spec) { return field::make_demo_field(spec, default_limits()).value(); }
 };
 
 INSTANTIATE_TEST_SUITE_P(Methods, Invariants, testing::Values(Method::mc, Method::mt), test::method_name);
 
 TEST_P(Invariants, SphereHasGenusZero) {
-  const Mesh mesh = extract(demo("demo:sphere?size=33"), options(0)).mesh;
+  const mesh::Mesh mesh = extract(demo("demo:sphere?size=33"), options(0)).mesh;
   expect_sound(mesh, true);
-  EXPECT_EQ(measure_topology(mesh).components, 1U);
-  EXPECT_EQ(measure_topology(mesh).genus(), 0);
-  EXPECT_GT(measure_size(mesh).volume, 0) << "wound inside out";
+  EXPECT_EQ(mesh::measure_topology(mesh).components, 1U);
+  EXPECT_EQ(mesh::measure_topology(mesh).genus(), 0);
+  EXPECT_GT(mesh::measure_size(mesh).volume, 0) << "wound inside out";
 }
 
 TEST_P(Invariants, TorusHasGenusOne) {
-  const Mesh mesh = extract(demo("demo:torus?size=40"), options(0)).mesh;
+  const mesh::Mesh mesh = extract(demo("demo:torus?size=40"), options(0)).mesh;
   expect_sound(mesh, true);
-  EXPECT_EQ(measure_topology(mesh).genus(), 1);
+  EXPECT_EQ(mesh::measure_topology(mesh).genus(), 1);
 }
 
 TEST_P(Invariants, OpenSurfaceIsOpenOnlyAtTheBorder) {
-  const ScalarField field = demo("demo:gyroid?size=30");
-  const Mesh mesh = extract(field, options(0)).mesh;
+  const field::ScalarField field = demo("demo:gyroid?size=30");
+  const mesh::Mesh mesh = extract(field, options(0)).mesh;
   expect_sound(mesh, false);
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> uses;
   for (const glm::uvec3& t : mesh.triangles) {
@@ -66,20 +66,20 @@ TEST_P(Invariants, OpenSurfaceIsOpenOnlyAtTheBorder) {
 
 TEST_P(Invariants, CapClosesTheGyroid) {
   const Extraction open = extract(demo("demo:gyroid?size=30"), options(0));
-  const Mesh mesh = extract(demo("demo:gyroid?size=30"), options(0, true)).mesh;
+  const mesh::Mesh mesh = extract(demo("demo:gyroid?size=30"), options(0, true)).mesh;
   expect_sound(mesh, true);
   EXPECT_GT(mesh.triangles.size(), open.mesh.triangles.size());
   // The gyroid halves the box.
-  EXPECT_NEAR(measure_size(mesh).volume, std::pow(29.0, 3) / 2, 0.01 * std::pow(29.0, 3));
+  EXPECT_NEAR(mesh::measure_size(mesh).volume, std::pow(29.0, 3) / 2, 0.01 * std::pow(29.0, 3));
 }
 
 TEST_P(Invariants, CappedBoxIsTheBox) {
   // Everything is inside: only the cap is left.
-  const ScalarField field = dense_field<float>({5, 4, 3}, [](int, int, int) { return 1; });
-  const Mesh mesh = extract(field, options(0, true)).mesh;
+  const field::ScalarField field = dense_field<float>({5, 4, 3}, [](int, int, int) { return 1; });
+  const mesh::Mesh mesh = extract(field, options(0, true)).mesh;
   expect_sound(mesh, true);
-  EXPECT_NEAR(measure_size(mesh).volume, 4 * 3 * 2, 1e-12);
-  EXPECT_NEAR(measure_size(mesh).area, 2 * (4 * 3 + 3 * 2 + 2 * 4), 1e-12);
+  EXPECT_NEAR(mesh::measure_size(mesh).volume, 4 * 3 * 2, 1e-12);
+  EXPECT_NEAR(mesh::measure_size(mesh).area, 2 * (4 * 3 + 3 * 2 + 2 * 4), 1e-12);
 }
 
 // Uniform values have every case; few distinct integers tie with iso everywhere.
@@ -87,7 +87,7 @@ TEST_P(Invariants, RandomFieldsAreSound) {
   for (unsigned seed = 0; seed < 60; ++seed) {
     const int distinct = seed % 3 == 0 ? 2 : seed % 3 == 1 ? 5 : 1 << 20;
     const glm::ivec3 dims(2 + seed % 7, 2 + seed % 5, 2 + seed % 11);
-    const ScalarField field = test::random_field<float>(dims, seed, distinct);
+    const field::ScalarField field = test::random_field<float>(dims, seed, distinct);
     for (const double iso : {0.0, 1.0, 2.0, distinct / 2.0}) {
       SCOPED_TRACE(testing::Message() << "seed " << seed << ", iso " << iso);
       expect_sound(extract(field, options(iso)).mesh, false);
@@ -104,7 +104,7 @@ TEST(AsymptoticDecider, DecidesFacesBySaddles) {
     std::size_t components;
   };
   for (const Case c : {Case{1, 2}, Case{2, 2}, Case{3, 1}, Case{5, 1}}) {
-    const ScalarField field = dense_field<std::uint8_t>({4, 4, 4}, [&](int i, int j, int k) {
+    const field::ScalarField field = dense_field<std::uint8_t>({4, 4, 4}, [&](int i, int j, int k) {
       if (k != 1) return 0;
       if ((i == 1 && j == 1) || (i == 2 && j == 2)) return 8;
       if (i == 2 && j == 1) return c.other;
@@ -112,9 +112,9 @@ TEST(AsymptoticDecider, DecidesFacesBySaddles) {
     });
     ExtractOptions o;
     o.iso = 5;  // saddle: (8 - 5)^2 against (5 - other) * (5 - 2)
-    const Mesh mesh = extract(field, o).mesh;
+    const mesh::Mesh mesh = extract(field, o).mesh;
     expect_sound(mesh, true);
-    EXPECT_EQ(measure_topology(mesh).components, c.components) << "other corner " << c.other;
+    EXPECT_EQ(mesh::measure_topology(mesh).components, c.components) << "other corner " << c.other;
   }
 }
 
@@ -122,14 +122,14 @@ TEST(AsymptoticDecider, DecidesFacesBySaddles) {
 TEST(AsymptoticDecider, DecidesExtremeValues) {
   for (const double size : {1e300, 1e-300}) {
     for (const bool joined : {false, true}) {
-      const ScalarField field = dense_field<double>({4, 4, 4}, [&](int i, int j, int k) {
+      const field::ScalarField field = dense_field<double>({4, 4, 4}, [&](int i, int j, int k) {
         if (k != 1) return -size;
         if ((i == 1 && j == 1) || (i == 2 && j == 2)) return joined ? 3 * size : size;
         return (i == 1 || i == 2) && (j == 1 || j == 2) ? -2 * size : -size;
       });
-      const Mesh mesh = extract(field, ExtractOptions{}).mesh;
+      const mesh::Mesh mesh = extract(field, ExtractOptions{}).mesh;
       expect_sound(mesh, true);
-      EXPECT_EQ(measure_topology(mesh).components, joined ? 1U : 2U) << "values about " << size;
+      EXPECT_EQ(mesh::measure_topology(mesh).components, joined ? 1U : 2U) << "values about " << size;
     }
   }
 }
@@ -137,35 +137,36 @@ TEST(AsymptoticDecider, DecidesExtremeValues) {
 // Below iso in a level set is what above iso is in a density.
 TEST_P(Invariants, LevelSetsAreMirrorImages) {
   for (unsigned seed = 0; seed < 20; ++seed) {
-    const ScalarField density = test::random_field<std::int16_t>({7, 6, 5}, seed, 9);
-    const auto& samples = std::get<DenseSamples>(density.samples);
+    const field::ScalarField density = test::random_field<std::int16_t>({7, 6, 5}, seed, 9);
+    const auto& samples = std::get<field::DenseSamples>(density.samples);
     const auto* values = static_cast<const std::int16_t*>(samples.data);
-    ScalarField level_set = dense_field<std::int16_t>(
+    field::ScalarField level_set = dense_field<std::int16_t>(
         samples.dims, [&](int i, int j, int k) { return -values[i + samples.dims.x * (j + samples.dims.y * k)]; });
-    level_set.kind = FieldKind::level_set;
-    const Mesh a = extract(density, options(4, true)).mesh;
-    const Mesh b = extract(level_set, options(-4, true)).mesh;
+    level_set.kind = field::FieldKind::level_set;
+    const mesh::Mesh a = extract(density, options(4, true)).mesh;
+    const mesh::Mesh b = extract(level_set, options(-4, true)).mesh;
     EXPECT_EQ(test::triangle_set(a), test::triangle_set(b));
   }
 }
 
 TEST_P(Invariants, CheckerboardIsSound) {
-  const ScalarField field = dense_field<std::uint8_t>({9, 8, 7}, [](int i, int j, int k) { return (i + j + k) % 2; });
+  const field::ScalarField field =
+      dense_field<std::uint8_t>({9, 8, 7}, [](int i, int j, int k) { return (i + j + k) % 2; });
   for (const double iso : {0.0, 0.5, 0.999}) {
-    const Mesh mesh = extract(field, options(iso, true)).mesh;
+    const mesh::Mesh mesh = extract(field, options(iso, true)).mesh;
     EXPECT_FALSE(mesh.triangles.empty());
     expect_sound(mesh, true);
   }
 }
 
 TEST_P(Invariants, ValuesEqualToIsoAreOutside) {
-  const ScalarField field = dense_field<std::int16_t>(
+  const field::ScalarField field = dense_field<std::int16_t>(
       {6, 6, 6}, [](int i, int j, int k) { return i > 1 && i < 4 && j > 1 && j < 4 && k > 1 && k < 4 ? 7 : 5; });
   EXPECT_TRUE(extract(field, options(7)).mesh.triangles.empty());
-  const Mesh mesh = extract(field, options(5)).mesh;
+  const mesh::Mesh mesh = extract(field, options(5)).mesh;
   expect_sound(mesh, true);
   // The surface hugs the outside samples that tie with iso, from within the edges.
-  const Bounds bounds = measure_bounds(mesh);
+  const mesh::Bounds bounds = mesh::measure_bounds(mesh);
   for (int axis = 0; axis < 3; ++axis) {
     EXPECT_GT(bounds.min[axis], 1.0);
     EXPECT_LT(bounds.min[axis], 1.001);
@@ -175,8 +176,9 @@ TEST_P(Invariants, ValuesEqualToIsoAreOutside) {
 }
 
 TEST_P(Invariants, SmallestFieldsWork) {
-  const ScalarField field = dense_field<float>({2, 2, 2}, [](int i, int j, int k) { return i + j + k == 0 ? 1 : -1; });
-  const Mesh mesh = extract(field, options(0)).mesh;
+  const field::ScalarField field =
+      dense_field<float>({2, 2, 2}, [](int i, int j, int k) { return i + j + k == 0 ? 1 : -1; });
+  const mesh::Mesh mesh = extract(field, options(0)).mesh;
   EXPECT_EQ(mesh.positions.size(), GetParam() == Method::mc ? 3U : 7U);
   expect_sound(mesh, false);
 }
@@ -184,26 +186,26 @@ TEST_P(Invariants, SmallestFieldsWork) {
 TEST_P(Invariants, RowsLongerThanAWordAreWhole) {
   // Crossings at, before and after the ends of 64-bit words.
   for (const int nx : {63, 64, 65, 66, 127, 128, 129, 193}) {
-    const ScalarField field = dense_field<float>({nx, 5, 5}, [&](int i, int j, int k) {
+    const field::ScalarField field = dense_field<float>({nx, 5, 5}, [&](int i, int j, int k) {
       const bool middle = j > 0 && j < 4 && k > 0 && k < 4;
       return middle && i > 0 && i < nx - 1 && i % 3 != 0 ? 1 : -1;
     });
     SCOPED_TRACE(nx);
-    const Mesh mesh = extract(field, options(0.25)).mesh;
+    const mesh::Mesh mesh = extract(field, options(0.25)).mesh;
     expect_sound(mesh, true);
     int runs = 0;
     for (int i = 1; i < nx - 1; ++i) runs += i % 3 == 1 ? 1 : 0;
-    EXPECT_EQ(measure_topology(mesh).components, static_cast<std::uint64_t>(runs));
+    EXPECT_EQ(mesh::measure_topology(mesh).components, static_cast<std::uint64_t>(runs));
   }
 }
 
 TEST_P(Invariants, LevelSetIsTheNegatedDensity) {
-  ScalarField density = test::random_field<float>({12, 9, 10}, 5, 1000);
-  ScalarField level_set = dense_field<float>({12, 9, 10}, [&](int i, int j, int k) {
-    const auto& dense = std::get<DenseSamples>(density.samples);
+  field::ScalarField density = test::random_field<float>({12, 9, 10}, 5, 1000);
+  field::ScalarField level_set = dense_field<float>({12, 9, 10}, [&](int i, int j, int k) {
+    const auto& dense = std::get<field::DenseSamples>(density.samples);
     return -static_cast<const float*>(dense.data)[i + 12 * (j + 9 * k)];
   });
-  level_set.kind = FieldKind::level_set;
+  level_set.kind = field::FieldKind::level_set;
   ExtractOptions negative = options(-500);
   EXPECT_EQ(test::triangle_set(extract(density, options(500)).mesh),
             test::triangle_set(extract(level_set, negative).mesh));
@@ -220,13 +222,13 @@ TEST_P(Invariants, StoredTypesAgree) {
   EXPECT_EQ(reference, test::triangle_set(extract(dense_field<std::int16_t>(dims, value), options(50)).mesh));
   EXPECT_EQ(reference, test::triangle_set(extract(dense_field<std::uint32_t>(dims, value), options(50)).mesh));
   EXPECT_EQ(reference, test::triangle_set(extract(dense_field<std::int32_t>(dims, value), options(50)).mesh));
-  EXPECT_EQ(reference, test::triangle_set(extract(dense_field<Half>(dims, value), options(50)).mesh));
+  EXPECT_EQ(reference, test::triangle_set(extract(dense_field<field::Half>(dims, value), options(50)).mesh));
   EXPECT_EQ(reference, test::triangle_set(extract(dense_field<float>(dims, value), options(50)).mesh));
-  ScalarField scaled = dense_field<std::uint8_t>(dims, value);
+  field::ScalarField scaled = dense_field<std::uint8_t>(dims, value);
   scaled.scale = {4, -8};
   EXPECT_EQ(reference, test::triangle_set(extract(scaled, options(4 * 50 - 8)).mesh));
   scaled.scale = {-4, 8};  // a falling scale turns density into its opposite
-  scaled.kind = FieldKind::level_set;
+  scaled.kind = field::FieldKind::level_set;
   EXPECT_EQ(reference, test::triangle_set(extract(scaled, options(-4 * 50 + 8)).mesh));
 }
 
@@ -237,10 +239,10 @@ TEST_P(Invariants, ExtremeValuesStayInsideTheirEdges) {
                                        {0.0, 1e30, 1.0},
                                        {-1.7e308, 1.7e308, 1e300},
                                        {1e7 - 1e-3, 1e7 + 1e-3, 1e7}}) {
-    const ScalarField field = dense_field<double>({4, 4, 4}, [&, lo = low, hi = high](int i, int j, int k) {
+    const field::ScalarField field = dense_field<double>({4, 4, 4}, [&, lo = low, hi = high](int i, int j, int k) {
       return i > 0 && i < 3 && j > 0 && j < 3 && k > 0 && k < 3 ? hi : lo;
     });
-    const Mesh mesh = extract(field, options(iso)).mesh;
+    const mesh::Mesh mesh = extract(field, options(iso)).mesh;
     ASSERT_FALSE(mesh.triangles.empty());
     expect_sound(mesh, true);
     for (const glm::vec3& p : mesh.positions) {
@@ -253,4 +255,4 @@ TEST_P(Invariants, ExtremeValuesStayInsideTheirEdges) {
 }
 
 }  // namespace
-}  // namespace isoextract
+}  // namespace isoextract::extract

@@ -9,7 +9,7 @@
 #include "support/fields.hpp"
 #include "support/meshes.hpp"
 
-namespace isoextract {
+namespace isoextract::extract {
 namespace {
 
 constexpr glm::ivec3 kDims(24, 16, 16);
@@ -44,7 +44,7 @@ struct Sampled {
     }
     return false;
   }
-  [[nodiscard]] ScalarField field(bool with_missing) const {
+  [[nodiscard]] field::ScalarField field(bool with_missing) const {
     return test::dense_field<float>(kDims, [&](int i, int j, int k) {
       const std::size_t n = at({i, j, k});
       return with_missing && missing[n] ? std::numeric_limits<float>::quiet_NaN() : values[n];
@@ -119,7 +119,7 @@ TEST_P(NanHole, LeavesOutTheCellsThatTouchNanAndNothingElse) {
 }
 
 TEST_P(NanHole, BorderIsThatOfTheCells) {
-  const ScalarField field = test::dense_field<double>({10, 10, 10}, [](int i, int j, int k) {
+  const field::ScalarField field = test::dense_field<double>({10, 10, 10}, [](int i, int j, int k) {
     return i == 5 && j == 5 && k == 4 ? std::numeric_limits<double>::quiet_NaN() : k;
   });
   ExtractOptions o = options();
@@ -128,14 +128,14 @@ TEST_P(NanHole, BorderIsThatOfTheCells) {
   test::expect_sound(result.mesh, false);
   // Two by two cells have a border of eight sides; a side is one edge, or two where tetrahedra halve the cells' faces.
   const std::uint64_t edges_a_side = GetParam() == Method::mc ? 1 : 2;
-  EXPECT_EQ(measure_topology(result.mesh).open_edges, edges_a_side * (4 * 9 + 8));
+  EXPECT_EQ(mesh::measure_topology(result.mesh).open_edges, edges_a_side * (4 * 9 + 8));
   EXPECT_EQ(result.stats.hole_cells, 4U) << "the four cells below are outside altogether";
   EXPECT_EQ(result.mesh.triangles.size(), (GetParam() == Method::mc ? 2U : 8U) * (9 * 9 - 4));
 }
 
 TEST_P(NanHole, SparseIsDense) {
   const Sampled sampled(7, 0.05);
-  const ScalarField field = sampled.field(true);
+  const field::ScalarField field = sampled.field(true);
   const Extraction dense = test::extract(field, options());
   const Extraction sparse = test::extract(test::sparse_copy<float>(field, -1), options());
   test::expect_sound(sparse.mesh, false);
@@ -145,14 +145,14 @@ TEST_P(NanHole, SparseIsDense) {
   const auto kept = test::triangle_set(dense.mesh);
   EXPECT_TRUE(std::includes(all.begin(), all.end(), kept.begin(), kept.end()));
   ExtractOptions within = options();
-  within.region = IndexBox{glm::ivec3(0), kDims - 1};
+  within.region = field::IndexBox{glm::ivec3(0), kDims - 1};
   const Extraction same = test::extract(test::sparse_copy<float>(field, -1), within);
   EXPECT_EQ(test::triangle_set(same.mesh), kept);
   EXPECT_EQ(same.stats.hole_cells, dense.stats.hole_cells);
 }
 
 TEST_P(NanHole, DoesNotDependOnThreads) {
-  const ScalarField field = Sampled(3, 0.1).field(true);
+  const field::ScalarField field = Sampled(3, 0.1).field(true);
   ExtractOptions o = options();
   o.cap = true;
   o.smooth_normals = true;
@@ -171,7 +171,7 @@ TEST_P(NanHole, DoesNotDependOnThreads) {
 
 TEST_P(NanHole, CapsLeaveOutTheirSquares) {
   for (const glm::ivec3 nan : {glm::ivec3(0, 4, 4), glm::ivec3(0, 0, 0), glm::ivec3(4, 4, 4)}) {
-    const ScalarField field = test::dense_field<float>({9, 9, 9}, [&](int i, int j, int k) {
+    const field::ScalarField field = test::dense_field<float>({9, 9, 9}, [&](int i, int j, int k) {
       return glm::ivec3(i, j, k) == nan ? std::numeric_limits<float>::quiet_NaN() : 1.0F;
     });
     ExtractOptions o = options();
@@ -182,12 +182,12 @@ TEST_P(NanHole, CapsLeaveOutTheirSquares) {
     // Four squares around a sample of a face, three at a corner, none for one within the volume.
     const std::uint64_t squares = on_border == 1 ? 4 : static_cast<std::uint64_t>(on_border);
     EXPECT_EQ(result.mesh.triangles.size(), 2 * (6 * 8 * 8 - squares));
-    EXPECT_EQ(measure_topology(result.mesh).open_edges, on_border == 1 ? 8U : on_border == 3 ? 6U : 0U);
+    EXPECT_EQ(mesh::measure_topology(result.mesh).open_edges, on_border == 1 ? 8U : on_border == 3 ? 6U : 0U);
   }
 }
 
 TEST_P(NanHole, ChangesNothingWithoutNan) {
-  const ScalarField field = Sampled(1, 0).field(false);
+  const field::ScalarField field = Sampled(1, 0).field(false);
   ExtractOptions o = options();
   const Extraction hole = test::extract(field, o);
   o.nan = NanPolicy::outside;
@@ -198,7 +198,7 @@ TEST_P(NanHole, ChangesNothingWithoutNan) {
 }
 
 TEST_P(NanHole, NothingIsLeftWhereAllIsNan) {
-  const ScalarField field =
+  const field::ScalarField field =
       test::dense_field<float>({8, 8, 8}, [](int, int, int) { return std::numeric_limits<double>::quiet_NaN(); });
   ExtractOptions o = options();
   o.cap = true;
@@ -207,4 +207,4 @@ TEST_P(NanHole, NothingIsLeftWhereAllIsNan) {
 }
 
 }  // namespace
-}  // namespace isoextract
+}  // namespace isoextract::extract

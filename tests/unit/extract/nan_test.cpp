@@ -5,14 +5,14 @@
 #include "support/fields.hpp"
 #include "support/meshes.hpp"
 
-namespace isoextract {
+namespace isoextract::extract {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // A block of ones in zeros, with `value` at its corner sample (3, 4, 5).
-ScalarField block_with(double value) {
+field::ScalarField block_with(double value) {
   return test::dense_field<float>({10, 10, 10}, [&](int i, int j, int k) {
     if (i == 3 && j == 4 && k == 5) return value;
     return i >= 3 && i < 7 && j >= 3 && j < 7 && k >= 3 && k < 7 ? 1.0 : 0.0;
@@ -23,7 +23,7 @@ TEST(Nan, IsAnErrorThatSaysWhere) {
   ExtractOptions options;
   options.iso = 0.5;
   for (const bool sparse : {false, true}) {
-    ScalarField field = block_with(kNan);
+    field::ScalarField field = block_with(kNan);
     if (sparse)
       field = test::sparse_copy<float>(
           test::dense_field<float>({16, 16, 16},
@@ -33,7 +33,7 @@ TEST(Nan, IsAnErrorThatSaysWhere) {
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().kind, ErrorKind::input);
     EXPECT_NE(result.error().message.find("(3, 4, 5)"), std::string::npos) << result.error().message;
-    EXPECT_NE(result.error().hint.find("--nan"), std::string::npos);
+    EXPECT_NE(result.error().hint.text.find("--nan"), std::string::npos);
   }
 }
 
@@ -71,8 +71,8 @@ TEST(Infinity, PullsTheSurfaceToTheFiniteEnd) {
   const Extraction result = test::extract(block_with(kInfinity), options);
   test::expect_sound(result.mesh, true);
   for (const glm::vec3& n : result.mesh.normals) EXPECT_NEAR(glm::length(glm::dvec3(n)), 1, 1e-6);
-  EXPECT_NEAR(measure_bounds(result.mesh).min.x, 2, 1e-3);
+  EXPECT_NEAR(mesh::measure_bounds(result.mesh).min.x, 2, 1e-3);
 }
 
 }  // namespace
-}  // namespace isoextract
+}  // namespace isoextract::extract

@@ -4,18 +4,18 @@
 #include "support/fields.hpp"
 #include "support/meshes.hpp"
 
-namespace isoextract {
+namespace isoextract::extract {
 namespace {
 
 // A plane through a sheared, mirrored, unevenly spaced frame: its normal must be exact everywhere, the border included.
 TEST(SmoothNormals, OfAPlaneAreExactInAnyFrame) {
-  const Affine frame{glm::dmat3(-2, 0.3, 0, 0.5, 1, 0.2, 0, -0.4, 0.1), glm::dvec3(5, -3, 2)};
+  const field::Affine frame{glm::dmat3(-2, 0.3, 0, 0.5, 1, 0.2, 0, -0.4, 0.1), glm::dvec3(5, -3, 2)};
   const glm::dvec3 normal = glm::normalize(glm::dvec3(1, 2, -0.5));
-  for (const FieldKind kind : {FieldKind::density, FieldKind::level_set}) {
+  for (const field::FieldKind kind : {field::FieldKind::density, field::FieldKind::level_set}) {
     for (const double slope : {1.0, -2.0}) {
       // The value is the distance along the normal: it falls inwards for density.
-      const double sign = kind == FieldKind::density ? -1 : 1;
-      ScalarField field = test::dense_field<double>({9, 8, 7}, [&](int i, int j, int k) {
+      const double sign = kind == field::FieldKind::density ? -1 : 1;
+      field::ScalarField field = test::dense_field<double>({9, 8, 7}, [&](int i, int j, int k) {
         return sign * (glm::dot(normal, frame({i, j, k})) - glm::dot(normal, frame({4, 3.3, 3}))) / slope;
       });
       field.scale = {slope, 0};
@@ -25,7 +25,7 @@ TEST(SmoothNormals, OfAPlaneAreExactInAnyFrame) {
         options.method = method;
         options.smooth_normals = true;
         options.output_from_index = frame;
-        const Mesh mesh = test::extract(field, options).mesh;
+        const mesh::Mesh mesh = test::extract(field, options).mesh;
         ASSERT_GT(mesh.positions.size(), 20U);
         for (const glm::vec3& n : mesh.normals) EXPECT_LT(glm::length(glm::dvec3(n) - normal), 1e-6);
         for (const glm::uvec3& t : mesh.triangles) {
@@ -39,13 +39,13 @@ TEST(SmoothNormals, OfAPlaneAreExactInAnyFrame) {
 }
 
 TEST(SmoothNormals, AreNotMadeUnlessAskedFor) {
-  const ScalarField field = make_demo_field("demo:sphere?size=16", default_limits()).value();
+  const field::ScalarField field = field::make_demo_field("demo:sphere?size=16", default_limits()).value();
   EXPECT_TRUE(test::extract(field, {}).mesh.normals.empty());
 }
 
 // Zero gradient: a lone bright sample between equal neighbours.
 TEST(SmoothNormals, FallBackToTheEdgeWhereTheGradientVanishes) {
-  const ScalarField field =
+  const field::ScalarField field =
       test::dense_field<float>({5, 5, 5}, [](int i, int j, int k) { return (i + j + k) % 2 == 0 ? 1.0F : -1.0F; });
   ExtractOptions options;
   options.smooth_normals = true;
@@ -55,4 +55,4 @@ TEST(SmoothNormals, FallBackToTheEdgeWhereTheGradientVanishes) {
 }
 
 }  // namespace
-}  // namespace isoextract
+}  // namespace isoextract::extract

@@ -4,20 +4,20 @@
 #include "support/fields.hpp"
 #include "support/meshes.hpp"
 
-namespace isoextract {
+namespace isoextract::extract {
 namespace {
 
-ScalarField sphere(int size) {
-  return make_demo_field("demo:sphere?size=" + std::to_string(size), default_limits()).value();
+field::ScalarField sphere(int size) {
+  return field::make_demo_field("demo:sphere?size=" + std::to_string(size), default_limits()).value();
 }
 
 TEST(Placement, IsTheFullAffineMap) {
-  const ScalarField field = sphere(20);
-  const Affine frame{glm::dmat3(1, 0.25, 0, -0.5, 2, 0, 0, 0.125, 0.5), glm::dvec3(3, -4, 5)};
+  const field::ScalarField field = sphere(20);
+  const field::Affine frame{glm::dmat3(1, 0.25, 0, -0.5, 2, 0, 0, 0.125, 0.5), glm::dvec3(3, -4, 5)};
   ExtractOptions options;
-  const Mesh index = test::extract(field, options).mesh;
+  const mesh::Mesh index = test::extract(field, options).mesh;
   options.output_from_index = frame;
-  const Mesh placed = test::extract(field, options).mesh;
+  const mesh::Mesh placed = test::extract(field, options).mesh;
   ASSERT_EQ(index.positions.size(), placed.positions.size());
   for (std::size_t v = 0; v < index.positions.size(); ++v) {
     EXPECT_LT(glm::length(placed.position(v) - frame(index.position(v))), 1e-5);
@@ -27,31 +27,31 @@ TEST(Placement, IsTheFullAffineMap) {
 TEST(Placement, MirrorsDoNotTurnTheSurfaceInsideOut) {
   for (const Method method : {Method::mc, Method::mt}) {
     for (const bool cap : {false, true}) {
-      ScalarField field = test::random_field<float>({9, 9, 9}, 3, 1000);
+      field::ScalarField field = test::random_field<float>({9, 9, 9}, 3, 1000);
       ExtractOptions options;
       options.method = method;
       options.iso = 700;
       options.cap = true;
-      const double volume = measure_size(test::extract(field, options).mesh).volume;
-      options.output_from_index = scaling({-1, 1, 1});
-      const Mesh mirrored = test::extract(field, options).mesh;
+      const double volume = mesh::measure_size(test::extract(field, options).mesh).volume;
+      options.output_from_index = field::scaling({-1, 1, 1});
+      const mesh::Mesh mirrored = test::extract(field, options).mesh;
       test::expect_sound(mirrored, true);
       EXPECT_GT(volume, 0);
-      EXPECT_NEAR(measure_size(mirrored).volume, volume, 1e-3 * volume) << cap;
+      EXPECT_NEAR(mesh::measure_size(mirrored).volume, volume, 1e-3 * volume) << cap;
     }
   }
 }
 
 // A sphere of radius 0.7 at 1e7 keeps the accuracy of one at 0.
 TEST(Placement, FarAwayKeepsItsAccuracy) {
-  const ScalarField field = sphere(40);
+  const field::ScalarField field = sphere(40);
   const glm::dvec3 far(1e7, -2e7, 3e7);
   ExtractOptions options;
   options.output_from_index = field.index_to_world;
-  const Mesh near_mesh = test::extract(field, options).mesh;
+  const mesh::Mesh near_mesh = test::extract(field, options).mesh;
   EXPECT_EQ(near_mesh.origin, glm::dvec3(0));
   options.output_from_index.offset += far;
-  const Mesh mesh = test::extract(field, options).mesh;
+  const mesh::Mesh mesh = test::extract(field, options).mesh;
   EXPECT_NE(mesh.origin, glm::dvec3(0));
   test::expect_sound(mesh, true);
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
@@ -62,7 +62,7 @@ TEST(Placement, FarAwayKeepsItsAccuracy) {
 
 // Thousands of samples along an axis, ties everywhere: the margin must survive float32.
 TEST(Placement, LongRowsWithTiesHaveNoZeroAreaTriangles) {
-  const ScalarField field = test::dense_field<std::uint8_t>(
+  const field::ScalarField field = test::dense_field<std::uint8_t>(
       {4000, 6, 6}, [](int i, int j, int k) { return j > 0 && j < 5 && k > 0 && k < 5 ? (i * 7 + j * 3 + k) % 3 : 0; });
   for (const Method method : {Method::mc, Method::mt}) {
     ExtractOptions options;
@@ -81,9 +81,9 @@ TEST(Placement, LongRowsWithTiesHaveNoZeroAreaTriangles) {
 // A slab whose one thin axis lies far from 0, though not far for the other two.
 TEST(Placement, ThinFarSlabsHaveNoZeroAreaTriangles) {
   ExtractOptions options;
-  options.output_from_index = scaling({100, 0.0001, 100});
+  options.output_from_index = field::scaling({100, 0.0001, 100});
   options.output_from_index.offset.y = 6000;
-  const Mesh mesh = test::extract(sphere(32), options).mesh;
+  const mesh::Mesh mesh = test::extract(sphere(32), options).mesh;
   EXPECT_NE(mesh.origin, glm::dvec3(0));
   test::expect_sound(mesh, true);
 }
@@ -91,11 +91,11 @@ TEST(Placement, ThinFarSlabsHaveNoZeroAreaTriangles) {
 TEST(Placement, RefusesWhatFloatsCannotHold) {
   for (const double scale : {1e60, 1e-50}) {
     ExtractOptions options;
-    options.output_from_index = scaling(glm::dvec3(scale));
+    options.output_from_index = field::scaling(glm::dvec3(scale));
     const auto result = make_cpu_extractor()->extract(sphere(8), options);
     ASSERT_FALSE(result) << scale;
     EXPECT_EQ(result.error().kind, ErrorKind::input);
-    EXPECT_NE(result.error().hint.find("--scale"), std::string::npos);
+    EXPECT_NE(result.error().hint.text.find("--scale"), std::string::npos);
   }
 }
 
@@ -104,16 +104,16 @@ TEST(Placement, RefusesMeshesBeyondTheMemoryLimit) {
   options.limits.memory_bytes = 1000;
   const auto result = make_cpu_extractor()->extract(sphere(16), options);
   ASSERT_FALSE(result);
-  EXPECT_NE(result.error().hint.find("--memory-limit"), std::string::npos);
+  EXPECT_EQ(result.error().hint.remedy, Remedy::raise_memory_limit);
 }
 
 TEST(Placement, RefusesFlatTransforms) {
   ExtractOptions options;
-  options.output_from_index = scaling({1, 0, 1});
+  options.output_from_index = field::scaling({1, 0, 1});
   const auto result = make_cpu_extractor()->extract(sphere(8), options);
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error().kind, ErrorKind::input);
 }
 
 }  // namespace
-}  // namespace isoextract
+}  // namespace isoextract::extract

@@ -4,13 +4,13 @@
 #include "support/fields.hpp"
 #include "support/meshes.hpp"
 
-namespace isoextract {
+namespace isoextract::extract {
 namespace {
 
 class Region : public testing::TestWithParam<Method> {};
 INSTANTIATE_TEST_SUITE_P(Methods, Region, testing::Values(Method::mc, Method::mt), test::method_name);
 
-bool within(const std::array<test::Point, 3>& triangle, const IndexBox& box) {
+bool within(const std::array<test::Point, 3>& triangle, const field::IndexBox& box) {
   for (const auto& [x, y, z] : triangle) {
     if (x < box.min.x || x > box.max.x || y < box.min.y || y > box.max.y || z < box.min.z || z > box.max.z)
       return false;
@@ -20,49 +20,49 @@ bool within(const std::array<test::Point, 3>& triangle, const IndexBox& box) {
 
 // Extracting a box gives just those triangles of the whole that lie in the box, bit for bit.
 TEST_P(Region, IsAPartOfTheWhole) {
-  const ScalarField dense = test::random_field<float>({80, 24, 16}, 11, 1000);
-  const ScalarField sparse = test::sparse_copy<float>(dense, -1);
-  for (const ScalarField* field : {&dense, &sparse}) {
+  const field::ScalarField dense = test::random_field<float>({80, 24, 16}, 11, 1000);
+  const field::ScalarField sparse = test::sparse_copy<float>(dense, -1);
+  for (const field::ScalarField* field : {&dense, &sparse}) {
     ExtractOptions options;
     options.method = GetParam();
     options.iso = 600;
     const auto whole = test::triangle_set(test::extract(*field, options).mesh);
-    options.region = IndexBox{{3, 5, 2}, {70, 20, 9}};
+    options.region = field::IndexBox{{3, 5, 2}, {70, 20, 9}};
     std::vector<std::array<test::Point, 3>> expected;
     for (const auto& triangle : whole) {
       if (within(triangle, *options.region)) expected.push_back(triangle);
     }
-    const Mesh part = test::extract(*field, options).mesh;
+    const mesh::Mesh part = test::extract(*field, options).mesh;
     EXPECT_EQ(test::triangle_set(part), expected);
     test::expect_sound(part, false);
   }
 }
 
 TEST_P(Region, CanBeCappedDenseAndSparse) {
-  const ScalarField dense = make_demo_field("demo:gyroid?size=32", default_limits()).value();
-  const ScalarField sparse = test::sparse_copy<float>(dense, -1);
+  const field::ScalarField dense = field::make_demo_field("demo:gyroid?size=32", default_limits()).value();
+  const field::ScalarField sparse = test::sparse_copy<float>(dense, -1);
   ExtractOptions options;
   options.method = GetParam();
   options.cap = true;
-  options.region = IndexBox{{4, 3, 2}, {21, 28, 13}};
-  const Mesh a = test::extract(dense, options).mesh;
-  const Mesh b = test::extract(sparse, options).mesh;
+  options.region = field::IndexBox{{4, 3, 2}, {21, 28, 13}};
+  const mesh::Mesh a = test::extract(dense, options).mesh;
+  const mesh::Mesh b = test::extract(sparse, options).mesh;
   test::expect_sound(a, true);
   test::expect_sound(b, true);
   EXPECT_EQ(test::triangle_set(a), test::triangle_set(b));
-  EXPECT_EQ(measure_bounds(a).min, glm::dvec3(4, 3, 2));
-  EXPECT_EQ(measure_bounds(a).max, glm::dvec3(21, 28, 13));
+  EXPECT_EQ(mesh::measure_bounds(a).min, glm::dvec3(4, 3, 2));
+  EXPECT_EQ(mesh::measure_bounds(a).max, glm::dvec3(21, 28, 13));
 }
 
 TEST_P(Region, OutsideTheDataIsAnError) {
   ExtractOptions options;
   options.method = GetParam();
-  for (const IndexBox box : {IndexBox{{40, 0, 0}, {50, 9, 9}}, IndexBox{{0, 0, 0}, {0, 5, 5}}}) {
+  for (const field::IndexBox box : {field::IndexBox{{40, 0, 0}, {50, 9, 9}}, field::IndexBox{{0, 0, 0}, {0, 5, 5}}}) {
     options.region = box;
     const auto result = make_cpu_extractor()->extract(test::random_field<float>({10, 10, 10}, 1, 9), options);
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().kind, ErrorKind::input);
-    EXPECT_NE(result.error().hint.find("--roi"), std::string::npos);
+    EXPECT_NE(result.error().hint.text.find("--roi"), std::string::npos);
   }
 }
 
@@ -73,4 +73,4 @@ TEST(Samples, NeedACell) {
 }
 
 }  // namespace
-}  // namespace isoextract
+}  // namespace isoextract::extract

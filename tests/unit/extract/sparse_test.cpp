@@ -7,16 +7,16 @@
 #include "support/fields.hpp"
 #include "support/meshes.hpp"
 
-namespace isoextract {
+namespace isoextract::extract {
 namespace {
 
 class Sparse : public testing::TestWithParam<Method> {
  protected:
-  void expect_same_as_dense(const ScalarField& dense, const ScalarField& sparse, double iso) {
+  void expect_same_as_dense(const field::ScalarField& dense, const field::ScalarField& sparse, double iso) {
     ExtractOptions options;
     options.method = GetParam();
     options.iso = iso;
-    const Mesh a = test::extract(dense, options).mesh;
+    const mesh::Mesh a = test::extract(dense, options).mesh;
     const Extraction b = test::extract(sparse, options);
     EXPECT_FALSE(a.triangles.empty());
     EXPECT_EQ(test::triangle_set(a), test::triangle_set(b.mesh));
@@ -34,7 +34,7 @@ TEST_P(Sparse, NoiseWithTilesEqualsDense) {
     std::uniform_int_distribution<int> kind(0, 3);
     std::map<std::tuple<int, int, int>, int> kinds;
     const glm::ivec3 dims(40, 32, 24);
-    const ScalarField dense = test::dense_field<float>(dims, [&](int i, int j, int k) {
+    const field::ScalarField dense = test::dense_field<float>(dims, [&](int i, int j, int k) {
       const int random = value(engine);
       const auto block = std::tuple(i / 8, j / 8, k / 8);
       if (!kinds.contains(block)) kinds[block] = kind(engine);
@@ -57,9 +57,9 @@ TEST_P(Sparse, TileSkinsAgainstTilesAndBackground) {
   const auto value = [](int i, int j, int k) {
     return i >= 16 && i < 32 && j >= 16 && j < 32 && k >= 16 && k < 32 ? 3 : 0;
   };
-  const ScalarField dense = test::dense_field<double>(dims, value);
-  ScalarField sparse = test::sparse_copy<double>(dense, 0);
-  auto& samples = std::get<SparseSamples>(sparse.samples);
+  const field::ScalarField dense = test::dense_field<double>(dims, value);
+  field::ScalarField sparse = test::sparse_copy<double>(dense, 0);
+  auto& samples = std::get<field::SparseSamples>(sparse.samples);
   EXPECT_EQ(samples.blocks.size(), 2U);  // the two that mark the box
   EXPECT_EQ(samples.tiles.size(), 8U);
   expect_same_as_dense(dense, sparse, 1);
@@ -69,19 +69,19 @@ TEST_P(Sparse, TileSkinsAgainstTilesAndBackground) {
 }
 
 TEST_P(Sparse, NegativeIndicesAndLevelSets) {
-  const ScalarField dense = make_demo_field("demo:sphere?size=32", default_limits()).value();
-  ScalarField level_set = test::dense_field<float>({32, 32, 32}, [&](int i, int j, int k) {
-    return -static_cast<const float*>(std::get<DenseSamples>(dense.samples).data)[i + 32 * (j + 32 * k)];
+  const field::ScalarField dense = field::make_demo_field("demo:sphere?size=32", default_limits()).value();
+  field::ScalarField level_set = test::dense_field<float>({32, 32, 32}, [&](int i, int j, int k) {
+    return -static_cast<const float*>(std::get<field::DenseSamples>(dense.samples).data)[i + 32 * (j + 32 * k)];
   });
-  level_set.kind = FieldKind::level_set;
-  ScalarField sparse = test::sparse_copy<float>(level_set, 5);
-  for (SparseBlock& block : std::get<SparseSamples>(sparse.samples).blocks) block.origin -= 16;
+  level_set.kind = field::FieldKind::level_set;
+  field::ScalarField sparse = test::sparse_copy<float>(level_set, 5);
+  for (field::SparseBlock& block : std::get<field::SparseSamples>(sparse.samples).blocks) block.origin -= 16;
   ExtractOptions options;
   options.method = GetParam();
   options.smooth_normals = true;
-  const Mesh mesh = test::extract(sparse, options).mesh;
+  const mesh::Mesh mesh = test::extract(sparse, options).mesh;
   test::expect_sound(mesh, true);
-  EXPECT_EQ(measure_topology(mesh).genus(), 0);
+  EXPECT_EQ(mesh::measure_topology(mesh).genus(), 0);
   const double radius = 0.7 * 31 / 2;
   const glm::dvec3 centre(15.5 - 16);
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
@@ -92,13 +92,13 @@ TEST_P(Sparse, NegativeIndicesAndLevelSets) {
 }
 
 TEST_P(Sparse, SmoothNormalsEqualDense) {
-  const ScalarField dense = make_demo_field("demo:metaballs?size=40", default_limits()).value();
-  const ScalarField sparse = test::sparse_copy<float>(dense, -1);
+  const field::ScalarField dense = field::make_demo_field("demo:metaballs?size=40", default_limits()).value();
+  const field::ScalarField sparse = test::sparse_copy<float>(dense, -1);
   ExtractOptions options;
   options.method = GetParam();
   options.smooth_normals = true;
-  const Mesh a = test::extract(dense, options).mesh;
-  const Mesh b = test::extract(sparse, options).mesh;
+  const mesh::Mesh a = test::extract(dense, options).mesh;
+  const mesh::Mesh b = test::extract(sparse, options).mesh;
   std::map<test::Point, glm::vec3> normals;
   for (std::size_t v = 0; v < a.positions.size(); ++v) {
     normals[{a.positions[v].x, a.positions[v].y, a.positions[v].z}] = a.normals[v];
@@ -110,8 +110,8 @@ TEST_P(Sparse, SmoothNormalsEqualDense) {
 }
 
 TEST_P(Sparse, VisitsOnlyBlocksThatTheSurfacePasses) {
-  const ScalarField dense = make_demo_field("demo:sphere?size=128", default_limits()).value();
-  const ScalarField sparse = test::sparse_copy<float>(dense, -9);
+  const field::ScalarField dense = field::make_demo_field("demo:sphere?size=128", default_limits()).value();
+  const field::ScalarField sparse = test::sparse_copy<float>(dense, -9);
   ExtractOptions options;
   options.method = GetParam();
   const ExtractStats stats = test::extract(sparse, options).stats;
@@ -121,60 +121,60 @@ TEST_P(Sparse, VisitsOnlyBlocksThatTheSurfacePasses) {
 }
 
 TEST_P(Sparse, BlocksAtTheEndsOfTheIndexRangeAreRefusedNotTorn) {
-  const ScalarField dense = make_demo_field("demo:sphere?size=8", default_limits()).value();
-  ScalarField field = test::sparse_copy<float>(dense, -1);
-  auto& samples = std::get<SparseSamples>(field.samples);
+  const field::ScalarField dense = field::make_demo_field("demo:sphere?size=8", default_limits()).value();
+  field::ScalarField field = test::sparse_copy<float>(dense, -1);
+  auto& samples = std::get<field::SparseSamples>(field.samples);
   samples.blocks.push_back(samples.blocks[0]);
-  samples.blocks[0].origin = glm::ivec3(-kMaxSparseIndex);
-  samples.blocks[1].origin = glm::ivec3(kMaxSparseIndex - 8);
+  samples.blocks[0].origin = glm::ivec3(-field::kMaxSparseIndex);
+  samples.blocks[1].origin = glm::ivec3(field::kMaxSparseIndex - 8);
   ExtractOptions options;
   options.method = GetParam();
   EXPECT_FALSE(make_cpu_extractor()->extract(field, options)) << "float32 cannot hold them apart";
   // 2^16 apart they are two whole spheres.
   samples.blocks[0].origin = glm::ivec3(-(1 << 15));
   samples.blocks[1].origin = glm::ivec3(1 << 15);
-  const Mesh mesh = test::extract(field, options).mesh;
+  const mesh::Mesh mesh = test::extract(field, options).mesh;
   test::expect_sound(mesh, true);
-  EXPECT_EQ(measure_topology(mesh).components, 2U);
+  EXPECT_EQ(mesh::measure_topology(mesh).components, 2U);
 }
 
 TEST_P(Sparse, NanOutsideTheRegionIsNoMatter) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const ScalarField dense = test::dense_field<float>({32, 32, 32}, [&](int i, int j, int k) {
+  const field::ScalarField dense = test::dense_field<float>({32, 32, 32}, [&](int i, int j, int k) {
     if (i == 30 && j == 30 && k == 30) return nan;
     return i > 1 && i < 6 && j > 1 && j < 6 && k > 1 && k < 6 ? 1.0 : -1.0;
   });
-  const ScalarField sparse = test::sparse_copy<float>(dense, -1);
-  for (const ScalarField* field : {&dense, &sparse}) {
+  const field::ScalarField sparse = test::sparse_copy<float>(dense, -1);
+  for (const field::ScalarField* field : {&dense, &sparse}) {
     ExtractOptions options;
     options.method = GetParam();
     EXPECT_FALSE(make_cpu_extractor()->extract(*field, options));
-    options.region = IndexBox{glm::ivec3(0), glm::ivec3(9)};
+    options.region = field::IndexBox{glm::ivec3(0), glm::ivec3(9)};
     test::expect_sound(test::extract(*field, options).mesh, true);
   }
 }
 
 // Where the background is inside, a capped region is the region less the bubbles in it.
 TEST_P(Sparse, CapStandsWhereTheRegionEndsInAnInsideBackground) {
-  const ScalarField dense = make_demo_field("demo:sphere?size=8", default_limits()).value();
-  ScalarField field = test::sparse_copy<float>(dense, -1);
-  field.kind = FieldKind::level_set;  // now the sphere is the outside
+  const field::ScalarField dense = field::make_demo_field("demo:sphere?size=8", default_limits()).value();
+  field::ScalarField field = test::sparse_copy<float>(dense, -1);
+  field.kind = field::FieldKind::level_set;  // now the sphere is the outside
   ExtractOptions options;
   options.method = GetParam();
   options.cap = true;
-  options.region = IndexBox{glm::ivec3(-20), glm::ivec3(30)};
-  const Mesh mesh = test::extract(field, options).mesh;
+  options.region = field::IndexBox{glm::ivec3(-20), glm::ivec3(30)};
+  const mesh::Mesh mesh = test::extract(field, options).mesh;
   test::expect_sound(mesh, true);
-  EXPECT_EQ(measure_bounds(mesh).min, glm::dvec3(-20));
-  EXPECT_EQ(measure_bounds(mesh).max, glm::dvec3(30));
-  EXPECT_EQ(measure_topology(mesh).components, 2U);
+  EXPECT_EQ(mesh::measure_bounds(mesh).min, glm::dvec3(-20));
+  EXPECT_EQ(mesh::measure_bounds(mesh).max, glm::dvec3(30));
+  EXPECT_EQ(mesh::measure_topology(mesh).components, 2U);
 }
 
 TEST_P(Sparse, NothingStoredIsAnEmptyMesh) {
-  ScalarField field;
-  field.samples = SparseSamples{};
+  field::ScalarField field;
+  field.samples = field::SparseSamples{};
   EXPECT_TRUE(test::extract(field, {}).mesh.triangles.empty());
 }
 
 }  // namespace
-}  // namespace isoextract
+}  // namespace isoextract::extract

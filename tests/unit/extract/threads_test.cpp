@@ -7,7 +7,7 @@
 #include "support/fields.hpp"
 #include "support/meshes.hpp"
 
-namespace isoextract {
+namespace isoextract::extract {
 namespace {
 
 template <class T>
@@ -16,19 +16,19 @@ bool same_bytes(const Buffer<T>& a, const Buffer<T>& b) {
 }
 
 TEST(Threads, DoNotChangeAByte) {
-  const ScalarField dense = test::random_field<float>({72, 64, 64}, 2, 100);
-  const ScalarField sparse = test::sparse_copy<float>(dense, -1);
-  for (const ScalarField* field : {&dense, &sparse}) {
+  const field::ScalarField dense = test::random_field<float>({72, 64, 64}, 2, 100);
+  const field::ScalarField sparse = test::sparse_copy<float>(dense, -1);
+  for (const field::ScalarField* field : {&dense, &sparse}) {
     for (const Method method : {Method::mc, Method::mt}) {
       ExtractOptions options;
       options.method = method;
       options.iso = 70;
       options.cap = true;
       options.smooth_normals = true;
-      std::optional<Mesh> first;
+      std::optional<mesh::Mesh> first;
       for (const std::size_t threads : {1U, 2U, 5U}) {
         const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-        Mesh mesh = test::extract(*field, options).mesh;
+        mesh::Mesh mesh = test::extract(*field, options).mesh;
         if (!first) {
           first = std::move(mesh);
           continue;
@@ -42,4 +42,4 @@ TEST(Threads, DoNotChangeAByte) {
 }
 
 }  // namespace
-}  // namespace isoextract
+}  // namespace isoextract::extract

@@ -9,13 +9,13 @@
 #include <hwy/targets.h>
 
 #include "extract/asymptotic_decider.hpp"
-#include "extract/cell_rows.hpp"
-#include "extract/classify_samples.hpp"
-#include "extract/vertex_batch.hpp"
+#include "extract/detail/cell_rows.hpp"
+#include "extract/detail/classify_samples.hpp"
+#include "extract/detail/vertex_batch.hpp"
 #include "support/fields.hpp"
 #include "support/meshes.hpp"
 
-namespace isoextract {
+namespace isoextract::extract {
 namespace {
 
 // Runs `f` once for each instruction set; the last time as always.
@@ -32,8 +32,8 @@ void for_each_target(const F& f) {
 
 template <class T>
 class ClassifySamples : public testing::Test {};
-using Types = testing::Types<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::uint32_t, std::int32_t, Half,
-                             float, double>;
+using Types = testing::Types<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::uint32_t, std::int32_t,
+                             field::Half, float, double>;
 TYPED_TEST_SUITE(ClassifySamples, Types);
 
 TYPED_TEST(ClassifySamples, AgreesWithThePlainComparison) {
@@ -110,13 +110,13 @@ class VertexBatches : public testing::TestWithParam<int> {
   }
 
   VertexBatch batch_;
-  Affine frame_;
+  field::Affine frame_;
 };
 
 TEST_P(VertexBatches, AreWhatOneVertexAtATimeGives) {
-  const ValueScale scale = GetParam() % 2 == 0 ? ValueScale{} : ValueScale{-0.37, 11};
-  const InsideRule rule{FieldKind::density, scale(0.1)};
-  const Placement placement(frame_, {glm::ivec3(-1000), glm::ivec3(1001)}, rule.kind, scale);
+  const field::ValueScale scale = GetParam() % 2 == 0 ? field::ValueScale{} : field::ValueScale{-0.37, 11};
+  const InsideRule rule{field::FieldKind::density, scale(0.1)};
+  const OutputFrame placement(frame_, {glm::ivec3(-1000), glm::ivec3(1001)}, rule.kind, scale);
   const auto size = static_cast<std::size_t>(batch_.count);
   std::vector<glm::vec3> positions;
   std::vector<glm::vec3> normals;
@@ -134,9 +134,9 @@ TEST_P(VertexBatches, AreWhatOneVertexAtATimeGives) {
   for_each_target([&] {
     for (const bool with_normals : {false, true}) {
       // One vertex more on both sides, which must not be touched.
-      Mesh mesh;
+      mesh::Mesh mesh;
       mesh.positions = Buffer<glm::vec3>(size + 2);
-      mesh.edges = Buffer<EdgeKey>(size + 2);
+      mesh.edges = Buffer<mesh::EdgeKey>(size + 2);
       if (with_normals) mesh.normals = Buffer<glm::vec3>(size + 2);
       const glm::vec3 untouched(1, 2, 3);
       std::fill(mesh.positions.begin(), mesh.positions.end(), untouched);
@@ -161,15 +161,15 @@ TEST_P(VertexBatches, AreWhatOneVertexAtATimeGives) {
 INSTANTIATE_TEST_SUITE_P(Seeds, VertexBatches, testing::Range(0, 12));
 
 // Cell by cell and triangle by triangle, in the order that dense extraction promises to keep.
-std::vector<std::array<EdgeKey, 3>> plain_triangles(const ScalarField& field, Method method, double iso) {
-  const auto& samples = std::get<DenseSamples>(field.samples);
+std::vector<std::array<mesh::EdgeKey, 3>> plain_triangles(const field::ScalarField& field, Method method, double iso) {
+  const auto& samples = std::get<field::DenseSamples>(field.samples);
   const CaseTable& table = case_table(method);
   const InsideRule rule{field.kind, iso};
   const auto value = [&](const glm::ivec3& p) {
     return static_cast<double>(static_cast<const float*>(
         samples.data)[p.x + static_cast<std::int64_t>(samples.dims.x) * (p.y + samples.dims.y * p.z)]);
   };
-  std::vector<std::array<EdgeKey, 3>> triangles;
+  std::vector<std::array<mesh::EdgeKey, 3>> triangles;
   for (int k = 0; k + 1 < samples.dims.z; ++k) {
     for (int j = 0; j + 1 < samples.dims.y; ++j) {
       for (int i = 0; i + 1 < samples.dims.x; ++i) {
@@ -179,7 +179,7 @@ std::vector<std::array<EdgeKey, 3>> plain_triangles(const ScalarField& field, Me
         for (int c = 0; c < 8; ++c) cell_case |= rule(corner(c)) ? 1U << c : 0U;
         const unsigned v = cell_variant(table, cell_case, rule, corner);
         for (int t = table.first[v]; t < table.first[v + 1]; ++t) {
-          std::array<EdgeKey, 3> keys;
+          std::array<mesh::EdgeKey, 3> keys;
           for (std::size_t n = 0; n < 3; ++n) {
             const CellEdge& edge = table.edges[table.triangles[static_cast<std::size_t>(t)][n]];
             keys[n] = {p + direction_step(edge.corner), edge.direction};
@@ -196,14 +196,14 @@ TEST(CellRows, DrawWhatPlainLoopsDraw) {
   // Rows that end within, at and just after a word; noise, where many cells are ambiguous, and a few crossed words in
   // long rows.
   constexpr double iso = 1.5;
-  std::vector<ScalarField> fields;
+  std::vector<field::ScalarField> fields;
   for (const glm::ivec3 dims : {glm::ivec3(2), glm::ivec3(63, 5, 4), glm::ivec3(64, 4, 9), glm::ivec3(65, 9, 3),
                                 glm::ivec3(66, 3, 3), glm::ivec3(129, 10, 10)}) {
     fields.push_back(test::random_field<float>(dims, 3, 5));
   }
   fields.push_back(test::dense_field<float>(
       {300, 12, 17}, [](int i, int j, int k) { return 6 - glm::length(glm::dvec3(i - 150, j - 5, k - 6)); }));
-  for (const ScalarField& field : fields) {
+  for (const field::ScalarField& field : fields) {
     for (const Method method : {Method::mc, Method::mt}) {
       const auto expected = plain_triangles(field, method, iso);
       for_each_target([&] {
@@ -211,7 +211,7 @@ TEST(CellRows, DrawWhatPlainLoopsDraw) {
         options.method = method;
         options.iso = iso;
         options.edge_keys = true;
-        const Mesh mesh = test::extract(field, options).mesh;
+        const mesh::Mesh mesh = test::extract(field, options).mesh;
         ASSERT_EQ(mesh.triangles.size(), expected.size());
         std::size_t different = 0;
         for (std::size_t t = 0; t < expected.size(); ++t) {
@@ -229,4 +229,4 @@ TEST(CellRows, DrawWhatPlainLoopsDraw) {
 }
 
 }  // namespace
-}  // namespace isoextract
+}  // namespace isoextract::extract

@@ -5,7 +5,7 @@
 #include "field/interpolant.hpp"
 #include "support/fields.hpp"
 
-namespace isoextract {
+namespace isoextract::field {
 namespace {
 
 // A linear field keeps its values at every place of the world.
@@ -77,4 +77,4 @@ TEST(Coarsen, SparseKeepsTilesAndNegativeIndices) {
 }
 
 }  // namespace
-}  // namespace isoextract
+}  // namespace isoextract::field

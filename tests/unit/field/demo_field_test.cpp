@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace isoextract {
+namespace isoextract::field {
 namespace {
 
 float sample(const ScalarField& field, int i, int j, int k) {
@@ -52,4 +52,4 @@ TEST(DemoField, RefusesWhatItDoesNotKnow) {
 }
 
 }  // namespace
-}  // namespace isoextract
+}  // namespace isoextract::field

@@ -8,7 +8,7 @@
 
 #include "support/fields.hpp"
 
-namespace isoextract {
+namespace isoextract::field {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -127,4 +127,4 @@ TEST(Interpolant, IsNaNWhereASampleIsNotFinite) {
 }
 
 }  // namespace
-}  // namespace isoextract
+}  // namespace isoextract::field

@@ -11,7 +11,7 @@
 #include "field/interpolant.hpp"
 #include "support/fields.hpp"
 
-namespace isoextract {
+namespace isoextract::field {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -207,7 +207,7 @@ TEST(Resample, SaysWhatItCannotDo) {
   EXPECT_EQ(resample(flat, {4, 4, 4}, default_limits()).error().kind, ErrorKind::input);
   const Error large = resample(field, {100, 100, 100}, Limits{4'000'000 - 1}).error();
   EXPECT_EQ(large.kind, ErrorKind::input);
-  EXPECT_NE(large.hint.find("--memory-limit"), std::string::npos);
+  EXPECT_EQ(large.hint.remedy, Remedy::raise_memory_limit);
   EXPECT_TRUE(resample(field, {100, 100, 100}, Limits{4'000'000}));
   EXPECT_TRUE(resample(field, {4, 4, 4}, Limits{0})) << "nothing is allocated";
   const int most = std::numeric_limits<int>::max();
@@ -227,4 +227,4 @@ TEST(Resample, IsTheSameForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace isoextract
+}  // namespace isoextract::field

@@ -11,7 +11,7 @@
 
 #include "field/demo_field.hpp"
 
-namespace isoextract {
+namespace isoextract::field {
 namespace {
 
 template <class T>
@@ -228,4 +228,4 @@ TEST(EstimateVertices, IsCloseForABall) {
 }
 
 }  // namespace
-}  // namespace isoextract
+}  // namespace isoextract::field

@@ -15,28 +15,28 @@
 #include "extract/asymptotic_decider.hpp"
 #include "extract/dense_input.hpp"
 #include "extract/sparse_sites.hpp"
-#include "gpu/cell_programs.hpp"
-#include "gpu/dense_sites.hpp"
-#include "gpu/dense_source.hpp"
-#include "gpu/site_weld.hpp"
-#include "gpu/sparse_source.hpp"
+#include "gpu/detail/cell_programs.hpp"
+#include "gpu/detail/dense_sites.hpp"
+#include "gpu/detail/dense_source.hpp"
+#include "gpu/detail/site_weld.hpp"
+#include "gpu/detail/sparse_source.hpp"
 
 namespace isoextract::test {
 
 // A context and its programs, opened when first asked for and dropped before the program ends.
 class OwnContext final : public testing::Environment {
  public:
-  const GlContext& context() {
+  const gl::GlContext& context() {
     if (context_ == nullptr) {
-      auto opened = GlContext::open({{}, true});
+      auto opened = gl::GlContext::open({{}, true});
       if (!opened) throw std::runtime_error(opened.error().message);
       context_ = std::move(*opened);
-      programs_ = std::make_unique<CellPrograms>();
+      programs_ = std::make_unique<gpu::CellPrograms>();
     }
     if (const auto current = context_->make_current(); !current) throw std::runtime_error(current.error().message);
     return *context_;
   }
-  CellPrograms& programs() { return *programs_; }
+  gpu::CellPrograms& programs() { return *programs_; }
   void TearDown() override {
     if (context_ != nullptr) context_->make_current();
     programs_.reset();
@@ -44,8 +44,8 @@ class OwnContext final : public testing::Environment {
   }
 
  private:
-  std::unique_ptr<GlContext> context_;
-  std::unique_ptr<CellPrograms> programs_;
+  std::unique_ptr<gl::GlContext> context_;
+  std::unique_ptr<gpu::CellPrograms> programs_;
 };
 
 inline auto* const kOwnContext = static_cast<OwnContext*>(testing::AddGlobalTestEnvironment(new OwnContext));
@@ -59,34 +59,35 @@ inline int max_texture_size() {
 
 // What is drawn, whatever holds the samples.
 struct CapturedSites {
-  const ScalarField* field = nullptr;
-  ExtractOptions options;
+  const field::ScalarField* field = nullptr;
+  extract::ExtractOptions options;
   std::span<const glm::ivec3> origins;
-  NearSites near;
+  gpu::NearSites near;
   std::function<bool(const glm::ivec3&)> inside;
   std::function<double(const glm::ivec3&)> value;
-  KeyRange keys{};
-  IndexBox region;
-  IndexBox stored;  // for placement
-  CellProgramKind kind;
+  gpu::KeyRange keys{};
+  field::IndexBox region;
+  field::IndexBox stored;  // for placement
+  gpu::CellProgramKind kind;
 };
 
 // Draws all sites as their source makes them ready.
 inline Result<void> capture_sites(
-    const CapturedSites& sites, FieldSource& source, std::uint64_t feedback_bytes,
-    const std::function<void(std::span<const std::uint32_t>, const CapturedSoup&)>& take) {
-  const GlContext& context = kOwnContext->context();
-  CellProgramKind kind = sites.kind;
+    const CapturedSites& sites, gpu::FieldSource& source, std::uint64_t feedback_bytes,
+    const std::function<void(std::span<const std::uint32_t>, const gpu::CapturedSoup&)>& take) {
+  const gl::GlContext& context = kOwnContext->context();
+  gpu::CellProgramKind kind = sites.kind;
   const auto capturing = kOwnContext->programs().find(context, kind);
   if (!capturing) return tl::unexpected(capturing.error());
   kind.counting = true;
-  kind.normals = CapturedNormals::none;
+  kind.normals = gpu::CapturedNormals::none;
   const auto counting = kOwnContext->programs().find(context, kind);
   if (!counting) return tl::unexpected(counting.error());
-  const Placement placement(sites.options.output_from_index, sites.stored, sites.field->kind, sites.field->scale);
+  const extract::OutputFrame placement(sites.options.output_from_index, sites.stored, sites.field->kind,
+                                       sites.field->scale);
   const glm::dmat3 outward = placement.outward_covectors();
-  const Affine& local = placement.local_from_index();
-  for (const CellProgram* program : {*counting, *capturing}) {
+  const field::Affine& local = placement.local_from_index();
+  for (const gl::CellProgram* program : {*counting, *capturing}) {
     program->set("inside_from", sites.keys.from);
     program->set("inside_to", sites.keys.to);
     program->set("first_cell", sites.region.min);
@@ -102,9 +103,9 @@ inline Result<void> capture_sites(
     program->set("covector_y", outward[1]);
     program->set("covector_z", outward[2]);
   }
-  const std::size_t words = sites.kind.normals == CapturedNormals::none ? 4 : 7;
+  const std::size_t words = sites.kind.normals == gpu::CapturedNormals::none ? 4 : 7;
   const std::size_t known_messages = context.debug_messages().size();
-  CellCapture capture(context, sites.kind.pipeline, words, feedback_bytes);
+  gpu::CellCapture capture(context, sites.kind.pipeline, words, feedback_bytes);
   while (true) {
     const auto ready = source.advance();
     if (!ready) return tl::unexpected(ready.error());
@@ -116,7 +117,7 @@ inline Result<void> capture_sites(
         [&](std::size_t first, std::size_t count) {
           source.bind({*counting, *capturing}, ready->subspan(first, count));
         },
-        [&](std::size_t first, std::size_t count, const CapturedSoup& soup) {
+        [&](std::size_t first, std::size_t count, const gpu::CapturedSoup& soup) {
           take(ready->subspan(first, count), soup);
         },
         [](std::uint64_t) { return Result<void>(); });
@@ -129,16 +130,17 @@ inline Result<void> capture_sites(
 }
 
 // The mesh of it, with edge keys.
-inline Mesh captured_mesh(const CapturedSites& sites, FieldSource& source, std::uint64_t feedback_bytes) {
-  const CaseTable& table = case_table(sites.options.method);
-  const InsideRule rule{sites.field->kind, sites.options.iso};
-  SiteWeld weld(table, sites.origins, sites.near, [&](const glm::ivec3& cell) {
+inline mesh::Mesh captured_mesh(const CapturedSites& sites, gpu::FieldSource& source, std::uint64_t feedback_bytes) {
+  const extract::CaseTable& table = extract::case_table(sites.options.method);
+  const extract::InsideRule rule{sites.field->kind, sites.options.iso};
+  gpu::SiteWeld weld(table, sites.origins, sites.near, [&](const glm::ivec3& cell) {
     unsigned cell_case = 0;
-    for (int c = 0; c < 8; ++c) cell_case |= (sites.inside(cell + direction_step(c)) ? 1U : 0U) << c;
-    return cell_variant(table, cell_case, rule, [&](int c) { return sites.value(cell + direction_step(c)); });
+    for (int c = 0; c < 8; ++c) cell_case |= (sites.inside(cell + extract::direction_step(c)) ? 1U : 0U) << c;
+    return extract::cell_variant(table, cell_case, rule,
+                                 [&](int c) { return sites.value(cell + extract::direction_step(c)); });
   });
   const auto drawn = capture_sites(sites, source, feedback_bytes,
-                                   [&](auto batch, const CapturedSoup& soup) { weld.add(batch, soup); });
+                                   [&](auto batch, const gpu::CapturedSoup& soup) { weld.add(batch, soup); });
   if (!drawn) {
     ADD_FAILURE() << drawn.error().message;
     return {};
@@ -148,68 +150,68 @@ inline Mesh captured_mesh(const CapturedSites& sites, FieldSource& source, std::
     ADD_FAILURE() << sizes.error().message;
     return {};
   }
-  ExtractOptions options = sites.options;
+  extract::ExtractOptions options = sites.options;
   options.edge_keys = true;
-  Mesh mesh;
+  mesh::Mesh mesh;
   mesh.name = sites.field->name;
-  allocate_mesh(mesh, *sizes, {}, options);
+  extract::allocate_mesh(mesh, *sizes, {}, options);
   weld.write(mesh, false);
   return mesh;
 }
 
-inline GpuPipeline usual_pipeline(Method method) {
-  return method == Method::mt ? GpuPipeline::mt_geometry : GpuPipeline::mc_tessellation;
+inline gpu::GpuPipeline usual_pipeline(extract::Method method) {
+  return method == extract::Method::mt ? gpu::GpuPipeline::mt_geometry : gpu::GpuPipeline::mc_tessellation;
 }
 
 // Dense float samples, their bricks found.
 class DenseSurface {
  public:
-  DenseSurface(const ScalarField& field, const ExtractOptions& options)
-      : samples_(std::get<DenseSamples>(field.samples)),
-        view_(dense_view<float>(samples_)),
+  DenseSurface(const field::ScalarField& field, const extract::ExtractOptions& options)
+      : samples_(std::get<field::DenseSamples>(field.samples)),
+        view_(extract::dense_view<float>(samples_)),
         masks_(samples_.dims),
         whole_{glm::ivec3(0), samples_.dims - 1} {
-    ExtractStats stats;
-    const auto threshold = classify_dense(field, view_, glm::ivec3(0), options, masks_, stats);
-    bricks_ = std::make_unique<DenseSites>(masks_, glm::ivec3(0));
+    extract::ExtractStats stats;
+    const auto threshold = extract::classify_dense(field, view_, glm::ivec3(0), options, masks_, stats);
+    bricks_ = std::make_unique<gpu::DenseSites>(masks_, glm::ivec3(0));
     sites_.field = &field;
     sites_.options = options;
     sites_.origins = bricks_->origins();
     sites_.near = [this](std::size_t site) { return bricks_->near(site); };
     sites_.inside = [this](const glm::ivec3& p) { return masks_.inside(p); };
     sites_.value = [this](const glm::ivec3& p) { return static_cast<double>(view_.row(p.y, p.z)[p.x]); };
-    sites_.keys = inside_keys(threshold.value().value());
+    sites_.keys = gpu::inside_keys(threshold.value().value());
     sites_.region = sites_.stored = whole_;
     sites_.kind.pipeline = usual_pipeline(options.method);
     sites_.kind.sample_define = "SAMPLE_F32";
-    sites_.kind.normals = options.smooth_normals ? CapturedNormals::gradient : CapturedNormals::none;
+    sites_.kind.normals = options.smooth_normals ? gpu::CapturedNormals::gradient : gpu::CapturedNormals::none;
   }
 
   [[nodiscard]] CapturedSites& sites() { return sites_; }
 
-  [[nodiscard]] Result<DenseSource> source(std::uint64_t bytes, int max_texture) const {
-    return DenseSource::make(kOwnContext->context(), samples_, sites_.origins, whole_,
-                             {sites_.options.smooth_normals, bytes, max_texture});
+  [[nodiscard]] Result<gpu::DenseSource> source(std::uint64_t bytes, int max_texture) const {
+    return gpu::DenseSource::make(kOwnContext->context(), samples_, sites_.origins, whole_,
+                                  {sites_.options.smooth_normals, bytes, max_texture});
   }
 
  private:
-  const DenseSamples& samples_;
-  DenseView<float> view_;
-  DenseMasks masks_;
-  IndexBox whole_;
-  std::unique_ptr<DenseSites> bricks_;
+  const field::DenseSamples& samples_;
+  extract::DenseView<float> view_;
+  extract::DenseMasks masks_;
+  field::IndexBox whole_;
+  std::unique_ptr<gpu::DenseSites> bricks_;
   CapturedSites sites_;
 };
 
 // Sparse float samples, their leaves found.
 class SparseSurface {
  public:
-  SparseSurface(const ScalarField& field, const ExtractOptions& options)
-      : samples_(std::get<SparseSamples>(field.samples)),
+  SparseSurface(const field::ScalarField& field, const extract::ExtractOptions& options)
+      : samples_(std::get<field::SparseSamples>(field.samples)),
         options_(options),
-        region_(sparse_region(field, samples_, options).value()),
+        region_(extract::sparse_region(field, samples_, options).value()),
         leaves_(field, samples_, region_, options_) {
-    ExtractStats stats;
+    extract::ExtractStats stats;
     EXPECT_TRUE(leaves_.find(stats));
     sites_.field = &field;
     sites_.options = options;
@@ -217,19 +219,21 @@ class SparseSurface {
     sites_.near = [this](std::size_t site) { return leaves_.near(site); };
     sites_.inside = [this](const glm::ivec3& p) { return leaves_.inside(p); };
     sites_.value = [this](const glm::ivec3& p) { return leaves_.value(p); };
-    sites_.keys = inside_keys(find_inside_threshold<float>({field.kind, options.iso}, field.scale).value());
+    sites_.keys =
+        gpu::inside_keys(extract::find_inside_threshold<float>({field.kind, options.iso}, field.scale).value());
     sites_.region = region_;
-    sites_.stored = stored_box(samples_);
+    sites_.stored = extract::stored_box(samples_);
     sites_.kind.pipeline = usual_pipeline(options.method);
     sites_.kind.sample_define = "SAMPLE_F32";
     sites_.kind.sparse = true;
-    sites_.kind.normals = options.smooth_normals ? CapturedNormals::gradient : CapturedNormals::none;
+    sites_.kind.normals = options.smooth_normals ? gpu::CapturedNormals::gradient : gpu::CapturedNormals::none;
   }
 
   [[nodiscard]] CapturedSites& sites() { return sites_; }
 
-  [[nodiscard]] Result<SparseSource> source(std::uint64_t bytes, int max_texture) const {
-    return SparseSource::make(kOwnContext->context(), samples_, leaves_, {options_.smooth_normals, bytes, max_texture});
+  [[nodiscard]] Result<gpu::SparseSource> source(std::uint64_t bytes, int max_texture) const {
+    return gpu::SparseSource::make(kOwnContext->context(), samples_, leaves_,
+                                   {options_.smooth_normals, bytes, max_texture});
   }
 
   // The stored leaves that the cells of sites need.
@@ -248,10 +252,10 @@ class SparseSurface {
   }
 
  private:
-  const SparseSamples& samples_;
-  ExtractOptions options_;
-  IndexBox region_;
-  SparseSites leaves_;
+  const field::SparseSamples& samples_;
+  extract::ExtractOptions options_;
+  field::IndexBox region_;
+  extract::SparseSites leaves_;
   CapturedSites sites_;
 };
 

@@ -1,5 +1,5 @@
 // What shaders are told of the case tables is what the tables say; and what the GPU's code takes for granted of them.
-#include "gpu/case_constants.hpp"
+#include "gpu/detail/case_constants.hpp"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +11,7 @@
 #include "extract/cell_tables.hpp"
 #include "extract/edge_geometry.hpp"
 
-namespace isoextract {
+namespace isoextract::gpu {
 namespace {
 
 std::vector<int> numbers_of(const std::string& text, const std::string& name) {
@@ -35,12 +35,12 @@ EdgeTriangle from_least(EdgeTriangle triangle) {
   return triangle;
 }
 
-std::multiset<EdgeTriangle> table_triangles(const CaseTable& table, unsigned variant) {
+std::multiset<EdgeTriangle> table_triangles(const extract::CaseTable& table, unsigned variant) {
   std::multiset<EdgeTriangle> set;
   for (int t = table.first[variant]; t < table.first[variant + 1]; ++t) {
     EdgeTriangle triangle{};
     for (std::size_t v = 0; v < 3; ++v) {
-      const CellEdge& edge = table.edges[table.triangles[static_cast<std::size_t>(t)][v]];
+      const extract::CellEdge& edge = table.edges[table.triangles[static_cast<std::size_t>(t)][v]];
       triangle[v] = edge.direction << 3 | edge.corner;
     }
     set.insert(from_least(triangle));
@@ -55,7 +55,7 @@ TEST(TetrahedronConstants, DrawTheTable) {
   const auto strips = numbers_of(text, "tetrahedron_strips");
   ASSERT_EQ(corners.size(), 24U);
   ASSERT_EQ(strips.size(), 16U);
-  const CaseTable& table = case_table(Method::mt);
+  const extract::CaseTable& table = extract::case_table(extract::Method::mt);
   for (unsigned cell_case = 0; cell_case < 256; ++cell_case) {
     std::multiset<EdgeTriangle> drawn;
     for (std::size_t tetrahedron = 0; tetrahedron < 6; ++tetrahedron) {
@@ -81,7 +81,7 @@ TEST(TetrahedronConstants, DrawTheTable) {
 
 // mt_geometry.geom finds a cell by the ends of its diagonal.
 TEST(TetrahedronConstants, HaveTheDiagonalFirstAndLast) {
-  for (const auto& tetrahedron : cell_tetrahedra()) {
+  for (const auto& tetrahedron : extract::cell_tetrahedra()) {
     EXPECT_EQ(std::min(tetrahedron[0], tetrahedron[3]), 0);
     EXPECT_EQ(std::max(tetrahedron[0], tetrahedron[3]), 7);
   }
@@ -90,7 +90,7 @@ TEST(TetrahedronConstants, HaveTheDiagonalFirstAndLast) {
 TEST(CubeCaseTexels, HoldTheFirstVariantOfEveryCase) {
   const auto texels = cube_case_texels();
   ASSERT_EQ(texels.size(), 256U * kCaseTexels);
-  const CaseTable& table = case_table(Method::mc);
+  const extract::CaseTable& table = extract::case_table(extract::Method::mc);
   int most = 0;
   for (unsigned cell_case = 0; cell_case < 256; ++cell_case) {
     const std::uint8_t* row = texels.data() + std::size_t{cell_case} * kCaseTexels;
@@ -108,7 +108,7 @@ TEST(CubeCaseTexels, HoldTheFirstVariantOfEveryCase) {
     for (int rest = 1 + 3 * count; rest < kCaseTexels; ++rest) EXPECT_EQ(row[rest], 0);
     // A proxy brings every vertex that any variant may need.
     std::set<int> crossed;
-    for (const CellEdge& edge : table.edges) {
+    for (const extract::CellEdge& edge : table.edges) {
       const bool in0 = (cell_case >> edge.corner & 1) != 0;
       const bool in1 = (cell_case >> (edge.corner | edge.direction) & 1) != 0;
       if (in0 != in1) crossed.insert(edge.direction << 3 | edge.corner);
@@ -120,9 +120,9 @@ TEST(CubeCaseTexels, HoldTheFirstVariantOfEveryCase) {
 
 // site_weld.cpp finds a triangle's cell by the least of its edges' lower ends.
 TEST(CaseTables, TrianglesTouchTheLowSideOfTheirCell) {
-  for (const Method method : {Method::mc, Method::mt}) {
-    const CaseTable& table = case_table(method);
-    for (const CellTriangle& triangle : table.triangles) {
+  for (const extract::Method method : {extract::Method::mc, extract::Method::mt}) {
+    const extract::CaseTable& table = extract::case_table(method);
+    for (const extract::CellTriangle& triangle : table.triangles) {
       unsigned shared = 7;
       for (const std::uint8_t edge : triangle) shared &= table.edges[edge].corner;
       EXPECT_EQ(shared, 0U);
@@ -131,4 +131,4 @@ TEST(CaseTables, TrianglesTouchTheLowSideOfTheirCell) {
 }
 
 }  // namespace
-}  // namespace isoextract
+}  // namespace isoextract::gpu

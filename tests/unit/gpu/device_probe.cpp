@@ -4,17 +4,17 @@
 #include "gpu/gpu_extractor.hpp"
 
 int main() {
-  const auto extractor = isoextract::make_gpu_extractor({});
+  const auto extractor = isoextract::gpu::make_gpu_extractor({});
   if (extractor) {
     std::printf("drawing on %s\n", extractor->extractor->device().c_str());
     return 0;
   }
   const isoextract::Error& error = extractor.error();
-  std::printf("error %d|%s|%s\n", static_cast<int>(error.kind), error.message.c_str(), error.hint.c_str());
+  std::printf("error %d|%s|%s\n", static_cast<int>(error.kind), error.message.c_str(), error.hint.text.c_str());
   // A device that cannot be used is listed all the same, and must be said to be so.
-  const auto devices = isoextract::list_gpu_devices();
+  const auto devices = isoextract::gl::list_gpu_devices();
   if (!devices) return 0;
-  for (const isoextract::GpuDevice& device : *devices) {
+  for (const isoextract::gl::GpuDevice& device : *devices) {
     if (!device.problem) return 1;
   }
   return 0;

@@ -1,5 +1,5 @@
 // Devices: the words that choose one, the choice, and machines without drivers or with broken ones.
-#include "gpu/gpu_device.hpp"
+#include "gl/gpu_device.hpp"
 
 #include <sys/wait.h>
 
@@ -12,25 +12,25 @@
 #include "support/fields.hpp"
 #include "support/temp_folder.hpp"
 
-namespace isoextract {
+namespace isoextract::gpu {
 namespace {
 
 TEST(DeviceChoice, ReadsNumbersCudaNumbersAndNames) {
-  EXPECT_EQ(std::get<int>(parse_device_choice("0").value()), 0);
-  EXPECT_EQ(std::get<int>(parse_device_choice("12").value()), 12);
-  EXPECT_EQ(std::get<CudaIndex>(parse_device_choice("cuda:3").value()).number, 3);
-  EXPECT_EQ(std::get<DeviceName>(parse_device_choice("llvmpipe").value()).part, "llvmpipe");
-  EXPECT_EQ(std::get<DeviceName>(parse_device_choice("4090 Ti").value()).part, "4090 Ti");
+  EXPECT_EQ(std::get<int>(gl::parse_device_choice("0").value()), 0);
+  EXPECT_EQ(std::get<int>(gl::parse_device_choice("12").value()), 12);
+  EXPECT_EQ(std::get<gl::CudaIndex>(gl::parse_device_choice("cuda:3").value()).number, 3);
+  EXPECT_EQ(std::get<gl::DeviceName>(gl::parse_device_choice("llvmpipe").value()).part, "llvmpipe");
+  EXPECT_EQ(std::get<gl::DeviceName>(gl::parse_device_choice("4090 Ti").value()).part, "4090 Ti");
   for (const char* wrong : {"", "cuda:", "cuda:x", "cuda:-1", "cuda:1x"}) {
-    const auto choice = parse_device_choice(wrong);
+    const auto choice = gl::parse_device_choice(wrong);
     ASSERT_FALSE(choice) << wrong;
     EXPECT_EQ(choice.error().kind, ErrorKind::usage);
     EXPECT_FALSE(choice.error().hint.empty());
   }
 }
 
-GpuDevice device(int index, std::string renderer, bool software = false, std::optional<int> cuda = std::nullopt) {
-  GpuDevice made;
+gl::GpuDevice device(int index, std::string renderer, bool software = false, std::optional<int> cuda = std::nullopt) {
+  gl::GpuDevice made;
   made.index = index;
   made.vendor = software ? "Mesa" : "NVIDIA Corporation";
   made.renderer = std::move(renderer);
@@ -39,15 +39,15 @@ GpuDevice device(int index, std::string renderer, bool software = false, std::op
   return made;
 }
 
-GpuDevice broken(int index) {
-  GpuDevice made;
+gl::GpuDevice broken(int index) {
+  gl::GpuDevice made;
   made.index = index;
   made.problem = Error{ErrorKind::unavailable, "the driver could not be initialised", "ask its maker"};
   return made;
 }
 
-int chosen(const std::vector<GpuDevice>& devices, const DeviceChoice& choice) {
-  const auto found = choose_device(devices, choice);
+int chosen(const std::vector<gl::GpuDevice>& devices, const gl::DeviceChoice& choice) {
+  const auto found = gl::choose_device(devices, choice);
   return found ? found->index : -1;
 }
 
@@ -57,24 +57,25 @@ TEST(DeviceChoice, PrefersDevicesThatAreNotSoftware) {
   EXPECT_EQ(chosen(devices, {}), 2);
   EXPECT_EQ(chosen({broken(0), device(1, "llvmpipe", true)}, {}), 1);
   EXPECT_EQ(chosen(devices, 1), 1);
-  EXPECT_EQ(chosen(devices, CudaIndex{0}), 3);
-  EXPECT_EQ(chosen(devices, CudaIndex{1}), 2);
-  EXPECT_EQ(chosen(devices, DeviceName{"nvidia"}), 2) << "the first of that name";
-  EXPECT_EQ(chosen(devices, DeviceName{"rtx"}), 3);
-  EXPECT_EQ(chosen(devices, DeviceName{"LLVM"}), 1);
+  EXPECT_EQ(chosen(devices, gl::CudaIndex{0}), 3);
+  EXPECT_EQ(chosen(devices, gl::CudaIndex{1}), 2);
+  EXPECT_EQ(chosen(devices, gl::DeviceName{"nvidia"}), 2) << "the first of that name";
+  EXPECT_EQ(chosen(devices, gl::DeviceName{"rtx"}), 3);
+  EXPECT_EQ(chosen(devices, gl::DeviceName{"LLVM"}), 1);
 }
 
 TEST(DeviceChoice, SaysWhatThereIsWhereNothingFits) {
   const std::vector devices{device(0, "H100", false, 1), device(1, "llvmpipe", true), broken(2)};
-  for (const DeviceChoice& choice : {DeviceChoice{7}, DeviceChoice{CudaIndex{0}}, DeviceChoice{DeviceName{"Radeon"}}}) {
-    const auto found = choose_device(devices, choice);
+  for (const gl::DeviceChoice& choice :
+       {gl::DeviceChoice{7}, gl::DeviceChoice{gl::CudaIndex{0}}, gl::DeviceChoice{gl::DeviceName{"Radeon"}}}) {
+    const auto found = gl::choose_device(devices, choice);
     ASSERT_FALSE(found);
     EXPECT_EQ(found.error().kind, ErrorKind::unavailable);
     for (const char* part : {"0: H100 (cuda:1)", "1: llvmpipe", "2: not usable"}) {
       EXPECT_NE(found.error().message.find(part), std::string::npos) << found.error().message;
     }
   }
-  const auto own = choose_device(devices, 2);
+  const auto own = gl::choose_device(devices, 2);
   ASSERT_FALSE(own);
   EXPECT_EQ(own.error().message, "the driver could not be initialised") << "why that device cannot be used";
 }
@@ -87,22 +88,22 @@ TEST(Devices, OutOfRangeIsAnErrorWithTheList) {
   EXPECT_EQ(extractor.error().kind, ErrorKind::unavailable);
   EXPECT_NE(extractor.error().message.find("no device 99; there are 0: "), std::string::npos)
       << extractor.error().message;
-  options.device = DeviceName{"no such renderer"};
+  options.device = gl::DeviceName{"no such renderer"};
   EXPECT_FALSE(make_gpu_extractor(options));
 }
 
 TEST(Devices, AreListedAsTheyAreOpened) {
-  const auto devices = list_gpu_devices();
+  const auto devices = gl::list_gpu_devices();
   ASSERT_TRUE(devices) << devices.error().message;
   for (std::size_t d = 0; d < devices->size(); ++d) EXPECT_EQ((*devices)[d].index, static_cast<int>(d));
-  const auto first = choose_device(*devices, {});
+  const auto first = gl::choose_device(*devices, {});
   ASSERT_TRUE(first);
   EXPECT_FALSE(first->version.empty());
   GpuOptions options;
   options.device = first->index;
   const auto extractor = make_gpu_extractor(options);
   ASSERT_TRUE(extractor);
-  EXPECT_EQ(extractor->extractor->device(), describe(*first));
+  EXPECT_EQ(extractor->extractor->device(), gl::describe(*first));
 }
 
 // Each draws in its own context, in whatever order they are used and dropped.
@@ -110,8 +111,8 @@ TEST(Devices, ExtractorsLiveBesideEachOther) {
   auto first = make_gpu_extractor({});
   auto second = make_gpu_extractor({});
   ASSERT_TRUE(first && second);
-  const ScalarField field = test::random_field<float>({10, 10, 10}, 3, 100);
-  ExtractOptions options;
+  const field::ScalarField field = test::random_field<float>({10, 10, 10}, 3, 100);
+  extract::ExtractOptions options;
   options.iso = 50;
   const auto a = first->extractor->extract(field, options);
   const auto b = second->extractor->extract(field, options);
@@ -183,13 +184,13 @@ TEST(Drivers, AVendorWithoutItsLibraryIsAnError) {
 
 // Mesa without its drivers: a device that cannot be initialised, or none.
 TEST(Drivers, MesaWithoutDriversIsAnError) {
-  const auto devices = list_gpu_devices();
+  const auto devices = gl::list_gpu_devices();
   ASSERT_TRUE(devices) << devices.error().message;
-  if (!std::ranges::all_of(*devices, &GpuDevice::software))
+  if (!std::ranges::all_of(*devices, &gl::GpuDevice::software))
     GTEST_SKIP() << "another driver than Mesa's llvmpipe is here";
   expect_unavailable("LIBGL_DRIVERS_PATH=/nonexistent",
                      {"EGL could not be initialised on the device", "--backend cpu"});
 }
 
 }  // namespace
-}  // namespace isoextract
+}  // namespace isoextract::gpu

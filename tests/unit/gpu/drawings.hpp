@@ -19,19 +19,21 @@
 namespace isoextract::test {
 
 struct Drawing {
-  Method method = Method::mc;
+  extract::Method method = extract::Method::mc;
   bool tessellation = true;
   bool swizzle = true;
 };
 
 // What users get, for most tests; and all there are.
-inline constexpr std::array kUsualDrawings{Drawing{Method::mc, true, true}, Drawing{Method::mt, true, true}};
-inline constexpr std::array kAllDrawings{Drawing{Method::mc, true, true},  Drawing{Method::mc, true, false},
-                                         Drawing{Method::mc, false, true}, Drawing{Method::mc, false, false},
-                                         Drawing{Method::mt, true, true},  Drawing{Method::mt, true, false}};
+inline constexpr std::array kUsualDrawings{Drawing{extract::Method::mc, true, true},
+                                           Drawing{extract::Method::mt, true, true}};
+inline constexpr std::array kAllDrawings{
+    Drawing{extract::Method::mc, true, true},  Drawing{extract::Method::mc, true, false},
+    Drawing{extract::Method::mc, false, true}, Drawing{extract::Method::mc, false, false},
+    Drawing{extract::Method::mt, true, true},  Drawing{extract::Method::mt, true, false}};
 
 inline std::string words(const Drawing& drawing) {
-  if (drawing.method == Method::mt) return drawing.swizzle ? "mt" : "mt row by row";
+  if (drawing.method == extract::Method::mt) return drawing.swizzle ? "mt" : "mt row by row";
   return std::string("mc by ") + (drawing.tessellation ? "tessellation" : "points") +
          (drawing.swizzle ? "" : " row by row");
 }
@@ -40,14 +42,14 @@ inline std::string words(const Drawing& drawing) {
 // driver's messages are errors.
 class GpuExtractors final : public testing::Environment {
  public:
-  Extractor* find(const Drawing& drawing) {
+  extract::Extractor* find(const Drawing& drawing) {
     auto& extractor = extractors_[{drawing.tessellation, drawing.swizzle}];
     if (extractor == nullptr) {
-      GpuOptions options;
+      gpu::GpuOptions options;
       options.tessellation = drawing.tessellation;
       options.swizzle = drawing.swizzle;
       options.debug = true;
-      auto made = make_gpu_extractor(options);
+      auto made = gpu::make_gpu_extractor(options);
       if (!made) {
         ADD_FAILURE() << made.error().message;
         return nullptr;
@@ -59,16 +61,17 @@ class GpuExtractors final : public testing::Environment {
   void TearDown() override { extractors_.clear(); }
 
  private:
-  std::map<std::pair<bool, bool>, std::unique_ptr<Extractor>> extractors_;
+  std::map<std::pair<bool, bool>, std::unique_ptr<extract::Extractor>> extractors_;
 };
 
 inline auto* const kGpuExtractors =
     static_cast<GpuExtractors*>(testing::AddGlobalTestEnvironment(new GpuExtractors));  // gtest owns it
 
-inline Extraction extract_on_gpu(const ScalarField& field, const ExtractOptions& options, const Drawing& drawing = {}) {
-  Extractor* gpu = kGpuExtractors->find(drawing);
+inline extract::Extraction extract_on_gpu(const field::ScalarField& field, const extract::ExtractOptions& options,
+                                          const Drawing& drawing = {}) {
+  extract::Extractor* gpu = kGpuExtractors->find(drawing);
   if (gpu == nullptr) return {};
-  Result<Extraction> result = gpu->extract(field, options);
+  Result<extract::Extraction> result = gpu->extract(field, options);
   if (!result) {
     ADD_FAILURE() << result.error().message;
     return {};
@@ -76,10 +79,10 @@ inline Extraction extract_on_gpu(const ScalarField& field, const ExtractOptions&
   return std::move(*result);
 }
 
-using KeyTriangle = std::array<EdgeKey, 3>;
+using KeyTriangle = std::array<mesh::EdgeKey, 3>;
 
 // Triangles by their edges, from the least on: independent of order, but not of winding.
-inline std::vector<KeyTriangle> key_triangles(const Mesh& mesh) {
+inline std::vector<KeyTriangle> key_triangles(const mesh::Mesh& mesh) {
   std::vector<KeyTriangle> set;
   set.reserve(mesh.triangles.size());
   for (const glm::uvec3& t : mesh.triangles) {
@@ -92,7 +95,7 @@ inline std::vector<KeyTriangle> key_triangles(const Mesh& mesh) {
 }
 
 // A unit in the last place of the mesh's local coordinates.
-inline double local_unit(const Mesh& mesh) {
+inline double local_unit(const mesh::Mesh& mesh) {
   float largest = 0;
   for (const glm::vec3& p : mesh.positions) largest = std::max({largest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
   return static_cast<double>(std::nextafter(largest, std::numeric_limits<float>::infinity())) -
@@ -105,7 +108,7 @@ inline double angle_between(const glm::dvec3& a, const glm::dvec3& b) {
 }
 
 // Both with edge keys. Vertices with one key (parted at holes) have one position and one normal.
-inline void expect_same_surface(const Mesh& cpu, const Mesh& gpu) {
+inline void expect_same_surface(const mesh::Mesh& cpu, const mesh::Mesh& gpu) {
   constexpr double kUnits = 2;  // DESIGN section 3, identity
   constexpr double kDegrees = 0.01;
   EXPECT_EQ(cpu.origin, gpu.origin);
@@ -115,7 +118,7 @@ inline void expect_same_surface(const Mesh& cpu, const Mesh& gpu) {
   ASSERT_EQ(cpu.edges.size(), gpu.edges.size());
   ASSERT_EQ(cpu.triangles.size(), gpu.triangles.size());
   ASSERT_TRUE(key_triangles(cpu) == key_triangles(gpu)) << "other triangles";
-  const auto by_key = [](const Mesh& mesh) {
+  const auto by_key = [](const mesh::Mesh& mesh) {
     std::vector<std::size_t> order(mesh.edges.size());
     for (std::size_t v = 0; v < order.size(); ++v) order[v] = v;
     std::ranges::stable_sort(order, std::less<>(), [&](std::size_t v) { return mesh.edges[v]; });
@@ -139,7 +142,7 @@ inline void expect_same_surface(const Mesh& cpu, const Mesh& gpu) {
   EXPECT_LE(degrees, kDegrees);
 }
 
-inline void expect_same_bytes(const Mesh& a, const Mesh& b) {
+inline void expect_same_bytes(const mesh::Mesh& a, const mesh::Mesh& b) {
   EXPECT_EQ(a.origin, b.origin);
   EXPECT_TRUE(std::ranges::equal(a.positions, b.positions)) << "positions";
   EXPECT_TRUE(std::ranges::equal(a.normals, b.normals)) << "normals";
@@ -149,15 +152,15 @@ inline void expect_same_bytes(const Mesh& a, const Mesh& b) {
 
 // The mesh of each drawing is the CPU's, or the error is. Returns the triangles of the last one.
 template <class Drawings>
-std::size_t expect_parity(const ScalarField& field, ExtractOptions options, const Drawings& drawings) {
+std::size_t expect_parity(const field::ScalarField& field, extract::ExtractOptions options, const Drawings& drawings) {
   options.edge_keys = true;
   std::size_t triangles = 0;
   for (const Drawing& drawing : drawings) {
     SCOPED_TRACE(words(drawing));
-    Extractor* gpu = kGpuExtractors->find(drawing);
+    extract::Extractor* gpu = kGpuExtractors->find(drawing);
     if (gpu == nullptr) return 0;
     options.method = drawing.method;
-    const auto expected = make_cpu_extractor()->extract(field, options);
+    const auto expected = extract::make_cpu_extractor()->extract(field, options);
     const auto found = gpu->extract(field, options);
     EXPECT_EQ(expected.has_value(), found.has_value());
     if (!expected || !found) {
@@ -171,7 +174,7 @@ std::size_t expect_parity(const ScalarField& field, ExtractOptions options, cons
     expect_same_surface(expected->mesh, found->mesh);
     EXPECT_EQ(expected->stats.nan_samples, found->stats.nan_samples);
     EXPECT_EQ(expected->stats.hole_cells, found->stats.hole_cells);
-    if (drawing.method == Method::mt && found->stats.device) {
+    if (drawing.method == extract::Method::mt && found->stats.device) {
       EXPECT_EQ(found->stats.device->cells_decided, 0U) << "nothing is ambiguous";
     }
     EXPECT_EQ(expected->stats.samples_classified, found->stats.samples_classified);
@@ -180,7 +183,7 @@ std::size_t expect_parity(const ScalarField& field, ExtractOptions options, cons
   return triangles;
 }
 
-inline std::size_t expect_parity(const ScalarField& field, const ExtractOptions& options) {
+inline std::size_t expect_parity(const field::ScalarField& field, const extract::ExtractOptions& options) {
   return expect_parity(field, options, kUsualDrawings);
 }
 

@@ -3,7 +3,7 @@
 #include "drawings.hpp"
 #include "field/demo_field.hpp"
 
-namespace isoextract {
+namespace isoextract::gpu {
 namespace {
 
 class FlatNormals : public testing::TestWithParam<GpuPipeline> {};
@@ -17,10 +17,10 @@ INSTANTIATE_TEST_SUITE_P(Pipelines, FlatNormals,
                          });
 
 TEST_P(FlatNormals, AreTheTriangles) {
-  const auto field = make_demo_field("demo:gyroid?size=24", default_limits());
+  const auto field = field::make_demo_field("demo:gyroid?size=24", default_limits());
   ASSERT_TRUE(field);
-  ExtractOptions options;
-  options.method = GetParam() == GpuPipeline::mt_geometry ? Method::mt : Method::mc;
+  extract::ExtractOptions options;
+  options.method = GetParam() == GpuPipeline::mt_geometry ? extract::Method::mt : extract::Method::mc;
   test::DenseSurface surface(*field, options);
   surface.sites().kind.pipeline = GetParam();
   surface.sites().kind.normals = CapturedNormals::flat;
@@ -49,7 +49,7 @@ TEST_P(FlatNormals, AreTheTriangles) {
   ASSERT_TRUE(drawn) << drawn.error().message;
   EXPECT_LT(farthest, 0.1) << "degrees";
   const std::size_t expected = test::extract(*field, options).mesh.triangles.size();
-  if (options.method == Method::mt) {
+  if (options.method == extract::Method::mt) {
     EXPECT_EQ(triangles, expected);
   } else {
     EXPECT_GT(triangles, expected / 2);  // proxies have other triangles
@@ -57,4 +57,4 @@ TEST_P(FlatNormals, AreTheTriangles) {
 }
 
 }  // namespace
-}  // namespace isoextract
+}  // namespace isoextract::gpu

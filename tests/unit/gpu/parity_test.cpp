@@ -5,13 +5,13 @@
 #include "field/demo_field.hpp"
 #include "support/fields.hpp"
 
-namespace isoextract {
+namespace isoextract::gpu {
 namespace {
 
 using test::expect_parity;
 
-ExtractOptions at_iso(double iso) {
-  ExtractOptions options;
+extract::ExtractOptions at_iso(double iso) {
+  extract::ExtractOptions options;
   options.iso = iso;
   return options;
 }
@@ -23,9 +23,9 @@ TEST(Parity, EveryDrawingOfOddSizes) {
   unsigned seed = 0;
   for (const glm::ivec3& dims : kSizes) {
     SCOPED_TRACE(testing::Message() << dims.x << " x " << dims.y << " x " << dims.z);
-    ExtractOptions options = at_iso(500000);
+    extract::ExtractOptions options = at_iso(500000);
     options.cap = seed % 3 == 0;
-    const ScalarField field = test::random_field<float>(dims, seed++, 1000000);
+    const field::ScalarField field = test::random_field<float>(dims, seed++, 1000000);
     EXPECT_GT(expect_parity(field, options, test::kAllDrawings), 0U);
     options.smooth_normals = true;
     EXPECT_GT(expect_parity(field, options), 0U);
@@ -35,10 +35,10 @@ TEST(Parity, EveryDrawingOfOddSizes) {
 // Few distinct values: samples, faces and cells tie with iso.
 TEST(Parity, EveryDrawingOfTies) {
   for (unsigned seed = 0; seed < 4; ++seed) {
-    const ScalarField field = test::random_field<std::int16_t>({12, 11, 10}, seed, 5);
+    const field::ScalarField field = test::random_field<std::int16_t>({12, 11, 10}, seed, 5);
     for (const double iso : {0.0, 1.0, 2.0, 2.5}) {
       SCOPED_TRACE(testing::Message() << "seed " << seed << ", iso " << iso);
-      ExtractOptions options = at_iso(iso);
+      extract::ExtractOptions options = at_iso(iso);
       options.cap = seed % 2 == 1;
       EXPECT_GT(expect_parity(field, options, test::kAllDrawings), 0U);
     }
@@ -47,7 +47,7 @@ TEST(Parity, EveryDrawingOfTies) {
 
 TEST(Parity, AxesOfOneSampleFailAlike) {
   for (const glm::ivec3& dims : {glm::ivec3(1, 5, 5), glm::ivec3(5, 1, 5), glm::ivec3(5, 5, 1)}) {
-    const ScalarField field = test::random_field<float>(dims, 1, 9);
+    const field::ScalarField field = test::random_field<float>(dims, 1, 9);
     EXPECT_EQ(expect_parity(field, at_iso(4)), 0U);
     EXPECT_FALSE(test::kGpuExtractors->find({})->extract(field, at_iso(4)));
   }
@@ -56,24 +56,25 @@ TEST(Parity, AxesOfOneSampleFailAlike) {
 template <class T>
 class ParityOfType : public testing::Test {};
 using SampleTypes = testing::Types<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::uint32_t, std::int32_t,
-                                   Half, float, double>;
+                                   field::Half, float, double>;
 TYPED_TEST_SUITE(ParityOfType, SampleTypes);
 
 // The whole range of the type, through scales of both signs, as density and as level set.
 TYPED_TEST(ParityOfType, ScaledOrNot) {
   using T = TypeParam;
   std::mt19937_64 engine(11);
-  ScalarField field = test::dense_field<T>({11, 10, 12}, [&](int, int, int) {
+  field::ScalarField field = test::dense_field<T>({11, 10, 12}, [&](int, int, int) {
     if constexpr (std::is_integral_v<T>) return static_cast<double>(static_cast<T>(engine()));
     return std::uniform_real_distribution<double>(-1000, 1000)(engine);
   });
   const double middle = std::is_unsigned_v<T> ? static_cast<double>(std::numeric_limits<T>::max()) * 0.4 : 1;
-  for (const ValueScale& scale : {ValueScale{}, ValueScale{0.1, -3}, ValueScale{-2.5e-7, 1e3}, ValueScale{-1e12, 0}}) {
+  for (const field::ValueScale& scale : {field::ValueScale{}, field::ValueScale{0.1, -3},
+                                         field::ValueScale{-2.5e-7, 1e3}, field::ValueScale{-1e12, 0}}) {
     SCOPED_TRACE(testing::Message() << scale.slope << " * stored + " << scale.intercept);
     field.scale = scale;
-    for (const FieldKind kind : {FieldKind::density, FieldKind::level_set}) {
+    for (const field::FieldKind kind : {field::FieldKind::density, field::FieldKind::level_set}) {
       field.kind = kind;
-      ExtractOptions options = at_iso(scale(middle));
+      extract::ExtractOptions options = at_iso(scale(middle));
       options.smooth_normals = std::is_same_v<T, double> || std::is_same_v<T, std::int16_t>;
       EXPECT_GT(expect_parity(field, options), 0U);
     }
@@ -81,12 +82,13 @@ TYPED_TEST(ParityOfType, ScaledOrNot) {
 }
 
 TEST(Parity, PlacementsOfEveryKind) {
-  const ScalarField field = test::random_field<float>({13, 12, 11}, 3, 1000000);
+  const field::ScalarField field = test::random_field<float>({13, 12, 11}, 3, 1000000);
   const glm::dmat3 turned(0.8, 0.6, 0, -0.36, 0.48, 0.8, 0.48, -0.64, 0.6);
   const glm::dmat3 sheared(1, 0.25, 0, -0.5, 2, 0, 0.3, 0.125, 0.5);
-  for (const Affine& frame : {scaling({-1, 1, 1}), scaling({1e-3, 40, 0.7}), Affine{turned, {1, 2, 3}},
-                              Affine{-turned, {1e7, -2e7, 3e7}}, Affine{sheared, {-1e5, 0, 1e6}}}) {
-    ExtractOptions options = at_iso(400000);
+  for (const field::Affine& frame :
+       {field::scaling({-1, 1, 1}), field::scaling({1e-3, 40, 0.7}), field::Affine{turned, {1, 2, 3}},
+        field::Affine{-turned, {1e7, -2e7, 3e7}}, field::Affine{sheared, {-1e5, 0, 1e6}}}) {
+    extract::ExtractOptions options = at_iso(400000);
     options.output_from_index = frame;
     options.smooth_normals = true;
     options.cap = true;
@@ -95,21 +97,22 @@ TEST(Parity, PlacementsOfEveryKind) {
 }
 
 TEST(Parity, RegionsAndTheirCaps) {
-  const ScalarField field = test::random_field<std::uint16_t>({30, 21, 26}, 8, 1000);
-  for (const IndexBox& region :
-       {IndexBox{{3, 5, 2}, {20, 12, 9}}, IndexBox{{8, 8, 8}, {16, 16, 16}}, IndexBox{{0, 0, 0}, {1, 1, 1}},
-        IndexBox{{28, 19, 24}, {29, 20, 25}}, IndexBox{{1, 0, 25 - 9}, {2, 30, 40}}, IndexBox{{7, 7, 7}, {8, 8, 25}}}) {
+  const field::ScalarField field = test::random_field<std::uint16_t>({30, 21, 26}, 8, 1000);
+  for (const field::IndexBox& region :
+       {field::IndexBox{{3, 5, 2}, {20, 12, 9}}, field::IndexBox{{8, 8, 8}, {16, 16, 16}},
+        field::IndexBox{{0, 0, 0}, {1, 1, 1}}, field::IndexBox{{28, 19, 24}, {29, 20, 25}},
+        field::IndexBox{{1, 0, 25 - 9}, {2, 30, 40}}, field::IndexBox{{7, 7, 7}, {8, 8, 25}}}) {
     for (const bool cap : {false, true}) {
       SCOPED_TRACE(testing::Message() << "region from " << region.min.x << ", cap " << cap);
-      ExtractOptions options = at_iso(500);
+      extract::ExtractOptions options = at_iso(500);
       options.region = region;
       options.cap = cap;
       options.smooth_normals = true;
       expect_parity(field, options);
     }
   }
-  ExtractOptions options = at_iso(500);
-  options.region = IndexBox{{40, 0, 0}, {50, 9, 9}};
+  extract::ExtractOptions options = at_iso(500);
+  options.region = field::IndexBox{{40, 0, 0}, {50, 9, 9}};
   expect_parity(field, options);
   EXPECT_FALSE(test::kGpuExtractors->find({})->extract(field, options));
 }
@@ -131,14 +134,15 @@ TEST(Parity, NanAndInfinities) {
       }
     };
     const glm::ivec3 dims(18, 17, 15);
-    const ScalarField field = seed % 2 == 0 ? test::dense_field<float>(dims, value)
-                              : seed == 1   ? test::dense_field<double>(dims, value)
-                                            : test::dense_field<Half>(dims, value);
-    for (const NanPolicy policy : {NanPolicy::error, NanPolicy::outside, NanPolicy::hole}) {
+    const field::ScalarField field = seed % 2 == 0 ? test::dense_field<float>(dims, value)
+                                     : seed == 1   ? test::dense_field<double>(dims, value)
+                                                   : test::dense_field<field::Half>(dims, value);
+    for (const extract::NanPolicy policy :
+         {extract::NanPolicy::error, extract::NanPolicy::outside, extract::NanPolicy::hole}) {
       for (const bool cap : {false, true}) {
         SCOPED_TRACE(testing::Message() << "seed " << seed << ", policy " << static_cast<int>(policy) << ", cap "
                                         << cap);
-        ExtractOptions options = at_iso(0.1);
+        extract::ExtractOptions options = at_iso(0.1);
         options.nan = policy;
         options.cap = cap;
         options.smooth_normals = seed % 2 == 0;
@@ -150,8 +154,8 @@ TEST(Parity, NanAndInfinities) {
 
 TEST(Parity, NothingAndEverythingInside) {
   for (const double value : {-1.0, 1.0}) {
-    const ScalarField field = test::dense_field<float>({9, 20, 9}, [&](int, int, int) { return value; });
-    ExtractOptions options = at_iso(0);
+    const field::ScalarField field = test::dense_field<float>({9, 20, 9}, [&](int, int, int) { return value; });
+    extract::ExtractOptions options = at_iso(0);
     EXPECT_EQ(expect_parity(field, options), 0U);
     options.cap = true;
     EXPECT_EQ(expect_parity(field, options) > 0, value > 0);
@@ -165,7 +169,7 @@ TEST(Parity, ExtremeValues) {
   for (const double size : {1e-310, 5e-324, 1e-300, 1e-45, 1e30, 1e300, 1.7e308}) {
     SCOPED_TRACE(testing::Message() << "values about " << size);
     std::mt19937 engine(2);
-    const ScalarField field = test::dense_field<double>({10, 9, 8}, [&](int, int, int) {
+    const field::ScalarField field = test::dense_field<double>({10, 9, 8}, [&](int, int, int) {
       return size * std::uniform_int_distribution<int>(-3, 3)(engine) / (size > 1e-320 ? 3 : 1);
     });
     EXPECT_GT(expect_parity(field, at_iso(0)), 0U);
@@ -174,7 +178,7 @@ TEST(Parity, ExtremeValues) {
   // Scales that make values beyond the ordinary of ordinary samples.
   for (const double slope : {1e-290, 1e-200, 1e305}) {
     SCOPED_TRACE(testing::Message() << "slope " << slope);
-    ScalarField field = test::random_field<float>({10, 9, 8}, 4, 1000);
+    field::ScalarField field = test::random_field<float>({10, 9, 8}, 4, 1000);
     field.scale = {slope, 0};
     EXPECT_GT(expect_parity(field, at_iso(500.5 * slope)), 0U);
   }
@@ -183,9 +187,9 @@ TEST(Parity, ExtremeValues) {
 TEST(Parity, DemoFields) {
   for (const char* spec : {"demo:sphere?size=40", "demo:gyroid?size=36", "demo:marschner-lobb?size=41"}) {
     SCOPED_TRACE(spec);
-    const auto field = make_demo_field(spec, default_limits());
+    const auto field = field::make_demo_field(spec, default_limits());
     ASSERT_TRUE(field);
-    ExtractOptions options = at_iso(std::string_view(spec).find("lobb") != std::string_view::npos ? 0.5 : 0);
+    extract::ExtractOptions options = at_iso(std::string_view(spec).find("lobb") != std::string_view::npos ? 0.5 : 0);
     options.output_from_index = field->index_to_world;
     options.smooth_normals = true;
     options.cap = true;
@@ -194,4 +198,4 @@ TEST(Parity, DemoFields) {
 }
 
 }  // namespace
-}  // namespace isoextract
+}  // namespace isoextract::gpu

@@ -1,5 +1,5 @@
 // The weld, fed by hand: what a GPU would capture of a CPU's mesh, in any order.
-#include "gpu/site_weld.hpp"
+#include "gpu/detail/site_weld.hpp"
 
 #include <algorithm>
 #include <map>
@@ -9,7 +9,7 @@
 #include "extract/asymptotic_decider.hpp"
 #include "support/fields.hpp"
 
-namespace isoextract {
+namespace isoextract::gpu {
 namespace {
 
 constexpr glm::ivec3 kDims(17, 9, 18);  // some bricks own edges, but have no cell
@@ -18,9 +18,11 @@ constexpr double kIso = 3.5;
 // Bricks of 8 x 8 x 8 cells, and for each what its cells draw, as captured.
 class HandMade {
  public:
-  explicit HandMade(Method method)
-      : table_(case_table(method)), field_(test::random_field<std::uint8_t>(kDims, 6, 8)), bricks_((kDims + 7) / 8) {
-    ExtractOptions options;
+  explicit HandMade(extract::Method method)
+      : table_(extract::case_table(method)),
+        field_(test::random_field<std::uint8_t>(kDims, 6, 8)),
+        bricks_((kDims + 7) / 8) {
+    extract::ExtractOptions options;
     options.method = method;
     options.iso = kIso;
     options.edge_keys = true;
@@ -40,9 +42,9 @@ class HandMade {
   };
   using Cell = std::vector<Vertex>;  // three a triangle
 
-  [[nodiscard]] const CaseTable& table() const { return table_; }
+  [[nodiscard]] const extract::CaseTable& table() const { return table_; }
   [[nodiscard]] const std::vector<glm::ivec3>& origins() const { return origins_; }
-  [[nodiscard]] const Mesh& cpu() const { return cpu_; }
+  [[nodiscard]] const mesh::Mesh& cpu() const { return cpu_; }
   [[nodiscard]] std::vector<std::vector<Cell>>& cells() { return cells_; }
   [[nodiscard]] std::uint64_t proxies() const { return proxies_; }
 
@@ -52,7 +54,7 @@ class HandMade {
   }
   [[nodiscard]] std::array<std::int32_t, 8> near(std::size_t s) const {
     std::array<std::int32_t, 8> sites;
-    for (int n = 0; n < 8; ++n) sites[static_cast<std::size_t>(n)] = site(origins_[s] + 8 * direction_step(n));
+    for (int n = 0; n < 8; ++n) sites[static_cast<std::size_t>(n)] = site(origins_[s] + 8 * extract::direction_step(n));
     return sites;
   }
   [[nodiscard]] SiteWeld weld() const {
@@ -103,17 +105,17 @@ class HandMade {
 
  private:
   [[nodiscard]] double value(const glm::ivec3& p) const {
-    const auto& samples = std::get<DenseSamples>(field_.samples);
+    const auto& samples = std::get<field::DenseSamples>(field_.samples);
     return static_cast<const std::uint8_t*>(samples.data)[p.x + kDims.x * (p.y + kDims.y * p.z)];
   }
   [[nodiscard]] unsigned case_of(const glm::ivec3& cell) const {
     unsigned number = 0;
-    for (int c = 0; c < 8; ++c) number |= (value(cell + direction_step(c)) > kIso ? 1U : 0U) << c;
+    for (int c = 0; c < 8; ++c) number |= (value(cell + extract::direction_step(c)) > kIso ? 1U : 0U) << c;
     return number;
   }
   [[nodiscard]] unsigned variant(const glm::ivec3& cell) const {
-    return cell_variant(table_, case_of(cell), {FieldKind::density, kIso},
-                        [&](int c) { return value(cell + direction_step(c)); });
+    return extract::cell_variant(table_, case_of(cell), {field::FieldKind::density, kIso},
+                                 [&](int c) { return value(cell + extract::direction_step(c)); });
   }
 
   [[nodiscard]] std::vector<Cell> draw(const glm::ivec3& origin) {
@@ -127,8 +129,8 @@ class HandMade {
       Cell cell;
       for (int t = table_.first[first]; t < table_.first[first + 1]; ++t) {
         for (const std::uint8_t e : table_.triangles[static_cast<std::size_t>(t)]) {
-          const CellEdge& edge = table_.edges[e];
-          const glm::ivec3 at = low + direction_step(edge.corner);
+          const extract::CellEdge& edge = table_.edges[e];
+          const glm::ivec3 at = low + extract::direction_step(edge.corner);
           cell.push_back({positions_.at({origin + at, edge.direction}),
                           static_cast<std::uint32_t>((table_.ambiguous[cell_case] ? 1 : 0) << 15 |
                                                      edge.direction << 12 | at.z << 8 | at.y << 4 | at.x)});
@@ -139,45 +141,47 @@ class HandMade {
     return cells;
   }
 
-  const CaseTable& table_;
-  ScalarField field_;
+  const extract::CaseTable& table_;
+  field::ScalarField field_;
   glm::ivec3 bricks_;
-  Mesh cpu_;
-  std::map<EdgeKey, glm::vec3> positions_;
+  mesh::Mesh cpu_;
+  std::map<mesh::EdgeKey, glm::vec3> positions_;
   std::vector<glm::ivec3> origins_;
   std::vector<std::vector<Cell>> cells_;  // by site
   std::uint64_t proxies_ = 0;
 };
 
-Mesh finished(SiteWeld& weld, bool mirrored = false) {
+mesh::Mesh finished(SiteWeld& weld, bool mirrored = false) {
   const auto sizes = weld.number();
   if (!sizes) {
     ADD_FAILURE() << sizes.error().message;
     return {};
   }
-  ExtractOptions options;
+  extract::ExtractOptions options;
   options.edge_keys = true;
-  Mesh mesh;
+  mesh::Mesh mesh;
   mesh.name = "test";
-  allocate_mesh(mesh, *sizes, {}, options);
+  extract::allocate_mesh(mesh, *sizes, {}, options);
   weld.write(mesh, mirrored);
   return mesh;
 }
 
-class Weld : public testing::TestWithParam<Method> {};
-INSTANTIATE_TEST_SUITE_P(Methods, Weld, testing::Values(Method::mc, Method::mt), test::method_name);
+class Weld : public testing::TestWithParam<extract::Method> {};
+INSTANTIATE_TEST_SUITE_P(Methods, Weld, testing::Values(extract::Method::mc, extract::Method::mt), test::method_name);
 
 TEST_P(Weld, MakesTheCpusMeshAndDecidesProxies) {
   const HandMade made(GetParam());
   SiteWeld weld = made.weld();
   made.add_in_order(weld);
-  const Mesh mesh = finished(weld);
+  const mesh::Mesh mesh = finished(weld);
   test::expect_same_surface(made.cpu(), mesh);
   EXPECT_EQ(weld.decided_cells(), made.proxies());
-  EXPECT_EQ(made.proxies() > 0, GetParam() == Method::mc);
+  EXPECT_EQ(made.proxies() > 0, GetParam() == extract::Method::mc);
   for (std::size_t v = 0; v < mesh.edges.size(); ++v) {
     const auto site = static_cast<std::size_t>(made.site(mesh.edges[v].low));
-    EXPECT_EQ(weld.vertex_at(site, mesh.edges[v].direction, block_offset(mesh.edges[v].low - made.origins()[site])), v);
+    EXPECT_EQ(
+        weld.vertex_at(site, mesh.edges[v].direction, field::block_offset(mesh.edges[v].low - made.origins()[site])),
+        v);
   }
 }
 
@@ -185,7 +189,7 @@ TEST_P(Weld, DoesNotDependOnOrderAndPortions) {
   const HandMade made(GetParam());
   SiteWeld in_order = made.weld();
   made.add_in_order(in_order);
-  const Mesh expected = finished(in_order);
+  const mesh::Mesh expected = finished(in_order);
   for (unsigned seed = 0; seed < 6; ++seed) {
     SCOPED_TRACE(seed);
     SiteWeld weld = made.weld();
@@ -200,8 +204,8 @@ TEST_P(Weld, TurnsTrianglesOverWhereTheFrameMirrors) {
   made.add_in_order(weld);
   SiteWeld turned = made.weld();
   made.add_in_order(turned);
-  const Mesh a = finished(weld);
-  const Mesh b = finished(turned, true);
+  const mesh::Mesh a = finished(weld);
+  const mesh::Mesh b = finished(turned, true);
   ASSERT_EQ(a.triangles.size(), b.triangles.size());
   for (std::size_t t = 0; t < a.triangles.size(); ++t) {
     EXPECT_EQ(b.triangles[t], glm::uvec3(a.triangles[t].x, a.triangles[t].z, a.triangles[t].y));
@@ -213,7 +217,7 @@ TEST_P(Weld, RefusesWhatCannotBe) {
     const auto sizes = weld.number();
     ASSERT_FALSE(sizes) << what;
     EXPECT_EQ(sizes.error().kind, ErrorKind::unavailable);
-    EXPECT_NE(sizes.error().hint.find("--backend cpu"), std::string::npos);
+    EXPECT_NE(sizes.error().hint.text.find("--backend cpu"), std::string::npos);
   };
   const HandMade made(GetParam());
   {
@@ -249,7 +253,7 @@ TEST_P(Weld, RefusesWhatCannotBe) {
     HandMade::add(weld, batch, {{0U, &*plain}, {1U, &*plain}});
     expect_refused(weld, "a stranger");
   }
-  if (GetParam() == Method::mt) return;
+  if (GetParam() == extract::Method::mt) return;
   // A proxy that does not bring what its variant needs.
   for (auto& cell : cells) {
     if ((cell[0].key >> 15) != 0 && cell.size() > 3) {
@@ -263,4 +267,4 @@ TEST_P(Weld, RefusesWhatCannotBe) {
 }
 
 }  // namespace
-}  // namespace isoextract
+}  // namespace isoextract::gpu

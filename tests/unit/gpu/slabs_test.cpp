@@ -3,17 +3,17 @@
 #include "drawings.hpp"
 #include "support/fields.hpp"
 
-namespace isoextract {
+namespace isoextract::gpu {
 namespace {
 
 constexpr std::uint64_t kPlenty = std::uint64_t{1} << 24;
 constexpr std::uint64_t kFeedback = std::uint64_t{1} << 24;
 
 // Every brick is crossed, and no two samples are alike.
-ScalarField noise(const glm::ivec3& dims) { return test::random_field<float>(dims, 17, 1000000); }
+field::ScalarField noise(const glm::ivec3& dims) { return test::random_field<float>(dims, 17, 1000000); }
 
-ExtractOptions half(Method method, bool normals) {
-  ExtractOptions options;
+extract::ExtractOptions half(extract::Method method, bool normals) {
+  extract::ExtractOptions options;
   options.iso = 500000;
   options.method = method;
   options.smooth_normals = normals;
@@ -24,24 +24,24 @@ std::uint64_t product(const glm::ivec3& v) {
   return static_cast<std::uint64_t>(v.x) * static_cast<std::uint64_t>(v.y) * static_cast<std::uint64_t>(v.z);
 }
 
-class Slabs : public testing::TestWithParam<Method> {};
-INSTANTIATE_TEST_SUITE_P(Methods, Slabs, testing::Values(Method::mc, Method::mt), test::method_name);
+class Slabs : public testing::TestWithParam<extract::Method> {};
+INSTANTIATE_TEST_SUITE_P(Methods, Slabs, testing::Values(extract::Method::mc, extract::Method::mt), test::method_name);
 
 TEST_P(Slabs, OfEveryHeightMakeTheSameMesh) {
   const glm::ivec3 dims(18, 11, 35);
-  const ScalarField field = noise(dims);
-  const bool normals = GetParam() == Method::mc;
+  const field::ScalarField field = noise(dims);
+  const bool normals = GetParam() == extract::Method::mc;
   test::DenseSurface surface(field, half(GetParam(), normals));
   auto whole = surface.source(kPlenty, 2048);
   ASSERT_TRUE(whole);
-  const Mesh expected = test::captured_mesh(surface.sites(), *whole, kFeedback);
+  const mesh::Mesh expected = test::captured_mesh(surface.sites(), *whole, kFeedback);
   EXPECT_EQ(whole->uploads().samples, product(dims));
   EXPECT_EQ(whole->uploads().bytes, 4 * product(dims));
   EXPECT_EQ(whole->uploads().left_out, 0U);
-  ExtractOptions options = half(GetParam(), normals);
+  extract::ExtractOptions options = half(GetParam(), normals);
   options.edge_keys = true;
   test::expect_same_surface(test::extract(field, options).mesh, [&] {
-    Mesh named = test::extract_on_gpu(field, options, {GetParam()}).mesh;
+    mesh::Mesh named = test::extract_on_gpu(field, options, {GetParam()}).mesh;
     test::expect_same_bytes(named, expected);
     return named;
   }());
@@ -58,12 +58,12 @@ TEST_P(Slabs, OfEveryHeightMakeTheSameMesh) {
 
 TEST_P(Slabs, OfColumnsMakeTheSameMesh) {
   const glm::ivec3 dims(27, 34, 19);
-  const ScalarField field = noise(dims);
-  const bool normals = GetParam() == Method::mc;
+  const field::ScalarField field = noise(dims);
+  const bool normals = GetParam() == extract::Method::mc;
   test::DenseSurface surface(field, half(GetParam(), normals));
   auto whole = surface.source(kPlenty, 2048);
   ASSERT_TRUE(whole);
-  const Mesh expected = test::captured_mesh(surface.sites(), *whole, kFeedback);
+  const mesh::Mesh expected = test::captured_mesh(surface.sites(), *whole, kFeedback);
   const int least = normals ? 11 : 9;
   std::uint64_t before = ~std::uint64_t{0};
   for (const glm::ivec3& window : {glm::ivec3(least), glm::ivec3(least, least, 14), glm::ivec3(17, least, least),
@@ -88,8 +88,8 @@ TEST_P(Slabs, OfColumnsMakeTheSameMesh) {
 
 // As users do it.
 TEST_P(Slabs, OfLittleMemoryMakeTheSameMesh) {
-  const ScalarField field = test::random_field<double>({66, 64, 40}, 12, 1000000);
-  ExtractOptions options = half(GetParam(), false);
+  const field::ScalarField field = test::random_field<double>({66, 64, 40}, 12, 1000000);
+  extract::ExtractOptions options = half(GetParam(), false);
   options.iso = 995000;  // small balls, and few ambiguous cells
   options.edge_keys = true;
   GpuOptions little;
@@ -104,13 +104,13 @@ TEST_P(Slabs, OfLittleMemoryMakeTheSameMesh) {
 }
 
 TEST_P(Slabs, CapturedInPortionsMakeTheSameMesh) {
-  const ScalarField field = noise({18, 17, 20});
+  const field::ScalarField field = noise({18, 17, 20});
   test::DenseSurface surface(field, half(GetParam(), false));
-  std::optional<Mesh> expected;
+  std::optional<mesh::Mesh> expected;
   for (const std::uint64_t feedback : {kFeedback, std::uint64_t{1}, std::uint64_t{100000}, std::uint64_t{333333}}) {
     auto source = surface.source(kPlenty, 2048);
     ASSERT_TRUE(source);
-    Mesh mesh = test::captured_mesh(surface.sites(), *source, feedback);
+    mesh::Mesh mesh = test::captured_mesh(surface.sites(), *source, feedback);
     if (expected) test::expect_same_bytes(*expected, mesh);
     expected = std::move(mesh);
   }
@@ -119,11 +119,11 @@ TEST_P(Slabs, CapturedInPortionsMakeTheSameMesh) {
 TEST_P(Slabs, BricksThatTheSurfaceDoesNotPassStayAtHome) {
   const glm::ivec3 dims(96, 90, 100);
   // Two balls in opposite corners of the box that holds both.
-  const ScalarField field = test::dense_field<float>(dims, [](int i, int j, int k) {
+  const field::ScalarField field = test::dense_field<float>(dims, [](int i, int j, int k) {
     const glm::dvec3 p(i, j, k);
     return 5.3 - std::min(glm::length(p - glm::dvec3(20, 22, 18)), glm::length(p - glm::dvec3(70, 61, 80)));
   });
-  ExtractOptions options;
+  extract::ExtractOptions options;
   options.method = GetParam();
   options.edge_keys = true;
   test::DenseSurface surface(field, options);
@@ -132,7 +132,7 @@ TEST_P(Slabs, BricksThatTheSurfaceDoesNotPassStayAtHome) {
   for (const std::uint64_t bytes : {kPlenty, 4 * product({96, 90, 9}), 4 * product({30, 30, 30})}) {
     auto source = surface.source(bytes, 2048);
     ASSERT_TRUE(source);
-    const Mesh mesh = test::captured_mesh(surface.sites(), *source, kFeedback);
+    const mesh::Mesh mesh = test::captured_mesh(surface.sites(), *source, kFeedback);
     test::expect_sound(mesh, true);
     test::expect_same_surface(test::extract(field, options).mesh, mesh);
     const UploadFigures figures = source->uploads();
@@ -144,7 +144,7 @@ TEST_P(Slabs, BricksThatTheSurfaceDoesNotPassStayAtHome) {
 }
 
 TEST_P(Slabs, TooLittleMemoryIsAnErrorThatSaysHowMuchIsEnough) {
-  const ScalarField field = noise({20, 20, 20});
+  const field::ScalarField field = noise({20, 20, 20});
   test::DenseSurface surface(field, half(GetParam(), false));
   EXPECT_TRUE(surface.source(4 * product(glm::ivec3(9)), 2048));
   EXPECT_TRUE(surface.source(kPlenty, 9));
@@ -162,7 +162,7 @@ TEST_P(Slabs, TooLittleMemoryIsAnErrorThatSaysHowMuchIsEnough) {
 }
 
 TEST(DeviceMemory, IsNotTakenWhereThereIsNoSurface) {
-  DenseSamples samples;
+  field::DenseSamples samples;
   samples.dims = glm::ivec3(1 << 20);
   auto source =
       DenseSource::make(test::kOwnContext->context(), samples, {}, {glm::ivec3(0), samples.dims - 1}, {false, 1, 2048});
@@ -180,9 +180,9 @@ TEST(DeviceMemory, IsNotTakenWhereThereIsNoSurface) {
 
 // The device cannot have it: an error value, and the context goes on.
 TEST(DeviceMemory, TooLargeATextureIsAnError) {
-  const GlContext& context = test::kOwnContext->context();
-  DenseSamples samples;
-  samples.type = SampleType::f64;
+  const gl::GlContext& context = test::kOwnContext->context();
+  field::DenseSamples samples;
+  samples.type = field::SampleType::f64;
   samples.dims = glm::ivec3(test::max_texture_size());
   const std::vector<glm::ivec3> sites{glm::ivec3(0), (samples.dims - 2) / 8 * 8};
   const auto source = DenseSource::make(context, samples, sites, {glm::ivec3(0), samples.dims - 1},
@@ -190,9 +190,9 @@ TEST(DeviceMemory, TooLargeATextureIsAnError) {
   ASSERT_FALSE(source);
   EXPECT_EQ(source.error().kind, ErrorKind::unavailable);
   EXPECT_NE(source.error().message.find("not enough GPU memory"), std::string::npos) << source.error().message;
-  EXPECT_NE(source.error().hint.find("--gpu-memory"), std::string::npos);
+  EXPECT_NE(source.error().hint.text.find("--gpu-memory"), std::string::npos);
   EXPECT_TRUE(context.check("looking again"));
 }
 
 }  // namespace
-}  // namespace isoextract
+}  // namespace isoextract::gpu

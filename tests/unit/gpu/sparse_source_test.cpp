@@ -6,7 +6,7 @@
 #include "drawings.hpp"
 #include "support/fields.hpp"
 
-namespace isoextract {
+namespace isoextract::gpu {
 namespace {
 
 using test::expect_parity;
@@ -16,10 +16,10 @@ constexpr std::uint64_t kFeedback = std::uint64_t{1} << 24;
 
 // Noise over blocks, some of which are constant: background, inside, or a little inside.
 template <class T>
-ScalarField noise_with_tiles(const glm::ivec3& dims, unsigned seed, double background) {
+field::ScalarField noise_with_tiles(const glm::ivec3& dims, unsigned seed, double background) {
   std::mt19937 engine(seed);
   std::map<std::tuple<int, int, int>, int> kinds;
-  const ScalarField dense = test::dense_field<T>(dims, [&](int i, int j, int k) -> double {
+  const field::ScalarField dense = test::dense_field<T>(dims, [&](int i, int j, int k) -> double {
     const double random = std::uniform_int_distribution<int>(0, 100)(engine);
     const auto [kind, fresh] = kinds.try_emplace(std::tuple(i / 8, j / 8, k / 8));
     if (fresh) kind->second = std::uniform_int_distribution<int>(0, 5)(engine);
@@ -28,26 +28,26 @@ ScalarField noise_with_tiles(const glm::ivec3& dims, unsigned seed, double backg
   return test::sparse_copy<T>(dense, background);
 }
 
-void move_by(ScalarField& field, const glm::ivec3& offset) {
-  auto& samples = std::get<SparseSamples>(field.samples);
-  for (SparseBlock& block : samples.blocks) block.origin += offset;
-  for (SparseTile& tile : samples.tiles) tile.origin += offset;
+void move_by(field::ScalarField& field, const glm::ivec3& offset) {
+  auto& samples = std::get<field::SparseSamples>(field.samples);
+  for (field::SparseBlock& block : samples.blocks) block.origin += offset;
+  for (field::SparseTile& tile : samples.tiles) tile.origin += offset;
 }
 
-ExtractOptions at_iso(double iso) {
-  ExtractOptions options;
+extract::ExtractOptions at_iso(double iso) {
+  extract::ExtractOptions options;
   options.iso = iso;
   return options;
 }
 
 TEST(SparseParity, BlocksTilesAndBackground) {
   for (const double background : {0.0, 70.0}) {
-    ScalarField field = noise_with_tiles<float>({32, 16, 24}, 3, background);
+    field::ScalarField field = noise_with_tiles<float>({32, 16, 24}, 3, background);
     for (const bool negative : {false, true}) {
       SCOPED_TRACE(testing::Message() << "background " << background << ", negative " << negative);
       if (negative) move_by(field, {-16, -8, -48});
-      field.kind = negative ? FieldKind::level_set : FieldKind::density;
-      ExtractOptions options = at_iso(50);
+      field.kind = negative ? field::FieldKind::level_set : field::FieldKind::density;
+      extract::ExtractOptions options = at_iso(50);
       options.smooth_normals = true;
       EXPECT_GT(expect_parity(field, options), 0U);
     }
@@ -56,38 +56,40 @@ TEST(SparseParity, BlocksTilesAndBackground) {
 
 TEST(SparseParity, RegionsThatCutLeaves) {
   for (const double background : {0.0, 70.0}) {
-    ScalarField field = noise_with_tiles<std::int16_t>({24, 32, 24}, 5, background);
+    field::ScalarField field = noise_with_tiles<std::int16_t>({24, 32, 24}, 5, background);
     move_by(field, {-8, 0, 8});
-    for (const IndexBox& region : {IndexBox{{-3, 5, 11}, {9, 20, 22}}, IndexBox{{-8, 0, 8}, {15, 31, 31}},
-                                   IndexBox{{1, 9, 17}, {2, 10, 18}}, IndexBox{{-20, -20, 12}, {40, 9, 60}}}) {
+    for (const field::IndexBox& region :
+         {field::IndexBox{{-3, 5, 11}, {9, 20, 22}}, field::IndexBox{{-8, 0, 8}, {15, 31, 31}},
+          field::IndexBox{{1, 9, 17}, {2, 10, 18}}, field::IndexBox{{-20, -20, 12}, {40, 9, 60}}}) {
       for (const bool cap : {false, true}) {
         SCOPED_TRACE(testing::Message() << "background " << background << ", region from " << region.min.x << ", cap "
                                         << cap);
-        ExtractOptions options = at_iso(50);
+        extract::ExtractOptions options = at_iso(50);
         options.region = region;
         options.cap = cap;
         EXPECT_GT(expect_parity(field, options), 0U);
       }
     }
-    ExtractOptions options = at_iso(50);
-    options.region = IndexBox{{-1000, -1000, -1000}, {-990, -990, -990}};
+    extract::ExtractOptions options = at_iso(50);
+    options.region = field::IndexBox{{-1000, -1000, -1000}, {-990, -990, -990}};
     expect_parity(field, options);
   }
 }
 
 TEST(SparseParity, NanInLeaves) {
   std::mt19937 engine(9);
-  const ScalarField dense = test::dense_field<float>({24, 16, 16}, [&](int, int, int) {
+  const field::ScalarField dense = test::dense_field<float>({24, 16, 16}, [&](int, int, int) {
     const double random = std::uniform_real_distribution<double>(-1, 1)(engine);
     return std::uniform_int_distribution<int>(0, 60)(engine) == 0 ? std::numeric_limits<double>::quiet_NaN() : random;
   });
-  const ScalarField field = test::sparse_copy<float>(dense, -1);
-  for (const NanPolicy policy : {NanPolicy::error, NanPolicy::outside, NanPolicy::hole}) {
+  const field::ScalarField field = test::sparse_copy<float>(dense, -1);
+  for (const extract::NanPolicy policy :
+       {extract::NanPolicy::error, extract::NanPolicy::outside, extract::NanPolicy::hole}) {
     for (const bool cut : {false, true}) {
-      ExtractOptions options = at_iso(0);
+      extract::ExtractOptions options = at_iso(0);
       options.nan = policy;
       options.cap = cut;
-      if (cut) options.region = IndexBox{{2, 3, 4}, {20, 12, 13}};
+      if (cut) options.region = field::IndexBox{{2, 3, 4}, {20, 12, 13}};
       options.smooth_normals = cut;
       expect_parity(field, options);
     }
@@ -97,8 +99,8 @@ TEST(SparseParity, NanInLeaves) {
 // Constants go to the device as bits of the samples' type.
 template <class T>
 void expect_tiles_of() {
-  SCOPED_TRACE(sample_type_name(sample_type_of<T>()));
-  ScalarField field = noise_with_tiles<T>({16, 24, 16}, 8, std::is_signed_v<T> ? -7.0 : 3.0);
+  SCOPED_TRACE(field::sample_type_name(field::sample_type_of<T>()));
+  field::ScalarField field = noise_with_tiles<T>({16, 24, 16}, 8, std::is_signed_v<T> ? -7.0 : 3.0);
   field.scale = {0.5, -4};
   EXPECT_GT(expect_parity(field, at_iso(21)), 0U);
 }
@@ -108,13 +110,13 @@ TEST(SparseParity, TilesOfEveryType) {
   expect_tiles_of<std::uint16_t>();
   expect_tiles_of<std::uint32_t>();
   expect_tiles_of<std::int32_t>();
-  expect_tiles_of<Half>();
+  expect_tiles_of<field::Half>();
   expect_tiles_of<double>();
 }
 
 TEST(SparseParity, TilesAlone) {
-  ScalarField field = test::sparse_copy<float>(test::random_field<float>({8, 8, 8}, 1, 2), 0);
-  auto& samples = std::get<SparseSamples>(field.samples);
+  field::ScalarField field = test::sparse_copy<float>(test::random_field<float>({8, 8, 8}, 1, 2), 0);
+  auto& samples = std::get<field::SparseSamples>(field.samples);
   samples.blocks.clear();
   samples.tiles = {{glm::ivec3(-16), 16, 3.0}, {glm::ivec3(0), 8, -2.0}, {glm::ivec3(8, 0, 0), 8, 1.0}};
   EXPECT_GT(expect_parity(field, at_iso(0.5)), 0U);
@@ -122,19 +124,19 @@ TEST(SparseParity, TilesAlone) {
   EXPECT_EQ(expect_parity(field, at_iso(0.5)), 0U);
 }
 
-class Atlas : public testing::TestWithParam<Method> {};
-INSTANTIATE_TEST_SUITE_P(Methods, Atlas, testing::Values(Method::mc, Method::mt), test::method_name);
+class Atlas : public testing::TestWithParam<extract::Method> {};
+INSTANTIATE_TEST_SUITE_P(Methods, Atlas, testing::Values(extract::Method::mc, extract::Method::mt), test::method_name);
 
 TEST_P(Atlas, OfEverySizeMakesTheSameMesh) {
-  const ScalarField field = noise_with_tiles<float>({40, 40, 32}, 2, 0);
-  ExtractOptions options = at_iso(50);
+  const field::ScalarField field = noise_with_tiles<float>({40, 40, 32}, 2, 0);
+  extract::ExtractOptions options = at_iso(50);
   options.method = GetParam();
-  options.smooth_normals = GetParam() == Method::mc;
+  options.smooth_normals = GetParam() == extract::Method::mc;
   test::SparseSurface surface(field, options);
-  const std::size_t leaves = std::get<SparseSamples>(field.samples).blocks.size();
+  const std::size_t leaves = std::get<field::SparseSamples>(field.samples).blocks.size();
   const std::size_t needed = surface.needed_leaves();
   ASSERT_GT(needed, 40U);
-  std::optional<Mesh> expected;
+  std::optional<mesh::Mesh> expected;
   struct Size {
     std::uint64_t slots;
     int max_texture;
@@ -147,7 +149,7 @@ TEST_P(Atlas, OfEverySizeMakesTheSameMesh) {
     SCOPED_TRACE(testing::Message() << size.slots << " slots, textures of " << size.max_texture);
     auto source = surface.source(size.slots * kLeaf + kLeaf / 2, size.max_texture);
     ASSERT_TRUE(source) << source.error().message;
-    Mesh mesh = test::captured_mesh(surface.sites(), *source, kFeedback);
+    mesh::Mesh mesh = test::captured_mesh(surface.sites(), *source, kFeedback);
     if (expected) test::expect_same_bytes(*expected, mesh);
     if (!expected) expected = std::move(mesh);
     const UploadFigures figures = source->uploads();
@@ -166,16 +168,16 @@ TEST_P(Atlas, OfEverySizeMakesTheSameMesh) {
 
 TEST_P(Atlas, LeavesThatTheSurfaceDoesNotPassStayAtHome) {
   // All blocks are stored, for no two samples are alike.
-  const ScalarField dense = test::dense_field<float>({64, 64, 64}, [](int i, int j, int k) {
+  const field::ScalarField dense = test::dense_field<float>({64, 64, 64}, [](int i, int j, int k) {
     return 9.3 - glm::length(glm::dvec3(i, j, k) - glm::dvec3(30.1, 31.2, 30.3));
   });
-  const ScalarField field = test::sparse_copy<float>(dense, -99);
-  ExtractOptions options = at_iso(0);
+  const field::ScalarField field = test::sparse_copy<float>(dense, -99);
+  extract::ExtractOptions options = at_iso(0);
   options.method = GetParam();
   test::SparseSurface surface(field, options);
   auto source = surface.source(kLeaf * 1000, 2048);
   ASSERT_TRUE(source);
-  const Mesh mesh = test::captured_mesh(surface.sites(), *source, kFeedback);
+  const mesh::Mesh mesh = test::captured_mesh(surface.sites(), *source, kFeedback);
   test::expect_sound(mesh, true);
   const UploadFigures figures = source->uploads();
   EXPECT_EQ(figures.samples, 512 * surface.needed_leaves());
@@ -184,8 +186,8 @@ TEST_P(Atlas, LeavesThatTheSurfaceDoesNotPassStayAtHome) {
 }
 
 TEST_P(Atlas, TooSmallIsAnError) {
-  const ScalarField field = noise_with_tiles<float>({40, 40, 40}, 2, 0);
-  ExtractOptions options = at_iso(50);
+  const field::ScalarField field = noise_with_tiles<float>({40, 40, 40}, 2, 0);
+  extract::ExtractOptions options = at_iso(50);
   options.method = GetParam();
   const test::SparseSurface surface(field, options);
   for (const auto& [bytes, max_texture] : {std::pair(27 * kLeaf - 1, 2048), {1000 * kLeaf, 16}, {27 * kLeaf, 23}}) {
@@ -197,4 +199,4 @@ TEST_P(Atlas, TooSmallIsAnError) {
 }
 
 }  // namespace
-}  // namespace isoextract
+}  // namespace isoextract::gpu

@@ -5,18 +5,18 @@
 
 #include <gtest/gtest.h>
 
-#include "gpu/toroidal_window.hpp"
+#include "gpu/detail/toroidal_window.hpp"
 
-namespace isoextract {
+namespace isoextract::gpu {
 namespace {
 
-std::uint64_t volume(const IndexBox& box) {
+std::uint64_t volume(const field::IndexBox& box) {
   const glm::u64vec3 dims(box.dims());
   return dims.x * dims.y * dims.z;
 }
 
 template <class F>
-void for_each_sample(const IndexBox& box, const F& f) {
+void for_each_sample(const field::IndexBox& box, const F& f) {
   glm::ivec3 p;
   for (p.z = box.min.z; p.z <= box.max.z; ++p.z) {
     for (p.y = box.min.y; p.y <= box.max.y; ++p.y) {
@@ -42,14 +42,14 @@ TEST(ToroidalWindow, ReportsWhatEnteredAndNothingElse) {
         const int far = move % 5 == 0 ? 12 : 2;
         low = glm::max(low + glm::ivec3(random(-far, far), random(-far, far), random(-far, far)), glm::ivec3(0));
       }
-      const IndexBox now{low, low + size - 1};
+      const field::IndexBox now{low, low + size - 1};
       const auto before = kept;
       const auto entered = window.move_to(low);
       EXPECT_LE(entered.size(), first ? 1U : 3U);
       std::map<Key, int> reported;
-      for (const IndexBox& box : entered) {
+      for (const field::IndexBox& box : entered) {
         EXPECT_FALSE(box.empty());
-        for (const IndexBox& piece : window.pieces(box)) {
+        for (const field::IndexBox& piece : window.pieces(box)) {
           for_each_sample(piece, [&](const glm::ivec3& p) {
             ++reported[key(p)];
             // In one piece: addresses rise with samples.
@@ -75,13 +75,13 @@ TEST(ToroidalWindow, ReportsWhatEnteredAndNothingElse) {
 
 TEST(ToroidalWindow, CutsBoxesAtItsSeams) {
   const ToroidalWindow window({4, 5, 3});
-  const IndexBox box{{6, 3, 2}, {8, 7, 3}};  // ends on a seam in x and z
+  const field::IndexBox box{{6, 3, 2}, {8, 7, 3}};  // ends on a seam in x and z
   const auto pieces = window.pieces(box);
   EXPECT_EQ(pieces.size(), 8U);
   std::uint64_t samples = 0;
-  for (const IndexBox& piece : pieces) samples += volume(piece);
+  for (const field::IndexBox& piece : pieces) samples += volume(piece);
   EXPECT_EQ(samples, volume(box));
-  const IndexBox whole{{4, 5, 3}, {7, 9, 5}};
+  const field::IndexBox whole{{4, 5, 3}, {7, 9, 5}};
   ASSERT_EQ(window.pieces(whole).size(), 1U);
   EXPECT_EQ(window.pieces(whole).front(), whole);
 }
@@ -99,11 +99,11 @@ TEST(ToroidalWindow, SavesWhatThePaperSays) {
   ToroidalWindow window({kSize, kSize, 1});
   EXPECT_EQ(volume(window.move_to({1000, 77, 0}).front()), 65025U);
   std::uint64_t renewed = 0;
-  for (const IndexBox& box : window.move_to({1001, 78, 0})) renewed += volume(box);
+  for (const field::IndexBox& box : window.move_to({1001, 78, 0})) renewed += volume(box);
   EXPECT_EQ(renewed, 509U);
   EXPECT_NEAR(65025.0 / static_cast<double>(renewed), 127.75, 0.005);
   EXPECT_DOUBLE_EQ(kSize * kSize / (2.0 * kSize), 127.5) << "the paper's figure";
 }
 
 }  // namespace
-}  // namespace isoextract
+}  // namespace isoextract::gpu

@@ -1,29 +1,29 @@
 // Fields beyond one draw, cases that break extraction in float32, and volumes by others.
 #include "drawings.hpp"
 #include "field/demo_field.hpp"
-#include "io/volume_reader.hpp"
 #include "measure/stability.hpp"
 #include "support/data_folder.hpp"
 #include "support/fields.hpp"
+#include "volumes/volume_reader.hpp"
 
-namespace isoextract {
+namespace isoextract::gpu {
 namespace {
 
 // llvmpipe repeats the first batch in a tessellated draw of more than 65,536 vertices, which are 128 sites; the number
 // of triangles looks right all the same.
 TEST(LargeDraw, TessellatedVerticesAreNotRepeated) {
-  const auto field = make_demo_field("demo:gyroid?size=56", default_limits());
+  const auto field = field::make_demo_field("demo:gyroid?size=56", default_limits());
   ASSERT_TRUE(field);
   EXPECT_GT(test::extract_on_gpu(*field, {}).stats.bricks_visited, 300U);
-  EXPECT_GT(test::expect_parity(*field, ExtractOptions{}), 40000U);
+  EXPECT_GT(test::expect_parity(*field, extract::ExtractOptions{}), 40000U);
 }
 
 TEST(LargeDraw, StatsSayWhatWasDone) {
-  const auto field = make_demo_field("demo:gyroid?size=40", default_limits());
+  const auto field = field::make_demo_field("demo:gyroid?size=40", default_limits());
   ASSERT_TRUE(field);
-  const Extraction result = test::extract_on_gpu(*field, {});
+  const extract::Extraction result = test::extract_on_gpu(*field, {});
   ASSERT_TRUE(result.stats.device);
-  const DeviceStats& device = *result.stats.device;
+  const extract::DeviceStats& device = *result.stats.device;
   EXPECT_EQ(device.bytes_uploaded, 40U * 40 * 40 * sizeof(float)) << "the surface is everywhere";
   EXPECT_EQ(device.samples_uploaded, 40U * 40 * 40);
   // Three vertices a triangle, of a position and a key; ambiguous cells may send fewer triangles than they draw.
@@ -33,14 +33,15 @@ TEST(LargeDraw, StatsSayWhatWasDone) {
   EXPECT_EQ(result.stats.bricks, 125U);
 }
 
-class GpuStability : public testing::TestWithParam<Method> {};
-INSTANTIATE_TEST_SUITE_P(Methods, GpuStability, testing::Values(Method::mc, Method::mt), test::method_name);
+class GpuStability : public testing::TestWithParam<extract::Method> {};
+INSTANTIATE_TEST_SUITE_P(Methods, GpuStability, testing::Values(extract::Method::mc, extract::Method::mt),
+                         test::method_name);
 
 TEST_P(GpuStability, AllCasesPass) {
-  Extractor* gpu = test::kGpuExtractors->find({GetParam()});
+  extract::Extractor* gpu = test::kGpuExtractors->find({GetParam()});
   ASSERT_NE(gpu, nullptr);
-  for (const StabilityCase& test : stability_cases()) {
-    const StabilityRow row = run_stability_case(test, GetParam(), *gpu);
+  for (const measure::StabilityCase& test : measure::stability_cases()) {
+    const measure::StabilityRow row = measure::run_stability_case(test, GetParam(), *gpu);
     EXPECT_EQ(row.backend, "gpu");
     for (const std::string& failure : row.failures) ADD_FAILURE() << test.name << ": " << failure;
   }
@@ -50,8 +51,8 @@ struct Volume {
   const char* file;
   double iso;
   const char* grid = nullptr;
-  std::optional<RawLayout> raw = std::nullopt;
-  std::optional<IndexBox> region = std::nullopt;
+  std::optional<volumes::RawLayout> raw = std::nullopt;
+  std::optional<field::IndexBox> region = std::nullopt;
 };
 
 void PrintTo(const Volume& volume, std::ostream* out) { *out << volume.file; }
@@ -60,9 +61,9 @@ class GpuRealVolume : public testing::TestWithParam<Volume> {};
 INSTANTIATE_TEST_SUITE_P(
     Small, GpuRealVolume,
     testing::Values(Volume{"med/HeadMRVolume.raw", 60, nullptr,
-                           RawLayout{{48, 62, 42}, SampleType::u8, std::endian::little, 0}},
+                           volumes::RawLayout{{48, 62, 42}, field::SampleType::u8, std::endian::little, 0}},
                     Volume{"mol/m4_TotalDensity.nrrd", 0.1}, Volume{"mol/betaGal.npy", 0.05},
-                    Volume{"med/FLAIR.nrrd", 60, nullptr, std::nullopt, IndexBox{{30, 50, 40}, {71, 100, 77}}},
+                    Volume{"med/FLAIR.nrrd", 60, nullptr, std::nullopt, field::IndexBox{{30, 50, 40}, {71, 100, 77}}},
                     Volume{"vdb/sphere.vdb", 0}, Volume{"vdb/c42_gas_seq/fluid_data_0002.vdb", 0.5, "density"}),
     [](const auto& parameter) {
       std::string name = parameter.param.file;
@@ -73,12 +74,12 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST_P(GpuRealVolume, IsTheCpus) {
   ISOEXTRACT_NEEDS_DATA(GetParam().file);
-  ReadOptions read;
+  volumes::ReadOptions read;
   read.raw = GetParam().raw;
   if (GetParam().grid != nullptr) read.grid = GetParam().grid;
-  const auto field = read_volume(test::data_file(GetParam().file).string(), read);
+  const auto field = volumes::read_volume(test::data_file(GetParam().file).string(), read);
   ASSERT_TRUE(field) << field.error().message;
-  ExtractOptions options;
+  extract::ExtractOptions options;
   options.iso = GetParam().iso;
   options.output_from_index = field->index_to_world;
   options.smooth_normals = true;
@@ -88,4 +89,4 @@ TEST_P(GpuRealVolume, IsTheCpus) {
 }
 
 }  // namespace
-}  // namespace isoextract
+}  // namespace isoextract::gpu

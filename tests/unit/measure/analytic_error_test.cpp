@@ -6,22 +6,22 @@
 #include <gtest/gtest.h>
 
 #include "field/demo_field.hpp"
-#include "measure/reference_size.hpp"
+#include "measure/detail/reference_size.hpp"
 #include "support/meshes.hpp"
 
-namespace isoextract {
+namespace isoextract::measure {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
 
 struct Extracted {
-  ScalarField field;
-  ExtractOptions options;
-  Mesh mesh;
+  field::ScalarField field;
+  extract::ExtractOptions options;
+  mesh::Mesh mesh;
 };
 
-Extracted extract_demo(const std::string& spec, double iso, const Affine& after = {}, bool cap = false) {
-  Extracted result{make_demo_field(spec, default_limits()).value(), {}, {}};
+Extracted extract_demo(const std::string& spec, double iso, const field::Affine& after = {}, bool cap = false) {
+  Extracted result{field::make_demo_field(spec, default_limits()).value(), {}, {}};
   result.options.iso = iso;
   result.options.cap = cap;
   result.options.smooth_normals = true;
@@ -33,10 +33,10 @@ Extracted extract_demo(const std::string& spec, double iso, const Affine& after 
 // The gradients of all formulas against differences, and the surfaces' sizes against closed forms.
 TEST(AnalyticField, GradientsAreThoseOfTheValues) {
   for (const char* name : {"sphere", "torus", "gyroid", "marschner-lobb", "metaballs"}) {
-    const AnalyticField* field = find_analytic_field(name);
+    const field::AnalyticField* field = field::find_analytic_field(name);
     ASSERT_NE(field, nullptr) << name;
     for (const glm::dvec3 p : {glm::dvec3(0.3, -0.2, 0.4), glm::dvec3(-0.7, 0.1, 0.05), glm::dvec3(0.9, 0.8, -0.95)}) {
-      const Dual here = field->value_and_gradient(p);
+      const field::Dual here = field->value_and_gradient(p);
       EXPECT_EQ(here.value, field->value(p));
       for (int axis = 0; axis < 3; ++axis) {
         constexpr double kStep = 1e-5;
@@ -46,16 +46,16 @@ TEST(AnalyticField, GradientsAreThoseOfTheValues) {
       }
     }
   }
-  EXPECT_EQ(find_analytic_field("random"), nullptr);
+  EXPECT_EQ(field::find_analytic_field("random"), nullptr);
 }
 
 TEST(ReferenceSize, OfColumnsIsTheClosedForm) {
   // Fields that know their sizes, made to forget them.
   for (const char* name : {"sphere", "torus"}) {
-    AnalyticField field = *find_analytic_field(name);
+    field::AnalyticField field = *field::find_analytic_field(name);
     const ReferenceSize exact = find_reference_size(field, 0.03);
     EXPECT_TRUE(exact.closed_form);
-    field.size = [](double) -> std::optional<SurfaceSize> { return std::nullopt; };
+    field.size = [](double) -> std::optional<field::SurfaceSize> { return std::nullopt; };
     const ReferenceSize columns = find_reference_size(field, 0.03);
     EXPECT_FALSE(columns.closed_form);
     EXPECT_NEAR(columns.size.area / exact.size.area, 1, 1e-6) << name;
@@ -63,16 +63,16 @@ TEST(ReferenceSize, OfColumnsIsTheClosedForm) {
     EXPECT_LT(columns.uncertainty.area / exact.size.area, 1e-5);
   }
   // Clipped by the cube: half of it by symmetry.
-  const ReferenceSize gyroid = find_reference_size(*find_analytic_field("gyroid"), 0);
+  const ReferenceSize gyroid = find_reference_size(*field::find_analytic_field("gyroid"), 0);
   EXPECT_NEAR(gyroid.size.volume, 4, 1e-6);
   EXPECT_NEAR(gyroid.size.area, 3.0915 * 16, 0.01) << "64 cells of side 1/2; 3.0915 a^2 for the level surface";
-  const ReferenceSize signal = find_reference_size(*find_analytic_field("marschner-lobb"), 0.5);
+  const ReferenceSize signal = find_reference_size(*field::find_analytic_field("marschner-lobb"), 0.5);
   EXPECT_LT(signal.uncertainty.area / signal.size.area, 1e-4);
 }
 
 TEST(AnalyticError, FollowsTurnAndScale) {
   const Extracted plain = extract_demo("demo:torus?size=48", 0);
-  const Affine turned{1000.0 * glm::dmat3(1, 0, 0, 0, 0, -1, 0, 1, 0), glm::dvec3(5e6, 0, -7)};
+  const field::Affine turned{1000.0 * glm::dmat3(1, 0, 0, 0, 0, -1, 0, 1, 0), glm::dvec3(5e6, 0, -7)};
   const Extracted placed = extract_demo("demo:torus?size=48", 0, turned);
   const auto a = measure_analytic_error(plain.mesh, plain.field, plain.options).value();
   const auto b = measure_analytic_error(placed.mesh, placed.field, placed.options).value();
@@ -85,7 +85,7 @@ TEST(AnalyticError, FollowsTurnAndScale) {
   EXPECT_LT(a.smooth_normals.rms_degrees, 2);
   EXPECT_NEAR(a.area / (4 * kPi * kPi * 0.6 * 0.25), 1, 0.01);
   EXPECT_NEAR(*b.volume / (1e9 * 2 * kPi * kPi * 0.6 * 0.25 * 0.25), 1, 0.01);
-  const Extracted stretched = extract_demo("demo:torus?size=48", 0, scaling({1, 1, 2}));
+  const Extracted stretched = extract_demo("demo:torus?size=48", 0, field::scaling({1, 1, 2}));
   EXPECT_FALSE(measure_analytic_error(stretched.mesh, stretched.field, stretched.options));
 }
 
@@ -117,4 +117,4 @@ TEST(AnalyticError, OfFieldsWithoutClosedFormConverges) {
 }
 
 }  // namespace
-}  // namespace isoextract
+}  // namespace isoextract::measure

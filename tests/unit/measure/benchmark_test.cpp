@@ -8,14 +8,14 @@
 #include "field/demo_field.hpp"
 #include "support/fields.hpp"
 
-namespace isoextract {
+namespace isoextract::measure {
 namespace {
 
 BenchOptions quick(double iso = 0) {
   BenchOptions options;
   options.iso = iso;
-  options.methods = {Method::mc, Method::mt};
-  options.backends = {{"cpu", make_cpu_extractor()}};
+  options.methods = {extract::Method::mc, extract::Method::mt};
+  options.backends = {{"cpu", extract::make_cpu_extractor()}};
   options.threads = {1};
   options.repeats = 1;
   return options;
@@ -58,7 +58,7 @@ TEST(Benchmark, RowsAreWhatWasAskedFor) {
   for (std::size_t r = 0; r < result.rows.size(); ++r) {
     const BenchRow& row = result.rows[r];
     EXPECT_EQ(row.threads, options.threads[r % options.threads.size()]);
-    EXPECT_EQ(row.method, r / options.threads.size() % 2 == 0 ? Method::mc : Method::mt);
+    EXPECT_EQ(row.method, r / options.threads.size() % 2 == 0 ? extract::Method::mc : extract::Method::mt);
     EXPECT_EQ(row.level, r / options.threads.size() / 2);
     EXPECT_LE(row.min_seconds, row.median_seconds);
     EXPECT_LE(row.median_seconds, row.max_seconds);
@@ -70,7 +70,7 @@ TEST(Benchmark, RowsAreWhatWasAskedFor) {
   EXPECT_EQ(bench_demo("random", {16}, options).error().kind, ErrorKind::usage);
   options.threads = {1, most + 1};
   EXPECT_EQ(bench_demo("sphere", {16}, options).error().kind, ErrorKind::usage) << "threads in name only";
-  const ScalarField field = make_demo_field("demo:sphere?size=16", default_limits()).value();
+  const field::ScalarField field = field::make_demo_field("demo:sphere?size=16", default_limits()).value();
   EXPECT_EQ(bench_field(field, {1}, options).error().kind, ErrorKind::usage);
 }
 
@@ -78,13 +78,13 @@ TEST(Benchmark, TellsWhereThereIsNoSurface) {
   const Error none = bench_demo("sphere", {16, 32}, quick(9)).error();
   EXPECT_EQ(none.kind, ErrorKind::input);
   EXPECT_NE(none.message.find("the values run from -1.03"), std::string::npos) << none.message;
-  EXPECT_EQ(none.hint, "try --iso 0");
+  EXPECT_EQ(none.hint.text, "try --iso 0");
   const Error coarse = bench_demo("sphere", {8, 32}, quick(0.6)).error();
   EXPECT_NE(coarse.message.find("with 8 samples"), std::string::npos) << coarse.message;
-  EXPECT_NE(coarse.hint.find("leave out the coarsest"), std::string::npos) << coarse.hint;
-  const ScalarField field = make_demo_field("demo:sphere?size=32", default_limits()).value();
-  EXPECT_EQ(bench_field(field, {4, 1}, quick(9)).error().hint, "try --iso 0");
-  EXPECT_NE(bench_field(field, {4, 1}, quick(0.6)).error().hint.find("leave out the coarsest"), std::string::npos);
+  EXPECT_NE(coarse.hint.text.find("leave out the coarsest"), std::string::npos) << coarse.hint.text;
+  const field::ScalarField field = field::make_demo_field("demo:sphere?size=32", default_limits()).value();
+  EXPECT_EQ(bench_field(field, {4, 1}, quick(9)).error().hint.text, "try --iso 0");
+  EXPECT_NE(bench_field(field, {4, 1}, quick(0.6)).error().hint.text.find("leave out the coarsest"), std::string::npos);
 }
 
 bool has_note(const BenchResult& result, std::string_view text) {
@@ -96,7 +96,7 @@ bool has_note(const BenchResult& result, std::string_view text) {
 // no order, nor is it better or worse than other rounding.
 TEST(Benchmark, OfAnExactPlaneThereIsNothingToCompare) {
   const glm::dvec3 normal = glm::normalize(glm::dvec3(1, 2, -0.7));
-  const ScalarField field = test::dense_field<float>({39, 40, 41}, [&](int i, int j, int k) {
+  const field::ScalarField field = test::dense_field<float>({39, 40, 41}, [&](int i, int j, int k) {
     return glm::dot(normal, glm::dvec3(i, j, k) - glm::dvec3(18.3, 19.1, 20.2));
   });
   const BenchResult result = bench_field(field, {4, 2, 1}, quick()).value();
@@ -137,7 +137,7 @@ TEST(Benchmark, OfAnOddSizeComparesWhatLiesInside) {
 
 // The finest data are the truth; what is coarser is worse, with the order of the box filter and the mesh: two.
 TEST(Benchmark, OfAFieldComparesCoarserVersionsOfIt) {
-  const ScalarField field = make_demo_field("demo:torus?size=128", default_limits()).value();
+  const field::ScalarField field = field::make_demo_field("demo:torus?size=128", default_limits()).value();
   const BenchResult result = bench_field(field, {4, 2, 1}, quick()).value();
   ASSERT_EQ(result.rows.size(), 6U);
   for (std::size_t r = 0; r + 2 < 6; ++r) {
@@ -171,4 +171,4 @@ TEST(Convergence, TheFrontIsWhatNothingBeats) {
 }
 
 }  // namespace
-}  // namespace isoextract
+}  // namespace isoextract::measure

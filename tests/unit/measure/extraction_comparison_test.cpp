@@ -7,16 +7,16 @@
 #include <tbb/global_control.h>
 
 #include "field/demo_field.hpp"
-#include "measure/float_spacing.hpp"
+#include "measure/detail/float_spacing.hpp"
 #include "measure/stability.hpp"
 #include "support/fields.hpp"
 #include "support/mesh_copies.hpp"
 #include "support/meshes.hpp"
 
-namespace isoextract {
+namespace isoextract::measure {
 namespace {
 
-ExtractionComparison compare(const Mesh& a, const Mesh& b) {
+ExtractionComparison compare(const mesh::Mesh& a, const mesh::Mesh& b) {
   auto result = compare_extractions(a, b);
   EXPECT_TRUE(result) << (result ? "" : result.error().message);
   return *result;
@@ -31,23 +31,24 @@ std::string told(const ExtractionComparison& comparison) {
   return text;
 }
 
-class ExtractionComparisonTest : public testing::TestWithParam<Method> {
+class ExtractionComparisonTest : public testing::TestWithParam<extract::Method> {
  protected:
-  [[nodiscard]] ExtractOptions options() const {
-    ExtractOptions o;
+  [[nodiscard]] extract::ExtractOptions options() const {
+    extract::ExtractOptions o;
     o.method = GetParam();
     o.edge_keys = true;
     o.smooth_normals = true;
     return o;
   }
-  [[nodiscard]] Mesh torus() const {
-    return test::extract(make_demo_field("demo:torus?size=24", default_limits()).value(), options()).mesh;
+  [[nodiscard]] mesh::Mesh torus() const {
+    return test::extract(field::make_demo_field("demo:torus?size=24", default_limits()).value(), options()).mesh;
   }
 };
-INSTANTIATE_TEST_SUITE_P(Methods, ExtractionComparisonTest, testing::Values(Method::mc, Method::mt), test::method_name);
+INSTANTIATE_TEST_SUITE_P(Methods, ExtractionComparisonTest, testing::Values(extract::Method::mc, extract::Method::mt),
+                         test::method_name);
 
 TEST_P(ExtractionComparisonTest, AnotherOrderIsTheSame) {
-  const Mesh mesh = torus();
+  const mesh::Mesh mesh = torus();
   for (const unsigned seed : {1U, 2U, 3U}) {
     const ExtractionComparison result = compare(mesh, test::shuffled(mesh, seed));
     EXPECT_EQ(told(result), "");
@@ -63,19 +64,19 @@ TEST_P(ExtractionComparisonTest, AnotherOrderIsTheSame) {
 TEST_P(ExtractionComparisonTest, DenseAndSparseAreTheSameWithCapsAndHoles) {
   std::mt19937 engine(3);
   std::uniform_int_distribution<int> value(0, 99);
-  const ScalarField dense = test::dense_field<float>({24, 16, 16}, [&](int, int, int) {
+  const field::ScalarField dense = test::dense_field<float>({24, 16, 16}, [&](int, int, int) {
     const int random = value(engine);
     return random < 5 ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(random);
   });
-  const ScalarField sparse = test::sparse_copy<float>(dense, -1);
-  ExtractOptions o = options();
+  const field::ScalarField sparse = test::sparse_copy<float>(dense, -1);
+  extract::ExtractOptions o = options();
   o.iso = 60;
-  o.region = IndexBox{{1, 2, 1}, {20, 13, 14}};
+  o.region = field::IndexBox{{1, 2, 1}, {20, 13, 14}};
   o.smooth_normals = false;  // they look over the border of the data, where dense has none
   o.cap = true;
-  for (const NanPolicy nan : {NanPolicy::outside, NanPolicy::hole}) {
+  for (const extract::NanPolicy nan : {extract::NanPolicy::outside, extract::NanPolicy::hole}) {
     o.nan = nan;
-    const Mesh a = test::extract(dense, o).mesh;
+    const mesh::Mesh a = test::extract(dense, o).mesh;
     EXPECT_FALSE(a.triangles.empty());
     EXPECT_EQ(told(compare(a, test::extract(sparse, o).mesh)), "");
     EXPECT_EQ(told(compare(a, test::shuffled(a, 4))), "");
@@ -83,7 +84,7 @@ TEST_P(ExtractionComparisonTest, DenseAndSparseAreTheSameWithCapsAndHoles) {
 }
 
 TEST_P(ExtractionComparisonTest, ADroppedTriangle) {
-  const Mesh mesh = torus();
+  const mesh::Mesh mesh = torus();
   const ExtractionComparison result = compare(mesh, test::without_triangle(mesh, 17));
   EXPECT_EQ(result.triangles.only[0], 1U);
   EXPECT_EQ(result.triangles.only[1], 0U);
@@ -95,8 +96,8 @@ TEST_P(ExtractionComparisonTest, ADroppedTriangle) {
 }
 
 TEST_P(ExtractionComparisonTest, ATriangleTwice) {
-  const Mesh mesh = torus();
-  Mesh twice = test::copy_of(mesh);
+  const mesh::Mesh mesh = torus();
+  mesh::Mesh twice = test::copy_of(mesh);
   twice.triangles[5] = twice.triangles[6];
   const ExtractionComparison result = compare(mesh, twice);
   EXPECT_EQ(result.triangles.only[0], 1U);
@@ -104,8 +105,8 @@ TEST_P(ExtractionComparisonTest, ATriangleTwice) {
 }
 
 TEST_P(ExtractionComparisonTest, AFlippedTriangle) {
-  const Mesh mesh = torus();
-  Mesh flipped = test::shuffled(mesh, 9);
+  const mesh::Mesh mesh = torus();
+  mesh::Mesh flipped = test::shuffled(mesh, 9);
   std::swap(flipped.triangles[3].x, flipped.triangles[3].y);
   const ExtractionComparison result = compare(mesh, flipped);
   EXPECT_EQ(result.triangles.only[0], 1U);
@@ -115,7 +116,7 @@ TEST_P(ExtractionComparisonTest, AFlippedTriangle) {
 }
 
 TEST_P(ExtractionComparisonTest, AMovedVertex) {
-  const Mesh mesh = torus();
+  const mesh::Mesh mesh = torus();
   std::uint32_t vertex = 0;  // one with a small coordinate: its own spacing is not what counts
   const auto smallness = [&](std::uint32_t v) { return mesh.positions[v].x / std::max(mesh.positions[v].y, 1e-3F); };
   for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) {
@@ -124,7 +125,7 @@ TEST_P(ExtractionComparisonTest, AMovedVertex) {
   const glm::vec3 p = mesh.positions[vertex];
   const double ulp = float_spacing(std::max({p.x, p.y, p.z}));
   for (const int ulps : {1, 2, 3, 1000}) {
-    Mesh moved = test::copy_of(mesh);
+    mesh::Mesh moved = test::copy_of(mesh);
     moved.positions[vertex].x = static_cast<float>(static_cast<double>(p.x) + ulps * ulp);
     const ExtractionComparison result = compare(mesh, test::shuffled(moved, 1));
     EXPECT_NEAR(result.ulps, ulps, 0.51);
@@ -135,8 +136,8 @@ TEST_P(ExtractionComparisonTest, AMovedVertex) {
 }
 
 TEST_P(ExtractionComparisonTest, ASwappedKey) {
-  const Mesh mesh = torus();
-  Mesh swapped = test::copy_of(mesh);
+  const mesh::Mesh mesh = torus();
+  mesh::Mesh swapped = test::copy_of(mesh);
   std::swap(swapped.edges[10], swapped.edges[200]);
   const ExtractionComparison result = compare(mesh, swapped);
   EXPECT_FALSE(same(result));
@@ -146,8 +147,8 @@ TEST_P(ExtractionComparisonTest, ASwappedKey) {
 }
 
 TEST_P(ExtractionComparisonTest, AnotherKey) {
-  const Mesh mesh = torus();
-  Mesh other = test::copy_of(mesh);
+  const mesh::Mesh mesh = torus();
+  mesh::Mesh other = test::copy_of(mesh);
   other.edges[10].low.x += 100;
   const ExtractionComparison result = compare(mesh, other);
   EXPECT_EQ(result.vertices_only[0], 1U);
@@ -161,8 +162,8 @@ TEST_P(ExtractionComparisonTest, AnotherKey) {
 }
 
 TEST_P(ExtractionComparisonTest, Normals) {
-  const Mesh mesh = torus();
-  Mesh turned = test::copy_of(mesh);
+  const mesh::Mesh mesh = torus();
+  mesh::Mesh turned = test::copy_of(mesh);
   const glm::vec3 n = mesh.normals[7];
   const glm::vec3 side = glm::normalize(glm::cross(n, std::abs(n.x) < 0.5F ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0)));
   turned.normals[7] = glm::normalize(n + static_cast<float>(std::tan(glm::radians(0.5))) * side);
@@ -175,8 +176,8 @@ TEST_P(ExtractionComparisonTest, Normals) {
 }
 
 TEST_P(ExtractionComparisonTest, OriginsAndNumbersThatAreNone) {
-  const Mesh mesh = torus();
-  Mesh other = test::copy_of(mesh);
+  const mesh::Mesh mesh = torus();
+  mesh::Mesh other = test::copy_of(mesh);
   other.origin.x += 1;
   const ExtractionComparison moved = compare(mesh, other);
   EXPECT_TRUE(moved.origins_differ);
@@ -189,8 +190,8 @@ TEST_P(ExtractionComparisonTest, OriginsAndNumbersThatAreNone) {
 }
 
 TEST_P(ExtractionComparisonTest, IndicesOfNoVertexAreADifference) {
-  const Mesh mesh = torus();
-  Mesh broken = test::copy_of(mesh);
+  const mesh::Mesh mesh = torus();
+  mesh::Mesh broken = test::copy_of(mesh);
   broken.triangles[2].y = 1U << 31;
   const ExtractionComparison result = compare(mesh, broken);
   EXPECT_EQ(result.triangles.only[0], 1U);
@@ -199,17 +200,17 @@ TEST_P(ExtractionComparisonTest, IndicesOfNoVertexAreADifference) {
 }
 
 TEST_P(ExtractionComparisonTest, NothingAgainstNothingAndAgainstSomething) {
-  const Mesh mesh = torus();
-  EXPECT_TRUE(same(compare(Mesh{}, Mesh{})));
-  const ExtractionComparison result = compare(Mesh{}, mesh);
+  const mesh::Mesh mesh = torus();
+  EXPECT_TRUE(same(compare(mesh::Mesh{}, mesh::Mesh{})));
+  const ExtractionComparison result = compare(mesh::Mesh{}, mesh);
   EXPECT_EQ(result.vertices_only[1], mesh.positions.size());
   EXPECT_EQ(result.triangles.only[1], mesh.triangles.size());
-  EXPECT_EQ(compare(mesh, Mesh{}).triangles.only[0], mesh.triangles.size());
+  EXPECT_EQ(compare(mesh, mesh::Mesh{}).triangles.only[0], mesh.triangles.size());
 }
 
 TEST_P(ExtractionComparisonTest, NeedsKeysAndMemory) {
-  const Mesh mesh = torus();
-  Mesh keyless = test::copy_of(mesh);
+  const mesh::Mesh mesh = torus();
+  mesh::Mesh keyless = test::copy_of(mesh);
   keyless.edges = {};
   const auto without = compare_extractions(mesh, keyless);
   ASSERT_FALSE(without);
@@ -220,8 +221,8 @@ TEST_P(ExtractionComparisonTest, NeedsKeysAndMemory) {
 }
 
 TEST_P(ExtractionComparisonTest, IsTheSameForAnyNumberOfThreads) {
-  const Mesh mesh = torus();
-  Mesh other = test::shuffled(mesh, 2);
+  const mesh::Mesh mesh = torus();
+  mesh::Mesh other = test::shuffled(mesh, 2);
   for (std::size_t v = 0; v < other.positions.size(); v += 7) other.positions[v].z += 1e-4F;
   for (std::size_t t = 0; t < other.triangles.size(); t += 5) std::swap(other.triangles[t].x, other.triangles[t].z);
   const std::string all = told(compare(mesh, other));
@@ -246,4 +247,4 @@ TEST(EdgeText, NamesTheSampleAndTheAxes) {
 }
 
 }  // namespace
-}  // namespace isoextract
+}  // namespace isoextract::measure

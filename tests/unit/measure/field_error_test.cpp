@@ -12,15 +12,15 @@
 #include "support/meshes.hpp"
 #include "support/sample_meshes.hpp"
 
-namespace isoextract {
+namespace isoextract::measure {
 namespace {
 
 struct Extracted {
-  ExtractOptions options;
-  Mesh mesh;
+  extract::ExtractOptions options;
+  mesh::Mesh mesh;
 };
 
-Extracted extract_at(const ScalarField& field, double iso, Method method = Method::mc) {
+Extracted extract_at(const field::ScalarField& field, double iso, extract::Method method = extract::Method::mc) {
   Extracted result;
   result.options.iso = iso;
   result.options.method = method;
@@ -32,13 +32,13 @@ Extracted extract_at(const ScalarField& field, double iso, Method method = Metho
 // A flat field with a plane through it, in a sheared, mirrored, unevenly spaced frame: a mesh that is moved along the
 // plane's normal is off by exactly that. Only the inverse transpose gives the right distance here.
 TEST(FieldError, OfAMovedPlaneIsTheMove) {
-  const Affine frame{glm::dmat3(-2, 0.3, 0, 0.5, 1, 0.2, 0, -0.4, 0.1), glm::dvec3(5, -3, 2)};
+  const field::Affine frame{glm::dmat3(-2, 0.3, 0, 0.5, 1, 0.2, 0, -0.4, 0.1), glm::dvec3(5, -3, 2)};
   const glm::dvec3 normal = glm::normalize(glm::dvec3(1, 2, -0.5));
-  ScalarField field = test::dense_field<double>({9, 8, 7}, [&](int i, int j, int k) {
+  field::ScalarField field = test::dense_field<double>({9, 8, 7}, [&](int i, int j, int k) {
     return 3 * glm::dot(normal, frame({i, j, k}) - frame({4, 3.3, 3}));
   });
   field.index_to_world = frame;
-  for (const Interpolation interpolation : {Interpolation::trilinear, Interpolation::tricubic}) {
+  for (const field::Interpolation interpolation : {field::Interpolation::trilinear, field::Interpolation::tricubic}) {
     Extracted plane = extract_at(field, 0);
     const FieldError exact = measure_field_error(plane.mesh, field, plane.options, {interpolation});
     EXPECT_EQ(exact.interior.points, 7 * plane.mesh.triangles.size());
@@ -57,9 +57,9 @@ TEST(FieldError, OfAMovedPlaneIsTheMove) {
 
 // The greatest distance between a trilinear sphere and its triangles is where and what geometry says.
 TEST(FieldError, OfASphereIsTheSagittaOfItsTriangles) {
-  const ScalarField field = make_demo_field("demo:sphere?size=65", default_limits()).value();
+  const field::ScalarField field = field::make_demo_field("demo:sphere?size=65", default_limits()).value();
   const Extracted sphere = extract_at(field, 0);
-  const FieldError error = measure_field_error(sphere.mesh, field, sphere.options, {Interpolation::tricubic});
+  const FieldError error = measure_field_error(sphere.mesh, field, sphere.options, {field::Interpolation::tricubic});
   const double voxel = 2.0 / 64;
   EXPECT_NEAR(error.interior.rms.world, error.interior.rms.voxels * voxel, 1e-12);
   EXPECT_LT(error.interior.max.world, 2 * voxel * voxel / (8 * 0.7) * 1.5)
@@ -72,14 +72,14 @@ TEST(FieldError, OfASphereIsTheSagittaOfItsTriangles) {
 
 TEST(FieldError, OfVerticesIsWhatStorageCosts) {
   for (const double offset : {0.0, 1e7}) {
-    ScalarField field = make_demo_field("demo:torus?size=40", default_limits()).value();
+    field::ScalarField field = field::make_demo_field("demo:torus?size=40", default_limits()).value();
     field.index_to_world.offset += offset;
-    for (const Method method : {Method::mc, Method::mt}) {
+    for (const extract::Method method : {extract::Method::mc, extract::Method::mt}) {
       const Extracted torus = extract_at(field, 0, method);
       const FieldError error = measure_field_error(torus.mesh, field, torus.options, {});
       EXPECT_LT(error.storage.max.voxels, 40 * 0x1p-20) << "float32 and the margin";
       EXPECT_GT(error.storage.max.voxels, 0);
-      if (method == Method::mc) {
+      if (method == extract::Method::mc) {
         EXPECT_EQ(error.storage.points, error.vertices.points);
         EXPECT_EQ(error.storage.max.voxels, error.vertices.max.voxels);
       } else {
@@ -94,17 +94,18 @@ TEST(FieldError, OfVerticesIsWhatStorageCosts) {
 
 // Where the field is nearly flat, |f - iso| / |grad f| alone would be 500 voxels; the surface is 0.75 away.
 TEST(FieldError, CorrectsTheFirstOrderEstimateAndSaysSo) {
-  const ScalarField field = test::dense_field<double>({3, 3, 3}, [](int i, int, int) {
+  const field::ScalarField field = test::dense_field<double>({3, 3, 3}, [](int i, int, int) {
     return i == 0 ? 0 : i == 1 ? 0.001 : 1;
   });
-  ExtractOptions options;
+  extract::ExtractOptions options;
   options.iso = 0.50050;
-  const Mesh mesh = test::make_mesh("t", {{0.75F, 0.5F, 0.5F}, {0.75F, 1.5F, 0.5F}, {0.75F, 0.5F, 1.5F}}, {{0, 1, 2}});
+  const mesh::Mesh mesh =
+      test::make_mesh("t", {{0.75F, 0.5F, 0.5F}, {0.75F, 1.5F, 0.5F}, {0.75F, 0.5F, 1.5F}}, {{0, 1, 2}});
   const FieldError error = measure_field_error(mesh, field, options, {});
   EXPECT_EQ(error.interior.points, 7U);
   EXPECT_EQ(error.interior.corrected, 7U);
   EXPECT_NEAR(error.interior.max.voxels, 0.75, 1e-6);
-  const FieldError short_sighted = measure_field_error(mesh, field, options, {Interpolation::trilinear, 0.5});
+  const FieldError short_sighted = measure_field_error(mesh, field, options, {field::Interpolation::trilinear, 0.5});
   EXPECT_EQ(short_sighted.interior.points, 0U);
   EXPECT_EQ(short_sighted.interior.unreached, 7U);
 }
@@ -112,7 +113,7 @@ TEST(FieldError, CorrectsTheFirstOrderEstimateAndSaysSo) {
 // A sample with the very iso value between higher ones is all there is of the surface. No gradient leads to it, but the
 // vertices around it are only the margin away.
 TEST(FieldError, FindsTheSurfaceThatOnlyTouchesASample) {
-  const ScalarField field = test::dense_field<std::uint8_t>({5, 5, 5}, [](int i, int j, int k) {
+  const field::ScalarField field = test::dense_field<std::uint8_t>({5, 5, 5}, [](int i, int j, int k) {
     return glm::ivec3(i, j, k) == glm::ivec3(2) ? 60 : 70 + i + 3 * j + 7 * k;
   });
   const Extracted touching = extract_at(field, 60);
@@ -125,12 +126,12 @@ TEST(FieldError, FindsTheSurfaceThatOnlyTouchesASample) {
 
 // The border cell's polynomial goes on beyond the data, and crosses iso there; that is no surface.
 TEST(FieldError, EndsAtTheBorderOfTheData) {
-  const Mesh near_border =
+  const mesh::Mesh near_border =
       test::make_mesh("t", {{0.1F, 1, 1}, {0.1F, 1.5F, 1}, {0.1F, 1, 1.5F}, {3.9F, 1, 1}}, {{0, 1, 2}});
-  ExtractOptions options;
-  const ScalarField beyond = test::dense_field<float>({5, 5, 5}, [](int i, int, int) { return i + 0.25; });
-  const ScalarField before = test::dense_field<float>({5, 5, 5}, [](int i, int, int) { return i - 4.25; });
-  for (const Interpolation interpolation : {Interpolation::trilinear, Interpolation::tricubic}) {
+  extract::ExtractOptions options;
+  const field::ScalarField beyond = test::dense_field<float>({5, 5, 5}, [](int i, int, int) { return i + 0.25; });
+  const field::ScalarField before = test::dense_field<float>({5, 5, 5}, [](int i, int, int) { return i - 4.25; });
+  for (const field::Interpolation interpolation : {field::Interpolation::trilinear, field::Interpolation::tricubic}) {
     const FieldError low = measure_field_error(near_border, beyond, options, {interpolation});
     EXPECT_EQ(low.interior.points + low.vertices.points, 0U);
     EXPECT_EQ(low.interior.unreached, 7U);
@@ -140,8 +141,10 @@ TEST(FieldError, EndsAtTheBorderOfTheData) {
 
   // The plane x + z / 2 = 1 meets the border x = 0 at z = 2. The foot of these points on it is outside, so that edge is
   // the nearest of it.
-  const ScalarField plane = test::dense_field<double>({5, 5, 5}, [](int i, int, int k) { return i + k / 2.0 - 1; });
-  const Mesh mesh = test::make_mesh("t", {{0.05F, 1, 2.3F}, {0.05F, 1.5F, 2.3F}, {0.05F, 1.2F, 2.3F}}, {{0, 1, 2}});
+  const field::ScalarField plane =
+      test::dense_field<double>({5, 5, 5}, [](int i, int, int k) { return i + k / 2.0 - 1; });
+  const mesh::Mesh mesh =
+      test::make_mesh("t", {{0.05F, 1, 2.3F}, {0.05F, 1.5F, 2.3F}, {0.05F, 1.2F, 2.3F}}, {{0, 1, 2}});
   const FieldError error = measure_field_error(mesh, plane, options, {});
   EXPECT_EQ(error.vertices.points, 3U);
   EXPECT_NEAR(error.vertices.max.voxels, std::hypot(0.05, 0.3), 1e-5);
@@ -149,15 +152,15 @@ TEST(FieldError, EndsAtTheBorderOfTheData) {
 }
 
 TEST(FieldError, CountsWhatItCannotMeasure) {
-  const Mesh mesh =
+  const mesh::Mesh mesh =
       test::make_mesh("t", {{0.5F, 0.25F, 0.25F}, {0.5F, 0.75F, 0.25F}, {0.5F, 0.25F, 0.75F}}, {{0, 1, 2}});
-  ExtractOptions options;
+  extract::ExtractOptions options;
   options.iso = 0.5;
-  const ScalarField flat = test::dense_field<float>({3, 3, 3}, [](int, int, int) { return 0; });
+  const field::ScalarField flat = test::dense_field<float>({3, 3, 3}, [](int, int, int) { return 0; });
   const FieldError on_flat = measure_field_error(mesh, flat, options, {});
   EXPECT_EQ(on_flat.interior.flat, 7U);
   EXPECT_EQ(on_flat.interior.points, 0U);
-  const ScalarField bad = test::dense_field<float>(
+  const field::ScalarField bad = test::dense_field<float>(
       {3, 3, 3}, [](int i, int, int) { return i == 0 ? std::numeric_limits<float>::quiet_NaN() : 1; });
   const FieldError beside_nan = measure_field_error(mesh, bad, options, {});
   EXPECT_EQ(beside_nan.interior.not_finite, 7U);
@@ -166,11 +169,11 @@ TEST(FieldError, CountsWhatItCannotMeasure) {
 }
 
 TEST(FieldError, LeavesCapsOut) {
-  const ScalarField field = make_demo_field("demo:gyroid?size=40", default_limits()).value();
+  const field::ScalarField field = field::make_demo_field("demo:gyroid?size=40", default_limits()).value();
   const Extracted open = extract_at(field, 0.1);
-  ExtractOptions capped = open.options;
+  extract::ExtractOptions capped = open.options;
   capped.cap = true;
-  const Mesh closed = test::extract(field, capped).mesh;
+  const mesh::Mesh closed = test::extract(field, capped).mesh;
   const FieldError error = measure_field_error(closed, field, capped, {});
   const FieldError of_open = measure_field_error(open.mesh, field, open.options, {});
   EXPECT_EQ(error.cap_triangles, closed.triangles.size() - open.mesh.triangles.size());
@@ -180,12 +183,12 @@ TEST(FieldError, LeavesCapsOut) {
 }
 
 TEST(FieldError, IsTheSameForSparseSamplesAndForAnyNumberOfThreads) {
-  const ScalarField dense = test::dense_field<float>(
+  const field::ScalarField dense = test::dense_field<float>(
       {64, 64, 64}, [](int i, int j, int k) { return std::max(-0.2, 20 - std::hypot(i - 31.3, j - 32.1, k - 30.7)); });
-  const ScalarField sparse = test::sparse_copy<float>(dense, static_cast<double>(-0.2F));
+  const field::ScalarField sparse = test::sparse_copy<float>(dense, static_cast<double>(-0.2F));
   const Extracted of_dense = extract_at(dense, 0);
   const Extracted of_sparse = extract_at(sparse, 0);
-  for (const Interpolation interpolation : {Interpolation::trilinear, Interpolation::tricubic}) {
+  for (const field::Interpolation interpolation : {field::Interpolation::trilinear, field::Interpolation::tricubic}) {
     const FieldError error = measure_field_error(of_dense.mesh, dense, of_dense.options, {interpolation});
     const FieldError same = measure_field_error(of_sparse.mesh, sparse, of_sparse.options, {interpolation});
     EXPECT_NEAR(error.interior.rms.world, same.interior.rms.world, 1e-12);
@@ -199,4 +202,4 @@ TEST(FieldError, IsTheSameForSparseSamplesAndForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace isoextract
+}  // namespace isoextract::measure

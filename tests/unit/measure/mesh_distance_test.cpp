@@ -8,11 +8,11 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "measure/triangle_tree.hpp"
 #include "mesh/closest_point.hpp"
+#include "mesh/triangle_tree.hpp"
 #include "support/sample_meshes.hpp"
 
-namespace isoextract {
+namespace isoextract::measure {
 namespace {
 
 using test::make_mesh;
@@ -23,7 +23,7 @@ DistanceOptions few_samples() {
   return options;
 }
 
-MeshDistance distance(const Mesh& a, const Mesh& b, const DistanceOptions& options = few_samples()) {
+MeshDistance distance(const mesh::Mesh& a, const mesh::Mesh& b, const DistanceOptions& options = few_samples()) {
   auto result = measure_distance(a, b, options);
   if (!result) {
     ADD_FAILURE() << result.error().message;
@@ -33,7 +33,7 @@ MeshDistance distance(const Mesh& a, const Mesh& b, const DistanceOptions& optio
 }
 
 // n x n squares of the unit square at height z, each cut along the diagonal that `turned` says.
-Mesh plane(unsigned n, float z, bool turned = false) {
+mesh::Mesh plane(unsigned n, float z, bool turned = false) {
   std::vector<glm::vec3> positions;
   std::vector<glm::uvec3> triangles;
   for (unsigned j = 0; j <= n; ++j) {
@@ -56,10 +56,10 @@ Mesh plane(unsigned n, float z, bool turned = false) {
   return make_mesh("plane", positions, triangles);
 }
 
-Mesh cube(unsigned n) {
+mesh::Mesh cube(unsigned n) {
   std::vector<glm::vec3> positions;
   std::vector<glm::uvec3> triangles;
-  const Mesh side = plane(n, 0);
+  const mesh::Mesh side = plane(n, 0);
   for (int face = 0; face < 6; ++face) {
     const auto first = static_cast<unsigned>(positions.size());
     for (const glm::vec3& p : side.positions) {
@@ -72,12 +72,12 @@ Mesh cube(unsigned n) {
   return make_mesh("cube", positions, triangles);
 }
 
-Mesh scaled(Mesh mesh, float factor) {
+mesh::Mesh scaled(mesh::Mesh mesh, float factor) {
   for (glm::vec3& p : mesh.positions) p *= factor;
   return mesh;
 }
 
-Mesh random_soup(std::mt19937& random, unsigned triangles, float size) {
+mesh::Mesh random_soup(std::mt19937& random, unsigned triangles, float size) {
   std::uniform_real_distribution<float> place(-1, 1);
   std::vector<glm::vec3> positions;
   std::vector<glm::uvec3> corners;
@@ -92,10 +92,10 @@ Mesh random_soup(std::mt19937& random, unsigned triangles, float size) {
 }
 
 // The least distance to any triangle, looked up one by one.
-double brute_distance(const glm::dvec3& p, const Mesh& mesh) {
+double brute_distance(const glm::dvec3& p, const mesh::Mesh& mesh) {
   double least = std::numeric_limits<double>::infinity();
   for (const glm::uvec3& t : mesh.triangles) {
-    const glm::dvec3 q = closest_on_triangle(p, mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]);
+    const glm::dvec3 q = mesh::closest_on_triangle(p, mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]);
     least = std::min(least, glm::length(p - q));
   }
   return least;
@@ -121,7 +121,7 @@ TEST(ClosestOnTriangle, AgreesWithSamplesAlsoWithoutArea) {
     if (round % 6 == 4) c = a + (b - a) * 0.5;
     if (round % 6 == 5) b = c = a;
     const glm::dvec3 p = point() * 2.0;
-    const double found = glm::length(p - closest_on_triangle(p, a, b, c));
+    const double found = glm::length(p - mesh::closest_on_triangle(p, a, b, c));
     double least = std::numeric_limits<double>::infinity();
     constexpr int kSteps = 60;
     for (int i = 0; i <= kSteps; ++i) {
@@ -148,7 +148,7 @@ TEST(ClosestOnTriangle, IsRightForNeedles) {
   for (int round = 0; round < 3000; ++round) {
     const glm::vec3 start = point();
     const glm::vec3 direction = point();
-    Mesh needle;
+    mesh::Mesh needle;
     needle.positions = Buffer<glm::vec3>(3);
     for (std::size_t c = 0; c < 3; ++c) {
       const float t = place(random);
@@ -158,10 +158,10 @@ TEST(ClosestOnTriangle, IsRightForNeedles) {
     const glm::dvec3 b = needle.positions[1];
     const glm::dvec3 c = needle.positions[2];
     const glm::dvec3 p = glm::dvec3(start + place(random) * direction) + glm::dvec3(0.01, -0.02, 0.01);
-    const double found = glm::length(p - closest_on_triangle(p, a, b, c));
-    const double sides =
-        std::min({glm::length(p - closest_on_segment(p, a, b)), glm::length(p - closest_on_segment(p, b, c)),
-                  glm::length(p - closest_on_segment(p, c, a))});
+    const double found = glm::length(p - mesh::closest_on_triangle(p, a, b, c));
+    const double sides = std::min({glm::length(p - mesh::closest_on_segment(p, a, b)),
+                                   glm::length(p - mesh::closest_on_segment(p, b, c)),
+                                   glm::length(p - mesh::closest_on_segment(p, c, a))});
     EXPECT_LE(found, sides) << round;
     EXPECT_GE(found, sides - 1e-5) << round;  // the needle's width
   }
@@ -171,8 +171,8 @@ TEST(TriangleTree, NearestAgreesWithBruteForce) {
   std::mt19937 random(2);
   std::uniform_real_distribution<double> place(-2, 2);
   for (const unsigned triangles : {1U, 2U, 4U, 5U, 9U, 100U, 1000U}) {
-    const Mesh soup = random_soup(random, triangles, 0.2F);
-    const TriangleTree tree(soup.positions.span(), soup.triangles.span());
+    const mesh::Mesh soup = random_soup(random, triangles, 0.2F);
+    const mesh::TriangleTree tree(soup.positions.span(), soup.triangles.span());
     for (int round = 0; round < 50; ++round) {
       const glm::dvec3 p(place(random), place(random), place(random));
       const auto nearest = tree.nearest(p, static_cast<std::uint32_t>(round) % triangles);
@@ -193,8 +193,8 @@ TEST(MeshDistance, ParallelPlanes) {
 }
 
 TEST(MeshDistance, ConcentricSpheres) {
-  const Mesh inner = test::sphere(60, false);
-  const Mesh outer = scaled(test::sphere(45, false), 1.25F);
+  const mesh::Mesh inner = test::sphere(60, false);
+  const mesh::Mesh outer = scaled(test::sphere(45, false), 1.25F);
   const MeshDistance d = distance(inner, outer);
   // The facets of 45 rings are less than 1.25 * (1 - cos(pi / 92)) = 0.0008 within their sphere.
   expect_interval(d, 0.25, 1e-3);
@@ -210,13 +210,13 @@ TEST(MeshDistance, OneSurfaceInTwoTessellations) {
     EXPECT_LE(d.hausdorff_upper, d.resolution) << n;
     EXPECT_LE(d.rms, d.resolution) << n;
   }
-  const Mesh ball = test::sphere(20, false);
+  const mesh::Mesh ball = test::sphere(20, false);
   EXPECT_LE(distance(ball, ball).hausdorff_upper, 1e-15);
 }
 
 TEST(MeshDistance, OneMovedVertex) {
-  const Mesh flat = plane(10, 0);
-  Mesh raised = plane(10, 0);
+  const mesh::Mesh flat = plane(10, 0);
+  mesh::Mesh raised = plane(10, 0);
   constexpr std::size_t kMoved = 5 * 11 + 4;
   raised.positions[kMoved].z = 0.01F;
   const MeshDistance d = distance(raised, flat);
@@ -232,8 +232,8 @@ TEST(MeshDistance, OneMovedVertex) {
 TEST(MeshDistance, FarthestPointIsInsideATriangle) {
   // A right triangle against its own three sides, which are triangles without area: the centre of the inscribed circle
   // is farthest, at its radius.
-  const Mesh full = make_mesh("full", {{0, 0, 0}, {3, 0, 0}, {0, 4, 0}}, {{0, 1, 2}});
-  const Mesh frame = make_mesh("frame", {{0, 0, 0}, {3, 0, 0}, {0, 4, 0}}, {{0, 1, 1}, {1, 2, 2}, {2, 0, 0}});
+  const mesh::Mesh full = make_mesh("full", {{0, 0, 0}, {3, 0, 0}, {0, 4, 0}}, {{0, 1, 2}});
+  const mesh::Mesh frame = make_mesh("frame", {{0, 0, 0}, {3, 0, 0}, {0, 4, 0}}, {{0, 1, 1}, {1, 2, 2}, {2, 0, 0}});
   DistanceOptions options;
   options.samples = 0;
   const MeshDistance d = distance(full, frame, options);
@@ -246,8 +246,8 @@ TEST(MeshDistance, FarthestPointIsInsideATriangle) {
 TEST(MeshDistance, RandomMeshesAgainstBruteForce) {
   std::mt19937 random(3);
   for (int round = 0; round < 30; ++round) {
-    const Mesh a = random_soup(random, 1 + static_cast<unsigned>(round), 0.7F);
-    const Mesh b = random_soup(random, 40, 0.4F);
+    const mesh::Mesh a = random_soup(random, 1 + static_cast<unsigned>(round), 0.7F);
+    const mesh::Mesh b = random_soup(random, 40, 0.4F);
     DistanceOptions options;
     options.samples = 1000;
     const MeshDistance d = distance(a, b, options);
@@ -275,8 +275,8 @@ TEST(MeshDistance, RandomMeshesAgainstBruteForce) {
 
 TEST(MeshDistance, OrderAndWindingDoNotMatter) {
   std::mt19937 random(4);
-  const Mesh a = random_soup(random, 30, 0.5F);
-  const Mesh b = random_soup(random, 50, 0.3F);
+  const mesh::Mesh a = random_soup(random, 30, 0.5F);
+  const mesh::Mesh b = random_soup(random, 50, 0.3F);
   const MeshDistance ab = distance(a, b);
   const MeshDistance ba = distance(b, a);
   EXPECT_EQ(ab.a_to_b.max_lower, ba.b_to_a.max_lower);
@@ -285,16 +285,16 @@ TEST(MeshDistance, OrderAndWindingDoNotMatter) {
   EXPECT_EQ(ab.percentile99, ba.percentile99);
   EXPECT_NEAR(ab.rms, ba.rms, 1e-12);
 
-  Mesh turned = make_mesh("turned", {a.positions.begin(), a.positions.end()}, {});
+  mesh::Mesh turned = make_mesh("turned", {a.positions.begin(), a.positions.end()}, {});
   turned.triangles = Buffer<glm::uvec3>(a.triangles.size());
   for (std::size_t t = 0; t < a.triangles.size(); ++t)
     turned.triangles[t] = {a.triangles[t].x, a.triangles[t].z, a.triangles[t].y};
   EXPECT_LE(distance(a, turned).hausdorff_upper, ab.resolution);
 
   // Mirrored through the plane x = 0, both of them: the same distances.
-  const auto mirrored = [](const Mesh& mesh) {
-    Mesh image = make_mesh("image", {mesh.positions.begin(), mesh.positions.end()},
-                           {mesh.triangles.begin(), mesh.triangles.end()});
+  const auto mirrored = [](const mesh::Mesh& mesh) {
+    mesh::Mesh image = make_mesh("image", {mesh.positions.begin(), mesh.positions.end()},
+                                 {mesh.triangles.begin(), mesh.triangles.end()});
     for (glm::vec3& p : image.positions) p.x = -p.x;
     return image;
   };
@@ -304,9 +304,9 @@ TEST(MeshDistance, OrderAndWindingDoNotMatter) {
 }
 
 TEST(MeshDistance, FarOriginsKeepTheirAccuracy) {
-  const Mesh near = test::sphere(20, false);
-  const Mesh far = test::sphere(20, false, "far", {1e7, -1e7, 1e7});
-  const Mesh moved = test::sphere(20, false, "moved", {1e7 + 0x1p-10, -1e7, 1e7});
+  const mesh::Mesh near = test::sphere(20, false);
+  const mesh::Mesh far = test::sphere(20, false, "far", {1e7, -1e7, 1e7});
+  const mesh::Mesh moved = test::sphere(20, false, "moved", {1e7 + 0x1p-10, -1e7, 1e7});
   EXPECT_LE(distance(far, far).hausdorff_upper, 1e-15);
   const MeshDistance d = distance(far, moved);
   EXPECT_LE(d.hausdorff_lower, 0x1p-10);
@@ -316,8 +316,8 @@ TEST(MeshDistance, FarOriginsKeepTheirAccuracy) {
 }
 
 TEST(MeshDistance, SameForAnyNumberOfThreads) {
-  const Mesh a = test::sphere(40, false);
-  Mesh b = test::sphere(33, false);
+  const mesh::Mesh a = test::sphere(40, false);
+  mesh::Mesh b = test::sphere(33, false);
   for (glm::vec3& p : b.positions) p.z += 0.1F * std::sin(5 * p.x);
   const auto with_threads = [&](std::size_t threads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
@@ -329,8 +329,8 @@ TEST(MeshDistance, SameForAnyNumberOfThreads) {
 }
 
 TEST(MeshDistance, EnoughSparesWork) {
-  const Mesh a = test::sphere(40, false);
-  const Mesh b = test::sphere(12, false);
+  const mesh::Mesh a = test::sphere(40, false);
+  const mesh::Mesh b = test::sphere(12, false);
   DistanceOptions options;
   options.samples = 0;
   const MeshDistance exact = distance(a, b, options);
@@ -341,8 +341,8 @@ TEST(MeshDistance, EnoughSparesWork) {
 }
 
 TEST(MeshDistance, EmptyMeshesHaveNoDistance) {
-  const Mesh some = test::tetrahedron();
-  Mesh none = make_mesh("nothing", {{0, 0, 0}}, {});
+  const mesh::Mesh some = test::tetrahedron();
+  mesh::Mesh none = make_mesh("nothing", {{0, 0, 0}}, {});
   for (const auto& result : {measure_distance(some, none), measure_distance(none, some)}) {
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().kind, ErrorKind::input);
@@ -352,9 +352,9 @@ TEST(MeshDistance, EmptyMeshesHaveNoDistance) {
 
 // Squared distances would be infinite, and no interval would hold the greatest.
 TEST(MeshDistance, MeshesTooFarApart) {
-  const Mesh here = test::tetrahedron();
+  const mesh::Mesh here = test::tetrahedron();
   for (const double place : {1e151, 1e308, std::numeric_limits<double>::infinity()}) {
-    Mesh there = test::tetrahedron();
+    mesh::Mesh there = test::tetrahedron();
     there.origin.x = place;
     for (const auto& result : {measure_distance(here, there), measure_distance(there, here)}) {
       ASSERT_FALSE(result) << place;
@@ -362,17 +362,17 @@ TEST(MeshDistance, MeshesTooFarApart) {
       EXPECT_NE(result.error().message.find("1e+150 apart"), std::string::npos) << result.error().message;
     }
   }
-  Mesh there = test::tetrahedron();
+  mesh::Mesh there = test::tetrahedron();
   there.origin.x = 1e149;
   EXPECT_NEAR(distance(here, there).hausdorff_upper / 1e149, 1, 1e-6);
 }
 
 // Vertices that no triangle uses are no part of the surface.
 TEST(MeshDistance, UnusedVerticesDoNotCount) {
-  const Mesh a = make_mesh("a", {{9, 9, 9}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-9, 0, 0}}, {{1, 2, 3}});
-  const Mesh b = make_mesh("b", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}});
+  const mesh::Mesh a = make_mesh("a", {{9, 9, 9}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-9, 0, 0}}, {{1, 2, 3}});
+  const mesh::Mesh b = make_mesh("b", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}});
   EXPECT_EQ(distance(a, b).hausdorff_upper, 0);
 }
 
 }  // namespace
-}  // namespace isoextract
+}  // namespace isoextract::measure

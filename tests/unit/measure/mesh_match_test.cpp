@@ -7,16 +7,16 @@
 #include <gtest/gtest.h>
 
 #include "field/demo_field.hpp"
-#include "measure/float_spacing.hpp"
+#include "measure/detail/float_spacing.hpp"
 #include "mesh/local_origin.hpp"
 #include "support/fields.hpp"
 #include "support/mesh_copies.hpp"
 #include "support/meshes.hpp"
 
-namespace isoextract {
+namespace isoextract::measure {
 namespace {
 
-MeshMatch match(const Mesh& written, const Mesh& extracted, bool float32_world = false) {
+MeshMatch match(const mesh::Mesh& written, const mesh::Mesh& extracted, bool float32_world = false) {
   return match_meshes(written, extracted, float32_world).value();
 }
 
@@ -27,7 +27,7 @@ std::string told(const MeshMatch& found) {
 }
 
 // What the reader makes of the coordinates that a file has: float32 relative to an origin of its own choice.
-Mesh reread(const Mesh& mesh, bool float32_world) {
+mesh::Mesh reread(const mesh::Mesh& mesh, bool float32_world) {
   std::vector<glm::vec3> rounded;
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) rounded.emplace_back(mesh.position(v));
   const auto stored = [&](std::size_t v) { return float32_world ? glm::dvec3(rounded[v]) : mesh.position(v); };
@@ -37,17 +37,17 @@ Mesh reread(const Mesh& mesh, bool float32_world) {
     low = glm::min(low, stored(v));
     high = glm::max(high, stored(v));
   }
-  Mesh result = test::copy_of(mesh);
-  result.origin = choose_local_origin(low, high);
+  mesh::Mesh result = test::copy_of(mesh);
+  result.origin = mesh::choose_local_origin(low, high);
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) result.positions[v] = stored(v) - result.origin;
   return result;
 }
 
 // One vertex for all at the same place, as the reader does with formats without connectivity.
-Mesh welded(const Mesh& mesh) {
+mesh::Mesh welded(const mesh::Mesh& mesh) {
   std::map<test::Point, std::uint32_t> numbers;
   std::vector<glm::vec3> positions;
-  Mesh result = test::copy_of(mesh);
+  mesh::Mesh result = test::copy_of(mesh);
   for (glm::uvec3& t : result.triangles) {
     for (int c = 0; c < 3; ++c) {
       const glm::vec3 p = mesh.positions[t[c]];
@@ -61,30 +61,31 @@ Mesh welded(const Mesh& mesh) {
   return result;
 }
 
-class MeshMatchTest : public testing::TestWithParam<Method> {
+class MeshMatchTest : public testing::TestWithParam<extract::Method> {
  protected:
-  [[nodiscard]] ExtractOptions options() const {
-    ExtractOptions o;
+  [[nodiscard]] extract::ExtractOptions options() const {
+    extract::ExtractOptions o;
     o.method = GetParam();
     return o;
   }
-  [[nodiscard]] Mesh torus(const Affine& place = {}) const {
-    ExtractOptions o = options();
+  [[nodiscard]] mesh::Mesh torus(const field::Affine& place = {}) const {
+    extract::ExtractOptions o = options();
     o.output_from_index = place;
-    return test::extract(make_demo_field("demo:torus?size=24", default_limits()).value(), o).mesh;
+    return test::extract(field::make_demo_field("demo:torus?size=24", default_limits()).value(), o).mesh;
   }
   // Few distinct values, the iso value among them: many pairs of vertices are as near as they ever are.
-  [[nodiscard]] Mesh ties(const Affine& place = {}) const {
-    ExtractOptions o = options();
+  [[nodiscard]] mesh::Mesh ties(const field::Affine& place = {}) const {
+    extract::ExtractOptions o = options();
     o.iso = 2;
     o.output_from_index = place;
     return test::extract(test::random_field<float>({20, 20, 20}, 3, 5), o).mesh;
   }
 };
-INSTANTIATE_TEST_SUITE_P(Methods, MeshMatchTest, testing::Values(Method::mc, Method::mt), test::method_name);
+INSTANTIATE_TEST_SUITE_P(Methods, MeshMatchTest, testing::Values(extract::Method::mc, extract::Method::mt),
+                         test::method_name);
 
 TEST_P(MeshMatchTest, AnotherOrderIsTheSame) {
-  for (const Mesh& mesh : {torus(), ties()}) {
+  for (const mesh::Mesh& mesh : {torus(), ties()}) {
     const MeshMatch found = match(test::shuffled(mesh, 1), mesh);
     EXPECT_EQ(told(found), "");
     EXPECT_EQ(found.distance, glm::dvec3(0));
@@ -96,14 +97,14 @@ TEST_P(MeshMatchTest, AnotherOrderIsTheSame) {
 TEST_P(MeshMatchTest, FarAwayFramesAsPlyObjAndStlHoldThem) {
   for (const double far : {1e3, 1e6, 1e9}) {
     SCOPED_TRACE(far);
-    const Affine place{glm::dmat3(0.1), glm::dvec3(far, -far / 3, 7)};
-    for (const Mesh& mesh : {torus(place), ties(place)}) {
+    const field::Affine place{glm::dmat3(0.1), glm::dvec3(far, -far / 3, 7)};
+    for (const mesh::Mesh& mesh : {torus(place), ties(place)}) {
       ASSERT_NE(mesh.origin, glm::dvec3(0));
       const MeshMatch in_double = match(test::shuffled(reread(mesh, false), 2), mesh);
       EXPECT_EQ(told(in_double), "");
       EXPECT_TRUE(glm::all(glm::lessThanEqual(in_double.distance, in_double.allowed)));
       // Where float32 merges vertices, it merges them on both sides.
-      const Mesh as_stl = welded(reread(mesh, true));
+      const mesh::Mesh as_stl = welded(reread(mesh, true));
       if (far == 1e9) {
         EXPECT_LT(as_stl.positions.size(), mesh.positions.size());
       }
@@ -114,26 +115,26 @@ TEST_P(MeshMatchTest, FarAwayFramesAsPlyObjAndStlHoldThem) {
 
 TEST_P(MeshMatchTest, HolesPartVerticesThatSomeFormatsMerge) {
   std::mt19937 engine(3);
-  const ScalarField field = test::dense_field<float>({16, 16, 16}, [&](int, int, int) {
+  const field::ScalarField field = test::dense_field<float>({16, 16, 16}, [&](int, int, int) {
     const auto random = static_cast<float>(engine() % 100);
     return random < 8 ? std::numeric_limits<float>::quiet_NaN() : random;
   });
-  ExtractOptions o = options();
+  extract::ExtractOptions o = options();
   o.iso = 60;
-  o.nan = NanPolicy::hole;
-  const Mesh mesh = test::extract(field, o).mesh;
+  o.nan = extract::NanPolicy::hole;
+  const mesh::Mesh mesh = test::extract(field, o).mesh;
   ASSERT_LT(welded(mesh).positions.size(), mesh.positions.size());
   EXPECT_EQ(told(match(test::shuffled(welded(mesh), 3), mesh)), "");
   EXPECT_EQ(told(match(test::shuffled(mesh, 3), mesh)), "");
 }
 
 TEST_P(MeshMatchTest, ADroppedAndAFlippedTriangle) {
-  const Mesh mesh = torus();
+  const mesh::Mesh mesh = torus();
   const MeshMatch dropped = match(test::without_triangle(mesh, 8), mesh);
   EXPECT_EQ(dropped.triangles.only[0], 0U);
   EXPECT_EQ(dropped.triangles.only[1], 1U);
   EXPECT_NE(told(dropped).find("triangles are in volume only"), std::string::npos);
-  Mesh flipped = test::shuffled(mesh, 4);
+  mesh::Mesh flipped = test::shuffled(mesh, 4);
   std::swap(flipped.triangles[8].y, flipped.triangles[8].z);
   const MeshMatch found = match(flipped, mesh);
   EXPECT_EQ(found.triangles.only[0], 1U);
@@ -142,10 +143,10 @@ TEST_P(MeshMatchTest, ADroppedAndAFlippedTriangle) {
 }
 
 TEST_P(MeshMatchTest, AMovedVertex) {
-  const Mesh mesh = torus();
+  const mesh::Mesh mesh = torus();
   const double ulp = float_spacing(23);
   for (const int ulps : {1, 2, 5, 1000}) {
-    Mesh moved = test::copy_of(mesh);
+    mesh::Mesh moved = test::copy_of(mesh);
     moved.positions[30].y = static_cast<float>(static_cast<double>(moved.positions[30].y) + ulps * ulp);
     const MeshMatch found = match(test::shuffled(moved, 2), mesh);
     EXPECT_EQ(told(found).empty(), ulps <= 2) << ulps;
@@ -163,8 +164,8 @@ TEST_P(MeshMatchTest, AMovedVertex) {
 
 // Both would be near enough to the same vertex, but only one of them can be it.
 TEST_P(MeshMatchTest, IsOneToOne) {
-  const Mesh mesh = torus();
-  Mesh other = test::copy_of(mesh);
+  const mesh::Mesh mesh = torus();
+  mesh::Mesh other = test::copy_of(mesh);
   other.positions[3] = mesh.positions[40];
   other.positions[3].x += static_cast<float>(float_spacing(23));
   const MeshMatch found = match(other, mesh);
@@ -175,26 +176,26 @@ TEST_P(MeshMatchTest, IsOneToOne) {
 }
 
 TEST_P(MeshMatchTest, AnotherSurfaceSharesNothing) {
-  const Mesh mesh = torus();
-  const MeshMatch found = match(torus(Affine{glm::dmat3(1.0), glm::dvec3(1e-3)}), mesh);
+  const mesh::Mesh mesh = torus();
+  const MeshMatch found = match(torus(field::Affine{glm::dmat3(1.0), glm::dvec3(1e-3)}), mesh);
   EXPECT_EQ(found.vertices_only[0], mesh.positions.size());
   EXPECT_EQ(found.triangles.only[0], mesh.triangles.size());
   EXPECT_EQ(found.triangles.only[1], mesh.triangles.size());
   // Beyond all that can be numbered.
-  Mesh far = test::copy_of(mesh);
+  mesh::Mesh far = test::copy_of(mesh);
   far.origin = glm::dvec3(1e200);
   EXPECT_EQ(match(far, mesh).vertices_only[1], mesh.positions.size());
 }
 
 TEST_P(MeshMatchTest, NothingAndMemory) {
-  const Mesh mesh = torus();
-  EXPECT_EQ(told(match(Mesh{}, Mesh{})), "");
-  EXPECT_EQ(match(mesh, Mesh{}).triangles.only[0], mesh.triangles.size());
-  EXPECT_EQ(match(Mesh{}, mesh).triangles.only[1], mesh.triangles.size());
+  const mesh::Mesh mesh = torus();
+  EXPECT_EQ(told(match(mesh::Mesh{}, mesh::Mesh{})), "");
+  EXPECT_EQ(match(mesh, mesh::Mesh{}).triangles.only[0], mesh.triangles.size());
+  EXPECT_EQ(match(mesh::Mesh{}, mesh).triangles.only[1], mesh.triangles.size());
   const auto small = match_meshes(mesh, mesh, false, Limits{1000});
   ASSERT_FALSE(small);
   EXPECT_EQ(small.error().kind, ErrorKind::input);
 }
 
 }  // namespace
-}  // namespace isoextract
+}  // namespace isoextract::measure

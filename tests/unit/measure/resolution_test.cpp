@@ -10,25 +10,25 @@
 #include "support/fields.hpp"
 #include "support/meshes.hpp"
 
-namespace isoextract {
+namespace isoextract::measure {
 namespace {
 
 struct Case {
-  ScalarField data;
+  field::ScalarField data;
   double iso;
 };
 
 struct Measured {
-  ScalarField grid;
-  ExtractOptions options;
-  Mesh mesh;
+  field::ScalarField grid;
+  extract::ExtractOptions options;
+  mesh::Mesh mesh;
   FieldError error;
 };
 
-Measured measure(const ScalarField& data, double iso, const glm::ivec3& resolution, Method method = Method::mc,
-                 bool cap = false) {
+Measured measure(const field::ScalarField& data, double iso, const glm::ivec3& resolution,
+                 extract::Method method = extract::Method::mc, bool cap = false) {
   Measured result;
-  result.grid = resample(data, resolution, default_limits()).value();
+  result.grid = field::resample(data, resolution, default_limits()).value();
   result.options.iso = iso;
   result.options.method = method;
   result.options.cap = cap;
@@ -45,12 +45,12 @@ Measured measure(const ScalarField& data, double iso, const glm::ivec3& resoluti
 TEST(Resolution, FinerGridsConvergeToTheInterpolant) {
   const double c = std::cos(0.5);
   const double s = std::sin(0.5);
-  ScalarField sphere = make_demo_field("demo:sphere?size=9", default_limits()).value();
+  field::ScalarField sphere = field::make_demo_field("demo:sphere?size=9", default_limits()).value();
   sphere.index_to_world = {glm::dmat3(-2 * c, -2 * s, 0, -0.5 * s, 0.5 * c, 0.1, 0, 0, 1), glm::dvec3(100, -30, 7)};
-  const ScalarField random = test::random_field<std::uint8_t>({6, 5, 7}, 4, 256);
+  const field::ScalarField random = test::random_field<std::uint8_t>({6, 5, 7}, 4, 256);
   for (const Case& data : {Case{sphere, 0}, Case{random, 127.3}}) {
-    const glm::ivec3 cells = std::get<DenseSamples>(data.data.samples).dims - 1;
-    for (const Method method : {Method::mc, Method::mt}) {
+    const glm::ivec3 cells = std::get<field::DenseSamples>(data.data.samples).dims - 1;
+    for (const extract::Method method : {extract::Method::mc, extract::Method::mt}) {
       const double coarse = measure(data.data, data.iso, 4 * cells + 1, method).error.interior.rms.voxels;
       const double fine = measure(data.data, data.iso, 16 * cells + 1, method).error.interior.rms.voxels;
       EXPECT_GT(std::log2(coarse / fine) / 2, 1.8) << coarse << " " << fine;
@@ -60,7 +60,7 @@ TEST(Resolution, FinerGridsConvergeToTheInterpolant) {
 }
 
 TEST(Resolution, VoxelsAreThoseOfTheDataAndNoVertexIsOnTheirEdges) {
-  const ScalarField data = make_demo_field("demo:torus?size=33", default_limits()).value();
+  const field::ScalarField data = field::make_demo_field("demo:torus?size=33", default_limits()).value();
   const Measured finer = measure(data, 0, {60, 71, 40});
   EXPECT_EQ(finer.error.storage.points, 0U);
   EXPECT_EQ(finer.error.interior.unmeasured(), 0U);
@@ -74,7 +74,7 @@ TEST(Resolution, VoxelsAreThoseOfTheDataAndNoVertexIsOnTheirEdges) {
 
 // The mesh's vertices are exact on edges that lie within one cell of the data.
 TEST(Resolution, VerticesOnFractionsOfTheDataAreExact) {
-  ScalarField data = make_demo_field("demo:gyroid?size=17", default_limits()).value();
+  field::ScalarField data = field::make_demo_field("demo:gyroid?size=17", default_limits()).value();
   data.index_to_world.offset += 1000.0;
   const Measured finer = measure(data, 0.1, {65, 65, 65});
   EXPECT_GT(finer.error.vertices.points, 0U);
@@ -84,31 +84,31 @@ TEST(Resolution, VerticesOnFractionsOfTheDataAreExact) {
 // Caps lie in the border of the grid: with a region that is between samples of the data, and around sparse data whose
 // background is inside, which have no border of their own.
 TEST(Resolution, CapsAreKnown) {
-  const ScalarField data = make_demo_field("demo:gyroid?size=20", default_limits()).value();
-  const Measured closed = measure(data, 0.1, {30, 44, 27}, Method::mc, true);
+  const field::ScalarField data = field::make_demo_field("demo:gyroid?size=20", default_limits()).value();
+  const Measured closed = measure(data, 0.1, {30, 44, 27}, extract::Method::mc, true);
   const Measured open = measure(data, 0.1, {30, 44, 27});
   EXPECT_EQ(closed.error.cap_triangles, closed.mesh.triangles.size() - open.mesh.triangles.size());
   EXPECT_EQ(closed.error.interior.points, open.error.interior.points);
 
-  ExtractOptions part = closed.options;
-  part.region = IndexBox{glm::ivec3(3, 4, 5), glm::ivec3(21, 33, 16)};
-  ExtractOptions open_part = part;
+  extract::ExtractOptions part = closed.options;
+  part.region = field::IndexBox{glm::ivec3(3, 4, 5), glm::ivec3(21, 33, 16)};
+  extract::ExtractOptions open_part = part;
   open_part.cap = false;
-  const Mesh mesh = test::extract(closed.grid, part).mesh;
+  const mesh::Mesh mesh = test::extract(closed.grid, part).mesh;
   FieldErrorOptions options;
   options.grid = &closed.grid;
   EXPECT_EQ(measure_field_error(mesh, data, part, options).cap_triangles,
             mesh.triangles.size() - test::extract(closed.grid, open_part).mesh.triangles.size());
 
-  ScalarField hollow = test::sparse_copy<float>(
+  field::ScalarField hollow = test::sparse_copy<float>(
       test::dense_field<float>({16, 16, 16}, [](int i, int j, int k) { return i == 7 && j == 8 && k == 8 ? -1 : 1; }),
       1);
-  std::get<SparseSamples>(hollow.samples).active_box = {glm::ivec3(5), glm::ivec3(10)};
-  const Measured cavity = measure(hollow, 0.2, {13, 14, 15}, Method::mc, true);
+  std::get<field::SparseSamples>(hollow.samples).active_box = {glm::ivec3(5), glm::ivec3(10)};
+  const Measured cavity = measure(hollow, 0.2, {13, 14, 15}, extract::Method::mc, true);
   EXPECT_EQ(cavity.error.interior.unmeasured(), 0U);
   EXPECT_LT(cavity.error.interior.max.voxels, 0.5);
   EXPECT_GT(cavity.error.cap_triangles, cavity.mesh.triangles.size() / 2);
 }
 
 }  // namespace
-}  // namespace isoextract
+}  // namespace isoextract::measure

@@ -10,15 +10,16 @@
 #include "support/fields.hpp"
 #include "support/meshes.hpp"
 
-namespace isoextract {
+namespace isoextract::measure {
 namespace {
 
-class Stability : public testing::TestWithParam<Method> {};
+class Stability : public testing::TestWithParam<extract::Method> {};
 
-INSTANTIATE_TEST_SUITE_P(Methods, Stability, testing::Values(Method::mc, Method::mt), test::method_name);
+INSTANTIATE_TEST_SUITE_P(Methods, Stability, testing::Values(extract::Method::mc, extract::Method::mt),
+                         test::method_name);
 
 TEST_P(Stability, AllCasesPass) {
-  const auto cpu = make_cpu_extractor();
+  const auto cpu = extract::make_cpu_extractor();
   for (const StabilityCase& test : stability_cases()) {
     const StabilityRow row = run_stability_case(test, GetParam(), *cpu);
     for (const std::string& failure : row.failures) ADD_FAILURE() << test.name << ": " << failure;
@@ -26,14 +27,15 @@ TEST_P(Stability, AllCasesPass) {
 }
 
 // Moves one vertex a little along its edge, and forgets one triangle.
-class Careless final : public Extractor {
+class Careless final : public extract::Extractor {
  public:
   [[nodiscard]] std::string_view name() const override { return "careless"; }
   [[nodiscard]] std::string device() const override { return "none"; }
-  [[nodiscard]] Result<Extraction> extract(const ScalarField& field, const ExtractOptions& options) override {
-    auto extraction = make_cpu_extractor()->extract(field, options);
+  [[nodiscard]] Result<extract::Extraction> extract(const field::ScalarField& field,
+                                                    const extract::ExtractOptions& options) override {
+    auto extraction = extract::make_cpu_extractor()->extract(field, options);
     if (!extraction || extraction->mesh.triangles.empty()) return extraction;
-    Mesh& mesh = extraction->mesh;
+    mesh::Mesh& mesh = extraction->mesh;
     mesh.triangles[0] = mesh.triangles[1];
     for (int axis = 0; axis < 3; ++axis) mesh.positions[9][axis] *= 1.00001F;
     return extraction;
@@ -49,8 +51,8 @@ TEST_P(Stability, ACarelessExtractorFails) {
   }
 }
 
-double stored_value(const ScalarField& field, const glm::ivec3& p) {
-  const auto& dense = std::get<DenseSamples>(field.samples);
+double stored_value(const field::ScalarField& field, const glm::ivec3& p) {
+  const auto& dense = std::get<field::DenseSamples>(field.samples);
   const glm::i64vec3 q(p);
   return visit_sample_type(dense.type, [&]<class T>(std::type_identity<T>) {
     return static_cast<double>(static_cast<const T*>(dense.data)[q.x + dense.dims.x * (q.y + dense.dims.y * q.z)]);
@@ -59,9 +61,10 @@ double stored_value(const ScalarField& field, const glm::ivec3& p) {
 
 // The triangles of `mesh` with vertices as they are computed in float32 alone: samples, crossing and world position in
 // float32, no local origin, no margin at the ends of edges.
-Mesh in_plain_float32(const Mesh& mesh, const StabilityScene& scene, const ExtractOptions& options) {
+mesh::Mesh in_plain_float32(const mesh::Mesh& mesh, const StabilityScene& scene,
+                            const extract::ExtractOptions& options) {
   const auto edges = grid_edges(mesh, scene.field, options);
-  Mesh plain;
+  mesh::Mesh plain;
   plain.positions = Buffer<glm::vec3>(mesh.positions.size());
   plain.triangles = Buffer<glm::uvec3>(mesh.triangles.size());
   std::copy(mesh.triangles.begin(), mesh.triangles.end(), plain.triangles.begin());
@@ -79,21 +82,22 @@ Mesh in_plain_float32(const Mesh& mesh, const StabilityScene& scene, const Extra
 }
 
 TEST_P(Stability, PlainFloat32FailsWhereTheTableSaysSo) {
-  const auto cpu = make_cpu_extractor();
+  const auto cpu = extract::make_cpu_extractor();
   for (const StabilityCase& test : stability_cases()) {
     SCOPED_TRACE(test.name);
     const StabilityScene scene = test.make();
-    ExtractOptions options = scene.options;
+    extract::ExtractOptions options = scene.options;
     options.method = GetParam();
     const auto extraction = cpu->extract(scene.field, options);
     if (!extraction || extraction->mesh.triangles.empty()) {
       EXPECT_FALSE(test.plain_fails) << "there is nothing to fail with";
       continue;
     }
-    const Mesh plain = in_plain_float32(extraction->mesh, scene, options);
+    const mesh::Mesh plain = in_plain_float32(extraction->mesh, scene, options);
     // Ten times what is asked of the extractors, so that it is not a matter of the last digit.
-    const auto found = failures(check_stability(plain, scene.field, options),
-                                scene.closed && options.nan != NanPolicy::hole, 10 * kStabilityUlps, 10 * scene.voxels);
+    const auto found =
+        failures(check_stability(plain, scene.field, options), scene.closed && options.nan != extract::NanPolicy::hole,
+                 10 * kStabilityUlps, 10 * scene.voxels);
     EXPECT_EQ(!found.empty(), test.plain_fails) << (found.empty() ? "nothing" : found.front());
     if (!found.empty()) RecordProperty(std::string(test.name), found.front());
   }
@@ -121,9 +125,9 @@ class Checks : public testing::Test {
   }
   std::vector<std::string> found() { return failures(check_stability(mesh_, field_, options_), true, 2, 1e-5); }
 
-  ScalarField field_;
-  ExtractOptions options_;
-  Mesh mesh_;
+  field::ScalarField field_;
+  extract::ExtractOptions options_;
+  mesh::Mesh mesh_;
 };
 
 TEST_F(Checks, FindAVertexOffItsEdge) {
@@ -171,4 +175,4 @@ TEST_F(Checks, FindTrianglesTurnedOver) {
 }
 
 }  // namespace
-}  // namespace isoextract
+}  // namespace isoextract::measure

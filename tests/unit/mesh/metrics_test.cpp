@@ -6,7 +6,7 @@
 
 #include "unit/mesh/shapes.hpp"
 
-namespace isoextract {
+namespace isoextract::mesh {
 namespace {
 
 TEST(Metrics, TetrahedronSize) {
@@ -39,4 +39,4 @@ TEST(Metrics, EmptyMesh) {
 }
 
 }  // namespace
-}  // namespace isoextract
+}  // namespace isoextract::mesh

@@ -4,7 +4,7 @@
 
 #include "unit/mesh/shapes.hpp"
 
-namespace isoextract {
+namespace isoextract::mesh {
 namespace {
 
 using test::make_mesh;
@@ -71,4 +71,4 @@ TEST(Topology, EmptyMesh) {
 }
 
 }  // namespace
-}  // namespace isoextract
+}  // namespace isoextract::mesh

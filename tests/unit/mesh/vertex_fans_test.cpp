@@ -5,7 +5,7 @@
 #include "mesh/topology.hpp"
 #include "unit/mesh/shapes.hpp"
 
-namespace isoextract {
+namespace isoextract::mesh {
 namespace {
 
 using test::make_mesh;
@@ -51,4 +51,4 @@ TEST(VertexFans, KeepsToTheMemoryLimit) {
 }
 
 }  // namespace
-}  // namespace isoextract
+}  // namespace isoextract::mesh

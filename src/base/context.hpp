@@ -1,0 +1,54 @@
+// What work runs in: how much memory it may take, whether somebody wants it to end, what it counts, who watches it.
+// Functions that work long take a `const Context&` as their last argument, {} unless told: the machine's memory, nobody
+// watching. There are no process globals for any of this, so conversions can run side by side.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+
+#include "base/error.hpp"
+#include "base/memory_budget.hpp"
+#include "base/progress.hpp"
+
+namespace isoextract {
+
+struct Counters {
+  std::atomic<std::uint64_t> bytes_read{0};  // of input files; packed bytes count as they lie in the file
+};
+
+// A handle: copies share what they stand for. Safe to use from several threads.
+class Context {
+ public:
+  explicit Context(MemoryBudget memory = MemoryBudget())
+      : memory_(std::move(memory)), state_(std::make_shared<State>()) {}
+
+  [[nodiscard]] const MemoryBudget& memory() const { return memory_; }
+  [[nodiscard]] Result<Reservation> reserve(std::uint64_t bytes, const std::string& what) const {
+    return memory_.reserve(bytes, what);
+  }
+  [[nodiscard]] Counters& counters() const { return state_->counters; }
+  [[nodiscard]] Progress& progress() const { return state_->progress; }
+
+  // Asks what runs in this context to end soon, with ErrorKind::cancelled. May be called from a signal handler's
+  // thread, not from the handler itself.
+  void cancel() const { state_->cancelled.store(true, std::memory_order_relaxed); }
+  [[nodiscard]] bool cancelled() const { return state_->cancelled.load(std::memory_order_relaxed); }
+  // Fails where the end was asked for. Called between stages, and in long ones now and then.
+  [[nodiscard]] Result<void> check() const {
+    if (cancelled()) return fail(ErrorKind::cancelled, "cancelled");
+    return {};
+  }
+
+ private:
+  struct State {
+    Counters counters;
+    Progress progress;
+    std::atomic<bool> cancelled{false};
+  };
+
+  MemoryBudget memory_;
+  std::shared_ptr<State> state_;
+};
+
+}  // namespace isoextract

@@ -1,0 +1,36 @@
+#include "cli/remedies.hpp"
+
+#include <fmt/format.h>
+
+namespace isoextract::cli {
+
+std::string words_of(const Hint& hint) {
+  const std::string& text = hint.text;
+  switch (hint.remedy) {
+    case Remedy::none: break;
+    case Remedy::raise_memory_limit: return "raise it with --memory-limit SIZE if the machine has the memory";
+    case Remedy::extract_part: return "extract it in parts with --roi";
+    case Remedy::widen_region: return "give --roi a larger box, or leave it out";
+    case Remedy::choose_grid: return "choose one of them with --grid NAME" + text;
+    case Remedy::choose_grid_number: return "choose one of them with --grid NAME[k]" + text;
+    case Remedy::leave_out_grid: return "leave --grid out: there is one volume in the file";
+    case Remedy::describe_raw:
+      return "give --dims X,Y,Z and --dtype TYPE (and --endian, --skip, --spacing where they matter)";
+    case Remedy::read_as_raw: return "--input-format raw reads the bytes of any file";
+    case Remedy::place_by_hand: return "place the volume with --spacing X,Y,Z and --origin X,Y,Z";
+    case Remedy::rescale: return "choose another --spacing, --scale or --unit, or --space index";
+    case Remedy::choose_nan_policy:
+      return "use --nan outside to take them as outside, or --nan hole to leave the surface open around them";
+    case Remedy::use_cpu: return text.empty() ? "--backend cpu needs no GPU" : text + "; --backend cpu needs no GPU";
+    case Remedy::less_gpu_memory: return "give the GPU less at a time with --gpu-memory, or use --backend cpu";
+    case Remedy::more_gpu_memory: return "give the GPU more with --gpu-memory, or use --backend cpu";
+    case Remedy::choose_mesh_format: return fmt::format("use --format {}", text);
+    case Remedy::ascii_formats: return fmt::format("--ascii is for {}", text);
+    case Remedy::one_file_per_surface:
+      return fmt::format("use --format {}, or put {{iso}} into the name after -o to get a file for each iso value",
+                         text);
+  }
+  return text;
+}
+
+}  // namespace isoextract::cli

@@ -1,0 +1,99 @@
+#include "convert/work_facts.hpp"
+
+#include <fmt/format.h>
+
+#include "base/limits.hpp"
+
+namespace isoextract::convert {
+namespace {
+
+WorkFact bricks_left_out(const extract::ExtractStats& stats) {
+  const std::uint64_t count = stats.bricks - stats.bricks_visited;
+  const double percent =
+      stats.bricks == 0 ? 0.0 : 100.0 * static_cast<double>(count) / static_cast<double>(stats.bricks);
+  return {"bricks", "left out", count, stats.bricks,
+          fmt::format("{} of {} bricks ({}), which the iso value does not cross ({:.1f} %)", count, stats.bricks,
+                      stats.brick, percent)};
+}
+
+std::string dense_text(const field::DenseSamples& samples) {
+  return fmt::format("{} x {} x {} samples of {}", samples.dims.x, samples.dims.y, samples.dims.z,
+                     field::sample_type_name(samples.type));
+}
+
+}  // namespace
+
+std::vector<WorkFact> reading_facts(const field::ScalarField& field, std::uint64_t grids) {
+  std::vector<WorkFact> facts;
+  if (grids > 1) {
+    facts.push_back({"grids", "left out", grids - 1, grids,
+                     fmt::format("the other {} grids of the file, which were not read", grids - 1)});
+  }
+  const auto* dense = std::get_if<field::DenseSamples>(&field.samples);
+  if (dense != nullptr && dense->file_backed) {
+    const std::uint64_t bytes = dense->count() * field::sample_size(dense->type);
+    facts.push_back({"samples", "mapped", dense->count(), dense->count(),
+                     fmt::format("{} samples, {}, which stay in the file and are not copied", dense->count(),
+                                 format_byte_size(bytes))});
+  }
+  return facts;
+}
+
+WorkFact resolution_fact(const field::ScalarField& data, const field::ScalarField& grid) {
+  const auto& made = std::get<field::DenseSamples>(grid.samples);
+  const auto* dense = std::get_if<field::DenseSamples>(&data.samples);
+  if (dense != nullptr && dense->data == made.data) {
+    return {"resolution", "left out", std::nullopt, std::nullopt, "resampling: the data have that resolution"};
+  }
+  const std::string before = dense != nullptr ? dense_text(*dense) : std::string("sparse samples");
+  return {"resolution", "resampled", made.count(), std::nullopt,
+          fmt::format("{} to {}, {}", before, dense_text(made),
+                      format_byte_size(made.count() * field::sample_size(made.type)))};
+}
+
+std::vector<WorkFact> extraction_facts(const extract::ExtractStats& stats, const extract::ExtractOptions& options,
+                                       const AskedFor& asked) {
+  std::vector<WorkFact> facts{bricks_left_out(stats)};
+  if (stats.places_visited > 0) {
+    facts.push_back({"places", "visited", stats.places_visited, std::nullopt,
+                     fmt::format("{} places beside stored bricks", stats.places_visited)});
+  }
+  facts.push_back({"samples", "compared", stats.samples_classified, std::nullopt,
+                   fmt::format("{} samples, each once, with the iso value", stats.samples_classified)});
+  if (stats.device) {
+    const extract::DeviceStats& device = *stats.device;
+    facts.push_back({"uploads", "uploaded", device.samples_uploaded, stats.samples_classified,
+                     fmt::format("{} samples of {}: those of bricks that the surface passes, and around them",
+                                 device.samples_uploaded, stats.samples_classified)});
+    facts.push_back(
+        {"decisions", "taken by the processor", device.cells_decided, std::nullopt,
+         fmt::format("{} ambiguous cells, which need more digits than a shader has", device.cells_decided)});
+  }
+  if (stats.nan_samples > 0 && options.nan == extract::NanPolicy::hole) {
+    facts.push_back({"nan_samples", "left as holes", stats.nan_samples, std::nullopt,
+                     fmt::format("{} samples that are not numbers", stats.nan_samples)});
+    facts.push_back({"hole_cells", "left out", stats.hole_cells, std::nullopt,
+                     fmt::format("{} cells that touch such a sample, and the inside", stats.hole_cells)});
+  } else if (stats.nan_samples > 0) {
+    facts.push_back({"nan_samples", "taken as outside", stats.nan_samples, std::nullopt,
+                     fmt::format("{} samples that are not numbers", stats.nan_samples)});
+  }
+  if (options.region) {
+    const glm::i64vec3 dims = options.region->dims();
+    facts.push_back({"roi", "left out", std::nullopt, std::nullopt,
+                     fmt::format("what --roi does not hold; it holds {} x {} x {} samples", dims.x, dims.y, dims.z)});
+  }
+  if (!options.smooth_normals && !asked.flat_normals) {
+    facts.push_back({"normals", "left out", std::nullopt, std::nullopt, "normals, which nobody asked for"});
+  }
+  if (!asked.error) {
+    facts.push_back({"error", "left out", std::nullopt, std::nullopt, "the error of the mesh; --error measures it"});
+  }
+  if (!options.cap) {
+    facts.push_back(
+        {"caps", "left out", std::nullopt, std::nullopt, "caps where the surface leaves the data; --cap makes them"});
+  }
+  return facts;
+}
+
+}  // namespace isoextract::convert

@@ -1,0 +1,406 @@
+#include "extract/detail/dense_extractor.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include "base/stopwatch.hpp"
+#include "extract/asymptotic_decider.hpp"
+#include "extract/border_cap.hpp"
+#include "extract/dense_input.hpp"
+#include "extract/detail/cell_rows.hpp"
+#include "extract/detail/cell_streams.hpp"
+#include "extract/detail/vertex_batch.hpp"
+#include "extract/row_bits.hpp"
+#include "mesh/vertex_fans.hpp"
+
+namespace isoextract::extract {
+namespace {
+
+constexpr int kBrickRows = 8;  // a brick: the 64 cells of a mask word, in 8 x 8 rows
+
+// Which bricks have samples on both sides. A brick's samples include those that its last cells share with the next.
+class BrickFlags {
+ public:
+  explicit BrickFlags(const DenseMasks& masks)
+      : masks_(masks),
+        words_(masks.words()),
+        rows_y_((masks.dims().y + kBrickRows - 1) / kBrickRows),
+        rows_z_((masks.dims().z + kBrickRows - 1) / kBrickRows),
+        crossed_(static_cast<std::size_t>(words_) * static_cast<std::size_t>(rows_y_) *
+                 static_cast<std::size_t>(rows_z_)) {}
+
+  [[nodiscard]] int rows_y() const { return rows_y_; }
+  [[nodiscard]] int rows_z() const { return rows_z_; }
+  [[nodiscard]] std::uint64_t count() const { return crossed_.size(); }
+  [[nodiscard]] std::uint64_t count_crossed() const {
+    return static_cast<std::uint64_t>(std::count(crossed_.begin(), crossed_.end(), std::uint8_t{1}));
+  }
+
+  // For every word of brick row (bj, bk).
+  [[nodiscard]] const std::uint8_t* row(int bj, int bk) const { return crossed_.data() + offset(bj, bk); }
+
+  void measure(int bj, int bk) {
+    std::array<const std::uint64_t*, (kBrickRows + 1) * (kBrickRows + 1)> rows;
+    std::size_t count = 0;
+    for (int k = kBrickRows * bk; k < std::min(kBrickRows * (bk + 1) + 1, masks_.dims().z); ++k) {
+      for (int j = kBrickRows * bj; j < std::min(kBrickRows * (bj + 1) + 1, masks_.dims().y); ++j) {
+        rows[count++] = masks_.row(j, k);
+      }
+    }
+    mark_crossed_words(std::span(rows).first(count), masks_.dims().x, crossed_.data() + offset(bj, bk));
+  }
+
+ private:
+  [[nodiscard]] std::size_t offset(int bj, int bk) const {
+    return static_cast<std::size_t>(words_) *
+           (static_cast<std::size_t>(bj) + static_cast<std::size_t>(rows_y_) * static_cast<std::size_t>(bk));
+  }
+
+  const DenseMasks& masks_;
+  int words_;
+  int rows_y_;
+  int rows_z_;
+  Buffer<std::uint8_t> crossed_;
+};
+
+template <class T>
+class DenseExtraction final : private CellDecider {
+ public:
+  DenseExtraction(const field::ScalarField& field, const DenseView<T>& whole, const field::IndexBox& region,
+                  const ExtractOptions& options)
+      : field_(field),
+        options_(options),
+        rule_{field.kind, options.iso},
+        whole_(whole),
+        view_(part_of(whole, region)),
+        region_(region),
+        table_(case_table(options.method)),
+        directions_(static_cast<int>(table_.directions.size())),
+        placement_(options.output_from_index, {glm::ivec3(0), whole.dims - 1}, field.kind, field.scale),
+        masks_(view_.dims),
+        bricks_(masks_) {}
+
+  Result<Extraction> run() {
+    Extraction result;
+    result.mesh.origin = placement_.origin();
+    result.stats.brick = fmt::format("64x{0}x{0} cells", kBrickRows);
+    result.stats.bricks = bricks_.count();
+
+    if (auto fits = check_placement(field_, placement_); !fits) return tl::unexpected(fits.error());
+    const auto threshold = classify_dense(field_, view_, region_.min, options_, masks_, result.stats);
+    if (!threshold) return tl::unexpected(threshold.error());
+    if (!*threshold) return result;
+    has_holes_ = result.stats.nan_samples != 0 && options_.nan == NanPolicy::hole;
+    drawings_.emplace(row_drawings(table_, placement_.mirrored(), has_holes_));
+
+    Stopwatch watch;
+    result.stats.hole_cells = count();
+    result.stats.bricks_visited = bricks_.count_crossed();
+    const MeshSizes sizes = place_rows();
+    if (auto fits = check_mesh_size(field_, sizes, options_); !fits) return tl::unexpected(fits.error());
+    BorderCap cap;
+    if (options_.cap) {
+      cap = make_border_cap(
+          {glm::ivec3(0), view_.dims - 1}, options_.method, static_cast<std::uint32_t>(sizes.vertices),
+          [&](const glm::ivec3& p) { return masks_.inside(p); },
+          [&](const glm::ivec3& p, int direction) { return edge_vertex(p, direction); },
+          [&](const glm::ivec3& p) { return rule_.depth(value(region_.min + p)); },
+          [&](const glm::ivec3& p) { return has_holes_ && std::isnan(value(region_.min + p)); });
+      if (auto fits = check_mesh_size(field_, with_cap(sizes, cap), options_); !fits) {
+        return tl::unexpected(fits.error());
+      }
+    }
+    result.stats.count = watch.elapsed();
+
+    watch.restart();
+    allocate_mesh(result.mesh, sizes, cap, options_);
+    emit(result.mesh);
+    if (samples_changed_) {
+      return fail(ErrorKind::input, fmt::format("{}: the samples changed while they were looked at", field_.source),
+                  "wait until whatever writes the file is done");
+    }
+    append_cap(result.mesh, sizes, cap, {glm::ivec3(0), view_.dims - 1}, region_.min, placement_);
+    if (has_holes_) {
+      if (auto done = mesh::make_one_vertex_a_fan(result.mesh, options_.limits, field_.source); !done) {
+        return tl::unexpected(done.error());
+      }
+    }
+    result.stats.emit = watch.elapsed();
+    return result;
+  }
+
+ private:
+  [[nodiscard]] std::size_t row_index(int j, int k) const {
+    return static_cast<std::size_t>(j) + static_cast<std::size_t>(view_.dims.y) * static_cast<std::size_t>(k);
+  }
+
+  // Runs f(bj, bk) for every row of bricks, in parallel.
+  template <class F>
+  void for_each_brick_row(const char* stage, const F& f) {
+    const int rows_y = bricks_.rows_y();
+    const int brick_rows = rows_y * bricks_.rows_z();
+    if (options_.progress != nullptr) options_.progress->begin(stage, static_cast<std::uint64_t>(brick_rows));
+    tbb::parallel_for(0, brick_rows, [&](int b) {
+      const int bj = b % rows_y;
+      const int bk = b / rows_y;
+      f(bj, bk);
+      if (options_.progress != nullptr) options_.progress->advance(1);
+    });
+  }
+
+  // Runs f(j, k) for every row of samples in a row of bricks.
+  template <class F>
+  void for_each_row(int bj, int bk, const F& f) {
+    const int end_j = std::min(kBrickRows * (bj + 1), view_.dims.y);
+    const int end_k = std::min(kBrickRows * (bk + 1), view_.dims.z);
+    for (int k = kBrickRows * bk; k < end_k; ++k) {
+      for (int j = kBrickRows * bj; j < end_j; ++j) f(j, k);
+    }
+  }
+
+  [[nodiscard]] CellRow cell_row(int j, int k) const {
+    CellRow row;
+    row.origin = {0, j, k};
+    for (int r = 0; r < 4; ++r) {
+      const int y = j + (r & 1);
+      const int z = k + (r >> 1);
+      row.bits[static_cast<std::size_t>(r)] = y < view_.dims.y && z < view_.dims.z ? masks_.row(y, z) : nullptr;
+    }
+    row.samples = view_.dims.x;
+    row.crossed_bricks = bricks_.row(j / kBrickRows, k / kBrickRows);
+    return row;
+  }
+
+  // Returns how many cells NanPolicy::hole leaves out.
+  std::uint64_t count() {
+    const std::size_t rows = row_index(0, view_.dims.z);
+    vertex_base_ = Buffer<std::uint32_t>((rows + 1) * static_cast<std::size_t>(directions_));
+    triangle_base_ = Buffer<std::uint64_t>(rows + 1);
+    std::atomic<std::uint64_t> left_out{0};
+    for_each_brick_row("counting", [&](int bj, int bk) {
+      bricks_.measure(bj, bk);
+      for_each_row(bj, bk, [&](int j, int k) {
+        const RowCounts counts = count_cells(*drawings_, cell_row(j, k), *this);
+        const std::size_t row = row_index(j, k);
+        std::copy_n(counts.vertices.begin(), directions_, vertex_base(row));
+        triangle_base_[row] = counts.triangles;
+        if (counts.left_out != 0) left_out.fetch_add(counts.left_out, std::memory_order_relaxed);
+      });
+    });
+    return left_out.load();
+  }
+
+  // By direction.
+  [[nodiscard]] std::uint32_t* vertex_base(std::size_t row) {
+    return vertex_base_.data() + row * static_cast<std::size_t>(directions_);
+  }
+  [[nodiscard]] const std::uint32_t* vertex_base(std::size_t row) const {
+    return vertex_base_.data() + row * static_cast<std::size_t>(directions_);
+  }
+
+  // `p` is relative to the region, here and in what follows, unless something else is said.
+  [[nodiscard]] std::optional<unsigned> variant(unsigned cell_case, const glm::ivec3& p) const override {
+    return variant_or_hole(table_, cell_case, rule_, has_holes_,
+                           [&](int corner) { return value(region_.min + p + direction_step(corner)); });
+  }
+
+  // Counts become first numbers.
+  MeshSizes place_rows() {
+    const auto slices = static_cast<std::size_t>(view_.dims.z);
+    const std::size_t rows = row_index(0, 1);
+    const std::size_t vertices = rows * static_cast<std::size_t>(directions_);
+    std::vector<MeshSizes> first(slices);
+    tbb::parallel_for(std::size_t{0}, slices, [&](std::size_t k) {
+      const auto vertex_counts = vertex_base_.span().subspan(k * vertices, vertices);
+      const auto triangle_counts = triangle_base_.span().subspan(k * rows, rows);
+      first[k] = {std::accumulate(vertex_counts.begin(), vertex_counts.end(), std::uint64_t{0}),
+                  std::accumulate(triangle_counts.begin(), triangle_counts.end(), std::uint64_t{0})};
+    });
+    MeshSizes sizes;
+    for (MeshSizes& slice : first) {
+      sizes.vertices += std::exchange(slice.vertices, sizes.vertices);
+      sizes.triangles += std::exchange(slice.triangles, sizes.triangles);
+    }
+    tbb::parallel_for(std::size_t{0}, slices, [&](std::size_t k) {
+      auto vertex = static_cast<std::uint32_t>(first[k].vertices);
+      for (std::uint32_t& base : vertex_base_.span().subspan(k * vertices, vertices)) {
+        vertex += std::exchange(base, vertex);
+      }
+      std::uint64_t triangle = first[k].triangles;
+      for (std::uint64_t& base : triangle_base_.span().subspan(k * rows, rows)) {
+        triangle += std::exchange(base, triangle);
+      }
+    });
+    vertex_base(slices * rows)[0] = static_cast<std::uint32_t>(sizes.vertices);
+    triangle_base_[slices * rows] = sizes.triangles;
+    return sizes;
+  }
+
+  // The number of one vertex, found by counting: for the few that are not met in order.
+  [[nodiscard]] std::uint32_t edge_vertex(const glm::ivec3& p, int direction) const {
+    const CellRow row = cell_row(p.y, p.z);
+    const std::uint64_t* upper = row.bits[static_cast<std::size_t>(direction >> 1)];
+    std::uint32_t number = vertex_base(row_index(p.y, p.z))[table_.index_of(direction)];
+    for (int w = 0; w <= p.x / 64; ++w) {
+      const std::uint64_t ends = (direction & 1) != 0 ? next_bits(upper, w) : upper[w];
+      number += static_cast<std::uint32_t>(std::popcount((row.bits[0][w] ^ ends) & bits_below(w, p.x)));
+    }
+    return number;
+  }
+
+  void emit(mesh::Mesh& mesh) {
+    std::vector<std::atomic<int>> rows_done(static_cast<std::size_t>(bricks_.rows_z()));
+    for_each_brick_row("extracting", [&](int bj, int bk) {
+      const std::uint8_t* crossed_bricks = bricks_.row(bj, bk);
+      if (std::find(crossed_bricks, crossed_bricks + masks_.words(), 1) != crossed_bricks + masks_.words()) {
+        emit_vertices(mesh, bj, bk);
+        for_each_row(bj, bk, [&](int j, int k) { emit_triangles(mesh, j, k); });
+      }
+      if (++rows_done[static_cast<std::size_t>(bk)] == bricks_.rows_y()) {
+        view_.leave_slices(kBrickRows * bk, std::min(kBrickRows * (bk + 1), view_.dims.z));
+      }
+    });
+  }
+
+  void emit_vertices(mesh::Mesh& mesh, int bj, int bk) {
+    const VertexRules rules{placement_, rule_, field_.scale};
+    EdgeList edges(directions_, view_.dims.x);
+    VertexBatch batch;
+    std::size_t number = 0;  // of the batch's first vertex
+    const auto flush = [&] {
+      const auto count = static_cast<std::size_t>(batch.count);
+      write_vertices(batch, rules, mesh, number);
+      number += count;
+    };
+    for_each_row(bj, bk, [&](int j, int k) {
+      // The numbers of a slice's rows follow one another; those of its rows in the next slice do not.
+      if (j == kBrickRows * bj) {
+        flush();
+        number = vertex_base(row_index(j, k))[0];
+      }
+      const std::size_t row = row_index(j, k);
+      if (vertex_base(row)[0] == vertex_base(row + 1)[0]) return;
+      list_edges(*drawings_, cell_row(j, k), edges);
+      for (int d = 0; d < directions_; ++d) {
+        const int direction = table_.directions[static_cast<std::size_t>(d)];
+        for (const std::int32_t* x = edges.begin(d); x != edges.end(d);) {
+          const auto room = static_cast<std::ptrdiff_t>(VertexBatch::kCapacity - batch.count);
+          const std::int32_t* end = x + std::min(room, edges.end(d) - x);
+          add_edges(batch, std::span(x, end), j, k, direction, !mesh.normals.empty());
+          x = end;
+          if (batch.full()) flush();
+        }
+      }
+    });
+    flush();
+  }
+
+  void add_edges(VertexBatch& batch, std::span<const std::int32_t> positions, int j, int k, int direction,
+                 bool gradients) const {
+    const glm::ivec3 low = region_.min + glm::ivec3(0, j, k);
+    const glm::ivec3 step = direction_step(direction);
+    const T* ends[2] = {whole_.row(low.y, low.z) + low.x, whole_.row(low.y + step.y, low.z + step.z) + low.x + step.x};
+    const int first = batch.count;
+    int i = first;
+    for (const std::int32_t x : positions) {
+      batch.value[0][i] = static_cast<double>(ends[0][x]);
+      batch.value[1][i] = static_cast<double>(ends[1][x]);
+      batch.low[0][i] = low.x + x;
+      batch.low[1][i] = low.y;
+      batch.low[2][i] = low.z;
+      batch.direction[i] = direction;
+      ++i;
+    }
+    batch.count = i;
+    if (!gradients) return;
+    for (int end = 0; end < 2; ++end) {
+      const glm::ivec3 row = low + end * step;
+      for (i = first; i < batch.count; ++i) {
+        const glm::dvec3 g = sample_gradient({row.x + positions[static_cast<std::size_t>(i - first)], row.y, row.z});
+        for (int axis = 0; axis < 3; ++axis) batch.gradient[end][axis][i] = g[axis];
+      }
+    }
+  }
+
+  // `p` is an index of the whole field.
+  [[nodiscard]] double value(const glm::ivec3& p) const {
+    return field_.scale(static_cast<double>(whole_.row(p.y, p.z)[p.x]));
+  }
+
+  // Of the stored numbers, at a sample of the whole field: central differences; at the border of the data one-sided
+  // ones of the same order.
+  [[nodiscard]] glm::dvec3 sample_gradient(const glm::ivec3& p) const {
+    const T* centre = whole_.row(p.y, p.z) + p.x;
+    return {axis_derivative(centre, 1, p.x, whole_.dims.x),
+            axis_derivative(centre, whole_.stride_y, p.y, whole_.dims.y),
+            axis_derivative(centre, whole_.stride_z, p.z, whole_.dims.z)};
+  }
+
+  static double axis_derivative(const T* centre, std::int64_t stride, int index, int size) {
+    const auto at = [&](int steps) { return static_cast<double>(centre[steps * stride]); };
+    if (index > 0 && index + 1 < size) return (at(1) - at(-1)) / 2;
+    const int inward = index == 0 ? 1 : -1;
+    if (size == 2) return inward * (at(inward) - at(0));
+    return inward * (4 * at(inward) - 3 * at(0) - at(2 * inward)) / 2;
+  }
+
+  void emit_triangles(mesh::Mesh& mesh, int j, int k) {
+    const std::size_t index = row_index(j, k);
+    if (triangle_base_[index] == triangle_base_[index + 1]) return;
+    const auto first_numbers = [&]<int kDirections>(std::integral_constant<int, kDirections>) {
+      std::array<std::uint32_t, kMaxStreams> first{};
+      std::size_t s = 0;
+      for (const auto& stream : kCellStreams<kDirections>.streams) {
+        first[s++] = vertex_base(
+            row_index(j + (stream.row & 1), k + (stream.row >> 1)))[direction_index<kDirections>(stream.direction)];
+      }
+      return first;
+    };
+    const auto first = directions_ == 3 ? first_numbers(std::integral_constant<int, 3>{})
+                                        : first_numbers(std::integral_constant<int, 7>{});
+    const auto room =
+        mesh.triangles.span().subspan(triangle_base_[index], triangle_base_[index + 1] - triangle_base_[index]);
+    if (!write_cells(*drawings_, cell_row(j, k), *this, first, room)) samples_changed_ = true;
+  }
+
+  const field::ScalarField& field_;
+  const ExtractOptions& options_;
+  InsideRule rule_;
+  DenseView<T> whole_;
+  DenseView<T> view_;  // of the region
+  field::IndexBox region_;
+  const CaseTable& table_;
+  int directions_;
+  OutputFrame placement_;
+  DenseMasks masks_;
+  BrickFlags bricks_;
+  bool has_holes_ = false;                    // some samples are NaN, and NanPolicy::hole
+  std::atomic<bool> samples_changed_{false};  // between two looks at them: a mapped file that somebody writes to
+  std::optional<CellDrawings> drawings_;
+  // First counts, then the first vertex and triangle; behind the last row are all there are.
+  Buffer<std::uint32_t> vertex_base_;    // per row and direction
+  Buffer<std::uint64_t> triangle_base_;  // per row
+};
+
+}  // namespace
+
+Result<Extraction> extract_dense(const field::ScalarField& field, const field::DenseSamples& samples,
+                                 const ExtractOptions& options) {
+  const auto region = dense_region(field, samples, options);
+  if (!region) return tl::unexpected(region.error());
+  return visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) -> Result<Extraction> {
+    const DenseView<T> view = dense_view<T>(samples);
+    return DenseExtraction<T>(field, view, *region, options).run();
+  });
+}
+
+}  // namespace isoextract::extract

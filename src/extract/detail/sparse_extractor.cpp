@@ -1,0 +1,232 @@
+#include "extract/detail/sparse_extractor.hpp"
+
+#include <atomic>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "base/stopwatch.hpp"
+#include "extract/asymptotic_decider.hpp"
+#include "extract/border_cap.hpp"
+#include "extract/detail/site_cells.hpp"
+#include "extract/detail/vertex_batch.hpp"
+#include "extract/mesh_assembly.hpp"
+#include "extract/row_bits.hpp"
+#include "extract/site_vertices.hpp"
+#include "extract/sparse_sites.hpp"
+#include "mesh/vertex_fans.hpp"
+
+namespace isoextract::extract {
+namespace {
+
+constexpr int kSize = field::SparseBlock::kSize;
+
+// The values around one place: the block-size places up to one away along each axis.
+template <class T>
+class Neighbourhood {
+ public:
+  // `lowest` is -1 if places before this one are needed too (for gradients), otherwise 0.
+  Neighbourhood(const field::SparseSamples& samples, const field::SparseLookup& lookup, const glm::ivec3& origin,
+                int lowest)
+      : origin_(origin) {
+    for_each_near_place(origin, lowest, [&](std::size_t slot, const glm::ivec3& at) {
+      Place& place = places_[slot];
+      const std::int32_t block = lookup.block(at);
+      if (block >= 0) {
+        place.values = static_cast<const T*>(samples.blocks[block].values);
+      } else {
+        place.constant = lookup.constant(at);
+      }
+    });
+  }
+
+  // The stored number at a sample within the places asked for.
+  [[nodiscard]] double operator()(const glm::ivec3& p) const {
+    const glm::ivec3 away = (p - origin_) >> 3;
+    const Place& place = places_[near_place_slot(away)];
+    return place.values != nullptr ? static_cast<double>(place.values[field::block_offset(p)]) : place.constant;
+  }
+
+ private:
+  struct Place {
+    const T* values = nullptr;
+    double constant = 0;
+  };
+
+  glm::ivec3 origin_;
+  std::array<Place, kNearPlaces> places_;
+};
+
+template <class T>
+class SparseExtraction final : private CellDecider {
+ public:
+  SparseExtraction(const field::ScalarField& field, const field::SparseSamples& samples, const field::IndexBox& region,
+                   const ExtractOptions& options)
+      : field_(field),
+        samples_(samples),
+        region_(region),
+        options_(options),
+        rule_{field.kind, options.iso},
+        table_(case_table(options.method)),
+        placement_(options.output_from_index, stored_box(samples), field.kind, field.scale),
+        sites_(field, samples, region, options) {}
+
+  Result<Extraction> run() {
+    Extraction result;
+    result.mesh.origin = placement_.origin();
+    if (auto fits = check_placement(field_, placement_); !fits) return tl::unexpected(fits.error());
+    if (auto found = sites_.find(result.stats); !found) return tl::unexpected(found.error());
+    drawings_.emplace(table_, placement_.mirrored(), sites_.has_holes());
+
+    Stopwatch watch;
+    result.stats.hole_cells = count();
+    const MeshSizes sizes = place_sites();
+    if (auto fits = check_mesh_size(field_, sizes, options_); !fits) return tl::unexpected(fits.error());
+    BorderCap cap;
+    if (options_.cap && options_.region) {
+      if (auto fits = check_cap_size(field_, region_, options_); !fits) return tl::unexpected(fits.error());
+      cap = make_border_cap(
+          region_, options_.method, static_cast<std::uint32_t>(sizes.vertices),
+          [&](const glm::ivec3& p) { return sites_.inside(p); },
+          [&](const glm::ivec3& p, int direction) { return edge_vertex(p, direction); },
+          [&](const glm::ivec3& p) { return rule_.depth(sites_.value(p)); },
+          [&](const glm::ivec3& p) { return sites_.has_holes() && std::isnan(sites_.value(p)); });
+      if (auto fits = check_mesh_size(field_, with_cap(sizes, cap), options_); !fits) {
+        return tl::unexpected(fits.error());
+      }
+    }
+    result.stats.count = watch.elapsed();
+
+    watch.restart();
+    allocate_mesh(result.mesh, sizes, cap, options_);
+    emit(result.mesh);
+    append_cap(result.mesh, sizes, cap, region_, glm::ivec3(0), placement_);
+    if (sites_.has_holes()) {
+      if (auto done = mesh::make_one_vertex_a_fan(result.mesh, options_.limits, field_.source); !done) {
+        return tl::unexpected(done.error());
+      }
+    }
+    result.stats.emit = watch.elapsed();
+    return result;
+  }
+
+ private:
+  // Returns how many cells NanPolicy::hole leaves out.
+  std::uint64_t count() {
+    std::atomic<std::uint64_t> left_out{0};
+    const std::vector<glm::ivec3>& origins = sites_.origins();
+    vertices_ = SiteVertices(origins.size(), table_.directions.size());
+    triangle_base_ = Buffer<std::uint64_t>(origins.size());
+    sites_.for_each("counting", origins.size(), [&](std::size_t s) {
+      const SitePlanes planes = sites_.planes(s);
+      for (std::size_t d = 0; d < table_.directions.size(); ++d) {
+        vertices_.crossed(s, d) = sites_.crossed_edges(s, planes, table_.directions[d]);
+      }
+      vertices_.count(s);
+      const SiteCounts counts = count_site_cells(*drawings_, origins[s], planes, sites_.active_cells(s, planes), *this);
+      triangle_base_[s] = counts.triangles;
+      if (counts.left_out != 0) left_out.fetch_add(counts.left_out, std::memory_order_relaxed);
+    });
+    return left_out.load();
+  }
+
+  MeshSizes place_sites() {
+    MeshSizes sizes;
+    sizes.vertices = vertices_.number();
+    for (std::uint64_t& base : triangle_base_) sizes.triangles += std::exchange(base, sizes.triangles);
+    return sizes;
+  }
+
+  [[nodiscard]] std::uint32_t edge_vertex(const glm::ivec3& p, int direction) const {
+    const auto site = static_cast<std::size_t>(sites_.site(field::block_origin(p)));
+    return vertices_.at(site, table_.index_of(direction), field::block_offset(p));
+  }
+
+  [[nodiscard]] std::optional<unsigned> variant(unsigned cell_case, const glm::ivec3& p) const override {
+    return variant_or_hole(table_, cell_case, rule_, sites_.has_holes(),
+                           [&](int corner) { return sites_.value(p + direction_step(corner)); });
+  }
+
+  void emit(mesh::Mesh& mesh) {
+    sites_.for_each("extracting", sites_.origins().size(), [&](std::size_t s) {
+      emit_vertices(mesh, s);
+      const SitePlanes planes = sites_.planes(s);
+      write_site_cells(table_, *drawings_, sites_.origins()[s], planes, sites_.active_cells(s, planes), *this,
+                       vertices_, sites_.near(s), mesh.triangles.data() + triangle_base_[s]);
+    });
+  }
+
+  void emit_vertices(mesh::Mesh& mesh, std::size_t s) const {
+    const VertexRules rules{placement_, rule_, field_.scale};
+    const glm::ivec3 origin = sites_.origins()[s];
+    const bool gradients = !mesh.normals.empty();
+    const Neighbourhood<T> stored(samples_, sites_.lookup(), origin, gradients ? -1 : 0);
+    VertexBatch batch;
+    std::size_t number = vertices_.first(s, 0);  // of the batch's first vertex; a site's numbers follow one another
+    const auto flush = [&] {
+      const auto count = static_cast<std::size_t>(batch.count);
+      write_vertices(batch, rules, mesh, number);
+      number += count;
+    };
+    for (std::size_t d = 0; d < table_.directions.size(); ++d) {
+      const int direction = table_.directions[d];
+      const glm::ivec3 step = direction_step(direction);
+      const BlockBits& crossed = vertices_.crossed(s, d);
+      for (int x = 0; x < kSize; ++x) {
+        for_each_bit(crossed[x], [&](int bit) {
+          const glm::ivec3 p = origin + glm::ivec3(x, bit >> 3, bit & 7);
+          const int i = batch.count++;
+          batch.direction[i] = direction;
+          for (int axis = 0; axis < 3; ++axis) batch.low[axis][i] = p[axis];
+          batch.value[0][i] = stored(p);
+          batch.value[1][i] = stored(p + step);
+          if (gradients) {
+            put_gradient(batch, 0, i, stored, p);
+            put_gradient(batch, 1, i, stored, p + step);
+          }
+          if (batch.full()) flush();
+        });
+      }
+    }
+    flush();
+  }
+
+  // Of the stored numbers, by central differences.
+  static void put_gradient(VertexBatch& batch, int end, int i, const Neighbourhood<T>& stored, const glm::ivec3& p) {
+    for (int axis = 0; axis < 3; ++axis) {
+      glm::ivec3 step(0);
+      step[axis] = 1;
+      batch.gradient[end][axis][i] = (stored(p + step) - stored(p - step)) / 2;
+    }
+  }
+
+  const field::ScalarField& field_;
+  const field::SparseSamples& samples_;
+  field::IndexBox region_;
+  const ExtractOptions& options_;
+  InsideRule rule_;
+  const CaseTable& table_;
+  OutputFrame placement_;
+  SparseSites sites_;
+  std::optional<CellDrawings> drawings_;
+  SiteVertices vertices_;
+  Buffer<std::uint64_t> triangle_base_;  // per site: first a count, then the first triangle
+};
+
+}  // namespace
+
+Result<Extraction> extract_sparse(const field::ScalarField& field, const field::SparseSamples& samples,
+                                  const ExtractOptions& options) {
+  const auto region = sparse_region(field, samples, options);
+  if (!region) return tl::unexpected(region.error());
+  if (region->empty()) {
+    Extraction nothing;
+    nothing.stats.brick = "8x8x8 voxels";
+    return nothing;
+  }
+  return visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) -> Result<Extraction> {
+    return SparseExtraction<T>(field, samples, *region, options).run();
+  });
+}
+
+}  // namespace isoextract::extract

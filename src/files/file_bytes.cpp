@@ -1,0 +1,148 @@
+#include "files/file_bytes.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <memory>
+#include <system_error>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <zlib.h>
+
+namespace isoextract::files {
+namespace {
+
+std::atomic<std::uint64_t> bytes_read_so_far{0};
+
+std::string system_message(int error) { return std::generic_category().message(error); }
+
+}  // namespace
+
+Result<InputFile> InputFile::open(const std::filesystem::path& path) {
+  const std::string name = path.string();
+  const auto cannot_read = [&](int error) {
+    return fail(ErrorKind::input, fmt::format("{}: cannot be read: {}", name, system_message(error)));
+  };
+  // Without O_NONBLOCK, opening a pipe that nobody writes to would wait for ever.
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (descriptor < 0) return cannot_read(errno);
+  InputFile file(path, descriptor, 0);
+
+  struct stat status {};
+  if (::fstat(descriptor, &status) != 0) return cannot_read(errno);
+  if (S_ISDIR(status.st_mode)) return fail(ErrorKind::input, name + ": expected a file, found a directory");
+  if (!S_ISREG(status.st_mode)) {
+    return fail(ErrorKind::input, name + ": expected a regular file, found a pipe or device",
+                "write the data to a file first");
+  }
+  if (status.st_size == 0) return fail(ErrorKind::input, name + ": the file is empty");
+  file.size_ = static_cast<std::uint64_t>(status.st_size);
+  return file;
+}
+
+InputFile::InputFile(std::filesystem::path path, int descriptor, std::uint64_t size)
+    : path_(std::move(path)), descriptor_(descriptor), size_(size) {}
+
+InputFile::InputFile(InputFile&& other) noexcept
+    : path_(std::move(other.path_)), descriptor_(std::exchange(other.descriptor_, -1)), size_(other.size_) {}
+
+InputFile& InputFile::operator=(InputFile&& other) noexcept {
+  std::swap(path_, other.path_);
+  std::swap(descriptor_, other.descriptor_);
+  std::swap(size_, other.size_);
+  return *this;
+}
+
+InputFile::~InputFile() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+Result<void> InputFile::read_at(std::uint64_t offset, std::span<std::byte> bytes) const {
+  while (!bytes.empty()) {
+    const ssize_t got = ::pread(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) {
+      return fail(ErrorKind::input,
+                  fmt::format("{}: reading from byte {} failed: {}", name(), offset, system_message(errno)));
+    }
+    if (got == 0) {
+      return fail(ErrorKind::input,
+                  fmt::format("{}: ends at byte {}, expected {} more bytes", name(), offset, bytes.size()));
+    }
+    count_bytes_read(static_cast<std::uint64_t>(got));
+    offset += static_cast<std::uint64_t>(got);
+    bytes = bytes.subspan(static_cast<std::size_t>(got));
+  }
+  return {};
+}
+
+std::uint64_t bytes_read() { return bytes_read_so_far.load(std::memory_order_relaxed); }
+void count_bytes_read(std::uint64_t bytes) { bytes_read_so_far.fetch_add(bytes, std::memory_order_relaxed); }
+
+bool is_gzip(std::span<const std::byte> content) {
+  return content.size() >= 2 && content[0] == std::byte{0x1f} && content[1] == std::byte{0x8b};
+}
+
+Result<std::vector<std::byte>> first_bytes(const InputFile& file, std::size_t count) {
+  std::vector<std::byte> bytes(std::min<std::uint64_t>(count, file.size()));
+  if (auto read = file.read_at(0, bytes); !read) return tl::unexpected(read.error());
+  if (!is_gzip(bytes)) return bytes;
+
+  // The file may be small and its content large: ask for all of `count`.
+  bytes.resize(count);
+  std::vector<std::byte> packed(std::min<std::uint64_t>(file.size(), 2 * count + 1024));
+  if (auto read = file.read_at(0, packed); !read) return tl::unexpected(read.error());
+  z_stream stream{};
+  constexpr int kGzipOnly = 16 + MAX_WBITS;
+  if (::inflateInit2(&stream, kGzipOnly) != Z_OK) throw std::bad_alloc();
+  const std::unique_ptr<z_stream, decltype(&::inflateEnd)> end(&stream, &::inflateEnd);
+  stream.next_in = reinterpret_cast<Bytef*>(packed.data());
+  stream.avail_in = static_cast<uInt>(packed.size());
+  stream.next_out = reinterpret_cast<Bytef*>(bytes.data());
+  stream.avail_out = static_cast<uInt>(bytes.size());
+  // Whatever came out is what there is; a damaged stream is reported when its samples are read.
+  static_cast<void>(::inflate(&stream, Z_SYNC_FLUSH));
+  bytes.resize(bytes.size() - stream.avail_out);
+  return bytes;
+}
+
+Result<std::filesystem::path> resolve_beside(const std::filesystem::path& header, const std::string& data_file) {
+  namespace fs = std::filesystem;
+  const auto names = fmt::format("{}: names the data file '{}'", header.string(), printable(data_file, 200));
+  const auto outside = [&] {
+    return fail(ErrorKind::input, names + ", which is not beside or below the header",
+                "put the data file into the header's folder and name it there");
+  };
+  const auto is_within = [](const fs::path& folder, const fs::path& path) {
+    return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
+  };
+
+  std::error_code error;
+  const fs::path folder = fs::canonical(header.has_parent_path() ? header.parent_path() : fs::path("."), error);
+  if (error) return fail(ErrorKind::input, fmt::format("{}: {}", header.string(), error.message()));
+  // By name first, so that nothing outside the folder is even looked for.
+  const fs::path named = folder / data_file;
+  if (fs::path(data_file).is_relative() && !is_within(folder, named.lexically_normal())) return outside();
+  const fs::path resolved = fs::canonical(named, error);
+  if (error) return fail(ErrorKind::input, fmt::format("{}, which cannot be read: {}", names, error.message()));
+  if (!is_within(folder, resolved)) return outside();
+  return resolved;
+}
+
+std::string printable(std::string_view text, std::size_t max_length) {
+  std::string shown(text.substr(0, max_length));
+  std::ranges::replace_if(
+      shown, [](char c) { return c < 0x20 || c > 0x7e; }, '?');
+  if (text.size() > max_length) shown += "...";
+  return shown;
+}
+
+std::string printable(std::span<const std::byte> bytes, std::size_t max_length) {
+  return printable(std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()), max_length);
+}
+
+}  // namespace isoextract::files

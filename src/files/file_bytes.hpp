@@ -1,0 +1,59 @@
+// Files as bytes: opening with clear messages, the first bytes, and where a header may point to.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/error.hpp"
+
+namespace isoextract::files {
+
+// An open, regular file with at least one byte. Its errors are ErrorKind::input and start with its name.
+class InputFile {
+ public:
+  [[nodiscard]] static Result<InputFile> open(const std::filesystem::path& path);
+
+  InputFile(InputFile&& other) noexcept;
+  InputFile& operator=(InputFile&& other) noexcept;
+  ~InputFile();
+
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  [[nodiscard]] std::string name() const { return path_.string(); }
+  [[nodiscard]] std::uint64_t size() const { return size_; }
+  [[nodiscard]] int descriptor() const { return descriptor_; }
+
+  // Fills all of `bytes` with what lies from `offset` on. Safe to call from several threads.
+  [[nodiscard]] Result<void> read_at(std::uint64_t offset, std::span<std::byte> bytes) const;
+
+ private:
+  InputFile(std::filesystem::path path, int descriptor, std::uint64_t size);
+
+  std::filesystem::path path_;
+  int descriptor_ = -1;
+  std::uint64_t size_ = 0;
+};
+
+// Bytes that this process has read from input files so far. Packed bytes count as they lie in the file.
+[[nodiscard]] std::uint64_t bytes_read();
+void count_bytes_read(std::uint64_t bytes);  // for readers that go past InputFile::read_at
+
+[[nodiscard]] bool is_gzip(std::span<const std::byte> content);
+
+// At most `count` bytes from the start of the content, inflated where the file is gzip. Fewer where the content is
+// shorter or cannot be inflated.
+[[nodiscard]] Result<std::vector<std::byte>> first_bytes(const InputFile& file, std::size_t count);
+
+// The path of a data file that a header names. Fails with ErrorKind::input where it does not exist, or where it lies
+// neither beside nor below the header once links and ".." are resolved: a header must not reach for other files.
+[[nodiscard]] Result<std::filesystem::path> resolve_beside(const std::filesystem::path& header,
+                                                           const std::string& data_file);
+
+// For messages: printable ASCII as it is, the rest as '?'; at most `max_length` characters.
+[[nodiscard]] std::string printable(std::span<const std::byte> bytes, std::size_t max_length);
+[[nodiscard]] std::string printable(std::string_view text, std::size_t max_length);
+
+}  // namespace isoextract::files

@@ -1,0 +1,283 @@
+#include "files/output_file.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <optional>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "base/buffer.hpp"
+
+namespace isoextract::files {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kBufferBytes = std::size_t{1} << 20;
+constexpr std::size_t kDirectBytes = std::size_t{1} << 16;  // spans from this size on are not copied
+constexpr mode_t kPermissionBits = S_IRWXU | S_IRWXG | S_IRWXO;
+constexpr const char* kAnotherPlace = "choose another place for the file";
+
+Error system_error(const std::string& shown, std::string_view action, int code) {
+  const auto error = [&](std::string_view reason, std::string hint) {
+    return Error{ErrorKind::output, fmt::format("{}: cannot {}: {}", shown, action, reason), std::move(hint)};
+  };
+  switch (code) {
+    case ENOSPC: return error("no space left on the device", fmt::format("free some space or {}", kAnotherPlace));
+    case EDQUOT: return error("the disk quota is used up", fmt::format("free some space or {}", kAnotherPlace));
+    case EFBIG:
+      return error("the file would be larger than the file system or the limit of this shell allows",
+                   fmt::format("raise it with ulimit -f or {}", kAnotherPlace));
+    case EACCES:
+    case EPERM: return error("no permission", fmt::format("change the permissions or {}", kAnotherPlace));
+    case EROFS: return error("the file system is mounted read-only", kAnotherPlace);
+    case EPIPE: return error("closed by the reader", {});
+    case EBADF: return error("it is not open", kAnotherPlace);
+    default: return error(std::generic_category().message(code), kAnotherPlace);
+  }
+}
+
+template <class Call>
+auto retry_interrupted(Call call) {
+  auto result = call();
+  while (result < 0 && errno == EINTR) result = call();
+  return result;
+}
+
+// The file a chain of symbolic links ends at, which need not exist. Loops were found by stat() before.
+fs::path follow_links(fs::path path) {
+  std::error_code ignored;
+  while (fs::is_symlink(fs::symlink_status(path, ignored))) {
+    const fs::path link = fs::read_symlink(path, ignored);
+    path = link.is_absolute() ? link : path.parent_path() / link;
+  }
+  return path;
+}
+
+// Calls try_name(path) with fresh names in `folder` until it does not answer that the name is taken. Returns the name,
+// or nothing with errno set.
+template <class TryName>
+std::optional<std::string> with_fresh_name(const fs::path& folder, TryName try_name) {
+  constexpr int kAttempts = 10000;
+  for (int i = 0; i < kAttempts; ++i) {
+    std::string name = (folder / fmt::format(".isoextract-{}-{}", ::getpid(), i)).string();
+    if (try_name(name.c_str())) return name;
+    if (errno != EEXIST) return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+std::string descriptor_link(int fd) { return fmt::format("/proc/self/fd/{}", fd); }
+
+}  // namespace
+
+struct OutputFile::State {
+  enum class Kind { file, device, standard_output };
+
+  Kind kind = Kind::file;
+  std::string shown;  // what messages call it
+  fs::path target;    // Kind::file: the name that commit gives
+  fs::path folder;
+  bool replaces = false;  // the target exists
+  int fd = -1;
+  std::string temporary;  // the name on disk before commit; empty while there is none
+  Buffer<std::byte> buffer;
+  std::size_t buffered = 0;
+  std::uint64_t bytes = 0;
+  std::optional<Error> failure;
+
+  State() = default;
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+  ~State() {
+    if (fd >= 0 && kind != Kind::standard_output) ::close(fd);
+    if (!temporary.empty()) ::unlink(temporary.c_str());
+  }
+
+  [[nodiscard]] tl::unexpected<Error> failed(std::string_view action, int code) {
+    failure = system_error(shown, action, code);
+    return tl::unexpected<Error>(*failure);
+  }
+
+  [[nodiscard]] Result<void> open_device(const fs::path& path);
+  [[nodiscard]] Result<void> open_file(const fs::path& path, const std::optional<mode_t>& old_mode);
+  [[nodiscard]] Result<void> write_through(std::span<const std::byte> span);
+  [[nodiscard]] Result<void> flush();
+  [[nodiscard]] Result<void> prepare();
+  [[nodiscard]] Result<void> publish();
+};
+
+Result<void> OutputFile::State::open_device(const fs::path& path) {
+  kind = Kind::device;
+  fd = retry_interrupted([&] { return ::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY); });
+  if (fd < 0) return failed("open it for writing", errno);
+  return {};
+}
+
+Result<void> OutputFile::State::open_file(const fs::path& path, const std::optional<mode_t>& old_mode) {
+  target = follow_links(path);
+  folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
+  if (!target.has_filename()) {
+    return fail(ErrorKind::output, fmt::format("{}: expected a file name, found the name of a folder", shown),
+                "add a file name");
+  }
+  std::error_code error;
+  if (!fs::is_directory(folder, error)) {
+    return fail(ErrorKind::output, fmt::format("{}: there is no folder {}", shown, folder.string()),
+                fmt::format("make it (mkdir -p) or {}", kAnotherPlace));
+  }
+  replaces = old_mode.has_value();
+  // A rename would replace a write-protected file without asking.
+  if (replaces && ::faccessat(AT_FDCWD, target.c_str(), W_OK, AT_EACCESS) != 0) {
+    return failed("replace it", errno);
+  }
+  constexpr mode_t kNewFile = 0666;  // less what the umask takes away
+  const std::string action = fmt::format("make a file in {}", folder.string());
+  fd = retry_interrupted([&] { return ::open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, kNewFile); });
+  if (fd >= 0 && ::access(descriptor_link(fd).c_str(), F_OK) != 0) {  // no /proc: the file could never get a name
+    ::close(fd);
+    fd = -1;
+    errno = EOPNOTSUPP;
+  }
+  if (fd < 0 && (errno == EOPNOTSUPP || errno == EISDIR || errno == EINVAL)) {
+    const auto name = with_fresh_name(folder, [&](const char* fresh) {
+      fd = retry_interrupted([&] { return ::open(fresh, O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, kNewFile); });
+      return fd >= 0;
+    });
+    if (name) temporary = *name;
+  }
+  if (fd < 0) return failed(action, errno);
+  struct stat made {};
+  if (replaces && ::fstat(fd, &made) == 0 && (made.st_mode & kPermissionBits) != *old_mode &&
+      ::fchmod(fd, *old_mode) != 0) {
+    return failed("keep the permissions of the file it replaces", errno);
+  }
+  return {};
+}
+
+Result<void> OutputFile::State::write_through(std::span<const std::byte> span) {
+  while (!span.empty()) {
+    const ssize_t written = retry_interrupted([&] { return ::write(fd, span.data(), span.size()); });
+    if (written < 0) return failed("write", errno);
+    span = span.subspan(static_cast<std::size_t>(written));
+  }
+  return {};
+}
+
+Result<void> OutputFile::State::flush() {
+  if (failure) return tl::unexpected<Error>(*failure);
+  const std::size_t size = std::exchange(buffered, 0);
+  return write_through(std::span<const std::byte>(buffer.span()).first(size));
+}
+
+// All that can fail for want of space; afterwards only a rename is left to do.
+Result<void> OutputFile::State::prepare() {
+  if (auto flushed = flush(); !flushed) return flushed;
+  if (kind == Kind::standard_output) return {};
+  if (kind == Kind::file && temporary.empty()) {
+    const std::string from = descriptor_link(fd);
+    const auto name = with_fresh_name(folder, [&](const char* fresh) {
+      return ::linkat(AT_FDCWD, from.c_str(), AT_FDCWD, fresh, AT_SYMLINK_FOLLOW) == 0;
+    });
+    if (!name) return failed("name it", errno);
+    temporary = *name;
+  }
+  // Some network file systems tell only here that a write failed. An interrupted close has closed.
+  if (::close(std::exchange(fd, -1)) != 0 && errno != EINTR) return failed("finish it", errno);
+  return {};
+}
+
+Result<void> OutputFile::State::publish() {
+  if (kind != Kind::file) return {};
+  if (::rename(temporary.c_str(), target.c_str()) != 0) return failed("name it", errno);
+  temporary.clear();
+  return {};
+}
+
+Result<OutputFile> OutputFile::create(const fs::path& path) {
+  auto state = std::make_unique<State>();
+  state->buffer = Buffer<std::byte>(kBufferBytes);
+  state->shown = path.string();
+  if (path == "-") {
+    state->kind = State::Kind::standard_output;
+    state->shown = "standard output";
+    state->fd = STDOUT_FILENO;
+    return OutputFile(std::move(state));
+  }
+  struct stat found {};
+  const bool exists = ::stat(path.c_str(), &found) == 0;
+  if (!exists && errno != ENOENT) return state->failed("write", errno);
+  if (exists && S_ISDIR(found.st_mode)) {
+    return fail(ErrorKind::output, fmt::format("{}: expected a file, found a folder", state->shown), "add a file name");
+  }
+  const auto old_mode = exists ? std::optional<mode_t>(found.st_mode & kPermissionBits) : std::nullopt;
+  auto opened = exists && !S_ISREG(found.st_mode) ? state->open_device(path) : state->open_file(path, old_mode);
+  if (!opened) return tl::unexpected<Error>(std::move(opened.error()));
+  return OutputFile(std::move(state));
+}
+
+OutputFile::OutputFile(std::unique_ptr<State> state) : state_(std::move(state)) {}
+OutputFile::OutputFile(OutputFile&&) noexcept = default;
+OutputFile& OutputFile::operator=(OutputFile&&) noexcept = default;
+OutputFile::~OutputFile() = default;
+
+Result<void> OutputFile::write(std::span<const std::byte> bytes) {
+  State& state = *state_;
+  if (state.failure) return tl::unexpected<Error>(*state.failure);
+  state.bytes += bytes.size();
+  if (bytes.size() >= kDirectBytes) {
+    if (auto flushed = state.flush(); !flushed) return flushed;
+    return state.write_through(bytes);
+  }
+  if (bytes.size() > state.buffer.size() - state.buffered) {
+    if (auto flushed = state.flush(); !flushed) return flushed;
+  }
+  std::copy(bytes.begin(), bytes.end(), state.buffer.begin() + state.buffered);
+  state.buffered += bytes.size();
+  return {};
+}
+
+Result<void> OutputFile::write(std::string_view text) { return write(std::as_bytes(std::span(text))); }
+
+std::uint64_t OutputFile::bytes_written() const { return state_->bytes; }
+
+const std::string& OutputFile::shown_name() const { return state_->shown; }
+
+Result<void> OutputFile::commit() {
+  if (auto prepared = state_->prepare(); !prepared) return prepared;
+  return state_->publish();
+}
+
+Result<void> OutputFile::commit_pair(OutputFile& first, OutputFile& last) {
+  State& one = *first.state_;
+  if (auto prepared = one.prepare(); !prepared) return prepared;
+  if (auto prepared = last.state_->prepare(); !prepared) return prepared;
+
+  std::optional<std::string> old;  // a second name of the file that is about to be replaced
+  if (one.replaces) {
+    old = with_fresh_name(one.folder, [&](const char* fresh) { return ::link(one.target.c_str(), fresh) == 0; });
+  }
+  auto published = one.publish();
+  if (!published) {
+    if (old) ::unlink(old->c_str());
+    return published;
+  }
+  published = last.state_->publish();
+  if (published) {
+    if (old) ::unlink(old->c_str());
+  } else if (old) {
+    ::rename(old->c_str(), one.target.c_str());
+  } else if (one.kind == State::Kind::file && !one.replaces) {
+    ::unlink(one.target.c_str());
+  }
+  return published;
+}
+
+}  // namespace isoextract::files

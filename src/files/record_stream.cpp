@@ -1,0 +1,62 @@
+#include "files/record_stream.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <span>
+#include <vector>
+
+#include <tbb/parallel_pipeline.h>
+#include <tbb/task_arena.h>
+
+#include "base/buffer.hpp"
+
+namespace isoextract::files {
+
+Result<void> write_records(OutputFile& file, std::size_t count, std::size_t max_record_bytes, const FillRecords& fill) {
+  constexpr std::size_t kBlockBytes = std::size_t{1} << 20;  // still in the cache when the system copies it
+  const std::size_t per_block = std::max<std::size_t>(1, kBlockBytes / max_record_bytes);
+  const std::size_t block_count = (count + per_block - 1) / per_block;
+
+  struct Block {
+    Buffer<char> bytes;
+    std::size_t index = 0;
+    std::size_t used = 0;
+  };
+  const std::size_t threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+  std::vector<Block> blocks(std::min(block_count, 2 * threads));
+
+  Result<void> written;              // of write_block alone until all is done
+  std::atomic<bool> failed = false;  // what begin may know of it
+  std::size_t next = 0;
+  // At most blocks.size() blocks are under way, and they end in order: block i is free again when i + size begins.
+  const auto begin = [&](tbb::flow_control& control) -> Block* {
+    if (next == block_count || failed) {
+      control.stop();
+      return nullptr;
+    }
+    Block& block = blocks[next % blocks.size()];
+    block.index = next++;
+    return &block;
+  };
+  const auto fill_block = [&](Block* block) {
+    if (block->bytes.empty()) block->bytes = Buffer<char>(per_block * max_record_bytes);
+    const std::size_t first = block->index * per_block;
+    const char* end = fill(first, std::min(count, first + per_block), block->bytes.data());
+    block->used = static_cast<std::size_t>(end - block->bytes.data());
+    return block;
+  };
+  const auto write_block = [&](const Block* block) {
+    if (!written) return;
+    written = file.write(std::as_bytes(block->bytes.span().first(block->used)));
+    failed = !written;
+  };
+  if (block_count > 0) {
+    tbb::parallel_pipeline(blocks.size(),
+                           tbb::make_filter<void, Block*>(tbb::filter_mode::serial_in_order, begin) &
+                               tbb::make_filter<Block*, Block*>(tbb::filter_mode::parallel, fill_block) &
+                               tbb::make_filter<Block*, void>(tbb::filter_mode::serial_in_order, write_block));
+  }
+  return written;
+}
+
+}  // namespace isoextract::files

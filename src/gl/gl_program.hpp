@@ -1,0 +1,65 @@
+// Linked programs whose output is captured by transform feedback.
+#pragma once
+
+#include <array>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "gl/gl_context.hpp"
+#include "gl/gl_object.hpp"
+
+namespace isoextract::gl {
+
+struct ShaderStage {
+  GLenum type;                          // GL_VERTEX_SHADER, ...
+  std::vector<std::string_view> parts;  // names of shaders, put together in this order
+};
+
+struct ProgramSource {
+  std::vector<std::string> defines;  // "SAMPLE_F32"
+  std::string constants;             // GLSL before the first part
+  std::vector<ShaderStage> stages;
+  std::vector<const char*> captured;  // varyings, interleaved; may be empty
+};
+
+// Uniforms that a variant of a program does not use are set without effect.
+class CellProgram {
+ public:
+  // Fails with ErrorKind::unavailable, the driver's log in the message.
+  [[nodiscard]] static Result<CellProgram> link(const GlContext& context, const ProgramSource& source);
+
+  void use() const { glUseProgram(program_.name()); }
+
+  [[nodiscard]] GLint location(const char* name) const { return glGetUniformLocation(program_.name(), name); }
+  void set(const char* name, int value) const { glProgramUniform1i(program_.name(), location(name), value); }
+  void set(const char* name, double value) const { glProgramUniform1d(program_.name(), location(name), value); }
+  void set(const char* name, const glm::ivec3& v) const {
+    glProgramUniform3i(program_.name(), location(name), v.x, v.y, v.z);
+  }
+  void set(const char* name, const glm::ivec2& v) const {
+    glProgramUniform2i(program_.name(), location(name), v.x, v.y);
+  }
+  void set(const char* name, const glm::uvec2& v) const {
+    glProgramUniform2ui(program_.name(), location(name), v.x, v.y);
+  }
+  void set(const char* name, const glm::dvec3& v) const {
+    glProgramUniform3d(program_.name(), location(name), v.x, v.y, v.z);
+  }
+
+ private:
+  GlProgram program_;
+};
+
+// The same cells, for the two passes over them.
+struct CellPass {
+  const CellProgram* count = nullptr;
+  const CellProgram* capture = nullptr;
+
+  [[nodiscard]] std::array<const CellProgram*, 2> programs() const { return {count, capture}; }
+};
+
+}  // namespace isoextract::gl

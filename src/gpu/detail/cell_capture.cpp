@@ -1,0 +1,139 @@
+#include "gpu/detail/cell_capture.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace isoextract::gpu {
+namespace {
+
+constexpr int kCellsPerSite = 512;
+constexpr std::size_t kMaxSites = 65536;    // of a draw: a site has 16 bits in a key
+constexpr std::size_t kTexelsPerSite = 27;  // of the largest texture buffer, that of a leaf's neighbours
+
+}  // namespace
+
+CellCapture::CellCapture(const gl::GlContext& context, GpuPipeline pipeline, std::size_t words_per_vertex,
+                         std::uint64_t feedback_bytes)
+    : context_(context),
+      pipeline_(pipeline),
+      words_(words_per_vertex),
+      feedback_bytes_(feedback_bytes),
+      // llvmpipe repeats vertices in a draw of more than 65,536 tessellated ones (DESIGN section 6).
+      patches_per_draw_(context.device().software ? 65536 / kCellsPerSite : kMaxSites),
+      max_sites_(0),
+      next_sites_(0),
+      feedback_(gl::GlBuffer::make()),
+      staging_(gl::GlBuffer::make()),
+      site_buffer_(gl::GlBuffer::make()),
+      site_texture_(gl::GlTexture::make()),
+      generated_(gl::GlQuery::make()),
+      written_(gl::GlQuery::make()) {
+  GLint texels = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
+  max_sites_ = std::min(kMaxSites, static_cast<std::size_t>(texels) / kTexelsPerSite);
+  next_sites_ = max_sites_;
+}
+
+void CellCapture::draw_sites(const gl::CellProgram& program, std::size_t sites) const {
+  const auto cells = static_cast<GLsizei>(sites * kCellsPerSite);
+  switch (pipeline_) {
+    case GpuPipeline::mt_geometry: glDrawArrays(GL_LINES_ADJACENCY, 0, 24 * cells); return;
+    case GpuPipeline::mc_points: glDrawArrays(GL_POINTS, 0, cells); return;
+    case GpuPipeline::mc_tessellation: break;
+  }
+  for (std::size_t first = 0; first < sites; first += patches_per_draw_) {
+    program.set("first_site", static_cast<int>(first));
+    glDrawArrays(GL_PATCHES, 0, static_cast<GLsizei>(std::min(patches_per_draw_, sites - first)));
+  }
+}
+
+Result<std::uint64_t> CellCapture::count(const gl::CellProgram& program, std::size_t sites) {
+  const Stopwatch watch;
+  program.use();
+  glBeginQuery(GL_PRIMITIVES_GENERATED, generated_.name());
+  draw_sites(program, sites);
+  glEndQuery(GL_PRIMITIVES_GENERATED);
+  GLuint64 triangles = 0;
+  glGetQueryObjectui64v(generated_.name(), GL_QUERY_RESULT, &triangles);
+  times_.count += watch.elapsed();
+  if (auto checked = context_.check("counting triangles"); !checked) return tl::unexpected(checked.error());
+  return triangles;
+}
+
+Result<void> CellCapture::draw(const gl::CellPass& pass, std::span<const glm::ivec3> origins, const Bind& bind,
+                               const Take& take, const Allow& allow) {
+  std::vector<glm::ivec4> texels;
+  for (std::size_t first = 0; first < origins.size();) {
+    const std::size_t many = std::min(next_sites_, origins.size() - first);
+    texels.resize(many);
+    for (std::size_t s = 0; s < many; ++s) texels[s] = glm::ivec4(origins[first + s], 0);
+    glBindBuffer(GL_TEXTURE_BUFFER, site_buffer_.name());
+    glBufferData(GL_TEXTURE_BUFFER, static_cast<GLsizeiptr>(many * sizeof(glm::ivec4)), texels.data(), GL_STREAM_DRAW);
+    glActiveTexture(GL_TEXTURE0);
+    glBindTexture(GL_TEXTURE_BUFFER, site_texture_.name());
+    glTexBuffer(GL_TEXTURE_BUFFER, GL_RGBA32I, site_buffer_.name());
+    for (const gl::CellProgram* program : pass.programs()) program->set("sites", 0);
+    bind(first, many);
+
+    const auto triangles = count(*pass.count, many);
+    if (!triangles) return tl::unexpected(triangles.error());
+    const std::uint64_t words = *triangles * 3 * words_;
+    const std::uint64_t bytes = words * sizeof(std::uint32_t);
+    // The next draw is sized by what this one needs a site.
+    constexpr double kRoom = 0.8;
+    const double fitting =
+        kRoom * static_cast<double>(feedback_bytes_) / static_cast<double>(std::max<std::uint64_t>(bytes, 1));
+    next_sites_ =
+        static_cast<std::size_t>(std::clamp(static_cast<double>(many) * fitting, 1.0, static_cast<double>(max_sites_)));
+    if (bytes > feedback_bytes_ && many > 1) {
+      next_sites_ = std::min(next_sites_, many - 1);
+      continue;
+    }
+    if (auto allowed = allow(triangles_ + *triangles); !allowed) return allowed;
+    triangles_ += *triangles;
+    if (*triangles > 0) {
+      Stopwatch watch;
+      glBindBuffer(GL_TRANSFORM_FEEDBACK_BUFFER, feedback_.name());
+      if (bytes > feedback_size_) {
+        glBufferData(GL_TRANSFORM_FEEDBACK_BUFFER, static_cast<GLsizeiptr>(bytes), nullptr, GL_STREAM_COPY);
+        glBindBuffer(GL_COPY_WRITE_BUFFER, staging_.name());
+        glBufferData(GL_COPY_WRITE_BUFFER, static_cast<GLsizeiptr>(bytes), nullptr, GL_STREAM_READ);
+        feedback_size_ = bytes;
+        if (auto checked = context_.check(fmt::format("taking {} for triangles", format_byte_size(bytes))); !checked) {
+          return checked;
+        }
+      }
+      glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, feedback_.name());
+      pass.capture->use();
+      glBeginQuery(GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN, written_.name());
+      glBeginTransformFeedback(GL_TRIANGLES);
+      draw_sites(*pass.capture, many);
+      glEndTransformFeedback();
+      glEndQuery(GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN);
+      GLuint64 written = 0;
+      glGetQueryObjectui64v(written_.name(), GL_QUERY_RESULT, &written);
+      times_.capture += watch.elapsed();
+      if (auto checked = context_.check("capturing triangles"); !checked) return checked;
+      if (written != *triangles) {
+        return fail(
+            ErrorKind::unavailable,
+            fmt::format("{}: counted {} triangles and captured {}", context_.device().renderer, *triangles, written),
+            "please report it; --backend cpu needs no GPU");
+      }
+      watch.restart();
+      if (soup_.size() < words) soup_ = Buffer<std::uint32_t>(words);
+      glBindBuffer(GL_COPY_WRITE_BUFFER, staging_.name());
+      glCopyBufferSubData(GL_TRANSFORM_FEEDBACK_BUFFER, GL_COPY_WRITE_BUFFER, 0, 0, static_cast<GLsizeiptr>(bytes));
+      glGetBufferSubData(GL_COPY_WRITE_BUFFER, 0, static_cast<GLsizeiptr>(bytes), soup_.data());
+      times_.read_back += watch.elapsed();
+      if (auto checked = context_.check("reading triangles back"); !checked) return checked;
+      captured_bytes_ += bytes;
+    }
+    take(first, many, CapturedSoup{{soup_.data(), words}, words_});
+    first += many;
+  }
+  return {};
+}
+
+}  // namespace isoextract::gpu

@@ -1,0 +1,36 @@
+// The bricks of dense samples that a surface may pass.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "extract/dense_masks.hpp"
+#include "field/samples.hpp"
+
+namespace isoextract::gpu {
+
+// A site is a brick of 8 x 8 x 8 cells, with samples on both sides. It owns the edges whose lower end is one of its
+// samples.
+class DenseSites {
+ public:
+  // `masks` are those of the samples from `low` on.
+  DenseSites(const extract::DenseMasks& masks, const glm::ivec3& low);
+
+  // The lowest sample of each site, in indices of the field; by rising z, then y, then x.
+  [[nodiscard]] const std::vector<glm::ivec3>& origins() const { return origins_; }
+  [[nodiscard]] std::uint64_t bricks() const { return numbers_.size(); }  // sites or not
+
+  // The site whose brick has sample `p` among its own, or -1.
+  [[nodiscard]] std::int32_t site(const glm::ivec3& p) const;
+  // The sites that own the edges of this site's cells, itself first; -1 where there is none.
+  [[nodiscard]] std::array<std::int32_t, 8> near(std::size_t site) const;
+
+ private:
+  glm::ivec3 low_;
+  glm::ivec3 bricks_;
+  std::vector<std::int32_t> numbers_;  // by brick
+  std::vector<glm::ivec3> origins_;
+};
+
+}  // namespace isoextract::gpu

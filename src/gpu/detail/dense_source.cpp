@@ -1,0 +1,208 @@
+#include "gpu/detail/dense_source.hpp"
+
+#include <algorithm>
+
+namespace isoextract::gpu {
+namespace {
+
+constexpr int kBrick = 8;
+
+std::uint64_t volume(const glm::ivec3& size) {
+  const glm::u64vec3 wide(size);
+  return wide.x * wide.y * wide.z;
+}
+
+// The samples that cells of the sites touch.
+field::IndexBox box_of(std::span<const glm::ivec3> sites, const field::IndexBox& region) {
+  if (sites.empty()) return {};
+  field::IndexBox box{sites.front(), sites.front()};
+  for (const glm::ivec3& site : sites) {
+    box.min = glm::min(box.min, site);
+    box.max = glm::max(box.max, site + kBrick);
+  }
+  return {box.min, glm::min(box.max, region.max)};
+}
+
+field::IndexBox with_apron(const field::IndexBox& box, int apron, const glm::ivec3& dims) {
+  return {glm::max(box.min - apron, glm::ivec3(0)), glm::min(box.max + apron, dims - 1)};
+}
+
+}  // namespace
+
+DenseSource::DenseSource(const gl::GlContext& context, const field::DenseSamples& samples,
+                         std::span<const glm::ivec3> sites, const field::IndexBox& region, const SourceOptions& options)
+    : context_(&context),
+      samples_(&samples),
+      sites_(sites),
+      region_(region),
+      options_(options),
+      format_(sample_format(samples.type)),
+      apron_(options.gradients ? 1 : 0),
+      box_(box_of(sites, region)),
+      reach_(with_apron(box_, apron_, samples.dims)),
+      column_cells_(0),
+      window_(glm::ivec3(1)) {}
+
+Result<DenseSource> DenseSource::make(const gl::GlContext& context, const field::DenseSamples& samples,
+                                      std::span<const glm::ivec3> sites, const field::IndexBox& region,
+                                      const SourceOptions& options) {
+  DenseSource source(context, samples, sites, region, options);
+  if (sites.empty()) return source;
+  if (auto chosen = source.choose_window(); !chosen) return tl::unexpected(chosen.error());
+  auto texture = make_sample_texture(context, samples.type, source.window_.size());
+  if (!texture) return tl::unexpected(texture.error());
+  source.texture_ = std::move(*texture);
+  return source;
+}
+
+// All that may be needed where it fits, else as many whole slices as do, else columns of bricks as wide as they may be.
+Result<void> DenseSource::choose_window() {
+  const glm::ivec3 all(reach_.dims());
+  const glm::ivec3 cells = box_.max - box_.min;
+  const int least_slices = std::min(kBrick + 1 + 2 * apron_, all.z);
+  const std::uint64_t size = field::sample_size(samples_->type);
+  const int limit = options_.max_texture_size;
+  const auto fits = [&](const glm::ivec3& window) {
+    return std::max({window.x, window.y, window.z}) <= limit && volume(window) * size <= options_.bytes;
+  };
+  column_cells_ = cells;
+  glm::ivec3 window(all.x, all.y, least_slices);
+  // Halves the longer side, in whole bricks, until a slab of one brick's height fits.
+  while (!fits(window)) {
+    const int axis = column_cells_.x >= column_cells_.y ? 0 : 1;
+    if (column_cells_[axis] <= kBrick) {
+      return too_few_bytes(options_.bytes, volume(window) * size);
+    }
+    column_cells_[axis] = ((column_cells_[axis] + 1) / 2 + kBrick - 1) / kBrick * kBrick;
+    window[axis] = std::min(column_cells_[axis] + 1 + 2 * apron_, all[axis]);
+  }
+  const std::uint64_t slices = options_.bytes / (volume({window.x, window.y, 1}) * size);
+  window.z = static_cast<int>(std::min<std::uint64_t>(slices, static_cast<std::uint64_t>(std::min(all.z, limit))));
+  window_ = ToroidalWindow(window);
+  columns_ = (glm::ivec2(cells) + column_cells_ - 1) / column_cells_;
+  return {};
+}
+
+field::IndexBox DenseSource::needed_samples(const glm::ivec3& site) const {
+  return {glm::max(site - apron_, reach_.min), glm::min(site + kBrick + apron_, reach_.max)};
+}
+
+void DenseSource::begin_column() {
+  const glm::ivec2 low = glm::ivec2(box_.min) + column_cells_ * glm::ivec2(column_ % columns_.x, column_ / columns_.x);
+  const glm::ivec2 high = low + column_cells_;  // of cells, one past the last
+  column_sites_.clear();
+  next_ = 0;
+  for (std::size_t s = 0; s < sites_.size(); ++s) {
+    const glm::ivec2 at(sites_[s]);
+    if (glm::all(glm::greaterThanEqual(at, low)) && glm::all(glm::lessThan(at, high))) {
+      column_sites_.push_back(static_cast<std::uint32_t>(s));
+    }
+  }
+  column_reach_.min = glm::max(glm::ivec3(low - apron_, reach_.min.z), reach_.min);
+  column_reach_.max = glm::min(glm::ivec3(high + apron_, reach_.max.z), reach_.max);
+  bricks_ = (glm::ivec3(column_reach_.dims()) + kBrick - 1) / kBrick;
+  needed_.assign(volume(bricks_), 0);
+  for (const std::uint32_t s : column_sites_) {
+    const field::IndexBox need = needed_samples(sites_[s]);
+    const glm::ivec3 first = (need.min - column_reach_.min) / kBrick;
+    const glm::ivec3 last = (need.max - column_reach_.min) / kBrick;
+    for (int z = first.z; z <= last.z; ++z) {
+      for (int y = first.y; y <= last.y; ++y) {
+        std::uint8_t* row = needed_.data() + bricks_.x * (y + static_cast<std::int64_t>(bricks_.y) * z);
+        std::fill(row + first.x, row + last.x + 1, std::uint8_t{1});
+      }
+    }
+  }
+  window_ = ToroidalWindow(window_.size());
+}
+
+Result<std::span<const std::uint32_t>> DenseSource::advance() {
+  while (next_ == column_sites_.size()) {
+    if (column_ + 1 >= columns_.x * columns_.y) return std::span<const std::uint32_t>();
+    ++column_;
+    begin_column();
+  }
+  const Stopwatch watch;
+  const std::size_t begin = next_;
+  const int low = needed_samples(sites_[column_sites_[begin]]).min.z;
+  while (next_ < column_sites_.size() && needed_samples(sites_[column_sites_[next_]]).max.z - low < window_.size().z) {
+    ++next_;
+  }
+  const glm::ivec3 from(column_reach_.min.x, column_reach_.min.y, low);
+  for (const field::IndexBox& entered : window_.move_to(from - reach_.min)) {
+    upload(
+        {glm::max(entered.min + reach_.min, column_reach_.min), glm::min(entered.max + reach_.min, column_reach_.max)});
+  }
+  glFinish();  // uploads are made later than they are asked for
+  uploads_.time += watch.elapsed();
+  if (auto checked = context_->check("uploading samples"); !checked) return tl::unexpected(checked.error());
+  return std::span<const std::uint32_t>(column_sites_).subspan(begin, next_ - begin);
+}
+
+// The needed bricks of a box, runs of them in one piece; rows that need the same runs together.
+void DenseSource::upload(const field::IndexBox& entered) {
+  if (entered.empty()) return;
+  const glm::ivec3 first = (entered.min - column_reach_.min) / kBrick;
+  const glm::ivec3 last = (entered.max - column_reach_.min) / kBrick;
+  const auto row = [&](int y, int z) {
+    return std::span<const std::uint8_t>(needed_).subspan(
+        static_cast<std::size_t>(bricks_.x) *
+            (static_cast<std::size_t>(y) + static_cast<std::size_t>(bricks_.y) * static_cast<std::size_t>(z)),
+        static_cast<std::size_t>(bricks_.x));
+  };
+  for (int z = first.z; z <= last.z; ++z) {
+    for (int y = first.y; y <= last.y;) {
+      int rows = 1;
+      while (y + rows <= last.y && std::ranges::equal(row(y, z), row(y + rows, z))) ++rows;
+      const auto needed = row(y, z);
+      for (int x = first.x; x <= last.x; ++x) {
+        if (needed[static_cast<std::size_t>(x)] == 0) continue;
+        const int begin = x;
+        while (x < last.x && needed[static_cast<std::size_t>(x) + 1] != 0) ++x;
+        const glm::ivec3 low = column_reach_.min + kBrick * glm::ivec3(begin, y, z);
+        const glm::ivec3 high = column_reach_.min + kBrick * glm::ivec3(x + 1, y + rows, z + 1) - 1;
+        upload_pieces({glm::max(low, entered.min), glm::min(high, entered.max)});
+      }
+      y += rows;
+    }
+  }
+}
+
+void DenseSource::upload_pieces(const field::IndexBox& box) {
+  glBindTexture(GL_TEXTURE_3D, texture_.name());
+  glPixelStorei(GL_UNPACK_ROW_LENGTH, samples_->dims.x);
+  glPixelStorei(GL_UNPACK_IMAGE_HEIGHT, samples_->dims.y);
+  const std::size_t size = field::sample_size(samples_->type);
+  const glm::u64vec3 dims(samples_->dims);
+  for (const field::IndexBox& piece : window_.pieces({box.min - reach_.min, box.max - reach_.min})) {
+    const glm::ivec3 to = window_.texel(piece.min);
+    const glm::ivec3 extent(piece.dims());
+    const glm::u64vec3 at(piece.min + reach_.min);
+    const auto* data = static_cast<const std::byte*>(samples_->data) + size * (at.x + dims.x * (at.y + dims.y * at.z));
+    glTexSubImage3D(GL_TEXTURE_3D, 0, to.x, to.y, to.z, extent.x, extent.y, extent.z, format_.format, format_.type,
+                    data);
+    uploads_.samples += volume(extent);
+  }
+  glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
+  glPixelStorei(GL_UNPACK_IMAGE_HEIGHT, 0);
+}
+
+void DenseSource::bind(const gl::CellPass& pass, std::span<const std::uint32_t>) {
+  glActiveTexture(GL_TEXTURE1);
+  glBindTexture(GL_TEXTURE_3D, texture_.name());
+  for (const gl::CellProgram* program : pass.programs()) {
+    program->set("field_window", 1);
+    program->set("window_base", reach_.min);
+    program->set("window_size", window_.size());
+  }
+}
+
+UploadFigures DenseSource::uploads() const {
+  UploadFigures figures = uploads_;
+  figures.bytes = uploads_.samples * field::sample_size(samples_->type);
+  const std::uint64_t all = volume(glm::ivec3(with_apron(region_, apron_, samples_->dims).dims()));
+  figures.left_out = all > uploads_.samples ? all - uploads_.samples : 0;
+  return figures;
+}
+
+}  // namespace isoextract::gpu

@@ -1,0 +1,29 @@
+#include "gpu/detail/field_source.hpp"
+
+#include <fmt/format.h>
+
+namespace isoextract::gpu {
+
+Result<gl::GlTexture> make_sample_texture(const gl::GlContext& context, field::SampleType type,
+                                          const glm::ivec3& size) {
+  gl::GlTexture texture = gl::GlTexture::make();
+  glBindTexture(GL_TEXTURE_3D, texture.name());
+  glTexStorage3D(GL_TEXTURE_3D, 1, sample_format(type).internal, size.x, size.y, size.z);
+  glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  const glm::u64vec3 wide(size);
+  const std::uint64_t bytes = wide.x * wide.y * wide.z * field::sample_size(type);
+  if (auto checked = context.check(fmt::format("taking {} for samples", format_byte_size(bytes))); !checked) {
+    return tl::unexpected(checked.error());
+  }
+  return texture;
+}
+
+tl::unexpected<Error> too_few_bytes(std::uint64_t bytes, std::uint64_t least) {
+  return fail(ErrorKind::usage,
+              fmt::format("--gpu-memory: {} of samples are too few, expected {} or more", format_byte_size(bytes),
+                          format_byte_size(least)),
+              "give the GPU more, or use --backend cpu");
+}
+
+}  // namespace isoextract::gpu

@@ -1,0 +1,53 @@
+// How the samples of a field get to the device, in the order in which sites are drawn.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "base/error.hpp"
+#include "base/limits.hpp"
+#include "base/stopwatch.hpp"
+#include "gl/gl_object.hpp"
+#include "gl/gl_program.hpp"
+#include "gpu/detail/sample_format.hpp"
+
+namespace isoextract::gpu {
+
+struct SourceOptions {
+  bool gradients = false;    // samples around a vertex are read as well
+  std::uint64_t bytes = 0;   // what samples may take on the device
+  int max_texture_size = 0;  // of the device, in 3D
+};
+
+struct UploadFigures {
+  std::uint64_t bytes = 0;     // of samples
+  std::uint64_t samples = 0;   // each counted as often as it was uploaded
+  std::uint64_t left_out = 0;  // samples that no crossed brick needs, less what was uploaded more than once
+  StageTime time;
+};
+
+class FieldSource {
+ public:
+  virtual ~FieldSource() = default;
+
+  // Uploads what the next sites need and names them by their numbers; none when all were named. Each site is named
+  // once.
+  [[nodiscard]] virtual Result<std::span<const std::uint32_t>> advance() = 0;
+
+  // Before drawing some of the sites that advance() named last, given by their numbers.
+  virtual void bind(const gl::CellPass& pass, std::span<const std::uint32_t> sites) = 0;
+
+  [[nodiscard]] virtual UploadFigures uploads() const = 0;
+};
+
+// What sources share. A texture of samples as bits, nothing in it yet; fails as GlContext::check() does.
+[[nodiscard]] Result<gl::GlTexture> make_sample_texture(const gl::GlContext& context, field::SampleType type,
+                                                        const glm::ivec3& size);
+// ErrorKind::usage.
+[[nodiscard]] tl::unexpected<Error> too_few_bytes(std::uint64_t bytes, std::uint64_t least);
+
+}  // namespace isoextract::gpu

@@ -1,0 +1,59 @@
+// Sparse samples on the device: an atlas of leaves. Leaves that the surface's sites need are uploaded, never the boxes
+// around them; each once where the atlas holds all that are in use at a time, which sites in their order of place need
+// little for. Places without a leaf are one constant each.
+#pragma once
+
+#include <deque>
+#include <map>
+#include <utility>
+
+#include "extract/sparse_sites.hpp"
+#include "gpu/detail/field_source.hpp"
+
+namespace isoextract::gpu {
+
+class SparseSource final : public FieldSource {
+ public:
+  // All arguments must outlive the source. Fails with ErrorKind::usage where the bytes are too few.
+  [[nodiscard]] static Result<SparseSource> make(const gl::GlContext& context, const field::SparseSamples& samples,
+                                                 const extract::SparseSites& sites, const SourceOptions& options);
+
+  [[nodiscard]] Result<std::span<const std::uint32_t>> advance() override;
+  void bind(const gl::CellPass& pass, std::span<const std::uint32_t> sites) override;
+  [[nodiscard]] UploadFigures uploads() const override;
+
+ private:
+  SparseSource(const gl::GlContext& context, const field::SparseSamples& samples, const extract::SparseSites& sites,
+               const SourceOptions& options);
+
+  // f(place's slot in the 3 x 3 x 3 around the site, its lowest sample) for all places that the site's cells need.
+  template <class F>
+  void for_each_place(std::uint32_t site, const F& f) const;
+  [[nodiscard]] bool make_resident(std::uint32_t site);
+  [[nodiscard]] std::int32_t take_slot();
+  void upload(std::int32_t block, std::int32_t slot);
+  [[nodiscard]] std::int32_t constant_at(const glm::ivec3& place);
+
+  const gl::GlContext* context_;
+  const field::SparseSamples* samples_;
+  const extract::SparseSites* sites_;
+  SourceOptions options_;
+  SampleFormat format_;
+  glm::ivec3 slots_{0};  // of the atlas along each axis of its texture
+  gl::GlTexture atlas_;
+  gl::GlBuffer neighbour_buffer_, constant_buffer_;
+  gl::GlTexture neighbour_texture_, constant_texture_;
+
+  std::vector<std::uint32_t> order_;                 // all sites
+  std::size_t next_ = 0;                             // into order_
+  std::int32_t round_ = 0;                           // of advance()
+  std::vector<std::int32_t> slot_of_;                // by block; -1 if it is not resident
+  std::vector<std::int32_t> block_in_;               // by slot
+  std::vector<std::int32_t> used_in_;                // by slot: the last round that needed it
+  std::deque<std::int32_t> by_age_;                  // slots, first uploaded first
+  std::map<std::uint64_t, std::int32_t> constants_;  // bits to their number
+  std::vector<glm::uvec2> constant_words_;
+  UploadFigures uploads_;
+};
+
+}  // namespace isoextract::gpu

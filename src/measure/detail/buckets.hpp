@@ -1,0 +1,77 @@
+// Things put into buckets, in parallel and in linear time: what two meshes have in common is then found bucket by
+// bucket.
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <cstdint>
+#include <span>
+#include <utility>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include "base/buffer.hpp"
+
+namespace isoextract::measure {
+
+// Each bucket's things are sorted, so that nothing depends on which thread came first. T has a strict order.
+template <class T>
+class Buckets {
+ public:
+  // place(i, put) calls put(bucket, thing) once for every i below `count`, or not at all, where i belongs nowhere. It
+  // is called twice for each i.
+  template <class Place>
+  Buckets(std::size_t count, std::size_t buckets, const Place& place) : ends_(buckets) {
+    std::fill(ends_.begin(), ends_.end(), std::uint64_t{0});
+    const auto next = [&](std::size_t bucket) {
+      return std::atomic_ref(ends_[bucket]).fetch_add(1, std::memory_order_relaxed);
+    };
+    each(count, [&](std::size_t i) { place(i, [&](std::size_t bucket, const T&) { next(bucket); }); });
+    std::uint64_t total = 0;
+    for (std::uint64_t& end : ends_) total += std::exchange(end, total);
+    things_ = Buffer<T>(total);
+    each(count,
+         [&](std::size_t i) { place(i, [&](std::size_t bucket, const T& thing) { things_[next(bucket)] = thing; }); });
+    each(buckets, [&](std::size_t bucket) {
+      const std::uint64_t first = begin_of(bucket);
+      std::sort(things_.data() + first, things_.data() + ends_[bucket]);
+    });
+  }
+
+  [[nodiscard]] std::span<const T> at(std::size_t bucket) const {
+    const std::uint64_t first = begin_of(bucket);
+    return things_.span().subspan(first, ends_[bucket] - first);
+  }
+  [[nodiscard]] std::size_t size() const { return ends_.size(); }     // how many buckets
+  [[nodiscard]] std::size_t total() const { return things_.size(); }  // how many things
+
+  static std::uint64_t bytes(std::uint64_t things, std::uint64_t buckets) {
+    return things * sizeof(T) + buckets * sizeof(std::uint64_t);
+  }
+
+ private:
+  template <class F>
+  static void each(std::size_t count, const F& f) {
+    constexpr std::size_t kGrain = 1 << 12;
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kGrain), [&](const auto& range) {
+      for (std::size_t i = range.begin(); i != range.end(); ++i) f(i);
+    });
+  }
+
+  [[nodiscard]] std::uint64_t begin_of(std::size_t bucket) const { return bucket == 0 ? 0 : ends_[bucket - 1]; }
+
+  Buffer<std::uint64_t> ends_;  // a count at first, then where the next thing goes, which is the end when all are there
+  Buffer<T> things_;
+};
+
+// A bucket below `buckets` for a cell of space; buckets > 0.
+[[nodiscard]] inline std::size_t bucket_of_cell(std::int64_t x, std::int64_t y, std::int64_t z, std::size_t buckets) {
+  // Multiplicative hashing with odd constants; the high bits are the well-mixed ones.
+  const std::uint64_t mixed =
+      (static_cast<std::uint64_t>(x) * 0x9E3779B97F4A7C15U + static_cast<std::uint64_t>(y)) * 0xC2B2AE3D27D4EB4FU +
+      static_cast<std::uint64_t>(z);
+  return static_cast<std::size_t>((mixed * 0x9E3779B97F4A7C15U) >> 20U) % buckets;
+}
+
+}  // namespace isoextract::measure

@@ -1,0 +1,40 @@
+#include "measure/detail/index_mesh.hpp"
+
+#include "extract/edge_geometry.hpp"
+#include "extract/sparse_blocks.hpp"
+
+namespace isoextract::measure {
+
+IndexMesh::IndexMesh(const mesh::Mesh& mesh, const field::ScalarField& field, const extract::ExtractOptions& extracted,
+                     const field::ScalarField* grid)
+    : mesh_(mesh) {
+  const field::ScalarField& from = grid != nullptr ? *grid : field;
+  const field::Affine field_from_grid = field.index_to_file.inverse().after(from.index_to_file);
+  output_from_index_ = extracted.output_from_index.after(field_from_grid.inverse());
+  index_from_local_ = glm::inverse(output_from_index_.linear);
+  local_offset_ = mesh.origin - output_from_index_.offset;
+  const auto* sparse = std::get_if<field::SparseSamples>(&field.samples);
+  const field::IndexBox samples = sparse != nullptr ? extract::stored_box(*sparse) : field.extents();
+  // Half of what keeps vertices off the ends of their edges: closer than that only rounding brings them.
+  tolerance_ = extract::OutputFrame(output_from_index_, samples, field.kind, field.scale).margin() / 2;
+  if (!extracted.cap) return;
+  std::optional<field::IndexBox> cap = extracted.region;
+  // Unbounded samples have no other border.
+  if (std::holds_alternative<field::DenseSamples>(from.samples)) {
+    const field::IndexBox all = from.extents();
+    cap = cap ? field::IndexBox{glm::max(all.min, cap->min), glm::min(all.max, cap->max)} : all;
+  }
+  if (cap) cap_ = field::image_of(field_from_grid, {glm::dvec3(cap->min), glm::dvec3(cap->max)});
+}
+
+std::vector<std::uint8_t> IndexMesh::surface_vertices() const {
+  std::vector<std::uint8_t> used(mesh_.positions.size(), cap_ ? 0 : 1);
+  if (!cap_) return used;
+  for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
+    if (is_cap(corners(t))) continue;
+    for (int corner = 0; corner < 3; ++corner) used[mesh_.triangles[t][corner]] = 1;
+  }
+  return used;
+}
+
+}  // namespace isoextract::measure

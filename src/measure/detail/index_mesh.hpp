@@ -1,0 +1,91 @@
+// A mesh seen in the index space of the field it came from.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "extract/extractor.hpp"
+
+namespace isoextract::measure {
+
+class IndexMesh {
+ public:
+  // `extracted` is how `mesh` was extracted from `field`, or from `grid` if there is one, which resample() made of
+  // `field`. The mesh must outlive this.
+  IndexMesh(const mesh::Mesh& mesh, const field::ScalarField& field, const extract::ExtractOptions& extracted,
+            const field::ScalarField* grid = nullptr);
+
+  // What places the mesh, from the indices of `field`.
+  [[nodiscard]] const field::Affine& output_from_index() const { return output_from_index_; }
+
+  // The two large numbers of a far-away frame are subtracted first.
+  [[nodiscard]] glm::dvec3 vertex(std::size_t v) const {
+    return index_from_local_ * (glm::dvec3(mesh_.positions[v]) + local_offset_);
+  }
+  [[nodiscard]] std::array<glm::dvec3, 3> corners(std::size_t triangle) const {
+    const glm::uvec3 t = mesh_.triangles[triangle];
+    return {vertex(t.x), vertex(t.y), vertex(t.z)};
+  }
+
+  // Twice the triangle's area in the mesh's own coordinates, along its normal.
+  [[nodiscard]] glm::dvec3 area_vector(const std::array<glm::dvec3, 3>& corners) const {
+    const glm::dmat3& linear = output_from_index_.linear;
+    return glm::cross(linear * (corners[1] - corners[0]), linear * (corners[2] - corners[0]));
+  }
+
+  // All corners in one face of the box that was capped.
+  [[nodiscard]] bool is_cap(const std::array<glm::dvec3, 3>& corners) const {
+    if (!cap_) return false;
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const double face : {cap_->min[axis], cap_->max[axis]}) {
+        if (std::ranges::all_of(corners, [&](const glm::dvec3& p) { return std::abs(p[axis] - face) < tolerance_; })) {
+          return true;
+        }
+      }
+    }
+    return false;
+  }
+
+  // For each vertex whether a triangle that is no cap uses it. The others stand on samples.
+  [[nodiscard]] std::vector<std::uint8_t> surface_vertices() const;
+
+  // At least two of the three indices are those of samples.
+  [[nodiscard]] bool on_axis_edge(const glm::dvec3& index) const {
+    int on_samples = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      on_samples += std::abs(index[axis] - std::round(index[axis])) < tolerance_ ? 1 : 0;
+    }
+    return on_samples >= 2;
+  }
+
+  // How far from its place rounding may bring a vertex, in voxels.
+  [[nodiscard]] double tolerance() const { return tolerance_; }
+
+  // How far the margin at the ends of edges and float32 rounding together move a vertex at most, in the mesh's
+  // coordinates.
+  [[nodiscard]] double rounding() const {
+    constexpr double kMarginAndRounding = 9.0 / 8;  // of the margin, which is eight times the rounding
+    const glm::dmat3& linear = output_from_index_.linear;
+    const double longest = std::max({glm::length(linear[0]), glm::length(linear[1]), glm::length(linear[2])});
+    return kMarginAndRounding * 2 * tolerance_ * longest;
+  }
+
+  // About how long a voxel is in the mesh's coordinates: the side of a cube of its volume.
+  [[nodiscard]] double voxel() const { return std::cbrt(std::abs(output_from_index_.determinant())); }
+
+ private:
+  const mesh::Mesh& mesh_;
+  field::Affine output_from_index_;
+  glm::dmat3 index_from_local_;
+  glm::dvec3 local_offset_;
+  double tolerance_;  // voxels
+  std::optional<field::Box> cap_;
+};
+
+}  // namespace isoextract::measure

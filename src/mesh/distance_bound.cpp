@@ -1,0 +1,160 @@
+#include "mesh/distance_bound.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+namespace isoextract::mesh {
+namespace {
+
+// A convex polygon in space.
+struct Polygon {
+  static constexpr std::size_t kManyCorners = 8;  // from here on it is halved along a diagonal before it is cut
+  // Below that a cut adds one corner; where rounding bends sides of the polygon, one more a side at most.
+  static constexpr std::size_t kMostCorners = 2 * kManyCorners;
+
+  std::array<glm::dvec3, kMostCorners> corners;
+  std::size_t count = 0;
+  std::uint32_t hint = 0;
+
+  void add(const glm::dvec3& corner) { corners[count++] = corner; }
+  [[nodiscard]] glm::dvec3 centre() const {
+    glm::dvec3 sum(0.0);
+    for (std::size_t i = 0; i < count; ++i) sum += corners[i];
+    return sum / static_cast<double>(count);
+  }
+};
+
+struct Plane {
+  glm::dvec3 point;
+  glm::dvec3 normal;
+  [[nodiscard]] double side(const glm::dvec3& p) const { return glm::dot(p - point, normal); }
+};
+
+// The cut through the polygon along a side of the triangle that reaches farthest beyond it; none where the polygon lies
+// on one side of each.
+std::optional<Plane> side_to_cut(const Polygon& polygon, const TriangleTree::Corners& triangle) {
+  const std::array<glm::dvec3, 3> corners{triangle.a, triangle.b, triangle.c};
+  const glm::dvec3 normal = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
+  std::optional<Plane> best;
+  double farthest = 0;
+  for (std::size_t edge = 0; edge < 3; ++edge) {
+    const glm::dvec3 outward = glm::cross(corners[(edge + 1) % 3] - corners[edge], normal);
+    const double length = glm::length(outward);
+    if (!(length > 0)) continue;
+    const Plane plane{corners[edge], outward / length};
+    double low = 0;
+    double high = 0;
+    for (std::size_t i = 0; i < polygon.count; ++i) {
+      const double side = plane.side(polygon.corners[i]);
+      low = std::min(low, side);
+      high = std::max(high, side);
+    }
+    // A sliver would be cut off otherwise, and nothing be won.
+    constexpr double kSliver = 1e-3;
+    if (std::min(high, -low) > kSliver * (high - low) && high > farthest) {
+      farthest = high;
+      best = plane;
+    }
+  }
+  return best;
+}
+
+// Across the longest edge, at right angles, through the centre of the polygon.
+Plane longest_edge_cut(const Polygon& polygon) {
+  glm::dvec3 longest(0.0);
+  for (std::size_t i = 0; i < polygon.count; ++i) {
+    const glm::dvec3 edge = polygon.corners[(i + 1) % polygon.count] - polygon.corners[i];
+    if (glm::dot(edge, edge) > glm::dot(longest, longest)) longest = edge;
+  }
+  return {polygon.centre(), longest};
+}
+
+std::array<Polygon, 2> cut(const Polygon& polygon, const Plane& plane) {
+  std::array<Polygon, 2> parts;
+  for (std::size_t i = 0; i < polygon.count; ++i) {
+    const glm::dvec3& from = polygon.corners[i];
+    const glm::dvec3& to = polygon.corners[(i + 1) % polygon.count];
+    const double from_side = plane.side(from);
+    const double to_side = plane.side(to);
+    if (from_side <= 0) parts[0].add(from);
+    if (from_side >= 0) parts[1].add(from);
+    if ((from_side < 0 && to_side > 0) || (from_side > 0 && to_side < 0)) {
+      const glm::dvec3 crossing = from + from_side / (from_side - to_side) * (to - from);
+      parts[0].add(crossing);
+      parts[1].add(crossing);
+    }
+  }
+  return parts;
+}
+
+// Along a diagonal, so that no polygon gets too many corners.
+std::array<Polygon, 2> halve_corners(const Polygon& polygon) {
+  std::array<Polygon, 2> parts;
+  const std::size_t middle = polygon.count / 2;
+  for (std::size_t i = 0; i <= middle; ++i) parts[0].add(polygon.corners[i]);
+  for (std::size_t i = middle; i < polygon.count; ++i) parts[1].add(polygon.corners[i]);
+  parts[1].add(polygon.corners[0]);
+  return parts;
+}
+
+}  // namespace
+
+TriangleBound bound_distance(const std::array<glm::dvec3, 3>& corners, const TriangleTree& tree,
+                             const DistanceLimits& limits, double known, std::uint32_t hint) {
+  TriangleBound bound;
+  double lower = known;
+  std::vector<Polygon> waiting(1);
+  for (const glm::dvec3& corner : corners) waiting[0].add(corner);
+  waiting[0].hint = hint;
+  for (std::size_t parts = 0; !waiting.empty(); ++parts) {
+    const Polygon polygon = waiting.back();
+    waiting.pop_back();
+    const glm::dvec3 centre = polygon.centre();
+    const TriangleTree::Nearest nearest = tree.nearest(centre, polygon.hint);
+    const double distance = std::sqrt(nearest.distance_squared);
+    if (parts == 0) bound.slot = nearest.slot;
+    if (distance > bound.lower) {
+      bound.lower = distance;
+      bound.place = centre;
+      bound.nearest = nearest.point;
+      lower = std::max(lower, distance);
+    }
+    double to_triangle = 0;
+    double radius = 0;
+    for (std::size_t i = 0; i < polygon.count; ++i) {
+      to_triangle = std::max(to_triangle, tree.nearest_in(nearest.slot, polygon.corners[i]).distance_squared);
+      const glm::dvec3 way = polygon.corners[i] - centre;
+      radius = std::max(radius, glm::dot(way, way));
+    }
+    const double upper = std::min(std::sqrt(to_triangle), distance + std::sqrt(radius));
+    if (upper <= limits.good_upper(lower)) {
+      bound.upper = std::max(bound.upper, upper);
+      continue;
+    }
+    const bool too_many = parts + waiting.size() > limits.most_parts;
+    if (lower > limits.refuse || (too_many && std::isfinite(limits.refuse))) {
+      bound.upper = std::numeric_limits<double>::infinity();
+      bound.unfinished = true;
+      return bound;
+    }
+    if (too_many) {
+      bound.upper = std::max(bound.upper, upper);
+      bound.unfinished = true;
+      continue;
+    }
+    const auto side = side_to_cut(polygon, tree.corners(nearest.slot));
+    auto cut_parts = polygon.count >= Polygon::kManyCorners ? halve_corners(polygon)
+                                                            : cut(polygon, side ? *side : longest_edge_cut(polygon));
+    for (Polygon& part : cut_parts) {
+      if (part.count < 3) continue;
+      part.hint = nearest.slot;
+      waiting.push_back(part);
+    }
+  }
+  bound.upper = std::max(bound.upper, bound.lower);
+  return bound;
+}
+
+}  // namespace isoextract::mesh

@@ -1,0 +1,142 @@
+#include "mesh/triangle_tree.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
+
+#include "mesh/closest_point.hpp"
+
+namespace isoextract::mesh {
+namespace {
+
+constexpr std::size_t kLeafTriangles = 4;
+constexpr std::size_t kParallelTriangles = 1 << 13;
+
+template <class Box>
+double distance_squared(const Box& box, const glm::dvec3& p) {
+  double sum = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double below = static_cast<double>(box.min[axis]) - p[axis];
+    const double above = p[axis] - static_cast<double>(box.max[axis]);
+    const double outside = std::max({below, above, 0.0});
+    sum += outside * outside;
+  }
+  return sum;
+}
+
+}  // namespace
+
+struct TriangleTree::Item {
+  glm::vec3 centre;
+  std::uint32_t triangle;
+};
+
+TriangleTree::TriangleTree(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles)
+    : corners_(triangles.size()), triangle_of_slot_(triangles.size()) {
+  while (triangles.size() > kLeafTriangles << depth_) ++depth_;
+  boxes_ = Buffer<Box>((std::size_t{2} << depth_) - 1);
+  Buffer<Item> items(triangles.size());
+  tbb::parallel_for(std::size_t{0}, triangles.size(), [&](std::size_t t) {
+    const glm::uvec3& corner = triangles[t];
+    // Thirds are taken first: sums of coordinates may leave the range of float.
+    constexpr float kThird = 1.0F / 3;
+    items[t] = {positions[corner.x] * kThird + positions[corner.y] * kThird + positions[corner.z] * kThird,
+                static_cast<std::uint32_t>(t)};
+  });
+  build(items.span(), 0, 0, positions, triangles);
+}
+
+// Orders `items`, those of one node, and fills what belongs to the node and those below it.
+void TriangleTree::build(std::span<Item> items, std::size_t level, std::size_t number,
+                         std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles) {
+  const std::size_t first = first_slot(level, number);
+  const std::size_t node = (std::size_t{1} << level) - 1 + number;
+  if (level == depth_) {
+    Box box{glm::vec3(std::numeric_limits<float>::infinity()), glm::vec3(-std::numeric_limits<float>::infinity())};
+    for (std::size_t i = 0; i < items.size(); ++i) {
+      const glm::uvec3& triangle = triangles[items[i].triangle];
+      const Corners corners{positions[triangle.x], positions[triangle.y], positions[triangle.z]};
+      corners_[first + i] = corners;
+      triangle_of_slot_[first + i] = items[i].triangle;
+      box.min = glm::min(box.min, glm::min(corners.a, glm::min(corners.b, corners.c)));
+      box.max = glm::max(box.max, glm::max(corners.a, glm::max(corners.b, corners.c)));
+    }
+    boxes_[node] = box;
+    return;
+  }
+  glm::vec3 low = items[0].centre;
+  glm::vec3 high = low;
+  for (const Item& item : items) {
+    low = glm::min(low, item.centre);
+    high = glm::max(high, item.centre);
+  }
+  const glm::vec3 extent = high - low;
+  const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
+  const std::size_t half = first_slot(level + 1, 2 * number + 1) - first;
+  std::nth_element(items.begin(), items.begin() + static_cast<std::ptrdiff_t>(half), items.end(),
+                   [axis](const Item& a, const Item& b) {
+                     return a.centre[axis] != b.centre[axis] ? a.centre[axis] < b.centre[axis]
+                                                             : a.triangle < b.triangle;
+                   });
+  const auto left = [&] { build(items.first(half), level + 1, 2 * number, positions, triangles); };
+  const auto right = [&] { build(items.subspan(half), level + 1, 2 * number + 1, positions, triangles); };
+  if (items.size() > kParallelTriangles) {
+    tbb::parallel_invoke(left, right);
+  } else {
+    left();
+    right();
+  }
+  const Box& a = boxes_[2 * node + 1];
+  const Box& b = boxes_[2 * node + 2];
+  boxes_[node] = {glm::min(a.min, b.min), glm::max(a.max, b.max)};
+}
+
+TriangleTree::Nearest TriangleTree::nearest_in(std::uint32_t slot, const glm::dvec3& p) const {
+  const Corners& corners = corners_[slot];
+  Nearest found;
+  found.slot = slot;
+  found.point = closest_on_triangle(p, corners.a, corners.b, corners.c);
+  const glm::dvec3 way = p - found.point;
+  found.distance_squared = glm::dot(way, way);
+  return found;
+}
+
+void TriangleTree::search(std::size_t leaf, const glm::dvec3& p, Nearest& best) const {
+  const std::size_t last = first_slot(depth_, leaf + 1);
+  for (std::size_t slot = first_slot(depth_, leaf); slot < last; ++slot) {
+    const Nearest found = nearest_in(static_cast<std::uint32_t>(slot), p);
+    if (found.distance_squared < best.distance_squared) best = found;
+  }
+}
+
+TriangleTree::Nearest TriangleTree::nearest(const glm::dvec3& p, std::uint32_t hint) const {
+  struct Entry {
+    std::size_t node;
+    double distance_squared;
+  };
+  constexpr std::size_t kMostLevels = 32;  // slots have 32 bits
+  std::array<Entry, kMostLevels + 1> waiting;
+  std::size_t count = 0;
+  Nearest best = nearest_in(hint, p);
+  const std::size_t first_leaf = (std::size_t{1} << depth_) - 1;
+  Entry entry{0, distance_squared(boxes_[0], p)};
+  for (;;) {
+    if (entry.distance_squared < best.distance_squared) {
+      if (entry.node < first_leaf) {
+        Entry near{2 * entry.node + 1, distance_squared(boxes_[2 * entry.node + 1], p)};
+        Entry far{2 * entry.node + 2, distance_squared(boxes_[2 * entry.node + 2], p)};
+        if (far.distance_squared < near.distance_squared) std::swap(near, far);
+        waiting[count++] = far;
+        entry = near;
+        continue;
+      }
+      search(entry.node - first_leaf, p, best);
+    }
+    if (count == 0) return best;
+    entry = waiting[--count];
+  }
+}
+
+}  // namespace isoextract::mesh

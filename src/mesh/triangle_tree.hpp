@@ -1,0 +1,66 @@
+// A bounding volume hierarchy over the triangles of a mesh: the closest point of a surface to a point.
+//
+// A complete binary tree, split at the median of the centroids along their longest axis. Its 2^d leaves share the
+// triangles evenly, so a node's triangles follow from its number, and a node stores nothing but its box.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+
+#include <glm/glm.hpp>
+
+#include "base/buffer.hpp"
+
+namespace isoextract::mesh {
+
+class TriangleTree {
+ public:
+  struct Corners {
+    glm::vec3 a, b, c;
+  };
+
+  // What is nearest to a point. A slot is a triangle's number in the order of the tree.
+  struct Nearest {
+    double distance_squared = std::numeric_limits<double>::infinity();
+    std::uint32_t slot = 0;
+    glm::dvec3 point{0.0};
+  };
+
+  // At least one triangle; finite positions; indices below positions.size(). The tree keeps copies. It is the same for
+  // any number of threads.
+  TriangleTree(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles);
+
+  // The nearest point of all triangles, in the frame of the positions. The search starts from what is known of the
+  // triangle in slot `hint`: one that is near saves time, and wins where it is as near as another.
+  [[nodiscard]] Nearest nearest(const glm::dvec3& p, std::uint32_t hint) const;
+  [[nodiscard]] Nearest nearest(const glm::dvec3& p) const { return nearest(p, 0); }
+
+  // The nearest point of one triangle.
+  [[nodiscard]] Nearest nearest_in(std::uint32_t slot, const glm::dvec3& p) const;
+
+  [[nodiscard]] const Corners& corners(std::uint32_t slot) const { return corners_[slot]; }
+  // The triangle's number in the mesh.
+  [[nodiscard]] std::uint32_t triangle(std::uint32_t slot) const { return triangle_of_slot_[slot]; }
+  [[nodiscard]] std::size_t size() const { return corners_.size(); }
+
+ private:
+  struct Box {
+    glm::vec3 min, max;
+  };
+  struct Item;  // a triangle on its way to its slot
+
+  [[nodiscard]] std::size_t first_slot(std::size_t level, std::size_t number) const {
+    return number * corners_.size() >> level;
+  }
+  void build(std::span<Item> items, std::size_t level, std::size_t number, std::span<const glm::vec3> positions,
+             std::span<const glm::uvec3> triangles);
+  void search(std::size_t leaf, const glm::dvec3& p, Nearest& best) const;
+
+  std::size_t depth_ = 0;
+  Buffer<Corners> corners_;
+  Buffer<std::uint32_t> triangle_of_slot_;
+  Buffer<Box> boxes_;  // node k has children 2k + 1 and 2k + 2
+};
+
+}  // namespace isoextract::mesh

@@ -1,0 +1,223 @@
+#include "meshes/mesh_reader.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <exception>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "base/checked.hpp"
+#include "mesh/local_origin.hpp"
+#include "meshes/read/mesh_format_readers.hpp"
+
+namespace isoextract::meshes {
+namespace {
+
+using Reader = FileSurface (*)(const MeshSource&);
+
+Reader reader_of(const MeshSource& source) {
+  const std::string_view text = source.text();
+  if (text.starts_with("glTF")) return read_glb;
+  if (text.starts_with("ply\n") || text.starts_with("ply\r")) return read_ply;
+  const auto by_extension = mesh_format_by_path(source.file.path());
+  if (by_extension) {
+    switch (*by_extension) {
+      case MeshFormat::obj: return read_obj;
+      case MeshFormat::stl: return read_stl;
+      case MeshFormat::ply: return read_ply;
+      case MeshFormat::glb: return read_glb;
+      case MeshFormat::gltf: return read_gltf;
+    }
+  }
+  throw DamagedMesh(fmt::format("expected a mesh (.glb, .gltf, .ply, .obj or .stl), found a file that starts with '{}'",
+                                files::printable(text, 16)));
+}
+
+mesh::Mesh mesh_of(const FileSurface& surface, const Limits& limits) {
+  MemoryUse memory(limits);
+  memory.take(surface.positions.capacity() * sizeof(glm::dvec3) + surface.positions.size() * sizeof(glm::vec3));
+  memory.take((surface.triangles.capacity() + surface.triangles.size()) * sizeof(glm::uvec3));
+  mesh::Mesh mesh;
+  mesh.positions = Buffer<glm::vec3>(surface.positions.size());
+  mesh.triangles = Buffer<glm::uvec3>(surface.triangles.size());
+  std::copy(surface.triangles.begin(), surface.triangles.end(), mesh.triangles.begin());
+  if (surface.positions.empty()) return mesh;
+
+  glm::dvec3 low = surface.positions.front();
+  glm::dvec3 high = low;
+  for (std::size_t v = 0; v < surface.positions.size(); ++v) {
+    const glm::dvec3& p = surface.positions[v];
+    if (!is_finite(p)) {
+      throw DamagedMesh(fmt::format("expected finite coordinates, found ({}, {}, {}) at vertex {}, counted from 0", p.x,
+                                    p.y, p.z, v));
+    }
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
+  mesh.origin = surface.origin ? *surface.origin : mesh::choose_local_origin(low, high);
+  if (!is_finite(mesh.origin)) {
+    throw DamagedMesh(fmt::format("expected a finite place of the mesh, found its origin at ({}, {}, {})",
+                                  mesh.origin.x, mesh.origin.y, mesh.origin.z));
+  }
+  const glm::dvec3 shift = surface.origin ? glm::dvec3(0) : mesh.origin;
+  const glm::dvec3 farthest = glm::max(glm::abs(low - shift), glm::abs(high - shift));
+  if (!(std::max({farthest.x, farthest.y, farthest.z}) <= static_cast<double>(std::numeric_limits<float>::max()))) {
+    throw DamagedMesh(
+        fmt::format("expected coordinates that float32 holds relative to their centre, found ({:.9g}, {:.9g}, {:.9g}) "
+                    ".. ({:.9g}, {:.9g}, {:.9g})",
+                    low.x, low.y, low.z, high.x, high.y, high.z));
+  }
+  std::transform(surface.positions.begin(), surface.positions.end(), mesh.positions.begin(),
+                 [&](const glm::dvec3& p) { return glm::vec3(p - shift); });
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const glm::uvec3& corners = mesh.triangles[t];
+    const std::uint32_t greatest = std::max({corners.x, corners.y, corners.z});
+    if (greatest >= mesh.positions.size()) {
+      throw DamagedMesh(fmt::format("expected indices below {}, the number of vertices, found {} in triangle {}",
+                                    mesh.positions.size(), greatest, t));
+    }
+  }
+  return mesh;
+}
+
+FileSurface read_surface(const files::InputFile& file, const Limits& limits) {
+  MemoryUse memory(limits);
+  memory.take(file.size());
+  Buffer<std::byte> content(file.size());
+  if (auto read = file.read_at(0, content.span()); !read) throw DamagedMesh(read.error().message);
+  const MeshSource source{file, content.span(), memory};
+  return reader_of(source)(source);
+}
+
+MeshFile read_file(const files::InputFile& file, const Limits& limits) {
+  const FileSurface surface = read_surface(file, limits);
+  if (surface.positions.empty() && !surface.triangles.empty()) {
+    throw DamagedMesh("expected vertices, found triangles without any");
+  }
+  MeshFile result;
+  result.mesh = mesh_of(surface, limits);
+  result.mesh.name = file.path().filename().string();
+  result.format = surface.format;
+  for (const std::string& note : surface.notes) result.notes.push_back(fmt::format("{}: {}", file.name(), note));
+  return result;
+}
+
+}  // namespace
+
+Result<MeshFile> read_mesh(const std::filesystem::path& path, const Limits& limits) {
+  auto file = files::InputFile::open(path);
+  if (!file) return tl::unexpected(file.error());
+  try {
+    return read_file(*file, limits);
+  } catch (const DamagedMesh& damage) {
+    const std::string_view text = damage.what();
+    const bool named = text.starts_with(file->name());
+    return fail(ErrorKind::input, named ? std::string(text) : fmt::format("{}: {}", file->name(), text), damage.hint);
+  } catch (const std::exception& error) {
+    return fail(ErrorKind::input, fmt::format("{}: cannot be read: {}", file->name(), error.what()));
+  }
+}
+
+void MemoryUse::take(std::uint64_t bytes) {
+  used_ = checked_sum(used_, bytes).value_or(std::numeric_limits<std::uint64_t>::max());
+  if (used_ <= limits_.memory_bytes) return;
+  const auto fits = check_memory(used_, limits_, "its bytes, vertices and triangles");
+  throw DamagedMesh(fits.error().message, fits.error().hint);
+}
+
+void require_vertex_count(std::uint64_t count) {
+  if (count <= std::numeric_limits<std::uint32_t>::max()) return;
+  throw DamagedMesh(
+      fmt::format("expected at most {} vertices, found {}", std::numeric_limits<std::uint32_t>::max(), count));
+}
+
+void weld_corners(std::span<const glm::vec3> corners, FileSurface& surface, MemoryUse& memory) {
+  const auto first = static_cast<std::uint32_t>(surface.positions.size());
+  constexpr std::uint32_t kFree = std::numeric_limits<std::uint32_t>::max();
+  const std::size_t table_size = std::bit_ceil(2 * corners.size() + 1);
+  const std::uint64_t bytes =
+      (table_size + corners.size()) * sizeof(std::uint32_t) + corners.size() * sizeof(glm::vec3);
+  memory.take(bytes);
+  std::vector<std::uint32_t> table(table_size, kFree);
+  const auto bits_of = [](const glm::vec3& p) {
+    return glm::u64vec3(std::bit_cast<std::uint32_t>(p.x), std::bit_cast<std::uint32_t>(p.y),
+                        std::bit_cast<std::uint32_t>(p.z));
+  };
+  std::vector<std::uint32_t> vertex_of(corners.size());
+  std::vector<glm::vec3> vertices;
+  vertices.reserve(corners.size());
+  for (std::size_t c = 0; c < corners.size(); ++c) {
+    const glm::u64vec3 bits = bits_of(corners[c]);
+    // Multiplicative hashing with odd constants; the high bits are the well-mixed ones.
+    const std::uint64_t mixed = (bits.x * 0x9E3779B97F4A7C15U + bits.y) * 0xC2B2AE3D27D4EB4FU + bits.z;
+    std::size_t place = (mixed * 0x9E3779B97F4A7C15U >> 20U) & (table.size() - 1);
+    while (table[place] != kFree && bits_of(vertices[table[place]]) != bits) place = (place + 1) & (table.size() - 1);
+    if (table[place] == kFree) {
+      table[place] = static_cast<std::uint32_t>(vertices.size());
+      vertices.push_back(corners[c]);
+    }
+    vertex_of[c] = first + table[place];
+  }
+  memory.make_room(surface.positions, vertices.size());
+  memory.make_room(surface.triangles, corners.size() / 3);
+  surface.positions.insert(surface.positions.end(), vertices.begin(), vertices.end());
+  for (std::size_t c = 0; c + 2 < corners.size(); c += 3) {
+    surface.triangles.emplace_back(vertex_of[c], vertex_of[c + 1], vertex_of[c + 2]);
+  }
+  memory.give_back(bytes);
+}
+
+bool TextScanner::next_line() {
+  if (rest_.empty()) return false;
+  const std::size_t end = std::min(rest_.find('\n'), rest_.size());
+  line_ = rest_.substr(0, end);
+  rest_.remove_prefix(std::min(end + 1, rest_.size()));
+  ++line_number_;
+  return true;
+}
+
+std::string_view TextScanner::word() {
+  const auto is_blank = [](char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; };
+  std::size_t first = 0;
+  while (first < line_.size() && is_blank(line_[first])) ++first;
+  std::size_t last = first;
+  while (last < line_.size() && !is_blank(line_[last])) ++last;
+  const std::string_view found = line_.substr(first, last - first);
+  line_.remove_prefix(last);
+  return found;
+}
+
+std::string_view TextScanner::word_anywhere() {
+  for (;;) {
+    const std::string_view found = word();
+    if (!found.empty() || !next_line()) return found;
+  }
+}
+
+void TextScanner::expected(std::string_view what, std::string_view found) const {
+  throw DamagedMesh(fmt::format("line {}: expected {}, found {}", line_number_, what,
+                                found.empty() ? "nothing" : fmt::format("'{}'", files::printable(found, 40))));
+}
+
+double TextScanner::number(std::string_view word) const {
+  const std::string_view digits = word.starts_with('+') ? word.substr(1) : word;
+  double value = 0;
+  const auto [end, status] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (end != digits.data() + digits.size() || status == std::errc::invalid_argument) expected("a number", word);
+  // from_chars does not say on which side it is out of range.
+  return status == std::errc::result_out_of_range ? std::strtod(std::string(digits).c_str(), nullptr) : value;
+}
+
+std::int64_t TextScanner::whole_number(std::string_view word) const {
+  std::int64_t value = 0;
+  const auto [end, status] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (status != std::errc{} || end != word.data() + word.size()) expected("a whole number", word);
+  return value;
+}
+
+}  // namespace isoextract::meshes

@@ -1,0 +1,34 @@
+// The one door for meshes in files; one file per format behind it (ply_reader.cpp, obj_reader.cpp, ...).
+//
+// Coordinates are read in double, as far as the file has them, and become float32 relative to an origin in double that
+// is chosen as the extractor does. A glTF file whose meshes share one translation keeps that as the origin, and its
+// positions bit for bit. Polygons become fans of triangles. All surfaces of a file are joined into one mesh.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/error.hpp"
+#include "base/limits.hpp"
+#include "mesh/mesh.hpp"
+#include "meshes/mesh_writer.hpp"
+
+namespace isoextract::meshes {
+
+struct MeshFile {
+  mesh::Mesh mesh;                 // named like the file; without normals
+  std::string_view format;         // "PLY, text"
+  std::vector<std::string> notes;  // what was left out, one sentence each; each starts with the file's name
+};
+
+// The format is found by content first, and by extension for OBJ, which has no mark. STL, and glTF without indices, are
+// triangles without connectivity: corners are welded where their coordinates have identical bytes.
+//
+// Fails with ErrorKind::input: a file that cannot be read, is damaged, has coordinates that are not finite, indices of
+// vertices that are not there, or needs more than the memory limit. A file without triangles is no error.
+[[nodiscard]] Result<MeshFile> read_mesh(const std::filesystem::path& path, const Limits& limits = default_limits());
+
+}  // namespace isoextract::meshes

@@ -1,0 +1,56 @@
+// The one door to the mesh formats; one file per format behind it (gltf_writer.cpp, ply_writer.cpp, ...).
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/error.hpp"
+#include "mesh/mesh.hpp"
+
+namespace isoextract::meshes {
+
+enum class MeshFormat { glb, gltf, ply, obj, stl };
+
+// One row a format: detection, help and README read it.
+struct MeshFormatInfo {
+  MeshFormat format;
+  std::string_view name;      // as in --format, and the extension without its dot
+  std::string_view title;     // "glTF 2.0, one binary file"
+  bool holds_several_meshes;  // several iso values fit into one file
+  bool can_stream;            // may be written to standard output
+  bool has_ascii;             // --ascii applies
+};
+[[nodiscard]] std::span<const MeshFormatInfo> mesh_formats();
+[[nodiscard]] const MeshFormatInfo& mesh_format_info(MeshFormat format);
+[[nodiscard]] std::optional<MeshFormat> mesh_format_by_name(std::string_view name);
+// By extension, whatever its case.
+[[nodiscard]] std::optional<MeshFormat> mesh_format_by_path(const std::filesystem::path& path);
+
+struct MeshWriteOptions {
+  MeshFormat format = MeshFormat::glb;
+  bool flat_normals = false;  // one normal a triangle, from its corners; exclusive with vertex normals in the mesh
+  bool ascii = false;         // PLY and STL as text
+};
+
+struct WrittenFile {
+  std::string path;  // "-" for standard output
+  std::uint64_t bytes = 0;
+};
+
+struct MeshWriteResult {
+  std::vector<WrittenFile> files;  // glTF writes two: the model and its .bin
+  std::vector<std::string> notes;  // what the format could not hold, one sentence each
+};
+
+// Writes all meshes into one file (or, for .gltf, one pair of files) at `path`; "-" is standard output. Vertex normals
+// are written where a mesh has them. Nothing is left behind on failure (ErrorKind::output; ErrorKind::usage for what
+// the format cannot do).
+[[nodiscard]] Result<MeshWriteResult> write_meshes(std::span<const mesh::Mesh> meshes,
+                                                   const std::filesystem::path& path, const MeshWriteOptions& options);
+
+}  // namespace isoextract::meshes

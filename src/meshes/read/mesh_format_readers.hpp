@@ -1,0 +1,126 @@
+// The readers behind mesh_reader.hpp, one file a format. They get the file's bytes and give points and triangles;
+// read_mesh makes a mesh of them. Private to io.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "base/finite.hpp"
+#include "base/limits.hpp"
+#include "files/file_bytes.hpp"
+
+namespace isoextract::meshes {
+
+// Thrown within this room, where a mesh file does not hold what it should: what was expected and what was found.
+// read_mesh puts the file's name in front and makes an Error of it.
+struct DamagedMesh : std::runtime_error {
+  explicit DamagedMesh(const std::string& message, Hint the_hint = {})
+      : std::runtime_error(message), hint(std::move(the_hint)) {}
+  Hint hint;
+};
+
+struct FileSurface {
+  std::vector<glm::dvec3> positions;
+  std::vector<glm::uvec3> triangles;
+  // The positions are float32 numbers relative to this, as the file has them; to be kept so.
+  std::optional<glm::dvec3> origin;
+  std::string_view format;
+  std::vector<std::string> notes;
+};
+
+// What the reading of one file holds in memory, all parts together. Asked before every growth: sizes in a file, and
+// files that a file names again and again, may ask for far more than its own bytes.
+class MemoryUse {
+ public:
+  explicit MemoryUse(const Limits& limits) : limits_(limits) {}
+
+  // Throws DamagedMesh beyond the limit.
+  void take(std::uint64_t bytes);
+  void give_back(std::uint64_t bytes) { used_ -= bytes; }
+
+  // Room for `more` values behind those that are there.
+  template <class T>
+  void make_room(std::vector<T>& values, std::uint64_t more) {
+    if (more <= values.capacity() - values.size()) return;
+    const std::uint64_t before = values.capacity();
+    const std::uint64_t after = std::max(values.size() + more, 2 * before);
+    take(after * sizeof(T));  // the old values stay until they are copied
+    values.reserve(after);
+    give_back(before * sizeof(T));
+  }
+
+ private:
+  const Limits& limits_;
+  std::uint64_t used_ = 0;
+};
+
+struct MeshSource {
+  const files::InputFile& file;
+  std::span<const std::byte> content;
+  MemoryUse& memory;
+  [[nodiscard]] std::string_view text() const {
+    return {reinterpret_cast<const char*>(content.data()), content.size()};
+  }
+};
+
+[[nodiscard]] FileSurface read_ply(const MeshSource& source);
+[[nodiscard]] FileSurface read_obj(const MeshSource& source);
+[[nodiscard]] FileSurface read_stl(const MeshSource& source);
+[[nodiscard]] FileSurface read_glb(const MeshSource& source);
+[[nodiscard]] FileSurface read_gltf(const MeshSource& source);
+
+// "my%20mesh.bin" -> "my mesh.bin"
+[[nodiscard]] std::string decode_percent(std::string_view uri);
+// The bytes of "data:...". Throws DamagedMesh.
+[[nodiscard]] std::vector<std::byte> decode_data_uri(std::string_view uri, MemoryUse& memory);
+
+// A polygon of at least 3 corners as triangles around its first corner.
+template <class Corners>
+void add_fan(std::vector<glm::uvec3>& triangles, const Corners& corners, MemoryUse& memory) {
+  memory.make_room(triangles, corners.size() - 2);
+  for (std::size_t i = 2; i < corners.size(); ++i) triangles.emplace_back(corners[0], corners[i - 1], corners[i]);
+}
+
+// A mesh's indices have 32 bits. Throws DamagedMesh.
+void require_vertex_count(std::uint64_t count);
+
+// Makes one vertex of all corners whose coordinates have identical bytes. `corners` come three a triangle.
+void weld_corners(std::span<const glm::vec3> corners, FileSurface& surface, MemoryUse& memory);
+
+// Words and numbers of a text, line by line.
+class TextScanner {
+ public:
+  explicit TextScanner(std::string_view text) : rest_(text) {}
+
+  // Moves to the next line; false at the end of the text.
+  bool next_line();
+  // The next word of the line; empty at its end.
+  std::string_view word();
+  // The next word of this line or the following ones; empty at the end of the text.
+  std::string_view word_anywhere();
+
+  [[nodiscard]] std::size_t line_number() const { return line_number_; }
+  // The text after this line.
+  [[nodiscard]] std::string_view rest() const { return rest_; }
+  // Throws DamagedMesh with the line's number.
+  [[noreturn]] void expected(std::string_view what, std::string_view found) const;
+  // Too small for double is 0, too large is infinite.
+  [[nodiscard]] double number(std::string_view word) const;
+  [[nodiscard]] std::int64_t whole_number(std::string_view word) const;
+
+ private:
+  std::string_view rest_;  // after this line
+  std::string_view line_;  // what is left of it
+  std::size_t line_number_ = 0;
+};
+
+}  // namespace isoextract::meshes

@@ -1,0 +1,316 @@
+// PLY (Greg Turk, 1994): text, little- and big-endian; the elements "vertex" and "face", others are passed over.
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "base/checked.hpp"
+#include "meshes/read/mesh_format_readers.hpp"
+
+namespace isoextract::meshes {
+namespace {
+
+enum class Type { i8, u8, i16, u16, i32, u32, f32, f64 };
+
+struct TypeName {
+  std::string_view name;
+  std::string_view other;
+  Type type;
+  std::size_t size;
+};
+constexpr std::array kTypes{
+    TypeName{"char", "int8", Type::i8, 1},      TypeName{"uchar", "uint8", Type::u8, 1},
+    TypeName{"short", "int16", Type::i16, 2},   TypeName{"ushort", "uint16", Type::u16, 2},
+    TypeName{"int", "int32", Type::i32, 4},     TypeName{"uint", "uint32", Type::u32, 4},
+    TypeName{"float", "float32", Type::f32, 4}, TypeName{"double", "float64", Type::f64, 8},
+};
+
+const TypeName& type_named(const TextScanner& header, std::string_view name) {
+  const auto* found =
+      std::find_if(kTypes.begin(), kTypes.end(), [&](const TypeName& t) { return t.name == name || t.other == name; });
+  if (found == kTypes.end()) header.expected("a type such as float or uint", name);
+  return *found;
+}
+
+struct Property {
+  std::string name;
+  TypeName type;
+  std::optional<TypeName> count_type;  // of a list
+};
+
+struct Element {
+  std::string name;
+  std::uint64_t count = 0;
+  std::vector<Property> properties;
+
+  // What one of them has in a binary file at least; of a text file, in characters.
+  [[nodiscard]] std::uint64_t least_bytes(bool text) const {
+    std::uint64_t bytes = 0;
+    for (const Property& p : properties) bytes += text ? 2 : p.count_type ? p.count_type->size : p.type.size;
+    return bytes;
+  }
+  [[nodiscard]] std::optional<std::size_t> find(std::string_view property) const {
+    for (std::size_t i = 0; i < properties.size(); ++i) {
+      if (properties[i].name == property) return i;
+    }
+    return std::nullopt;
+  }
+};
+
+enum class Encoding { text, little, big };
+
+struct Header {
+  Encoding encoding = Encoding::text;
+  std::vector<Element> elements;
+  std::size_t bytes = 0;
+};
+
+// What a line of the header may take: a property with its names, and the values of one element.
+constexpr std::uint64_t kHeaderLineBytes = 512;
+
+Header read_header(std::string_view text, MemoryUse& memory) {
+  Header header;
+  TextScanner scanner(text);
+  scanner.next_line();  // "ply"
+  bool has_format = false;
+  bool ended = false;
+  while (!ended && scanner.next_line()) {
+    const std::string_view keyword = scanner.word();
+    memory.take(kHeaderLineBytes);
+    if (keyword == "format") {
+      const std::string_view name = scanner.word();
+      has_format = true;
+      if (name == "ascii") {
+        header.encoding = Encoding::text;
+      } else if (name == "binary_little_endian") {
+        header.encoding = Encoding::little;
+      } else if (name == "binary_big_endian") {
+        header.encoding = Encoding::big;
+      } else {
+        scanner.expected("ascii, binary_little_endian or binary_big_endian", name);
+      }
+    } else if (keyword == "element") {
+      Element element;
+      element.name = scanner.word();
+      const std::int64_t count = scanner.whole_number(scanner.word());
+      if (count < 0) scanner.expected("a number of elements", std::to_string(count));
+      element.count = static_cast<std::uint64_t>(count);
+      header.elements.push_back(std::move(element));
+    } else if (keyword == "property") {
+      if (header.elements.empty()) scanner.expected("an element before its properties", keyword);
+      const std::string_view word = scanner.word();
+      Property property;
+      if (word == "list") property.count_type = type_named(scanner, scanner.word());
+      property.type = type_named(scanner, word == "list" ? scanner.word() : word);
+      property.name = scanner.word();
+      header.elements.back().properties.push_back(std::move(property));
+    } else if (keyword == "end_header") {
+      if (const std::string_view more = scanner.word(); !more.empty())
+        scanner.expected("nothing after end_header", more);
+      ended = true;
+    } else if (keyword != "comment" && keyword != "obj_info" && !keyword.empty()) {
+      scanner.expected("format, element, property or comment", keyword);
+    }
+  }
+  if (!ended) throw DamagedMesh("expected 'end_header' in a PLY file, found none");
+  header.bytes = text.size() - scanner.rest().size();
+  if (!has_format) throw DamagedMesh("expected a line 'format ...' in the header of a PLY file, found none");
+  return header;
+}
+
+class TextBody {
+ public:
+  explicit TextBody(std::string_view text) : scanner_(text), size_(text.size()) {}
+  [[nodiscard]] std::uint64_t size() const { return size_; }
+  double next(const TypeName&) {
+    const std::string_view word = scanner_.word_anywhere();
+    if (word.empty())
+      throw DamagedMesh("expected more numbers after the header of a PLY file, found the end of the file");
+    return scanner_.number(word);
+  }
+  // What is left, as far as there is any: a text for a note.
+  std::string_view left() { return scanner_.word_anywhere(); }
+
+ private:
+  TextScanner scanner_;
+  std::uint64_t size_;
+};
+
+class BinaryBody {
+ public:
+  BinaryBody(std::string_view bytes, bool big_endian) : rest_(bytes), swap_(big_endian), size_(bytes.size()) {}
+  [[nodiscard]] std::uint64_t size() const { return size_; }
+  double next(const TypeName& type) {
+    switch (type.type) {
+      case Type::i8: return as<std::int8_t>();
+      case Type::u8: return as<std::uint8_t>();
+      case Type::i16: return as<std::int16_t>();
+      case Type::u16: return as<std::uint16_t>();
+      case Type::i32: return as<std::int32_t>();
+      case Type::u32: return as<std::uint32_t>();
+      case Type::f32: return static_cast<double>(as<float>());
+      case Type::f64: break;
+    }
+    return as<double>();
+  }
+  [[nodiscard]] std::string_view left() const { return rest_; }
+
+ private:
+  template <class T>
+  T as() {
+    if (rest_.size() < sizeof(T)) {
+      throw DamagedMesh(
+          fmt::format("expected more data than the {} bytes that follow the header of a PLY file", size_));
+    }
+    std::array<char, sizeof(T)> bytes;
+    std::copy_n(rest_.begin(), sizeof(T), bytes.begin());
+    if (swap_) std::reverse(bytes.begin(), bytes.end());
+    rest_.remove_prefix(sizeof(T));
+    return std::bit_cast<T>(bytes);
+  }
+
+  std::string_view rest_;
+  bool swap_;
+  std::uint64_t size_;
+};
+
+// The numbers of one element, a list in one vector.
+template <class Body>
+class ElementReader {
+ public:
+  ElementReader(Body& body, const Element& element, MemoryUse& memory)
+      : body_(body),
+        element_(element),
+        memory_(memory),
+        scalars_(element.properties.size()),
+        lists_(element.properties.size()) {}
+
+  void next() {
+    for (std::size_t i = 0; i < element_.properties.size(); ++i) {
+      const Property& property = element_.properties[i];
+      if (!property.count_type) {
+        scalars_[i] = body_.next(property.type);
+        continue;
+      }
+      const double count = body_.next(*property.count_type);
+      if (!(count >= 0) || count != std::floor(count)) {
+        throw DamagedMesh(fmt::format("expected the length of a list '{}', found {}", property.name, count));
+      }
+      std::vector<double>& list = lists_[i];
+      list.clear();
+      for (double k = 0; k < count; ++k) {
+        memory_.make_room(list, 1);
+        list.push_back(body_.next(property.type));
+      }
+    }
+  }
+  [[nodiscard]] double scalar(std::size_t property) const { return scalars_[property]; }
+  [[nodiscard]] const std::vector<double>& list(std::size_t property) const { return lists_[property]; }
+
+ private:
+  Body& body_;
+  const Element& element_;
+  MemoryUse& memory_;
+  std::vector<double> scalars_;
+  std::vector<std::vector<double>> lists_;
+};
+
+template <class Body>
+void read_vertices(Body& body, const Element& element, MemoryUse& memory, FileSurface& surface) {
+  std::array<std::size_t, 3> columns{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::string_view name = std::string_view("xyz").substr(axis, 1);
+    const auto found = element.find(name);
+    if (!found || element.properties[*found].count_type) {
+      throw DamagedMesh(fmt::format("expected a number '{}' of each vertex in the header, found none", name));
+    }
+    columns[axis] = *found;
+  }
+  require_vertex_count(element.count);
+  memory.make_room(surface.positions, element.count);
+  ElementReader reader(body, element, memory);
+  for (std::uint64_t v = 0; v < element.count; ++v) {
+    reader.next();
+    surface.positions.emplace_back(reader.scalar(columns[0]), reader.scalar(columns[1]), reader.scalar(columns[2]));
+  }
+}
+
+template <class Body>
+void read_faces(Body& body, const Element& element, MemoryUse& memory, FileSurface& surface) {
+  auto column = element.find("vertex_indices");
+  if (!column) column = element.find("vertex_index");
+  if (!column || !element.properties[*column].count_type) {
+    throw DamagedMesh("expected a list 'vertex_indices' of each face in the header, found none");
+  }
+  memory.make_room(surface.triangles, element.count);
+  ElementReader reader(body, element, memory);
+  std::vector<std::uint32_t> corners;
+  for (std::uint64_t f = 0; f < element.count; ++f) {
+    reader.next();
+    corners.clear();
+    memory.make_room(corners, reader.list(*column).size());
+    for (const double index : reader.list(*column)) {
+      if (!(index >= 0 && index <= std::numeric_limits<std::uint32_t>::max()) || index != std::floor(index)) {
+        throw DamagedMesh(fmt::format("expected the index of a vertex in face {}, found {}", f, index));
+      }
+      corners.push_back(static_cast<std::uint32_t>(index));
+    }
+    if (corners.size() < 3) {
+      throw DamagedMesh(fmt::format("expected at least 3 corners of face {}, found {}", f, corners.size()));
+    }
+    add_fan(surface.triangles, corners, memory);
+  }
+}
+
+template <class Body>
+void read_body(Body body, const Header& header, MemoryUse& memory, FileSurface& surface) {
+  std::uint64_t left = body.size();
+  for (const Element& element : header.elements) {
+    const std::uint64_t least = element.least_bytes(header.encoding == Encoding::text);
+    const auto bytes = checked_product(element.count, least);
+    // The last number of a text needs no blank behind it.
+    if (!bytes || *bytes > left + 1) {
+      throw DamagedMesh(fmt::format("expected {} elements '{}' of at least {} bytes each, found {} bytes",
+                                    element.count, element.name, least, left));
+    }
+    left -= std::min(left, *bytes);
+    if (element.count > 0 && element.properties.empty()) {
+      throw DamagedMesh(fmt::format("expected properties of the element '{}' in the header, found none", element.name));
+    }
+    if (element.name == "vertex") {
+      read_vertices(body, element, memory, surface);
+    } else if (element.name == "face") {
+      read_faces(body, element, memory, surface);
+    } else {
+      ElementReader reader(body, element, memory);
+      for (std::uint64_t i = 0; i < element.count; ++i) reader.next();
+      surface.notes.push_back(fmt::format("{} elements '{}' were left out", element.count, element.name));
+    }
+  }
+  if (!body.left().empty()) surface.notes.emplace_back("the data after its last element were left out");
+}
+
+}  // namespace
+
+FileSurface read_ply(const MeshSource& source) {
+  const std::string_view text = source.text();
+  if (!text.starts_with("ply")) {
+    throw DamagedMesh(fmt::format("expected 'ply' at the start of a PLY file, found '{}'", files::printable(text, 16)));
+  }
+  const Header header = read_header(text, source.memory);
+  FileSurface surface;
+  surface.format = header.encoding == Encoding::text ? "PLY, text" : "PLY, binary";
+  const std::string_view body = text.substr(header.bytes);
+  if (header.encoding == Encoding::text) {
+    read_body(TextBody(body), header, source.memory, surface);
+  } else {
+    read_body(BinaryBody(body, header.encoding == Encoding::big), header, source.memory, surface);
+  }
+  return surface;
+}
+
+}  // namespace isoextract::meshes

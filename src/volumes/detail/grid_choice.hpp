@@ -1,0 +1,23 @@
+// Which of a file's grids is meant. Private to io.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+
+#include "base/error.hpp"
+#include "volumes/volume_reader.hpp"
+
+namespace isoextract::volumes {
+
+// NAME, or NAME[k] where names repeat.
+[[nodiscard]] std::string grid_label(const GridInfo& grid);
+
+// One line a grid: label, type, class, active voxels, box. At most 100 of them.
+[[nodiscard]] std::string grid_table(std::span<const GridInfo> grids);
+
+// The index of the grid that --grid names or, without it, of the only scalar one. The hint of a failure lists them.
+[[nodiscard]] Result<std::size_t> choose_grid(const std::string& file, std::span<const GridInfo> grids,
+                                              const std::optional<std::string>& wanted);
+
+}  // namespace isoextract::volumes

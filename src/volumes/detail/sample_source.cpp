@@ -1,0 +1,270 @@
+#include "volumes/detail/sample_source.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+#include <unistd.h>
+#include <zlib.h>
+
+#include "base/checked.hpp"
+#include "files/file_bytes.hpp"
+
+namespace isoextract::volumes {
+namespace {
+
+constexpr std::size_t kChunk = std::size_t{4} << 20;  // a multiple of every sample size
+
+template <class T, class Swap>
+void swap_all(std::span<std::byte> bytes, Swap swap) {
+  auto* values = reinterpret_cast<T*>(bytes.data());
+  const std::size_t count = bytes.size() / sizeof(T);
+  for (std::size_t i = 0; i < count; ++i) values[i] = swap(values[i]);
+}
+
+void swap_samples(std::span<std::byte> bytes, std::size_t sample_size) {
+  switch (sample_size) {
+    case 2: return swap_all<std::uint16_t>(bytes, [](std::uint16_t v) { return __builtin_bswap16(v); });
+    case 4: return swap_all<std::uint32_t>(bytes, [](std::uint32_t v) { return __builtin_bswap32(v); });
+    case 8: return swap_all<std::uint64_t>(bytes, [](std::uint64_t v) { return __builtin_bswap64(v); });
+    default: return;
+  }
+}
+
+// Calls work(i) for all i < count from all threads; the first error ends it.
+Result<void> for_each_parallel(std::size_t count, const std::function<Result<void>(std::size_t)>& work) {
+  std::mutex mutex;
+  std::optional<Error> error;
+  std::atomic<bool> failed{false};
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    if (failed.load(std::memory_order_relaxed)) return;
+    auto done = work(i);
+    if (done) return;
+    const std::scoped_lock lock(mutex);
+    failed = true;
+    if (!error) error = std::move(done.error());
+  });
+  if (error) return tl::unexpected(std::move(*error));
+  return {};
+}
+
+// Reads and, while the bytes are in the cache, brings them into native order.
+Result<void> read_range(const files::InputFile& file, std::uint64_t offset, std::span<std::byte> out,
+                        const SampleSource& source, Progress* progress) {
+  return for_each_parallel((out.size() + kChunk - 1) / kChunk, [&](std::size_t i) -> Result<void> {
+    const auto chunk = out.subspan(i * kChunk, std::min(kChunk, out.size() - i * kChunk));
+    if (auto read = file.read_at(offset + i * kChunk, chunk); !read) return read;
+    if (source.swap_bytes) swap_samples(chunk, source.sample_size);
+    if (progress != nullptr) progress->advance(chunk.size());
+    return {};
+  });
+}
+
+struct GzipClose {
+  std::uint64_t start = 0;  // where in the file the packed data begins
+  void operator()(gzFile file) const {
+    const auto end = static_cast<std::int64_t>(::gzoffset(file));
+    if (end > static_cast<std::int64_t>(start)) files::count_bytes_read(static_cast<std::uint64_t>(end) - start);
+    ::gzclose_r(file);
+  }
+};
+using GzipFile = std::unique_ptr<gzFile_s, GzipClose>;
+
+Result<GzipFile> open_gzip(const files::InputFile& file, std::uint64_t offset) {
+  const int descriptor = ::dup(file.descriptor());
+  const auto cannot = [&] { return fail(ErrorKind::input, file.name() + ": cannot be read as gzip"); };
+  if (descriptor < 0) return cannot();
+  gzFile gzip = nullptr;
+  if (::lseek(descriptor, static_cast<off_t>(offset), SEEK_SET) >= 0) gzip = ::gzdopen(descriptor, "rb");
+  if (gzip == nullptr) {
+    ::close(descriptor);
+    return cannot();
+  }
+  ::gzbuffer(gzip, 1 << 18);
+  return GzipFile(gzip, GzipClose{offset});
+}
+
+// How many bytes came; fewer than asked for only at the end of intact data.
+Result<std::size_t> inflate_into(gzFile gzip, const files::InputFile& file, std::span<std::byte> out) {
+  const int got = ::gzread(gzip, out.data(), static_cast<unsigned>(out.size()));
+  int code = Z_OK;
+  // zlib starts its text with its own name of the file: "<fd:5>: ".
+  std::string_view text = ::gzerror(gzip, &code);
+  if (const std::size_t colon = text.find(": "); colon != std::string_view::npos) text.remove_prefix(colon + 2);
+  if (::gzdirect(gzip) != 0) return fail(ErrorKind::input, file.name() + ": expected gzip data, found other bytes");
+  if (got < 0 || (code != Z_OK && code != Z_STREAM_END)) {
+    return fail(ErrorKind::input, fmt::format("{}: the gzip data is damaged or cut off: {}", file.name(), text));
+  }
+  return static_cast<std::size_t>(got);
+}
+
+// True if there is more after the samples.
+Result<bool> read_gzip(const files::InputFile& file, const SamplePiece& piece, std::span<std::byte> out,
+                       const SampleSource& source, Progress* progress) {
+  const auto gzip = open_gzip(file, piece.offset);
+  if (!gzip) return tl::unexpected(gzip.error());
+  const auto ends_early = [&](std::uint64_t at) {
+    return fail(ErrorKind::input,
+                fmt::format("{}: the gzip data holds {} bytes, expected {}", file.name(), at, piece.skip + out.size()));
+  };
+  std::vector<std::byte> skipped(std::min<std::uint64_t>(piece.skip, kChunk));
+  for (std::uint64_t at = 0; at < piece.skip;) {
+    const std::size_t want = static_cast<std::size_t>(std::min<std::uint64_t>(piece.skip - at, skipped.size()));
+    const auto got = inflate_into(gzip->get(), file, std::span(skipped).first(want));
+    if (!got) return tl::unexpected(got.error());
+    at += *got;
+    if (*got < want) return ends_early(at);
+  }
+  for (std::size_t at = 0; at < out.size();) {
+    const auto chunk = out.subspan(at, std::min(kChunk, out.size() - at));
+    const auto got = inflate_into(gzip->get(), file, chunk);
+    if (!got) return tl::unexpected(got.error());
+    at += *got;
+    if (*got < chunk.size()) return ends_early(piece.skip + at);
+    if (source.swap_bytes) swap_samples(chunk, source.sample_size);
+    if (progress != nullptr) progress->advance(chunk.size());
+  }
+  // One byte further, so that the checksum at the end is compared.
+  std::byte next{};
+  const auto got = inflate_into(gzip->get(), file, std::span(&next, 1));
+  if (!got) return tl::unexpected(got.error());
+  return *got > 0;
+}
+
+Result<Buffer<std::byte>> allocate(std::uint64_t bytes, const SampleSource& source) {
+  try {
+    return Buffer<std::byte>(bytes);
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorKind::input, fmt::format("{}: no memory for {} bytes of samples",
+                                              source.pieces.front().path.string(), source.bytes));
+  }
+}
+
+}  // namespace
+
+Result<std::uint64_t> check_source(const SampleSource& source, const std::string& what) {
+  const std::uint64_t expected = source.piece_bytes();
+  std::uint64_t extra = 0;
+  for (const SamplePiece& piece : source.pieces) {
+    const auto file = files::InputFile::open(piece.path);
+    if (!file) return tl::unexpected(file.error());
+    const std::uint64_t found = file->size() - std::min(file->size(), piece.offset);
+    const std::string of_what =
+        source.pieces.size() == 1 ? what : fmt::format("one of {} parts of {}", source.pieces.size(), what);
+    if (piece.gzip) {
+      // Deflate cannot shrink anything below 1/1032 of its size.
+      constexpr std::uint64_t kMaxRatio = 1032;
+      const auto inflated = checked_sum(expected, piece.skip);
+      if (!inflated || *inflated / kMaxRatio > found) {
+        return fail(ErrorKind::input, fmt::format("{}: {} bytes of gzip data cannot hold {} bytes ({})", file->name(),
+                                                  found, inflated.value_or(expected), of_what));
+      }
+    } else if (found < expected) {
+      return fail(ErrorKind::input, fmt::format("{}: expected {} bytes ({}) from byte {} on, found {}", file->name(),
+                                                expected, of_what, piece.offset, found));
+    } else {
+      extra += found - expected;
+    }
+  }
+  return extra;
+}
+
+std::optional<files::MappedFile> map_samples(const SampleSource& source, Progress* progress) {
+  const SamplePiece& piece = source.pieces.front();
+  const bool as_wanted = source.pieces.size() == 1 && !piece.gzip && !source.swap_bytes;
+  if (!as_wanted || piece.offset % source.sample_size != 0) return std::nullopt;
+  const auto file = files::InputFile::open(piece.path);
+  if (!file) return std::nullopt;
+  auto mapped = files::MappedFile::map(*file, piece.offset, source.bytes);
+  if (!mapped) return std::nullopt;
+  files::count_bytes_read(source.bytes);
+  if (progress != nullptr) {
+    progress->begin("reading", source.bytes);
+    progress->advance(source.bytes);
+  }
+  return mapped;
+}
+
+Result<ReadSamples> read_samples(const SampleSource& source, Progress* progress) {
+  if (progress != nullptr) progress->begin("reading", source.bytes);
+  auto data = allocate(source.bytes, source);
+  if (!data) return tl::unexpected(data.error());
+  ReadSamples result{std::move(*data), false};
+  const auto piece_bytes = static_cast<std::size_t>(source.piece_bytes());
+  for (std::size_t i = 0; i < source.pieces.size(); ++i) {
+    const SamplePiece& piece = source.pieces[i];
+    const auto out = result.data.span().subspan(i * piece_bytes, piece_bytes);
+    const auto file = files::InputFile::open(piece.path);
+    if (!file) return tl::unexpected(file.error());
+    if (piece.gzip) {
+      const auto more = read_gzip(*file, piece, out, source, progress);
+      if (!more) return tl::unexpected(more.error());
+      result.more_in_gzip |= *more;
+    } else if (auto read = read_range(*file, piece.offset, out, source, progress); !read) {
+      return tl::unexpected(read.error());
+    }
+  }
+  return result;
+}
+
+namespace {
+
+// x planes that are read and turned together: long enough runs in the result, little memory beside it.
+constexpr int kSlab = 16;
+
+template <class T>
+void transpose_slab(const T* slab, T* out, const glm::ivec3& dims, int x_begin, int x_count) {
+  const auto nx = static_cast<std::size_t>(dims.x);
+  const auto ny = static_cast<std::size_t>(dims.y);
+  const auto nz = static_cast<std::size_t>(dims.z);
+  tbb::parallel_for(std::size_t{0}, ny, [&](std::size_t y) {
+    for (std::size_t z = 0; z < nz; ++z) {
+      T* row = out + (z * ny + y) * nx + static_cast<std::size_t>(x_begin);
+      for (int x = 0; x < x_count; ++x) row[x] = slab[(static_cast<std::size_t>(x) * ny + y) * nz + z];
+    }
+  });
+}
+
+}  // namespace
+
+std::uint64_t transpose_bytes(const glm::ivec3& dims, std::size_t sample_size) {
+  return static_cast<std::uint64_t>(std::min(kSlab, dims.x)) * static_cast<std::uint64_t>(dims.y) *
+         static_cast<std::uint64_t>(dims.z) * sample_size;
+}
+
+Result<ReadSamples> read_samples_transposed(const SampleSource& source, const glm::ivec3& dims, Progress* progress) {
+  if (progress != nullptr) progress->begin("reading", source.bytes);
+  auto data = allocate(source.bytes, source);
+  if (!data) return tl::unexpected(data.error());
+  auto slab = allocate(transpose_bytes(dims, source.sample_size), source);
+  if (!slab) return tl::unexpected(slab.error());
+  const auto file = files::InputFile::open(source.pieces.front().path);
+  if (!file) return tl::unexpected(file.error());
+
+  const std::uint64_t plane_bytes = transpose_bytes({1, dims.y, dims.z}, source.sample_size);
+  for (int x = 0; x < dims.x; x += kSlab) {
+    const int count = std::min(kSlab, dims.x - x);
+    const auto part = slab->span().first(static_cast<std::size_t>(plane_bytes) * static_cast<std::size_t>(count));
+    const std::uint64_t offset = source.pieces.front().offset + plane_bytes * static_cast<std::uint64_t>(x);
+    if (auto read = read_range(*file, offset, part, source, progress); !read) return tl::unexpected(read.error());
+    const auto turn = [&]<class T>(std::type_identity<T>) {
+      transpose_slab(reinterpret_cast<const T*>(part.data()), reinterpret_cast<T*>(data->data()), dims, x, count);
+    };
+    switch (source.sample_size) {
+      case 1: turn(std::type_identity<std::uint8_t>{}); break;
+      case 2: turn(std::type_identity<std::uint16_t>{}); break;
+      case 4: turn(std::type_identity<std::uint32_t>{}); break;
+      default: turn(std::type_identity<std::uint64_t>{}); break;
+    }
+  }
+  return ReadSamples{std::move(*data), false};
+}
+
+}  // namespace isoextract::volumes

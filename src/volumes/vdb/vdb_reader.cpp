@@ -1,0 +1,216 @@
+// OpenVDB's files: which grid, where it is, and its tree into sparse samples.
+#include <algorithm>
+#include <map>
+#include <unordered_map>
+
+#include <fmt/format.h>
+
+#include "volumes/detail/grid_choice.hpp"
+#include "volumes/detail/volume_format.hpp"
+#include "volumes/vdb/vdb_header.hpp"
+#include "volumes/vdb/vdb_transform.hpp"
+#include "volumes/vdb/vdb_tree.hpp"
+
+namespace isoextract::volumes {
+namespace {
+
+constexpr std::string_view kLevelSetClass = "level set";
+constexpr std::string_view kFogClass = "fog volume";
+
+// Calls use(std::type_identity<Value>{}) with the type of a scalar grid's values; false for all other grids.
+template <class F>
+bool visit_scalar_tree(const std::string& tree_type, F&& use) {
+  if (tree_type == "Tree_float_5_4_3") {
+    use(std::type_identity<float>{});
+  } else if (tree_type == "Tree_double_5_4_3") {
+    use(std::type_identity<double>{});
+  } else if (tree_type == "Tree_int32_5_4_3") {
+    use(std::type_identity<std::int32_t>{});
+  } else {
+    return false;
+  }
+  return true;
+}
+
+template <class Value>
+VdbValueLayout layout_of(const VdbGridRecord& record) {
+  constexpr std::uint32_t kKnown = kVdbZip | kVdbActiveMask | kVdbBlosc;
+  if ((record.compression & ~kKnown) != 0) {
+    throw VdbDamaged(fmt::format("grid '{}' is compressed in an unknown way ({})", files::printable(record.name, 80),
+                                 record.compression));
+  }
+  const bool half = record.half && std::is_floating_point_v<Value>;
+  return {sizeof(Value), half ? sizeof(field::Half) : sizeof(Value), record.compression};
+}
+
+// Leaves the cursor at the grid's tree, beyond whose end it does not go.
+Frame read_transform_of(VdbCursor& cursor, const VdbGridRecord& record) {
+  cursor.set_end(record.end_position);
+  cursor.seek(record.transform_position);
+  return read_vdb_transform(cursor);
+}
+
+// The grids of a header by their unique names.
+class GridsByName {
+ public:
+  explicit GridsByName(const VdbHeader& header) {
+    for (const VdbGridRecord& record : header.grids) records_.emplace(record.unique_name, &record);
+  }
+
+  // The record whose tree belongs to `record`: its own, or that of the grid it is an instance of.
+  [[nodiscard]] const VdbGridRecord& tree_owner(const VdbGridRecord& record) const {
+    if (record.instance_parent.empty()) return record;
+    const auto parent = records_.find(record.instance_parent);
+    if (parent == records_.end() || !parent->second->instance_parent.empty() ||
+        parent->second->tree_type != record.tree_type) {
+      throw VdbDamaged(
+          fmt::format("grid '{}' shares the tree of a grid that is not there", files::printable(record.name, 80)));
+    }
+    return *parent->second;
+  }
+
+ private:
+  std::unordered_map<std::string_view, const VdbGridRecord*> records_;
+};
+
+struct VoxelCount {
+  std::uint64_t voxels = 0;
+  field::IndexBox box;
+};
+
+// For files whose writer did not store these counts. Each tree is read once, however many grids share it; a tree that
+// cannot be read has none.
+class VoxelCounter {
+ public:
+  VoxelCounter(VdbCursor& cursor, const std::string& file, const Limits& limits, const VdbHeader& header)
+      : cursor_(cursor), file_(file), limits_(limits), grids_(header) {}
+
+  VoxelCount count(const VdbGridRecord& record) {
+    try {
+      const VdbGridRecord& owner = grids_.tree_owner(record);
+      const auto [known, is_new] = counts_.try_emplace(owner.transform_position);
+      if (is_new) known->second = count_tree(owner);
+      return known->second;
+    } catch (const VdbDamaged&) {
+      return {};
+    } catch (const VdbRefused&) {
+      return {};
+    }
+  }
+
+ private:
+  VoxelCount count_tree(const VdbGridRecord& owner) {
+    VoxelCount count;
+    visit_scalar_tree(owner.tree_type, [&]<class Value>(std::type_identity<Value>) {
+      static_cast<void>(read_transform_of(cursor_, owner));
+      const VdbTreeLimits limits{limits_, file_, files::printable(owner.name, 80)};
+      const VdbTopology topology = read_vdb_topology<Value>(cursor_, layout_of<Value>(owner), limits);
+      count = {topology.samples.active_voxels, topology.samples.active_box};
+    });
+    return count;
+  }
+
+  VdbCursor& cursor_;
+  const std::string& file_;
+  const Limits& limits_;
+  GridsByName grids_;
+  std::unordered_map<std::uint64_t, VoxelCount> counts_;  // by the place of the owner's transform
+};
+
+std::vector<GridInfo> describe_grids(VdbCursor& cursor, const std::string& file, const Limits& limits,
+                                     const VdbHeader& header) {
+  std::map<std::string, int> counts;
+  VoxelCounter counter(cursor, file, limits, header);
+  std::vector<GridInfo> grids;
+  for (const VdbGridRecord& record : header.grids) {
+    const bool counted = record.voxels && record.box;
+    const VoxelCount count = counted ? VoxelCount{*record.voxels, *record.box} : counter.count(record);
+    GridInfo info;
+    info.name = record.name;
+    info.index_of_name = counts[record.name]++;
+    info.type = files::printable(record.value_type, 80);
+    info.scalar = visit_scalar_tree(record.tree_type, [](auto) {});
+    if (record.grid_class == kLevelSetClass) info.kind = field::FieldKind::level_set;
+    if (record.grid_class == kFogClass) info.kind = field::FieldKind::density;
+    info.box = count.box;
+    info.voxels = count.voxels;
+    grids.push_back(std::move(info));
+  }
+  for (GridInfo& info : grids) info.name_repeats = counts[info.name] > 1;
+  return grids;
+}
+
+Result<field::ScalarField> read_grid(const files::InputFile& file, VdbCursor& cursor, const VdbHeader& header,
+                                     const VdbGridRecord& record, const ReadOptions& options) {
+  field::ScalarField field;
+  field.source = file.name();
+  field.name = record.name;
+  field.format = "OpenVDB";
+  if (record.grid_class == kLevelSetClass) field.kind = field::FieldKind::level_set;
+
+  const Frame frame = read_transform_of(cursor, record);
+  if (auto placed = set_frame(field, frame, options); !placed) return tl::unexpected(placed.error());
+  const VdbGridRecord& owner = GridsByName(header).tree_owner(record);
+  if (&owner != &record) static_cast<void>(read_transform_of(cursor, owner));
+  const VdbTreeLimits limits{options.limits, file.name(), files::printable(record.name, 80)};
+  visit_scalar_tree(record.tree_type, [&]<class Value>(std::type_identity<Value>) {
+    const auto layout = layout_of<Value>(owner);
+    VdbTopology topology = read_vdb_topology<Value>(cursor, layout, limits);
+    field.samples = read_vdb_leaves<Value>(cursor, layout, limits, std::move(topology));
+  });
+  return field;
+}
+
+// Calls work() and turns what it throws into an error that names the file.
+template <class F>
+auto with_messages(const files::InputFile& file, F&& work) -> decltype(work()) {
+  if (!looks_like_vdb(files::first_bytes(file, kDetectionBytes).value_or(std::vector<std::byte>{}))) {
+    return fail_magic(file, "a VDB file", "' BDV'");
+  }
+  try {
+    return work();
+  } catch (const VdbRefused& refused) {
+    return tl::unexpected(refused.error);
+  } catch (const VdbDamaged& damage) {
+    return fail(ErrorKind::input, fmt::format("{}: the VDB file is damaged or not supported: {}", file.name(),
+                                              files::printable(std::string_view(damage.what()), 300)));
+  }
+}
+
+}  // namespace
+
+bool looks_like_vdb(std::span<const std::byte> content) {
+  return starts_with(content, std::string_view(" BDV\0\0\0\0", 8));
+}
+
+Result<std::vector<GridInfo>> list_vdb_grids(const files::InputFile& file, const Limits& limits) {
+  return with_messages(file, [&]() -> Result<std::vector<GridInfo>> {
+    VdbCursor cursor(file);
+    const VdbHeader header = read_vdb_header(cursor);
+    return describe_grids(cursor, file.name(), limits, header);
+  });
+}
+
+Result<field::ScalarField> read_vdb(const files::InputFile& file, const ReadOptions& options) {
+  return with_messages(file, [&]() -> Result<field::ScalarField> {
+    if (options.progress != nullptr) options.progress->begin("reading", 0);
+    VdbCursor cursor(file, options.progress);
+    const VdbHeader header = read_vdb_header(cursor);
+    const std::vector<GridInfo> grids = describe_grids(cursor, file.name(), options.limits, header);
+    const auto chosen = choose_grid(file.name(), grids, options.grid);
+    if (!chosen) return tl::unexpected(chosen.error());
+    auto field = read_grid(file, cursor, header, header.grids[*chosen], options);
+    if (!field) return field;
+    if (!options.grid && grids.size() > 1) {
+      field->notes.push_back(fmt::format("grid '{}' of {} was chosen: it is the only scalar one",
+                                         grid_label(grids[*chosen]), grids.size()));
+    }
+    if (header.file_version > kNewestVdbVersion) {
+      field->notes.push_back(fmt::format("the file's version {} is newer than {}, the latest that is known",
+                                         header.file_version, kNewestVdbVersion));
+    }
+    return field;
+  });
+}
+
+}  // namespace isoextract::volumes

@@ -1,0 +1,13 @@
+// The transform of a grid in a VDB file. Private to io.
+#pragma once
+
+#include "volumes/detail/volume_format.hpp"
+#include "volumes/vdb/vdb_cursor.hpp"
+
+namespace isoextract::volumes {
+
+// Leaves the cursor behind the transform, where the grid's tree begins. Frustums and matrices without an inverse are
+// the frame's `problem`. Throws VdbDamaged; also for transforms of an unknown name, for nobody knows where those end.
+[[nodiscard]] Frame read_vdb_transform(VdbCursor& cursor);
+
+}  // namespace isoextract::volumes

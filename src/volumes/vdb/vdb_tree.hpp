@@ -1,0 +1,40 @@
+// The tree of a scalar grid in a VDB file: a root with nodes of 32^3 nodes of 16^3 leaves of 8^3 values. First its
+// topology, masks and tiles, then the values of its leaves. Private to io.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/limits.hpp"
+#include "field/samples.hpp"
+#include "volumes/vdb/vdb_cursor.hpp"
+#include "volumes/vdb/vdb_values.hpp"
+
+namespace isoextract::volumes {
+
+struct VdbTopology {
+  field::SparseSamples samples;                     // blocks in the order of the file, without values; tiles
+  std::vector<std::array<std::uint64_t, 8>> masks;  // of the blocks: the active values
+};
+
+// What limits memory, and what messages call it.
+struct VdbTreeLimits {
+  Limits limits;
+  std::string file;
+  std::string grid;
+};
+
+// The cursor is at the tree, and then where the leaves' values begin. Throws VdbDamaged, and VdbRefused before tiles
+// and blocks need more memory than there is. For float, double and int32_t.
+template <class Value>
+[[nodiscard]] VdbTopology read_vdb_topology(VdbCursor& cursor, const VdbValueLayout& layout,
+                                            const VdbTreeLimits& limits);
+
+// Fills the blocks, many at a time; after that they are sorted and own their values. Throws as the topology does.
+template <class Value>
+[[nodiscard]] field::SparseSamples read_vdb_leaves(VdbCursor& cursor, const VdbValueLayout& layout,
+                                                   const VdbTreeLimits& limits, VdbTopology topology);
+
+}  // namespace isoextract::volumes

@@ -1,0 +1,280 @@
+#include "edit/bounded_simplify.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "edit/detail/patch_simplifier.hpp"
+#include "field/demo_field.hpp"
+#include "measure/mesh_distance.hpp"
+#include "support/fields.hpp"
+#include "support/meshes.hpp"
+#include "support/sample_meshes.hpp"
+
+namespace isoextract::edit {
+namespace {
+
+mesh::Mesh copy(const mesh::Mesh& mesh) {
+  mesh::Mesh same;
+  same.name = mesh.name;
+  same.origin = mesh.origin;
+  same.positions = test::buffer_of(std::vector<glm::vec3>(mesh.positions.begin(), mesh.positions.end()));
+  same.normals = test::buffer_of(std::vector<glm::vec3>(mesh.normals.begin(), mesh.normals.end()));
+  same.triangles = test::buffer_of(std::vector<glm::uvec3>(mesh.triangles.begin(), mesh.triangles.end()));
+  return same;
+}
+
+mesh::Mesh placed(const mesh::Mesh& mesh, const glm::dmat3& map) {
+  mesh::Mesh image = copy(mesh);
+  for (glm::vec3& p : image.positions) p = map * glm::dvec3(p);
+  return image;
+}
+
+struct Case {
+  double iso = 0;
+  double max_distance = 0.1;  // in voxels
+  bool cap = true;
+  bool normals = false;
+  extract::Method method = extract::Method::mc;
+  glm::dmat3 to_metric{1.0};
+  double patch_size = 8;  // small, so that small tests have many borders of patches
+};
+
+// Extracts, simplifies, and holds the result to everything that is promised. Returns triangles after / before.
+double expect_kept_promises(const field::ScalarField& field, const Case& c) {
+  extract::ExtractOptions options;
+  options.iso = c.iso;
+  options.cap = c.cap;
+  options.method = c.method;
+  options.smooth_normals = c.normals;
+  options.output_from_index = field.index_to_world;
+  const mesh::Mesh before = test::extract(field, options).mesh;
+  SimplifyOptions simplify;
+  simplify.max_distance = c.max_distance;
+  simplify.patch_size = c.patch_size;
+  simplify.to_metric = c.to_metric;
+  const auto [after, facts] = simplify_within(copy(before), simplify);
+
+  EXPECT_EQ(facts.triangles_before, before.triangles.size());
+  EXPECT_EQ(facts.triangles_after, after.triangles.size());
+  EXPECT_LE(facts.triangles_after, facts.triangles_before);
+  EXPECT_EQ(after.origin, before.origin);
+  const mesh::Topology was = mesh::measure_topology(before);
+  const mesh::Topology is = mesh::measure_topology(after);
+  test::expect_sound(after, was.open_edges == 0);
+  EXPECT_EQ(is.components, was.components);
+  EXPECT_EQ(is.euler, was.euler);
+  EXPECT_EQ(is.open_edges, was.open_edges);
+  if (before.triangles.empty()) return 1;
+
+  EXPECT_LE(facts.measured_lower, facts.measured_upper);
+  EXPECT_LE(facts.measured_upper, c.max_distance);
+  measure::DistanceOptions measure;
+  measure.samples = 0;
+  const auto distance = measure::measure_distance(placed(before, c.to_metric), placed(after, c.to_metric), measure);
+  EXPECT_LE(distance->hausdorff_lower, facts.measured_upper + distance->resolution);
+  EXPECT_LE(facts.measured_lower, distance->hausdorff_upper + distance->resolution);
+
+  // Vertices are some of those that were there, in their order, with their normals.
+  std::size_t v = 0;
+  for (std::size_t w = 0; w < after.positions.size(); ++w, ++v) {
+    while (v < before.positions.size() && before.positions[v] != after.positions[w]) ++v;
+    if (v >= before.positions.size()) {
+      ADD_FAILURE() << "vertex " << w << " is new, or out of order";
+      break;
+    }
+    if (c.normals && before.normals[v] != after.normals[w]) ADD_FAILURE() << "the normal of vertex " << w;
+  }
+  return static_cast<double>(facts.triangles_after) / static_cast<double>(facts.triangles_before);
+}
+
+field::ScalarField demo(const std::string& name) { return *field::make_demo_field(name, default_limits()); }
+
+TEST(BoundedSimplify, SmoothSurfacesLoseMostTriangles) {
+  Case c;
+  c.normals = true;
+  c.max_distance = 0.1 * 2 / 47;  // the samples are on the cube from -1 to 1
+  c.patch_size = 24.0 * 2 / 47;
+  for (const extract::Method method : {extract::Method::mc, extract::Method::mt}) {
+    c.method = method;
+    EXPECT_LT(expect_kept_promises(demo("demo:sphere?size=48"), c), 0.2);
+    EXPECT_LT(expect_kept_promises(demo("demo:torus?size=48"), c), 0.3);
+  }
+  c.max_distance = 0.1 * 2 / 31;
+  c.patch_size = 24.0 * 2 / 31;
+  EXPECT_LT(expect_kept_promises(demo("demo:gyroid?size=32"), c), 0.7);  // its tubes are a few voxels wide
+}
+
+TEST(BoundedSimplify, OpenBordersStay) {
+  Case c;
+  c.cap = false;
+  c.max_distance = 0.2 * 2 / 47;
+  c.patch_size = 16.0 * 2 / 47;
+  EXPECT_LT(expect_kept_promises(demo("demo:gyroid?size=48"), c), 0.6);
+}
+
+TEST(BoundedSimplify, NoiseAndCheckerboards) {
+  for (unsigned seed = 0; seed < 4; ++seed) {
+    Case c;
+    c.method = seed % 2 == 0 ? extract::Method::mc : extract::Method::mt;
+    c.iso = 3.5;
+    c.cap = seed % 4 < 3;
+    c.max_distance = seed < 2 ? 0.1 : 1.0;
+    expect_kept_promises(test::random_field<std::uint8_t>({14, 13, 12}, seed, 8), c);
+    c.iso = 1;
+    expect_kept_promises(test::random_field<std::uint8_t>({14, 13, 12}, seed, 3), c);
+    c.iso = 0.5;
+    expect_kept_promises(test::dense_field<float>({10, 11, 12}, [](int i, int j, int k) { return (i + j + k) % 2; }),
+                         c);
+  }
+}
+
+TEST(BoundedSimplify, ThinShellsSpeckAndTubes) {
+  for (const double distance : {0.05, 0.3, 2.0}) {
+    Case c;
+    c.iso = 0.5;
+    c.max_distance = distance;
+    // One voxel thick, hollow: two spheres that must not be joined.
+    const auto shell = test::dense_field<float>({24, 24, 24}, [](int i, int j, int k) {
+      const double r = std::sqrt(std::pow(i - 11.5, 2) + std::pow(j - 11.5, 2) + std::pow(k - 11.5, 2));
+      return std::max(0.0, 1 - std::abs(r - 8));
+    });
+    expect_kept_promises(shell, c);
+    // Single voxels that stand alone, and tubes of one voxel, which collapse into nothing but for the checks.
+    const auto specks = test::dense_field<std::uint8_t>(
+        {24, 24, 24}, [](int i, int j, int k) { return i % 4 == 1 && j % 4 == 1 && k % 4 == 1; });
+    expect_kept_promises(specks, c);
+    const auto tubes = test::dense_field<std::uint8_t>(
+        {24, 24, 24}, [](int i, int j, int k) { return (i % 6 == 3) + (j % 6 == 3) + (k % 6 == 3) >= 2; });
+    expect_kept_promises(tubes, c);
+    const auto plate = test::dense_field<std::uint8_t>({24, 24, 24}, [](int i, int, int) { return i == 7; });
+    expect_kept_promises(plate, c);
+  }
+}
+
+TEST(BoundedSimplify, FlatRegionsLoseTheirTriangles) {
+  const auto half = test::dense_field<float>({40, 40, 40}, [](int i, int, int) { return 19.3 - i; });
+  Case c;
+  c.max_distance = 0.01;
+  c.patch_size = 24;
+  EXPECT_LT(expect_kept_promises(half, c), 0.2);
+}
+
+TEST(BoundedSimplify, AnisotropicObliqueMirroredAndFarFrames) {
+  for (const glm::dvec3 far : {glm::dvec3(0), glm::dvec3(1e7, -1e7, 1e7)}) {
+    field::ScalarField field = demo("demo:torus?size=40");
+    field.index_to_world = {glm::dmat3(-0.5, 0.1, 0, 0.2, 3, 0, 0, 0.7, 20), far};
+    Case c;
+    c.max_distance = 0.1;
+    c.to_metric = glm::inverse(field.index_to_world.linear);
+    c.patch_size = 12;
+    EXPECT_LT(expect_kept_promises(field, c), 0.6);
+  }
+}
+
+TEST(BoundedSimplify, SameForAnyNumberOfThreads) {
+  extract::ExtractOptions options;
+  options.cap = true;
+  const mesh::Mesh mesh = test::extract(demo("demo:gyroid?size=40"), options).mesh;
+  const auto with_threads = [&](std::size_t threads) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    SimplifyOptions simplify;
+    simplify.max_distance = 0.1;
+    simplify.patch_size = 8;
+    return simplify_within(copy(mesh), simplify);
+  };
+  const SimplifiedMesh one = with_threads(1);
+  const SimplifiedMesh four = with_threads(4);
+  ASSERT_EQ(one.mesh.triangles.size(), four.mesh.triangles.size());
+  EXPECT_EQ(std::memcmp(one.mesh.triangles.data(), four.mesh.triangles.data(), one.mesh.triangles.size_bytes()), 0);
+  EXPECT_EQ(std::memcmp(one.mesh.positions.data(), four.mesh.positions.data(), one.mesh.positions.size_bytes()), 0);
+  EXPECT_EQ(one.facts.measured_upper, four.facts.measured_upper);
+  EXPECT_EQ(one.facts.measured_lower, four.facts.measured_lower);
+}
+
+TEST(BoundedSimplify, NothingToGain) {
+  SimplifyOptions options;
+  options.max_distance = 1e-3;
+  const auto [empty, none] = simplify_within(mesh::Mesh{}, options);
+  EXPECT_TRUE(empty.triangles.empty());
+  EXPECT_EQ(none.measured_upper, 0);
+  const auto [same, facts] = simplify_within(test::tetrahedron(), options);
+  EXPECT_EQ(same.triangles.size(), 4U);
+  EXPECT_EQ(facts.measured_upper, 0);
+}
+
+const FaceFilter kAnyFace = [](const glm::uvec3&) { return true; };
+
+std::vector<Face> faces_of(const std::vector<glm::uvec3>& triangles) {
+  std::vector<Face> faces;
+  for (const glm::uvec3& t : triangles) faces.push_back({t, {}});
+  return faces;
+}
+
+mesh::Mesh mesh_of(const std::vector<glm::vec3>& positions, const std::vector<Face>& faces) {
+  std::vector<glm::uvec3> triangles;
+  for (const Face& face : faces) triangles.push_back(face.corners);
+  return test::make_mesh("faces", positions, triangles);
+}
+
+// Without the link condition a thin tube, closed at both ends, becomes two triangles back to back.
+TEST(PatchSimplifier, TubesStayTubes) {
+  std::vector<glm::vec3> positions;
+  std::vector<glm::uvec3> triangles;
+  constexpr unsigned kRings = 20;
+  for (unsigned r = 0; r < kRings; ++r) {
+    for (unsigned c = 0; c < 3; ++c) {
+      const double angle = 2.0943951 * c;
+      positions.emplace_back(0.01 * std::cos(angle), 0.01 * std::sin(angle), r);
+    }
+  }
+  for (unsigned r = 0; r + 1 < kRings; ++r) {
+    for (unsigned c = 0; c < 3; ++c) {
+      const unsigned a = 3 * r + c;
+      const unsigned b = 3 * r + (c + 1) % 3;
+      triangles.insert(triangles.end(), {{a, b, b + 3}, {a, b + 3, a + 3}});
+    }
+  }
+  const unsigned last = 3 * (kRings - 1);
+  triangles.insert(triangles.end(), {{0, 2, 1}, {last, last + 1, last + 2}});
+  for (const double distance : {1e-4, 1e-2, 0.1, 1.0, 100.0}) {
+    const std::vector<Face> result = simplify_patch(positions, faces_of(triangles), distance, kAnyFace);
+    const mesh::Topology topology = mesh::measure_topology(mesh_of(positions, result));
+    EXPECT_TRUE(topology.is_closed_oriented_manifold()) << distance;
+    EXPECT_EQ(topology.euler, 2) << distance;
+    EXPECT_GE(result.size(), 4U) << distance;
+  }
+}
+
+TEST(PatchSimplifier, KeepsTheBorderEdgeByEdge) {
+  std::vector<glm::vec3> positions;
+  std::vector<glm::uvec3> triangles;
+  constexpr unsigned kSide = 20;
+  for (unsigned j = 0; j <= kSide; ++j) {
+    for (unsigned i = 0; i <= kSide; ++i) positions.emplace_back(i, j, 0);
+  }
+  for (unsigned j = 0; j < kSide; ++j) {
+    for (unsigned i = 0; i < kSide; ++i) {
+      const unsigned v = j * (kSide + 1) + i;
+      triangles.insert(triangles.end(), {{v, v + 1, v + kSide + 2}, {v, v + kSide + 2, v + kSide + 1}});
+    }
+  }
+  const std::vector<Face> result = simplify_patch(positions, faces_of(triangles), 0.01, kAnyFace);
+  EXPECT_LT(result.size(), triangles.size() / 4);
+  const mesh::Mesh flat = mesh_of(positions, result);
+  const mesh::Topology topology = mesh::measure_topology(flat);
+  EXPECT_EQ(topology.open_edges, 4U * kSide);
+  EXPECT_EQ(topology.euler, 1);
+  EXPECT_EQ(mesh::measure_size(flat).zero_area_triangles, 0U);
+  EXPECT_NEAR(mesh::measure_size(flat).area, kSide * kSide, 1e-9);
+  std::size_t represented = 0;
+  for (const Face& face : result) represented += face.represents.size();
+  EXPECT_EQ(represented + positions.size() - topology.unused_vertices, positions.size());
+}
+
+}  // namespace
+}  // namespace isoextract::edit

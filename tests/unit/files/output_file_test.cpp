@@ -1,0 +1,401 @@
+#include "files/output_file.hpp"
+
+#include <fcntl.h>
+#include <linux/audit.h>
+#include <linux/filter.h>
+#include <linux/seccomp.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstddef>
+#include <functional>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "support/temp_folder.hpp"
+
+namespace isoextract::files {
+namespace {
+
+namespace fs = std::filesystem;
+using test::read_bytes;
+using test::TempFolder;
+using test::write_bytes;
+using testing::Test;
+
+using Names = std::set<std::string>;
+
+OutputFile must_create(const fs::path& path) {
+  auto file = OutputFile::create(path);
+  if (!file) throw std::runtime_error(file.error().message);
+  return std::move(*file);
+}
+
+mode_t permissions(const fs::path& path) {
+  struct stat found {};
+  EXPECT_EQ(::stat(path.c_str(), &found), 0);
+  return found.st_mode & 07777;
+}
+
+// Runs `body` in a process of its own and returns its exit code: for what changes the whole process.
+int in_child(const std::function<int()>& body) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    int code = 100;
+    try {
+      code = body();
+    } catch (const std::exception& error) {
+      std::fputs(error.what(), stderr);
+    }
+    ::_exit(code);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+// From now on this process finds no file system with unnamed files.
+bool forbid_unnamed_files() {
+  constexpr unsigned kTmpfileBit = static_cast<unsigned>(O_TMPFILE) & ~static_cast<unsigned>(O_DIRECTORY);
+  constexpr unsigned kAllow = SECCOMP_RET_ALLOW;
+  constexpr unsigned kDeny = SECCOMP_RET_ERRNO | EOPNOTSUPP;
+  sock_filter rules[] = {
+      BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr)),
+      BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, SYS_openat, 0, 3),
+      BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, args[2])),
+      BPF_JUMP(BPF_JMP | BPF_JSET | BPF_K, kTmpfileBit, 0, 1),
+      BPF_STMT(BPF_RET | BPF_K, kDeny),
+      BPF_STMT(BPF_RET | BPF_K, kAllow),
+  };
+  const sock_fprog program{sizeof(rules) / sizeof(rules[0]), rules};
+  return ::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 && ::prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program) == 0;
+}
+
+TEST(OutputFile, CommitGivesTheFileItsNameAndItsBytes) {
+  const TempFolder folder;
+  auto file = must_create(folder / "out.bin");
+  const std::string large(300000, 'x');  // is not copied into the buffer; order must hold all the same
+  ASSERT_TRUE(file.write("start\n"));
+  ASSERT_TRUE(file.write(large));
+  ASSERT_TRUE(file.write("end"));
+  EXPECT_EQ(file.bytes_written(), large.size() + 9);
+  ASSERT_TRUE(file.commit());
+  EXPECT_EQ(read_bytes(folder / "out.bin"), "start\n" + large + "end");
+  EXPECT_EQ(folder.names(), Names{"out.bin"});
+}
+
+TEST(OutputFile, ManySmallWritesKeepTheirOrder) {
+  const TempFolder folder;
+  auto file = must_create(folder / "out.txt");
+  std::string expected;
+  for (int i = 0; i < 400000; ++i) {  // several buffers full
+    const std::string text = std::to_string(i) + ' ';
+    expected += text;
+    ASSERT_TRUE(file.write(text));
+  }
+  ASSERT_TRUE(file.commit());
+  EXPECT_EQ(read_bytes(folder / "out.txt"), expected);
+}
+
+TEST(OutputFile, NothingIsLeftWithoutCommit) {
+  const TempFolder folder;
+  {
+    auto file = must_create(folder / "out.bin");
+    ASSERT_TRUE(file.write(std::string(1 << 21, 'x')));
+    EXPECT_EQ(folder.names(), Names{});  // while it is written there is no name either
+  }
+  EXPECT_EQ(folder.names(), Names{});
+}
+
+TEST(OutputFile, AnExistingFileStaysUntilCommit) {
+  const TempFolder folder;
+  write_bytes(folder / "out.bin", "old");
+  {
+    auto file = must_create(folder / "out.bin");
+    ASSERT_TRUE(file.write(std::string(1 << 21, 'x')));
+    EXPECT_EQ(read_bytes(folder / "out.bin"), "old");
+  }
+  EXPECT_EQ(read_bytes(folder / "out.bin"), "old");
+  auto file = must_create(folder / "out.bin");
+  ASSERT_TRUE(file.write("new"));
+  ASSERT_TRUE(file.commit());
+  EXPECT_EQ(read_bytes(folder / "out.bin"), "new");
+  EXPECT_EQ(folder.names(), Names{"out.bin"});
+}
+
+TEST(OutputFile, AKilledProcessLeavesNothing) {
+  const TempFolder folder;
+  write_bytes(folder / "out.bin", "old");
+  in_child([&] {
+    auto file = must_create(folder / "out.bin");
+    (void)file.write(std::string(1 << 21, 'x'));
+    return ::raise(SIGKILL);
+  });
+  EXPECT_EQ(read_bytes(folder / "out.bin"), "old");
+  EXPECT_EQ(folder.names(), Names{"out.bin"});
+}
+
+TEST(OutputFile, ReplacesWhatASymbolicLinkPointsTo) {
+  const TempFolder folder;
+  fs::create_directory(folder / "real");
+  fs::create_symlink("real/out.bin", folder / "second");
+  fs::create_symlink("second", folder / "first");
+  for (const std::string content : {"made", "replaced"}) {  // the link points nowhere at first
+    auto file = must_create(folder / "first");
+    ASSERT_TRUE(file.write(content));
+    ASSERT_TRUE(file.commit());
+    EXPECT_TRUE(fs::is_symlink(folder / "first") && fs::is_symlink(folder / "second"));
+    EXPECT_EQ(read_bytes(folder / "real/out.bin"), content);
+  }
+}
+
+TEST(OutputFile, NewFilesGetWhatTheUmaskLeaves) {
+  const TempFolder folder;
+  const mode_t old = ::umask(027);
+  auto file = must_create(folder / "out.bin");
+  ::umask(old);
+  ASSERT_TRUE(file.commit());
+  EXPECT_EQ(permissions(folder / "out.bin"), 0640U);
+}
+
+TEST(OutputFile, AReplacedFileKeepsItsPermissions) {
+  const TempFolder folder;
+  write_bytes(folder / "out.bin", "old");
+  fs::permissions(folder / "out.bin", fs::perms(0606));
+  auto file = must_create(folder / "out.bin");
+  ASSERT_TRUE(file.write("new"));
+  ASSERT_TRUE(file.commit());
+  EXPECT_EQ(read_bytes(folder / "out.bin"), "new");
+  EXPECT_EQ(permissions(folder / "out.bin"), 0606U);
+}
+
+TEST(OutputFile, WorksWithoutUnnamedFiles) {
+  const TempFolder folder;
+  write_bytes(folder / "kept.bin", "old");
+  fs::permissions(folder / "kept.bin", fs::perms(0604));
+  const int code = in_child([&] {
+    if (!forbid_unnamed_files()) return 77;
+    ::umask(027);
+    {
+      auto dropped = must_create(folder / "dropped.bin");
+      if (folder.names().size() != 2) return 1;  // else the other way was taken
+    }
+    auto made = must_create(folder / "made.bin");
+    auto kept = must_create(folder / "kept.bin");
+    if (!made.write("made") || !kept.write("kept") || !made.commit() || !kept.commit()) return 2;
+    return 0;
+  });
+  if (code == 77) GTEST_SKIP() << "this system does not let a process filter its system calls";
+  ASSERT_EQ(code, 0);
+  EXPECT_EQ(folder.names(), (Names{"kept.bin", "made.bin"}));
+  EXPECT_EQ(read_bytes(folder / "made.bin"), "made");
+  EXPECT_EQ(read_bytes(folder / "kept.bin"), "kept");
+  EXPECT_EQ(permissions(folder / "made.bin"), 0640U);
+  EXPECT_EQ(permissions(folder / "kept.bin"), 0604U);
+}
+
+TEST(OutputFile, DevicesAreWrittenDirectly) {
+  auto file = must_create("/dev/null");
+  ASSERT_TRUE(file.write("gone"));
+  ASSERT_TRUE(file.commit());
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+}
+
+TEST(OutputFile, PipesAreWrittenDirectly) {
+  const TempFolder folder;
+  const fs::path pipe = folder / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const std::string sent(1 << 20, 'p');  // more than a pipe holds: writes are short
+  std::string received;
+  std::thread reader([&] { received = read_bytes(pipe); });
+  {
+    auto file = must_create(pipe);
+    EXPECT_TRUE(file.write(sent));
+    EXPECT_TRUE(file.commit());
+  }
+  reader.join();
+  EXPECT_EQ(received, sent);
+  EXPECT_TRUE(fs::is_fifo(pipe));
+}
+
+TEST(OutputFile, AFullDeviceIsAnErrorThatStays) {
+  auto file = must_create("/dev/full");
+  const auto first = file.write(std::string(1 << 20, 'x'));
+  ASSERT_FALSE(first);
+  EXPECT_EQ(first.error().kind, ErrorKind::output);
+  EXPECT_EQ(first.error().message, "/dev/full: cannot write: no space left on the device");
+  EXPECT_EQ(first.error().hint.text, "free some space or choose another place for the file");
+  const auto later = file.write("y");
+  ASSERT_FALSE(later);
+  EXPECT_EQ(later.error().message, first.error().message);
+  EXPECT_FALSE(file.commit());
+}
+
+TEST(OutputFile, AFullDeviceIsFoundAtCommitAtTheLatest) {
+  auto file = must_create("/dev/full");
+  ASSERT_TRUE(file.write("in the buffer"));
+  const auto committed = file.commit();
+  ASSERT_FALSE(committed);
+  EXPECT_EQ(committed.error().kind, ErrorKind::output);
+}
+
+TEST(OutputFile, AFailedWriteLeavesTheOldFile) {
+  const TempFolder folder;
+  write_bytes(folder / "out.bin", "old");
+  const int code = in_child([&] {
+    const rlimit limit{1 << 16, 1 << 16};
+    if (::setrlimit(RLIMIT_FSIZE, &limit) != 0 || ::signal(SIGXFSZ, SIG_IGN) == SIG_ERR) return 1;
+    auto file = must_create(folder / "out.bin");
+    const auto written = file.write(std::string(1 << 20, 'x'));
+    if (written || written.error().kind != ErrorKind::output) return 2;
+    if (written.error().message.find("out.bin") == std::string::npos) return 3;
+    return file.commit() ? 4 : 0;
+  });
+  EXPECT_EQ(code, 0);
+  EXPECT_EQ(read_bytes(folder / "out.bin"), "old");
+  EXPECT_EQ(folder.names(), Names{"out.bin"});
+}
+
+TEST(OutputFile, AClosedReaderIsAnError) {
+  const int code = in_child([] {
+    int ends[2];
+    if (::pipe(ends) != 0 || ::dup2(ends[1], STDOUT_FILENO) < 0) return 1;
+    ::close(ends[0]);
+    ::signal(SIGPIPE, SIG_IGN);
+    auto file = must_create("-");
+    const auto written = file.write(std::string(1 << 20, 'x'));
+    if (written) return 2;
+    return written.error().message == "standard output: cannot write: closed by the reader" ? 0 : 3;
+  });
+  EXPECT_EQ(code, 0);
+}
+
+TEST(OutputFile, StandardOutputGetsTheBytesAndStaysOpen) {
+  const TempFolder folder;
+  const fs::path captured = folder / "stdout";
+  const int code = in_child([&] {
+    const int fd = ::open(captured.c_str(), O_WRONLY | O_CREAT, 0600);
+    if (::dup2(fd, STDOUT_FILENO) < 0) return 1;
+    {
+      auto file = must_create("-");
+      if (!file.write("mesh") || !file.commit()) return 2;
+    }
+    return ::write(STDOUT_FILENO, "!", 1) == 1 ? 0 : 3;
+  });
+  EXPECT_EQ(code, 0);
+  EXPECT_EQ(read_bytes(captured), "mesh!");
+}
+
+struct BadPath {
+  std::string path;
+  std::string expected;
+};
+
+TEST(OutputFile, PathsThatCannotBeWrittenAreToldApart) {
+  const TempFolder folder;
+  write_bytes(folder / "file", "");
+  fs::create_directory(folder / "inner");
+  fs::create_symlink("loop", folder / "loop");
+  const std::vector<BadPath> cases = {
+      {"missing/out.bin", "there is no folder"},
+      {"inner", "expected a file, found a folder"},
+      {"new/", "expected a file name, found the name of a folder"},
+      {"file/out.bin", "Not a directory"},
+      {"loop", "Too many levels of symbolic links"},
+      {std::string(300, 'n'), "File name too long"},
+  };
+  for (const BadPath& bad : cases) {
+    const auto file = OutputFile::create(folder / bad.path);
+    ASSERT_FALSE(file) << bad.path;
+    EXPECT_EQ(file.error().kind, ErrorKind::output);
+    EXPECT_TRUE(file.error().message.starts_with((folder / bad.path).string() + ": ")) << file.error().message;
+    EXPECT_NE(file.error().message.find(bad.expected), std::string::npos) << file.error().message;
+    EXPECT_NE(file.error().hint.text.find("file"), std::string::npos) << file.error().message;
+  }
+  EXPECT_EQ(folder.names(), (Names{"file", "inner", "loop"}));
+}
+
+TEST(OutputFile, MissingPermissionIsAnError) {
+  constexpr uid_t kNobody = 65534;
+  const TempFolder folder;
+  fs::create_directory(folder / "closed");
+  write_bytes(folder / "closed/protected.bin", "old");
+  fs::create_directory(folder / "open");
+  write_bytes(folder / "open/protected.bin", "old");
+  fs::permissions(folder / "open/protected.bin", fs::perms(0444));
+  fs::permissions(folder / "open", fs::perms(0777));
+  fs::permissions(folder.path(), fs::perms(0755));
+  const int code = in_child([&] {
+    fs::permissions(folder / "closed", fs::perms(0555));
+    if (::geteuid() == 0 && ::seteuid(kNobody) != 0) return 77;
+    const auto in_closed = OutputFile::create(folder / "closed/out.bin");
+    if (in_closed || in_closed.error().kind != ErrorKind::output) return 1;
+    if (in_closed.error().message.find("no permission") == std::string::npos) return 2;
+    // A rename could replace it, as the folder is open; the file's own bits say that it should not.
+    const auto replaced = OutputFile::create(folder / "open/protected.bin");
+    if (replaced || replaced.error().message.find("no permission") == std::string::npos) return 3;
+    return 0;
+  });
+  fs::permissions(folder / "closed", fs::perms(0755));
+  if (code == 77) GTEST_SKIP() << "cannot give up the rights of root";
+  EXPECT_EQ(code, 0);
+}
+
+class OutputFilePair : public Test {
+ protected:
+  TempFolder folder_;
+  fs::path first_ = folder_ / "a.bin";
+  fs::path last_ = folder_ / "a.gltf";
+
+  Result<void> commit_pair(const std::function<void()>& before_commit = [] {}) {
+    auto first = must_create(first_);
+    auto last = must_create(last_);
+    if (!first.write("new data") || !last.write("new model")) throw std::runtime_error("cannot write");
+    before_commit();
+    return OutputFile::commit_pair(first, last);
+  }
+
+  // Makes the last rename fail after everything before it went well.
+  void block_last() { fs::create_directories(last_ / "in the way"); }
+};
+
+TEST_F(OutputFilePair, BothGetTheirNames) {
+  for (int round = 0; round < 2; ++round) {  // new at first, then replaced
+    ASSERT_TRUE(commit_pair());
+    EXPECT_EQ(read_bytes(first_), "new data");
+    EXPECT_EQ(read_bytes(last_), "new model");
+    EXPECT_EQ(folder_.names(), (Names{"a.bin", "a.gltf"}));
+    write_bytes(first_, "old data");
+  }
+}
+
+TEST_F(OutputFilePair, IfTheLastFailsTheFirstIsNotThere) {
+  const auto committed = commit_pair([this] { block_last(); });
+  ASSERT_FALSE(committed);
+  EXPECT_EQ(committed.error().kind, ErrorKind::output);
+  EXPECT_EQ(folder_.names(), Names{"a.gltf"});
+}
+
+TEST_F(OutputFilePair, IfTheLastFailsTheOldFirstIsBack) {
+  write_bytes(first_, "old data");
+  ASSERT_FALSE(commit_pair([this] { block_last(); }));
+  EXPECT_EQ(read_bytes(first_), "old data");
+  EXPECT_EQ(folder_.names(), (Names{"a.bin", "a.gltf"}));
+}
+
+TEST_F(OutputFilePair, IfTheFirstFailsTheLastIsUntouched) {
+  write_bytes(last_, "old model");
+  ASSERT_FALSE(commit_pair([this] { fs::create_directories(first_ / "in the way"); }));
+  EXPECT_EQ(read_bytes(last_), "old model");
+  EXPECT_EQ(folder_.names(), (Names{"a.bin", "a.gltf"}));
+}
+
+}  // namespace
+}  // namespace isoextract::files

@@ -1,0 +1,1 @@
+isoextract_unit_test(files output_file_test.cpp)

@@ -1,0 +1,117 @@
+#include "unit/volumes/volume_files.hpp"
+
+namespace isoextract::test {
+namespace {
+
+volumes::ReadOptions raw_options(field::SampleType type, std::endian endian = std::endian::little,
+                                 std::uint64_t skip = 0) {
+  volumes::ReadOptions options;
+  options.raw = volumes::RawLayout{kDims, type, endian, skip};
+  return options;
+}
+
+template <class T>
+class RawReader : public testing::Test {};
+using AllTypes = testing::Types<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::uint32_t, std::int32_t,
+                                field::Half, float, double>;
+TYPED_TEST_SUITE(RawReader, AllTypes);
+
+TYPED_TEST(RawReader, ReadsBothByteOrdersBehindAHeader) {
+  for (const std::endian endian : {std::endian::little, std::endian::big}) {
+    const TempFolder folder;
+    write_bytes(folder / "v.raw", "head" + ramp_bytes<TypeParam>(endian));
+    expect_ramp<TypeParam>(must_read(folder / "v.raw", raw_options(field::sample_type_of<TypeParam>(), endian, 4)));
+  }
+}
+
+TEST(RawReaderSize, NamesWhatIsExpectedWhatIsFoundAndWhatWouldFit) {
+  const TempFolder folder;
+  write_bytes(folder / "v.raw", ramp_bytes<std::uint16_t>());
+  const Error smaller = refusal(folder / "v.raw", raw_options(field::SampleType::f32));
+  expect_in(smaller.message, "expected 240 bytes");
+  expect_in(smaller.message, "found 120");
+  expect_in(smaller.hint.text, "u16, i16, f16");
+  const Error larger = refusal(folder / "v.raw", raw_options(field::SampleType::u16, std::endian::little, 2));
+  expect_in(larger.message, "expected 122 bytes");
+  write_bytes(folder / "v.raw", "12345678" + ramp_bytes<std::uint16_t>());
+  expect_in(refusal(folder / "v.raw", raw_options(field::SampleType::u16)).hint.text, "--skip 8");
+}
+
+TEST(RawReaderSize, HugeSizesAreAnErrorBeforeMemoryIsTaken) {
+  const TempFolder folder;
+  write_bytes(folder / "v.raw", "12345678");
+  volumes::ReadOptions options = raw_options(field::SampleType::f64);
+  options.raw->dims = glm::ivec3(0x7fffffff);
+  expect_in(refusal(folder / "v.raw", options).message, "2147483647");
+  options = raw_options(field::SampleType::u8, std::endian::little, ~std::uint64_t{0});
+  expect_in(refusal(folder / "v.raw", options).message, "found 8");
+}
+
+TEST(RawReaderSize, DimsBelowOneAreAUsageError) {
+  const TempFolder folder;
+  write_bytes(folder / "v.raw", "12345678");
+  volumes::ReadOptions options = raw_options(field::SampleType::u8);
+  options.raw->dims = {2, -4, -1};
+  const auto field = volumes::read_volume((folder / "v.raw").string(), options);
+  ASSERT_FALSE(field);
+  EXPECT_EQ(field.error().kind, ErrorKind::usage);
+}
+
+TEST(RawReaderSize, MemoryLimitHoldsForWhatIsRead) {
+  const TempFolder folder;
+  write_bytes(folder / "v.raw", ramp_bytes<float>(std::endian::big));
+  volumes::ReadOptions options = raw_options(field::SampleType::f32, std::endian::big);
+  options.limits.memory_bytes = 239;
+  const Error error = refusal(folder / "v.raw", options);
+  EXPECT_EQ(error.kind, ErrorKind::input);
+  EXPECT_EQ(error.hint.remedy, Remedy::raise_memory_limit);
+  options.limits.memory_bytes = 240;
+  expect_ramp<float>(must_read(folder / "v.raw", options));
+}
+
+TEST(RawReaderSize, ReportsItsProgressInBytes) {
+  // Larger than the pieces that are read at a time, and not a multiple of them.
+  const glm::ivec3 dims{200, 210, 220};
+  const TempFolder folder;
+  write_bytes(folder / "v.raw", ramp_bytes<std::int16_t>(std::endian::big, dims));
+  Progress progress;
+  volumes::ReadOptions options = raw_options(field::SampleType::i16, std::endian::big);
+  options.raw->dims = dims;
+  options.progress = &progress;
+  expect_ramp<std::int16_t>(must_read(folder / "v.raw", options), dims);
+  EXPECT_STREQ(progress.stage(), "reading");
+  EXPECT_EQ(progress.total(), 200U * 210U * 220U * 2U);
+  EXPECT_EQ(progress.done(), progress.total());
+}
+
+TEST(RawReaderPlace, SpacingAndOrigin) {
+  const TempFolder folder;
+  write_bytes(folder / "head.raw", ramp_bytes<std::uint8_t>());
+  volumes::ReadOptions options = raw_options(field::SampleType::u8);
+  const field::ScalarField plain = must_read(folder / "head.raw", options);
+  EXPECT_EQ(plain.index_to_world, field::Affine());
+  EXPECT_EQ(plain.name, "head");
+  EXPECT_EQ(plain.source, (folder / "head.raw").string());
+  EXPECT_EQ(plain.kind, field::FieldKind::density);
+  options.spacing = glm::dvec3(0.5, 2, 3);
+  options.origin = glm::dvec3(-1, 10, 100);
+  options.kind = field::FieldKind::level_set;
+  const field::ScalarField placed = must_read(folder / "head.raw", options);
+  expect_near(placed.index_to_world({2, 1, 4}), {0, 12, 112});
+  EXPECT_EQ(placed.kind, field::FieldKind::level_set);
+}
+
+TEST(RawReaderPlace, SpacingMustBePositive) {
+  const TempFolder folder;
+  write_bytes(folder / "v.raw", ramp_bytes<std::uint8_t>());
+  for (const double bad : {0.0, -1.0, std::nan(""), HUGE_VAL}) {
+    volumes::ReadOptions options = raw_options(field::SampleType::u8);
+    options.spacing = glm::dvec3(1, bad, 1);
+    const auto field = volumes::read_volume((folder / "v.raw").string(), options);
+    ASSERT_FALSE(field);
+    EXPECT_EQ(field.error().kind, ErrorKind::usage);
+  }
+}
+
+}  // namespace
+}  // namespace isoextract::test

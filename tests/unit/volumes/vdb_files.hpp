@@ -1,0 +1,42 @@
+// Shared by the tests of the VDB reader: files written by OpenVDB, and a lookup in sparse samples.
+#pragma once
+
+#include <algorithm>
+#include <filesystem>
+#include <tuple>
+
+#include <openvdb/openvdb.h>
+
+#include "field/scalar_field.hpp"
+
+namespace isoextract::test {
+
+inline void write_vdb(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids,
+                      std::uint32_t compression = openvdb::io::COMPRESS_ACTIVE_MASK, bool with_counts = true) {
+  openvdb::initialize();
+  openvdb::io::File file(path.string());
+  file.setCompression(compression);
+  file.setGridStatsMetadataEnabled(with_counts);
+  file.write(grids);
+  file.close();
+}
+
+// What an extractor would see at an index: block, tile or background, in the contract's layout.
+template <class T>
+double sparse_value(const field::SparseSamples& samples, const glm::ivec3& index) {
+  const glm::ivec3 origin = index & ~7;
+  const auto key = [](const glm::ivec3& v) { return std::tuple(v.x, v.y, v.z); };
+  const auto block = std::ranges::lower_bound(samples.blocks, key(origin), {},
+                                              [&](const field::SparseBlock& b) { return key(b.origin); });
+  if (block != samples.blocks.end() && block->origin == origin) {
+    const glm::ivec3 in = index - origin;
+    return static_cast<double>(static_cast<const T*>(block->values)[in.x << 6 | in.y << 3 | in.z]);
+  }
+  for (const field::SparseTile& tile : samples.tiles) {
+    const glm::ivec3 in = index - tile.origin;
+    if (std::min({in.x, in.y, in.z}) >= 0 && std::max({in.x, in.y, in.z}) < tile.size) return tile.value;
+  }
+  return samples.background;
+}
+
+}  // namespace isoextract::test

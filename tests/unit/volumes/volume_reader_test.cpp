@@ -1,0 +1,175 @@
+// What all formats share: detection, and options that do not belong.
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "unit/volumes/volume_files.hpp"
+
+namespace isoextract::test {
+namespace {
+
+const std::string kNrrd =
+    "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 3 4 5\nencoding: raw\n\n" + ramp_bytes<std::uint8_t>();
+
+ErrorKind kind_of_refusal(const std::string& input, const volumes::ReadOptions& options) {
+  const auto field = volumes::read_volume(input, options);
+  if (field) throw std::runtime_error(input + " was read");
+  const auto grids = volumes::list_grids(input, options);
+  EXPECT_FALSE(grids) << "list_grids must refuse what read_volume refuses";
+  return field.error().kind;
+}
+
+TEST(VolumeReader, EveryFormatHasOneRow) {
+  std::vector<volumes::VolumeFormat> formats;
+  for (const volumes::VolumeFormatInfo& info : volumes::volume_formats()) formats.push_back(info.format);
+  EXPECT_EQ(formats,
+            (std::vector{volumes::VolumeFormat::vdb, volumes::VolumeFormat::nrrd, volumes::VolumeFormat::nifti,
+                         volumes::VolumeFormat::npy, volumes::VolumeFormat::raw, volumes::VolumeFormat::demo}));
+}
+
+TEST(VolumeReader, ContentDecidesBeforeTheExtension) {
+  const TempFolder folder;
+  for (const char* name : {"v.vdb", "v.npy", "v.raw", "v.nii.gz", "v.txt", "noextension"}) {
+    write_bytes(folder / name, kNrrd);
+    const field::ScalarField field = must_read(folder / name);
+    expect_ramp<std::uint8_t>(field);
+    const bool misnamed = std::string(name) != "v.txt" && std::string(name) != "noextension";
+    EXPECT_EQ(has_note(field, "read as nrrd by its content, although it is named " + std::string(name)), misnamed);
+  }
+  write_bytes(folder / "v.NRRD", kNrrd);
+  EXPECT_FALSE(has_note(must_read(folder / "v.NRRD"), "although"));
+}
+
+TEST(VolumeReader, UnknownContentListsTheFormats) {
+  const TempFolder folder;
+  write_bytes(folder / "v.txt", "x,y,z\n1,2,3\n");
+  const Error error = refusal(folder / "v.txt");
+  EXPECT_EQ(error.kind, ErrorKind::input);
+  expect_in(error.message, "not a volume format that isoextract reads; it starts with 'x,y,z?1,2,3?'");
+  for (const char* format : {"vdb", "nrrd", "nifti", "npy", "raw", ".nhdr"}) expect_in(error.hint.text, format);
+  write_bytes(folder / "v.gz", gzip(kNrrd));
+  expect_in(refusal(folder / "v.gz").message, "not a volume format");
+}
+
+TEST(VolumeReader, KnownExtensionWithOtherContentNamesTheFormat) {
+  const TempFolder folder;
+  for (const auto& [name, format] : std::vector<std::pair<std::string, std::string>>{{"v.vdb", "not a VDB file"},
+                                                                                     {"v.nhdr", "not a NRRD file"},
+                                                                                     {"v.nii", "not a NIfTI file"},
+                                                                                     {"v.nii.gz", "not a NIfTI file"},
+                                                                                     {"v.hdr", "not a NIfTI file"},
+                                                                                     {"v.npy", "not a NumPy file"}}) {
+    write_bytes(folder / name, "some text that is no volume\n");
+    const Error error = refusal(folder / name);
+    EXPECT_EQ(error.kind, ErrorKind::input);
+    expect_in(error.message, format);
+    expect_in(error.message, "found 'some text that i...'");
+  }
+}
+
+TEST(VolumeReader, RawFilesNeedALayout) {
+  const TempFolder folder;
+  write_bytes(folder / "v.raw", "12345678");
+  const Error error = refusal(folder / "v.raw");
+  EXPECT_EQ(error.kind, ErrorKind::usage);
+  expect_in(error.hint.text, "--dims");
+  expect_in(error.hint.text, "--dtype");
+}
+
+TEST(VolumeReader, LayoutMakesUnknownFilesRaw) {
+  const TempFolder folder;
+  volumes::ReadOptions options;
+  options.raw = volumes::RawLayout{kDims, field::SampleType::u8, std::endian::little, 0};
+  for (const char* name : {"v.raw", "v.bin", "v", "v.nrrd"}) {
+    write_bytes(folder / name, ramp_bytes<std::uint8_t>());
+    expect_ramp<std::uint8_t>(must_read(folder / name, options));
+  }
+}
+
+TEST(VolumeReader, OptionsOfOtherFormatsAreUsageErrors) {
+  const TempFolder folder;
+  const std::string nrrd = (folder / "v.nrrd").string();
+  write_bytes(nrrd, kNrrd);
+  volumes::ReadOptions with_layout;
+  with_layout.raw = volumes::RawLayout{kDims, field::SampleType::u8, std::endian::little, 0};
+  volumes::ReadOptions with_grid;
+  with_grid.grid = "density";
+  EXPECT_EQ(kind_of_refusal(nrrd, with_layout), ErrorKind::usage);
+  EXPECT_EQ(kind_of_refusal(nrrd, with_grid), ErrorKind::usage);
+  EXPECT_EQ(kind_of_refusal("demo:sphere?size=4", with_layout), ErrorKind::usage);
+  EXPECT_EQ(kind_of_refusal("demo:sphere?size=4", with_grid), ErrorKind::usage);
+  volumes::ReadOptions as_demo;
+  as_demo.format = volumes::VolumeFormat::demo;
+  EXPECT_EQ(kind_of_refusal(nrrd, as_demo), ErrorKind::usage);
+}
+
+TEST(VolumeReader, GivenFormatDecides) {
+  const TempFolder folder;
+  write_bytes(folder / "v.nrrd", kNrrd);
+  volumes::ReadOptions options;
+  options.format = volumes::VolumeFormat::raw;
+  options.raw =
+      volumes::RawLayout{{static_cast<int>(kNrrd.size()), 1, 1}, field::SampleType::u8, std::endian::little, 0};
+  EXPECT_EQ(dense_value<std::uint8_t>(must_read(folder / "v.nrrd", options), 1, 0, 0), 'R');
+  options.raw.reset();
+  for (const volumes::VolumeFormat format :
+       {volumes::VolumeFormat::vdb, volumes::VolumeFormat::nifti, volumes::VolumeFormat::npy}) {
+    options.format = format;
+    EXPECT_EQ(refusal(folder / "v.nrrd", options).kind, ErrorKind::input);
+  }
+}
+
+TEST(VolumeReader, PathsThatAreNoFiles) {
+  const TempFolder folder;
+  expect_in(refusal(folder / "missing.vdb").message, "No such file");
+  std::filesystem::create_directory(folder / "folder.vdb");
+  expect_in(refusal(folder / "folder.vdb").message, "found a directory");
+  for (const char* name : {"v.vdb", "v.nrrd", "v.nhdr", "v.nii", "v.nii.gz", "v.hdr", "v.npy", "v.raw", "v"}) {
+    write_bytes(folder / name, "");
+    expect_in(refusal(folder / name).message, "is empty");
+  }
+  ASSERT_EQ(::mkfifo((folder / "pipe.raw").c_str(), 0600), 0);
+  expect_in(refusal(folder / "pipe.raw").message, "pipe or device");
+  write_bytes(folder / "secret.npy", "x");
+  std::filesystem::permissions(folder / "secret.npy", std::filesystem::perms::none);
+  if (::geteuid() != 0) expect_in(refusal(folder / "secret.npy").message, "Permission denied");
+}
+
+TEST(VolumeReader, OneByteFilesAreRefused) {
+  const TempFolder folder;
+  for (const char* name : {"v.vdb", "v.nrrd", "v.nii", "v.nii.gz", "v.hdr", "v.img", "v.npy", "v.raw", "v"}) {
+    write_bytes(folder / name, "\x1f");
+    EXPECT_FALSE(volumes::read_volume((folder / name).string(), {})) << name;
+  }
+}
+
+TEST(VolumeReader, ListsDenseVolumesWithoutReadingThem) {
+  const TempFolder folder;
+  // The header alone is enough.
+  write_bytes(folder / "vol.nrrd", kNrrd);
+  const auto grids = volumes::list_grids((folder / "vol.nrrd").string(), {});
+  ASSERT_TRUE(grids);
+  ASSERT_EQ(grids->size(), 1U);
+  const volumes::GridInfo& grid = grids->front();
+  EXPECT_EQ(grid.name, "vol");
+  EXPECT_EQ(grid.type, "u8");
+  EXPECT_TRUE(grid.scalar);
+  EXPECT_FALSE(grid.kind);
+  EXPECT_EQ(grid.box, (field::IndexBox{{0, 0, 0}, {2, 3, 4}}));
+  EXPECT_EQ(grid.voxels, 60U);
+}
+
+TEST(VolumeReader, DemoFields) {
+  volumes::ReadOptions options;
+  options.spacing = glm::dvec3(2, 2, 2);
+  options.origin = glm::dvec3(1, 2, 3);
+  const field::ScalarField field = must_read("demo:sphere?size=8", options);
+  EXPECT_EQ(field.source, "demo:sphere?size=8");
+  expect_near(field.index_to_world({1, 1, 1}), {3, 4, 5});
+  const auto grids = volumes::list_grids("demo:sphere?size=8", {});
+  ASSERT_TRUE(grids);
+  EXPECT_EQ(grids->front().voxels, 512U);
+  EXPECT_EQ(kind_of_refusal("demo:nothing", {}), ErrorKind::usage);
+}
+
+}  // namespace
+}  // namespace isoextract::test
