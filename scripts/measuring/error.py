@@ -3,7 +3,7 @@
 import hashlib
 
 from measuring import programs, record
-from measuring.tables import median, number, percent, power, table
+from measuring.tables import median, number, percent, power, ratio, table
 
 NAME = "error"
 TITLE = "How wrong the mesh is, and what less would cost"
@@ -46,7 +46,7 @@ def page(measured):
                      f"{number(row['flat_normals']['rms_degrees'], 2)}°", percent(row["area_error"]), percent(row["volume_error"])])
     columns = ["method", "samples", "triangles:", "cold, ms:", "warm, ms:", "rms, voxels:", "max, voxels:",
                "smooth normals:", "flat normals:", "area:", "volume:"]
-    orders = [[f"`{order['method']}`", *(number(order[key]["slope"]) for key in
+    orders = [[f"`{order['method']}`", *(ratio(order[key]["slope"]) for key in
               ("position", "smooth_normals", "flat_normals", "area", "volume"))] for order in benchmark["orders"]]
     return f"""`isoextract bench` extracts a field of a known formula at several resolutions and measures every mesh against the formula.
 

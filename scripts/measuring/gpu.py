@@ -32,29 +32,31 @@ def measure(setting):
         sizes, grids = ((128,), (64, 128, 256)) if software else ((128, 256, 512), (128, 256, 512, 1024))
     threads = record.cores()
     inputs = [f"demo:{field}" for field in FIELDS]
-    found, command = programs.bench(setting, *inputs, "--sizes", ",".join(map(str, sizes)), "--backends",
-                                    "cpu,gpu,gpu:points,gpu:rows", "--threads", threads, "--repeats", 3)
-    for field, benchmark in zip(FIELDS, found["benchmarks"]):
-        benchmark["rows"] = [row for row in benchmark["rows"] if (row["method"], row["backend"]) in PIPELINES]
-        for row in benchmark["rows"]:
-            if row["backend"] in ("cpu", "gpu"):
-                row["cold_ms"] = programs.cold_extraction_ms(setting, field, row["size"], row["method"],
-                                                             benchmark["iso"], row["backend"], 1)
+    fields, commands = {field: [] for field in FIELDS}, []
+    for method in ("mc", "mt"):
+        backends = ",".join(backend for of, backend in PIPELINES if of == method)
+        found, command = programs.bench(setting, *inputs, "--sizes", ",".join(map(str, sizes)), "--methods", method,
+                                        "--backends", backends, "--threads", threads, "--repeats", 3)
+        commands.append(command)
+        for field, benchmark in zip(FIELDS, found["benchmarks"]):
+            for row in benchmark["rows"]:
+                if row["backend"] in ("cpu", "gpu"):
+                    row["cold_ms"] = programs.cold_extraction_ms(setting, field, row["size"], method,
+                                                                 benchmark["iso"], row["backend"], 1)
+                fields[field].append(row)
     creation, creation_command = programs.bench(setting, "gpu-threads", "--sizes", ",".join(map(str, grids)),
                                                 "--repeats", 5)
     cold = programs.shown(["isoextract", "demo:FIELD?size=N", "--iso", 0, "--method", "M", "--backend", "B", "-o",
                            "mesh.ply", "--report", "report.json"])
-    figures = {"software": software, "repeats": found["repeats"], "benchmarks": found["benchmarks"],
-               "creation": creation}
-    commands = [command, f"MESA_SHADER_CACHE_DISABLE=true __GL_SHADER_DISK_CACHE=0 {cold}  # cold", creation_command]
+    figures = {"software": software, "repeats": found["repeats"], "fields": fields, "creation": creation}
+    commands += [f"MESA_SHADER_CACHE_DISABLE=true __GL_SHADER_DISK_CACHE=0 {cold}  # cold", creation_command]
     return measured.finish([threads], {}, commands, figures)
 
 
 def pipeline_rows(figures):
-    for field, benchmark in zip(FIELDS, figures["benchmarks"]):
-        order = list(PIPELINES)
-        for row in sorted(benchmark["rows"],
-                          key=lambda row: (int(row["size"]), order.index((row["method"], row["backend"])))):
+    order = list(PIPELINES)
+    for field, rows in figures["fields"].items():
+        for row in sorted(rows, key=lambda row: (int(row["size"]), order.index((row["method"], row["backend"])))):
             seconds = (row["device"] or {}).get("seconds", {})
             stages = [number(1000 * seconds[stage]) if seconds else "" for stage in ("count", "capture", "weld")]
             cold = number(median(row["cold_ms"])) if "cold_ms" in row else "–"

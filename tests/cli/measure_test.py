@@ -48,8 +48,9 @@ class MeasureTest(ProgramTest):
 
     def test_gpu(self):
         figures = self.measure("gpu")["gpu"]["figures"]
-        for benchmark in figures["benchmarks"]:
-            cold = {(row["method"], row["backend"]): row.get("cold_ms") for row in benchmark["rows"]}
+        self.assertEqual(sorted(figures["fields"]), ["gyroid", "sphere"])
+        for rows in figures["fields"].values():
+            cold = {(row["method"], row["backend"]): row.get("cold_ms") for row in rows}
             self.assertEqual({key for key, times in cold.items() if times},
                              {(method, backend) for method in ("mc", "mt") for backend in ("cpu", "gpu")})
             self.assertEqual(len(cold), 6)
