@@ -1,11 +1,12 @@
 #!/usr/bin/python3
 """Topology of random trilinear fields: isoextract and other programs against an oracle that counts voxels.
 
-    scripts/compare_topology.py [--fields N]
+    scripts/compare_topology.py [--fields N] [--json FILE]
 
 Builds what writes the fields (tests/topology, in build/topology), runs the peers that are installed (Debian packages
 python3-vtk9 and python3-skimage) on the same samples, and prints how many surfaces have the right components with the
-right Euler numbers. Peers are right with either topology where samples or saddles have the very value iso.
+right Euler numbers. Peers are right with either topology where samples or saddles have the very value iso. scripts/measure makes a page of the file
+that --json writes.
 """
 
 import argparse
@@ -17,8 +18,10 @@ import sys
 import tempfile
 
 import numpy
+from measuring import record
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
+ROOT = record.ROOT
+BUILD = ROOT / "build" / "topology"
 KINDS = ("uniform", "near_saddle", "small_integers")
 SIZE = 5
 
@@ -85,8 +88,8 @@ def vtk_peers():
 
     version = core.vtkVersion.GetVTKVersion()
     return {
-        f"VTK {version} MarchingCubes": run(filters.vtkMarchingCubes),
-        f"VTK {version} FlyingEdges3D": run(filters.vtkFlyingEdges3D),
+        ("VTK", version, "MarchingCubes"): run(filters.vtkMarchingCubes),
+        ("VTK", version, "FlyingEdges3D"): run(filters.vtkFlyingEdges3D),
     }
 
 
@@ -104,42 +107,68 @@ def skimage_peers():
         points, triangles, _, _ = marching_cubes(samples, 0.0, method="lewiner", allow_degenerate=False)
         return points, triangles
 
-    return {f"scikit-image {skimage.__version__} Lewiner": extract}
+    return {("scikit-image", skimage.__version__, "Lewiner"): extract}
 
 
-def write_fields(count, folder):
-    build = ROOT / "build" / "topology"
+def build_writer():
     quiet = {"stdout": subprocess.DEVNULL, "check": True}
-    subprocess.run(["cmake", "-S", ROOT, "-B", build, "-G", "Ninja", "-DISOEXTRACT_TESTS=ON"], **quiet)
-    subprocess.run(["cmake", "--build", build, "--target", "write_random_fields"], **quiet)
-    subprocess.run([build / "tests" / "write_random_fields", str(count), folder], check=True)
+    subprocess.run(["cmake", "-S", ROOT, "-B", BUILD, "-G", "Ninja", "-DISOEXTRACT_TESTS=ON"], **quiet)
+    subprocess.run(["cmake", "--build", BUILD, "--target", "write_random_fields"], **quiet)
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--fields", type=int, default=10000, help="fields of each kind (default: 10000)")
-    count = parser.parse_args().fields
-    peers = vtk_peers() | skimage_peers()
-    table = {name: [] for name in ("isoextract mc", *peers)}
+def count_right(count, peers):
+    """Of each program (name, version, method), how many surfaces of each kind of field are right; and of how many fields
+    the oracle does not know the topology."""
+    ours = ("isoextract", "", "mc")
+    table = {name: [] for name in (ours, *peers)}
     undecided = 0
     with tempfile.TemporaryDirectory() as folder:
-        write_fields(count, folder)
+        subprocess.run([BUILD / "tests" / "write_random_fields", str(count), folder], check=True)
         for kind in KINDS:
             facts = json.loads(pathlib.Path(folder, f"{kind}.json").read_text())
             fields = numpy.fromfile(pathlib.Path(folder, f"{kind}.f32"), numpy.float32).reshape(-1, SIZE, SIZE, SIZE)
             undecided += sum(fact["above"] is None or fact["below"] is None for fact in facts)
-            table["isoextract mc"].append(sum(fact["isoextract"] == fact["above"] for fact in facts))
+            table[ours].append(sum(fact["isoextract"] == fact["above"] for fact in facts))
             for name, extract in peers.items():
                 right = 0
                 for fact, samples in zip(facts, fields):
                     right += euler_numbers(*extract(samples)) in (fact["above"], fact["below"])
                 table[name].append(right)
+    return table, undecided
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--fields", type=int, default=10000, help="fields of each kind (default: 10000)")
+    parser.add_argument("--json", type=pathlib.Path, help="write all figures to this file")
+    parser.add_argument("--quick", action="store_true", help="mark the figures as those of a trial run")
+    parser.add_argument("--isoextract", type=pathlib.Path, default=ROOT / "build" / "release" / "isoextract",
+                        help="asked for its version, with --json (default: build/release/isoextract)")
+    options = parser.parse_args()
+    count = options.fields
+    build_writer()
+    measured = record.Record("topology", options.isoextract, options.quick) if options.json else None
+    peers = vtk_peers() | skimage_peers()
+    table, undecided = count_right(count, peers)
     print(f"Right topology, of {count} random fields of {SIZE}^3 samples each ({undecided} undecided by the oracle)\n")
     print(f"| program | {' | '.join(kind.replace('_', ' ') for kind in KINDS)} |")
     print("|---|" + "---:|" * len(KINDS))
     for name, row in table.items():
-        print(f"| {name} | {' | '.join(f'{100 * right / count:.2f} %' for right in row)} |")
-    return 0 if table["isoextract mc"] == [count] * len(KINDS) else 1
+        print(f"| {' '.join(filter(None, name))} | {' | '.join(f'{100 * right / count:.2f} %' for right in row)} |")
+    if options.json:
+        figures = {
+            "fields": count,
+            "samples": SIZE,
+            "undecided": undecided,
+            "rows": [
+                {"program": program, "method": method, "right": dict(zip(KINDS, row))}
+                for (program, _, method), row in table.items()
+            ],
+        }
+        versions = {program: version for program, version, _ in peers}
+        command = f"scripts/compare_topology.py --fields {count}"
+        record.write(measured.finish([record.cores()], versions, [command], figures), options.json)
+    return 0 if all(row == [count] * len(KINDS) for name, row in table.items() if name[0] == "isoextract") else 1
 
 
 if __name__ == "__main__":

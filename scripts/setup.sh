@@ -5,6 +5,7 @@
 #   scripts/setup.sh test       the tests' packages as well
 #   scripts/setup.sh test fuzz  and those of the fuzz targets
 #   scripts/setup.sh bench      what building the program needs, and what it is compared with
+#   scripts/setup.sh measure    what scripts/measure needs: that, and whose topology is compared
 set -euo pipefail
 
 # libepoxy-dev is for the GPU backend, and the Mesa packages after it let it run where there is no GPU.
@@ -23,6 +24,8 @@ test_packages=(
 )
 fuzz_packages=(clang libclang-rt-14-dev)
 bench_packages=(libvtk9-dev libopenvdb-dev libboost-dev libimath-dev libopenvdb-tools python3)
+# Building the random fields needs the packages of the tests' CMake files.
+measure_packages=(gnuplot-nox libgtest-dev python3-numpy python3-vtk9 python3-skimage)
 
 say() { printf 'setup: %s\n' "$*" >&2; }
 
@@ -38,8 +41,9 @@ for group in "$@"; do
       ;;
     fuzz) wanted+=("${fuzz_packages[@]}") ;;
     bench) wanted+=("${bench_packages[@]}") ;;
+    measure) wanted+=("${bench_packages[@]}" "${measure_packages[@]}") ;;
     *)
-      say "unknown group '$group': expected build, test, fuzz or bench"
+      say "unknown group '$group': expected build, test, fuzz, bench or measure"
       exit 1
       ;;
   esac

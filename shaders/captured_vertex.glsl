@@ -38,7 +38,8 @@ double enlarged(double value) {
   return words.y >> 31 != 0u ? -magnitude : magnitude;
 }
 
-// The parameter of the crossing on an edge from value f0 to f1 (seed S1), kept off both ends.
+// The parameter of the crossing on an edge from value f0 to f1 (linear, as in Suravikin and Korobitsyn;
+// docs/papers.md), kept off both ends.
 double edge_crossing(double f0, double f1) {
   double t;
   bool finite0 = is_finite(f0);

@@ -138,7 +138,8 @@ uniform ivec3 last_cell;
 
 bool in_region(ivec3 cell) { return all(greaterThanEqual(cell, first_cell)) && all(lessThanEqual(cell, last_cell)); }
 
-// Cell `number` of the 512 of a site. SWIZZLE: as groups of 2 x 2 x 2 (seed S1), otherwise row by row.
+// Cell `number` of the 512 of a site. SWIZZLE: as groups of 2 x 2 x 2 (Suravikin and Korobitsyn; docs/papers.md),
+// otherwise row by row.
 ivec3 cell_position(int number) {
 #ifdef SWIZZLE
   ivec3 within = ivec3(number, number >> 1, number >> 2) & 1;

@@ -1,4 +1,5 @@
-// Seed S2, control stage: a patch is a site, and becomes a grid of 64 x 8 vertices, one a cell.
+// Timokhin, Mikhaylyuk: Method to extract isosurfaces on the GPU by means of programmable tessellation. Programming and
+// Computer Software 46 (3), 2020. Control stage: a patch is a site, and becomes a grid of 64 x 8 vertices, one a cell.
 
 layout(vertices = 1) out;
 

@@ -1,4 +1,6 @@
-// Seed S2, evaluation stage: from the place in the patch to the cell; the half is the paper's epsilon against rounding.
+// Timokhin, Mikhaylyuk: Method to extract isosurfaces on the GPU by means of programmable tessellation. Programming and
+// Computer Software 46 (3), 2020. Evaluation stage: from the place in the patch to the cell; the half is the paper's
+// epsilon against rounding.
 
 layout(quads, equal_spacing, point_mode) in;
 

@@ -1,3 +1,4 @@
-// Seed S2: a patch needs no vertex data; the control stage knows it by its number.
+// A patch needs no vertex data: the control stage knows it by its number (Timokhin and Mikhaylyuk 2020;
+// docs/papers.md).
 
 void main() {}

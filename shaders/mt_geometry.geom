@@ -1,4 +1,5 @@
-// Seed S1: one tetrahedron comes as four vertices with adjacency; a strip of up to two triangles goes.
+// Suravikin, Korobitsyn: Visualization of a scalar field by dynamic construction of an isosurface (in Russian;
+// docs/papers.md). One tetrahedron comes as four vertices with adjacency; a strip of up to two triangles goes.
 
 layout(lines_adjacency) in;
 #ifdef NORMALS_FLAT

@@ -1,4 +1,5 @@
-// Seed S1: corners of tetrahedra by number alone. Vertex 4 * (6 * (512 * site + cell) + tetrahedron) + corner.
+// Suravikin, Korobitsyn: Visualization of a scalar field by dynamic construction of an isosurface (in Russian;
+// docs/papers.md). Corners of tetrahedra by number alone: vertex 4 * (6 * (512 * site + cell) + tetrahedron) + corner.
 
 flat out ivec3 corner_low;   // of the site's samples
 flat out uvec2 corner_bits;

@@ -1,4 +1,5 @@
-// One thread a cell by a dummy vertex from a buffer, as seed S2 describes the usual way.
+// One thread a cell by a dummy vertex from a buffer: what Timokhin and Mikhaylyuk (2020; docs/papers.md) describe as
+// the usual way.
 
 layout(location = 0) in uint number;  // of the cell in this draw
 

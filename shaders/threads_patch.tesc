@@ -1,5 +1,6 @@
-// Seed S2, control stage: a patch covers up to D x D cells of a layer, D = the highest tessellation level + 1, and
-// becomes a grid of that many vertices.
+// Timokhin, Mikhaylyuk: Method to extract isosurfaces on the GPU by means of programmable tessellation. Programming and
+// Computer Software 46 (3), 2020. Control stage: a patch covers up to D x D cells of a layer, D = the highest
+// tessellation level + 1, and becomes a grid of that many vertices.
 
 layout(vertices = 1) out;
 

@@ -1,4 +1,4 @@
-// Seed S2: a corner of a quad patch, from the buffer of patches.
+// A corner of a quad patch, from the buffer of patches (Timokhin and Mikhaylyuk 2020; docs/papers.md).
 
 layout(location = 0) in uint number;
 

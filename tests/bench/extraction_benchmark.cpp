@@ -91,15 +91,15 @@ class Benchmark {
     for (const int count : threads) {
       for (const extract::Method method : {extract::Method::mc, extract::Method::mt}) {
         if (!contains(options_.methods, method == extract::Method::mc ? "mc" : "mt")) continue;
-        entrants.push_back({isoextract_contestant(input, method, smooth_normals), count, 0});
+        entrants.push_back(enter(isoextract_contestant(input, method, smooth_normals), count, 0));
       }
     }
     if (!options_.self) add_peers(input, smooth_normals, threads.front(), entrants);
-    const std::uint64_t output_bytes = entrants.front().contestant->run().bytes_written;
+    const std::uint64_t output_bytes = entrants.front().first.bytes_written;
     const std::size_t isoextract =
         static_cast<std::size_t>(std::ranges::find(entrants, threads.back(), &Entrant::threads) - entrants.begin());
-    entrants.push_back({memory_reader(input), threads.back(), isoextract});
-    entrants.push_back({memory_writer(output_bytes), threads.back(), isoextract});
+    entrants.push_back(enter(memory_reader(input), threads.back(), isoextract));
+    entrants.push_back(enter(memory_writer(output_bytes), threads.back(), isoextract));
 
     const std::uint64_t samples = volumes::sample_bytes(input) / field::sample_size(input.field.type());
     Group group{input.name,
@@ -122,7 +122,7 @@ class Benchmark {
     // OpenVDB's mesher has no normals, so there is nothing to compare with smooth ones.
     if (!smooth_normals) std::ranges::move(openvdb_contestants(input), std::back_inserter(peers));
     for (std::unique_ptr<Contestant>& peer : peers) {
-      if (contains(options_.peers, peer->name())) entrants.push_back({std::move(peer), threads, 0});
+      if (contains(options_.peers, peer->name())) entrants.push_back(enter(std::move(peer), threads, 0));
     }
   }
 
@@ -161,7 +161,7 @@ int run_program(int argc, char** argv) {
   app.add_option("--methods", options.methods, "isoextract's methods")->check(CLI::IsMember({"mc", "mt"}));
   app.add_option("--peers", options.peers, "Whom to compare with")->check(CLI::IsMember(options.peers));
   app.add_option("--threads", options.threads, "Numbers of threads")->check(CLI::Range(1, all));
-  app.add_option("--runs", options.rounds, "Alternating rounds after one warm-up")->check(CLI::Range(1, 1000));
+  app.add_option("--runs", options.rounds, "Alternating rounds, after a first run of each")->check(CLI::Range(1, 1000));
   app.add_flag("--self", options.self, "isoextract alone, all numbers of threads in the same rounds");
   app.add_option("--json", options.json, "Write all figures to this file");
   app.add_option("--write-raw", options.raw, "Write the f32 samples of FIELD SIZE to FILE, and measure nothing")

@@ -12,12 +12,17 @@ struct Entrant {
   std::unique_ptr<Contestant> contestant;
   int threads = 1;
   std::size_t compared_with = 0;  // the number of an entrant of isoextract
+  Outcome first;                  // of the run with which it entered: threads start and the system clears fresh pages
 };
+
+// Runs it once, before any rounds.
+[[nodiscard]] Entrant enter(std::unique_ptr<Contestant> contestant, int threads, std::size_t compared_with);
 
 struct Row {
   std::string name;
   std::string program;
   int threads = 1;
+  double first_milliseconds = 0;     // before the rounds
   std::vector<double> milliseconds;  // one a round
   double isoextract_to_this = 1;     // the time of the row that it is compared with by its own: median over the rounds
   Outcome outcome;                   // of the last run
@@ -34,7 +39,7 @@ struct Group {
   std::vector<Row> rows;
 };
 
-// One warm-up each, then `rounds` times each of them in turn.
+// `rounds` times each of them in turn.
 [[nodiscard]] std::vector<Row> run_rounds(const std::vector<Entrant>& entrants, int rounds);
 
 // Of rows of the same rounds, one after the other.

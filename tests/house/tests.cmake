@@ -8,6 +8,9 @@ isoextract_house_test(rules ${CMAKE_CURRENT_LIST_DIR}/rules.py ${PROJECT_SOURCE_
 isoextract_house_test(rules_find_what_is_planted ${CMAKE_CURRENT_LIST_DIR}/rules_test.py)
 isoextract_house_test(crossing_include_does_not_compile
   ${CMAKE_CURRENT_LIST_DIR}/crossing_test.py ${PROJECT_SOURCE_DIR} ${PROJECT_BINARY_DIR})
+isoextract_house_test(pages_lead_somewhere ${CMAKE_CURRENT_LIST_DIR}/pages_test.py ${PROJECT_SOURCE_DIR})
+isoextract_house_test(measurements_are_what_their_json_gives
+  ${CMAKE_CURRENT_LIST_DIR}/measure_test.py ${PROJECT_SOURCE_DIR})
 
 # Not under the sanitizers: it says nothing there and is slow to compile.
 if(NOT ISOEXTRACT_SANITIZE)

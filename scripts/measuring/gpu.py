@@ -1,0 +1,110 @@
+"""The GPU backend beside the CPU's, and what making a GPU's threads costs."""
+
+import json
+
+from measuring import programs, record
+from measuring.tables import median, number, power, table
+
+NAME = "gpu"
+TITLE = "What extraction on the GPU costs"
+FIELDS = ("sphere", "gyroid")
+PIPELINES = {
+    ("mc", "cpu"): "`mc` on the processor",
+    ("mc", "gpu"): "`mc-tessellation`",
+    ("mc", "gpu:points"): "`mc`, threads by number (`gpu:points`)",
+    ("mt", "cpu"): "`mt` on the processor",
+    ("mt", "gpu"): "`mt-geometry`",
+    ("mt", "gpu:rows"): "`mt-geometry`, rows instead of groups (`gpu:rows`)",
+}
+
+
+def is_software(setting):
+    devices = json.loads(programs.run([setting.isoextract, "devices", "--json"]))
+    return all(device["software"] for device in devices if device["usable"])
+
+
+def measure(setting):
+    measured = record.Record(NAME, setting.isoextract, setting.quick)
+    software = is_software(setting)
+    if setting.quick:
+        sizes, grids = (16,), (16, 32)
+    else:
+        sizes, grids = ((128,), (64, 128, 256)) if software else ((128, 256, 512), (128, 256, 512, 1024))
+    threads = record.cores()
+    inputs = [f"demo:{field}" for field in FIELDS]
+    fields, commands = {field: [] for field in FIELDS}, []
+    for method in ("mc", "mt"):
+        backends = ",".join(backend for of, backend in PIPELINES if of == method)
+        found, command = programs.bench(setting, *inputs, "--sizes", ",".join(map(str, sizes)), "--methods", method,
+                                        "--backends", backends, "--threads", threads, "--repeats", 3)
+        commands.append(command)
+        for field, benchmark in zip(FIELDS, found["benchmarks"]):
+            for row in benchmark["rows"]:
+                if row["backend"] in ("cpu", "gpu"):
+                    row["cold_ms"] = programs.cold_extraction_ms(setting, field, row["size"], method,
+                                                                 benchmark["iso"], row["backend"], 1)
+                fields[field].append(row)
+    creation, creation_command = programs.bench(setting, "gpu-threads", "--sizes", ",".join(map(str, grids)),
+                                                "--repeats", 5)
+    cold = programs.shown(["isoextract", "demo:FIELD?size=N", "--iso", 0, "--method", "M", "--backend", "B", "-o",
+                           "mesh.ply", "--report", "report.json"])
+    figures = {"software": software, "repeats": found["repeats"], "fields": fields, "creation": creation}
+    commands += [f"MESA_SHADER_CACHE_DISABLE=true __GL_SHADER_DISK_CACHE=0 {cold}  # cold", creation_command]
+    return measured.finish([threads], {}, commands, figures)
+
+
+def pipeline_rows(figures):
+    order = list(PIPELINES)
+    for field, rows in figures["fields"].items():
+        for row in sorted(rows, key=lambda row: (int(row["size"]), order.index((row["method"], row["backend"])))):
+            seconds = (row["device"] or {}).get("seconds", {})
+            stages = [number(1000 * seconds[stage]) if seconds else "" for stage in ("count", "capture", "weld")]
+            cold = number(median(row["cold_ms"])) if "cold_ms" in row else "–"
+            yield [f"{field} {power(row['size'])}", PIPELINES[row["method"], row["backend"]], number(row["triangles"]),
+                   cold, number(1000 * row["seconds"]["median"]), *stages]
+
+
+def memory(count):
+    for unit in ("B", "KiB", "MiB", "GiB"):
+        if count < 1024 or unit == "GiB":
+            return f"{number(count)} {unit}"
+        count /= 1024
+
+
+def creation_rows(figures):
+    for level in figures["creation"]["gpu_threads"]:
+        cells = [power(level["size"])]
+        for maker in level["makers"]:
+            problem = maker.get("problem")
+            cells += [problem, ""] if problem else [number(1000 * maker["seconds"]["median"]), memory(maker["vertex_bytes"])]
+        yield cells
+
+
+def page(measured):
+    figures = measured["figures"]
+    pipelines = table(["field", "pipeline", "triangles:", "cold, ms:", "warm, ms:", "count, ms:", "capture, ms:", "weld, ms:"],
+                      pipeline_rows(figures))
+    makers = [maker["threads_by"] for maker in figures["creation"]["gpu_threads"][0]["makers"]]
+    columns = ["cells"] + [title for maker in makers for title in (f"{maker}, ms:", "memory:")]
+    software = """
+The device here is software: Mesa's llvmpipe draws on the processor. The tables show that the pipelines work and what
+they cost there, not what a GPU is for.
+""" if figures["software"] else ""
+    return f"""`isoextract bench --backends` extracts the same fields by every pipeline; [the GPU backend](../gpu.md) says what they are.
+{software}
+- **Cold** is the extraction of a process that made the samples, opened the device and did nothing else, by the stages of a
+  conversion's report, with the driver's store of compiled shaders turned off: compiling and uploading are in it. Pipelines
+  that only `bench` knows have no cold time.
+- **Warm** is the median of {figures['repeats']} extractions after a first; count, capture and weld are parts of it.
+
+{pipelines}
+
+## Making one thread a cell
+
+`isoextract bench gpu-threads` draws one thread a cell that ends at once, by three ways of making threads, and the vertex
+data that each needs. Times are warm, the median of {figures['creation']['repeats']} passes; a first pass, in which the driver compiles, is left out by the
+program. Timokhin and Mikhaylyuk ([papers](../papers.md)) found on a GTX 1080 Ti that tessellation takes a fifth of the
+time and an eighth of the memory of dummy vertices.
+
+{table(columns, creation_rows(figures))}
+"""

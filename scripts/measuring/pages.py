@@ -1,0 +1,129 @@
+"""The pages of docs/measurements, each from one record and nothing else; and whether they are what they should be."""
+
+import hashlib
+
+from measuring import commands, error, gpu, record, simplify, speed, stability, threads, topology
+from measuring.tables import table
+
+MEASUREMENTS = {module.NAME: module for module in (speed, commands, threads, gpu, error, topology, stability, simplify)}
+
+QUICK = """
+> These figures are of a trial run with small inputs. They show that the script works, and nothing else.
+"""
+
+
+def machine_text(machine):
+    return (f"{machine['cpu']}, {machine['cores']} {'core' if machine['cores'] == 1 else 'cores'}, "
+            f"{machine['memory_gib']} GiB, {machine['os']}; device: {machine['gpu']}")
+
+
+def commit_text(measured):
+    text = f"`{measured['commit'][:12]}`"
+    if measured["dirty"]:
+        text += " with changes that are in no commit"
+    return text
+
+
+def header(measured):
+    versions = ", ".join(f"{name} {version}" for name, version in measured["versions"].items())
+    counts = " and ".join(map(str, measured["threads"]))
+    rows = [
+        ["commit", commit_text(measured)],
+        ["program", f"`{measured['program']}`" if "/" in measured["program"] else measured["program"]],
+        ["date", measured["date"].replace("T", " ").replace("Z", " UTC")],
+        ["machine", machine_text(measured["machine"])],
+        ["load before", f"{measured['load']:.2f}"],
+        ["threads", counts],
+        ["versions", versions],
+        ["took", f"{measured['seconds']} s"],
+    ]
+    commands_text = "\n".join(measured["commands"])
+    return f"""{table(["measured", ""], rows)}
+
+To repeat it: `scripts/measure run {measured['measurement']}`, which runs
+
+```sh
+{commands_text}
+```
+"""
+
+
+def page(measured):
+    name = measured["measurement"]
+    module = MEASUREMENTS[name]
+    return f"""# {module.TITLE}
+
+<!-- Made by `scripts/measure pages` from {name}.json. -->
+{QUICK if measured['quick'] else ''}
+{module.page(measured)}
+## Of when and where
+
+{header(measured)}"""
+
+
+def index(records):
+    rows = [[f"[{MEASUREMENTS[name].TITLE}]({name}.md)", commit_text(measured), measured["date"][:10],
+             measured["machine"]["cpu"], measured["machine"]["cores"], f"{measured['seconds']} s",
+             "trial run" if measured["quick"] else ""] for name, measured in records.items()]
+    places = {(measured["commit"], measured["dirty"], str(measured["machine"])) for measured in records.values()}
+    mixed = "" if len(places) < 2 else """
+These pages are not all of one commit and one machine: compare figures within a page only.
+"""
+    return f"""# Measurements
+
+<!-- Made by `scripts/measure pages` from the JSON files beside it. -->
+
+`scripts/measure run NAME` measures and writes `NAME.json`, which says of what commit, when, on what machine and by which
+commands. `scripts/measure pages` makes these pages from those files, and a test sees that they say the same. `scripts/measure run all`
+repeats everything; [CONTRIBUTING.md](../../CONTRIBUTING.md#measurements) says what it needs.
+
+Where a page tells times, *cold* and *warm* are columns of their own, and the page says what is cold about them.
+{mixed}
+{table(["page", "commit", "date", "processor", "cores:", "took:", ""], rows)}
+"""
+
+
+def wanted(folder):
+    """{name of a file: its text} of all pages that the records of a folder give. ValueError where one is no good."""
+    records = {}
+    for name in MEASUREMENTS:
+        path = folder / f"{name}.json"
+        if path.exists():
+            records[name] = record.read(path)
+            if records[name]["measurement"] != name:
+                raise ValueError(f"{path}: holds the measurement '{records[name]['measurement']}'")
+    pages = {f"{name}.md": page(measured) for name, measured in records.items()}
+    pages["README.md"] = index(records)
+    return pages, records
+
+
+def write(folder):
+    for name, text in wanted(folder)[0].items():
+        (folder / name).write_text(text)
+
+
+def problems(folder):
+    """What is not as the records say, a line each."""
+    try:
+        pages, records = wanted(folder)
+    except (ValueError, KeyError) as error:
+        return [f"{error}"]
+    found = []
+    for name, text in pages.items():
+        path = folder / name
+        if not path.exists() or path.read_text() != text:
+            found.append(f"{path}: not what its JSON gives; `scripts/measure pages` makes it anew")
+    files = {file["file"]: file["sha256"] for name, measured in records.items()
+             for file in getattr(MEASUREMENTS[name], "files", lambda _: [])(measured)}
+    for name, digest in files.items():
+        path = folder / name
+        if not path.exists() or hashlib.sha256(path.read_bytes()).hexdigest() != digest:
+            found.append(f"{path}: not the file that was measured")
+    known = {*pages, *files, *(f"{name}.json" for name in MEASUREMENTS)}
+    for path in sorted(folder.iterdir()):
+        if path.name not in known:
+            found.append(f"{path}: belongs to no measurement")
+    for name in MEASUREMENTS:
+        if name not in records:
+            found.append(f"{folder / name}.json: not there; `scripts/measure run {name}` makes it")
+    return found

@@ -1,0 +1,89 @@
+"""Extraction in memory, beside others that do the same."""
+
+from measuring import extraction, record
+from measuring.tables import median, number, power, ratio, table
+
+NAME = "speed"
+TITLE = "How fast the extraction is, beside others"
+
+# Field, type of its samples, normals.
+GROUPS = (
+    ("sphere", "f32", "none"),
+    ("sphere", "f32", "smooth"),
+    ("gyroid", "f32", "none"),
+    ("gyroid", "f32", "smooth"),
+    ("gyroid", "i16", "none"),
+    ("gyroid", "u8", "none"),
+    ("marschner-lobb", "f32", "none"),
+    ("mri", "u8", "none"),
+    ("ct", "u16", "none"),
+    ("level-set", "f32", "none"),
+    ("fog", "f32", "none"),
+)
+NAMES = {
+    "mri": "head scan `ch2.nii.gz`",
+    "ct": "tooth `tooth.nhdr`",
+    "level-set": "level set of a sphere, VDB",
+    "fog": "fog in a sphere, VDB",
+}
+
+
+def measure(setting):
+    measured = record.Record(NAME, setting.isoextract, setting.quick)
+    size, processes, runs = (64, 1, 2) if setting.quick else (512, 3, 3)
+    threads = record.cores()
+    groups, commands = [], []
+    for field, kind, normals in GROUPS:
+        arguments = ["--fields", field, "--sizes", size, "--types", kind, "--normals", normals, "--threads", threads,
+                     "--peers", "FlyingEdges3D,volumeToMesh"]
+        rows = extraction.measure(setting, arguments, processes, runs)
+        if not rows:
+            continue
+        groups.append({"rows": rows})
+        commands.append(extraction.shown([*arguments, "--runs", runs]))
+    versions = {}
+    for group in groups:
+        versions |= extraction.versions(group["rows"])
+    figures = {"processes": processes, "rounds": runs, "groups": groups}
+    return measured.finish([threads], versions, commands, figures)
+
+
+def group_rows(group):
+    rows = group["rows"]
+    own = next(row for row in rows if extraction.ours(row))
+    floor = next(row for row in rows if row["name"] == "read and write")
+    peers = [row for row in rows if not extraction.ours(row) and row["program"] != "memory"]
+    x, y, z = own["dims"]
+    size = power(x) if x == y == z else f"{x} x {y} x {z}"
+    name = f"{NAMES.get(own['input'], own['input'])}, {size}, {own['type']}"
+    if own["normals"] != "none":
+        name += f", {own['normals']} normals"
+    start = [name, number(own["triangles"]), number(median(own["cold_ms"])), number(median(own["warm_ms"])),
+             number(median(floor["warm_ms"]))]
+    for peer in peers or [None]:
+        if peer is None:
+            yield [*start, "", "", "", "", ""]
+        else:
+            yield [*start, f"{peer['program']} {peer['name']}", number(median(peer["cold_ms"])),
+                   number(median(peer["warm_ms"])), ratio(extraction.ratio(own, peer, "cold_ms")),
+                   ratio(extraction.ratio(own, peer, "warm_ms"))]
+
+
+def page(measured):
+    figures = measured["figures"]
+    processes, rounds = figures["processes"], figures["rounds"]
+    columns = ["input", "triangles:", "isoextract, cold, ms:", "warm, ms:", "memory alone, ms:", "beside",
+               "its cold, ms:", "its warm, ms:", "isoextract to it, cold:", "warm:"]
+    rows = [row for group in figures["groups"] for row in group_rows(group)]
+    return f"""Samples in memory to welded vertices and triangles in memory, in one process, by `build/bench/extraction_benchmark`.
+
+- **Cold** is a program's first extraction in a new process that made or read the samples and did nothing else: the system
+  clears fresh pages for it. The median of {processes} such processes.
+- **Warm** are the rounds after it, in which all contestants ran in turn: the median of {processes * rounds}. isoextract keeps
+  the memory of one round for the next, as a run with several iso values does; the others ask for theirs anew.
+- **Memory alone** reads the samples once and writes as many bytes as the mesh has once, and does nothing else.
+- **isoextract to it** is the median of the ratios of each process (cold) or round (warm), below 1 where isoextract was
+  faster. The others' meshes may differ in a few triangles.
+
+{table(columns, rows)}
+"""

@@ -1,0 +1,61 @@
+"""Numbers at the edges."""
+
+import json
+
+from measuring import programs, record
+from measuring.tables import number, table
+
+NAME = "stability"
+TITLE = "Numbers at the edges"
+WORST = ("ulps", "voxels")
+
+
+def described(text):
+    """Of `isoextract stability --list`, for each case what is extreme and what plain float32 makes of it."""
+    found, name = {}, None
+    for line in text.splitlines():
+        if not line.startswith(" "):
+            name = line.strip()
+            found[name] = {"extreme": "", "plain": ""}
+        elif line.strip().startswith("Plain float32: "):
+            found[name]["plain"] = line.strip().removeprefix("Plain float32: ")
+        else:
+            found[name]["extreme"] = line.strip()
+    return found
+
+
+def measure(setting):
+    measured = record.Record(NAME, setting.isoextract, setting.quick)
+    chosen = ["--case", "jump", "--case", "mirrored"] if setting.quick else []
+    rows = json.loads(programs.run([setting.isoextract, "stability", *chosen, "--json"]))["rows"]
+    texts = described(programs.run([setting.isoextract, "stability", "--list"]))
+    cases = {}
+    for row in rows:
+        case = cases.setdefault(row["case"], {"case": row["case"], **texts[row["case"]], "runs": 0, "passed": 0,
+                                              **{key: 0 for key in WORST}})
+        case["runs"] += 1
+        case["passed"] += row["passed"]
+        for key in WORST:
+            case[key] = max(case[key], row[key] or 0)
+    figures = {"methods": sorted({row["method"] for row in rows}), "backends": sorted({row["backend"] for row in rows}),
+               "ulps_allowed": max(row["ulps_allowed"] for row in rows), "cases": list(cases.values())}
+    command = programs.shown(["isoextract", "stability", *chosen])
+    return measured.finish([record.cores()], {}, [command, "isoextract stability --list"], figures)
+
+
+def page(measured):
+    figures = measured["figures"]
+    rows = [[f"`{case['case']}`", case["extreme"], f"{case['passed']} of {case['runs']}", number(case["ulps"], 2),
+             case["plain"]] for case in figures["cases"]]
+    methods = " and ".join(f"`{name}`" for name in figures["methods"])
+    backends = " and ".join(f"`{name}`" for name in figures["backends"])
+    return f"""`isoextract stability` extracts extreme fields by {methods} on {backends}, without and with a cap, and checks every vertex
+against its grid edge and its crossing in long double: finite, inside its edge, no two in one place, no zero-area
+triangle, closed where it should be. *Off by* is the largest distance from that crossing, in units in the last place of
+the mesh's local coordinates; {number(figures['ulps_allowed'])} are allowed.
+
+The last column is what crossings and positions in plain float32 make of the same case; the unit tests of `measure` run
+that too, and see it fail.
+
+{table(["case", "what is extreme", "passes", "off by, ulps:", "plain float32"], rows)}
+"""

@@ -1,0 +1,82 @@
+"""How the extraction grows with threads and with the size of the volume."""
+
+from measuring import extraction, record
+from measuring.tables import median, number, power, ratio, table
+
+NAME = "threads"
+TITLE = "How the extraction grows with threads and with size"
+FIELD = "gyroid"
+
+
+def self_arguments(kind, size, threads):
+    return ["--self", "--fields", FIELD, "--sizes", size, "--types", kind, "--threads", ",".join(map(str, threads))]
+
+
+def measure(setting):
+    measured = record.Record(NAME, setting.isoextract, setting.quick)
+    cores = record.cores()
+    counts = sorted({1, cores})
+    size, sizes = (64, (32, 64)) if setting.quick else (512, (256, 512, 1024))
+    rounds = 3 if setting.quick else 15
+    commands, by_threads, by_size = [], [], []
+    for kind in ("f32", "u8"):
+        # In turn for the ratios; for cold times each number of threads needs a process that did nothing before.
+        together = self_arguments(kind, size, counts)
+        rows = [row for row in extraction.measure(setting, together, 1, rounds) if extraction.ours(row)]
+        commands.append(extraction.shown([*together, "--runs", rounds]))
+        for row in rows:
+            alone = self_arguments(kind, size, [row["threads"]])
+            first = extraction.measure(setting, alone, 1 if setting.quick else 3, 1)
+            row["cold_ms"] = next(other["cold_ms"] for other in first if extraction.ours(other))
+        by_threads.append(rows)
+    commands.append(extraction.shown([*self_arguments("f32", size, [1]), "--runs", 1]) + "  # cold, and so on")
+    for other in sizes:
+        arguments = self_arguments("u8", other, [cores])
+        by_size += [row for row in extraction.measure(setting, arguments, 1, 7) if extraction.ours(row)]
+        commands.append(extraction.shown([*arguments, "--runs", 7]))
+    figures = {"rounds": rounds, "threads": by_threads, "sizes": by_size}
+    return measured.finish(counts, {}, commands, figures)
+
+
+def thread_rows(figures):
+    for rows in figures["threads"]:
+        for row in rows:
+            yield [f"{FIELD} {power(row['dims'][0])}, {row['type']}", row["threads"], number(median(row["cold_ms"])),
+                   number(median(row["warm_ms"])), ratio(median(rows[0]["cold_ms"]) / median(row["cold_ms"])),
+                   ratio(extraction.ratio(rows[0], row, "warm_ms"))]
+
+
+def size_rows(figures):
+    before = None
+    for row in figures["sizes"]:
+        bytes_of = row["bytes_read"] + row["bytes_written"]
+        cold, warm = median(row["cold_ms"]), median(row["warm_ms"])
+        growth = [ratio(now / then) for now, then in zip((bytes_of, cold, warm), before)] if before else ["", "", ""]
+        yield [f"{FIELD} {power(row['dims'][0])}, {row['type']}", number(bytes_of / 2**20), number(cold), number(warm), *growth]
+        before = (bytes_of, cold, warm)
+
+
+def page(measured):
+    figures = measured["figures"]
+    threads = table(["input", "threads:", "cold, ms:", "warm, ms:", "times faster than one, cold:", "warm:"],
+                    thread_rows(figures))
+    sizes = table(["input", "bytes, MiB:", "cold, ms:", "warm, ms:", "bytes, times:", "cold, times:", "warm, times:"],
+                  size_rows(figures))
+    return f"""isoextract alone, marching cubes, by `build/bench/extraction_benchmark --self`.
+
+**Cold** is the first extraction of a process that made the samples and did nothing else, **warm** the median of the rounds
+after it.
+
+## Threads
+
+All numbers of threads in the same {figures['rounds']} rounds; the warm ratio is the median of each round's, cold times are of
+processes with that number alone.
+
+{threads}
+
+## Size
+
+All threads. Bytes are those of the samples, each read once, and of the mesh; *times* is from the size above.
+
+{sizes}
+"""

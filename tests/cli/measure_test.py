@@ -1,0 +1,61 @@
+"""scripts/measure with the program: trial runs of what needs no other program, and the pages that come of them."""
+
+import json
+import shutil
+import subprocess
+import sys
+import unittest
+
+from support import PROGRAM, SOURCE, ProgramTest, main
+
+
+class MeasureTest(ProgramTest):
+    def measure(self, *names):
+        command = [sys.executable, SOURCE / "scripts" / "measure", "run", *names, "--quick", "--isoextract", PROGRAM,
+                   "--bench", self.folder, "--folder", self.folder / "measured"]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        records = {}
+        for name in names:
+            records[name] = json.loads((self.folder / "measured" / f"{name}.json").read_text())
+            self.assertEqual((records[name]["measurement"], records[name]["quick"]), (name, True))
+            self.assertIn("trial run", (self.folder / "measured" / f"{name}.md").read_text())
+        return records
+
+    def test_stability_and_simplify(self):
+        records = self.measure("stability", "simplify")
+        cases = records["stability"]["figures"]["cases"]
+        self.assertEqual([case["case"] for case in cases], ["jump", "mirrored"])
+        for case in cases:
+            self.assertEqual(case["passed"], case["runs"])
+            self.assertGreater(len(case["extreme"]), 10)
+        self.assertTrue(cases[1]["plain"].startswith("survives"))
+        for row in records["simplify"]["figures"]["rows"]:
+            self.assertLess(row["after"], row["before"])
+            self.assertLessEqual(row["measured_voxels"]["upper"], 0.1)
+
+    @unittest.skipUnless(shutil.which("gnuplot"), "no gnuplot")
+    def test_error(self):
+        figures = self.measure("error")["error"]["figures"]
+        measured = [row for row in figures["benchmark"]["rows"] if "cold_ms" in row]
+        self.assertEqual({(row["method"], row["size"]) for row in measured},
+                         {(method, size) for method in ("mc", "mt") for size in ("16", "32")})
+        for row in measured:
+            self.assertEqual(len(row["cold_ms"]), 3)
+            self.assertGreater(min(row["cold_ms"]), 0)
+        self.assertEqual(figures["plot"]["file"], "error-time.svg")
+        self.assertIn("<svg", (self.folder / "measured" / "error-time.svg").read_text())
+
+    def test_gpu(self):
+        figures = self.measure("gpu")["gpu"]["figures"]
+        self.assertEqual(sorted(figures["fields"]), ["gyroid", "sphere"])
+        for rows in figures["fields"].values():
+            cold = {(row["method"], row["backend"]): row.get("cold_ms") for row in rows}
+            self.assertEqual({key for key, times in cold.items() if times},
+                             {(method, backend) for method in ("mc", "mt") for backend in ("cpu", "gpu")})
+            self.assertEqual(len(cold), 6)
+        self.assertEqual([level["size"] for level in figures["creation"]["gpu_threads"]], [16, 32])
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,93 @@
+"""The examples of README.md and docs: every isoextract command of their `sh` blocks runs, and writes what it names."""
+
+import gzip
+import os
+import re
+import shlex
+import struct
+import subprocess
+
+from support import PROGRAM, SOURCE, ProgramTest, main
+
+PAGES = ("README.md", "docs/formats.md", "docs/reports.md", "docs/accuracy.md", "docs/gpu.md")
+# Whole benchmarks take minutes; bench_test.py runs them in small.
+PASSED_OVER = ("isoextract bench",)
+
+
+def commands_of(page):
+    blocks = re.findall(r"^```sh\n(.*?)^```$", (SOURCE / page).read_text(), re.MULTILINE | re.DOTALL)
+    lines = [line.replace("scripts/run ", "isoextract ") for block in blocks for line in block.splitlines()]
+    return [line for line in lines if line.startswith(("isoextract ", "python3 ")) and not line.startswith(PASSED_OVER)]
+
+
+def ball(dims, spacing, top, code):
+    """Values that fall from `top` in the middle to 0, x fastest."""
+    centre = [(n - 1) * spacing / 2 for n in dims]
+    radius = min(centre)
+
+    def value(*place):
+        away = sum((spacing * a - c) ** 2 for a, c in zip(place, centre)) ** 0.5
+        return max(0, round(top * (1 - away / (1.2 * radius))))
+
+    values = [value(x, y, z) for z in range(dims[2]) for y in range(dims[1]) for x in range(dims[0])]
+    return struct.pack(f"<{len(values)}{code}", *values)
+
+
+def nifti(dims, spacing, samples):
+    header = bytearray(352)
+    struct.pack_into("<i", header, 0, 348)
+    struct.pack_into("<8h", header, 40, 3, *dims, 1, 1, 1, 1)
+    struct.pack_into("<2h", header, 70, 2, 8)  # unsigned char
+    struct.pack_into("<8f", header, 76, 1, *(3 * [spacing]), 0, 0, 0, 0)
+    struct.pack_into("<3f", header, 108, 352, 1, 0)
+    header[123] = 2  # millimetres
+    struct.pack_into("<h", header, 254, 1)
+    for axis in range(3):
+        struct.pack_into("<f", header, 280 + 20 * axis, spacing)
+    header[344:348] = b"n+1\0"
+    return gzip.compress(bytes(header) + samples)
+
+
+class ReadmeTest(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        (self.folder / "samples").symlink_to(SOURCE / "samples")
+        (self.folder / "bin").mkdir()
+        (self.folder / "bin" / "isoextract").symlink_to(PROGRAM)
+        (self.folder / "smoke.vdb").symlink_to(SOURCE / "samples" / "metaballs.vdb")
+        head = ball((48, 62, 42), 1, 255, "B")
+        (self.folder / "head.raw").write_bytes(head)
+        for name in ("head.nii.gz", "scan.nii.gz"):
+            (self.folder / name).write_bytes(nifti((48, 62, 42), 4, head))
+        tooth = (f"NRRD0004\ntype: ushort\ndimension: 3\nsizes: 25 24 40\nspacings: 4 4 4\nencoding: raw\n"
+                 f"endian: little\n").encode()
+        samples = ball((25, 24, 40), 4, 1300, "H")
+        (self.folder / "large.nrrd").write_bytes(tooth + b"\n" + samples)
+        (self.folder / "tooth.raw").write_bytes(samples)
+        (self.folder / "tooth.nhdr").write_bytes(tooth + b"data file: tooth.raw\n")
+        (self.folder / "measure.py").write_text("import sys\nassert sys.stdin.buffer.read(3) == b'ply'\n"
+                                                "sys.stdin.buffer.read()\n")
+
+    def test_the_examples_run(self):
+        path = f"{self.folder / 'bin'}:{os.environ['PATH']}"
+        outputs = 0
+        for page in PAGES:
+            found = commands_of(page)
+            self.assertTrue(found, page)
+            for line in found:
+                run = subprocess.run(["bash", "-o", "pipefail", "-c", line], cwd=self.folder, capture_output=True, text=True,
+                                     env={**os.environ, "PATH": path}, check=False, timeout=120)
+                self.assertEqual(run.returncode, 0, f"{page}: {line}\n{run.stderr}")
+                words = shlex.split(line.partition("|")[0], comments=True)
+                for option, name in zip(words, words[1:]):
+                    if option in ("-o", "--report") and name != "-":
+                        self.assertGreater((self.folder / name).stat().st_size, 100, f"{page}: {line}")
+                        outputs += 1
+        self.assertGreater(outputs, 12)
+
+    def test_the_examples_are_found(self):
+        self.assertEqual(len(commands_of("README.md")), 8)
+
+
+if __name__ == "__main__":
+    main()
