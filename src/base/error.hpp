@@ -24,23 +24,30 @@ enum class ErrorKind {
 // What helps. A code with a list behind it expects that in Hint::text, as a clause of its own.
 enum class Remedy {
   none,
-  raise_memory_limit,   // the machine may have more memory than the limit
-  extract_part,         // a region needs less memory
-  widen_region,         // the region asked for holds no cell
-  choose_grid,          // text: the grids there are
-  choose_grid_number,   // likewise, where names repeat
-  leave_out_grid,       // the format has one volume a file
-  describe_raw,         // a raw file needs dims and a type
-  read_as_raw,          // the bytes of any file can be read
-  place_by_hand,        // spacing and origin in place of the file's frame
-  rescale,              // another spacing, scale, unit or space
-  choose_nan_policy,    // NaN outside, or as holes
-  use_cpu,              // the CPU backend needs no GPU; text: what else helps, before it
-  less_gpu_memory,      // the GPU takes less at a time
-  more_gpu_memory,      // the GPU may take more
-  choose_mesh_format,   // text: the formats' names
-  ascii_formats,        // text: the formats that can be text
-  one_file_per_surface  // text: the formats that hold several; or a file each
+  raise_memory_limit,    // the machine may have more memory than the limit
+  extract_part,          // a region needs less memory
+  widen_region,          // the region asked for holds no cell
+  choose_grid,           // text: the grids there are
+  choose_grid_number,    // likewise, where names repeat
+  leave_out_grid,        // the format has one volume a file
+  describe_raw,          // a raw file needs dims and a type
+  read_as_raw,           // the bytes of any file can be read
+  place_by_hand,         // spacing and origin in place of the file's frame
+  rescale,               // another spacing, scale, unit or space
+  choose_nan_policy,     // NaN outside, or as holes
+  use_cpu,               // the CPU backend needs no GPU; text: what else helps, before it
+  less_gpu_memory,       // the GPU takes less at a time
+  more_gpu_memory,       // the GPU may take more
+  choose_mesh_format,    // text: the formats' names
+  ascii_formats,         // text: the formats that can be text
+  one_file_per_surface,  // text: the formats that hold several; or a file each
+  region_is_in_voxels,   // the region was asked for in voxel coordinates
+  region_is_in_world,    // in the input's world, before scales and turns
+  choose_scale,          // another scale or unit
+  other_output_name,     // for a file that is written
+  widen_region_or_skip,  // the region hides the surface; or an empty one is no error
+  try_iso,               // text: another value and what it was found by; or an empty surface is no error
+  no_surface_or_skip     // no value has a surface worth suggesting; or an empty surface is no error
 };
 
 struct Hint {

@@ -11,6 +11,8 @@ namespace isoextract {
 
 struct Limits {
   std::uint64_t memory_bytes;  // what one input may need in memory, mapped files apart; default: the machine's
+
+  friend bool operator==(const Limits&, const Limits&) = default;
 };
 
 [[nodiscard]] Limits default_limits();

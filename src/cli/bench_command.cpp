@@ -10,8 +10,9 @@
 #include "cli/bench_report.hpp"
 #include "cli/gnuplot.hpp"
 #include "cli/gpu_threads_report.hpp"
-#include "cli/output_checks.hpp"
 #include "cli/progress_bar.hpp"
+#include "convert/output_checks.hpp"
+#include "convert/source.hpp"
 #include "field/demo_field.hpp"
 #include "files/output_file.hpp"
 
@@ -51,10 +52,10 @@ class Bench {
     for (const auto& file : {plan_.csv, plan_.json, plan_.plot}) {
       if (!file) continue;
       for (const std::string& input : plan_.inputs) {
-        if (auto checked = check_output_file(*file, input); !checked) return checked;
+        if (auto checked = convert::check_output_file(*file, input); !checked) return checked;
       }
       for (const std::string& other : files) {
-        if (!same_file(*file, other)) continue;
+        if (!convert::same_file(*file, other)) continue;
         return fail(ErrorKind::usage, fmt::format("{}: this is the name of two files to write", *file),
                     "choose another name for one");
       }
@@ -90,8 +91,8 @@ class Bench {
       return {};
     }
     options_.backends.push_back({"cpu", extract::make_cpu_extractor(), {}});
-    auto gpu = open_backend({Backend::automatic, plan_.gpu});
-    if (gpu && gpu->extractor->name() == backend_name(Backend::gpu)) {
+    auto gpu = convert::open_backend({convert::Backend::automatic, plan_.gpu});
+    if (gpu && gpu->extractor->name() == word_of(convert::Backend::gpu)) {
       options_.backends.push_back({"gpu", std::move(gpu->extractor), {}});
     }
     return {};
@@ -100,9 +101,10 @@ class Bench {
   Result<measure::BenchResult> measure_demo(const std::string& input) const {
     const auto spec = field::parse_demo_spec(input);
     if (!spec) return tl::unexpected(spec.error());
-    ProgressBar bar(bar_wanted());
+    const Context context;
+    const ProgressBar bar(context.progress(), bar_wanted());
     measure::BenchOptions options = options_;
-    options.progress = bar.progress();
+    options.progress = &context.progress();
     if (plan_.iso) {
       options.iso = *plan_.iso;
     } else {
@@ -113,20 +115,20 @@ class Bench {
 
   Result<measure::BenchResult> measure_file(const std::string& input) const {
     std::optional<field::ScalarField> field;
+    const Context context{MemoryBudget(plan_.read.limits.memory_bytes)};
     {
-      ProgressBar bar(bar_wanted());
-      volumes::ReadOptions read = plan_.read;
-      read.progress = bar.progress();
-      auto found = volumes::read_volume(input, read);
+      const ProgressBar bar(context.progress(), bar_wanted());
+      convert::Events unheard;
+      auto found = convert::read_field(input, plan_.read, context, unheard);
       if (!found) return tl::unexpected(found.error());
       field = std::move(*found);
     }
     for (const std::string& text : field->notes) messages_.note(text);
     const std::vector<int> factors = factors_for(*field);
-    ProgressBar bar(bar_wanted());
+    const ProgressBar bar(context.progress(), bar_wanted());
     measure::BenchOptions options = options_;
     options.iso = *plan_.iso;
-    options.progress = bar.progress();
+    options.progress = &context.progress();
     return measure::bench_field(*field, factors, options);
   }
 

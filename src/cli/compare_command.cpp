@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/context.hpp"
 #include "base/limits.hpp"
 #include "base/machine.hpp"
 #include "base/stopwatch.hpp"
@@ -166,11 +167,12 @@ Result<void> check_distance(const ComparePlan& plan, const measure::MeshDistance
 
 Result<void> run_compare(const ComparePlan& plan, const Messages& messages) {
   const Stopwatch watch;
+  const Context context{MemoryBudget(plan.limits.memory_bytes)};
   std::array<Side, 2> sides;
   for (std::size_t i = 0; i < sides.size(); ++i) {
     {
-      ProgressBar bar(messages.verbosity() != Verbosity::quiet);
-      bar.progress()->begin("reading meshes", 0);
+      const ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
+      context.progress().begin("reading meshes", 0);
       auto side = read_side(plan.meshes[i], plan.limits);
       if (!side) return tl::unexpected(std::move(side.error()));
       sides[i] = std::move(*side);
@@ -180,9 +182,9 @@ Result<void> run_compare(const ComparePlan& plan, const Messages& messages) {
   }
   measure::MeshDistance distance;
   {
-    ProgressBar bar(messages.verbosity() != Verbosity::quiet);
+    const ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
     measure::DistanceOptions options;
-    options.progress = bar.progress();
+    options.progress = &context.progress();
     auto measured = measure::measure_distance(sides[0].file.mesh, sides[1].file.mesh, options);
     if (!measured) return tl::unexpected(std::move(measured.error()));
     distance = *measured;

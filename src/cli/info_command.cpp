@@ -7,9 +7,9 @@
 
 #include "base/machine.hpp"
 #include "base/stopwatch.hpp"
-#include "cli/field_label.hpp"
 #include "cli/info_report.hpp"
 #include "cli/progress_bar.hpp"
+#include "convert/source.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -28,14 +28,14 @@ std::string example_command(const InfoPlan& plan, const std::string& input, doub
 }
 
 Result<FieldReport> measure(const InfoPlan& plan, const std::string& input, const Messages& messages) {
-  ProgressBar bar(messages.verbosity() != Verbosity::quiet);
-  volumes::ReadOptions options = plan.read;
-  options.progress = bar.progress();
-  auto field = volumes::read_volume(input, options);
+  const Context context{MemoryBudget(plan.read.limits.memory_bytes)};
+  const ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
+  convert::Events unheard;  // notes are told with the report
+  auto field = convert::read_field(input, plan.read, context, unheard);
   if (!field) return tl::unexpected(std::move(field.error()));
   FieldReport report;
   report.field = std::move(*field);
-  report.statistics = field::measure_statistics(report.field, bar.progress());
+  report.statistics = field::measure_statistics(report.field, &context.progress());
   report.suggestion = field::suggest_iso(report.field, report.statistics);
   report.vertices = field::estimate_vertices(report.field, report.suggestion.iso);
   const std::uint64_t samples = stored_samples(report.field.samples);

@@ -8,8 +8,8 @@
 
 #include "base/limits.hpp"
 #include "cli/layout.hpp"
-#include "cli/placement.hpp"
 #include "cli/remedies.hpp"
+#include "convert/placement.hpp"
 #include "files/file_bytes.hpp"
 
 namespace isoextract::cli {
@@ -83,7 +83,7 @@ void add_shape(NamedLines& lines, const FieldReport& report) {
     lines.add("scaling", fmt::format("value = {:.9g} * stored + {:.9g}", field.scale.slope, field.scale.intercept));
   }
   lines.add("spacing", vector_text(spacing_of(field.index_to_world)));
-  if (!is_axis_aligned(field.index_to_world)) {
+  if (!convert::is_axis_aligned(field.index_to_world)) {
     const glm::dvec3 spacing = spacing_of(field.index_to_world);
     for (int axis = 0; axis < 3; ++axis) {
       lines.add(axis == 0 ? "axes" : "", fmt::format("{} along ({})", "ijk"[axis],
@@ -91,7 +91,7 @@ void add_shape(NamedLines& lines, const FieldReport& report) {
     }
   }
   lines.add("origin", vector_text(field.index_to_world.offset));
-  if (!box.empty()) lines.add("world box", box_text(world_bounds(field)));
+  if (!box.empty()) lines.add("world box", convert::box_text(convert::world_bounds(field)));
   if (!field.world_space.empty()) lines.add("world space", field.world_space);
 }
 
@@ -175,7 +175,7 @@ convert::Json json_of(const FieldReport& report) {
   json["box"] = convert::json_of(field.extents());
   json["spacing"] = convert::json_of(spacing_of(field.index_to_world));
   json["index_to_world"] = convert::json_of(field.index_to_world);
-  json["world_box"] = field.extents().empty() ? convert::Json(nullptr) : convert::json_of(world_bounds(field));
+  json["world_box"] = field.extents().empty() ? convert::Json(nullptr) : convert::json_of(convert::world_bounds(field));
   json["world_space"] = field.world_space;
   json["values"] = json_of_values(report);
   json["suggestion"] = {{"iso", report.suggestion.iso},

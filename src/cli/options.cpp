@@ -42,6 +42,14 @@ class Group {
         ->allow_extra_args(false);
   }
 
+  // Of an enum, by its own words.
+  template <class E>
+  CLI::Option* choice(const std::string& names, std::optional<E>& target, const std::string& description) const {
+    std::vector<Choice<E>> choices;
+    for (const Word<E>& entry : words_of(E{})) choices.push_back({std::string(entry.word), entry.value});
+    return choice(names, target, std::move(choices), description);
+  }
+
   template <class T>
   CLI::Option* choice(const std::string& names, std::optional<T>& target, std::vector<Choice<T>> choices,
                       const std::string& description) const {
@@ -101,16 +109,6 @@ class Group {
   std::string name_;
 };
 
-std::vector<Choice<field::SampleType>> sample_types() {
-  std::vector<Choice<field::SampleType>> types;
-  for (const field::SampleType type : {field::SampleType::u8, field::SampleType::i8, field::SampleType::u16,
-                                       field::SampleType::i16, field::SampleType::u32, field::SampleType::i32,
-                                       field::SampleType::f16, field::SampleType::f32, field::SampleType::f64}) {
-    types.push_back({std::string(field::sample_type_name(type)), type});
-  }
-  return types;
-}
-
 std::vector<Choice<volumes::VolumeFormat>> input_formats() {
   std::vector<Choice<volumes::VolumeFormat>> formats;
   for (const volumes::VolumeFormatInfo& info : volumes::volume_formats()) {
@@ -119,16 +117,9 @@ std::vector<Choice<volumes::VolumeFormat>> input_formats() {
   return formats;
 }
 
-std::vector<Choice<meshes::MeshFormat>> output_formats() {
-  std::vector<Choice<meshes::MeshFormat>> formats;
-  for (const meshes::MeshFormatInfo& info : meshes::mesh_formats())
-    formats.push_back({std::string(info.name), info.format});
-  return formats;
-}
-
-std::vector<Choice<LengthUnit>> units() {
-  std::vector<Choice<LengthUnit>> choices;
-  for (const LengthUnit& unit : length_units()) choices.push_back({std::string(unit.name), unit});
+std::vector<Choice<convert::LengthUnit>> units() {
+  std::vector<Choice<convert::LengthUnit>> choices;
+  for (const convert::LengthUnit& unit : convert::length_units()) choices.push_back({std::string(unit.name), unit});
   return choices;
 }
 
@@ -149,7 +140,7 @@ void declare_input(CLI::App& app, InputFlags& flags, const std::string& metavar,
                "Format of the input (default: by content, then by extension).");
   group.value("--dims", "NX,NY,NZ", flags.dims, parse_dims,
               "Samples along x (fastest), y and z of a raw file. 48x62x42 is the same as 48,62,42.");
-  group.choice("--dtype", flags.dtype, sample_types(), "Type of a raw file's samples (default: u8).");
+  group.choice("--dtype", flags.dtype, "Type of a raw file's samples (default: u8).");
   group.choice("--endian", flags.endian, {{"little", std::endian::little}, {"big", std::endian::big}},
                "Byte order of a raw file's samples (default: little).");
   group.value("--skip", "BYTES", flags.skip, parse_size, "Bytes before a raw file's first sample (default: 0).");
@@ -157,7 +148,7 @@ void declare_input(CLI::App& app, InputFlags& flags, const std::string& metavar,
               "Distance of the samples along each axis, or one number for all; replaces what the file says.");
   group.value("--origin", "X,Y,Z", flags.origin, parse_vector,
               "World position of the first sample; replaces what the file says.");
-  group.choice("--inside", flags.inside, {{"above", field::FieldKind::density}, {"below", field::FieldKind::level_set}},
+  group.choice("--inside", flags.inside,
                "Which side of the iso value is inside: above as in densities, or below as in level sets (default: as "
                "the file says, else above). A value equal to the iso value is outside.");
   group.value("--memory-limit", "SIZE", flags.memory_limit, parse_size, kMemoryLimitText);
@@ -179,9 +170,6 @@ void declare_run(CLI::App& app, RunFlags& flags) {
 
 void declare_nan(const Group& group, std::optional<extract::NanPolicy>& policy) {
   group.choice("--nan", policy,
-               {{"error", extract::NanPolicy::error},
-                {"outside", extract::NanPolicy::outside},
-                {"hole", extract::NanPolicy::hole}},
                "What a sample that is not a number means: the end, outside, or a hole in the surface, left by the "
                "cells that touch it (default: error).");
 }
@@ -205,8 +193,7 @@ void declare_backends(const Group& group, std::optional<std::vector<NamedBackend
 }
 
 void declare_surface(const Group& group, SurfaceFlags& flags) {
-  group.choice("--method", flags.method, {{"mc", extract::Method::mc}, {"mt", extract::Method::mt}},
-               "Marching cubes, or marching tetrahedra with six a cell (default: mc).");
+  group.choice("--method", flags.method, "Marching cubes, or marching tetrahedra with six a cell (default: mc).");
   group.value("--roi", "X0,Y0,Z0,X1,Y1,Z1", flags.roi, parse_box,
               "Only the samples in this box, given by its smaller and larger corner in the input's world coordinates "
               "(with --space index in voxel coordinates).");
@@ -226,23 +213,23 @@ void declare_convert_surface(CLI::App& app, ConvertFlags& flags) {
                "INPUT' suggests one.");
   declare_surface(group, flags.surface);
   group.choice("--normals", flags.normals,
-               {{"none", Normals::none}, {"flat", Normals::flat}, {"smooth", Normals::smooth}},
+
                "Normals to store: none, one a triangle, or the field's gradient at each vertex (default: smooth for "
                "glb and gltf, none for ply and obj; stl always has one a triangle).");
-  group.value("--simplify", "ERR", flags.simplify, parse_simplify_error,
+  group.value("--simplify", "ERR", flags.simplify, parse_simplify_bound,
               "Leave out triangles as long as no point of either mesh is farther than ERR from the other: 0.1 or "
               "0.1voxel in voxels, 0.5world in the units of the written mesh. The distance is measured and told. Open "
               "borders keep their vertices.");
   group.choice("--empty", flags.empty,
-               {{"error", EmptyPolicy::error}, {"skip", EmptyPolicy::skip}, {"write", EmptyPolicy::write}},
+
                "What to do where there is no surface: fail, write no file, or write an empty one (default: error).");
 }
 
 void declare_placement(CLI::App& app, PlacementFlags& flags) {
   const Group group(app, "Placement");
-  group.choice("--space", flags.space, {{"world", Space::world}, {"index", Space::index}},
+  group.choice("--space", flags.space,
                "Coordinates of the mesh: the input's world, or voxels counted from 0 (default: world).");
-  group.choice("--up", flags.up, {{"y", UpAxis::y}, {"z", UpAxis::z}},
+  group.choice("--up", flags.up,
                "The axis of the input's world that points up (default: z). glb and gltf prescribe y up, so z-up "
                "input is turned for them: (x, y, z) becomes (x, z, -y). ply, obj and stl keep the input's axes.");
   group.value("--scale", "S", flags.scale, parse_positive, "Multiply the world coordinates by S.");
@@ -257,7 +244,7 @@ void declare_output(CLI::App& app, ConvertFlags& flags) {
                            "The mesh file; its extension chooses the format (default: the input's name with .glb, in "
                            "the current folder). '-' is stdout and needs --format. '{iso}' stands for the iso value "
                            "and gives each its own file.");
-  group.choice("--format", flags.format, output_formats(), "Format of the mesh, whatever the extension.");
+  group.choice("--format", flags.format, "Format of the mesh, whatever the extension.");
   group.value<std::string>("--report", "FILE", flags.report, parse_text,
                            "Write a JSON report of the conversion: options, input, stages with time and memory, what "
                            "was left out, and the facts of each mesh. Of a conversion that fails, it says why.");
@@ -368,12 +355,12 @@ std::unique_ptr<CommandLine> declare_command_line() {
   const Group convert_run(*line->convert, "Run");
   convert_run
       .choice("--error", convert.error,
-              {{"trilinear", field::Interpolation::trilinear}, {"tricubic", field::Interpolation::tricubic}},
+
               "Measure how far the mesh is from the isosurface of the data, interpolated linearly along each axis "
               "(the default) or smoothly; of demo fields also how far from the formula.")
       ->expected(0, 1);
   convert_run.choice("--backend", convert.backend,
-                     {{"cpu", Backend::cpu}, {"gpu", Backend::gpu}, {"auto", Backend::automatic}},
+
                      "What extracts: the processor, a GPU, or a GPU where there is one that is not software (default: "
                      "cpu). The triangles are the same.");
   declare_device(convert_run, convert.device);

@@ -17,8 +17,9 @@
 
 #include "cli/backends.hpp"
 #include "cli/generate_docs.hpp"
-#include "cli/placement.hpp"
 #include "cli/values.hpp"
+#include "convert/conversion_job.hpp"
+#include "convert/placement.hpp"
 #include "extract/extractor.hpp"
 #include "field/interpolant.hpp"
 #include "field/scalar_field.hpp"
@@ -26,9 +27,6 @@
 #include "volumes/volume_reader.hpp"
 
 namespace isoextract::cli {
-
-enum class Normals { none, flat, smooth };
-enum class EmptyPolicy { error, skip, write };
 
 // What was given on the command line: each value checked by itself, no default applied yet.
 struct InputFlags {
@@ -61,10 +59,10 @@ struct SurfaceFlags {
 };
 
 struct PlacementFlags {
-  std::optional<Space> space;
-  std::optional<UpAxis> up;
+  std::optional<convert::Space> space;
+  std::optional<convert::UpAxis> up;
   std::optional<double> scale;
-  std::optional<LengthUnit> unit;
+  std::optional<convert::LengthUnit> unit;
 };
 
 struct DeviceFlags {
@@ -74,13 +72,13 @@ struct DeviceFlags {
 
 struct ConvertFlags {
   InputFlags input;
-  std::optional<Backend> backend;
+  std::optional<convert::Backend> backend;
   DeviceFlags device;
   std::vector<double> isos;
   SurfaceFlags surface;
-  std::optional<Normals> normals;
-  std::optional<SimplifyError> simplify;
-  std::optional<EmptyPolicy> empty;
+  std::optional<convert::Normals> normals;
+  std::optional<convert::SimplifyBound> simplify;
+  std::optional<convert::EmptyPolicy> empty;
   PlacementFlags placement;
   std::optional<std::string> output;
   std::optional<meshes::MeshFormat> format;

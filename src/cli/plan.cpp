@@ -64,22 +64,20 @@ Result<meshes::MeshFormat> plan_format(const ConvertFlags& flags) {
   return format_of_path(*flags.output, "choose the format with --format");
 }
 
-// What --method, --cap and --nan make of the options.
-extract::ExtractOptions plan_extract(const SurfaceFlags& flags, const Limits& limits) {
-  extract::ExtractOptions extract;
-  extract.limits = limits;
-  extract.method = flags.method.value_or(extract::Method::mc);
-  extract.cap = flags.cap;
-  extract.nan = flags.nan.value_or(extract::NanPolicy::error);
-  return extract;
+convert::SurfaceOptions plan_surface(const SurfaceFlags& flags) {
+  convert::SurfaceOptions surface;
+  surface.method = flags.method.value_or(surface.method);
+  surface.nan = flags.nan.value_or(surface.nan);
+  surface.cap = flags.cap;
+  return surface;
 }
 
-Result<Placement> plan_placement(const PlacementFlags& flags, meshes::MeshFormat format,
-                                 std::vector<std::string>& notes) {
-  Placement placement;
-  placement.space = flags.space.value_or(Space::world);
-  placement.up = flags.up.value_or(UpAxis::z);
-  if (placement.space == Space::index) {
+Result<convert::Placement> plan_placement(const PlacementFlags& flags, meshes::MeshFormat format,
+                                          std::vector<std::string>& notes) {
+  convert::Placement placement;
+  placement.space = flags.space.value_or(convert::Space::world);
+  placement.up = flags.up.value_or(convert::UpAxis::z);
+  if (placement.space == convert::Space::index) {
     const std::string_view other = flags.up ? "--up" : flags.scale ? "--scale" : flags.unit ? "--unit" : "";
     if (!other.empty()) {
       return usage(fmt::format("--space index gives voxel coordinates, which {} cannot change", other),
@@ -88,7 +86,7 @@ Result<Placement> plan_placement(const PlacementFlags& flags, meshes::MeshFormat
     return placement;
   }
   if (flags.scale && flags.unit) return usage("--scale and --unit exclude each other");
-  placement.turn_z_up_to_y_up = is_gltf(format) && placement.up == UpAxis::z;
+  placement.turn_z_up_to_y_up = is_gltf(format) && placement.up == convert::UpAxis::z;
   if (flags.up && !is_gltf(format)) {
     notes.push_back(fmt::format("--up changes nothing: {} prescribes no up axis and keeps the input's axes",
                                 meshes::mesh_format_info(format).name));
@@ -101,14 +99,14 @@ Result<Placement> plan_placement(const PlacementFlags& flags, meshes::MeshFormat
   return placement;
 }
 
-Result<Normals> plan_normals(const ConvertFlags& flags, meshes::MeshFormat format) {
+Result<convert::Normals> plan_normals(const ConvertFlags& flags, meshes::MeshFormat format) {
   if (format == meshes::MeshFormat::stl) {
-    if (flags.normals.value_or(Normals::flat) == Normals::flat) return Normals::flat;
+    if (flags.normals.value_or(convert::Normals::flat) == convert::Normals::flat) return convert::Normals::flat;
     return usage(fmt::format("--normals {} does not go with stl, which always stores one normal a triangle",
-                             *flags.normals == Normals::smooth ? "smooth" : "none"),
+                             word_of(*flags.normals)),
                  "leave out --normals, or choose another format");
   }
-  return flags.normals.value_or(is_gltf(format) ? Normals::smooth : Normals::none);
+  return flags.normals.value_or(is_gltf(format) ? convert::Normals::smooth : convert::Normals::none);
 }
 
 std::string with_iso(std::string path, double iso) {
@@ -125,7 +123,8 @@ Error no_iso(const std::string& input) {
           fmt::format("'isoextract info {}' shows the values and suggests one", shell_quoted(input))};
 }
 
-Result<std::vector<OutputJob>> plan_jobs(const ConvertFlags& flags, const meshes::MeshFormatInfo& format) {
+Result<std::vector<convert::OutputFileJob>> plan_outputs(const ConvertFlags& flags,
+                                                         const meshes::MeshFormatInfo& format) {
   std::vector<double> sorted = flags.isos;
   std::sort(sorted.begin(), sorted.end());
   const auto repeated = std::adjacent_find(sorted.begin(), sorted.end());
@@ -140,7 +139,7 @@ Result<std::vector<OutputJob>> plan_jobs(const ConvertFlags& flags, const meshes
                                                                                  : "give a file with -o");
   }
   if (path.find(kIsoPattern) != std::string::npos) {
-    std::vector<OutputJob> jobs;
+    std::vector<convert::OutputFileJob> jobs;
     for (const double iso : flags.isos) jobs.push_back({with_iso(path, iso), {iso}});
     return jobs;
   }
@@ -150,7 +149,7 @@ Result<std::vector<OutputJob>> plan_jobs(const ConvertFlags& flags, const meshes
         fmt::format("write one file each with -o {}_{{iso}}.{}, or all into a glb",
                     input_stem(flags.input.inputs.front()), format.name));
   }
-  return std::vector<OutputJob>{{path, flags.isos}};
+  return std::vector<convert::OutputFileJob>{{path, flags.isos}};
 }
 
 }  // namespace
@@ -185,10 +184,11 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& flags) {
   if (flags.explain && flags.run.quiet) return usage("--quiet and --explain exclude each other");
 
   ConvertPlan plan;
-  plan.input = inputs.front();
+  convert::ConversionJob& job = plan.job;
+  job.source.input = inputs.front();
   auto read = plan_read(flags.input);
   if (!read) return tl::unexpected(read.error());
-  plan.read = std::move(*read);
+  job.source.read = std::move(*read);
 
   const auto format = plan_format(flags);
   if (!format) return tl::unexpected(format.error());
@@ -202,32 +202,30 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& flags) {
   }
   const auto normals = plan_normals(flags, *format);
   if (!normals) return tl::unexpected(normals.error());
-  plan.write.format = *format;
-  plan.write.ascii = flags.ascii;
-  plan.write.flat_normals = *normals == Normals::flat;
+  job.normals = *normals;
+  job.format = *format;
+  job.ascii = flags.ascii;
 
   auto placement = plan_placement(flags.placement, *format, plan.notes);
   if (!placement) return tl::unexpected(placement.error());
-  plan.placement = *placement;
-  auto jobs = plan_jobs(flags, info);
-  if (!jobs) return tl::unexpected(jobs.error());
-  plan.jobs = std::move(*jobs);
+  job.source.placement = std::move(*placement);
+  auto outputs = plan_outputs(flags, info);
+  if (!outputs) return tl::unexpected(outputs.error());
+  job.outputs = std::move(*outputs);
 
-  plan.extract = plan_extract(flags.surface, plan.read.limits);
-  plan.extract.smooth_normals = *normals == Normals::smooth;
-  plan.extract.edge_keys = flags.verify;
-  plan.verify = flags.verify;
-  plan.backend = {flags.backend.value_or(Backend::cpu), plan_gpu(flags.device)};
-  if (plan.backend.backend == Backend::cpu && !plan.verify && (flags.device.device || flags.device.gpu_memory)) {
+  job.surface = plan_surface(flags.surface);
+  job.verify = flags.verify;
+  job.backend = {flags.backend.value_or(convert::Backend::cpu), plan_gpu(flags.device)};
+  if (job.backend.backend == convert::Backend::cpu && !job.verify && (flags.device.device || flags.device.gpu_memory)) {
     return usage(fmt::format("{} is about the GPU, which --backend cpu does not use",
                              flags.device.device ? "--device" : "--gpu-memory"),
                  "give --backend gpu or --backend auto");
   }
-  plan.roi = flags.surface.roi;
-  plan.resolution = flags.surface.resolution;
-  plan.simplify = flags.simplify;
-  plan.empty = flags.empty.value_or(EmptyPolicy::error);
-  plan.error = flags.error;
+  job.source.roi = flags.surface.roi;
+  job.source.resolution = flags.surface.resolution;
+  job.simplify = flags.simplify;
+  job.empty = flags.empty.value_or(job.empty);
+  job.error = flags.error;
   plan.explain = flags.explain;
   if (flags.report && (flags.report->empty() || *flags.report == "-")) {
     return usage(fmt::format("--report needs the name of a file, found '{}'", *flags.report));
@@ -255,12 +253,13 @@ Result<InfoPlan> plan_info(const InfoFlags& flags, const CLI::App& command) {
 Result<VerifyPlan> plan_verify(const VerifyFlags& flags) {
   if (flags.input.inputs.empty()) return usage("no INPUT was given", "isoextract verify INPUT --iso V [MESH]");
   VerifyPlan plan;
-  plan.input = flags.input.inputs.front();
+  plan.source.input = flags.input.inputs.front();
   plan.mesh = flags.mesh;
-  if (!flags.iso) return tl::unexpected(no_iso(plan.input));
+  if (!flags.iso) return tl::unexpected(no_iso(plan.source.input));
+  plan.iso = *flags.iso;
   auto read = plan_read(flags.input);
   if (!read) return tl::unexpected(read.error());
-  plan.read = std::move(*read);
+  plan.source.read = std::move(*read);
   meshes::MeshFormat format = meshes::MeshFormat::glb;  // backends are compared where the default output would be
   if (plan.mesh) {
     const auto given = format_of_path(*plan.mesh, "MESH is a mesh that isoextract wrote");
@@ -270,14 +269,11 @@ Result<VerifyPlan> plan_verify(const VerifyFlags& flags) {
   plan.float32_world = format == meshes::MeshFormat::stl;
   auto placement = plan_placement(flags.placement, format, plan.notes);
   if (!placement) return tl::unexpected(placement.error());
-  plan.placement = *placement;
+  plan.source.placement = std::move(*placement);
+  plan.source.roi = flags.surface.roi;
+  plan.source.resolution = flags.surface.resolution;
+  plan.surface = plan_surface(flags.surface);
   plan.gpu = plan_gpu(flags.device);
-  plan.extract = plan_extract(flags.surface, plan.read.limits);
-  plan.extract.iso = *flags.iso;
-  plan.extract.smooth_normals = !plan.mesh;
-  plan.extract.edge_keys = !plan.mesh;
-  plan.roi = flags.surface.roi;
-  plan.resolution = flags.surface.resolution;
   plan.json = flags.json;
   return plan;
 }

@@ -10,32 +10,14 @@
 #include "cli/error_plot.hpp"
 #include "cli/messages.hpp"
 #include "cli/options.hpp"
-#include "cli/placement.hpp"
+#include "convert/conversion_job.hpp"
 #include "meshes/mesh_writer.hpp"
 #include "volumes/volume_reader.hpp"
 
 namespace isoextract::cli {
 
-// One file to write, and the surfaces in it.
-struct OutputJob {
-  std::string path;  // "-" is stdout
-  std::vector<double> isos;
-};
-
 struct ConvertPlan {
-  std::string input;
-  volumes::ReadOptions read;
-  extract::ExtractOptions extract;  // without iso, region and placement, which depend on the surface and the field
-  std::optional<field::Box> roi;
-  std::optional<glm::ivec3> resolution;  // of the grid to extract from, in place of the input's own samples
-  std::optional<SimplifyError> simplify;
-  EmptyPolicy empty = EmptyPolicy::error;
-  Placement placement;
-  meshes::MeshWriteOptions write;
-  std::vector<OutputJob> jobs;
-  BackendChoice backend;
-  std::optional<field::Interpolation> error;  // to measure the mesh against
-  bool verify = false;
+  convert::ConversionJob job;
   bool explain = false;
   std::optional<std::string> report;   // the path of the JSON report
   std::vector<std::string> arguments;  // the words of the command line, for the report
@@ -50,13 +32,10 @@ struct InfoPlan {
 };
 
 struct VerifyPlan {
-  std::string input;
+  convert::SourceOptions source;
+  convert::SurfaceOptions surface;
+  double iso = 0;
   std::optional<std::string> mesh;  // none: the backends are compared
-  volumes::ReadOptions read;
-  extract::ExtractOptions extract;  // without region and placement, which depend on the field
-  std::optional<field::Box> roi;
-  std::optional<glm::ivec3> resolution;
-  Placement placement;
   gpu::GpuOptions gpu;
   bool float32_world = false;  // the mesh's format has float32 world coordinates only
   bool json = false;

@@ -41,7 +41,7 @@ void write_to_stderr(std::string_view text) {
 
 }  // namespace
 
-ProgressBar::ProgressBar(bool wanted) {
+ProgressBar::ProgressBar(const Progress& progress, bool wanted) : progress_(progress) {
   if (wanted && stderr_is_terminal()) thread_ = std::thread([this] { draw_until_done(); });
 }
 
@@ -60,8 +60,14 @@ void ProgressBar::draw_until_done() {
   if (finished_.wait_for(lock, kSilentFor, [this] { return done_; })) return;
   do {
     write_to_stderr(bar_text(progress_));
+    drawn_ = true;
   } while (!finished_.wait_for(lock, kRedrawEvery, [this] { return done_; }));
-  write_to_stderr(kEraseLine);
+  erase();
+}
+
+void ProgressBar::erase() {
+  if (drawn_) write_to_stderr(kEraseLine);
+  drawn_ = false;
 }
 
 }  // namespace isoextract::cli

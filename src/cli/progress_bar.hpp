@@ -9,25 +9,32 @@
 
 namespace isoextract::cli {
 
-// Lives as long as the work; draws from a thread of its own and erases itself at the end. Nothing else may write to
-// stderr meanwhile.
+// Lives as long as the work; draws from a thread of its own and erases itself at the end. Who writes to stderr
+// meanwhile does so within above().
 class ProgressBar {
  public:
-  explicit ProgressBar(bool wanted);
+  ProgressBar(const Progress& progress, bool wanted);
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  // For the rooms that do the work.
-  [[nodiscard]] Progress* progress() { return &progress_; }
+  // Erases the bar, calls `print` and lets the bar come back below.
+  template <class Print>
+  void above(Print&& print) {
+    const std::lock_guard lock(mutex_);
+    erase();
+    print();
+  }
 
  private:
   void draw_until_done();
+  void erase();
 
-  Progress progress_;
+  const Progress& progress_;
   std::mutex mutex_;
   std::condition_variable finished_;
   bool done_ = false;
+  bool drawn_ = false;  // it stands on the terminal
   std::thread thread_;
 };
 

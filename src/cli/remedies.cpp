@@ -29,6 +29,15 @@ std::string words_of(const Hint& hint) {
     case Remedy::one_file_per_surface:
       return fmt::format("use --format {}, or put {{iso}} into the name after -o to get a file for each iso value",
                          text);
+    case Remedy::region_is_in_voxels: return "--roi is in voxel coordinates because of --space index";
+    case Remedy::region_is_in_world:
+      return "--roi is in the input's world coordinates, before --up, --scale and --unit";
+    case Remedy::choose_scale: return "choose another --scale or --unit";
+    case Remedy::other_output_name: return "choose another name with -o";
+    case Remedy::widen_region_or_skip: return "widen the --roi; --empty skip makes this no error";
+    case Remedy::try_iso: return fmt::format("try --iso {}; --empty skip makes this no error", text);
+    case Remedy::no_surface_or_skip:
+      return "try another input: this one has no surface worth suggesting; --empty skip makes this no error";
   }
   return text;
 }

@@ -118,7 +118,7 @@ Result<double> parse_not_negative(std::string_view text) {
   return *number;
 }
 
-Result<SimplifyError> parse_simplify_error(std::string_view text) {
+Result<convert::SimplifyBound> parse_simplify_bound(std::string_view text) {
   constexpr std::string_view kVoxel = "voxel";
   constexpr std::string_view kWorld = "world";
   std::string_view number = text;
@@ -130,7 +130,7 @@ Result<SimplifyError> parse_simplify_error(std::string_view text) {
     return expected_found(
         "a distance above 0, in voxels such as 0.1 or in the units of the written mesh such as 0.5world", text);
   }
-  return SimplifyError{*distance, in_world_units};
+  return convert::SimplifyBound{*distance, in_world_units};
 }
 
 Result<glm::dvec3> parse_vector(std::string_view text) {

@@ -10,6 +10,7 @@
 #include <glm/glm.hpp>
 
 #include "base/error.hpp"
+#include "convert/conversion_job.hpp"
 #include "extract/extractor.hpp"
 #include "field/affine.hpp"
 #include "gl/gpu_device.hpp"
@@ -20,19 +21,15 @@ namespace isoextract::cli {
 [[nodiscard]] Result<double> parse_number(std::string_view text);        // finite
 [[nodiscard]] Result<double> parse_positive(std::string_view text);      // finite, above 0
 [[nodiscard]] Result<double> parse_not_negative(std::string_view text);  // finite, 0 or above
-// How far a simplified mesh may be from the mesh that it was.
-struct SimplifyError {
-  double distance;
-  bool in_world_units;  // else in voxels
-};
-[[nodiscard]] Result<SimplifyError> parse_simplify_error(std::string_view text);  // 0.1, 0.1voxel or 0.5world, above 0
-[[nodiscard]] Result<glm::dvec3> parse_vector(std::string_view text);             // X,Y,Z
-[[nodiscard]] Result<glm::dvec3> parse_spacing(std::string_view text);            // SX,SY,SZ or one for all, above 0
-[[nodiscard]] Result<glm::ivec3> parse_dims(std::string_view text);               // NX,NY,NZ or NXxNYxNZ, above 0
-[[nodiscard]] Result<glm::ivec3> parse_resolution(std::string_view text);         // as dims or one for all, 2 or above
-[[nodiscard]] Result<field::Box> parse_box(std::string_view text);                // X0,Y0,Z0,X1,Y1,Z1, min <= max
-[[nodiscard]] Result<int> parse_thread_count(std::string_view text);              // 1..1024
-[[nodiscard]] Result<std::uint64_t> parse_size(std::string_view text);            // bytes, with or without K, M, G, T
+[[nodiscard]] Result<convert::SimplifyBound> parse_simplify_bound(
+    std::string_view text);                                                // 0.1, 0.1voxel or 0.5world, above 0
+[[nodiscard]] Result<glm::dvec3> parse_vector(std::string_view text);      // X,Y,Z
+[[nodiscard]] Result<glm::dvec3> parse_spacing(std::string_view text);     // SX,SY,SZ or one for all, above 0
+[[nodiscard]] Result<glm::ivec3> parse_dims(std::string_view text);        // NX,NY,NZ or NXxNYxNZ, above 0
+[[nodiscard]] Result<glm::ivec3> parse_resolution(std::string_view text);  // as dims or one for all, 2 or above
+[[nodiscard]] Result<field::Box> parse_box(std::string_view text);         // X0,Y0,Z0,X1,Y1,Z1, min <= max
+[[nodiscard]] Result<int> parse_thread_count(std::string_view text);       // 1..1024
+[[nodiscard]] Result<std::uint64_t> parse_size(std::string_view text);     // bytes, with or without K, M, G, T
 
 // Lists, separated by commas and without repetition, in rising order.
 [[nodiscard]] Result<std::vector<int>> parse_thread_counts(std::string_view text);        // each as one

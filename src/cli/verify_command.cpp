@@ -7,67 +7,60 @@
 
 #include "base/machine.hpp"
 #include "base/stopwatch.hpp"
-#include "cli/backends.hpp"
-#include "cli/field_label.hpp"
 #include "cli/layout.hpp"
 #include "cli/progress_bar.hpp"
-#include "cli/verification.hpp"
-#include "field/resample.hpp"
+#include "cli/verification_text.hpp"
+#include "convert/source.hpp"
 #include "measure/mesh_match.hpp"
 #include "meshes/mesh_reader.hpp"
 
 namespace isoextract::cli {
 namespace {
 
-// The volume, and how its surface is extracted.
-struct Source {
-  field::ScalarField field;
-  extract::ExtractOptions options;
-  std::string label;
+// Notes alone: the rest is told by what is found.
+class Notes final : public convert::Events {
+ public:
+  Notes(const Messages& messages, ProgressBar& bar) : messages_(messages), bar_(bar) {}
+  void note(const std::string& text) override {
+    bar_.above([&] { messages_.note(text); });
+  }
+
+ private:
+  const Messages& messages_;
+  ProgressBar& bar_;
 };
 
-Result<Source> read_source(const VerifyPlan& plan, const Messages& messages, Progress* progress) {
-  volumes::ReadOptions read = plan.read;
-  read.progress = progress;
-  auto field = volumes::read_volume(plan.input, read);
-  if (!field) return tl::unexpected(std::move(field.error()));
-  for (const std::string& note : field->notes) messages.note(note);
-  if (plan.resolution) {
-    field = field::resample(*field, *plan.resolution, plan.read.limits, progress);
-    if (!field) return tl::unexpected(std::move(field.error()));
-    for (const std::string& note : field->notes) messages.note(note);
-  }
-  auto placed = place_field(*field, plan.placement, plan.roi);
-  if (!placed) return tl::unexpected(std::move(placed.error()));
-  for (const std::string& note : placed->notes) messages.note(note);
-  Source source{std::move(*field), plan.extract, {}};
-  source.label = field_label(source.field);
-  source.options.output_from_index = placed->output_from_index;
-  source.options.region = placed->region;
-  source.options.progress = progress;
-  return source;
+extract::ExtractOptions options_of(const VerifyPlan& plan, const convert::Source& source, const Context& context) {
+  extract::ExtractOptions options = source.extract_options(plan.surface, plan.iso);
+  options.limits = plan.source.read.limits;
+  options.progress = &context.progress();
+  return options;
 }
 
-Result<void> verify_backends(const VerifyPlan& plan, const Messages& messages) {
+Result<void> verify_backends(const VerifyPlan& plan, const Messages& messages, const Context& context) {
   const std::unique_ptr<extract::Extractor> first = extract::make_cpu_extractor();
-  const auto second = open_backend({Backend::gpu, plan.gpu});
+  const auto second = convert::open_backend({convert::Backend::gpu, plan.gpu});
   if (!second) return tl::unexpected(second.error());
   convert::VerificationRecord record;
   std::string label;
   {
-    ProgressBar bar(messages.verbosity() != Verbosity::quiet);
-    const auto source = read_source(plan, messages, bar.progress());
+    ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
+    Notes notes(messages, bar);
+    const auto source = convert::open_source(plan.source, {}, context, notes);
     if (!source) return tl::unexpected(source.error());
     label = source->label;
-    const auto extraction = first->extract(source->field, source->options);
+    extract::ExtractOptions options = options_of(plan, *source, context);
+    options.smooth_normals = true;
+    options.edge_keys = true;
+    const auto extraction = first->extract(source->field, options);
     if (!extraction) return tl::unexpected(extraction.error());
-    auto compared = compare_backends(source->field, source->options, extraction->mesh, *first, *second->extractor);
+    auto compared = convert::compare_backends(source->field, options, extraction->mesh, *first, *second->extractor);
     if (!compared) return tl::unexpected(std::move(compared.error()));
     record = std::move(*compared);
   }
   const std::string text = plan.json ? convert::json_text(convert::json_of(record)) : verification_table(label, record);
   if (auto printed = print_to_stdout(text); !printed) return printed;
-  return check_verification(label, record);
+  return convert::check_verification(label, record);
 }
 
 std::string match_table(const std::string& path, const std::string& surface, const measure::MeshMatch& match) {
@@ -103,22 +96,24 @@ std::string hint_for(const measure::MeshMatch& match) {
   return "";
 }
 
-Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages) {
+Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages, const Context& context) {
   const std::unique_ptr<extract::Extractor> extractor = extract::make_cpu_extractor();
   measure::MeshMatch match;
   std::string surface;
   {
-    ProgressBar bar(messages.verbosity() != Verbosity::quiet);
-    bar.progress()->begin("reading the mesh", 0);
-    auto file = meshes::read_mesh(*plan.mesh, plan.read.limits);
+    ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
+    Notes notes(messages, bar);
+    context.progress().begin("reading the mesh", 0);
+    auto file = meshes::read_mesh(*plan.mesh, plan.source.read.limits);
     if (!file) return tl::unexpected(std::move(file.error()));
-    for (const std::string& note : file->notes) messages.note(note);
-    const auto source = read_source(plan, messages, bar.progress());
+    for (const std::string& text : file->notes) notes.note(text);
+    const auto source = convert::open_source(plan.source, {}, context, notes);
     if (!source) return tl::unexpected(source.error());
-    surface = fmt::format("{} iso {}", source->label, plan.extract.iso);
-    const auto extraction = extractor->extract(source->field, source->options);
+    surface = fmt::format("{} iso {}", source->label, plan.iso);
+    const auto extraction = extractor->extract(source->field, options_of(plan, *source, context));
     if (!extraction) return tl::unexpected(extraction.error());
-    const auto matched = measure::match_meshes(file->mesh, extraction->mesh, plan.float32_world, plan.read.limits);
+    const auto matched =
+        measure::match_meshes(file->mesh, extraction->mesh, plan.float32_world, plan.source.read.limits);
     if (!matched) return tl::unexpected(matched.error());
     match = *matched;
   }
@@ -137,7 +132,8 @@ Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages) {
 Result<void> run_verify(const VerifyPlan& plan, const Messages& messages) {
   const Stopwatch watch;
   for (const std::string& note : plan.notes) messages.note(note);
-  const auto done = plan.mesh ? verify_mesh(plan, messages) : verify_backends(plan, messages);
+  const Context context{MemoryBudget(plan.source.read.limits.memory_bytes)};
+  const auto done = plan.mesh ? verify_mesh(plan, messages, context) : verify_backends(plan, messages, context);
   messages.detail(fmt::format("verified in {:.2f} s, peak memory {}", watch.elapsed().wall_seconds,
                               format_byte_size(peak_memory())));
   return done;

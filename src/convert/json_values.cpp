@@ -9,9 +9,10 @@ std::string_view kind_name(ErrorKind kind) {
     case ErrorKind::input: return "input";
     case ErrorKind::unavailable: return "unavailable";
     case ErrorKind::output: return "output";
-    case ErrorKind::verification: break;
+    case ErrorKind::verification: return "verification";
+    case ErrorKind::cancelled: break;
   }
-  return "verification";
+  return "cancelled";
 }
 
 }  // namespace

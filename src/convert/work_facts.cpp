@@ -80,18 +80,18 @@ std::vector<WorkFact> extraction_facts(const extract::ExtractStats& stats, const
   }
   if (options.region) {
     const glm::i64vec3 dims = options.region->dims();
-    facts.push_back({"roi", "left out", std::nullopt, std::nullopt,
-                     fmt::format("what --roi does not hold; it holds {} x {} x {} samples", dims.x, dims.y, dims.z)});
+    facts.push_back(
+        {"roi", "left out", std::nullopt, std::nullopt,
+         fmt::format("what the region does not hold; it holds {} x {} x {} samples", dims.x, dims.y, dims.z)});
   }
   if (!options.smooth_normals && !asked.flat_normals) {
     facts.push_back({"normals", "left out", std::nullopt, std::nullopt, "normals, which nobody asked for"});
   }
   if (!asked.error) {
-    facts.push_back({"error", "left out", std::nullopt, std::nullopt, "the error of the mesh; --error measures it"});
+    facts.push_back({"error", "left out", std::nullopt, std::nullopt, "the error of the mesh"});
   }
   if (!options.cap) {
-    facts.push_back(
-        {"caps", "left out", std::nullopt, std::nullopt, "caps where the surface leaves the data; --cap makes them"});
+    facts.push_back({"caps", "left out", std::nullopt, std::nullopt, "caps where the surface leaves the data"});
   }
   return facts;
 }

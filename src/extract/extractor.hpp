@@ -7,6 +7,7 @@
 // and options give the same bytes for any number of threads.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -18,6 +19,7 @@
 #include "base/limits.hpp"
 #include "base/progress.hpp"
 #include "base/stopwatch.hpp"
+#include "base/words.hpp"
 #include "field/scalar_field.hpp"
 #include "mesh/mesh.hpp"
 
@@ -27,6 +29,7 @@ enum class Method {
   mc,  // marching cubes, with the topology of the trilinear interpolant (asymptotic_decider.hpp)
   mt,  // marching tetrahedra, six a cell (seed S1)
 };
+constexpr auto words_of(Method /*type*/) { return std::array{Word{Method::mc, "mc"}, Word{Method::mt, "mt"}}; }
 
 enum class NanPolicy {
   error,    // a NaN sample is ErrorKind::input; the message says where the first one is
@@ -34,6 +37,9 @@ enum class NanPolicy {
   hole,     // a cell with a NaN corner draws nothing, nor does a square of the cap; all else is as if none were NaN.
             // Where only a point would join what is left on both sides, each side has a vertex of its own there.
 };
+constexpr auto words_of(NanPolicy /*type*/) {
+  return std::array{Word{NanPolicy::error, "error"}, Word{NanPolicy::outside, "outside"}, Word{NanPolicy::hole, "hole"}};
+}
 
 struct ExtractOptions {
   Method method = Method::mc;

@@ -42,6 +42,8 @@ struct Affine {
 struct Box {
   glm::dvec3 min{0.0};
   glm::dvec3 max{0.0};
+
+  friend bool operator==(const Box&, const Box&) = default;
 };
 
 // The box around `map` applied to all of `box`.

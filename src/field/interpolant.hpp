@@ -14,12 +14,16 @@
 
 #include <glm/glm.hpp>
 
+#include "base/words.hpp"
 #include "field/scalar_field.hpp"
 #include "field/sparse_lookup.hpp"
 
 namespace isoextract::field {
 
 enum class Interpolation { trilinear, tricubic };
+constexpr auto words_of(Interpolation /*type*/) {
+  return std::array{Word{Interpolation::trilinear, "trilinear"}, Word{Interpolation::tricubic, "tricubic"}};
+}
 
 struct Interpolated {
   double value = 0;          // in the field's own values; NaN where a sample it depends on is not finite

@@ -1,6 +1,7 @@
 // The types a sample can be stored as. Fields keep the type of their file; values are converted where they are used.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -10,9 +11,16 @@
 
 #include <half.h>  // Imath
 
+#include "base/words.hpp"
+
 namespace isoextract::field {
 
 enum class SampleType { u8, i8, u16, i16, u32, i32, f16, f32, f64 };
+constexpr auto words_of(SampleType /*type*/) {
+  return std::array{Word{SampleType::u8, "u8"},   Word{SampleType::i8, "i8"},   Word{SampleType::u16, "u16"},
+                    Word{SampleType::i16, "i16"}, Word{SampleType::u32, "u32"}, Word{SampleType::i32, "i32"},
+                    Word{SampleType::f16, "f16"}, Word{SampleType::f32, "f32"}, Word{SampleType::f64, "f64"}};
+}
 
 using Half = Imath::half;
 
@@ -38,9 +46,8 @@ inline constexpr bool is_floating_sample = std::is_floating_point_v<T> || std::i
 
 [[nodiscard]] std::size_t sample_size(SampleType type);
 
-// "u8", "i16", "f32", ...: the spelling of --dtype and of reports.
-[[nodiscard]] std::string_view sample_type_name(SampleType type);
-[[nodiscard]] std::optional<SampleType> parse_sample_type(std::string_view name);
+// "u8", "i16", "f32", ...
+[[nodiscard]] constexpr std::string_view sample_type_name(SampleType type) { return word_of(type); }
 
 // The SampleType of a C++ type.
 template <class T>

@@ -1,10 +1,12 @@
 // A scalar field: samples, what their values mean, and where they are in the world.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include "base/words.hpp"
 #include "field/affine.hpp"
 #include "field/samples.hpp"
 
@@ -14,6 +16,10 @@ enum class FieldKind {
   density,    // inside is value > iso
   level_set,  // inside is value < iso
 };
+// By the side that is inside.
+constexpr auto words_of(FieldKind /*type*/) {
+  return std::array{Word{FieldKind::density, "above"}, Word{FieldKind::level_set, "below"}};
+}
 
 // What a stored number stands for: value = slope * stored + intercept (NIfTI scl_slope and scl_inter).
 struct ValueScale {

@@ -31,9 +31,13 @@ struct GpuDevice {
 // driver says of each.
 struct CudaIndex {
   int number;
+
+  friend bool operator==(const CudaIndex&, const CudaIndex&) = default;
 };
 struct DeviceName {
   std::string part;  // of vendor and renderer, whatever the case
+
+  friend bool operator==(const DeviceName&, const DeviceName&) = default;
 };
 using DeviceChoice = std::variant<std::monostate, int, CudaIndex, DeviceName>;  // monostate: the first usable one that
                                                                                 // is not software, else the first

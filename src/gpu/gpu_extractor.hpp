@@ -23,6 +23,8 @@ struct GpuOptions {
   bool tessellation = true;  // threads of marching cubes are made by the tessellator (seed S2), else by number alone
   bool swizzle = true;       // cells in groups of 2 x 2 x 2 (seed S1)
   bool debug = false;        // ErrorKind::unavailable for whatever the driver complains about; for tests
+
+  friend bool operator==(const GpuOptions&, const GpuOptions&) = default;
 };
 
 struct GpuExtractorAndDevice {

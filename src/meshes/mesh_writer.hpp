@@ -1,6 +1,7 @@
 // The one door to the mesh formats; one file per format behind it (gltf_writer.cpp, ply_writer.cpp, ...).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -10,11 +11,16 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/words.hpp"
 #include "mesh/mesh.hpp"
 
 namespace isoextract::meshes {
 
 enum class MeshFormat { glb, gltf, ply, obj, stl };
+constexpr auto words_of(MeshFormat /*type*/) {
+  return std::array{Word{MeshFormat::glb, "glb"}, Word{MeshFormat::gltf, "gltf"}, Word{MeshFormat::ply, "ply"},
+                    Word{MeshFormat::obj, "obj"}, Word{MeshFormat::stl, "stl"}};
+}
 
 // One row a format: detection, help and README read it.
 struct MeshFormatInfo {

@@ -15,11 +15,15 @@
 #include "base/error.hpp"
 #include "base/limits.hpp"
 #include "base/progress.hpp"
+#include "base/words.hpp"
 #include "field/scalar_field.hpp"
 
 namespace isoextract::volumes {
 
 enum class VolumeFormat { vdb, nrrd, nifti, npy, raw, demo };
+constexpr auto words_of(VolumeFormat /*type*/) {
+  return std::array{Word{VolumeFormat::vdb, "vdb"}, Word{VolumeFormat::nrrd, "nrrd"}, Word{VolumeFormat::nifti, "nifti"}, Word{VolumeFormat::npy, "npy"}, Word{VolumeFormat::raw, "raw"}, Word{VolumeFormat::demo, "demo"}};
+}
 
 // One row a format: detection, help and README read it.
 struct VolumeFormatInfo {
@@ -36,6 +40,8 @@ struct RawLayout {
   field::SampleType type = field::SampleType::u8;
   std::endian endian = std::endian::little;
   std::uint64_t skip = 0;  // bytes before the first sample
+
+  friend bool operator==(const RawLayout&, const RawLayout&) = default;
 };
 
 struct ReadOptions {
@@ -47,6 +53,8 @@ struct ReadOptions {
   std::optional<field::FieldKind> kind;  // replaces what the file says
   Limits limits = default_limits();
   Progress* progress = nullptr;
+
+  friend bool operator==(const ReadOptions&, const ReadOptions&) = default;
 };
 
 // One grid of a file as its header tells, without reading samples.

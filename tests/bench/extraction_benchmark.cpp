@@ -39,7 +39,7 @@ std::vector<field::SampleType> types_of(const InputDescription& description, fie
   const bool free = description.source == Source::formula || description.source == Source::random;
   if (!free) types.push_back(own);
   for (const std::string& name : options.types) {
-    const field::SampleType type = *field::parse_sample_type(name);
+    const field::SampleType type = *value_of<field::SampleType>(name);
     const bool possible = free || (description.source == Source::file && type == field::SampleType::f32);
     if (possible && std::ranges::find(types, type) == types.end()) types.push_back(type);
   }
@@ -101,7 +101,7 @@ class Benchmark {
     entrants.push_back(enter(memory_reader(input), threads.back(), isoextract));
     entrants.push_back(enter(memory_writer(output_bytes), threads.back(), isoextract));
 
-    const std::uint64_t samples = volumes::sample_bytes(input) / field::sample_size(input.field.type());
+    const std::uint64_t samples = sample_bytes(input) / field::sample_size(input.field.type());
     Group group{input.name,
                 input.size,
                 input.field.extents().dims(),

@@ -24,7 +24,7 @@ class IsoextractContestant : public Contestant {
     const double seconds = watch.elapsed().wall_seconds;
     if (!extraction) throw std::runtime_error(extraction.error().message);
     const mesh::Mesh& mesh = extraction->mesh;
-    return {1000 * seconds, mesh.triangles.size(), mesh.positions.size(), volumes::sample_bytes(input_),
+    return {1000 * seconds, mesh.triangles.size(), mesh.positions.size(), sample_bytes(input_),
             mesh.positions.size_bytes() + mesh.normals.size_bytes() + mesh.triangles.size_bytes()};
   }
 

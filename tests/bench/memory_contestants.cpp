@@ -51,7 +51,7 @@ std::uint64_t sum(Bytes piece) {
 class MemoryReader : public Contestant {
  public:
   explicit MemoryReader(const BenchmarkInput& input)
-      : pieces_(pieces_of(input.field)), bytes_(volumes::sample_bytes(input)) {}
+      : pieces_(pieces_of(input.field)), bytes_(sample_bytes(input)) {}
 
   [[nodiscard]] std::string name() const override { return "read samples once"; }
   [[nodiscard]] std::string program() const override { return "memory"; }

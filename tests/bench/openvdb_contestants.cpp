@@ -77,7 +77,7 @@ Outcome outcome_of(const BenchmarkInput& input, double seconds, std::uint64_t ve
                    std::uint64_t quads) {
   const std::uint64_t written =
       vertices * sizeof(openvdb::Vec3s) + triangles * sizeof(openvdb::Vec3I) + quads * sizeof(openvdb::Vec4I);
-  return {1000 * seconds, triangles + 2 * quads, vertices, volumes::sample_bytes(input), written};
+  return {1000 * seconds, triangles + 2 * quads, vertices, sample_bytes(input), written};
 }
 
 class OpenvdbContestant : public Contestant {

@@ -70,7 +70,7 @@ class VtkContestant : public Contestant {
                                   bytes_of(mesh->GetPointData()->GetNormals()) +
                                   bytes_of(triangles->GetConnectivityArray()) + bytes_of(triangles->GetOffsetsArray());
     return {1000 * seconds, static_cast<std::uint64_t>(triangles->GetNumberOfCells()),
-            static_cast<std::uint64_t>(mesh->GetNumberOfPoints()), volumes::sample_bytes(input_), written};
+            static_cast<std::uint64_t>(mesh->GetNumberOfPoints()), sample_bytes(input_), written};
   }
 
  private:

@@ -100,7 +100,7 @@ class ReportTest(ProgramTest):
         facts = report["work"] + report["extractions"][0]["work"]
         self.assertGreater(len(facts), 3)
         for fact in facts:
-            self.assertIn(f"  {fact['done']}: {fact['text']}\n", run.err)
+            self.assertIn(f"  {fact['done']}: {fact['text']}", run.err)
         told = [line for line in run.err.splitlines() if line.startswith("  ") and ": " in line]
         self.assertEqual(len(told), len(facts))
 

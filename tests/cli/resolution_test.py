@@ -107,7 +107,7 @@ class ResolutionTest(ProgramTest):
                               "--memory-limit")
         # A ball that falls between the samples.
         run = self.run_program(SPHERE, "--iso", "0.6", "--resolution", "2", "-o", "a.ply")
-        self.assert_fails(2, run, "no surface at iso 0.6 on the grid of --resolution")
+        self.assert_fails(2, run, "no surface at iso 0.6 on the grid of another resolution")
         self.assertEqual(self.files(), ["flat.raw"])
         self.convert(SPHERE, "--iso", "0.6", "--resolution", "2", "--empty", "skip", "-o", "a.ply")
 

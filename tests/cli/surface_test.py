@@ -125,7 +125,7 @@ class SurfaceTest(ProgramTest):
 
     def test_an_empty_part_of_a_full_field_points_to_the_roi(self):
         run = self.run_program("demo:sphere?size=41", "--iso", "0", "--roi", "-0.2,-0.2,-0.2,0.2,0.2,0.2")
-        self.assert_fails(2, run, "in the --roi", "widen the --roi")
+        self.assert_fails(2, run, "in the region", "widen the --roi")
 
 
 if __name__ == "__main__":

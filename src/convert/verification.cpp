@@ -1,4 +1,9 @@
-#include "convert/verification_record.hpp"
+#include "convert/verification.hpp"
+
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "measure/stability.hpp"
 
@@ -31,6 +36,31 @@ Json json_of(const measure::MeshMatch& match, const std::vector<std::string>& di
   json["distance"] = json_of(match.distance);
   json["distance_allowed"] = json_of(match.allowed);
   return json;
+}
+
+Result<VerificationRecord> compare_backends(const field::ScalarField& field, const extract::ExtractOptions& options,
+                                            const mesh::Mesh& mesh, const extract::Extractor& first,
+                                            extract::Extractor& second) {
+  const Stopwatch watch;
+  auto other = second.extract(field, options);
+  if (!other) return tl::unexpected(std::move(other.error()));
+  auto comparison = measure::compare_extractions(mesh, other->mesh, options.limits);
+  if (!comparison) return tl::unexpected(std::move(comparison.error()));
+  VerificationRecord record;
+  record.iso = options.iso;
+  record.backends = {std::string(first.name()), std::string(second.name())};
+  record.differences = measure::differences(*comparison, {record.backends[0], record.backends[1]});
+  record.comparison = *comparison;
+  record.time = watch.elapsed();
+  return record;
+}
+
+Result<void> check_verification(const std::string& label, const VerificationRecord& record) {
+  if (record.differences.empty()) return {};
+  return fail(ErrorKind::verification,
+              fmt::format("{} iso {}: {} and {} differ: {}", label, record.iso, record.backends[0], record.backends[1],
+                          fmt::join(record.differences, "; ")),
+              "this is a defect of one of them; please report it");
 }
 
 }  // namespace isoextract::convert

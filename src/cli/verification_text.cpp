@@ -1,4 +1,4 @@
-#include "cli/verification.hpp"
+#include "cli/verification_text.hpp"
 
 #include <utility>
 
@@ -18,31 +18,6 @@ std::string worst_text(double worst, std::string_view unit, double allowed, cons
 }
 
 }  // namespace
-
-Result<convert::VerificationRecord> compare_backends(const field::ScalarField& field,
-                                                     const extract::ExtractOptions& options, const mesh::Mesh& mesh,
-                                                     const extract::Extractor& first, extract::Extractor& second) {
-  const Stopwatch watch;
-  auto other = second.extract(field, options);
-  if (!other) return tl::unexpected(std::move(other.error()));
-  auto comparison = measure::compare_extractions(mesh, other->mesh, options.limits);
-  if (!comparison) return tl::unexpected(std::move(comparison.error()));
-  convert::VerificationRecord record;
-  record.iso = options.iso;
-  record.backends = {std::string(first.name()), std::string(second.name())};
-  record.differences = measure::differences(*comparison, {record.backends[0], record.backends[1]});
-  record.comparison = *comparison;
-  record.time = watch.elapsed();
-  return record;
-}
-
-Result<void> check_verification(const std::string& label, const convert::VerificationRecord& record) {
-  if (record.differences.empty()) return {};
-  return fail(ErrorKind::verification,
-              fmt::format("{} iso {}: {} and {} differ: {}", label, record.iso, record.backends[0], record.backends[1],
-                          fmt::join(record.differences, "; ")),
-              "this is a defect of one of them; please report it");
-}
 
 std::string verification_summary(const convert::VerificationRecord& record) {
   const measure::ExtractionComparison& found = record.comparison;

@@ -1,8 +1,8 @@
-#include "cli/field_label.hpp"
+#include "convert/field_label.hpp"
 
 #include <fmt/format.h>
 
-namespace isoextract::cli {
+namespace isoextract::convert {
 
 std::string field_label(const field::ScalarField& field) {
   // Only sparse formats have grids with names.
@@ -10,4 +10,4 @@ std::string field_label(const field::ScalarField& field) {
   return has_grids ? fmt::format("{}[{}]", field.source, field.name) : field.source;
 }
 
-}  // namespace isoextract::cli
+}  // namespace isoextract::convert

@@ -1,7 +1,9 @@
-#include "convert/conversion_report.hpp"
+#include "convert/outcome.hpp"
 
 #include <filesystem>
 #include <numeric>
+
+#include <fmt/format.h>
 
 #include "base/version.hpp"
 
@@ -15,26 +17,16 @@ Json optional_json(const std::optional<T>& value) {
   return value ? Json(*value) : Json(nullptr);
 }
 
-Json json_of(const ResolvedOptions& o) {
-  return {{"method", o.method},
-          {"iso", o.isos},
-          {"normals", o.normals},
-          {"nan", o.nan},
-          {"empty", o.empty},
-          {"cap", o.cap},
-          {"roi", o.roi ? json_of(*o.roi) : Json(nullptr)},
-          {"resolution", o.resolution ? Json{o.resolution->x, o.resolution->y, o.resolution->z} : Json(nullptr)},
-          {"space", o.space},
-          {"up", o.up},
-          {"turned_to_y_up", o.turned_to_y_up},
-          {"scale", o.scale},
-          {"unit", o.unit.empty() ? Json(nullptr) : Json(o.unit)},
-          {"format", o.format},
-          {"ascii", o.ascii},
-          {"simplify", o.simplify.empty() ? Json(nullptr) : Json(o.simplify)},
-          {"error", o.error.empty() ? Json(nullptr) : Json(o.error)},
-          {"verify", o.verify},
-          {"memory_limit", o.memory_limit}};
+// The job, and what is made of it for readers of the document.
+Json options_of(const ConversionJob& job, std::uint64_t memory_limit) {
+  Json json = json_of(job);
+  json["iso"] = job.isos();
+  json["unit"] = job.source.placement.unit.empty() ? Json(nullptr) : Json(job.source.placement.unit);
+  if (job.simplify) {
+    json["simplify"] = fmt::format("{}{}", job.simplify->distance, job.simplify->in_world_units ? "world" : "voxel");
+  }
+  json["memory_limit"] = memory_limit;
+  return json;
 }
 
 Json json_of(const InputFacts& input) {
@@ -78,22 +70,22 @@ Json json_of(const MeshRecord& mesh) {
   json["euler"] = mesh.topology.euler;
   json["bounds"] = mesh.vertices == 0 ? Json(nullptr) : json_of(field::Box{mesh.bounds.min, mesh.bounds.max});
   json["origin"] = json_of(mesh.origin);
-  if (mesh.error) json["error"] = *mesh.error;
+  if (mesh.error) json["error"] = json_of(*mesh.error);
   return json;
 }
 
-Json json_of(const SimplificationRecord& record) {
+Json json_of(const MeshSimplification& record) {
   const auto range = [](const DistanceRange& r) { return Json{{"lower", r.lower}, {"upper", r.upper}}; };
   return {{"iso", record.iso},
-          {"asked", {{"distance", record.asked}, {"unit", record.asked_in_voxels ? "voxel" : "world"}}},
+          {"asked", {{"distance", record.asked.distance}, {"unit", record.asked.in_world_units ? "world" : "voxel"}}},
           {"measured", {{"voxels", range(record.voxels)}, {"world", range(record.world)}}},
-          {"triangles_before", record.triangles_before},
-          {"triangles_after", record.triangles_after},
-          {"passes", record.passes},
-          {"time", json_of(record.time)}};
+          {"triangles_before", record.facts.triangles_before},
+          {"triangles_after", record.facts.triangles_after},
+          {"passes", record.facts.passes},
+          {"time", json_of(record.facts.time)}};
 }
 
-Json json_of(const FileRecord& file) { return {{"path", file.path}, {"bytes", file.bytes}}; }
+Json json_of(const meshes::WrittenFile& file) { return {{"path", file.path}, {"bytes", file.bytes}}; }
 
 Json json_of(const ExtractionRecord& extraction);
 
@@ -152,26 +144,32 @@ MeshRecord mesh_record(double iso, const std::string& file, const mesh::Mesh& me
           std::nullopt};
 }
 
-Json json_of(const ConversionReport& report) {
+Json report_of(const ConversionJob& job, const Outcome& report, const std::vector<std::string>& arguments,
+               std::uint64_t memory_limit, const std::string& hint) {
   Json json{{"schema_version", kReportSchemaVersion},
             {"program", {{"name", "isoextract"}, {"version", version()}}},
             {"status", report.error ? "failed" : "done"}};
-  if (report.error) json["error"] = json_of(*report.error);
-  json["arguments"] = report.arguments;
-  json["options"] = json_of(report.options);
+  if (report.error) {
+    json["error"] = json_of(*report.error);
+    json["error"]["hint"] = hint;
+  }
+  json["arguments"] = arguments;
+  json["options"] = options_of(job, memory_limit);
   json["device"] = {{"backend", report.backend}, {"name", report.device}, {"threads", report.threads}};
   json["input"] = report.input ? json_of(*report.input) : Json(nullptr);
   json["output_from_index"] = report.output_from_index ? json_of(*report.output_from_index) : Json(nullptr);
   json["region"] = report.region ? json_of(*report.region) : Json(nullptr);
   json["stages"] = array_of(report.stages);
   json["total"] = json_of(report.total);
-  const std::uint64_t written = std::accumulate(report.files.begin(), report.files.end(), std::uint64_t{0},
-                                                [](std::uint64_t sum, const FileRecord& f) { return sum + f.bytes; });
+  const std::uint64_t written =
+      std::accumulate(report.files.begin(), report.files.end(), std::uint64_t{0},
+                      [](std::uint64_t sum, const meshes::WrittenFile& f) { return sum + f.bytes; });
   json["bytes"] = {{"read", report.bytes_read}, {"written", written}, {"uploaded", report.bytes_uploaded}};
   json["peak_memory_bytes"] = report.peak_memory;
+  json["reserved_memory_bytes"] = report.reserved_memory;
   json["work"] = array_of(report.work);
   json["extractions"] = array_of(report.extractions);
-  if (report.options.verify) json["verification"] = array_of(report.verifications);
+  if (job.verify) json["verification"] = array_of(report.verifications);
   json["simplifications"] = array_of(report.simplifications);
   json["meshes"] = array_of(report.meshes);
   json["files"] = array_of(report.files);

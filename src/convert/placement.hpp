@@ -1,6 +1,7 @@
 // Where the mesh goes: from samples to output coordinates, and from a world box to samples.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 #include <string>
@@ -8,13 +9,16 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "cli/values.hpp"
+#include "base/words.hpp"
 #include "field/scalar_field.hpp"
 
-namespace isoextract::cli {
+namespace isoextract::convert {
 
 enum class Space { world, index };
+constexpr auto words_of(Space /*type*/) { return std::array{Word{Space::world, "world"}, Word{Space::index, "index"}}; }
+
 enum class UpAxis { y, z };
+constexpr auto words_of(UpAxis /*type*/) { return std::array{Word{UpAxis::y, "y"}, Word{UpAxis::z, "z"}}; }
 
 struct LengthUnit {
   std::string_view name;
@@ -28,13 +32,12 @@ struct Placement {
   UpAxis up = UpAxis::z;           // of the input's world
   bool turn_z_up_to_y_up = false;  // (x, y, z) -> (x, z, -y)
   double scale = 1;
-  std::string_view unit;  // that `scale` converts to metres; empty if none was named
+  std::string unit;  // that `scale` converts to metres; empty if none was named
+
+  friend bool operator==(const Placement&, const Placement&) = default;
 };
 
 [[nodiscard]] field::Affine output_from_index(const field::ScalarField& field, const Placement& placement);
-
-// "world coordinates, turned from z up to y up, scaled by 0.001 (mm to m)"
-[[nodiscard]] std::string describe(const Placement& placement);
 
 // The field's extents in world coordinates.
 [[nodiscard]] field::Box world_bounds(const field::ScalarField& field);
@@ -52,14 +55,14 @@ struct Placement {
 struct PlacedField {
   field::Affine output_from_index;
   std::optional<field::IndexBox> region;
-  std::vector<std::string> notes;  // what --roi took that was not asked for
+  std::vector<std::string> notes;  // what of the box asked for could not be taken as it is
 };
 
-// Fails with ErrorKind::usage where --scale or --unit leads out of the range of numbers, and as samples_in_box does.
+// Fails with ErrorKind::usage where the scale leads out of the range of numbers, and as samples_in_box does.
 [[nodiscard]] Result<PlacedField> place_field(const field::ScalarField& field, const Placement& placement,
                                               const std::optional<field::Box>& roi);
 
 // "(0, 0, 0) .. (1, 2, 3)"
 [[nodiscard]] std::string box_text(const field::Box& box);
 
-}  // namespace isoextract::cli
+}  // namespace isoextract::convert

@@ -5,9 +5,9 @@
 
 #include "field/scalar_field.hpp"
 
-namespace isoextract::cli {
+namespace isoextract::convert {
 
 // "smoke.vdb[density]", or "head.nrrd" where the format has no grids.
 [[nodiscard]] std::string field_label(const field::ScalarField& field);
 
-}  // namespace isoextract::cli
+}  // namespace isoextract::convert

@@ -1,4 +1,4 @@
-#include "cli/placement.hpp"
+#include "convert/placement.hpp"
 
 #include <algorithm>
 #include <array>
@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
-#include "cli/field_label.hpp"
+#include "convert/field_label.hpp"
 
-namespace isoextract::cli {
+namespace isoextract::convert {
 namespace {
 
 constexpr std::array kUnits{LengthUnit{"um", 1e-6}, LengthUnit{"mm", 1e-3},   LengthUnit{"cm", 1e-2},
@@ -42,15 +42,6 @@ field::Affine output_from_index(const field::ScalarField& field, const Placement
   return map;
 }
 
-std::string describe(const Placement& placement) {
-  if (placement.space == Space::index) return "voxel coordinates";
-  std::string text = "world coordinates";
-  if (placement.turn_z_up_to_y_up) text += ", turned from z up to y up";
-  if (placement.scale != 1 || !placement.unit.empty()) text += fmt::format(", scaled by {}", placement.scale);
-  if (!placement.unit.empty()) text += fmt::format(" ({} to m)", placement.unit);
-  return text;
-}
-
 field::Box world_bounds(const field::ScalarField& field) { return bounds_in(field, Space::world); }
 
 bool is_axis_aligned(const field::Affine& index_to_world) {
@@ -79,10 +70,9 @@ Result<field::IndexBox> samples_in_box(const field::ScalarField& field, const fi
   for (int axis = 0; axis < 3; ++axis) {
     if (samples.max[axis] - samples.min[axis] >= 1) continue;
     return fail(ErrorKind::input,
-                fmt::format("{}: --roi {} holds fewer than two samples along {}; the data is at {}", field.source,
+                fmt::format("{}: the region {} holds fewer than two samples along {}; the data is at {}", field.source,
                             box_text(box), "xyz"[axis], box_text(bounds_in(field, space))),
-                space == Space::index ? "--roi is in voxel coordinates because of --space index"
-                                      : "--roi is in the input's world coordinates, before --up, --scale and --unit");
+                space == Space::index ? Remedy::region_is_in_voxels : Remedy::region_is_in_world);
   }
   return samples;
 }
@@ -95,7 +85,7 @@ Result<PlacedField> place_field(const field::ScalarField& field, const Placement
     return fail(
         ErrorKind::usage,
         fmt::format("{}: scaled by {}, coordinates leave the range of numbers", field_label(field), placement.scale),
-        "choose another --scale or --unit");
+        Remedy::choose_scale);
   }
   if (!roi) return placed;
   auto region = samples_in_box(field, *roi, placement.space);
@@ -104,7 +94,7 @@ Result<PlacedField> place_field(const field::ScalarField& field, const Placement
   if (placement.space == Space::world && !is_axis_aligned(field.index_to_world)) {
     const glm::i64vec3 dims = region->dims();
     placed.notes.push_back(
-        fmt::format("{}: its axes are oblique, so --roi takes the {} x {} x {} samples that cover the box",
+        fmt::format("{}: its axes are oblique, so the region is the {} x {} x {} samples that cover the box",
                     field_label(field), dims.x, dims.y, dims.z));
   }
   return placed;
@@ -115,4 +105,4 @@ std::string box_text(const field::Box& box) {
                      box.max.y, box.max.z);
 }
 
-}  // namespace isoextract::cli
+}  // namespace isoextract::convert

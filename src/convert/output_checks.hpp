@@ -5,15 +5,15 @@
 #include <string>
 
 #include "base/error.hpp"
-#include "cli/plan.hpp"
+#include "convert/conversion_job.hpp"
 
-namespace isoextract::cli {
+namespace isoextract::convert {
 
-// The report's file: writable, and neither the input nor a file that the conversion writes besides.
-[[nodiscard]] Result<void> check_report_file(const ConvertPlan& plan);
+// Another file that goes with the job, its report for example: writable, and neither the input nor a mesh of the job.
+[[nodiscard]] Result<void> check_other_file(const std::filesystem::path& file, const ConversionJob& job);
 
-// The meshes' files, or standard output.
-[[nodiscard]] Result<void> check_mesh_files(const ConvertPlan& plan);
+// The meshes' files, standard output apart.
+[[nodiscard]] Result<void> check_mesh_files(const ConversionJob& job);
 
 // A file that is written at the end: writable, and not the input.
 [[nodiscard]] Result<void> check_output_file(const std::filesystem::path& path, const std::string& input);
@@ -21,4 +21,4 @@ namespace isoextract::cli {
 // Whether two paths name one file, whether it exists or not.
 [[nodiscard]] bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
 
-}  // namespace isoextract::cli
+}  // namespace isoextract::convert

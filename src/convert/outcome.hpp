@@ -1,8 +1,8 @@
-// What one conversion did, for `--report FILE.json`. docs/report.schema.json describes the document; the two change
-// together, and kSchemaVersion rises where a reader of the old document would misread the new one.
+// What one conversion did, and the document that `--report FILE.json` writes of it. docs/report.schema.json describes
+// it; the two change together, and kSchemaVersion rises where a reader of the old document would misread the new one.
 //
 // What only some conversions know is optional here and absent or null in the document. A later section is one more
-// optional member, a line in json_of, and an optional property of the schema.
+// optional member, a line in report_of, and an optional property of the schema.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +11,11 @@
 #include <vector>
 
 #include "base/stopwatch.hpp"
+#include "convert/conversion_job.hpp"
 #include "convert/json_values.hpp"
-#include "convert/verification_record.hpp"
+#include "convert/mesh_error.hpp"
+#include "convert/mesh_simplify.hpp"
+#include "convert/verification.hpp"
 #include "convert/work_facts.hpp"
 #include "mesh/metrics.hpp"
 #include "mesh/topology.hpp"
@@ -20,29 +23,6 @@
 namespace isoextract::convert {
 
 inline constexpr int kReportSchemaVersion = 1;
-
-// Every option of the conversion after defaults, in the words of the command line.
-struct ResolvedOptions {
-  std::string method;
-  std::vector<double> isos;
-  std::string normals;
-  std::string nan;
-  std::string empty;
-  bool cap = false;
-  std::optional<field::Box> roi;
-  std::optional<glm::ivec3> resolution;
-  std::string space;
-  std::string up;
-  bool turned_to_y_up = false;  // whether (x, y, z) became (x, z, -y)
-  double scale = 1;
-  std::string unit;  // empty if none was named
-  std::string format;
-  bool ascii = false;
-  std::string simplify;  // "0.1voxel", "0.5world"; empty if nothing is simplified
-  std::string error;     // "trilinear", "tricubic"; empty if it is not measured
-  bool verify = false;
-  std::uint64_t memory_limit = 0;
-};
 
 struct InputFacts {
   std::string path;    // as given
@@ -75,24 +55,6 @@ struct ExtractionRecord {
   std::vector<WorkFact> work;
 };
 
-struct DistanceRange {
-  double lower = 0;
-  double upper = 0;
-};
-
-// Of a mesh that was simplified: the Hausdorff distance to what it was, at least and at most.
-struct SimplificationRecord {
-  double iso = 0;
-  double asked = 0;
-  bool asked_in_voxels = true;  // else in the mesh's units
-  DistanceRange voxels;
-  DistanceRange world;
-  std::uint64_t triangles_before = 0;
-  std::uint64_t triangles_after = 0;
-  int passes = 0;
-  StageTime time;
-};
-
 // Of a mesh that was written.
 struct MeshRecord {
   double iso = 0;
@@ -104,40 +66,41 @@ struct MeshRecord {
   mesh::Bounds bounds;
   mesh::MeshSize size;  // its volume means something only where the mesh is closed
   mesh::Topology topology;
-  std::optional<Json> error;  // what --error measured of it
+  std::optional<MeshError> error;  // where it was measured
 };
 
 [[nodiscard]] MeshRecord mesh_record(double iso, const std::string& file, const mesh::Mesh& mesh);
 
-struct FileRecord {
-  std::string path;
-  std::uint64_t bytes = 0;
-};
-
-struct ConversionReport {
-  std::vector<std::string> arguments;  // the words of the command line, without the program
-  ResolvedOptions options;
+// What a conversion did, or how far it came before it failed.
+struct Outcome {
   std::string backend;  // "cpu" or "gpu"; if it could not be opened, what was asked for
   std::string device;   // the processor's or the GPU's name
   int threads = 0;
   std::optional<InputFacts> input;                 // absent if it could not be read
   std::optional<field::Affine> output_from_index;  // what placed the meshes
-  std::optional<field::IndexBox> region;           // samples that --roi holds
+  std::optional<field::IndexBox> region;           // samples that the region asked for holds
   std::vector<StageRecord> stages;
   StageTime total;
   std::uint64_t bytes_read = 0;
-  std::uint64_t bytes_uploaded = 0;  // to a device; 0 on the CPU
-  std::uint64_t peak_memory = 0;
-  std::vector<WorkFact> work;  // of reading and resampling
+  std::uint64_t bytes_uploaded = 0;   // to a device; 0 on the CPU
+  std::uint64_t peak_memory = 0;      // of the process
+  std::uint64_t reserved_memory = 0;  // the most that this conversion reserved at a time
+  std::vector<WorkFact> work;         // of reading and resampling
   std::vector<ExtractionRecord> extractions;
   std::vector<VerificationRecord> verifications;
-  std::vector<SimplificationRecord> simplifications;
+  std::vector<MeshSimplification> simplifications;
   std::vector<MeshRecord> meshes;
-  std::vector<FileRecord> files;
-  std::vector<std::string> notes;  // what was shown as notes
-  std::optional<Error> error;      // why the conversion failed
+  std::vector<meshes::WrittenFile> files;
+  std::vector<std::string> notes;
+  std::optional<Error> error;  // why the conversion failed
+
+  [[nodiscard]] bool done() const { return !error; }
 };
 
-[[nodiscard]] Json json_of(const ConversionReport& report);
+// The report's document. `arguments` are the words of the command line without the program, `memory_limit` the
+// budget's; `hint` is the outcome's hint in words, which only the command line has.
+[[nodiscard]] Json report_of(const ConversionJob& job, const Outcome& outcome,
+                             const std::vector<std::string>& arguments, std::uint64_t memory_limit,
+                             const std::string& hint);
 
 }  // namespace isoextract::convert

@@ -1,0 +1,64 @@
+// Two conversions at once in one process, without the command line: each has its job, its context and its listener;
+// they share one memory budget.
+//
+//   convert_two INPUT ISO OUTPUT INPUT ISO OUTPUT
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <thread>
+
+#include "convert/conversion.hpp"
+
+namespace {
+
+using namespace isoextract;
+
+// Keeps what it hears: the two conversions tell it on threads of their own.
+class Listener final : public convert::Events {
+ public:
+  void note(const std::string& text) override { told += "note: " + text + "\n"; }
+  void read(const std::string& input, const field::ScalarField& field, const StageTime& time) override {
+    told += "read " + input + " (" + field.format + ") in " + std::to_string(time.wall_seconds) + " s\n";
+  }
+  void written(const convert::WrittenOutput& output) override {
+    told += "wrote " + output.job.path + ": " + std::to_string(output.triangles) + " triangles\n";
+  }
+
+  std::string told;
+};
+
+struct Conversion {
+  convert::ConversionJob job;
+  Listener listener;
+  convert::Outcome outcome;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 7) {
+    std::fputs("usage: convert_two INPUT ISO OUTPUT INPUT ISO OUTPUT\n", stderr);
+    return 1;
+  }
+  const MemoryBudget budget;
+  std::array<Conversion, 2> conversions;
+  std::array<std::jthread, 2> threads;
+  for (std::size_t c = 0; c < conversions.size(); ++c) {
+    Conversion& one = conversions[c];
+    one.job.source.input = argv[3 * c + 1];
+    one.job.outputs = {{argv[3 * c + 3], {std::strtod(argv[3 * c + 2], nullptr)}}};
+    one.job.format = meshes::mesh_format_by_path(argv[3 * c + 3]).value_or(meshes::MeshFormat::glb);
+    threads[c] = std::jthread(
+        [&one, context = Context(budget.part())] { one.outcome = convert::run(one.job, context, one.listener); });
+  }
+  for (std::jthread& thread : threads) thread.join();
+  int failed = 0;
+  for (const Conversion& one : conversions) {
+    std::fputs(one.listener.told.c_str(), stdout);
+    if (!one.outcome.error) continue;
+    std::fprintf(stderr, "%s\n", one.outcome.error->message.c_str());
+    failed = static_cast<int>(one.outcome.error->kind);
+  }
+  return failed;
+}

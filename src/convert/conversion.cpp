@@ -1,0 +1,254 @@
+#include "convert/conversion.hpp"
+
+#include <algorithm>
+#include <exception>
+#include <memory>
+#include <new>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include "base/machine.hpp"
+#include "base/stopwatch.hpp"
+#include "convert/detail/recorder.hpp"
+#include "convert/output_checks.hpp"
+#include "convert/source.hpp"
+#include "field/statistics.hpp"
+#include "files/file_bytes.hpp"
+
+namespace isoextract::convert {
+namespace {
+
+int thread_count() {
+  const auto allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  return std::min(static_cast<int>(std::min<std::size_t>(allowed, 1 << 16)), tbb::this_task_arena::max_concurrency());
+}
+
+class Conversion {
+ public:
+  Conversion(const ConversionJob& job, const Context& context, Outcome& outcome, Events& listener,
+             const OutcomeExtras& extras)
+      : job_(job), context_(context), outcome_(outcome), events_(outcome, listener), extras_(extras) {}
+
+  Result<void> run() {
+    if (auto opened = open_backends(); !opened) return opened;
+    if (auto checked = check_mesh_files(job_); !checked) return checked;
+    const SourceExtras wanted{.keep_data = job_.error.has_value(), .work = extras_.work};
+    auto source = open_source(job_.source, wanted, context_, events_);
+    if (!source) return tl::unexpected(std::move(source.error()));
+    source_ = std::move(*source);
+    for (const OutputFileJob& output : job_.outputs) {
+      if (auto done = write(output); !done) return done;
+    }
+    return {};
+  }
+
+ private:
+  // What one surface of a file left besides its mesh.
+  struct Surface {
+    double iso = 0;
+    mesh::Mesh mesh;
+    std::optional<MeshError> error;
+  };
+
+  // Before the input is read: a missing GPU is told at once.
+  Result<void> open_backends() {
+    outcome_.backend = word_of(job_.backend.backend);
+    const Stopwatch watch;
+    auto opened = open_backend(job_.backend);
+    if (!opened) return tl::unexpected(std::move(opened.error()));
+    extractor_ = std::move(opened->extractor);
+    events_.opened(*extractor_, opened->reason, watch.elapsed());
+    if (!job_.verify) return {};
+    BackendChoice other = job_.backend;
+    other.backend = extractor_->name() == word_of(Backend::gpu) ? Backend::cpu : Backend::gpu;
+    opened = open_backend(other);
+    if (!opened) return tl::unexpected(std::move(opened.error()));
+    other_extractor_ = std::move(opened->extractor);
+    return {};
+  }
+
+  Result<void> write(const OutputFileJob& output) {
+    std::vector<Surface> surfaces;
+    for (const double iso : output.isos) {
+      if (auto go_on = context_.check(); !go_on) return go_on;
+      auto surface = make_surface(iso);
+      if (!surface) return tl::unexpected(std::move(surface.error()));
+      if (!*surface) continue;
+      if (output.isos.size() > 1) (*surface)->mesh.name = fmt::format("{} iso {}", (*surface)->mesh.name, iso);
+      surfaces.push_back(std::move(**surface));
+    }
+    return surfaces.empty() ? leave_out(output) : write(output, std::move(surfaces));
+  }
+
+  // Nothing where it is empty and empty surfaces are skipped.
+  Result<std::optional<Surface>> make_surface(double iso) {
+    auto mesh = extract(iso);
+    if (!mesh) return tl::unexpected(std::move(mesh.error()));
+    if (mesh->triangles.empty() && job_.empty != EmptyPolicy::write) {
+      if (job_.empty == EmptyPolicy::error) return tl::unexpected(no_surface(iso));
+      return std::optional<Surface>();
+    }
+    Surface surface{iso, std::move(*mesh), {}};
+    if (job_.simplify) {
+      events_.simplified(simplify_mesh(surface.mesh, iso, *job_.simplify, source_.output_from_index, context_));
+    }
+    if (job_.error) {
+      const Stopwatch watch;
+      const field::ScalarField& data = source_.data ? *source_.data : source_.field;
+      surface.error = measure_mesh_error(surface.mesh, data, extract_options(iso), *job_.error,
+                                         source_.data ? &source_.field : nullptr, context_);
+      events_.measured(*surface.error, watch.elapsed());
+    }
+    return surface;
+  }
+
+  [[nodiscard]] extract::ExtractOptions extract_options(double iso) const {
+    extract::ExtractOptions options = source_.extract_options(job_.surface, iso);
+    options.smooth_normals = job_.normals == Normals::smooth;
+    options.edge_keys = job_.verify;
+    options.limits = job_.source.read.limits;
+    options.progress = &context_.progress();
+    return options;
+  }
+
+  Result<mesh::Mesh> extract(double iso) {
+    const Stopwatch watch;
+    const extract::ExtractOptions options = extract_options(iso);
+    auto extraction = extractor_->extract(source_.field, options);
+    if (!extraction && gave_way(extraction.error())) extraction = extractor_->extract(source_.field, options);
+    if (!extraction) return tl::unexpected(std::move(extraction.error()));
+    const AskedFor asked{.flat_normals = job_.normals == Normals::flat, .error = job_.error.has_value()};
+    events_.extracted({iso, extraction->mesh.triangles.size(), extraction->stats,
+                       extraction_facts(extraction->stats, options, asked), watch.elapsed()});
+    if (other_extractor_ != nullptr) {
+      auto record = compare_backends(source_.field, options, extraction->mesh, *extractor_, *other_extractor_);
+      if (!record) return tl::unexpected(std::move(record.error()));
+      extraction->mesh.edges = {};  // they have done their work
+      events_.verified(*record);
+      if (auto same = check_verification(source_.label, *record); !same) return tl::unexpected(std::move(same.error()));
+    }
+    return std::move(extraction->mesh);
+  }
+
+  // Where the choice was the program's, a GPU that cannot do the work is no reason to end: the processor takes over,
+  // and that is told. With verification it is one: nothing would be left to verify.
+  bool gave_way(const Error& error) {
+    const bool may = job_.backend.backend == Backend::automatic && extractor_->name() == word_of(Backend::gpu) &&
+                     other_extractor_ == nullptr;
+    if (!may || error.kind != ErrorKind::unavailable) return false;
+    extractor_ = extract::make_cpu_extractor();
+    events_.opened(*extractor_, fmt::format("cpu, because {}", error.message), {});
+    return true;
+  }
+
+  Error no_surface(double iso) {
+    const Stopwatch watch;
+    const field::FieldStatistics statistics = field::measure_statistics(source_.field);
+    outcome_.stages.push_back({"statistics", std::nullopt, watch.elapsed()});
+    if (statistics.samples == 0) {
+      return {
+          ErrorKind::input, fmt::format("{}: there is no surface: no sample is a finite number", source_.label), {}};
+    }
+    const bool region_hides_it = source_.region && statistics.min <= iso && iso <= statistics.max;
+    const field::IsoSuggestion suggestion = field::suggest_iso(source_.field, statistics);
+    const bool helps = statistics.min < suggestion.iso && suggestion.iso < statistics.max;
+    const Hint other = helps ? Hint(Remedy::try_iso, fmt::format("{} ({})", suggestion.iso, suggestion.method))
+                             : Hint(Remedy::no_surface_or_skip);
+    return {ErrorKind::input,
+            fmt::format("{}: no surface at iso {}{}{}; the values {}run from {:.6g} to {:.6g}", source_.label, iso,
+                        source_.region ? " in the region" : "",
+                        job_.source.resolution ? " on the grid of another resolution" : "",
+                        source_.region ? "of the whole field " : "", statistics.min, statistics.max),
+            region_hides_it ? Hint(Remedy::widen_region_or_skip) : other};
+  }
+
+  Result<void> write(const OutputFileJob& output, std::vector<Surface> surfaces) {
+    const Stopwatch watch;
+    context_.progress().begin("writing", 0);
+    WrittenOutput written{output, {}, 0, 0, {}, {}};
+    std::vector<mesh::Mesh> meshes;
+    for (Surface& surface : surfaces) {
+      written.isos.push_back(surface.iso);
+      written.triangles += surface.mesh.triangles.size();
+      written.vertices += surface.mesh.positions.size();
+      meshes.push_back(std::move(surface.mesh));
+    }
+    auto result = meshes::write_meshes(meshes, output.path, {job_.format, job_.normals == Normals::flat, job_.ascii});
+    if (!result) return tl::unexpected(std::move(result.error()));
+    written.files = std::move(result->files);
+    written.time = watch.elapsed();
+    if (extras_.mesh_facts) record(output, surfaces, meshes);
+    for (const std::string& text : result->notes) events_.note(text);
+    tell_skipped(output, written.isos);
+    events_.written(written);
+    return {};
+  }
+
+  Result<void> leave_out(const OutputFileJob& output) {
+    tell_skipped(output, {});
+    events_.written({output, {}, 0, 0, {}, {}});
+    return {};
+  }
+
+  // What only a report asks for: finding components and open edges takes about as long as writing.
+  void record(const OutputFileJob& output, const std::vector<Surface>& surfaces,
+              const std::vector<mesh::Mesh>& meshes) {
+    const Stopwatch watch;
+    context_.progress().begin("measuring", meshes.size());
+    std::vector<MeshRecord> records;
+    for (std::size_t m = 0; m < meshes.size(); ++m) {
+      records.push_back(mesh_record(surfaces[m].iso, output.path, meshes[m]));
+      records.back().error = surfaces[m].error;
+      context_.progress().advance(1);
+    }
+    events_.recorded(records, watch.elapsed());
+  }
+
+  void tell_skipped(const OutputFileJob& output, const std::vector<double>& isos) {
+    std::vector<double> skipped;
+    for (const double iso : output.isos) {
+      if (std::ranges::find(isos, iso) == isos.end()) skipped.push_back(iso);
+    }
+    if (skipped.empty()) return;
+    const std::string path = output.path == "-" ? "stdout" : output.path;
+    events_.note(fmt::format("{}: no surface at iso {}; {}", source_.label, fmt::join(skipped, ", "),
+                             isos.empty() ? path + " was not written" : path + " is without it"));
+  }
+
+  const ConversionJob& job_;
+  const Context& context_;
+  Outcome& outcome_;
+  Recorder events_;
+  OutcomeExtras extras_;
+  Source source_;
+  std::unique_ptr<extract::Extractor> extractor_;
+  std::unique_ptr<extract::Extractor> other_extractor_;  // only to verify
+};
+
+}  // namespace
+
+Outcome run(const ConversionJob& job, const Context& context, Events& events, const OutcomeExtras& extras) {
+  const Stopwatch watch;
+  Outcome outcome;
+  outcome.threads = thread_count();
+  Result<void> done;
+  try {
+    done = Conversion(job, context, outcome, events, extras).run();
+  } catch (const std::bad_alloc&) {
+    done = fail(ErrorKind::input, fmt::format("{}: not enough memory", job.source.input), Remedy::extract_part);
+  } catch (const std::exception& error) {
+    done = fail(ErrorKind::input, fmt::format("{}: unexpected: {}", job.source.input, error.what()));
+  }
+  if (!done) outcome.error = std::move(done.error());
+  outcome.total = watch.elapsed();
+  outcome.bytes_read = files::bytes_read();
+  outcome.peak_memory = peak_memory();
+  outcome.reserved_memory = context.memory().peak();
+  return outcome;
+}
+
+}  // namespace isoextract::convert

@@ -1,0 +1,24 @@
+// One conversion: a job in, an outcome out. Prints nothing, throws nothing, and keeps nothing between two runs, so that
+// conversions can run side by side, each with a Context of its own.
+#pragma once
+
+#include "base/context.hpp"
+#include "convert/conversion_job.hpp"
+#include "convert/events.hpp"
+#include "convert/outcome.hpp"
+
+namespace isoextract::convert {
+
+// What is found out only for who asks, because it takes time.
+struct OutcomeExtras {
+  bool work = false;        // Outcome::work: what was left out of the file
+  bool mesh_facts = false;  // Outcome::meshes: components, open edges, sizes; about as long as writing
+};
+
+// Runs the job's stages: open a backend, read, and for each file extract, verify, simplify, measure, write. A surface
+// is written as soon as its file's format allows; nothing is left behind of a file that could not be written whole.
+// What went wrong is Outcome::error. `events` are told on this thread.
+[[nodiscard]] Outcome run(const ConversionJob& job, const Context& context, Events& events,
+                          const OutcomeExtras& extras = {});
+
+}  // namespace isoextract::convert

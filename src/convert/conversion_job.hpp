@@ -1,0 +1,106 @@
+// One conversion as a value: what to read, which surfaces, how they are placed, where they are written. Made of plain
+// values, so that jobs can be compared, stored and hashed; nothing is opened, and defaults are those of the program.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "base/error.hpp"
+#include "base/words.hpp"
+#include "convert/backends.hpp"
+#include "convert/json_values.hpp"
+#include "convert/placement.hpp"
+#include "extract/extractor.hpp"
+#include "field/interpolant.hpp"
+#include "meshes/mesh_writer.hpp"
+#include "volumes/volume_reader.hpp"
+
+namespace isoextract::convert {
+
+enum class Normals { none, flat, smooth };
+constexpr auto words_of(Normals /*type*/) {
+  return std::array{Word{Normals::none, "none"}, Word{Normals::flat, "flat"}, Word{Normals::smooth, "smooth"}};
+}
+
+// What becomes of a surface without triangles.
+enum class EmptyPolicy {
+  error,  // ErrorKind::input
+  skip,   // it is left out, and a file without any surface is not written
+  write,  // an empty mesh
+};
+constexpr auto words_of(EmptyPolicy /*type*/) {
+  return std::array{Word{EmptyPolicy::error, "error"}, Word{EmptyPolicy::skip, "skip"},
+                    Word{EmptyPolicy::write, "write"}};
+}
+
+// How far a simplified mesh may be from the mesh that it was.
+struct SimplifyBound {
+  double distance = 0;
+  bool in_world_units = false;  // else in voxels
+
+  friend bool operator==(const SimplifyBound&, const SimplifyBound&) = default;
+};
+
+// What is read, what of it is wanted, and where it goes.
+struct SourceOptions {
+  std::string input;  // a path or demo:NAME
+  volumes::ReadOptions read;
+  std::optional<glm::ivec3> resolution;  // of the grid to extract from, in place of the input's own samples
+  std::optional<field::Box> roi;         // in the coordinates of placement.space
+  Placement placement;
+
+  friend bool operator==(const SourceOptions&, const SourceOptions&) = default;
+};
+
+struct SurfaceOptions {
+  extract::Method method = extract::Method::mc;
+  extract::NanPolicy nan = extract::NanPolicy::error;
+  bool cap = false;
+
+  friend bool operator==(const SurfaceOptions&, const SurfaceOptions&) = default;
+};
+
+// One file to write (glTF: one pair of files), and the surfaces in it.
+struct OutputFileJob {
+  std::string path;  // "-" is standard output
+  std::vector<double> isos;
+
+  friend bool operator==(const OutputFileJob&, const OutputFileJob&) = default;
+};
+
+struct ConversionJob {
+  SourceOptions source;
+  SurfaceOptions surface;
+  Normals normals = Normals::smooth;
+  std::optional<SimplifyBound> simplify;
+  std::optional<field::Interpolation> error;  // what the meshes are measured against; nothing: they are not
+  bool verify = false;                        // the other backend is asked as well, and must agree
+  BackendChoice backend;
+  EmptyPolicy empty = EmptyPolicy::error;
+  meshes::MeshFormat format = meshes::MeshFormat::glb;
+  bool ascii = false;
+  std::vector<OutputFileJob> outputs;
+
+  // Of all outputs, in their order.
+  [[nodiscard]] std::vector<double> isos() const;
+
+  friend bool operator==(const ConversionJob&, const ConversionJob&) = default;
+};
+
+// Every member by name; what is not set is null. As text it is UTF-8, which paths need not be: such a path does not
+// come back as it was.
+[[nodiscard]] Json json_of(const ConversionJob& job);
+
+// The other way. Members that are left out have their defaults; one that is not known, or that has another type or word
+// than expected, is ErrorKind::usage and named in the message.
+[[nodiscard]] Result<ConversionJob> job_of(const Json& json);
+
+// 32 hexadecimal digits that stand for everything in the job: the same for equal jobs, on every machine and in every
+// run of a version, and different for different ones but for chance. XXH3, 128 bits, of the CBOR of its JSON.
+[[nodiscard]] std::string hash_of(const ConversionJob& job);
+
+}  // namespace isoextract::convert

@@ -1,0 +1,262 @@
+// Jobs as JSON and back. Every type has an encode() and a decode(), members of one class so that they find each other
+// whatever their order; decode() leaves its target alone and says what was expected where the JSON holds something
+// else.
+#pragma once
+
+#include <bit>
+#include <concepts>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <fmt/format.h>
+#include <glm/glm.hpp>
+
+#include "base/words.hpp"
+#include "convert/conversion_job.hpp"
+
+namespace isoextract::convert {
+
+template <class E>
+concept EnumWithWords = std::is_enum_v<E> && requires {
+  words_of(E{});
+};
+
+template <class T>
+concept JobStructure = std::same_as<T, volumes::RawLayout> || std::same_as<T, SimplifyBound> ||
+    std::same_as<T, OutputFileJob> || std::same_as<T, ConversionJob>;
+
+class JobJson {
+ public:
+  using Expected = std::string;  // empty if the value was taken; else what it should have been
+
+  template <EnumWithWords E>
+  static Json encode(E value) {
+    return word_of(value);
+  }
+  template <EnumWithWords E>
+  static Expected decode(const Json& json, E& target) {
+    const auto found = json.is_string() ? value_of<E>(json.get<std::string>()) : std::nullopt;
+    if (found) {
+      target = *found;
+      return {};
+    }
+    std::string words;
+    for (const Word<E>& entry : words_of(E{})) words += (words.empty() ? "one of " : ", ") + std::string(entry.word);
+    return words;
+  }
+
+  static Json encode(const std::string& value) { return value; }
+  static Expected decode(const Json& json, std::string& target) {
+    if (!json.is_string()) return "a text";
+    target = json.get<std::string>();
+    return {};
+  }
+
+  template <std::same_as<bool> T>
+  static Json encode(T value) {
+    return value;
+  }
+  static Expected decode(const Json& json, bool& target) {
+    if (!json.is_boolean()) return "true or false";
+    target = json.get<bool>();
+    return {};
+  }
+
+  template <std::same_as<double> T>
+  static Json encode(T value) {
+    return value;
+  }
+  static Expected decode(const Json& json, double& target) {
+    if (!json.is_number()) return "a number";
+    target = json.get<double>();
+    return {};
+  }
+
+  template <std::same_as<std::uint64_t> T>
+  static Json encode(T value) {
+    return value;
+  }
+  static Expected decode(const Json& json, std::uint64_t& target) {
+    if (!json.is_number_unsigned()) return "a whole number from 0 on";
+    target = json.get<std::uint64_t>();
+    return {};
+  }
+
+  static Json encode(std::endian value) { return value == std::endian::big ? "big" : "little"; }
+  static Expected decode(const Json& json, std::endian& target) {
+    if (json != "big" && json != "little") return "one of little, big";
+    target = json == "big" ? std::endian::big : std::endian::little;
+    return {};
+  }
+
+  static Json encode(const glm::ivec3& v) { return {v.x, v.y, v.z}; }
+  static Expected decode(const Json& json, glm::ivec3& target) {
+    bool fits = json.is_array() && json.size() == 3;
+    for (std::size_t axis = 0; fits && axis < 3; ++axis) {
+      fits = json[axis].is_number_integer() && std::in_range<int>(json[axis].get<std::int64_t>());
+    }
+    if (!fits) return "three whole numbers";
+    target = {json[0].get<int>(), json[1].get<int>(), json[2].get<int>()};
+    return {};
+  }
+
+  static Json encode(const glm::dvec3& v) { return json_of(v); }
+  static Expected decode(const Json& json, glm::dvec3& target) {
+    bool fits = json.is_array() && json.size() == 3;
+    for (std::size_t axis = 0; fits && axis < 3; ++axis) fits = json[axis].is_number();
+    if (!fits) return "three numbers";
+    target = {json[0].get<double>(), json[1].get<double>(), json[2].get<double>()};
+    return {};
+  }
+
+  static Json encode(const field::Box& box) { return json_of(box); }
+  static Expected decode(const Json& json, field::Box& target) {
+    field::Box read;
+    const bool fits = json.is_object() && json.size() == 2 && json.contains("min") && json.contains("max") &&
+                      decode(json["min"], read.min).empty() && decode(json["max"], read.max).empty();
+    if (!fits) return "an object of min and max, three numbers each";
+    target = read;
+    return {};
+  }
+
+  // A number, "cuda:N" or a name; null is whichever there is.
+  static Json encode(const gl::DeviceChoice& device) {
+    if (const auto* index = std::get_if<int>(&device)) return *index;
+    if (const auto* cuda = std::get_if<gl::CudaIndex>(&device)) return fmt::format("cuda:{}", cuda->number);
+    if (const auto* name = std::get_if<gl::DeviceName>(&device)) return name->part;
+    return nullptr;
+  }
+  static Expected decode(const Json& json, gl::DeviceChoice& target) {
+    if (json.is_null()) {
+      target = {};
+      return {};
+    }
+    const std::string text = json.is_number_unsigned() ? json.dump() : json.is_string() ? json.get<std::string>() : "";
+    auto choice = gl::parse_device_choice(text);
+    if (!choice) return "the number of a device, cuda:N, a name or null";
+    target = std::move(*choice);
+    return {};
+  }
+
+  template <class T>
+  static Json encode(const std::optional<T>& value) {
+    return value ? encode(*value) : Json(nullptr);
+  }
+  template <class T>
+  static Expected decode(const Json& json, std::optional<T>& target) {
+    if (json.is_null()) {
+      target.reset();
+      return {};
+    }
+    T read{};
+    if (const Expected expected = decode(json, read); !expected.empty()) return expected + ", or null";
+    target = std::move(read);
+    return {};
+  }
+
+  template <class T>
+  static Json encode(const std::vector<T>& values) {
+    Json array = Json::array();
+    for (const T& value : values) array.push_back(encode(value));
+    return array;
+  }
+  template <class T>
+  static Expected decode(const Json& json, std::vector<T>& target) {
+    if (!json.is_array()) return "a list";
+    std::vector<T> read(json.size());
+    for (std::size_t i = 0; i < read.size(); ++i) {
+      if (const Expected expected = decode(json[i], read[i]); !expected.empty()) return "a list, each " + expected;
+    }
+    target = std::move(read);
+    return {};
+  }
+
+  template <JobStructure T>
+  static Json encode(const T& value) {
+    Json json = Json::object();
+    visit(value, [&](const char* name, const auto& member) { json[name] = encode(member); });
+    return json;
+  }
+  template <JobStructure T>
+  static Expected decode(const Json& json, T& target) {
+    if (!json.is_object()) return "an object";
+    T read = target;
+    Expected problem;
+    std::set<std::string> known;
+    visit(read, [&](const char* name, auto& member) {
+      known.insert(name);
+      if (!problem.empty() || !json.contains(name)) return;
+      const Expected expected = decode(json[name], member);
+      if (!expected.empty()) problem = fmt::format("'{}' to be {}", name, expected);
+    });
+    for (const auto& [name, value] : json.items()) {
+      if (problem.empty() && !known.contains(name)) problem = fmt::format("no member '{}'", name);
+    }
+    if (problem.empty()) target = std::move(read);
+    return problem;
+  }
+
+ private:
+  // The members of a structure by name. One list serves both ways, so neither can leave a member out.
+  template <class T, class Visitor>
+  static void visit(T& value, Visitor&& each) {
+    using Structure = std::remove_const_t<T>;
+    if constexpr (std::same_as<Structure, volumes::RawLayout>) {
+      each("dims", value.dims);
+      each("dtype", value.type);
+      each("endian", value.endian);
+      each("skip", value.skip);
+    } else if constexpr (std::same_as<Structure, SimplifyBound>) {
+      each("distance", value.distance);
+      each("in_world_units", value.in_world_units);
+    } else if constexpr (std::same_as<Structure, OutputFileJob>) {
+      each("path", value.path);
+      each("iso", value.isos);
+    } else {
+      visit_job(value, each);
+    }
+  }
+
+  template <class Job, class Visitor>
+  static void visit_job(Job& job, Visitor& each) {
+    each("input", job.source.input);
+    each("input_format", job.source.read.format);
+    each("grid", job.source.read.grid);
+    each("raw", job.source.read.raw);
+    each("spacing", job.source.read.spacing);
+    each("origin", job.source.read.origin);
+    each("inside", job.source.read.kind);
+    each("resolution", job.source.resolution);
+    each("roi", job.source.roi);
+    each("space", job.source.placement.space);
+    each("up", job.source.placement.up);
+    each("turned_to_y_up", job.source.placement.turn_z_up_to_y_up);
+    each("scale", job.source.placement.scale);
+    each("unit", job.source.placement.unit);
+    each("method", job.surface.method);
+    each("nan", job.surface.nan);
+    each("cap", job.surface.cap);
+    each("normals", job.normals);
+    each("simplify", job.simplify);
+    each("error", job.error);
+    each("verify", job.verify);
+    each("backend", job.backend.backend);
+    each("device", job.backend.gpu.device);
+    each("gpu_memory", job.backend.gpu.memory_bytes);
+    each("tessellation", job.backend.gpu.tessellation);
+    each("swizzle", job.backend.gpu.swizzle);
+    each("gpu_debug", job.backend.gpu.debug);
+    each("empty", job.empty);
+    each("format", job.format);
+    each("ascii", job.ascii);
+    each("outputs", job.outputs);
+  }
+};
+
+}  // namespace isoextract::convert

@@ -1,0 +1,84 @@
+#include "convert/detail/recorder.hpp"
+
+namespace isoextract::convert {
+
+void Recorder::note(const std::string& text) {
+  outcome_.notes.push_back(text);
+  listener_.note(text);
+}
+
+void Recorder::opened(const extract::Extractor& extractor, const std::string& reason, const StageTime& time) {
+  outcome_.backend = extractor.name();
+  outcome_.device = extractor.device();
+  if (outcome_.backend == word_of(Backend::gpu)) outcome_.stages.push_back({"open", std::nullopt, time});
+  if (!reason.empty()) outcome_.notes.push_back("backend: " + reason);
+  listener_.opened(extractor, reason, time);
+}
+
+void Recorder::read(const std::string& input, const field::ScalarField& field, const StageTime& time) {
+  outcome_.stages.push_back({"read", std::nullopt, time});
+  outcome_.input = input_facts(input, field);
+  listener_.read(input, field, time);
+}
+
+void Recorder::resampled(const field::ScalarField& grid, const WorkFact& fact, const StageTime& time) {
+  outcome_.stages.push_back({"resample", std::nullopt, time});
+  outcome_.work.push_back(fact);
+  listener_.resampled(grid, fact, time);
+}
+
+void Recorder::worked(const WorkFact& fact) {
+  outcome_.work.push_back(fact);
+  listener_.worked(fact);
+}
+
+void Recorder::placed(const PlacedField& placed) {
+  outcome_.output_from_index = placed.output_from_index;
+  outcome_.region = placed.region;
+  listener_.placed(placed);
+}
+
+void Recorder::extracted(const ExtractedSurface& surface) {
+  const extract::ExtractStats& stats = surface.stats;
+  outcome_.stages.push_back({"classify", surface.iso, stats.classify});
+  if (stats.device) {
+    outcome_.stages.push_back({"compile", surface.iso, stats.device->compile});
+    outcome_.stages.push_back({"upload", surface.iso, stats.device->upload});
+    outcome_.bytes_uploaded += stats.device->bytes_uploaded;
+  }
+  outcome_.stages.push_back({"count", surface.iso, stats.count});
+  outcome_.stages.push_back({"emit", surface.iso, stats.emit});
+  outcome_.extractions.push_back({surface.iso, surface.triangles, surface.work});
+  listener_.extracted(surface);
+}
+
+void Recorder::verified(const VerificationRecord& record) {
+  outcome_.stages.push_back({"verify", record.iso, record.time});
+  outcome_.verifications.push_back(record);
+  listener_.verified(record);
+}
+
+void Recorder::simplified(const MeshSimplification& simplification) {
+  outcome_.stages.push_back({"simplify", simplification.iso, simplification.facts.time});
+  outcome_.simplifications.push_back(simplification);
+  listener_.simplified(simplification);
+}
+
+void Recorder::measured(const MeshError& error, const StageTime& time) {
+  outcome_.stages.push_back({"error", error.iso, time});
+  listener_.measured(error, time);
+}
+
+void Recorder::written(const WrittenOutput& output) {
+  if (!output.isos.empty()) outcome_.stages.push_back({"write", std::nullopt, output.time});
+  outcome_.files.insert(outcome_.files.end(), output.files.begin(), output.files.end());
+  listener_.written(output);
+}
+
+void Recorder::recorded(const std::vector<MeshRecord>& meshes, const StageTime& time) {
+  outcome_.stages.push_back({"mesh facts", std::nullopt, time});
+  outcome_.meshes.insert(outcome_.meshes.end(), meshes.begin(), meshes.end());
+  listener_.recorded(meshes, time);
+}
+
+}  // namespace isoextract::convert

@@ -1,0 +1,31 @@
+// Events on their way to whoever listens, written into the outcome.
+#pragma once
+
+#include "convert/events.hpp"
+#include "convert/outcome.hpp"
+
+namespace isoextract::convert {
+
+class Recorder final : public Events {
+ public:
+  Recorder(Outcome& outcome, Events& listener) : outcome_(outcome), listener_(listener) {}
+
+  void note(const std::string& text) override;
+  void opened(const extract::Extractor& extractor, const std::string& reason, const StageTime& time) override;
+  void read(const std::string& input, const field::ScalarField& field, const StageTime& time) override;
+  void resampled(const field::ScalarField& grid, const WorkFact& fact, const StageTime& time) override;
+  void worked(const WorkFact& fact) override;
+  void placed(const PlacedField& placed) override;
+  void extracted(const ExtractedSurface& surface) override;
+  void verified(const VerificationRecord& record) override;
+  void simplified(const MeshSimplification& simplification) override;
+  void measured(const MeshError& error, const StageTime& time) override;
+  void written(const WrittenOutput& output) override;
+  void recorded(const std::vector<MeshRecord>& meshes, const StageTime& time) override;
+
+ private:
+  Outcome& outcome_;
+  Events& listener_;
+};
+
+}  // namespace isoextract::convert

@@ -1,0 +1,61 @@
+// What a conversion tells while it works. All of it is told on the thread that runs the conversion, between stages; how
+// far a stage has come stands in Context::progress(), for other threads to look at.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/stopwatch.hpp"
+#include "convert/mesh_error.hpp"
+#include "convert/mesh_simplify.hpp"
+#include "convert/outcome.hpp"
+#include "convert/placement.hpp"
+#include "convert/verification.hpp"
+#include "convert/work_facts.hpp"
+#include "extract/extractor.hpp"
+#include "field/scalar_field.hpp"
+
+namespace isoextract::convert {
+
+// One surface that was extracted.
+struct ExtractedSurface {
+  double iso = 0;
+  std::uint64_t triangles = 0;
+  const extract::ExtractStats& stats;
+  std::vector<WorkFact> work;
+  StageTime time;
+};
+
+// A file that was written, or that was not because none of its surfaces has triangles (`isos` is empty then).
+struct WrittenOutput {
+  const OutputFileJob& job;
+  std::vector<double> isos;  // of the surfaces in it, in the job's order
+  std::uint64_t triangles = 0;
+  std::uint64_t vertices = 0;
+  std::vector<meshes::WrittenFile> files;
+  StageTime time;
+};
+
+// Every function does nothing unless it is overridden.
+class Events {
+ public:
+  virtual ~Events() = default;
+
+  // Something that was not as one would think: a sentence without its full stop that names no option.
+  virtual void note(const std::string& /*text*/) {}
+  // What extracts; again where the CPU takes over from a GPU. `reason` is set where the choice was the program's.
+  virtual void opened(const extract::Extractor& /*extractor*/, const std::string& /*reason*/, const StageTime&) {}
+  virtual void read(const std::string& /*input*/, const field::ScalarField&, const StageTime&) {}
+  virtual void resampled(const field::ScalarField& /*grid*/, const WorkFact&, const StageTime&) {}
+  virtual void worked(const WorkFact&) {}  // of reading
+  virtual void placed(const PlacedField&) {}
+  virtual void extracted(const ExtractedSurface&) {}
+  virtual void verified(const VerificationRecord&) {}
+  virtual void simplified(const MeshSimplification&) {}
+  virtual void measured(const MeshError&, const StageTime&) {}
+  virtual void written(const WrittenOutput&) {}
+  virtual void recorded(const std::vector<MeshRecord>&, const StageTime&) {}
+};
+
+}  // namespace isoextract::convert

@@ -1,0 +1,84 @@
+#include "convert/mesh_error.hpp"
+
+#include <algorithm>
+
+namespace isoextract::convert {
+namespace {
+
+Json json_of(const measure::Length& length) { return {{"voxels", length.voxels}, {"world", length.world}}; }
+
+Json json_of(const measure::ErrorStatistics& error) {
+  Json json{{"points", error.points}};
+  if (error.points > 0) {
+    json["rms"] = json_of(error.rms);
+    json["percentile99"] = json_of(error.percentile99);
+    json["max"] = json_of(error.max);
+    json["worst"] = convert::json_of(error.worst);
+  }
+  json["not_finite"] = error.not_finite;
+  json["flat"] = error.flat;
+  json["unreached"] = error.unreached;
+  json["corrected"] = error.corrected;
+  return json;
+}
+
+Json json_of(const measure::AngleStatistics& angles) {
+  if (angles.points == 0) return nullptr;
+  return {{"points", angles.points}, {"rms_degrees", angles.rms_degrees}, {"max_degrees", angles.max_degrees}};
+}
+
+Json json_of_size(double measured, double exact) {
+  return {{"measured", measured}, {"exact", exact}, {"relative_error", measured / exact - 1}};
+}
+
+Json json_of(const measure::AnalyticError& analytic, const std::optional<field::SurfaceSize>& exact) {
+  return {{"closed_form", analytic.closed_form},
+          {"interior", json_of(analytic.interior)},
+          {"vertices", json_of(analytic.vertices)},
+          {"smooth_normals", json_of(analytic.smooth_normals)},
+          {"flat_normals", json_of(analytic.flat_normals)},
+          {"area", exact ? json_of_size(analytic.area, exact->area) : Json(nullptr)},
+          {"volume", exact && analytic.volume ? json_of_size(*analytic.volume, exact->volume) : Json(nullptr)}};
+}
+
+// How far from the surface of the data, in their voxels, the mesh of another grid may be: a coarser one's is off by
+// voxels of its own.
+double reach_from(const field::ScalarField& grid) {
+  double longest = 0;
+  for (int axis = 0; axis < 3; ++axis) longest = std::max(longest, glm::length(grid.index_to_file.linear[axis]));
+  return std::max(1.0, 2 * longest);
+}
+
+}  // namespace
+
+MeshError measure_mesh_error(const mesh::Mesh& mesh, const field::ScalarField& field,
+                             const extract::ExtractOptions& extracted, field::Interpolation interpolation,
+                             const field::ScalarField* grid, const Context& context) {
+  MeshError error;
+  error.iso = extracted.iso;
+  measure::FieldErrorOptions options;
+  options.interpolation = interpolation;
+  options.grid = grid;
+  if (grid != nullptr) options.reach = reach_from(*grid);
+  options.progress = &context.progress();
+  error.field = measure::measure_field_error(mesh, field, extracted, options);
+  error.analytic = measure::measure_analytic_error(mesh, field, extracted, grid);
+  if (error.analytic && !extracted.region && field.kind == field::FieldKind::density) {
+    const double unit = error.analytic->unit;
+    error.exact = field::find_analytic_field(field.name)->size(extracted.iso);
+    if (error.exact)
+      error.exact = field::SurfaceSize{error.exact->area * unit * unit, error.exact->volume * unit * unit * unit};
+  }
+  return error;
+}
+
+Json json_of(const MeshError& error) {
+  return {{"interpolant", word_of(error.field.interpolation)},
+          {"interior", json_of(error.field.interior)},
+          {"vertices", json_of(error.field.vertices)},
+          {"storage", json_of(error.field.storage)},
+          {"cap_triangles", error.field.cap_triangles},
+          {"analytic", error.analytic ? json_of(*error.analytic, error.exact) : Json(nullptr)}};
+}
+
+}  // namespace isoextract::convert

@@ -1,0 +1,28 @@
+// The stage that measures how far a mesh is from its isosurface.
+#pragma once
+
+#include <optional>
+
+#include "base/context.hpp"
+#include "convert/json_values.hpp"
+#include "measure/analytic_error.hpp"
+#include "measure/field_error.hpp"
+
+namespace isoextract::convert {
+
+struct MeshError {
+  double iso = 0;
+  measure::FieldError field;
+  std::optional<measure::AnalyticError> analytic;  // of demo fields with a formula
+  std::optional<field::SurfaceSize> exact;         // likewise, where their size is known, in the mesh's units
+};
+
+// `extracted` is how the mesh was extracted from `field`, or from `grid` if there is one, which resample() made of it.
+[[nodiscard]] MeshError measure_mesh_error(const mesh::Mesh& mesh, const field::ScalarField& field,
+                                           const extract::ExtractOptions& extracted, field::Interpolation interpolation,
+                                           const field::ScalarField* grid, const Context& context);
+
+// "error" of a mesh in docs/report.schema.json.
+[[nodiscard]] Json json_of(const MeshError& error);
+
+}  // namespace isoextract::convert

@@ -1,0 +1,83 @@
+#include "convert/output_checks.hpp"
+
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "files/output_file.hpp"
+#include "volumes/volume_reader.hpp"
+
+namespace isoextract::convert {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The files that a job writes: glTF is two.
+std::vector<fs::path> files_of(const OutputFileJob& output, meshes::MeshFormat format) {
+  std::vector<fs::path> files{output.path};
+  if (format == meshes::MeshFormat::gltf) files.push_back(fs::path(output.path).replace_extension(".bin"));
+  return files;
+}
+
+// Where the input's header is a file of its own, those that hold the samples. What cannot be told is an error when the
+// input is read.
+Result<void> check_data_files(const fs::path& output, const ConversionJob& job) {
+  const auto inputs = volumes::list_input_files(job.source.input, job.source.read);
+  if (!inputs) return {};
+  for (const fs::path& input : *inputs) {
+    std::error_code none;
+    if (!fs::equivalent(output, input, none)) continue;
+    return fail(ErrorKind::usage,
+                fmt::format("{}: this holds the samples of the input; it is not overwritten", output.string()),
+                Remedy::other_output_name);
+  }
+  return {};
+}
+
+}  // namespace
+
+// Devices and pipes are left alone: opening a pipe twice would end it for its reader.
+Result<void> check_output_file(const fs::path& path, const std::string& input) {
+  std::error_code none;
+  if (fs::equivalent(path, input, none)) {
+    return fail(ErrorKind::usage, fmt::format("{}: this is the input; it is not overwritten", path.string()),
+                Remedy::other_output_name);
+  }
+  const fs::file_status status = fs::status(path, none);
+  if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status)) return {};
+  auto probe = files::OutputFile::create(path);
+  if (!probe) return tl::unexpected(probe.error());
+  return {};
+}
+
+bool same_file(const fs::path& a, const fs::path& b) {
+  std::error_code none;
+  if (fs::equivalent(a, b, none)) return true;
+  return fs::weakly_canonical(fs::absolute(a, none), none) == fs::weakly_canonical(fs::absolute(b, none), none);
+}
+
+Result<void> check_other_file(const fs::path& file, const ConversionJob& job) {
+  for (const OutputFileJob& output : job.outputs) {
+    if (output.path == "-") continue;
+    for (const fs::path& mesh : files_of(output, job.format)) {
+      if (!same_file(file, mesh)) continue;
+      return fail(ErrorKind::usage, fmt::format("{}: this is the mesh as well as the report", file.string()),
+                  Remedy::other_output_name);
+    }
+  }
+  auto checked = check_output_file(file, job.source.input);
+  return checked ? check_data_files(file, job) : checked;
+}
+
+Result<void> check_mesh_files(const ConversionJob& job) {
+  for (const OutputFileJob& output : job.outputs) {
+    if (output.path == "-") continue;
+    for (const fs::path& file : files_of(output, job.format)) {
+      if (auto checked = check_output_file(file, job.source.input); !checked) return checked;
+      if (auto checked = check_data_files(file, job); !checked) return checked;
+    }
+  }
+  return {};
+}
+
+}  // namespace isoextract::convert

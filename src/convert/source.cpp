@@ -1,0 +1,83 @@
+#include "convert/source.hpp"
+
+#include <cstdint>
+#include <utility>
+
+#include "convert/field_label.hpp"
+#include "field/resample.hpp"
+
+namespace isoextract::convert {
+namespace {
+
+// Only sparse formats have more than one grid.
+void tell_work(const SourceOptions& options, const field::ScalarField& field, Events& events) {
+  std::uint64_t grids = 1;
+  if (std::holds_alternative<field::SparseSamples>(field.samples)) {
+    if (const auto found = volumes::list_grids(options.input, options.read)) grids = found->size();
+  }
+  for (const WorkFact& fact : reading_facts(field, grids)) events.worked(fact);
+}
+
+// The grid of another resolution takes the place of the data.
+Result<void> change_resolution(const SourceOptions& options, bool keep_data, const Context& context, Events& events,
+                               Source& source) {
+  const Stopwatch watch;
+  auto grid = field::resample(source.field, *options.resolution, options.read.limits, &context.progress());
+  if (!grid) return tl::unexpected(std::move(grid.error()));
+  const StageTime time = watch.elapsed();
+  for (const std::string& text : grid->notes) events.note(text);
+  events.resampled(*grid, resolution_fact(source.field, *grid), time);
+  if (keep_data) source.data = std::move(source.field);
+  source.field = std::move(*grid);
+  return context.check();
+}
+
+}  // namespace
+
+Result<field::ScalarField> read_field(const std::string& input, const volumes::ReadOptions& options,
+                                      const Context& context, Events& events) {
+  const Stopwatch watch;
+  volumes::ReadOptions read = options;
+  read.progress = &context.progress();
+  auto field = volumes::read_volume(input, read);
+  if (!field) return field;
+  const StageTime time = watch.elapsed();
+  for (const std::string& text : field->notes) events.note(text);
+  events.read(input, *field, time);
+  if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
+  return field;
+}
+
+extract::ExtractOptions Source::extract_options(const SurfaceOptions& surface, double iso) const {
+  extract::ExtractOptions options;
+  options.method = surface.method;
+  options.nan = surface.nan;
+  options.cap = surface.cap;
+  options.iso = iso;
+  options.region = region;
+  options.output_from_index = output_from_index;
+  return options;
+}
+
+Result<Source> open_source(const SourceOptions& options, const SourceExtras& extras, const Context& context,
+                           Events& events) {
+  auto field = read_field(options.input, options.read, context, events);
+  if (!field) return tl::unexpected(std::move(field.error()));
+  Source source;
+  source.label = field_label(*field);
+  source.field = std::move(*field);
+  if (extras.work) tell_work(options, source.field, events);
+  if (options.resolution) {
+    auto changed = change_resolution(options, extras.keep_data, context, events, source);
+    if (!changed) return tl::unexpected(std::move(changed.error()));
+  }
+  auto placed = place_field(source.field, options.placement, options.roi);
+  if (!placed) return tl::unexpected(std::move(placed.error()));
+  events.placed(*placed);
+  for (const std::string& text : placed->notes) events.note(text);
+  source.output_from_index = placed->output_from_index;
+  source.region = placed->region;
+  return source;
+}
+
+}  // namespace isoextract::convert

@@ -1,0 +1,38 @@
+// The stage that reads: a field, on the grid that was asked for, and its place in the output.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "base/context.hpp"
+#include "base/error.hpp"
+#include "convert/conversion_job.hpp"
+#include "convert/events.hpp"
+
+namespace isoextract::convert {
+
+// read_volume(), with its notes told.
+[[nodiscard]] Result<field::ScalarField> read_field(const std::string& input, const volumes::ReadOptions& options,
+                                                    const Context& context, Events& events);
+
+struct Source {
+  field::ScalarField field;                // to extract from
+  std::optional<field::ScalarField> data;  // what was read, where `field` is another grid and the data were asked for
+  field::Affine output_from_index;
+  std::optional<field::IndexBox> region;
+  std::string label;  // what messages call it
+
+  // How a surface of it is extracted.
+  [[nodiscard]] extract::ExtractOptions extract_options(const SurfaceOptions& surface, double iso) const;
+};
+
+struct SourceExtras {
+  bool keep_data = false;  // also where there is another grid
+  bool work = false;       // tell what was left out of the file, which may mean looking at it again
+};
+
+// Fails as read_volume(), resample() and place_field() do.
+[[nodiscard]] Result<Source> open_source(const SourceOptions& options, const SourceExtras& extras,
+                                         const Context& context, Events& events);
+
+}  // namespace isoextract::convert

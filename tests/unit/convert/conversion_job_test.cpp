@@ -1,0 +1,100 @@
+#include "convert/conversion_job.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include <gtest/gtest.h>
+
+namespace isoextract::convert {
+namespace {
+
+// A job in which no member has its default.
+ConversionJob full_job() {
+  ConversionJob job;
+  job.source.input = "dir/in \xc3\xa4.raw";
+  job.source.read.format = volumes::VolumeFormat::raw;
+  job.source.read.grid = "density[1]";
+  job.source.read.raw = volumes::RawLayout{{3, 4, 5}, field::SampleType::i16, std::endian::big, 512};
+  job.source.read.spacing = glm::dvec3(0.1, 1e-300, 3);
+  job.source.read.origin = glm::dvec3(-1, 2, 0.30000000000000004);
+  job.source.read.kind = field::FieldKind::level_set;
+  job.source.resolution = glm::ivec3(10, 20, 30);
+  job.source.roi = field::Box{{-1, -2, -3}, {1, 2, 3}};
+  job.source.placement = {Space::index, UpAxis::y, true, 0.001, "mm"};
+  job.surface = {extract::Method::mt, extract::NanPolicy::hole, true};
+  job.normals = Normals::flat;
+  job.simplify = SimplifyBound{0.1, true};
+  job.error = field::Interpolation::tricubic;
+  job.verify = true;
+  job.backend = {Backend::automatic, {gl::CudaIndex{2}, 1U << 20U, false, false, true}};
+  job.empty = EmptyPolicy::write;
+  job.format = meshes::MeshFormat::stl;
+  job.ascii = true;
+  job.outputs = {{"a.stl", {0.1}}, {"-", {1.0 / 3, -5}}};
+  return job;
+}
+
+TEST(ConversionJob, ComesBackFromItsJson) {
+  const ConversionJob job = full_job();
+  const Json json = Json::parse(json_of(job).dump());
+  const auto back = job_of(json);
+  ASSERT_TRUE(back) << back.error().message;
+  EXPECT_EQ(*back, job);
+  const auto plain = job_of(json_of(ConversionJob{}));
+  ASSERT_TRUE(plain) << plain.error().message;
+  EXPECT_EQ(*plain, ConversionJob{});
+}
+
+TEST(ConversionJob, MembersLeftOutHaveTheirDefaults) {
+  const auto job = job_of(Json::parse(R"({"input": "a.vdb", "outputs": [{"path": "a.glb", "iso": [0.5]}]})"));
+  ASSERT_TRUE(job);
+  ConversionJob expected;
+  expected.source.input = "a.vdb";
+  expected.outputs = {{"a.glb", {0.5}}};
+  EXPECT_EQ(*job, expected);
+}
+
+// Each member by itself: none is left out of the JSON, of == or of the hash.
+TEST(ConversionJob, EveryMemberCounts) {
+  const Json full = json_of(full_job());
+  const Json plain = json_of(ConversionJob{});
+  std::set<std::string> hashes{hash_of(ConversionJob{})};
+  for (const auto& [name, value] : full.items()) {
+    Json changed = plain;
+    changed[name] = value;
+    const auto job = job_of(changed);
+    ASSERT_TRUE(job) << name << ": " << job.error().message;
+    EXPECT_NE(*job, ConversionJob{}) << name;
+    EXPECT_TRUE(hashes.insert(hash_of(*job)).second) << name;
+  }
+  EXPECT_EQ(full.size(), plain.size());
+}
+
+TEST(ConversionJob, HashesAreTheSameEverywhere) {
+  EXPECT_EQ(hash_of(full_job()), hash_of(full_job()));
+  EXPECT_EQ(hash_of(full_job()).size(), 32U);
+  ConversionJob not_utf8;
+  not_utf8.source.input = "a\xff.raw";
+  ConversionJob another;
+  another.source.input = "a\xfe.raw";
+  EXPECT_NE(hash_of(not_utf8), hash_of(another));
+}
+
+TEST(ConversionJob, RefusesWhatItDoesNotUnderstand) {
+  const auto refusal = [](const char* text) {
+    const auto job = job_of(Json::parse(text));
+    EXPECT_FALSE(job) << text;
+    return job ? std::string() : job.error().message;
+  };
+  EXPECT_NE(refusal(R"({"isovalue": 3})").find("no member 'isovalue'"), std::string::npos);
+  EXPECT_NE(refusal(R"({"method": "mq"})").find("'method' to be one of mc, mt"), std::string::npos);
+  EXPECT_NE(refusal(R"({"cap": 1})").find("'cap' to be true or false"), std::string::npos);
+  EXPECT_NE(refusal(R"({"resolution": [1, 2]})").find("three whole numbers, or null"), std::string::npos);
+  EXPECT_NE(refusal(R"({"resolution": [1, 2, 3000000000]})").find("three whole numbers"), std::string::npos);
+  EXPECT_NE(refusal(R"({"outputs": [{"path": "a", "iso": ["0"]}]})").find("'outputs'"), std::string::npos);
+  EXPECT_NE(refusal(R"({"gpu_memory": -1})").find("whole number from 0 on"), std::string::npos);
+  EXPECT_NE(refusal(R"([1])").find("an object"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace isoextract::convert
