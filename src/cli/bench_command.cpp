@@ -114,10 +114,9 @@ class Bench {
   Result<measure::BenchResult> measure_file(const std::string& input) const {
     std::optional<field::ScalarField> field;
     {
-      ProgressBar bar(bar_wanted());
-      volumes::ReadOptions read = plan_.read;
-      read.progress = bar.progress();
-      auto found = volumes::read_volume(input, read);
+      const Context context(MemoryBudget(plan_.limits.memory_bytes));
+      ProgressBar bar(bar_wanted(), context);
+      auto found = volumes::read_volume(input, plan_.read, context);
       if (!found) return tl::unexpected(found.error());
       field = std::move(*found);
     }
@@ -127,7 +126,9 @@ class Bench {
     measure::BenchOptions options = options_;
     options.iso = *plan_.iso;
     options.progress = bar.progress();
-    return measure::bench_field(*field, factors, options);
+    auto result = measure::bench_field(*field, factors, options);
+    if (auto whole = volumes::check_not_lost(*field); !whole) return tl::unexpected(whole.error());
+    return result;
   }
 
   // Those of the plan, or those that leave enough samples; then the data as they are.

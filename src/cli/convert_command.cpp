@@ -23,7 +23,6 @@
 #include "extract/extractor.hpp"
 #include "field/resample.hpp"
 #include "field/statistics.hpp"
-#include "files/file_bytes.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -36,7 +35,10 @@ std::string times_text(const StageTime& time) {
 class Conversion {
  public:
   Conversion(const ConvertPlan& plan, const Messages& messages)
-      : plan_(plan), messages_(messages), report_(begin_report(plan)) {}
+      : plan_(plan),
+        messages_(messages),
+        context_(MemoryBudget(plan.limits.memory_bytes)),
+        report_(begin_report(plan)) {}
 
   Result<void> run() {
     for (const std::string& text : plan_.notes) note(text);
@@ -53,7 +55,7 @@ class Conversion {
   // Call once, after run().
   convert::ConversionReport take_report(const Result<void>& done) {
     report_.total = total_.elapsed();
-    report_.bytes_read = files::bytes_read();
+    report_.bytes_read = context_.counters().bytes_read;
     report_.peak_memory = peak_memory();
     if (!done) {
       report_.error = done.error();
@@ -87,10 +89,8 @@ class Conversion {
   Result<void> read() {
     const Stopwatch watch;
     {
-      ProgressBar bar(bar_wanted());
-      volumes::ReadOptions options = plan_.read;
-      options.progress = bar.progress();
-      auto field = volumes::read_volume(plan_.input, options);
+      ProgressBar bar(bar_wanted(), context_);
+      auto field = volumes::read_volume(plan_.input, plan_.read, context_);
       if (!field) return tl::unexpected(std::move(field.error()));
       field_ = std::move(*field);
     }
@@ -105,15 +105,10 @@ class Conversion {
     return place();
   }
 
-  // How much of the file was not even read, or not copied. Only sparse formats have more than one grid.
+  // How much of the file was not even read, or not copied.
   void look_at_reading() {
     if (!(plan_.explain || plan_.report)) return;
-    std::uint64_t grids = 1;
-    if (std::holds_alternative<field::SparseSamples>(field_.samples)) {
-      const auto found = volumes::list_grids(plan_.input, plan_.read);
-      if (found) grids = found->size();
-    }
-    report_.work = convert::reading_facts(field_, grids);
+    report_.work = convert::reading_facts(field_, std::max<std::uint64_t>(field_.grids, 1));
     if (!plan_.explain) return;
     for (const convert::WorkFact& fact : report_.work) messages_.explanation(fact_text(fact));
   }
@@ -124,9 +119,10 @@ class Conversion {
     const Stopwatch watch;
     Result<field::ScalarField> grid;
     {
-      ProgressBar bar(bar_wanted());
-      grid = field::resample(field_, *plan_.resolution, plan_.read.limits, bar.progress());
+      ProgressBar bar(bar_wanted(), context_);
+      grid = field::resample(field_, *plan_.resolution, plan_.limits, bar.progress());
     }
+    if (auto whole = check_input(); !whole) return whole;
     if (!grid) return tl::unexpected(std::move(grid.error()));
     const StageTime time = watch.elapsed();
     for (const std::string& text : grid->notes) note(text);
@@ -138,6 +134,9 @@ class Conversion {
     field_ = std::move(*grid);
     return {};
   }
+
+  // Asked after each work on the samples.
+  [[nodiscard]] Result<void> check_input() const { return volumes::check_not_lost(data_ ? *data_ : field_); }
 
   // What of the field is wanted, and where it goes.
   Result<void> place() {
@@ -158,9 +157,10 @@ class Conversion {
     std::vector<std::string> story;  // told when the bar is gone
     meshes::MeshWriteResult written;
     {
-      ProgressBar bar(bar_wanted());
+      ProgressBar bar(bar_wanted(), context_);
       for (const double iso : job.isos) {
         auto extraction = extract(iso, bar.progress(), story);
+        if (auto whole = check_input(); !whole) return whole;
         if (!extraction) return tl::unexpected(std::move(extraction.error()));
         mesh::Mesh& mesh = extraction->mesh;
         if (mesh.triangles.empty() && plan_.empty != EmptyPolicy::write) {
@@ -170,6 +170,7 @@ class Conversion {
         if (job.isos.size() > 1) mesh.name = fmt::format("{} iso {}", mesh.name, iso);
         if (plan_.simplify) simplify(mesh, iso, bar.progress(), simplifications, story);
         if (plan_.error) errors.push_back(measure_error(mesh, iso, bar.progress(), story));
+        if (auto whole = check_input(); !whole) return whole;
         isos.push_back(iso);
         meshes.push_back(std::move(mesh));
       }
@@ -380,6 +381,7 @@ class Conversion {
 
   const ConvertPlan& plan_;
   const Messages& messages_;
+  Context context_;
   Stopwatch total_;
   Stopwatch watch_;  // since the start, or since the last file
   convert::ConversionReport report_;

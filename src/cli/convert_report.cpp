@@ -53,7 +53,7 @@ convert::ResolvedOptions resolved_options(const ConvertPlan& plan) {
   }
   if (plan.error) options.error = interpolation_name(*plan.error);
   options.verify = plan.verify;
-  options.memory_limit = plan.read.limits.memory_bytes;
+  options.memory_limit = plan.limits.memory_bytes;
   return options;
 }
 

@@ -28,16 +28,16 @@ std::string example_command(const InfoPlan& plan, const std::string& input, doub
 }
 
 Result<FieldReport> measure(const InfoPlan& plan, const std::string& input, const Messages& messages) {
-  ProgressBar bar(messages.verbosity() != Verbosity::quiet);
-  volumes::ReadOptions options = plan.read;
-  options.progress = bar.progress();
-  auto field = volumes::read_volume(input, options);
+  const Context context(MemoryBudget(plan.limits.memory_bytes));
+  ProgressBar bar(messages.verbosity() != Verbosity::quiet, context);
+  auto field = volumes::read_volume(input, plan.read, context);
   if (!field) return tl::unexpected(std::move(field.error()));
   FieldReport report;
   report.field = std::move(*field);
   report.statistics = field::measure_statistics(report.field, bar.progress());
   report.suggestion = field::suggest_iso(report.field, report.statistics);
   report.vertices = field::estimate_vertices(report.field, report.suggestion.iso);
+  if (auto whole = volumes::check_not_lost(report.field); !whole) return tl::unexpected(whole.error());
   const std::uint64_t samples = stored_samples(report.field.samples);
   report.sample_bytes = samples * field::sample_size(report.field.type());
   report.conversion_bytes = estimated_conversion_bytes(report.sample_bytes, samples, report.vertices);
@@ -48,7 +48,7 @@ Result<FieldReport> measure(const InfoPlan& plan, const std::string& input, cons
 InputReport look_at(const InfoPlan& plan, const std::string& input, const Messages& messages) {
   InputReport report;
   report.input = input;
-  auto grids = volumes::list_grids(input, plan.read);
+  auto grids = volumes::list_grids(input, plan.read, Context(MemoryBudget(plan.limits.memory_bytes)));
   if (!grids) {
     report.error = std::move(grids.error());
     return report;

@@ -33,7 +33,6 @@ Result<volumes::ReadOptions> plan_read(const InputFlags& flags) {
   read.spacing = flags.spacing;
   read.origin = flags.origin;
   read.kind = flags.inside;
-  if (flags.memory_limit) read.limits.memory_bytes = *flags.memory_limit;
   if (flags.dims) {
     volumes::RawLayout raw;
     raw.dims = *flags.dims;
@@ -48,6 +47,10 @@ Result<volumes::ReadOptions> plan_read(const InputFlags& flags) {
                  "give --dims NX,NY,NZ");
   }
   return read;
+}
+
+Limits plan_limits(const InputFlags& flags) {
+  return flags.memory_limit ? Limits{*flags.memory_limit} : default_limits();
 }
 
 Result<meshes::MeshFormat> format_of_path(const std::string& path, std::string hint) {
@@ -189,6 +192,7 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& flags) {
   auto read = plan_read(flags.input);
   if (!read) return tl::unexpected(read.error());
   plan.read = std::move(*read);
+  plan.limits = plan_limits(flags.input);
 
   const auto format = plan_format(flags);
   if (!format) return tl::unexpected(format.error());
@@ -213,7 +217,7 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& flags) {
   if (!jobs) return tl::unexpected(jobs.error());
   plan.jobs = std::move(*jobs);
 
-  plan.extract = plan_extract(flags.surface, plan.read.limits);
+  plan.extract = plan_extract(flags.surface, plan.limits);
   plan.extract.smooth_normals = *normals == Normals::smooth;
   plan.extract.edge_keys = flags.verify;
   plan.verify = flags.verify;
@@ -243,6 +247,7 @@ Result<InfoPlan> plan_info(const InfoFlags& flags, const CLI::App& command) {
   if (!read) return tl::unexpected(read.error());
   plan.inputs = flags.input.inputs;
   plan.read = std::move(*read);
+  plan.limits = plan_limits(flags.input);
   plan.json = flags.json;
   for (const CLI::Option* option : options_in_group(command, "Input")) {
     if (option->get_positional() || option->count() == 0) continue;
@@ -261,6 +266,7 @@ Result<VerifyPlan> plan_verify(const VerifyFlags& flags) {
   auto read = plan_read(flags.input);
   if (!read) return tl::unexpected(read.error());
   plan.read = std::move(*read);
+  plan.limits = plan_limits(flags.input);
   meshes::MeshFormat format = meshes::MeshFormat::glb;  // backends are compared where the default output would be
   if (plan.mesh) {
     const auto given = format_of_path(*plan.mesh, "MESH is a mesh that isoextract wrote");
@@ -272,7 +278,7 @@ Result<VerifyPlan> plan_verify(const VerifyFlags& flags) {
   if (!placement) return tl::unexpected(placement.error());
   plan.placement = *placement;
   plan.gpu = plan_gpu(flags.device);
-  plan.extract = plan_extract(flags.surface, plan.read.limits);
+  plan.extract = plan_extract(flags.surface, plan.limits);
   plan.extract.iso = *flags.iso;
   plan.extract.smooth_normals = !plan.mesh;
   plan.extract.edge_keys = !plan.mesh;
@@ -320,6 +326,7 @@ Result<BenchPlan> plan_bench(const BenchFlags& flags) {
   auto read = plan_read(flags.input);
   if (!read) return tl::unexpected(read.error());
   plan.read = std::move(*read);
+  plan.limits = plan_limits(flags.input);
   plan.inputs = flags.input.inputs;
   plan.options.repeats = flags.repeats.value_or(plan.options.repeats);
   if (std::ranges::find(plan.inputs, "gpu-threads") != plan.inputs.end()) {
@@ -362,7 +369,7 @@ Result<BenchPlan> plan_bench(const BenchFlags& flags) {
   plan.options.methods = flags.methods.value_or(std::vector<extract::Method>{extract::Method::mc, extract::Method::mt});
   if (flags.backends) plan.backends = plan_backends(*flags.backends, flags.device);
   plan.gpu = plan_gpu(flags.device);
-  plan.options.limits = plan.read.limits;
+  plan.options.limits = plan.limits;
   plan.options.threads = flags.threads.value_or(std::vector<int>{1});
   if (auto checked = measure::check_thread_counts(plan.options.threads); !checked)
     return tl::unexpected(checked.error());

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/limits.hpp"
 #include "cli/error_plot.hpp"
 #include "cli/messages.hpp"
 #include "cli/options.hpp"
@@ -25,6 +26,7 @@ struct OutputJob {
 struct ConvertPlan {
   std::string input;
   volumes::ReadOptions read;
+  Limits limits = default_limits();
   extract::ExtractOptions extract;  // without iso, region and placement, which depend on the surface and the field
   std::optional<field::Box> roi;
   std::optional<glm::ivec3> resolution;  // of the grid to extract from, in place of the input's own samples
@@ -45,6 +47,7 @@ struct ConvertPlan {
 struct InfoPlan {
   std::vector<std::string> inputs;
   volumes::ReadOptions read;
+  Limits limits = default_limits();
   std::vector<std::string> input_arguments;  // the input options as they were given, to repeat in an example
   bool json = false;
 };
@@ -53,6 +56,7 @@ struct VerifyPlan {
   std::string input;
   std::optional<std::string> mesh;  // none: the backends are compared
   volumes::ReadOptions read;
+  Limits limits = default_limits();
   extract::ExtractOptions extract;  // without region and placement, which depend on the field
   std::optional<field::Box> roi;
   std::optional<glm::ivec3> resolution;
@@ -76,6 +80,7 @@ struct BenchPlan {
   std::optional<std::vector<NamedBackend>> backends;  // none: cpu, and gpu where there is one that is not software
   gpu::GpuOptions gpu;                                // of the default
   volumes::ReadOptions read;
+  Limits limits = default_limits();
   std::optional<double> iso;      // none: each demo field's own
   std::vector<int> sizes;         // of demo fields
   std::vector<int> coarser;       // of files, falling, without 1; empty: as far as they allow

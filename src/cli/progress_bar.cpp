@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -41,7 +42,7 @@ void write_to_stderr(std::string_view text) {
 
 }  // namespace
 
-ProgressBar::ProgressBar(bool wanted) {
+ProgressBar::ProgressBar(bool wanted, Context context) : context_(std::move(context)) {
   if (wanted && stderr_is_terminal()) thread_ = std::thread([this] { draw_until_done(); });
 }
 
@@ -59,7 +60,7 @@ void ProgressBar::draw_until_done() {
   std::unique_lock lock(mutex_);
   if (finished_.wait_for(lock, kSilentFor, [this] { return done_; })) return;
   do {
-    write_to_stderr(bar_text(progress_));
+    write_to_stderr(bar_text(context_.progress()));
   } while (!finished_.wait_for(lock, kRedrawEvery, [this] { return done_; }));
   write_to_stderr(kEraseLine);
 }

@@ -5,7 +5,7 @@
 #include <mutex>
 #include <thread>
 
-#include "base/progress.hpp"
+#include "base/context.hpp"
 
 namespace isoextract::cli {
 
@@ -13,18 +13,19 @@ namespace isoextract::cli {
 // stderr meanwhile.
 class ProgressBar {
  public:
-  explicit ProgressBar(bool wanted);
+  // Shows what runs in `context`.
+  explicit ProgressBar(bool wanted, Context context = Context());
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
   // For the rooms that do the work.
-  [[nodiscard]] Progress* progress() { return &progress_; }
+  [[nodiscard]] Progress* progress() { return &context_.progress(); }
 
  private:
   void draw_until_done();
 
-  Progress progress_;
+  Context context_;
   std::mutex mutex_;
   std::condition_variable finished_;
   bool done_ = false;

@@ -26,14 +26,15 @@ struct Source {
   std::string label;
 };
 
-Result<Source> read_source(const VerifyPlan& plan, const Messages& messages, Progress* progress) {
-  volumes::ReadOptions read = plan.read;
-  read.progress = progress;
-  auto field = volumes::read_volume(plan.input, read);
+Result<Source> read_source(const VerifyPlan& plan, const Messages& messages, const Context& context) {
+  Progress* const progress = &context.progress();
+  auto field = volumes::read_volume(plan.input, plan.read, context);
   if (!field) return tl::unexpected(std::move(field.error()));
   for (const std::string& note : field->notes) messages.note(note);
   if (plan.resolution) {
-    field = field::resample(*field, *plan.resolution, plan.read.limits, progress);
+    const field::ScalarField data = std::move(*field);
+    field = field::resample(data, *plan.resolution, plan.limits, progress);
+    if (auto whole = volumes::check_not_lost(data); !whole) return tl::unexpected(whole.error());
     if (!field) return tl::unexpected(std::move(field.error()));
     for (const std::string& note : field->notes) messages.note(note);
   }
@@ -55,13 +56,16 @@ Result<void> verify_backends(const VerifyPlan& plan, const Messages& messages) {
   convert::VerificationRecord record;
   std::string label;
   {
-    ProgressBar bar(messages.verbosity() != Verbosity::quiet);
-    const auto source = read_source(plan, messages, bar.progress());
+    const Context context(MemoryBudget(plan.limits.memory_bytes));
+    ProgressBar bar(messages.verbosity() != Verbosity::quiet, context);
+    const auto source = read_source(plan, messages, context);
     if (!source) return tl::unexpected(source.error());
     label = source->label;
     const auto extraction = first->extract(source->field, source->options);
+    if (auto whole = volumes::check_not_lost(source->field); !whole) return whole;
     if (!extraction) return tl::unexpected(extraction.error());
     auto compared = compare_backends(source->field, source->options, extraction->mesh, *first, *second->extractor);
+    if (auto whole = volumes::check_not_lost(source->field); !whole) return whole;
     if (!compared) return tl::unexpected(std::move(compared.error()));
     record = std::move(*compared);
   }
@@ -108,17 +112,19 @@ Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages) {
   measure::MeshMatch match;
   std::string surface;
   {
-    ProgressBar bar(messages.verbosity() != Verbosity::quiet);
-    bar.progress()->begin("reading the mesh", 0);
-    auto file = meshes::read_mesh(*plan.mesh, plan.read.limits);
+    const Context context(MemoryBudget(plan.limits.memory_bytes));
+    ProgressBar bar(messages.verbosity() != Verbosity::quiet, context);
+    context.progress().begin("reading the mesh", 0);
+    auto file = meshes::read_mesh(*plan.mesh, plan.limits);
     if (!file) return tl::unexpected(std::move(file.error()));
     for (const std::string& note : file->notes) messages.note(note);
-    const auto source = read_source(plan, messages, bar.progress());
+    const auto source = read_source(plan, messages, context);
     if (!source) return tl::unexpected(source.error());
     surface = fmt::format("{} iso {}", source->label, plan.extract.iso);
     const auto extraction = extractor->extract(source->field, source->options);
+    if (auto whole = volumes::check_not_lost(source->field); !whole) return whole;
     if (!extraction) return tl::unexpected(extraction.error());
-    const auto matched = measure::match_meshes(file->mesh, extraction->mesh, plan.float32_world, plan.read.limits);
+    const auto matched = measure::match_meshes(file->mesh, extraction->mesh, plan.float32_world, plan.limits);
     if (!matched) return tl::unexpected(matched.error());
     match = *matched;
   }
