@@ -101,7 +101,7 @@ class Bench {
   Result<measure::BenchResult> measure_demo(const std::string& input) const {
     const auto spec = field::parse_demo_spec(input);
     if (!spec) return tl::unexpected(spec.error());
-    const Context context;
+    const Context context{plan_.memory};
     const ProgressBar bar(context.progress(), bar_wanted());
     measure::BenchOptions options = options_;
     options.progress = &context.progress();
@@ -115,7 +115,7 @@ class Bench {
 
   Result<measure::BenchResult> measure_file(const std::string& input) const {
     std::optional<field::ScalarField> field;
-    const Context context{MemoryBudget(plan_.read.limits.memory_bytes)};
+    const Context context{plan_.memory};
     {
       const ProgressBar bar(context.progress(), bar_wanted());
       convert::Events unheard;

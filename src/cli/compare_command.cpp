@@ -167,7 +167,7 @@ Result<void> check_distance(const ComparePlan& plan, const measure::MeshDistance
 
 Result<void> run_compare(const ComparePlan& plan, const Messages& messages) {
   const Stopwatch watch;
-  const Context context{MemoryBudget(plan.limits.memory_bytes)};
+  const Context context{plan.memory};
   std::array<Side, 2> sides;
   for (std::size_t i = 0; i < sides.size(); ++i) {
     {

@@ -16,6 +16,10 @@ std::string words_of(const Hint& hint) {
     case Remedy::leave_out_grid: return "leave --grid out: there is one volume in the file";
     case Remedy::describe_raw:
       return "give --dims X,Y,Z and --dtype TYPE (and --endian, --skip, --spacing where they matter)";
+    case Remedy::check_raw: return "check --dims, --dtype and --skip";
+    case Remedy::retype_raw: return fmt::format("the size would fit --dtype {}", text);
+    case Remedy::skip_in_raw:
+      return fmt::format("the size would fit --skip {}, if that many bytes of header come first", text);
     case Remedy::read_as_raw: return "--input-format raw reads the bytes of any file";
     case Remedy::place_by_hand: return "place the volume with --spacing X,Y,Z and --origin X,Y,Z";
     case Remedy::rescale: return "choose another --spacing, --scale or --unit, or --space index";

@@ -8,7 +8,6 @@
 #include <openvdb/tools/LevelSetSphere.h>
 #include <openvdb/tools/LevelSetUtil.h>
 
-#include "base/progress.hpp"
 #include "files/file_bytes.hpp"
 #include "unit/volumes/vdb_files.hpp"
 #include "unit/volumes/volume_files.hpp"
@@ -271,17 +270,14 @@ TEST(VdbTreeFiles, AreReadOnce) {
   const TempFolder folder;
   write_vdb(folder / "v.vdb", {surface});
   const auto size = static_cast<double>(std::filesystem::file_size(folder / "v.vdb"));
-  Progress progress;
-  volumes::ReadOptions options;
-  options.progress = &progress;
-  const std::uint64_t before = files::bytes_read();
-  must_read(folder / "v.vdb", options);
-  const auto read = static_cast<double>(files::bytes_read() - before);
+  const Context context;
+  must_read(folder / "v.vdb", {}, context);
+  const auto read = static_cast<double>(context.counters().bytes_read);
   // The beginning twice: to tell the format, and the header before the grid.
   EXPECT_GT(size, 4e6);
   EXPECT_GE(read, size);
   EXPECT_LT(read, size + 1e6);
-  EXPECT_NEAR(static_cast<double>(progress.done()), read, 1e4);
+  EXPECT_NEAR(static_cast<double>(context.progress().done()), read, 1e4);
 }
 
 }  // namespace
