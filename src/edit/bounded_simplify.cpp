@@ -351,28 +351,22 @@ class Simplifier {
 
 // Vertices that no triangle uses any more are left out; the others keep their order. Edge keys go: they are of meshes
 // as they were extracted.
-mesh::Mesh with_triangles(const mesh::Mesh& mesh, const Triangles& triangles) {
+void set_triangles(mesh::Mesh& mesh, const Triangles& triangles) {
   constexpr std::uint32_t kUnused = ~0U;
   std::vector<std::uint32_t> number(mesh.positions.size(), kUnused);
   for (const glm::uvec3& t : triangles) number[t.x] = number[t.y] = number[t.z] = 0;
-  std::uint32_t count = 0;
-  for (std::uint32_t& n : number) {
-    if (n != kUnused) n = count++;
-  }
-  mesh::Mesh result;
-  result.name = mesh.name;
-  result.origin = mesh.origin;
-  result.positions = Buffer<glm::vec3>(count);
-  if (!mesh.normals.empty()) result.normals = Buffer<glm::vec3>(count);
-  for (std::size_t v = 0; v < number.size(); ++v) {
+  std::vector<std::uint32_t> used;
+  for (std::uint32_t v = 0; v < number.size(); ++v) {
     if (number[v] == kUnused) continue;
-    result.positions[number[v]] = mesh.positions[v];
-    if (!mesh.normals.empty()) result.normals[number[v]] = mesh.normals[v];
+    number[v] = static_cast<std::uint32_t>(used.size());
+    used.push_back(v);
   }
-  result.triangles = Buffer<glm::uvec3>(triangles.size());
-  std::transform(triangles.begin(), triangles.end(), result.triangles.begin(),
+  mesh.edges = {};
+  Buffer<glm::uvec3> renumbered(triangles.size());
+  std::transform(triangles.begin(), triangles.end(), renumbered.begin(),
                  [&](const glm::uvec3& t) { return glm::uvec3(number[t.x], number[t.y], number[t.z]); });
-  return result;
+  gather_vertices(mesh, used);
+  mesh.triangles = std::move(renumbered);
 }
 
 }  // namespace
@@ -385,7 +379,7 @@ SimplifiedMesh simplify_within(mesh::Mesh mesh, const SimplifyOptions& options) 
   facts.triangles_before = mesh.triangles.size();
   if (!mesh.triangles.empty()) {
     const Triangles triangles = Simplifier(mesh, options, facts).run();
-    if (triangles.size() < mesh.triangles.size()) mesh = with_triangles(mesh, triangles);
+    if (triangles.size() < mesh.triangles.size()) set_triangles(mesh, triangles);
   }
   facts.triangles_after = mesh.triangles.size();
   facts.time = watch.elapsed();

@@ -47,7 +47,8 @@ struct SimplifiedMesh {
   Simplification facts;
 };
 
-// The result has some of the mesh's vertices, with their positions and normals, in their order. Open borders keep every
+// The result has some of the mesh's vertices, with all that belongs to them but edge keys, in
+// their order. Open borders keep every
 // vertex. Where the mesh is a manifold, so is the result, with as many components and the same Euler number; it has no
 // triangles without area and none twice that the mesh has not. Where nothing can be gained, it is the mesh.
 [[nodiscard]] SimplifiedMesh simplify_within(mesh::Mesh mesh, const SimplifyOptions& options);

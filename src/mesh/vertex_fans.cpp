@@ -75,9 +75,7 @@ std::uint32_t number_fans(Mesh& mesh, std::span<const Corner> corners, std::vect
 }  // namespace
 
 Result<void> make_one_vertex_a_fan(Mesh& mesh, const Limits& limits, const std::string& source) {
-  const std::uint64_t vertex_bytes =
-      sizeof(glm::vec3) * (mesh.normals.empty() ? 1 : 2) + (mesh.edges.empty() ? 0 : sizeof(EdgeKey));
-  const std::uint64_t bytes = CornersOfVertices::bytes(mesh) + 2 * mesh.positions.size() * vertex_bytes +
+  const std::uint64_t bytes = CornersOfVertices::bytes(mesh) + 2 * mesh.positions.size() * vertex_bytes(mesh) +
                               mesh.triangles.size_bytes() + mesh.positions.size() * sizeof(std::uint32_t);
   if (auto fits = check_memory(bytes, limits, fmt::format("{}: the holes of its surface", source)); !fits) return fits;
 
@@ -100,14 +98,7 @@ Result<void> make_one_vertex_a_fan(Mesh& mesh, const Limits& limits, const std::
     source_of.insert(source_of.end(), fans, v);
   }
 
-  const auto gathered = [&]<class T>(const Buffer<T>& old) {
-    Buffer<T> values(source_of.size());
-    std::transform(source_of.begin(), source_of.end(), values.begin(), [&](std::uint32_t v) { return old[v]; });
-    return values;
-  };
-  mesh.positions = gathered(mesh.positions);
-  if (!mesh.normals.empty()) mesh.normals = gathered(mesh.normals);
-  if (!mesh.edges.empty()) mesh.edges = gathered(mesh.edges);
+  gather_vertices(mesh, source_of);
   mesh.triangles = std::move(triangles);
   return {};
 }

@@ -17,6 +17,7 @@
 #include "base/finite.hpp"
 #include "base/limits.hpp"
 #include "files/file_bytes.hpp"
+#include "mesh/attributes.hpp"
 
 namespace isoextract::meshes {
 
@@ -28,9 +29,15 @@ struct DamagedMesh : std::runtime_error {
   Hint hint;
 };
 
+struct FileAttribute {
+  mesh::Attribute kind;  // without values
+  std::vector<std::byte> values;
+};
+
 struct FileSurface {
   std::vector<glm::dvec3> positions;
   std::vector<glm::uvec3> triangles;
+  std::vector<FileAttribute> attributes;  // of each position
   // The positions are float32 numbers relative to this, as the file has them; to be kept so.
   std::optional<glm::dvec3> origin;
   std::string_view format;
@@ -93,8 +100,9 @@ void add_fan(std::vector<glm::uvec3>& triangles, const Corners& corners, MemoryU
 // A mesh's indices have 32 bits. Throws DamagedMesh.
 void require_vertex_count(std::uint64_t count);
 
-// Makes one vertex of all corners whose coordinates have identical bytes. `corners` come three a triangle.
-void weld_corners(std::span<const glm::vec3> corners, FileSurface& surface, MemoryUse& memory);
+// Makes one vertex of all corners whose coordinates have identical bytes. `corners` come three a triangle. Returns the
+// first corner of each new vertex. Attributes are left to the caller.
+std::vector<std::uint32_t> weld_corners(std::span<const glm::vec3> corners, FileSurface& surface, MemoryUse& memory);
 
 // Words and numbers of a text, line by line.
 class TextScanner {

@@ -13,20 +13,11 @@
 #include "measure/mesh_distance.hpp"
 #include "support/fields.hpp"
 #include "support/meshes.hpp"
+#include "support/sample_attributes.hpp"
 #include "support/sample_meshes.hpp"
 
 namespace isoextract::edit {
 namespace {
-
-mesh::Mesh copy(const mesh::Mesh& mesh) {
-  mesh::Mesh same;
-  same.name = mesh.name;
-  same.origin = mesh.origin;
-  same.positions = test::buffer_of(std::vector<glm::vec3>(mesh.positions.begin(), mesh.positions.end()));
-  same.normals = test::buffer_of(std::vector<glm::vec3>(mesh.normals.begin(), mesh.normals.end()));
-  same.triangles = test::buffer_of(std::vector<glm::uvec3>(mesh.triangles.begin(), mesh.triangles.end()));
-  return same;
-}
 
 mesh::Mesh placed(const mesh::Mesh& mesh, const glm::dmat3& map) {
   mesh::Mesh image = copy(mesh);
@@ -219,6 +210,22 @@ mesh::Mesh mesh_of(const std::vector<glm::vec3>& positions, const std::vector<Fa
   std::vector<glm::uvec3> triangles;
   for (const Face& face : faces) triangles.push_back(face.corners);
   return test::make_mesh("faces", positions, triangles);
+}
+
+TEST(BoundedSimplify, KeepsWhatBelongsToVertices) {
+  mesh::Mesh before = test::sphere(40, true);
+  test::add_colour(before, mesh::ComponentType::u8, 3);
+  SimplifyOptions options;
+  options.max_distance = 0.05;
+  const mesh::Mesh after = simplify_within(copy(before), options).mesh;
+  ASSERT_LT(after.positions.size(), before.positions.size());
+  for (std::size_t v = 0; v < after.positions.size(); ++v) {
+    const auto* found = std::ranges::find(before.positions, after.positions[v]);
+    const auto was = static_cast<std::size_t>(found - before.positions.begin());
+    ASSERT_LT(was, before.positions.size());
+    EXPECT_EQ(after.normals[v], before.normals[was]);
+    EXPECT_TRUE(std::ranges::equal(after.attributes[0].at(v), before.attributes[0].at(was)));
+  }
 }
 
 // Without the link condition a thin tube, closed at both ends, becomes two triangles back to back.
