@@ -168,7 +168,11 @@ class Conversion {
           continue;
         }
         if (job.isos.size() > 1) mesh.name = fmt::format("{} iso {}", mesh.name, iso);
-        if (plan_.simplify) simplify(mesh, iso, bar.progress(), simplifications, story);
+        if (plan_.simplify) {
+          if (auto done = simplify(mesh, iso, bar.progress(), simplifications, story); !done) {
+            return tl::unexpected(std::move(done.error()));
+          }
+        }
         if (plan_.error) errors.push_back(measure_error(mesh, iso, bar.progress(), story));
         isos.push_back(iso);
         meshes.push_back(std::move(mesh));
@@ -212,14 +216,17 @@ class Conversion {
     return options;
   }
 
-  void simplify(mesh::Mesh& mesh, double iso, Progress* progress, std::vector<MeshSimplification>& simplifications,
-                std::vector<std::string>& story) {
-    simplifications.push_back(simplify_mesh(mesh, iso, *plan_.simplify, output_from_index_, progress));
+  Result<void> simplify(mesh::Mesh& mesh, double iso, Progress* progress,
+                        std::vector<MeshSimplification>& simplifications, std::vector<std::string>& story) {
+    auto simplified = simplify_mesh(mesh, iso, *plan_.simplify, output_from_index_, progress);
+    if (!simplified) return tl::unexpected(std::move(simplified.error()));
+    simplifications.push_back(std::move(*simplified));
     const MeshSimplification& done = simplifications.back();
     story.push_back(fmt::format("{} iso {}: simplified in {}: {}", label_, iso, times_text(done.record.time),
                                 simplification_details(done)));
     report_.stages.push_back({"simplify", iso, done.record.time});
     report_.simplifications.push_back(done.record);
+    return {};
   }
 
   MeshError measure_error(const mesh::Mesh& mesh, double iso, Progress* progress, std::vector<std::string>& story) {

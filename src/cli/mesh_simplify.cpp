@@ -39,20 +39,22 @@ Stretch stretch_of(const glm::dmat3& map) {
 
 }  // namespace
 
-MeshSimplification simplify_mesh(mesh::Mesh& mesh, double iso, const SimplifyError& error,
-                                 const field::Affine& output_from_index, Progress* progress) {
+Result<MeshSimplification> simplify_mesh(mesh::Mesh& mesh, double iso, const SimplifyError& error,
+                                         const field::Affine& output_from_index, Progress* progress) {
   const Stretch voxel = stretch_of(output_from_index.linear);
   edit::SimplifyOptions options;
   options.max_distance = error.distance;
   options.patch_size = kPatchVoxels * std::cbrt(std::abs(output_from_index.determinant()));
-  options.progress = progress;
+  if (progress != nullptr) progress->begin("simplifying", 0);
   if (!error.in_world_units && voxel.is_even()) {
     options.max_distance = error.distance * voxel.least;
   } else if (!error.in_world_units) {
     options.to_metric = glm::inverse(output_from_index.linear);
     options.patch_size = kPatchVoxels;
   }
-  edit::SimplifiedMesh simplified = edit::simplify_within(std::move(mesh), options);
+  auto done = edit::simplify_within(std::move(mesh), options);
+  if (!done) return tl::unexpected(std::move(done.error()));
+  edit::SimplifiedMesh& simplified = *done;
   mesh = std::move(simplified.mesh);
 
   MeshSimplification result;

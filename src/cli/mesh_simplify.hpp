@@ -17,8 +17,8 @@ struct MeshSimplification {
 };
 
 // `mesh` was placed by `output_from_index`, whose linear part says what a voxel is. It is replaced by what is left.
-[[nodiscard]] MeshSimplification simplify_mesh(mesh::Mesh& mesh, double iso, const SimplifyError& error,
-                                               const field::Affine& output_from_index, Progress* progress);
+[[nodiscard]] Result<MeshSimplification> simplify_mesh(mesh::Mesh& mesh, double iso, const SimplifyError& error,
+                                                       const field::Affine& output_from_index, Progress* progress);
 
 // The line that every run with --simplify shows, and what --explain adds.
 [[nodiscard]] std::string simplification_summary(const MeshSimplification& simplification);

@@ -110,7 +110,7 @@ Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages) {
   {
     ProgressBar bar(messages.verbosity() != Verbosity::quiet);
     bar.progress()->begin("reading the mesh", 0);
-    auto file = meshes::read_mesh(*plan.mesh, plan.read.limits);
+    auto file = meshes::read_mesh(*plan.mesh, Context(MemoryBudget(plan.read.limits.memory_bytes)));
     if (!file) return tl::unexpected(std::move(file.error()));
     for (const std::string& note : file->notes) messages.note(note);
     const auto source = read_source(plan, messages, bar.progress());

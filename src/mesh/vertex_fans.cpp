@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <new>
 #include <span>
 #include <utility>
 #include <vector>
@@ -72,13 +73,7 @@ std::uint32_t number_fans(Mesh& mesh, std::span<const Corner> corners, std::vect
   return fans;
 }
 
-}  // namespace
-
-Result<void> make_one_vertex_a_fan(Mesh& mesh, const Limits& limits, const std::string& source) {
-  const std::uint64_t bytes = CornersOfVertices::bytes(mesh) + 2 * mesh.positions.size() * vertex_bytes(mesh) +
-                              mesh.triangles.size_bytes() + mesh.positions.size() * sizeof(std::uint32_t);
-  if (auto fits = check_memory(bytes, limits, fmt::format("{}: the holes of its surface", source)); !fits) return fits;
-
+Result<void> part_fans(Mesh& mesh, const std::string& source) {
   const CornersOfVertices corners(mesh);
   std::vector<std::uint32_t> fan;
   Buffer<glm::uvec3> triangles(mesh.triangles.size());  // with the new numbers; the old ones tell the fans
@@ -89,7 +84,7 @@ Result<void> make_one_vertex_a_fan(Mesh& mesh, const Limits& limits, const std::
     const std::uint32_t fans = number_fans(mesh, at, fan);
     if (source_of.size() + fans > std::numeric_limits<std::uint32_t>::max()) {
       return fail(ErrorKind::input, fmt::format("{}: the surface has more vertices than a mesh can number", source),
-                  "extract it in parts with --roi");
+                  Remedy::extract_part);
     }
     const auto first = static_cast<std::uint32_t>(source_of.size());
     for (std::size_t i = 0; i < at.size(); ++i) {
@@ -101,6 +96,21 @@ Result<void> make_one_vertex_a_fan(Mesh& mesh, const Limits& limits, const std::
   gather_vertices(mesh, source_of);
   mesh.triangles = std::move(triangles);
   return {};
+}
+
+}  // namespace
+
+Result<void> make_one_vertex_a_fan(Mesh& mesh, const std::string& source, const Context& context) {
+  const std::uint64_t bytes = CornersOfVertices::bytes(mesh) + 2 * mesh.positions.size() * vertex_bytes(mesh) +
+                              mesh.triangles.size_bytes() + mesh.positions.size() * sizeof(std::uint32_t);
+  const std::string what = fmt::format("{}: the holes of its surface", source);
+  const auto memory = context.reserve(bytes, what);
+  if (!memory) return tl::unexpected(memory.error());
+  try {
+    return part_fans(mesh, source);
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorKind::input, fmt::format("{} need more memory than there is", what), Remedy::extract_part);
+  }
 }
 
 }  // namespace isoextract::mesh

@@ -38,8 +38,8 @@ Reader reader_of(const MeshSource& source) {
                                 files::printable(text, 16)));
 }
 
-mesh::Mesh mesh_of(const FileSurface& surface, const Limits& limits) {
-  MemoryUse memory(limits);
+mesh::Mesh mesh_of(const FileSurface& surface, const Context& context) {
+  MemoryUse memory(context);
   memory.take(surface.positions.capacity() * sizeof(glm::dvec3) + surface.positions.size() * sizeof(glm::vec3));
   memory.take((surface.triangles.capacity() + surface.triangles.size()) * sizeof(glm::uvec3));
   for (const FileAttribute& attribute : surface.attributes) {
@@ -98,8 +98,8 @@ mesh::Mesh mesh_of(const FileSurface& surface, const Limits& limits) {
   return mesh;
 }
 
-FileSurface read_surface(const files::InputFile& file, const Limits& limits) {
-  MemoryUse memory(limits);
+FileSurface read_surface(const files::InputFile& file, const Context& context) {
+  MemoryUse memory(context);
   memory.take(file.size());
   Buffer<std::byte> content(file.size());
   if (auto read = file.read_at(0, content.span()); !read) throw DamagedMesh(read.error().message);
@@ -107,13 +107,18 @@ FileSurface read_surface(const files::InputFile& file, const Limits& limits) {
   return reader_of(source)(source);
 }
 
-MeshFile read_file(const files::InputFile& file, const Limits& limits) {
-  const FileSurface surface = read_surface(file, limits);
+MeshFile read_file(const files::InputFile& file, const Context& context) {
+  const FileSurface surface = read_surface(file, context);
   if (surface.positions.empty() && !surface.triangles.empty()) {
     throw DamagedMesh("expected vertices, found triangles without any");
   }
   MeshFile result;
-  result.mesh = mesh_of(surface, limits);
+  result.mesh = mesh_of(surface, context);
+  auto memory = context.reserve(
+      result.mesh.positions.size() * mesh::vertex_bytes(result.mesh) + result.mesh.triangles.size_bytes(),
+      "its vertices and triangles");
+  if (!memory) throw DamagedMesh(memory.error().message, memory.error().hint);
+  result.mesh.memory = std::move(*memory);
   result.mesh.name = file.path().filename().string();
   result.format = surface.format;
   for (const std::string& note : surface.notes) result.notes.push_back(fmt::format("{}: {}", file.name(), note));
@@ -122,11 +127,13 @@ MeshFile read_file(const files::InputFile& file, const Limits& limits) {
 
 }  // namespace
 
-Result<MeshFile> read_mesh(const std::filesystem::path& path, const Limits& limits) {
+Result<MeshFile> read_mesh(const std::filesystem::path& path, const Context& context) {
   auto file = files::InputFile::open(path);
   if (!file) return tl::unexpected(file.error());
   try {
-    return read_file(*file, limits);
+    return read_file(*file, context);
+  } catch (const Cancelled& cancelled) {
+    return tl::unexpected(cancelled.error);
   } catch (const DamagedMesh& damage) {
     const std::string_view text = damage.what();
     const bool named = text.starts_with(file->name());
@@ -137,10 +144,17 @@ Result<MeshFile> read_mesh(const std::filesystem::path& path, const Limits& limi
 }
 
 void MemoryUse::take(std::uint64_t bytes) {
+  if (const auto going_on = context_.check(); !going_on) throw Cancelled{going_on.error()};
   used_ = checked_sum(used_, bytes).value_or(std::numeric_limits<std::uint64_t>::max());
-  if (used_ <= limits_.memory_bytes) return;
-  const auto fits = check_memory(used_, limits_, "its bytes, vertices and triangles");
-  throw DamagedMesh(fits.error().message, fits.error().hint);
+  if (used_ <= reserved_) return;
+  // Some more than is needed, for the next time, if there is so much.
+  const std::string what = "its bytes, vertices and triangles";
+  const std::uint64_t missing = used_ - reserved_;
+  auto memory = context_.reserve(std::max(missing, reserved_ / 8), what);
+  if (!memory) memory = context_.reserve(missing, what);
+  if (!memory) throw DamagedMesh(memory.error().message, memory.error().hint);
+  reserved_ += memory->bytes();
+  parts_.push_back(std::move(*memory));
 }
 
 void require_vertex_count(std::uint64_t count) {

@@ -14,8 +14,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/context.hpp"
 #include "base/error.hpp"
-#include "base/limits.hpp"
 #include "mesh/mesh.hpp"
 #include "meshes/mesh_writer.hpp"
 
@@ -32,7 +32,8 @@ struct MeshFile {
 // attributes: those of the first corner are kept, and a note counts the others.
 //
 // Fails with ErrorKind::input: a file that cannot be read, is damaged, has coordinates that are not finite, indices of
-// vertices that are not there, or needs more than the memory limit. A file without triangles is no error.
-[[nodiscard]] Result<MeshFile> read_mesh(const std::filesystem::path& path, const Limits& limits = default_limits());
+// vertices that are not there, or needs more memory than is left. The mesh keeps its part
+// reserved. A file without triangles is no error.
+[[nodiscard]] Result<MeshFile> read_mesh(const std::filesystem::path& path, const Context& context = Context());
 
 }  // namespace isoextract::meshes

@@ -34,14 +34,13 @@ std::string names_of_formats(bool MeshFormatInfo::*property) {
 Result<void> check(std::span<const mesh::Mesh> meshes, const fs::path& path, const MeshWriteOptions& options) {
   const MeshFormatInfo& info = mesh_format_info(options.format);
   if (options.ascii && !info.has_ascii) {
-    return fail(ErrorKind::usage, fmt::format("{}: --ascii does not go with the format {}", path.string(), info.name),
-                fmt::format("--ascii is for {}", names_of_formats(&MeshFormatInfo::has_ascii)));
+    return fail(ErrorKind::usage, fmt::format("{}: the format {} cannot be text", path.string(), info.name),
+                {Remedy::ascii_formats, names_of_formats(&MeshFormatInfo::has_ascii)});
   }
   if (meshes.size() != 1 && !info.holds_several_meshes) {
     return fail(ErrorKind::usage,
                 fmt::format("{}: the format {} holds one mesh, found {}", path.string(), info.name, meshes.size()),
-                fmt::format("use --format {}, or put {{iso}} into the name after -o to get a file for each iso value",
-                            names_of_formats(&MeshFormatInfo::holds_several_meshes)));
+                {Remedy::one_file_per_surface, names_of_formats(&MeshFormatInfo::holds_several_meshes)});
   }
   if (info.can_stream) return {};
   std::error_code ignored;
@@ -50,7 +49,7 @@ Result<void> check(std::span<const mesh::Mesh> meshes, const fs::path& path, con
     return fail(
         ErrorKind::usage,
         fmt::format("{}: the format {} makes two files and cannot be written to a stream", path.string(), info.name),
-        fmt::format("use --format {}", names_of_formats(&MeshFormatInfo::can_stream)));
+        {Remedy::choose_mesh_format, names_of_formats(&MeshFormatInfo::can_stream)});
   }
   if (path.extension() == ".bin") {
     return fail(ErrorKind::usage,
@@ -143,8 +142,9 @@ std::optional<MeshFormat> mesh_format_by_path(const fs::path& path) {
 }
 
 Result<MeshWriteResult> write_meshes(std::span<const mesh::Mesh> meshes, const fs::path& path,
-                                     const MeshWriteOptions& options) {
+                                     const MeshWriteOptions& options, const Context& context) {
   try {
+    if (auto going_on = context.check(); !going_on) return tl::unexpected<Error>(std::move(going_on.error()));
     if (auto possible = check(meshes, path, options); !possible) {
       return tl::unexpected<Error>(std::move(possible.error()));
     }

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/context.hpp"
 #include "base/error.hpp"
 #include "mesh/mesh.hpp"
 
@@ -52,6 +53,7 @@ struct MeshWriteResult {
 // and attributes are written where a mesh has them, or noted where the format cannot hold them. Nothing is left behind
 // on failure (ErrorKind::output; ErrorKind::usage for what the format cannot do).
 [[nodiscard]] Result<MeshWriteResult> write_meshes(std::span<const mesh::Mesh> meshes,
-                                                   const std::filesystem::path& path, const MeshWriteOptions& options);
+                                                   const std::filesystem::path& path, const MeshWriteOptions& options,
+                                                   const Context& context = Context());
 
 }  // namespace isoextract::meshes

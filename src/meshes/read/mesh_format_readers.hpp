@@ -14,8 +14,8 @@
 
 #include <glm/glm.hpp>
 
+#include "base/context.hpp"
 #include "base/finite.hpp"
-#include "base/limits.hpp"
 #include "files/file_bytes.hpp"
 #include "mesh/attributes.hpp"
 
@@ -27,6 +27,11 @@ struct DamagedMesh : std::runtime_error {
   explicit DamagedMesh(const std::string& message, Hint the_hint = {})
       : std::runtime_error(message), hint(std::move(the_hint)) {}
   Hint hint;
+};
+
+// Thrown within this room where somebody wants the reading to end.
+struct Cancelled {
+  Error error;
 };
 
 struct FileAttribute {
@@ -48,9 +53,9 @@ struct FileSurface {
 // files that a file names again and again, may ask for far more than its own bytes.
 class MemoryUse {
  public:
-  explicit MemoryUse(const Limits& limits) : limits_(limits) {}
+  explicit MemoryUse(const Context& context) : context_(context) {}
 
-  // Throws DamagedMesh beyond the limit.
+  // Throws DamagedMesh where that is more than is left, and Cancelled.
   void take(std::uint64_t bytes);
   void give_back(std::uint64_t bytes) { used_ -= bytes; }
 
@@ -66,8 +71,10 @@ class MemoryUse {
   }
 
  private:
-  const Limits& limits_;
+  const Context& context_;
   std::uint64_t used_ = 0;
+  std::uint64_t reserved_ = 0;  // at least what is used
+  std::vector<Reservation> parts_;
 };
 
 struct MeshSource {

@@ -432,7 +432,7 @@ Result<void> write_glb(std::span<const mesh::Mesh> meshes, const MeshWriteOption
     if (length <= std::numeric_limits<std::uint32_t>::max()) return {};
     return fail(ErrorKind::output,
                 fmt::format("{}: a .glb holds less than 4 GiB, this one needs {} bytes", file.shown_name(), length),
-                "use --format gltf or ply");
+                {Remedy::choose_mesh_format, "gltf or ply"});
   };
   // Once before the bounds of what would be too much are measured, and once exactly.
   if (auto fits = check_length(kHeaderBytes + 2 * kChunkHeaderBytes + binary_bytes); !fits) return fits;
