@@ -29,7 +29,7 @@ struct Side {
 };
 
 Result<Side> read_side(const std::string& path, const Limits& limits) {
-  auto file = meshes::read_mesh(path, limits);
+  auto file = meshes::read_mesh(path, Context(MemoryBudget(limits.memory_bytes)));
   if (!file) return tl::unexpected(std::move(file.error()));
   Side side;
   side.path = path;

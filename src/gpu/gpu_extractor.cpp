@@ -282,7 +282,9 @@ class GpuExtractor final : public extract::Extractor {
     extract::allocate_mesh(mesh, sizes, cap, options);
     weld.write(mesh, placement.mirrored());
     extract::append_cap(mesh, sizes, cap, sites.region, glm::ivec3(0), placement);
-    return sites.holes ? mesh::make_one_vertex_a_fan(mesh, options.limits, field.source) : Result<void>();
+    return sites.holes
+               ? mesh::make_one_vertex_a_fan(mesh, field.source, Context(MemoryBudget(options.limits.memory_bytes)))
+               : Result<void>();
   }
 
   static bool touches_nan(const SurfaceSites& sites, const glm::ivec3& cell) {

@@ -130,7 +130,9 @@ class DenseExtraction final : private CellDecider {
     }
     append_cap(result.mesh, sizes, cap, {glm::ivec3(0), view_.dims - 1}, region_.min, placement_);
     if (has_holes_) {
-      if (auto done = mesh::make_one_vertex_a_fan(result.mesh, options_.limits, field_.source); !done) {
+      if (auto done = mesh::make_one_vertex_a_fan(result.mesh, field_.source,
+                                                  Context(MemoryBudget(options_.limits.memory_bytes)));
+          !done) {
         return tl::unexpected(done.error());
       }
     }

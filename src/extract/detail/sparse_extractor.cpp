@@ -102,7 +102,9 @@ class SparseExtraction final : private CellDecider {
     emit(result.mesh);
     append_cap(result.mesh, sizes, cap, region_, glm::ivec3(0), placement_);
     if (sites_.has_holes()) {
-      if (auto done = mesh::make_one_vertex_a_fan(result.mesh, options_.limits, field_.source); !done) {
+      if (auto done = mesh::make_one_vertex_a_fan(result.mesh, field_.source,
+                                                  Context(MemoryBudget(options_.limits.memory_bytes)));
+          !done) {
         return tl::unexpected(done.error());
       }
     }
