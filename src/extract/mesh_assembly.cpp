@@ -86,14 +86,14 @@ void allocate_mesh(mesh::Mesh& mesh, const MeshSizes& surface, const BorderCap& 
 }
 
 void append_cap(mesh::Mesh& mesh, const MeshSizes& surface, const BorderCap& cap, const field::IndexBox& box,
-                const glm::ivec3& index_origin, const OutputFrame& placement) {
+                const OutputFrame& placement) {
   for (std::size_t v = 0; v < cap.samples.size(); ++v) {
     const std::size_t number = surface.vertices + v;
-    const glm::ivec3 sample = cap.samples[v] + index_origin;
+    const glm::ivec3& sample = cap.samples[v];
     mesh.positions[number] = placement.position(glm::dvec3(sample));
     if (!mesh.edges.empty()) mesh.edges[number] = {sample, 0};
     if (!mesh.normals.empty()) {
-      mesh.normals[number] = placement.plane_normal(border_normal(box, cap.samples[v]));
+      mesh.normals[number] = placement.plane_normal(border_normal(box, sample));
     }
   }
   for (std::size_t t = 0; t < cap.triangles.size(); ++t) {

@@ -1,4 +1,4 @@
-// What the dense and the sparse extractor share around their own passes: checks, allocation, the cap's part of a mesh.
+// The parts of a run (surface_run.hpp) that look at no sample: checks, allocation, the cap's part of a mesh.
 #pragma once
 
 #include <new>
@@ -63,9 +63,8 @@ template <class Extract>
 // Room for the surface and the cap; nothing is initialised.
 void allocate_mesh(mesh::Mesh& mesh, const MeshSizes& surface, const BorderCap& cap, const ExtractOptions& options);
 
-// Writes the cap behind the surface. `box` is the capped box in the cap's own indices, `index_origin` what must be
-// added to them to get indices of the field.
+// Writes the cap of `box` behind the surface.
 void append_cap(mesh::Mesh& mesh, const MeshSizes& surface, const BorderCap& cap, const field::IndexBox& box,
-                const glm::ivec3& index_origin, const OutputFrame& placement);
+                const OutputFrame& placement);
 
 }  // namespace isoextract::extract

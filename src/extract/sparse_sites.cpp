@@ -16,6 +16,7 @@ namespace {
 
 constexpr int kSize = field::SparseBlock::kSize;
 constexpr int kBlockSamples = kSize * kSize * kSize;
+constexpr const char* kBrick = "8x8x8 voxels";
 
 }  // namespace
 
@@ -36,6 +37,16 @@ Result<field::IndexBox> sparse_region(const field::ScalarField& field, const fie
   return clip_region(field, reach, options);
 }
 
+Extraction nothing_stored() {
+  Extraction nothing;
+  nothing.stats.brick = kBrick;
+  return nothing;
+}
+
+std::optional<field::IndexBox> sparse_cap_box(const field::IndexBox& region, const ExtractOptions& options) {
+  return options.region ? std::optional(region) : std::nullopt;
+}
+
 SparseSites::SparseSites(const field::ScalarField& field, const field::SparseSamples& samples,
                          const field::IndexBox& region, const ExtractOptions& options)
     : field_(field),
@@ -50,7 +61,7 @@ SparseSites::SparseSites(const field::ScalarField& field, const field::SparseSam
       })) {}
 
 Result<void> SparseSites::find(ExtractStats& stats) {
-  stats.brick = "8x8x8 voxels";
+  stats.brick = kBrick;
   stats.bricks = samples_.blocks.size();
   std::vector<glm::ivec3> nodes = field::SparseLookup::node_origins(samples_);
   if (auto fits = check_memory(

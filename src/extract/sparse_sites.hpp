@@ -20,6 +20,13 @@ namespace isoextract::extract {
 [[nodiscard]] Result<field::IndexBox> sparse_region(const field::ScalarField& field,
                                                     const field::SparseSamples& samples, const ExtractOptions& options);
 
+// The extraction where nothing is stored.
+[[nodiscard]] Extraction nothing_stored();
+
+// The box whose border a cap closes: the region that was asked for. Without one nothing leaves what is stored.
+[[nodiscard]] std::optional<field::IndexBox> sparse_cap_box(const field::IndexBox& region,
+                                                            const ExtractOptions& options);
+
 // A site is a place of 8 x 8 x 8 samples that owns a crossed edge: the lower end of the edge is one of its samples.
 class SparseSites {
  public:

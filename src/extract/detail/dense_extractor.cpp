@@ -14,13 +14,12 @@
 
 #include "base/stopwatch.hpp"
 #include "extract/asymptotic_decider.hpp"
-#include "extract/border_cap.hpp"
 #include "extract/dense_input.hpp"
 #include "extract/detail/cell_rows.hpp"
 #include "extract/detail/cell_streams.hpp"
 #include "extract/detail/vertex_batch.hpp"
 #include "extract/row_bits.hpp"
-#include "mesh/vertex_fans.hpp"
+#include "extract/surface_run.hpp"
 
 namespace isoextract::extract {
 namespace {
@@ -89,53 +88,54 @@ class DenseExtraction final : private CellDecider {
         masks_(view_.dims),
         bricks_(masks_) {}
 
-  Result<Extraction> run() {
-    Extraction result;
-    result.mesh.origin = placement_.origin();
-    result.stats.brick = fmt::format("64x{0}x{0} cells", kBrickRows);
-    result.stats.bricks = bricks_.count();
+  [[nodiscard]] const OutputFrame& placement() const { return placement_; }
 
-    if (auto fits = check_placement(field_, placement_); !fits) return tl::unexpected(fits.error());
-    const auto threshold = classify_dense(field_, view_, region_.min, options_, masks_, result.stats);
+  Result<bool> classify(ExtractStats& stats) {
+    stats.brick = fmt::format("64x{0}x{0} cells", kBrickRows);
+    stats.bricks = bricks_.count();
+    const auto threshold = classify_dense(field_, view_, region_.min, options_, masks_, stats);
     if (!threshold) return tl::unexpected(threshold.error());
-    if (!*threshold) return result;
-    has_holes_ = result.stats.nan_samples != 0 && options_.nan == NanPolicy::hole;
+    has_holes_ = stats.nan_samples != 0 && options_.nan == NanPolicy::hole;
+    return threshold->has_value();
+  }
+
+  Result<MeshSizes> count(ExtractStats& stats) {
+    const Stopwatch watch;
     drawings_.emplace(row_drawings(table_, placement_.mirrored(), has_holes_));
-
-    Stopwatch watch;
-    result.stats.hole_cells = count();
-    result.stats.bricks_visited = bricks_.count_crossed();
+    stats.hole_cells = count_rows();
+    stats.bricks_visited = bricks_.count_crossed();
     const MeshSizes sizes = place_rows();
-    if (auto fits = check_mesh_size(field_, sizes, options_); !fits) return tl::unexpected(fits.error());
-    BorderCap cap;
-    if (options_.cap) {
-      cap = make_border_cap(
-          {glm::ivec3(0), view_.dims - 1}, options_.method, static_cast<std::uint32_t>(sizes.vertices),
-          [&](const glm::ivec3& p) { return masks_.inside(p); },
-          [&](const glm::ivec3& p, int direction) { return edge_vertex(p, direction); },
-          [&](const glm::ivec3& p) { return rule_.depth(value(region_.min + p)); },
-          [&](const glm::ivec3& p) { return has_holes_ && std::isnan(value(region_.min + p)); });
-      if (auto fits = check_mesh_size(field_, with_cap(sizes, cap), options_); !fits) {
-        return tl::unexpected(fits.error());
-      }
-    }
-    result.stats.count = watch.elapsed();
+    stats.count = watch.elapsed();
+    return sizes;
+  }
 
-    watch.restart();
-    allocate_mesh(result.mesh, sizes, cap, options_);
-    emit(result.mesh);
+  Result<void> emit(mesh::Mesh& mesh) {
+    emit_bricks(mesh);
     if (samples_changed_) {
       return fail(ErrorKind::input, fmt::format("{}: the samples changed while they were looked at", field_.source),
                   "wait until whatever writes the file is done");
     }
-    append_cap(result.mesh, sizes, cap, {glm::ivec3(0), view_.dims - 1}, region_.min, placement_);
-    if (has_holes_) {
-      if (auto done = mesh::make_one_vertex_a_fan(result.mesh, options_.limits, field_.source); !done) {
-        return tl::unexpected(done.error());
-      }
+    return {};
+  }
+
+  [[nodiscard]] std::optional<field::IndexBox> cap_box() const { return region_; }
+  [[nodiscard]] bool has_holes() const { return has_holes_; }
+  [[nodiscard]] bool inside(const glm::ivec3& p) const { return masks_.inside(p - region_.min); }
+  [[nodiscard]] double value(const glm::ivec3& p) const {
+    return field_.scale(static_cast<double>(whole_.row(p.y, p.z)[p.x]));
+  }
+
+  // The number of one vertex, found by counting: for the few that are not met in order.
+  [[nodiscard]] std::uint32_t edge_vertex(const glm::ivec3& sample, int direction) const {
+    const glm::ivec3 p = sample - region_.min;
+    const CellRow row = cell_row(p.y, p.z);
+    const std::uint64_t* upper = row.bits[static_cast<std::size_t>(direction >> 1)];
+    std::uint32_t number = vertex_base(row_index(p.y, p.z))[table_.index_of(direction)];
+    for (int w = 0; w <= p.x / 64; ++w) {
+      const std::uint64_t ends = (direction & 1) != 0 ? next_bits(upper, w) : upper[w];
+      number += static_cast<std::uint32_t>(std::popcount((row.bits[0][w] ^ ends) & bits_below(w, p.x)));
     }
-    result.stats.emit = watch.elapsed();
-    return result;
+    return number;
   }
 
  private:
@@ -181,7 +181,7 @@ class DenseExtraction final : private CellDecider {
   }
 
   // Returns how many cells NanPolicy::hole leaves out.
-  std::uint64_t count() {
+  std::uint64_t count_rows() {
     const std::size_t rows = row_index(0, view_.dims.z);
     vertex_base_ = Buffer<std::uint32_t>((rows + 1) * static_cast<std::size_t>(directions_));
     triangle_base_ = Buffer<std::uint64_t>(rows + 1);
@@ -207,7 +207,7 @@ class DenseExtraction final : private CellDecider {
     return vertex_base_.data() + row * static_cast<std::size_t>(directions_);
   }
 
-  // `p` is relative to the region, here and in what follows, unless something else is said.
+  // `p` is relative to the region.
   [[nodiscard]] std::optional<unsigned> variant(unsigned cell_case, const glm::ivec3& p) const override {
     return variant_or_hole(table_, cell_case, rule_, has_holes_,
                            [&](int corner) { return value(region_.min + p + direction_step(corner)); });
@@ -245,19 +245,7 @@ class DenseExtraction final : private CellDecider {
     return sizes;
   }
 
-  // The number of one vertex, found by counting: for the few that are not met in order.
-  [[nodiscard]] std::uint32_t edge_vertex(const glm::ivec3& p, int direction) const {
-    const CellRow row = cell_row(p.y, p.z);
-    const std::uint64_t* upper = row.bits[static_cast<std::size_t>(direction >> 1)];
-    std::uint32_t number = vertex_base(row_index(p.y, p.z))[table_.index_of(direction)];
-    for (int w = 0; w <= p.x / 64; ++w) {
-      const std::uint64_t ends = (direction & 1) != 0 ? next_bits(upper, w) : upper[w];
-      number += static_cast<std::uint32_t>(std::popcount((row.bits[0][w] ^ ends) & bits_below(w, p.x)));
-    }
-    return number;
-  }
-
-  void emit(mesh::Mesh& mesh) {
+  void emit_bricks(mesh::Mesh& mesh) {
     std::vector<std::atomic<int>> rows_done(static_cast<std::size_t>(bricks_.rows_z()));
     for_each_brick_row("extracting", [&](int bj, int bk) {
       const std::uint8_t* crossed_bricks = bricks_.row(bj, bk);
@@ -331,11 +319,6 @@ class DenseExtraction final : private CellDecider {
     }
   }
 
-  // `p` is an index of the whole field.
-  [[nodiscard]] double value(const glm::ivec3& p) const {
-    return field_.scale(static_cast<double>(whole_.row(p.y, p.z)[p.x]));
-  }
-
   // Of the stored numbers, at a sample of the whole field: central differences; at the border of the data one-sided
   // ones of the same order.
   [[nodiscard]] glm::dvec3 sample_gradient(const glm::ivec3& p) const {
@@ -399,7 +382,8 @@ Result<Extraction> extract_dense(const field::ScalarField& field, const field::D
   if (!region) return tl::unexpected(region.error());
   return visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) -> Result<Extraction> {
     const DenseView<T> view = dense_view<T>(samples);
-    return DenseExtraction<T>(field, view, *region, options).run();
+    DenseExtraction<T> surface(field, view, *region, options);
+    return extract_surface(field, options, surface);
   });
 }
 
