@@ -100,15 +100,15 @@ class Bench {
   Result<measure::BenchResult> measure_demo(const std::string& input) const {
     const auto spec = field::parse_demo_spec(input);
     if (!spec) return tl::unexpected(spec.error());
-    ProgressBar bar(bar_wanted());
+    const Context context(MemoryBudget(plan_.read.limits.memory_bytes));
+    ProgressBar bar(bar_wanted(), &context.progress());
     measure::BenchOptions options = options_;
-    options.progress = bar.progress();
     if (plan_.iso) {
       options.iso = *plan_.iso;
     } else {
       options.iso = std::ranges::find(field::demo_fields(), spec->name, &field::DemoDescription::name)->iso;
     }
-    return measure::bench_demo(spec->name, plan_.sizes, options);
+    return measure::bench_demo(spec->name, plan_.sizes, options, context);
   }
 
   Result<measure::BenchResult> measure_file(const std::string& input) const {
@@ -123,11 +123,11 @@ class Bench {
     }
     for (const std::string& text : field->notes) messages_.note(text);
     const std::vector<int> factors = factors_for(*field);
-    ProgressBar bar(bar_wanted());
+    const Context context(MemoryBudget(plan_.read.limits.memory_bytes));
+    ProgressBar bar(bar_wanted(), &context.progress());
     measure::BenchOptions options = options_;
     options.iso = *plan_.iso;
-    options.progress = bar.progress();
-    return measure::bench_field(*field, factors, options);
+    return measure::bench_field(*field, factors, options, context);
   }
 
   // Those of the plan, or those that leave enough samples; then the data as they are.

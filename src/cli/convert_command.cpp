@@ -158,9 +158,9 @@ class Conversion {
     std::vector<std::string> story;  // told when the bar is gone
     meshes::MeshWriteResult written;
     {
-      ProgressBar bar(bar_wanted());
+      ProgressBar bar(bar_wanted(), &context_.progress());
       for (const double iso : job.isos) {
-        auto extraction = extract(iso, bar.progress(), story);
+        auto extraction = extract(iso, story);
         if (!extraction) return tl::unexpected(std::move(extraction.error()));
         mesh::Mesh& mesh = extraction->mesh;
         if (mesh.triangles.empty() && plan_.empty != EmptyPolicy::write) {
@@ -169,7 +169,7 @@ class Conversion {
         }
         if (job.isos.size() > 1) mesh.name = fmt::format("{} iso {}", mesh.name, iso);
         if (plan_.simplify) simplify(mesh, iso, bar.progress(), simplifications, story);
-        if (plan_.error) errors.push_back(measure_error(mesh, iso, bar.progress(), story));
+        if (plan_.error) errors.push_back(measure_error(mesh, iso, story));
         isos.push_back(iso);
         meshes.push_back(std::move(mesh));
       }
@@ -203,12 +203,11 @@ class Conversion {
     return {};
   }
 
-  [[nodiscard]] extract::ExtractOptions extract_options(double iso, Progress* progress) const {
+  [[nodiscard]] extract::ExtractOptions extract_options(double iso) const {
     extract::ExtractOptions options = plan_.extract;
     options.iso = iso;
     options.region = report_.region;
     options.output_from_index = output_from_index_;
-    options.progress = progress;
     return options;
   }
 
@@ -222,10 +221,10 @@ class Conversion {
     report_.simplifications.push_back(done.record);
   }
 
-  MeshError measure_error(const mesh::Mesh& mesh, double iso, Progress* progress, std::vector<std::string>& story) {
+  MeshError measure_error(const mesh::Mesh& mesh, double iso, std::vector<std::string>& story) {
     const Stopwatch watch;
-    MeshError error = measure_mesh_error(mesh, data_ ? *data_ : field_, extract_options(iso, progress), *plan_.error,
-                                         data_ ? &field_ : nullptr);
+    MeshError error = measure_mesh_error(mesh, data_ ? *data_ : field_, extract_options(iso), *plan_.error,
+                                         data_ ? &field_ : nullptr, context_);
     const StageTime time = watch.elapsed();
     story.push_back(fmt::format("{} iso {}: error measured in {}", label_, iso, times_text(time)));
     report_.stages.push_back({"error", iso, time});
@@ -238,11 +237,11 @@ class Conversion {
     for (const std::string& line : error_details(error)) messages_.explanation("  " + line);
   }
 
-  Result<extract::Extraction> extract(double iso, Progress* progress, std::vector<std::string>& story) {
+  Result<extract::Extraction> extract(double iso, std::vector<std::string>& story) {
     const Stopwatch watch;
-    const extract::ExtractOptions options = extract_options(iso, progress);
-    auto extraction = extractor_->extract(field_, options);
-    if (!extraction && gave_way(extraction.error())) extraction = extractor_->extract(field_, options);
+    const extract::ExtractOptions options = extract_options(iso);
+    auto extraction = extractor_->extract(field_, options, context_);
+    if (!extraction && gave_way(extraction.error())) extraction = extractor_->extract(field_, options, context_);
     if (!extraction) return extraction;
     const extract::ExtractStats& stats = extraction->stats;
     story.push_back(
@@ -291,7 +290,7 @@ class Conversion {
 
   // Against the other backend. The keys have done their work then.
   Result<void> verify(mesh::Mesh& mesh, const extract::ExtractOptions& options, std::vector<std::string>& story) {
-    auto record = compare_backends(field_, options, mesh, *extractor_, *other_extractor_);
+    auto record = compare_backends(field_, options, mesh, *extractor_, *other_extractor_, context_);
     if (!record) return tl::unexpected(std::move(record.error()));
     mesh.edges = {};
     story.push_back(fmt::format("{} iso {}: verified in {}", label_, options.iso, times_text(record->time)));
@@ -379,6 +378,7 @@ class Conversion {
   [[nodiscard]] bool bar_wanted() const { return messages_.verbosity() != Verbosity::quiet; }
 
   const ConvertPlan& plan_;
+  const Context context_{MemoryBudget(plan_.read.limits.memory_bytes)};
   const Messages& messages_;
   Stopwatch total_;
   Stopwatch watch_;  // since the start, or since the last file

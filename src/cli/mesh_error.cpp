@@ -102,16 +102,16 @@ double reach_from(const field::ScalarField& grid) {
 
 MeshError measure_mesh_error(const mesh::Mesh& mesh, const field::ScalarField& field,
                              const extract::ExtractOptions& extracted, field::Interpolation interpolation,
-                             const field::ScalarField* grid) {
+                             const field::ScalarField* grid, const Context& context) {
   MeshError error;
   error.iso = extracted.iso;
   measure::FieldErrorOptions options;
   options.interpolation = interpolation;
   options.grid = grid;
   if (grid != nullptr) options.reach = reach_from(*grid);
-  options.progress = extracted.progress;
+  options.progress = &context.progress();
   error.field = measure::measure_field_error(mesh, field, extracted, options);
-  error.analytic = measure::measure_analytic_error(mesh, field, extracted, grid);
+  error.analytic = measure::measure_analytic_error(mesh, field, extracted, grid, context);
   if (error.analytic && !extracted.region && field.kind == field::FieldKind::density) {
     const double unit = error.analytic->unit;
     error.exact = field::find_analytic_field(field.name)->size(extracted.iso);

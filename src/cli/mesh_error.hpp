@@ -21,7 +21,7 @@ struct MeshError {
 // `extracted` is how the mesh was extracted from `field`, or from `grid` if there is one, which resample() made of it.
 [[nodiscard]] MeshError measure_mesh_error(const mesh::Mesh& mesh, const field::ScalarField& field,
                                            const extract::ExtractOptions& extracted, field::Interpolation interpolation,
-                                           const field::ScalarField* grid = nullptr);
+                                           const field::ScalarField* grid, const Context& context);
 
 // "trilinear", "tricubic": the spelling of --error.
 [[nodiscard]] std::string_view interpolation_name(field::Interpolation interpolation);

@@ -65,9 +65,8 @@ Result<meshes::MeshFormat> plan_format(const ConvertFlags& flags) {
 }
 
 // What --method, --cap and --nan make of the options.
-extract::ExtractOptions plan_extract(const SurfaceFlags& flags, const Limits& limits) {
+extract::ExtractOptions plan_extract(const SurfaceFlags& flags) {
   extract::ExtractOptions extract;
-  extract.limits = limits;
   extract.method = flags.method.value_or(extract::Method::mc);
   extract.cap = flags.cap;
   extract.nan = flags.nan.value_or(extract::NanPolicy::error);
@@ -213,7 +212,7 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& flags) {
   if (!jobs) return tl::unexpected(jobs.error());
   plan.jobs = std::move(*jobs);
 
-  plan.extract = plan_extract(flags.surface, plan.read.limits);
+  plan.extract = plan_extract(flags.surface);
   plan.extract.smooth_normals = *normals == Normals::smooth;
   plan.extract.edge_keys = flags.verify;
   plan.verify = flags.verify;
@@ -272,7 +271,7 @@ Result<VerifyPlan> plan_verify(const VerifyFlags& flags) {
   if (!placement) return tl::unexpected(placement.error());
   plan.placement = *placement;
   plan.gpu = plan_gpu(flags.device);
-  plan.extract = plan_extract(flags.surface, plan.read.limits);
+  plan.extract = plan_extract(flags.surface);
   plan.extract.iso = *flags.iso;
   plan.extract.smooth_normals = !plan.mesh;
   plan.extract.edge_keys = !plan.mesh;
@@ -362,7 +361,6 @@ Result<BenchPlan> plan_bench(const BenchFlags& flags) {
   plan.options.methods = flags.methods.value_or(std::vector<extract::Method>{extract::Method::mc, extract::Method::mt});
   if (flags.backends) plan.backends = plan_backends(*flags.backends, flags.device);
   plan.gpu = plan_gpu(flags.device);
-  plan.options.limits = plan.read.limits;
   plan.options.threads = flags.threads.value_or(std::vector<int>{1});
   if (auto checked = measure::check_thread_counts(plan.options.threads); !checked)
     return tl::unexpected(checked.error());

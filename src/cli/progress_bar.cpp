@@ -41,7 +41,7 @@ void write_to_stderr(std::string_view text) {
 
 }  // namespace
 
-ProgressBar::ProgressBar(bool wanted) {
+ProgressBar::ProgressBar(bool wanted, Progress* watched) : watched_(watched != nullptr ? watched : &own_) {
   if (wanted && stderr_is_terminal()) thread_ = std::thread([this] { draw_until_done(); });
 }
 
@@ -59,7 +59,7 @@ void ProgressBar::draw_until_done() {
   std::unique_lock lock(mutex_);
   if (finished_.wait_for(lock, kSilentFor, [this] { return done_; })) return;
   do {
-    write_to_stderr(bar_text(progress_));
+    write_to_stderr(bar_text(*watched_));
   } while (!finished_.wait_for(lock, kRedrawEvery, [this] { return done_; }));
   write_to_stderr(kEraseLine);
 }

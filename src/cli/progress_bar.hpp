@@ -13,18 +13,20 @@ namespace isoextract::cli {
 // stderr meanwhile.
 class ProgressBar {
  public:
-  explicit ProgressBar(bool wanted);
+  // `watched`: in place of a progress of its own.
+  explicit ProgressBar(bool wanted, Progress* watched = nullptr);
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
   // For the rooms that do the work.
-  [[nodiscard]] Progress* progress() { return &progress_; }
+  [[nodiscard]] Progress* progress() { return watched_; }
 
  private:
   void draw_until_done();
 
-  Progress progress_;
+  Progress own_;
+  Progress* watched_;
   std::mutex mutex_;
   std::condition_variable finished_;
   bool done_ = false;

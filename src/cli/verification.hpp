@@ -15,7 +15,7 @@ namespace isoextract::cli {
                                                                    const extract::ExtractOptions& options,
                                                                    const mesh::Mesh& mesh,
                                                                    const extract::Extractor& first,
-                                                                   extract::Extractor& second);
+                                                                   extract::Extractor& second, const Context& context);
 
 // Fails with ErrorKind::verification if the record says that something differs. `label` names the field.
 [[nodiscard]] Result<void> check_verification(const std::string& label, const convert::VerificationRecord& record);

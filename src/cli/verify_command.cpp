@@ -44,7 +44,6 @@ Result<Source> read_source(const VerifyPlan& plan, const Messages& messages, Pro
   source.label = field_label(source.field);
   source.options.output_from_index = placed->output_from_index;
   source.options.region = placed->region;
-  source.options.progress = progress;
   return source;
 }
 
@@ -55,13 +54,15 @@ Result<void> verify_backends(const VerifyPlan& plan, const Messages& messages) {
   convert::VerificationRecord record;
   std::string label;
   {
-    ProgressBar bar(messages.verbosity() != Verbosity::quiet);
+    const Context context(MemoryBudget(plan.read.limits.memory_bytes));
+    ProgressBar bar(messages.verbosity() != Verbosity::quiet, &context.progress());
     const auto source = read_source(plan, messages, bar.progress());
     if (!source) return tl::unexpected(source.error());
     label = source->label;
-    const auto extraction = first->extract(source->field, source->options);
+    const auto extraction = first->extract(source->field, source->options, context);
     if (!extraction) return tl::unexpected(extraction.error());
-    auto compared = compare_backends(source->field, source->options, extraction->mesh, *first, *second->extractor);
+    auto compared =
+        compare_backends(source->field, source->options, extraction->mesh, *first, *second->extractor, context);
     if (!compared) return tl::unexpected(std::move(compared.error()));
     record = std::move(*compared);
   }
@@ -108,7 +109,8 @@ Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages) {
   measure::MeshMatch match;
   std::string surface;
   {
-    ProgressBar bar(messages.verbosity() != Verbosity::quiet);
+    const Context context(MemoryBudget(plan.read.limits.memory_bytes));
+    ProgressBar bar(messages.verbosity() != Verbosity::quiet, &context.progress());
     bar.progress()->begin("reading the mesh", 0);
     auto file = meshes::read_mesh(*plan.mesh, plan.read.limits);
     if (!file) return tl::unexpected(std::move(file.error()));
@@ -116,7 +118,7 @@ Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages) {
     const auto source = read_source(plan, messages, bar.progress());
     if (!source) return tl::unexpected(source.error());
     surface = fmt::format("{} iso {}", source->label, plan.extract.iso);
-    const auto extraction = extractor->extract(source->field, source->options);
+    const auto extraction = extractor->extract(source->field, source->options, context);
     if (!extraction) return tl::unexpected(extraction.error());
     const auto matched = measure::match_meshes(file->mesh, extraction->mesh, plan.float32_world, plan.read.limits);
     if (!matched) return tl::unexpected(matched.error());

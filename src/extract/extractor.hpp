@@ -14,9 +14,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/context.hpp"
 #include "base/error.hpp"
-#include "base/limits.hpp"
-#include "base/progress.hpp"
 #include "base/stopwatch.hpp"
 #include "field/scalar_field.hpp"
 #include "mesh/mesh.hpp"
@@ -44,8 +43,8 @@ struct ExtractOptions {
   NanPolicy nan = NanPolicy::error;
   std::optional<field::IndexBox> region;  // extract only from cells within this box of samples (clipped to the data)
   field::Affine output_from_index;        // places the mesh: index_to_world, or that with turns and scales after it
-  Limits limits = default_limits();       // held against the exact size of the mesh before it is allocated
-  Progress* progress = nullptr;
+
+  friend bool operator==(const ExtractOptions&, const ExtractOptions&) = default;
 };
 
 // What only a backend with a device of its own has to tell.
@@ -86,7 +85,19 @@ class Extractor {
   virtual ~Extractor() = default;
   [[nodiscard]] virtual std::string_view name() const = 0;  // "cpu", "gpu"
   [[nodiscard]] virtual std::string device() const = 0;     // what it runs on: "AMD EPYC 7763 64-Core Processor"
-  [[nodiscard]] virtual Result<Extraction> extract(const field::ScalarField& field, const ExtractOptions& options) = 0;
+
+  // What takes memory by the size of the field or of the surface is reserved in
+  // the context while it lives, the mesh exactly (Mesh::memory). Fails with
+  // ErrorKind::usage for an iso value that is not finite, with ErrorKind::input
+  // for a placement that flattens space and where memory runs out, with
+  // ErrorKind::cancelled between the passes.
+  [[nodiscard]] Result<Extraction> extract(const field::ScalarField& field, const ExtractOptions& options,
+                                           const Context& context = Context());
+
+ private:
+  // May throw std::bad_alloc and std::length_error; need not name the mesh.
+  [[nodiscard]] virtual Result<Extraction> run(const field::ScalarField& field, const ExtractOptions& options,
+                                               const Context& context) = 0;
 };
 
 // Dense and sparse fields, on all threads that oneTBB is allowed.

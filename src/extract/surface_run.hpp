@@ -4,7 +4,11 @@
 
 #include <cmath>
 #include <concepts>
+#include <optional>
+#include <utility>
 
+#include "base/context.hpp"
+#include "base/limits.hpp"
 #include "base/stopwatch.hpp"
 #include "extract/border_cap.hpp"
 #include "extract/inside_test.hpp"
@@ -34,12 +38,13 @@ concept SurfacePasses = requires(S& surface, const S& seen, ExtractStats& stats,
   { seen.edge_vertex(p, direction) } -> std::same_as<std::uint32_t>;  // on the crossed edge from `p`
 };
 
-// What is the same wherever the surface comes from: its frame fits float32, its size fits memory and 32-bit numbers,
-// the cap is made of what the surface has at the border and stands behind it, and where cells were left out each fan of
+// What is the same wherever the surface comes from: its frame fits float32, its
+// size fits the context's memory, the cap is made of what the surface has at
+// the border and stands behind it, and where cells were left out each fan of
 // triangles gets a vertex of its own.
 template <SurfacePasses Surface>
 [[nodiscard]] Result<Extraction> extract_surface(const field::ScalarField& field, const ExtractOptions& options,
-                                                 Surface& surface) {
+                                                 Surface& surface, const Context& context) {
   const OutputFrame& placement = surface.placement();
   Extraction result;
   result.mesh.origin = placement.origin();
@@ -47,15 +52,20 @@ template <SurfacePasses Surface>
   const auto found = surface.classify(result.stats);
   if (!found) return tl::unexpected(found.error());
   if (!*found) return result;
+  if (auto wanted = context.check(); !wanted) return tl::unexpected(wanted.error());
 
   const auto sizes = surface.count(result.stats);
   if (!sizes) return tl::unexpected(sizes.error());
-  if (auto fits = check_mesh_size(field, *sizes, options); !fits) return tl::unexpected(fits.error());
+  if (auto wanted = context.check(); !wanted) return tl::unexpected(wanted.error());
+  auto memory = reserve_mesh(field, *sizes, options, context);
+  if (!memory) return tl::unexpected(memory.error());
   Stopwatch watch;
   BorderCap cap;
+  Reservation cap_memory;
   const std::optional<field::IndexBox> box = options.cap ? surface.cap_box() : std::nullopt;
   if (box) {
-    if (auto fits = check_cap_size(field, *box, options); !fits) return tl::unexpected(fits.error());
+    auto numbers = reserve_cap_numbers(field, *box, context);
+    if (!numbers) return tl::unexpected(numbers.error());
     const InsideRule rule{field.kind, options.iso};
     cap = make_border_cap(
         *box, options.method, static_cast<std::uint32_t>(sizes->vertices),
@@ -63,7 +73,13 @@ template <SurfacePasses Surface>
         [&](const glm::ivec3& p, int direction) { return surface.edge_vertex(p, direction); },
         [&](const glm::ivec3& p) { return rule.depth(surface.value(p)); },
         [&](const glm::ivec3& p) { return surface.has_holes() && std::isnan(surface.value(p)); });
-    if (auto fits = check_mesh_size(field, with_cap(*sizes, cap), options); !fits) return tl::unexpected(fits.error());
+    numbers->release();
+    auto held = reserve_cap(field, cap, context);
+    if (!held) return tl::unexpected(held.error());
+    cap_memory = std::move(*held);
+    memory->release();
+    memory = reserve_mesh(field, with_cap(*sizes, cap), options, context);
+    if (!memory) return tl::unexpected(memory.error());
   }
   result.stats.count += watch.elapsed();
 
@@ -71,11 +87,17 @@ template <SurfacePasses Surface>
   allocate_mesh(result.mesh, *sizes, cap, options);
   if (auto done = surface.emit(result.mesh); !done) return tl::unexpected(done.error());
   if (box) append_cap(result.mesh, *sizes, cap, *box, placement);
+  cap = {};
+  cap_memory.release();
   if (surface.has_holes()) {
-    if (auto done = mesh::make_one_vertex_a_fan(result.mesh, options.limits, field.source); !done) {
+    if (auto done = mesh::make_one_vertex_a_fan(result.mesh, Limits{context.memory().limit()}, field.source); !done) {
       return tl::unexpected(done.error());
     }
+    memory->release();
+    memory = reserve_mesh(field, {result.mesh.positions.size(), result.mesh.triangles.size()}, options, context);
+    if (!memory) return tl::unexpected(memory.error());
   }
+  result.mesh.memory = std::move(*memory);
   result.stats.emit += watch.elapsed();
   return result;
 }

@@ -26,25 +26,29 @@ template <class T>
 class DenseSurface final : public DrawnSurface {
  public:
   DenseSurface(const field::ScalarField& field, const field::DenseSamples& samples, const field::IndexBox& region,
-               const extract::ExtractOptions& options, const DrawingTools& tools)
-      : DrawnSurface(field, options, tools, {glm::ivec3(0), samples.dims - 1}),
+               extract::DenseMasks masks, const extract::ExtractOptions& options, const DrawingTools& tools,
+               const Context& context)
+      : DrawnSurface(field, options, tools, {glm::ivec3(0), samples.dims - 1}, context),
         samples_(samples),
         whole_(extract::dense_view<T>(samples)),
         region_(region),
-        masks_(glm::ivec3(region.dims())) {}
+        masks_(std::move(masks)) {}
 
   [[nodiscard]] Result<bool> classify(extract::ExtractStats& stats) override {
     stats.brick = "8x8x8 cells";
     const extract::DenseView<T> view = extract::part_of(whole_, region_);
-    const auto threshold = extract::classify_dense(field(), view, region_.min, options(), masks_, stats);
+    const auto threshold = extract::classify_dense(field(), view, region_.min, options(), masks_, stats, context());
     if (!threshold) return tl::unexpected(threshold.error());
     if (!*threshold) return false;
+    auto memory = context().reserve(DenseSites::bytes(view.dims), fmt::format("{}: its bricks", field().source));
+    if (!memory) return tl::unexpected(memory.error());
+    bricks_memory_ = std::move(*memory);
     const Stopwatch watch;
     bricks_.emplace(masks_, region_.min);
     stats.bricks = bricks_->bricks();
     stats.bricks_visited = bricks_->origins().size();
     stats.classify += watch.elapsed();
-    auto source = DenseSource::make(*tools().context, samples_, bricks_->origins(), region_, source_options());
+    auto source = DenseSource::make(*tools().gl, samples_, bricks_->origins(), region_, source_options());
     if (!source) return tl::unexpected(source.error());
     SurfacePlace place;
     place.origins = bricks_->origins();
@@ -70,17 +74,18 @@ class DenseSurface final : public DrawnSurface {
   extract::DenseView<T> whole_;
   field::IndexBox region_;
   extract::DenseMasks masks_;
+  Reservation bricks_memory_;
   std::optional<DenseSites> bricks_;
 };
 
 class SparseSurface final : public DrawnSurface {
  public:
   SparseSurface(const field::ScalarField& field, const field::SparseSamples& samples, const field::IndexBox& region,
-                const extract::ExtractOptions& options, const DrawingTools& tools)
-      : DrawnSurface(field, options, tools, extract::stored_box(samples)),
+                const extract::ExtractOptions& options, const DrawingTools& tools, const Context& context)
+      : DrawnSurface(field, options, tools, extract::stored_box(samples), context),
         samples_(samples),
         region_(region),
-        leaves_(field, samples, region, options) {}
+        leaves_(field, samples, region, options, context) {}
 
   [[nodiscard]] Result<bool> classify(extract::ExtractStats& stats) override {
     if (auto listed = leaves_.find(stats); !listed) return tl::unexpected(listed.error());
@@ -90,7 +95,7 @@ class SparseSurface final : public DrawnSurface {
       return threshold ? std::optional(inside_keys(*threshold)) : std::nullopt;
     });
     if (!keys) return false;
-    auto source = SparseSource::make(*tools().context, samples_, leaves_, source_options());
+    auto source = SparseSource::make(*tools().gl, samples_, leaves_, source_options());
     if (!source) return tl::unexpected(source.error());
     SurfacePlace place;
     place.origins = leaves_.origins();
@@ -120,47 +125,48 @@ class SparseSurface final : public DrawnSurface {
 class GpuExtractor final : public extract::Extractor {
  public:
   GpuExtractor(std::unique_ptr<gl::GlContext> context, const GpuOptions& options)
-      : context_(std::move(context)),
-        tools_{context_.get(), &programs_, options, share_memory(options, context_->device()), 0} {
+      : gl_(std::move(context)), tools_{gl_.get(), &programs_, options, share_memory(options, gl_->device()), 0} {
     glGetIntegerv(GL_MAX_3D_TEXTURE_SIZE, &tools_.max_texture_size);
   }
 
   GpuExtractor(const GpuExtractor&) = delete;
   GpuExtractor& operator=(const GpuExtractor&) = delete;
-  ~GpuExtractor() override { context_->make_current(); }  // for what members have on the device
+  ~GpuExtractor() override { gl_->make_current(); }  // for what members have on the device
 
   [[nodiscard]] std::string_view name() const override { return "gpu"; }
-  [[nodiscard]] std::string device() const override { return gl::describe(context_->device()); }
-
-  [[nodiscard]] Result<extract::Extraction> extract(const field::ScalarField& field,
-                                                    const extract::ExtractOptions& options) override {
-    // Another extractor may have come since.
-    if (auto current = context_->make_current(); !current) return tl::unexpected(current.error());
-    return extract::extract_guarded(field, options,
-                                    [&](const auto& samples) { return extract_from(field, samples, options); });
-  }
+  [[nodiscard]] std::string device() const override { return gl::describe(gl_->device()); }
 
  private:
+  [[nodiscard]] Result<extract::Extraction> run(const field::ScalarField& field, const extract::ExtractOptions& options,
+                                                const Context& context) override {
+    // Another extractor may have come since.
+    if (auto current = gl_->make_current(); !current) return tl::unexpected(current.error());
+    return std::visit([&](const auto& samples) { return extract_from(field, samples, options, context); },
+                      field.samples);
+  }
+
   Result<extract::Extraction> extract_from(const field::ScalarField& field, const field::DenseSamples& samples,
-                                           const extract::ExtractOptions& options) {
+                                           const extract::ExtractOptions& options, const Context& context) {
     const auto region = extract::dense_region(field, samples, options);
     if (!region) return tl::unexpected(region.error());
+    auto masks = extract::make_masks(field, glm::ivec3(region->dims()), context);
+    if (!masks) return tl::unexpected(masks.error());
     return visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) {
-      DenseSurface<T> surface(field, samples, *region, options, tools_);
-      return extract::extract_surface(field, options, surface);
+      DenseSurface<T> surface(field, samples, *region, std::move(*masks), options, tools_, context);
+      return extract::extract_surface(field, options, surface, context);
     });
   }
 
   Result<extract::Extraction> extract_from(const field::ScalarField& field, const field::SparseSamples& samples,
-                                           const extract::ExtractOptions& options) {
+                                           const extract::ExtractOptions& options, const Context& context) {
     const auto region = extract::sparse_region(field, samples, options);
     if (!region) return tl::unexpected(region.error());
     if (region->empty()) return extract::nothing_stored();
-    SparseSurface surface(field, samples, *region, options, tools_);
-    return extract::extract_surface(field, options, surface);
+    SparseSurface surface(field, samples, *region, options, tools_, context);
+    return extract::extract_surface(field, options, surface, context);
   }
 
-  std::unique_ptr<gl::GlContext> context_;  // first, so that it goes last
+  std::unique_ptr<gl::GlContext> gl_;  // first, so that it goes last
   CellPrograms programs_;
   DrawingTools tools_;
 };

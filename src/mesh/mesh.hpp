@@ -8,6 +8,7 @@
 #include <glm/glm.hpp>
 
 #include "base/buffer.hpp"
+#include "base/memory_budget.hpp"
 
 namespace isoextract::mesh {
 
@@ -34,6 +35,8 @@ struct Mesh {
   Buffer<glm::vec3> normals;     // unit length, outward, one a vertex; or empty
   Buffer<EdgeKey> edges;         // one a vertex, where they were asked for; or empty
   Buffer<glm::uvec3> triangles;  // vertex indices
+  Reservation memory;            // for all of this, by whoever allocated it; empty where
+                                 // nobody counts
 
   [[nodiscard]] glm::dvec3 position(std::size_t vertex) const { return origin + glm::dvec3(positions[vertex]); }
 };

@@ -33,13 +33,17 @@ class BrickFlags {
       : masks_(masks),
         words_(masks.words()),
         rows_y_((masks.dims().y + kBrickRows - 1) / kBrickRows),
-        rows_z_((masks.dims().z + kBrickRows - 1) / kBrickRows),
-        crossed_(static_cast<std::size_t>(words_) * static_cast<std::size_t>(rows_y_) *
-                 static_cast<std::size_t>(rows_z_)) {}
+        rows_z_((masks.dims().z + kBrickRows - 1) / kBrickRows) {}
+
+  [[nodiscard]] std::uint64_t bytes() const { return count(); }
+  void allocate() { crossed_ = Buffer<std::uint8_t>(count()); }
 
   [[nodiscard]] int rows_y() const { return rows_y_; }
   [[nodiscard]] int rows_z() const { return rows_z_; }
-  [[nodiscard]] std::uint64_t count() const { return crossed_.size(); }
+  [[nodiscard]] std::uint64_t count() const {
+    return static_cast<std::uint64_t>(words_) * static_cast<std::uint64_t>(rows_y_) *
+           static_cast<std::uint64_t>(rows_z_);
+  }
   [[nodiscard]] std::uint64_t count_crossed() const {
     return static_cast<std::uint64_t>(std::count(crossed_.begin(), crossed_.end(), std::uint8_t{1}));
   }
@@ -75,9 +79,10 @@ template <class T>
 class DenseExtraction final : private CellDecider {
  public:
   DenseExtraction(const field::ScalarField& field, const DenseView<T>& whole, const field::IndexBox& region,
-                  const ExtractOptions& options)
+                  DenseMasks masks, const ExtractOptions& options, const Context& context)
       : field_(field),
         options_(options),
+        context_(context),
         rule_{field.kind, options.iso},
         whole_(whole),
         view_(part_of(whole, region)),
@@ -85,7 +90,7 @@ class DenseExtraction final : private CellDecider {
         table_(case_table(options.method)),
         directions_(static_cast<int>(table_.directions.size())),
         placement_(options.output_from_index, {glm::ivec3(0), whole.dims - 1}, field.kind, field.scale),
-        masks_(view_.dims),
+        masks_(std::move(masks)),
         bricks_(masks_) {}
 
   [[nodiscard]] const OutputFrame& placement() const { return placement_; }
@@ -93,7 +98,7 @@ class DenseExtraction final : private CellDecider {
   Result<bool> classify(ExtractStats& stats) {
     stats.brick = fmt::format("64x{0}x{0} cells", kBrickRows);
     stats.bricks = bricks_.count();
-    const auto threshold = classify_dense(field_, view_, region_.min, options_, masks_, stats);
+    const auto threshold = classify_dense(field_, view_, region_.min, options_, masks_, stats, context_);
     if (!threshold) return tl::unexpected(threshold.error());
     has_holes_ = stats.nan_samples != 0 && options_.nan == NanPolicy::hole;
     return threshold->has_value();
@@ -101,6 +106,14 @@ class DenseExtraction final : private CellDecider {
 
   Result<MeshSizes> count(ExtractStats& stats) {
     const Stopwatch watch;
+    const std::size_t rows = row_index(0, view_.dims.z) + 1;  // and the end
+    auto memory = context_.reserve(
+        bricks_.bytes() +
+            rows * (static_cast<std::size_t>(directions_) * sizeof(std::uint32_t) + sizeof(std::uint64_t)),
+        fmt::format("{}: its {} rows of samples", field_.source, rows - 1));
+    if (!memory) return tl::unexpected(memory.error());
+    rows_memory_ = std::move(*memory);
+    bricks_.allocate();
     drawings_.emplace(row_drawings(table_, placement_.mirrored(), has_holes_));
     stats.hole_cells = count_rows();
     stats.bricks_visited = bricks_.count_crossed();
@@ -148,12 +161,12 @@ class DenseExtraction final : private CellDecider {
   void for_each_brick_row(const char* stage, const F& f) {
     const int rows_y = bricks_.rows_y();
     const int brick_rows = rows_y * bricks_.rows_z();
-    if (options_.progress != nullptr) options_.progress->begin(stage, static_cast<std::uint64_t>(brick_rows));
+    context_.progress().begin(stage, static_cast<std::uint64_t>(brick_rows));
     tbb::parallel_for(0, brick_rows, [&](int b) {
       const int bj = b % rows_y;
       const int bk = b / rows_y;
       f(bj, bk);
-      if (options_.progress != nullptr) options_.progress->advance(1);
+      context_.progress().advance(1);
     });
   }
 
@@ -357,6 +370,7 @@ class DenseExtraction final : private CellDecider {
 
   const field::ScalarField& field_;
   const ExtractOptions& options_;
+  const Context& context_;
   InsideRule rule_;
   DenseView<T> whole_;
   DenseView<T> view_;  // of the region
@@ -369,6 +383,7 @@ class DenseExtraction final : private CellDecider {
   bool has_holes_ = false;                    // some samples are NaN, and NanPolicy::hole
   std::atomic<bool> samples_changed_{false};  // between two looks at them: a mapped file that somebody writes to
   std::optional<CellDrawings> drawings_;
+  Reservation rows_memory_;  // for the bricks and what follows
   // First counts, then the first vertex and triangle; behind the last row are all there are.
   Buffer<std::uint32_t> vertex_base_;    // per row and direction
   Buffer<std::uint64_t> triangle_base_;  // per row
@@ -377,13 +392,15 @@ class DenseExtraction final : private CellDecider {
 }  // namespace
 
 Result<Extraction> extract_dense(const field::ScalarField& field, const field::DenseSamples& samples,
-                                 const ExtractOptions& options) {
+                                 const ExtractOptions& options, const Context& context) {
   const auto region = dense_region(field, samples, options);
   if (!region) return tl::unexpected(region.error());
+  auto masks = make_masks(field, glm::ivec3(region->dims()), context);
+  if (!masks) return tl::unexpected(masks.error());
   return visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) -> Result<Extraction> {
     const DenseView<T> view = dense_view<T>(samples);
-    DenseExtraction<T> surface(field, view, *region, options);
-    return extract_surface(field, options, surface);
+    DenseExtraction<T> surface(field, view, *region, std::move(*masks), options, context);
+    return extract_surface(field, options, surface, context);
   });
 }
 

@@ -4,6 +4,8 @@
 #include <optional>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "base/stopwatch.hpp"
 #include "extract/asymptotic_decider.hpp"
 #include "extract/detail/site_cells.hpp"
@@ -58,15 +60,16 @@ template <class T>
 class SparseExtraction final : private CellDecider {
  public:
   SparseExtraction(const field::ScalarField& field, const field::SparseSamples& samples, const field::IndexBox& region,
-                   const ExtractOptions& options)
+                   const ExtractOptions& options, const Context& context)
       : field_(field),
         samples_(samples),
         region_(region),
         options_(options),
+        context_(context),
         rule_{field.kind, options.iso},
         table_(case_table(options.method)),
         placement_(options.output_from_index, stored_box(samples), field.kind, field.scale),
-        sites_(field, samples, region, options) {}
+        sites_(field, samples, region, options, context) {}
 
   [[nodiscard]] const OutputFrame& placement() const { return placement_; }
 
@@ -77,6 +80,11 @@ class SparseExtraction final : private CellDecider {
 
   Result<MeshSizes> count(ExtractStats& stats) {
     const Stopwatch watch;
+    const std::size_t sites = sites_.origins().size();
+    auto memory = context_.reserve(SiteVertices::bytes(sites, table_.directions.size()) + sites * sizeof(std::uint64_t),
+                                   fmt::format("{}: the {} blocks that the surface passes", field_.source, sites));
+    if (!memory) return tl::unexpected(memory.error());
+    numbers_memory_ = std::move(*memory);
     drawings_.emplace(table_, placement_.mirrored(), sites_.has_holes());
     stats.hole_cells = count_sites();
     const MeshSizes sizes = place_sites();
@@ -183,11 +191,13 @@ class SparseExtraction final : private CellDecider {
   const field::SparseSamples& samples_;
   field::IndexBox region_;
   const ExtractOptions& options_;
+  const Context& context_;
   InsideRule rule_;
   const CaseTable& table_;
   OutputFrame placement_;
   SparseSites sites_;
   std::optional<CellDrawings> drawings_;
+  Reservation numbers_memory_;  // for what follows
   SiteVertices vertices_;
   Buffer<std::uint64_t> triangle_base_;  // per site: first a count, then the first triangle
 };
@@ -195,13 +205,13 @@ class SparseExtraction final : private CellDecider {
 }  // namespace
 
 Result<Extraction> extract_sparse(const field::ScalarField& field, const field::SparseSamples& samples,
-                                  const ExtractOptions& options) {
+                                  const ExtractOptions& options, const Context& context) {
   const auto region = sparse_region(field, samples, options);
   if (!region) return tl::unexpected(region.error());
   if (region->empty()) return nothing_stored();
   return visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) -> Result<Extraction> {
-    SparseExtraction<T> surface(field, samples, *region, options);
-    return extract_surface(field, options, surface);
+    SparseExtraction<T> surface(field, samples, *region, options, context);
+    return extract_surface(field, options, surface, context);
   });
 }
 

@@ -62,6 +62,9 @@ class CellCapture {
   [[nodiscard]] Result<void> draw(const gl::CellPass& pass, std::span<const glm::ivec3> origins, const Bind& bind,
                                   const Take& take, const Allow& allow);
 
+  // What was read back, once nobody looks at it any more.
+  void free_soup() { soup_ = {}; }
+
   [[nodiscard]] const CaptureTimes& times() const { return times_; }
   [[nodiscard]] std::uint64_t captured_bytes() const { return captured_bytes_; }
 

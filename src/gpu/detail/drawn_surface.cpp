@@ -2,15 +2,18 @@
 
 #include <cmath>
 
+#include <utility>
+
 #include <fmt/format.h>
 
 namespace isoextract::gpu {
 
 DrawnSurface::DrawnSurface(const field::ScalarField& field, const extract::ExtractOptions& options,
-                           const DrawingTools& tools, const field::IndexBox& stored)
+                           const DrawingTools& tools, const field::IndexBox& stored, const Context& context)
     : field_(field),
       options_(options),
       tools_(tools),
+      context_(context),
       table_(extract::case_table(options.method)),
       placement_(options.output_from_index, stored, field.kind, field.scale) {}
 
@@ -34,10 +37,10 @@ Result<gl::CellPass> DrawnSurface::find_programs() const {
   kind.swizzle = tools_.options.swizzle;
   CellProgramKind with_normals = kind;
   with_normals.normals = options_.smooth_normals ? CapturedNormals::gradient : CapturedNormals::none;
-  const auto capturing = tools_.programs->find(*tools_.context, with_normals);
+  const auto capturing = tools_.programs->find(*tools_.gl, with_normals);
   if (!capturing) return tl::unexpected(capturing.error());
   kind.counting = true;
-  const auto counting = tools_.programs->find(*tools_.context, kind);
+  const auto counting = tools_.programs->find(*tools_.gl, kind);
   if (!counting) return tl::unexpected(counting.error());
   return gl::CellPass{*counting, *capturing};
 }
@@ -71,11 +74,18 @@ Result<extract::MeshSizes> DrawnSurface::count(extract::ExtractStats& stats) {
   device.compile = compiling.elapsed();
   for (const gl::CellProgram* program : pass->programs()) set_uniforms(*program);
 
+  auto memory =
+      context_.reserve(SiteWeld::bytes(place_.origins.size(), table_.directions.size()),
+                       fmt::format("{}: the {} bricks that the surface passes", field_.source, place_.origins.size()));
+  if (!memory) return tl::unexpected(memory.error());
+  sites_memory_ = std::move(*memory);
   weld_.emplace(
       table_, place_.origins, [this](std::size_t site) { return near(site); },
       [this](const glm::ivec3& cell) { return decide(cell); });
-  CellCapture capture(*tools_.context, pipeline(), options_.smooth_normals ? 7 : 4, tools_.memory.feedback);
+  CellCapture capture(*tools_.gl, pipeline(), words_a_vertex(), tools_.memory.feedback);
   if (auto drawn = draw(*pass, capture); !drawn) return tl::unexpected(drawn.error());
+  capture.free_soup();
+  soup_memory_.release();
   const auto sizes = weld_->number();
   if (!sizes) return tl::unexpected(sizes.error());
 
@@ -95,17 +105,18 @@ Result<extract::MeshSizes> DrawnSurface::count(extract::ExtractStats& stats) {
 }
 
 Result<void> DrawnSurface::draw(const gl::CellPass& pass, CellCapture& capture) {
-  if (options_.progress != nullptr) options_.progress->begin("drawing cells", place_.origins.size());
+  context_.progress().begin("drawing cells", place_.origins.size());
   while (true) {
+    if (auto wanted = context_.check(); !wanted) return wanted;
     const auto ready = source_->advance();
     if (!ready) return tl::unexpected(ready.error());
     if (ready->empty()) break;
     if (auto drawn = draw_batch(pass, *ready, capture); !drawn) return drawn;
   }
-  const auto& messages = tools_.context->debug_messages();
+  const auto& messages = tools_.gl->debug_messages();
   if (!tools_.options.debug || messages.empty()) return {};
   return fail(ErrorKind::unavailable,
-              fmt::format("{}: the driver complains: {}", gl::describe(tools_.context->device()), messages.front()));
+              fmt::format("{}: the driver complains: {}", gl::describe(tools_.gl->device()), messages.front()));
 }
 
 Result<void> DrawnSurface::draw_batch(const gl::CellPass& pass, std::span<const std::uint32_t> ready,
@@ -115,12 +126,34 @@ Result<void> DrawnSurface::draw_batch(const gl::CellPass& pass, std::span<const 
   return capture.draw(
       pass, origins, [&](std::size_t first, std::size_t count) { source_->bind(pass, ready.subspan(first, count)); },
       [&](std::size_t first, std::size_t count, const CapturedSoup& soup) {
-        weld_->add(ready.subspan(first, count), soup);
-        if (options_.progress != nullptr) options_.progress->advance(count);
+        weld(ready.subspan(first, count), soup);
+        context_.progress().advance(count);
       },
-      [&](std::uint64_t triangles) {
-        return extract::check_mesh_size(field_, {0, triangles}, options_);
-      });
+      [&](std::uint64_t triangles) { return make_room(triangles); });
+}
+
+Result<void> DrawnSurface::make_room(std::uint64_t triangles) {
+  const std::uint64_t soup = (triangles - triangles_) * 3 * words_a_vertex() * sizeof(std::uint32_t);
+  const std::string what = fmt::format("{}: the {} triangles of its surface", field_.source, triangles);
+  triangles_ = triangles;
+  if (soup > soup_memory_.bytes()) {
+    soup_memory_.release();
+    auto memory = context_.reserve(soup, what);
+    if (!memory) return tl::unexpected(memory.error());
+    soup_memory_ = std::move(*memory);
+  }
+  // Welded vertices are shared, so the weld takes less than the soup; how much
+  // less is known when it is done.
+  auto memory = context_.reserve(soup, what);
+  if (!memory) return tl::unexpected(memory.error());
+  weld_memory_.push_back(std::move(*memory));
+  return {};
+}
+
+void DrawnSurface::weld(std::span<const std::uint32_t> sites, const CapturedSoup& soup) {
+  const std::uint64_t before = weld_->piece_bytes();
+  weld_->add(sites, soup);
+  weld_memory_.back().shrink(weld_->piece_bytes() - before);
 }
 
 unsigned DrawnSurface::decide(const glm::ivec3& cell) {

@@ -5,7 +5,9 @@
 #include <atomic>
 #include <memory>
 #include <optional>
+#include <vector>
 
+#include "base/context.hpp"
 #include "extract/extractor.hpp"
 #include "extract/surface_run.hpp"
 #include "gpu/detail/cell_programs.hpp"
@@ -23,7 +25,7 @@ struct MemoryShares {
 
 // What surfaces are drawn with. All that is pointed to must outlive them.
 struct DrawingTools {
-  const gl::GlContext* context;
+  const gl::GlContext* gl;
   CellPrograms* programs;
   GpuOptions options;
   MemoryShares memory;
@@ -46,7 +48,7 @@ class DrawnSurface {
  public:
   // All arguments must outlive it; `stored` is the box of the samples that the mesh's frame reaches around.
   DrawnSurface(const field::ScalarField& field, const extract::ExtractOptions& options, const DrawingTools& tools,
-               const field::IndexBox& stored);
+               const field::IndexBox& stored, const Context& context);
   virtual ~DrawnSurface() = default;
 
   [[nodiscard]] const extract::OutputFrame& placement() const { return placement_; }
@@ -71,6 +73,7 @@ class DrawnSurface {
   [[nodiscard]] const field::ScalarField& field() const { return field_; }
   [[nodiscard]] const extract::ExtractOptions& options() const { return options_; }
   [[nodiscard]] const DrawingTools& tools() const { return tools_; }
+  [[nodiscard]] const Context& context() const { return context_; }
   [[nodiscard]] SourceOptions source_options() const {
     return {options_.smooth_normals, tools_.memory.samples, tools_.max_texture_size};
   }
@@ -82,16 +85,26 @@ class DrawnSurface {
   [[nodiscard]] Result<void> draw(const gl::CellPass& pass, CellCapture& capture);
   [[nodiscard]] Result<void> draw_batch(const gl::CellPass& pass, std::span<const std::uint32_t> ready,
                                         CellCapture& capture);
+  // Before triangles are captured: for them, and for what they will be welded
+  // to, together with all before.
+  [[nodiscard]] Result<void> make_room(std::uint64_t triangles);
+  void weld(std::span<const std::uint32_t> sites, const CapturedSoup& soup);
+  [[nodiscard]] std::size_t words_a_vertex() const { return options_.smooth_normals ? 7 : 4; }
   [[nodiscard]] unsigned decide(const glm::ivec3& cell);
   [[nodiscard]] bool touches_nan(const glm::ivec3& cell) const;
 
   const field::ScalarField& field_;
   const extract::ExtractOptions& options_;
   const DrawingTools& tools_;
+  const Context& context_;
   const extract::CaseTable& table_;
   extract::OutputFrame placement_;
   SurfacePlace place_;
   std::unique_ptr<FieldSource> source_;
+  std::uint64_t triangles_ = 0;           // captured so far
+  Reservation soup_memory_;               // for the triangles of a draw, while they are drawn
+  Reservation sites_memory_;              // for what the weld has of each site
+  std::vector<Reservation> weld_memory_;  // and of each draw
   std::optional<SiteWeld> weld_;
   std::atomic<std::uint64_t> hole_cells_{0};  // that came to be decided
 };
