@@ -24,7 +24,7 @@ namespace isoextract::extract {
 
 enum class Method {
   mc,  // marching cubes, with the topology of the trilinear interpolant (asymptotic_decider.hpp)
-  mt,  // marching tetrahedra, six a cell (seed S1)
+  mt,  // marching tetrahedra, six a cell (cell_tables.hpp)
 };
 
 enum class NanPolicy {
@@ -37,7 +37,7 @@ enum class NanPolicy {
 struct ExtractOptions {
   Method method = Method::mc;
   double iso = 0;
-  bool smooth_normals = false;  // from the gradient of the field at the vertex (seed S1)
+  bool smooth_normals = false;  // from the gradient of the field at the vertex
   bool edge_keys = false;       // fill Mesh::edges: for who compares meshes
   bool cap = false;             // close the surface where it leaves the data or the region
   NanPolicy nan = NanPolicy::error;
@@ -86,11 +86,9 @@ class Extractor {
   [[nodiscard]] virtual std::string_view name() const = 0;  // "cpu", "gpu"
   [[nodiscard]] virtual std::string device() const = 0;     // what it runs on: "AMD EPYC 7763 64-Core Processor"
 
-  // What takes memory by the size of the field or of the surface is reserved in
-  // the context while it lives, the mesh exactly (Mesh::memory). Fails with
-  // ErrorKind::usage for an iso value that is not finite, with ErrorKind::input
-  // for a placement that flattens space and where memory runs out, with
-  // ErrorKind::cancelled between the passes.
+  // What takes memory by the size of the field or of the surface is reserved in the context while it lives, the mesh
+  // exactly (Mesh::memory). Fails with ErrorKind::usage for an iso value that is not finite, with ErrorKind::input for a
+  // placement that flattens space and where memory runs out, with ErrorKind::cancelled between the passes.
   [[nodiscard]] Result<Extraction> extract(const field::ScalarField& field, const ExtractOptions& options,
                                            const Context& context = Context());
 

@@ -176,8 +176,9 @@ class GpuExtractor final : public extract::Extractor {
 Result<GpuExtractorAndDevice> make_gpu_extractor(const GpuOptions& options) {
   if (options.memory_bytes && *options.memory_bytes < kMiB) {
     return fail(ErrorKind::usage,
-                fmt::format("--gpu-memory: expected 1 MiB or more, found {}", format_byte_size(*options.memory_bytes)),
-                "for example --gpu-memory 256M");
+                fmt::format("the GPU's share of memory: expected 1 MiB or more, found {}",
+                            format_byte_size(*options.memory_bytes)),
+                Remedy::more_gpu_memory);
   }
   auto context = gl::GlContext::open({options.device, options.debug});
   if (!context) return tl::unexpected(context.error());

@@ -10,7 +10,7 @@
 
 namespace isoextract::measure {
 
-// What GPU and CPU may differ by (DESIGN section 3, identity), and more than rounding once costs.
+// What GPU and CPU may differ by, and more than rounding once costs.
 inline constexpr double kStabilityUlps = 2;
 
 struct StabilityRow {
