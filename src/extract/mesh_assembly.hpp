@@ -23,8 +23,8 @@ struct MeshSizes {
 // Fails with ErrorKind::input where float32 cannot hold the mesh (OutputFrame::fits_float32).
 [[nodiscard]] Result<void> check_placement(const field::ScalarField& field, const OutputFrame& placement);
 
-// For what allocate_mesh() takes. Fails with ErrorKind::input where there is no
-// memory, and for more vertices than 32-bit numbers count.
+// For what allocate_mesh() takes. Fails with ErrorKind::input where there is no memory, and for more vertices than
+// 32-bit numbers count.
 [[nodiscard]] Result<Reservation> reserve_mesh(const field::ScalarField& field, const MeshSizes& sizes,
                                                const ExtractOptions& options, const Context& context);
 

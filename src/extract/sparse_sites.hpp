@@ -34,9 +34,8 @@ class SparseSites {
   SparseSites(const field::ScalarField& field, const field::SparseSamples& samples, const field::IndexBox& region,
               const ExtractOptions& options, const Context& context = Context());
 
-  // Compares every sample with iso, then lists the sites. Fails with
-  // ErrorKind::input for NaN samples in the region, if those are errors, and
-  // where there is no memory for it; with ErrorKind::cancelled between the two.
+  // Compares every sample with iso, then lists the sites. Fails with ErrorKind::input for NaN samples in the region, if
+  // those are errors, and where there is no memory for it; with ErrorKind::cancelled between the two.
   [[nodiscard]] Result<void> find(ExtractStats& stats);
 
   // Stored blocks first, then places without one; each part sorted by x, y, z.

@@ -38,9 +38,8 @@ concept SurfacePasses = requires(S& surface, const S& seen, ExtractStats& stats,
   { seen.edge_vertex(p, direction) } -> std::same_as<std::uint32_t>;  // on the crossed edge from `p`
 };
 
-// What is the same wherever the surface comes from: its frame fits float32, its
-// size fits the context's memory, the cap is made of what the surface has at
-// the border and stands behind it, and where cells were left out each fan of
+// What is the same wherever the surface comes from: its frame fits float32, its size fits the context's memory, the cap
+// is made of what the surface has at the border and stands behind it, and where cells were left out each fan of
 // triangles gets a vertex of its own.
 template <SurfacePasses Surface>
 [[nodiscard]] Result<Extraction> extract_surface(const field::ScalarField& field, const ExtractOptions& options,

@@ -142,8 +142,7 @@ Result<void> DrawnSurface::make_room(std::uint64_t triangles) {
     if (!memory) return tl::unexpected(memory.error());
     soup_memory_ = std::move(*memory);
   }
-  // Welded vertices are shared, so the weld takes less than the soup; how much
-  // less is known when it is done.
+  // Welded vertices are shared, so the weld takes less than the soup; how much less is known when it is done.
   auto memory = context_.reserve(soup, what);
   if (!memory) return tl::unexpected(memory.error());
   weld_memory_.push_back(std::move(*memory));
