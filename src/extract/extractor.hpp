@@ -87,8 +87,8 @@ class Extractor {
   [[nodiscard]] virtual std::string device() const = 0;     // what it runs on: "AMD EPYC 7763 64-Core Processor"
 
   // What takes memory by the size of the field or of the surface is reserved in the context while it lives, the mesh
-  // exactly (Mesh::memory). Fails with ErrorKind::usage for an iso value that is not finite, with ErrorKind::input for a
-  // placement that flattens space and where memory runs out, with ErrorKind::cancelled between the passes.
+  // exactly (Mesh::memory). Fails with ErrorKind::usage for an iso value that is not finite, with ErrorKind::input for
+  // a placement that flattens space and where memory runs out, with ErrorKind::cancelled between the passes.
   [[nodiscard]] Result<Extraction> extract(const field::ScalarField& field, const ExtractOptions& options,
                                            const Context& context = Context());
 
