@@ -41,6 +41,7 @@ enum class Remedy {
   use_cpu,               // the CPU backend needs no GPU; text: what else helps, before it
   less_gpu_memory,       // the GPU takes less at a time
   more_gpu_memory,       // the GPU may take more
+  other_gpu,             // that one is not there; one can be chosen by itself
   choose_mesh_format,    // text: the formats' names
   ascii_formats,         // text: the formats that can be text
   one_file_per_surface,  // text: the formats that hold several; or a file each

@@ -104,13 +104,12 @@ class Bench {
     const Context context{plan_.memory};
     const ProgressBar bar(context.progress(), bar_wanted());
     measure::BenchOptions options = options_;
-    options.progress = &context.progress();
     if (plan_.iso) {
       options.iso = *plan_.iso;
     } else {
       options.iso = std::ranges::find(field::demo_fields(), spec->name, &field::DemoDescription::name)->iso;
     }
-    return measure::bench_demo(spec->name, plan_.sizes, options);
+    return measure::bench_demo(spec->name, plan_.sizes, options, context);
   }
 
   Result<measure::BenchResult> measure_file(const std::string& input) const {
@@ -128,8 +127,7 @@ class Bench {
     const ProgressBar bar(context.progress(), bar_wanted());
     measure::BenchOptions options = options_;
     options.iso = *plan_.iso;
-    options.progress = &context.progress();
-    return measure::bench_field(*field, factors, options);
+    return measure::bench_field(*field, factors, options, context);
   }
 
   // Those of the plan, or those that leave enough samples; then the data as they are.

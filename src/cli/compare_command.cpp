@@ -28,7 +28,7 @@ struct Side {
   mesh::Bounds bounds;
 };
 
-Result<Side> read_side(const std::string& path, const Limits& limits) {
+Result<Side> read_side(const std::string& path, const Context& context) {
   auto file = meshes::read_mesh(path, Context(MemoryBudget(limits.memory_bytes)));
   if (!file) return tl::unexpected(std::move(file.error()));
   Side side;
@@ -173,7 +173,7 @@ Result<void> run_compare(const ComparePlan& plan, const Messages& messages) {
     {
       const ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
       context.progress().begin("reading meshes", 0);
-      auto side = read_side(plan.meshes[i], plan.limits);
+      auto side = read_side(plan.meshes[i], context);
       if (!side) return tl::unexpected(std::move(side.error()));
       sides[i] = std::move(*side);
     }

@@ -28,6 +28,7 @@ std::string words_of(const Hint& hint) {
     case Remedy::use_cpu: return text.empty() ? "--backend cpu needs no GPU" : text + "; --backend cpu needs no GPU";
     case Remedy::less_gpu_memory: return "give the GPU less at a time with --gpu-memory, or use --backend cpu";
     case Remedy::more_gpu_memory: return "give the GPU more with --gpu-memory, or use --backend cpu";
+    case Remedy::other_gpu: return "'isoextract devices' tells more; leave out --device to let one be chosen";
     case Remedy::choose_mesh_format: return fmt::format("use --format {}", text);
     case Remedy::ascii_formats: return fmt::format("--ascii is for {}", text);
     case Remedy::one_file_per_surface:
