@@ -22,7 +22,9 @@ namespace isoextract::volumes {
 
 enum class VolumeFormat { vdb, nrrd, nifti, npy, raw, demo };
 constexpr auto words_of(VolumeFormat /*type*/) {
-  return std::array{Word{VolumeFormat::vdb, "vdb"}, Word{VolumeFormat::nrrd, "nrrd"}, Word{VolumeFormat::nifti, "nifti"}, Word{VolumeFormat::npy, "npy"}, Word{VolumeFormat::raw, "raw"}, Word{VolumeFormat::demo, "demo"}};
+  return std::array{Word{VolumeFormat::vdb, "vdb"},     Word{VolumeFormat::nrrd, "nrrd"},
+                    Word{VolumeFormat::nifti, "nifti"}, Word{VolumeFormat::npy, "npy"},
+                    Word{VolumeFormat::raw, "raw"},     Word{VolumeFormat::demo, "demo"}};
 }
 
 // One row a format: detection, help and README read it.
