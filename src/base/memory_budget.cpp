@@ -72,7 +72,7 @@ std::optional<std::uint64_t> control_group_limit() {
     const std::string mount = second ? "/sys/fs/cgroup" : "/sys/fs/cgroup/memory";
     const std::string file = second ? "/memory.max" : "/memory.limit_in_bytes";
     for (std::string at = folder == "/" ? "" : folder;; at.erase(at.rfind('/'))) {
-      look(mount + at + file);
+      look(fmt::format("{}{}{}", mount, at, file));
       if (at.find('/') == std::string::npos) break;
     }
   }
