@@ -58,12 +58,13 @@ struct Hint {
   Remedy remedy = Remedy::none;
   std::string text;  // a sentence without a full stop that names no option; may be empty
 
+  // Implicit, so that fail(kind, message, "...") and fail(kind, message, Remedy::...) read as they are meant.
+  // NOLINTBEGIN(google-explicit-constructor)
   Hint() = default;
-  Hint(std::string words)
-      : text(std::move(words)) {}           // NOLINT(google-explicit-constructor): fail(kind, message, "...")
-  Hint(const char* words) : text(words) {}  // NOLINT(google-explicit-constructor)
-  Hint(Remedy code, std::string words = {})
-      : remedy(code), text(std::move(words)) {}  // NOLINT(google-explicit-constructor)
+  Hint(std::string words) : text(std::move(words)) {}
+  Hint(const char* words) : text(words) {}
+  Hint(Remedy code, std::string words = {}) : remedy(code), text(std::move(words)) {}
+  // NOLINTEND(google-explicit-constructor)
 
   [[nodiscard]] bool empty() const { return remedy == Remedy::none && text.empty(); }
   friend bool operator==(const Hint&, const Hint&) = default;

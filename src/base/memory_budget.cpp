@@ -68,11 +68,11 @@ std::optional<std::uint64_t> control_group_limit() {
       continue;
     }
     const bool second = number == "0" && controllers.empty();
-    if (!second && ("," + controllers + ",").find(",memory,") == std::string::npos) continue;
+    if (!second && fmt::format(",{},", controllers).find(",memory,") == std::string::npos) continue;
     const std::string mount = second ? "/sys/fs/cgroup" : "/sys/fs/cgroup/memory";
     const std::string file = second ? "/memory.max" : "/memory.limit_in_bytes";
     for (std::string at = folder == "/" ? "" : folder;; at.erase(at.rfind('/'))) {
-      look(mount + at + file);
+      look(fmt::format("{}{}{}", mount, at, file));
       if (at.find('/') == std::string::npos) break;
     }
   }

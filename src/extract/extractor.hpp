@@ -37,7 +37,8 @@ enum class NanPolicy {
             // Where only a point would join what is left on both sides, each side has a vertex of its own there.
 };
 constexpr auto words_of(NanPolicy /*type*/) {
-  return std::array{Word{NanPolicy::error, "error"}, Word{NanPolicy::outside, "outside"}, Word{NanPolicy::hole, "hole"}};
+  return std::array{Word{NanPolicy::error, "error"}, Word{NanPolicy::outside, "outside"},
+                    Word{NanPolicy::hole, "hole"}};
 }
 
 struct ExtractOptions {

@@ -50,8 +50,7 @@ std::uint64_t sum(Bytes piece) {
 
 class MemoryReader : public Contestant {
  public:
-  explicit MemoryReader(const BenchmarkInput& input)
-      : pieces_(pieces_of(input.field)), bytes_(sample_bytes(input)) {}
+  explicit MemoryReader(const BenchmarkInput& input) : pieces_(pieces_of(input.field)), bytes_(sample_bytes(input)) {}
 
   [[nodiscard]] std::string name() const override { return "read samples once"; }
   [[nodiscard]] std::string program() const override { return "memory"; }
