@@ -17,10 +17,11 @@ build_packages=(
   libepoxy-dev libegl1 libopengl0 libegl-mesa0 libgl1-mesa-dri
   libxxhash-dev libglm-dev libhwy-dev libcli11-dev libfmt-dev libspdlog-dev libexpected-dev
 )
-# OpenVDB writes the VDB files that the tests read. Its headers include Boost's; its package does not say so.
+# OpenVDB writes the VDB files that the tests read. Its headers include Boost's; its package does not say so. dpkg-dev
+# unpacks the source of oneTBB (scripts/tsan_tbb).
 test_packages=(
   libgtest-dev libopenvdb-dev libboost-dev clang-format clang-tidy python3 python3-jsonschema shellcheck mandoc
-  bash-completion gnuplot-nox
+  bash-completion gnuplot-nox dpkg-dev
 )
 fuzz_packages=(clang libclang-rt-14-dev)
 bench_packages=(libvtk9-dev libopenvdb-dev libboost-dev libimath-dev libopenvdb-tools python3)

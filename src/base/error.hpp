@@ -31,6 +31,9 @@ enum class Remedy {
   choose_grid_number,    // likewise, where names repeat
   leave_out_grid,        // the format has one volume a file
   describe_raw,          // a raw file needs dims and a type
+  check_raw,             // what was said of a raw file does not go with its size
+  retype_raw,            // text: the types of sample with which it would
+  skip_in_raw,           // text: how many bytes to skip, with which it would
   read_as_raw,           // the bytes of any file can be read
   place_by_hand,         // spacing and origin in place of the file's frame
   rescale,               // another spacing, scale, unit or space
@@ -38,6 +41,7 @@ enum class Remedy {
   use_cpu,               // the CPU backend needs no GPU; text: what else helps, before it
   less_gpu_memory,       // the GPU takes less at a time
   more_gpu_memory,       // the GPU may take more
+  other_gpu,             // that one is not there; one can be chosen by itself
   choose_mesh_format,    // text: the formats' names
   ascii_formats,         // text: the formats that can be text
   one_file_per_surface,  // text: the formats that hold several; or a file each

@@ -101,21 +101,20 @@ class Bench {
   Result<measure::BenchResult> measure_demo(const std::string& input) const {
     const auto spec = field::parse_demo_spec(input);
     if (!spec) return tl::unexpected(spec.error());
-    const Context context;
+    const Context context{plan_.memory};
     const ProgressBar bar(context.progress(), bar_wanted());
     measure::BenchOptions options = options_;
-    options.progress = &context.progress();
     if (plan_.iso) {
       options.iso = *plan_.iso;
     } else {
       options.iso = std::ranges::find(field::demo_fields(), spec->name, &field::DemoDescription::name)->iso;
     }
-    return measure::bench_demo(spec->name, plan_.sizes, options);
+    return measure::bench_demo(spec->name, plan_.sizes, options, context);
   }
 
   Result<measure::BenchResult> measure_file(const std::string& input) const {
     std::optional<field::ScalarField> field;
-    const Context context{MemoryBudget(plan_.read.limits.memory_bytes)};
+    const Context context{plan_.memory};
     {
       const ProgressBar bar(context.progress(), bar_wanted());
       convert::Events unheard;
@@ -128,8 +127,7 @@ class Bench {
     const ProgressBar bar(context.progress(), bar_wanted());
     measure::BenchOptions options = options_;
     options.iso = *plan_.iso;
-    options.progress = &context.progress();
-    return measure::bench_field(*field, factors, options);
+    return measure::bench_field(*field, factors, options, context);
   }
 
   // Those of the plan, or those that leave enough samples; then the data as they are.

@@ -23,7 +23,6 @@
 #include "cli/generate_docs.hpp"
 #include "cli/help_topics.hpp"
 #include "cli/info_command.hpp"
-#include "cli/lost_input.hpp"
 #include "cli/messages.hpp"
 #include "cli/plan.hpp"
 #include "cli/stability_command.hpp"
@@ -155,7 +154,6 @@ int run(int argc, char** argv) {
   // A closed pipe and a file-size limit are errors of writing, with a message and an exit code.
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
-  report_lost_input();
   try {
     return run_arguments(std::vector<std::string>(argv + (argc > 0 ? 1 : 0), argv + argc));
   } catch (const std::bad_alloc&) {

@@ -28,8 +28,8 @@ struct Side {
   mesh::Bounds bounds;
 };
 
-Result<Side> read_side(const std::string& path, const Limits& limits) {
-  auto file = meshes::read_mesh(path, limits);
+Result<Side> read_side(const std::string& path, const Context& context) {
+  auto file = meshes::read_mesh(path, Context(MemoryBudget(limits.memory_bytes)));
   if (!file) return tl::unexpected(std::move(file.error()));
   Side side;
   side.path = path;
@@ -167,13 +167,13 @@ Result<void> check_distance(const ComparePlan& plan, const measure::MeshDistance
 
 Result<void> run_compare(const ComparePlan& plan, const Messages& messages) {
   const Stopwatch watch;
-  const Context context{MemoryBudget(plan.limits.memory_bytes)};
+  const Context context{plan.memory};
   std::array<Side, 2> sides;
   for (std::size_t i = 0; i < sides.size(); ++i) {
     {
       const ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
       context.progress().begin("reading meshes", 0);
-      auto side = read_side(plan.meshes[i], plan.limits);
+      auto side = read_side(plan.meshes[i], context);
       if (!side) return tl::unexpected(std::move(side.error()));
       sides[i] = std::move(*side);
     }

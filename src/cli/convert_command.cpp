@@ -181,7 +181,7 @@ Result<void> write_report(const ConvertPlan& plan, const convert::Outcome& outco
   auto file = files::OutputFile::create(*plan.report);
   if (!file) return tl::unexpected(file.error());
   const std::string text = convert::json_text(
-      convert::report_of(plan.job, outcome, plan.arguments, plan.job.source.read.limits.memory_bytes, hint));
+      convert::report_of(plan.job, outcome, plan.arguments, plan.memory.limit(), hint));
   if (auto written = file->write(text); !written) return written;
   return file->commit();
 }
@@ -193,7 +193,7 @@ Result<void> run_convert(const ConvertPlan& plan, const Messages& messages) {
   convert::Outcome outcome;
   for (const std::string& text : plan.notes) messages.note(text);
   if (auto checked = check_stdout(plan.job); checked) {
-    const Context context{MemoryBudget(plan.job.source.read.limits.memory_bytes)};
+    const Context context{plan.memory};
     ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
     Narrator narrator(plan, messages, bar);
     outcome = convert::run(plan.job, context, narrator, {plan.explain || plan.report, plan.report.has_value()});

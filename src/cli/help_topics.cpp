@@ -5,6 +5,7 @@
 #include <cctype>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/version.hpp"
 #include "cli/options.hpp"
@@ -34,9 +35,12 @@ HelpTopic formats_topic() {
       "Volumes that can be read. The format is found by the content of the file, then by its extension; "
       "--input-format overrides both.",
       {}};
-  for (const volumes::VolumeFormatInfo& info : volumes::volume_formats()) {
-    const std::string extensions = info.extensions.empty() ? "" : fmt::format(" ({})", info.extensions);
-    read.rows.push_back({std::string(info.name), fmt::format("{}{}", info.title, extensions)});
+  for (const volumes::VolumeFormat* format : volumes::volume_formats()) {
+    const volumes::FormatDescription& about = format->about();
+    std::string text = about.title;
+    if (about.needs_layout) text += ", with --dims and --dtype";
+    if (!about.extensions.empty()) text += fmt::format(" ({})", fmt::join(about.extensions, " "));
+    read.rows.push_back({about.id, text});
   }
   HelpBlock written{"Meshes that can be written. The format is chosen by the extension of the output, or by --format.",
                     {}};

@@ -28,7 +28,7 @@ std::string example_command(const InfoPlan& plan, const std::string& input, doub
 }
 
 Result<FieldReport> measure(const InfoPlan& plan, const std::string& input, const Messages& messages) {
-  const Context context{MemoryBudget(plan.read.limits.memory_bytes)};
+  const Context context{plan.memory};
   const ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
   convert::Events unheard;  // notes are told with the report
   auto field = convert::read_field(input, plan.read, context, unheard);

@@ -109,10 +109,12 @@ class Group {
   std::string name_;
 };
 
-std::vector<Choice<volumes::VolumeFormat>> input_formats() {
-  std::vector<Choice<volumes::VolumeFormat>> formats;
-  for (const volumes::VolumeFormatInfo& info : volumes::volume_formats()) {
-    if (info.format != volumes::VolumeFormat::demo) formats.push_back({std::string(info.name), info.format});
+// Those that are files.
+std::vector<Choice<std::string>> input_formats() {
+  std::vector<Choice<std::string>> formats;
+  for (const volumes::VolumeFormat* format : volumes::volume_formats()) {
+    const volumes::FormatDescription& about = format->about();
+    if (about.prefix.empty()) formats.push_back({about.id, about.id});
   }
   return formats;
 }

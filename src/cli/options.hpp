@@ -32,7 +32,7 @@ namespace isoextract::cli {
 struct InputFlags {
   std::vector<std::string> inputs;
   std::optional<std::string> grid;
-  std::optional<volumes::VolumeFormat> format;
+  std::optional<std::string> format;
   std::optional<glm::ivec3> dims;
   std::optional<field::SampleType> dtype;
   std::optional<std::endian> endian;

@@ -22,6 +22,10 @@ bool is_gltf(meshes::MeshFormat format) {
   return format == meshes::MeshFormat::glb || format == meshes::MeshFormat::gltf;
 }
 
+MemoryBudget plan_memory(const std::optional<std::uint64_t>& limit) {
+  return limit ? MemoryBudget(*limit) : MemoryBudget();
+}
+
 Result<volumes::ReadOptions> plan_read(const InputFlags& flags) {
   for (const std::string& input : flags.inputs) {
     if (input.empty()) return usage("INPUT is empty");
@@ -33,7 +37,6 @@ Result<volumes::ReadOptions> plan_read(const InputFlags& flags) {
   read.spacing = flags.spacing;
   read.origin = flags.origin;
   read.kind = flags.inside;
-  if (flags.memory_limit) read.limits.memory_bytes = *flags.memory_limit;
   if (flags.dims) {
     volumes::RawLayout raw;
     raw.dims = *flags.dims;
@@ -189,6 +192,7 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& flags) {
   auto read = plan_read(flags.input);
   if (!read) return tl::unexpected(read.error());
   job.source.read = std::move(*read);
+  plan.memory = plan_memory(flags.input.memory_limit);
 
   const auto format = plan_format(flags);
   if (!format) return tl::unexpected(format.error());
@@ -241,6 +245,7 @@ Result<InfoPlan> plan_info(const InfoFlags& flags, const CLI::App& command) {
   if (!read) return tl::unexpected(read.error());
   plan.inputs = flags.input.inputs;
   plan.read = std::move(*read);
+  plan.memory = plan_memory(flags.input.memory_limit);
   plan.json = flags.json;
   for (const CLI::Option* option : options_in_group(command, "Input")) {
     if (option->get_positional() || option->count() == 0) continue;
@@ -260,6 +265,7 @@ Result<VerifyPlan> plan_verify(const VerifyFlags& flags) {
   auto read = plan_read(flags.input);
   if (!read) return tl::unexpected(read.error());
   plan.source.read = std::move(*read);
+  plan.memory = plan_memory(flags.input.memory_limit);
   meshes::MeshFormat format = meshes::MeshFormat::glb;  // backends are compared where the default output would be
   if (plan.mesh) {
     const auto given = format_of_path(*plan.mesh, "MESH is a mesh that isoextract wrote");
@@ -287,7 +293,7 @@ Result<ComparePlan> plan_compare(const CompareFlags& flags) {
   ComparePlan plan;
   plan.meshes = {flags.meshes[0], flags.meshes[1]};
   plan.max_distance = flags.max_distance;
-  if (flags.memory_limit) plan.limits.memory_bytes = *flags.memory_limit;
+  plan.memory = plan_memory(flags.memory_limit);
   plan.json = flags.json;
   return plan;
 }
@@ -316,6 +322,7 @@ Result<BenchPlan> plan_bench(const BenchFlags& flags) {
   auto read = plan_read(flags.input);
   if (!read) return tl::unexpected(read.error());
   plan.read = std::move(*read);
+  plan.memory = plan_memory(flags.input.memory_limit);
   plan.inputs = flags.input.inputs;
   plan.options.repeats = flags.repeats.value_or(plan.options.repeats);
   if (std::ranges::find(plan.inputs, "gpu-threads") != plan.inputs.end()) {
@@ -358,7 +365,6 @@ Result<BenchPlan> plan_bench(const BenchFlags& flags) {
   plan.options.methods = flags.methods.value_or(std::vector<extract::Method>{extract::Method::mc, extract::Method::mt});
   if (flags.backends) plan.backends = plan_backends(*flags.backends, flags.device);
   plan.gpu = plan_gpu(flags.device);
-  plan.options.limits = plan.read.limits;
   plan.options.threads = flags.threads.value_or(std::vector<int>{1});
   if (auto checked = measure::check_thread_counts(plan.options.threads); !checked)
     return tl::unexpected(checked.error());

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/memory_budget.hpp"
 #include "cli/error_plot.hpp"
 #include "cli/messages.hpp"
 #include "cli/options.hpp"
@@ -18,6 +19,7 @@ namespace isoextract::cli {
 
 struct ConvertPlan {
   convert::ConversionJob job;
+  MemoryBudget memory;
   bool explain = false;
   std::optional<std::string> report;   // the path of the JSON report
   std::vector<std::string> arguments;  // the words of the command line, for the report
@@ -25,6 +27,7 @@ struct ConvertPlan {
 };
 
 struct InfoPlan {
+  MemoryBudget memory;
   std::vector<std::string> inputs;
   volumes::ReadOptions read;
   std::vector<std::string> input_arguments;  // the input options as they were given, to repeat in an example
@@ -32,6 +35,7 @@ struct InfoPlan {
 };
 
 struct VerifyPlan {
+  MemoryBudget memory;
   convert::SourceOptions source;
   convert::SurfaceOptions surface;
   double iso = 0;
@@ -45,11 +49,12 @@ struct VerifyPlan {
 struct ComparePlan {
   std::array<std::string, 2> meshes;
   std::optional<double> max_distance;
-  Limits limits = default_limits();
+  MemoryBudget memory;
   bool json = false;
 };
 
 struct BenchPlan {
+  MemoryBudget memory;
   std::vector<std::string> inputs;
   bool gpu_threads = false;                           // instead of inputs
   std::optional<std::vector<NamedBackend>> backends;  // none: cpu, and gpu where there is one that is not software

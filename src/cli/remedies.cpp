@@ -16,6 +16,10 @@ std::string words_of(const Hint& hint) {
     case Remedy::leave_out_grid: return "leave --grid out: there is one volume in the file";
     case Remedy::describe_raw:
       return "give --dims X,Y,Z and --dtype TYPE (and --endian, --skip, --spacing where they matter)";
+    case Remedy::check_raw: return "check --dims, --dtype and --skip";
+    case Remedy::retype_raw: return fmt::format("the size would fit --dtype {}", text);
+    case Remedy::skip_in_raw:
+      return fmt::format("the size would fit --skip {}, if that many bytes of header come first", text);
     case Remedy::read_as_raw: return "--input-format raw reads the bytes of any file";
     case Remedy::place_by_hand: return "place the volume with --spacing X,Y,Z and --origin X,Y,Z";
     case Remedy::rescale: return "choose another --spacing, --scale or --unit, or --space index";
@@ -24,6 +28,7 @@ std::string words_of(const Hint& hint) {
     case Remedy::use_cpu: return text.empty() ? "--backend cpu needs no GPU" : text + "; --backend cpu needs no GPU";
     case Remedy::less_gpu_memory: return "give the GPU less at a time with --gpu-memory, or use --backend cpu";
     case Remedy::more_gpu_memory: return "give the GPU more with --gpu-memory, or use --backend cpu";
+    case Remedy::other_gpu: return "'isoextract devices' tells more; leave out --device to let one be chosen";
     case Remedy::choose_mesh_format: return fmt::format("use --format {}", text);
     case Remedy::ascii_formats: return fmt::format("--ascii is for {}", text);
     case Remedy::one_file_per_surface:

@@ -30,10 +30,8 @@ class Notes final : public convert::Events {
   ProgressBar& bar_;
 };
 
-extract::ExtractOptions options_of(const VerifyPlan& plan, const convert::Source& source, const Context& context) {
+extract::ExtractOptions options_of(const VerifyPlan& plan, const convert::Source& source) {
   extract::ExtractOptions options = source.extract_options(plan.surface, plan.iso);
-  options.limits = plan.source.read.limits;
-  options.progress = &context.progress();
   return options;
 }
 
@@ -49,12 +47,13 @@ Result<void> verify_backends(const VerifyPlan& plan, const Messages& messages, c
     const auto source = convert::open_source(plan.source, {}, context, notes);
     if (!source) return tl::unexpected(source.error());
     label = source->label;
-    extract::ExtractOptions options = options_of(plan, *source, context);
+    extract::ExtractOptions options = options_of(plan, *source);
     options.smooth_normals = true;
     options.edge_keys = true;
-    const auto extraction = first->extract(source->field, options);
+    const auto extraction = first->extract(source->field, options, context);
     if (!extraction) return tl::unexpected(extraction.error());
-    auto compared = convert::compare_backends(source->field, options, extraction->mesh, *first, *second->extractor);
+    auto compared = convert::compare_backends(source->field, options, extraction->mesh, *first,
+                                              *second->extractor, context);
     if (!compared) return tl::unexpected(std::move(compared.error()));
     record = std::move(*compared);
   }
@@ -104,16 +103,16 @@ Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages, const
     ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
     Notes notes(messages, bar);
     context.progress().begin("reading the mesh", 0);
-    auto file = meshes::read_mesh(*plan.mesh, plan.source.read.limits);
+    auto file = meshes::read_mesh(*plan.mesh, context);
     if (!file) return tl::unexpected(std::move(file.error()));
     for (const std::string& text : file->notes) notes.note(text);
     const auto source = convert::open_source(plan.source, {}, context, notes);
     if (!source) return tl::unexpected(source.error());
     surface = fmt::format("{} iso {}", source->label, plan.iso);
-    const auto extraction = extractor->extract(source->field, options_of(plan, *source, context));
+    const auto extraction = extractor->extract(source->field, options_of(plan, *source), context);
     if (!extraction) return tl::unexpected(extraction.error());
     const auto matched =
-        measure::match_meshes(file->mesh, extraction->mesh, plan.float32_world, plan.source.read.limits);
+        measure::match_meshes(file->mesh, extraction->mesh, plan.float32_world, Limits{context.memory().limit()});
     if (!matched) return tl::unexpected(matched.error());
     match = *matched;
   }
@@ -132,7 +131,7 @@ Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages, const
 Result<void> run_verify(const VerifyPlan& plan, const Messages& messages) {
   const Stopwatch watch;
   for (const std::string& note : plan.notes) messages.note(note);
-  const Context context{MemoryBudget(plan.source.read.limits.memory_bytes)};
+  const Context context{plan.memory};
   const auto done = plan.mesh ? verify_mesh(plan, messages, context) : verify_backends(plan, messages, context);
   messages.detail(fmt::format("verified in {:.2f} s, peak memory {}", watch.elapsed().wall_seconds,
                               format_byte_size(peak_memory())));

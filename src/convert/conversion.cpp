@@ -17,7 +17,6 @@
 #include "convert/output_checks.hpp"
 #include "convert/source.hpp"
 #include "field/statistics.hpp"
-#include "files/file_bytes.hpp"
 
 namespace isoextract::convert {
 namespace {
@@ -94,7 +93,9 @@ class Conversion {
     }
     Surface surface{iso, std::move(*mesh), {}};
     if (job_.simplify) {
-      events_.simplified(simplify_mesh(surface.mesh, iso, *job_.simplify, source_.output_from_index, context_));
+      auto simplified = simplify_mesh(surface.mesh, iso, *job_.simplify, source_.output_from_index, context_);
+      if (!simplified) return tl::unexpected(std::move(simplified.error()));
+      events_.simplified(*simplified);
     }
     if (job_.error) {
       const Stopwatch watch;
@@ -110,22 +111,22 @@ class Conversion {
     extract::ExtractOptions options = source_.extract_options(job_.surface, iso);
     options.smooth_normals = job_.normals == Normals::smooth;
     options.edge_keys = job_.verify;
-    options.limits = job_.source.read.limits;
-    options.progress = &context_.progress();
     return options;
   }
 
   Result<mesh::Mesh> extract(double iso) {
     const Stopwatch watch;
     const extract::ExtractOptions options = extract_options(iso);
-    auto extraction = extractor_->extract(source_.field, options);
-    if (!extraction && gave_way(extraction.error())) extraction = extractor_->extract(source_.field, options);
+    auto extraction = extractor_->extract(source_.field, options, context_);
+    if (!extraction && gave_way(extraction.error())) extraction = extractor_->extract(source_.field, options, context_);
     if (!extraction) return tl::unexpected(std::move(extraction.error()));
+    if (auto whole = volumes::check_not_lost(source_.field); !whole) return tl::unexpected(std::move(whole.error()));
     const AskedFor asked{.flat_normals = job_.normals == Normals::flat, .error = job_.error.has_value()};
     events_.extracted({iso, extraction->mesh.triangles.size(), extraction->stats,
                        extraction_facts(extraction->stats, options, asked), watch.elapsed()});
     if (other_extractor_ != nullptr) {
-      auto record = compare_backends(source_.field, options, extraction->mesh, *extractor_, *other_extractor_);
+      auto record = compare_backends(source_.field, options, extraction->mesh, *extractor_, *other_extractor_,
+                                     context_);
       if (!record) return tl::unexpected(std::move(record.error()));
       extraction->mesh.edges = {};  // they have done their work
       events_.verified(*record);
@@ -177,7 +178,7 @@ class Conversion {
       written.vertices += surface.mesh.positions.size();
       meshes.push_back(std::move(surface.mesh));
     }
-    auto result = meshes::write_meshes(meshes, output.path, {job_.format, job_.normals == Normals::flat, job_.ascii});
+    auto result = meshes::write_meshes(meshes, output.path, {job_.format, job_.normals == Normals::flat, job_.ascii}, context_);
     if (!result) return tl::unexpected(std::move(result.error()));
     written.files = std::move(result->files);
     written.time = watch.elapsed();
@@ -245,7 +246,7 @@ Outcome run(const ConversionJob& job, const Context& context, Events& events, co
   }
   if (!done) outcome.error = std::move(done.error());
   outcome.total = watch.elapsed();
-  outcome.bytes_read = files::bytes_read();
+  outcome.bytes_read = context.counters().bytes_read;
   outcome.peak_memory = peak_memory();
   outcome.reserved_memory = context.memory().peak();
   return outcome;

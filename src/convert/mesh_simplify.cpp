@@ -37,27 +37,27 @@ Stretch stretch_of(const glm::dmat3& map) {
 
 }  // namespace
 
-MeshSimplification simplify_mesh(mesh::Mesh& mesh, double iso, const SimplifyBound& bound,
+Result<MeshSimplification> simplify_mesh(mesh::Mesh& mesh, double iso, const SimplifyBound& bound,
                                  const field::Affine& output_from_index, const Context& context) {
   const Stretch voxel = stretch_of(output_from_index.linear);
   edit::SimplifyOptions options;
   options.max_distance = bound.distance;
   options.patch_size = kPatchVoxels * std::cbrt(std::abs(output_from_index.determinant()));
-  options.progress = &context.progress();
   if (!bound.in_world_units && voxel.is_even()) {
     options.max_distance = bound.distance * voxel.least;
   } else if (!bound.in_world_units) {
     options.to_metric = glm::inverse(output_from_index.linear);
     options.patch_size = kPatchVoxels;
   }
-  edit::SimplifiedMesh simplified = edit::simplify_within(std::move(mesh), options);
-  mesh = std::move(simplified.mesh);
+  auto simplified = edit::simplify_within(std::move(mesh), options, context);
+  if (!simplified) return tl::unexpected(std::move(simplified.error()));
+  mesh = std::move(simplified->mesh);
 
   MeshSimplification result;
   result.iso = iso;
   result.asked = bound;
-  result.facts = simplified.facts;
-  const DistanceRange measured{simplified.facts.measured_lower, simplified.facts.measured_upper};
+  result.facts = simplified->facts;
+  const DistanceRange measured{simplified->facts.measured_lower, simplified->facts.measured_upper};
   if (options.to_metric != glm::dmat3(1.0)) {
     result.voxels = measured;
     result.world = {measured.lower * voxel.least, measured.upper * voxel.most};

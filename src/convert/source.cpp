@@ -1,5 +1,6 @@
 #include "convert/source.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <utility>
 
@@ -9,20 +10,15 @@
 namespace isoextract::convert {
 namespace {
 
-// Only sparse formats have more than one grid.
-void tell_work(const SourceOptions& options, const field::ScalarField& field, Events& events) {
-  std::uint64_t grids = 1;
-  if (std::holds_alternative<field::SparseSamples>(field.samples)) {
-    if (const auto found = volumes::list_grids(options.input, options.read)) grids = found->size();
-  }
-  for (const WorkFact& fact : reading_facts(field, grids)) events.worked(fact);
+void tell_work(const field::ScalarField& field, Events& events) {
+  for (const WorkFact& fact : reading_facts(field, std::max<std::uint64_t>(field.grids, 1))) events.worked(fact);
 }
 
 // The grid of another resolution takes the place of the data.
 Result<void> change_resolution(const SourceOptions& options, bool keep_data, const Context& context, Events& events,
                                Source& source) {
   const Stopwatch watch;
-  auto grid = field::resample(source.field, *options.resolution, options.read.limits, &context.progress());
+  auto grid = field::resample(source.field, *options.resolution, Limits{context.memory().limit()}, &context.progress());
   if (!grid) return tl::unexpected(std::move(grid.error()));
   const StageTime time = watch.elapsed();
   for (const std::string& text : grid->notes) events.note(text);
@@ -37,14 +33,13 @@ Result<void> change_resolution(const SourceOptions& options, bool keep_data, con
 Result<field::ScalarField> read_field(const std::string& input, const volumes::ReadOptions& options,
                                       const Context& context, Events& events) {
   const Stopwatch watch;
-  volumes::ReadOptions read = options;
-  read.progress = &context.progress();
-  auto field = volumes::read_volume(input, read);
+  auto field = volumes::read_volume(input, options, context);
   if (!field) return field;
   const StageTime time = watch.elapsed();
   for (const std::string& text : field->notes) events.note(text);
   events.read(input, *field, time);
   if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
+  if (auto whole = volumes::check_not_lost(*field); !whole) return tl::unexpected(std::move(whole.error()));
   return field;
 }
 
@@ -66,7 +61,7 @@ Result<Source> open_source(const SourceOptions& options, const SourceExtras& ext
   Source source;
   source.label = field_label(*field);
   source.field = std::move(*field);
-  if (extras.work) tell_work(options, source.field, events);
+  if (extras.work) tell_work(source.field, events);
   if (options.resolution) {
     auto changed = change_resolution(options, extras.keep_data, context, events, source);
     if (!changed) return tl::unexpected(std::move(changed.error()));

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/context.hpp"
 #include "base/stopwatch.hpp"
 #include "convert/json_values.hpp"
 #include "extract/extractor.hpp"
@@ -30,7 +31,7 @@ struct VerificationRecord {
 [[nodiscard]] Result<VerificationRecord> compare_backends(const field::ScalarField& field,
                                                           const extract::ExtractOptions& options,
                                                           const mesh::Mesh& mesh, const extract::Extractor& first,
-                                                          extract::Extractor& second);
+                                                          extract::Extractor& second, const Context& context);
 
 // Fails with ErrorKind::verification if the record says that something differs. `label` names the field.
 [[nodiscard]] Result<void> check_verification(const std::string& label, const VerificationRecord& record);

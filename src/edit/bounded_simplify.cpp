@@ -5,7 +5,9 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <new>
 #include <optional>
+#include <string>
 #include <unordered_map>
 #include <unordered_set>
 #include <utility>
@@ -80,8 +82,12 @@ void for_ranges(std::size_t size, const Body& body) {
 
 class Simplifier {
  public:
-  Simplifier(const mesh::Mesh& mesh, const SimplifyOptions& options, Simplification& facts)
-      : mesh_(mesh), options_(options), facts_(facts), original_(mesh.triangles.begin(), mesh.triangles.end()) {
+  Simplifier(const mesh::Mesh& mesh, const SimplifyOptions& options, Simplification& facts, const Context& context)
+      : mesh_(mesh),
+        options_(options),
+        facts_(facts),
+        context_(context),
+        original_(mesh.triangles.begin(), mesh.triangles.end()) {
     place_vertices();
     limits_.tolerance = 0;
     limits_.enough = options.max_distance - slack_;
@@ -91,13 +97,16 @@ class Simplifier {
     limits_.floor = 1e-3 * limits_.enough;  // what is so near to the limit is refused, not looked into without end
   }
 
-  Triangles run() {
+  // Fails where the context is cancelled.
+  Result<Triangles> run() {
     for (const glm::uvec3& t : original_) faces_.push_back({t, {}});
     known_.resize(original_.size());
     known_of_original_.resize(original_.size());
     if (!(limits_.enough > 0)) return original_;
     original_tree_.emplace(positions_, original_);
-    for (const double shift : {0.0, 0.5}) round(shift);
+    for (const double shift : {0.0, 0.5}) {
+      if (auto done = round(shift); !done) return tl::unexpected(std::move(done.error()));
+    }
     facts_.measured_lower = 0;
     facts_.measured_upper = 0;
     for (const std::vector<Known>* all : {&known_, &known_of_original_}) {
@@ -151,20 +160,21 @@ class Simplifier {
   }
   [[nodiscard]] bool good(const mesh::TriangleBound& bound) const { return bound.upper <= limits_.enough; }
 
-  void round(double shift) {
+  Result<void> round(double shift) {
     std::vector<Patch> patches = split(shift);
     facts_.patches += patches.size();
     std::vector<char> doubtful(original_.size(), 1);
     std::vector<std::uint32_t> touched;  // patches that changed since the last measurement
     constexpr int kPasses = 5;
     for (int pass = 0;; ++pass) {
+      if (auto going_on = context_.check(); !going_on) return going_on;
       ++facts_.passes;
-      if (options_.progress != nullptr) options_.progress->begin("simplifying", 0);
+      context_.progress().begin("simplifying", 0);
       tbb::parallel_for(std::size_t{0}, patches.size(), [&](std::size_t p) {
         if (patches[p].pending) simplify(patches[p]);
       });
       if (pass > 0) doubt_near(patches, touched, doubtful);
-      if (options_.progress != nullptr) options_.progress->begin("measuring the simplified mesh", 0);
+      context_.progress().begin("measuring the simplified mesh", 0);
       touched = measure_original(patches, doubtful, pass + 1 >= kPasses);
       if (touched.empty()) break;
     }
@@ -175,6 +185,7 @@ class Simplifier {
       std::move(patch.after.begin(), patch.after.end(), std::back_inserter(faces_));
       known_.insert(known_.end(), patch.known_after.begin(), patch.known_after.end());
     }
+    return {};
   }
 
   // By the box of the grid that a triangle's centroid is in, in the order of the boxes.
@@ -337,6 +348,7 @@ class Simplifier {
   const mesh::Mesh& mesh_;
   const SimplifyOptions& options_;
   Simplification& facts_;
+  const Context& context_;
   Triangles original_;
   std::vector<glm::vec3> placed_;
   std::span<const glm::vec3> positions_;
@@ -351,46 +363,64 @@ class Simplifier {
 
 // Vertices that no triangle uses any more are left out; the others keep their order. Edge keys go: they are of meshes
 // as they were extracted.
-mesh::Mesh with_triangles(const mesh::Mesh& mesh, const Triangles& triangles) {
+void set_triangles(mesh::Mesh& mesh, const Triangles& triangles) {
   constexpr std::uint32_t kUnused = ~0U;
   std::vector<std::uint32_t> number(mesh.positions.size(), kUnused);
   for (const glm::uvec3& t : triangles) number[t.x] = number[t.y] = number[t.z] = 0;
-  std::uint32_t count = 0;
-  for (std::uint32_t& n : number) {
-    if (n != kUnused) n = count++;
-  }
-  mesh::Mesh result;
-  result.name = mesh.name;
-  result.origin = mesh.origin;
-  result.positions = Buffer<glm::vec3>(count);
-  if (!mesh.normals.empty()) result.normals = Buffer<glm::vec3>(count);
-  for (std::size_t v = 0; v < number.size(); ++v) {
+  std::vector<std::uint32_t> used;
+  for (std::uint32_t v = 0; v < number.size(); ++v) {
     if (number[v] == kUnused) continue;
-    result.positions[number[v]] = mesh.positions[v];
-    if (!mesh.normals.empty()) result.normals[number[v]] = mesh.normals[v];
+    number[v] = static_cast<std::uint32_t>(used.size());
+    used.push_back(v);
   }
-  result.triangles = Buffer<glm::uvec3>(triangles.size());
-  std::transform(triangles.begin(), triangles.end(), result.triangles.begin(),
+  mesh.edges = {};
+  Buffer<glm::uvec3> renumbered(triangles.size());
+  std::transform(triangles.begin(), triangles.end(), renumbered.begin(),
                  [&](const glm::uvec3& t) { return glm::uvec3(number[t.x], number[t.y], number[t.z]); });
-  return result;
+  gather_vertices(mesh, used);
+  mesh.triangles = std::move(renumbered);
 }
 
-}  // namespace
+// What a Simplifier takes at most at a time: all triangles as faces in patches, before and after, with what is known of
+// them, two trees, and a table of those that are there; places of vertices, and their numbers.
+std::uint64_t working_bytes(const mesh::Mesh& mesh) {
+  constexpr std::uint64_t kTree = 9 * sizeof(glm::vec3) + 8;
+  constexpr std::uint64_t kTable = 48;  // an entry of a hash table, with its node and its place
+  constexpr std::uint64_t kTriangle =
+      3 * sizeof(glm::uvec3) + 3 * sizeof(Face) + 4 * sizeof(Known) + 2 * kTree + kTable;
+  constexpr std::uint64_t kVertex = 2 * sizeof(glm::vec3) + 3 * sizeof(std::uint32_t);
+  return mesh.triangles.size() * kTriangle + mesh.positions.size() * (kVertex + vertex_bytes(mesh));
+}
 
-SimplifiedMesh simplify_within(mesh::Mesh mesh, const SimplifyOptions& options) {
+Result<SimplifiedMesh> simplified(mesh::Mesh mesh, const SimplifyOptions& options, const Context& context) {
   const Stopwatch watch;
   SimplifiedMesh result;
   Simplification& facts = result.facts;
   facts.asked = options.max_distance;
   facts.triangles_before = mesh.triangles.size();
   if (!mesh.triangles.empty()) {
-    const Triangles triangles = Simplifier(mesh, options, facts).run();
-    if (triangles.size() < mesh.triangles.size()) mesh = with_triangles(mesh, triangles);
+    const auto triangles = Simplifier(mesh, options, facts, context).run();
+    if (!triangles) return tl::unexpected(triangles.error());
+    if (triangles->size() < mesh.triangles.size()) set_triangles(mesh, *triangles);
   }
   facts.triangles_after = mesh.triangles.size();
   facts.time = watch.elapsed();
+  mesh.memory.shrink(mesh.positions.size() * vertex_bytes(mesh) + mesh.triangles.size_bytes());
   result.mesh = std::move(mesh);
   return result;
+}
+
+}  // namespace
+
+Result<SimplifiedMesh> simplify_within(mesh::Mesh mesh, const SimplifyOptions& options, const Context& context) {
+  const std::string what = mesh.name + ": the triangles that are simplified";
+  const auto memory = context.reserve(working_bytes(mesh), what);
+  if (!memory) return tl::unexpected(memory.error());
+  try {
+    return simplified(std::move(mesh), options, context);
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorKind::input, what + " need more memory than there is", Remedy::extract_part);
+  }
 }
 
 }  // namespace isoextract::edit

@@ -15,7 +15,8 @@
 
 #include <glm/glm.hpp>
 
-#include "base/progress.hpp"
+#include "base/context.hpp"
+#include "base/error.hpp"
 #include "base/stopwatch.hpp"
 #include "mesh/mesh.hpp"
 
@@ -26,7 +27,6 @@ struct SimplifyOptions {
   // From the mesh's coordinates to the space in which distances are meant: for voxels, where a voxel is a unit cube.
   glm::dmat3 to_metric{1.0};
   double patch_size = 24;  // side of the boxes, in that space
-  Progress* progress = nullptr;
 };
 
 struct Simplification {
@@ -47,9 +47,12 @@ struct SimplifiedMesh {
   Simplification facts;
 };
 
-// The result has some of the mesh's vertices, with their positions and normals, in their order. Open borders keep every
+// The result has some of the mesh's vertices, with all that belongs to them but edge keys, in
+// their order. Open borders keep every
 // vertex. Where the mesh is a manifold, so is the result, with as many components and the same Euler number; it has no
 // triangles without area and none twice that the mesh has not. Where nothing can be gained, it is the mesh.
-[[nodiscard]] SimplifiedMesh simplify_within(mesh::Mesh mesh, const SimplifyOptions& options);
+// Fails where its working memory, some 500 bytes a triangle, is more than is left, and where the context is cancelled.
+[[nodiscard]] Result<SimplifiedMesh> simplify_within(mesh::Mesh mesh, const SimplifyOptions& options,
+                                                     const Context& context = Context());
 
 }  // namespace isoextract::edit

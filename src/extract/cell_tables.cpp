@@ -1,4 +1,4 @@
-// Marching tetrahedra: seed S1; the six tetrahedra are Kuhn's. Marching cubes: cubes_table.cpp.
+// Marching tetrahedra: Suravikin and Korobitsyn; the six tetrahedra are Kuhn's. Marching cubes: cubes_table.cpp.
 #include "extract/cell_tables.hpp"
 
 #include <algorithm>

@@ -80,10 +80,11 @@ struct CaseTable {
 // mc: a disc for every loop of the surface around the cell's faces, or an annulus for two loops with a tunnel. Both
 // cells at a face decide alike whether the face's alternating corners are joined, therefore the surface closes. Loops
 // are cut so that no edge of the mesh has more than two triangles, whatever the neighbours draw.
-// mt: the union of what the six tetrahedra around the diagonal 0-7 draw (seed S1, edge table); nothing is ambiguous.
+// mt: the union of what the six tetrahedra around the diagonal 0-7 draw; nothing is ambiguous. After A. Yu. Suravikin,
+// V. V. Korobitsyn: Visualization of a scalar field by dynamic construction of an isosurface (docs/papers.md).
 [[nodiscard]] const CaseTable& case_table(Method method);
 
-// Seed S1, section on the edge table: for each of the 16 cases of a tetrahedron (index = b0 << 3 | b1 << 2 | b2 << 1 |
+// Their section on the edge table: for each of the 16 cases of a tetrahedron (index = b0 << 3 | b1 << 2 | b2 << 1 |
 // b3), four vertex pairs; a triangle strip of three vertices, or of four where the last number is not 0.
 struct TetrahedronCase {
   std::array<std::array<std::uint8_t, 2>, 4> strip;

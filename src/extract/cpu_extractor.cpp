@@ -2,7 +2,6 @@
 #include "extract/detail/dense_extractor.hpp"
 #include "extract/detail/sparse_extractor.hpp"
 #include "extract/extractor.hpp"
-#include "extract/mesh_assembly.hpp"
 
 namespace isoextract::extract {
 namespace {
@@ -12,18 +11,13 @@ class CpuExtractor final : public Extractor {
   [[nodiscard]] std::string_view name() const override { return "cpu"; }
   [[nodiscard]] std::string device() const override { return cpu_name(); }
 
-  [[nodiscard]] Result<Extraction> extract(const field::ScalarField& field, const ExtractOptions& options) override {
-    return extract_guarded(field, options, [&](const auto& samples) { return extract_from(field, samples, options); });
-  }
-
  private:
-  static Result<Extraction> extract_from(const field::ScalarField& field, const field::DenseSamples& samples,
-                                         const ExtractOptions& options) {
-    return extract_dense(field, samples, options);
-  }
-  static Result<Extraction> extract_from(const field::ScalarField& field, const field::SparseSamples& samples,
-                                         const ExtractOptions& options) {
-    return extract_sparse(field, samples, options);
+  [[nodiscard]] Result<Extraction> run(const field::ScalarField& field, const ExtractOptions& options,
+                                       const Context& context) override {
+    if (const auto* dense = std::get_if<field::DenseSamples>(&field.samples)) {
+      return extract_dense(field, *dense, options, context);
+    }
+    return extract_sparse(field, std::get<field::SparseSamples>(field.samples), options, context);
   }
 };
 

@@ -14,4 +14,11 @@ Result<field::IndexBox> dense_region(const field::ScalarField& field, const fiel
   return clip_region(field, {glm::ivec3(0), samples.dims - 1}, options);
 }
 
+Result<DenseMasks> make_masks(const field::ScalarField& field, const glm::ivec3& dims, const Context& context) {
+  auto memory = context.reserve(DenseMasks::bytes(dims), fmt::format("{}: the sides of its {} x {} x {} samples",
+                                                                     field.source, dims.x, dims.y, dims.z));
+  if (!memory) return tl::unexpected(memory.error());
+  return DenseMasks(dims, std::move(*memory));
+}
+
 }  // namespace isoextract::extract

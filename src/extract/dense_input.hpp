@@ -28,6 +28,9 @@ template <class T>
           whole.stride_z, whole.transient};
 }
 
+// Room for a bit of each sample, reserved for as long as it lives.
+[[nodiscard]] Result<DenseMasks> make_masks(const field::ScalarField& field, const glm::ivec3& dims,
+                                            const Context& context);
 // Fills `masks` and the figures of classification. `view` is the part of the field from sample `low` on. Returns the
 // inside numbers, or nothing where no number of the type is inside; then the masks are not filled. Fails with
 // ErrorKind::input for NaN, if that is an error.
@@ -35,12 +38,13 @@ template <class T>
 [[nodiscard]] Result<std::optional<InsideThreshold<T>>> classify_dense(const field::ScalarField& field,
                                                                        const DenseView<T>& view, const glm::ivec3& low,
                                                                        const ExtractOptions& options, DenseMasks& masks,
-                                                                       ExtractStats& stats) {
+                                                                       ExtractStats& stats,
+                                                                       const Context& context = Context()) {
   const Stopwatch watch;
   const auto threshold = find_inside_threshold<T>({field.kind, options.iso}, field.scale);
   if (!threshold && !(field::is_floating_sample<T> && options.nan == NanPolicy::error)) return threshold;
   // Without a threshold nothing is inside, but NaN must still be found.
-  stats.nan_samples = classify(view, threshold.value_or(InsideThreshold<T>{}), masks, options.progress);
+  stats.nan_samples = classify(view, threshold.value_or(InsideThreshold<T>{}), masks, &context.progress());
   const glm::u64vec3 dims(view.dims);
   stats.samples_classified = dims.x * dims.y * dims.z;
   if (stats.nan_samples != 0 && options.nan == NanPolicy::error) {

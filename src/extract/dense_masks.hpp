@@ -5,8 +5,10 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
+#include <utility>
 
 #include "base/buffer.hpp"
+#include "base/memory_budget.hpp"
 #include "base/pages.hpp"
 #include "base/progress.hpp"
 #include "extract/inside_test.hpp"
@@ -35,11 +37,17 @@ struct DenseView {
 
 class DenseMasks {
  public:
-  explicit DenseMasks(const glm::ivec3& dims)
+  // `memory` is for bytes(dims).
+  explicit DenseMasks(const glm::ivec3& dims, Reservation memory = {})
       : dims_(dims),
         words_((dims.x + 63) / 64),
-        bits_(static_cast<std::size_t>(words_ + 1) * static_cast<std::size_t>(dims.y) *
-              static_cast<std::size_t>(dims.z)) {}
+        memory_(std::move(memory)),
+        bits_(bytes(dims) / sizeof(std::uint64_t)) {}
+
+  [[nodiscard]] static std::uint64_t bytes(const glm::ivec3& dims) {
+    const glm::u64vec3 wide(dims);
+    return ((wide.x + 63) / 64 + 1) * wide.y * wide.z * sizeof(std::uint64_t);
+  }
 
   [[nodiscard]] const glm::ivec3& dims() const { return dims_; }
   [[nodiscard]] int words() const { return words_; }
@@ -58,6 +66,7 @@ class DenseMasks {
 
   glm::ivec3 dims_;
   int words_;
+  Reservation memory_;
   Buffer<std::uint64_t> bits_;
 };
 

@@ -12,7 +12,7 @@
 namespace isoextract::extract {
 
 // The parameter of the crossing on an edge from value f0 to f1, of which exactly one is inside: (iso - f0) / (f1 - f0)
-// (seed S1), in double, kept at least `margin` away from both ends.
+// (Suravikin and Korobitsyn), in double, kept at least `margin` away from both ends.
 //
 // The margin is what makes values that tie with iso harmless: a vertex is always strictly inside its edge, also after
 // rounding to float32. Three points strictly inside three different edges of a cube or a tetrahedron are never

@@ -15,9 +15,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/context.hpp"
 #include "base/error.hpp"
-#include "base/limits.hpp"
-#include "base/progress.hpp"
 #include "base/stopwatch.hpp"
 #include "base/words.hpp"
 #include "field/scalar_field.hpp"
@@ -27,7 +26,7 @@ namespace isoextract::extract {
 
 enum class Method {
   mc,  // marching cubes, with the topology of the trilinear interpolant (asymptotic_decider.hpp)
-  mt,  // marching tetrahedra, six a cell (seed S1)
+  mt,  // marching tetrahedra, six a cell (cell_tables.hpp)
 };
 constexpr auto words_of(Method /*type*/) { return std::array{Word{Method::mc, "mc"}, Word{Method::mt, "mt"}}; }
 
@@ -45,14 +44,14 @@ constexpr auto words_of(NanPolicy /*type*/) {
 struct ExtractOptions {
   Method method = Method::mc;
   double iso = 0;
-  bool smooth_normals = false;  // from the gradient of the field at the vertex (seed S1)
+  bool smooth_normals = false;  // from the gradient of the field at the vertex
   bool edge_keys = false;       // fill Mesh::edges: for who compares meshes
   bool cap = false;             // close the surface where it leaves the data or the region
   NanPolicy nan = NanPolicy::error;
   std::optional<field::IndexBox> region;  // extract only from cells within this box of samples (clipped to the data)
   field::Affine output_from_index;        // places the mesh: index_to_world, or that with turns and scales after it
-  Limits limits = default_limits();       // held against the exact size of the mesh before it is allocated
-  Progress* progress = nullptr;
+
+  friend bool operator==(const ExtractOptions&, const ExtractOptions&) = default;
 };
 
 // What only a backend with a device of its own has to tell.
@@ -93,7 +92,17 @@ class Extractor {
   virtual ~Extractor() = default;
   [[nodiscard]] virtual std::string_view name() const = 0;  // "cpu", "gpu"
   [[nodiscard]] virtual std::string device() const = 0;     // what it runs on: "AMD EPYC 7763 64-Core Processor"
-  [[nodiscard]] virtual Result<Extraction> extract(const field::ScalarField& field, const ExtractOptions& options) = 0;
+
+  // What takes memory by the size of the field or of the surface is reserved in the context while it lives, the mesh
+  // exactly (Mesh::memory). Fails with ErrorKind::usage for an iso value that is not finite, with ErrorKind::input for
+  // a placement that flattens space and where memory runs out, with ErrorKind::cancelled between the passes.
+  [[nodiscard]] Result<Extraction> extract(const field::ScalarField& field, const ExtractOptions& options,
+                                           const Context& context = Context());
+
+ private:
+  // May throw std::bad_alloc and std::length_error; need not name the mesh.
+  [[nodiscard]] virtual Result<Extraction> run(const field::ScalarField& field, const ExtractOptions& options,
+                                               const Context& context) = 0;
 };
 
 // Dense and sparse fields, on all threads that oneTBB is allowed.

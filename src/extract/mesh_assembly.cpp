@@ -13,7 +13,7 @@ Result<void> check_request(const field::ScalarField& field, const ExtractOptions
   }
   if (!options.output_from_index.is_regular()) {
     return fail(ErrorKind::input, fmt::format("{}: its transform flattens space or is not finite", field.source),
-                "replace it with --spacing and --origin");
+                Remedy::place_by_hand);
   }
   return {};
 }
@@ -35,39 +35,45 @@ Result<field::IndexBox> clip_region(const field::ScalarField& field, const field
   return fail(ErrorKind::input,
               fmt::format("{}: the region holds no cell of the field, whose samples are ({}, {}, {}) to ({}, {}, {})",
                           field.source, box.min.x, box.min.y, box.min.z, box.max.x, box.max.y, box.max.z),
-              "give --roi a larger box, or leave it out");
+              Remedy::widen_region);
 }
 
 Result<void> check_placement(const field::ScalarField& field, const OutputFrame& placement) {
   if (placement.fits_float32()) return {};
   return fail(ErrorKind::input,
               fmt::format("{}: its placed coordinates leave what float32 positions can hold apart", field.source),
-              "choose another --spacing, --scale or --unit, or --space index");
+              Remedy::rescale);
 }
 
-Result<void> check_mesh_size(const field::ScalarField& field, const MeshSizes& sizes, const ExtractOptions& options) {
+Result<Reservation> reserve_mesh(const field::ScalarField& field, const MeshSizes& sizes, const ExtractOptions& options,
+                                 const Context& context) {
   if (sizes.vertices > std::numeric_limits<std::uint32_t>::max()) {
     return fail(ErrorKind::input,
                 fmt::format("{}: the surface has {} vertices, a mesh holds {}", field.source, sizes.vertices,
                             std::numeric_limits<std::uint32_t>::max()),
-                "extract it in parts with --roi");
+                Remedy::extract_part);
   }
   const std::uint64_t vertex_bytes =
       sizeof(glm::vec3) * (options.smooth_normals ? 2 : 1) + (options.edge_keys ? sizeof(mesh::EdgeKey) : 0);
-  return check_memory(sizes.vertices * vertex_bytes + sizes.triangles * sizeof(glm::uvec3), options.limits,
-                      fmt::format("{}: the {} triangles of its surface", field.source, sizes.triangles));
+  return context.reserve(sizes.vertices * vertex_bytes + sizes.triangles * sizeof(glm::uvec3),
+                         fmt::format("{}: the {} triangles of its surface", field.source, sizes.triangles));
 }
 
 MeshSizes with_cap(const MeshSizes& surface, const BorderCap& cap) {
   return {surface.vertices + cap.samples.size(), surface.triangles + cap.triangles.size()};
 }
 
-Result<void> check_cap_size(const field::ScalarField& field, const field::IndexBox& box,
-                            const ExtractOptions& options) {
+Result<Reservation> reserve_cap_numbers(const field::ScalarField& field, const field::IndexBox& box,
+                                        const Context& context) {
   const glm::u64vec3 dims(box.dims());
   const std::uint64_t squares = 2 * (dims.x * dims.y + dims.y * dims.z + dims.z * dims.x);
-  return check_memory(squares * sizeof(std::uint32_t), options.limits,
-                      fmt::format("{}: the {} samples of the border to cap", field.source, squares));
+  return context.reserve(squares * sizeof(std::uint32_t),
+                         fmt::format("{}: the {} samples of the border to cap", field.source, squares));
+}
+
+Result<Reservation> reserve_cap(const field::ScalarField& field, const BorderCap& cap, const Context& context) {
+  return context.reserve(cap.samples.capacity() * sizeof(glm::ivec3) + cap.triangles.capacity() * sizeof(glm::uvec3),
+                         fmt::format("{}: the {} triangles of its cap", field.source, cap.triangles.size()));
 }
 
 tl::unexpected<Error> nan_error(const field::ScalarField& field, std::uint64_t count, const glm::ivec3& first) {
@@ -75,7 +81,7 @@ tl::unexpected<Error> nan_error(const field::ScalarField& field, std::uint64_t c
   return fail(ErrorKind::input,
               fmt::format("{}: {} of the samples {} not a number (NaN), the first at index ({:.10g}, {:.10g}, {:.10g})",
                           field.source, count, count == 1 ? "is" : "are", voxel.x, voxel.y, voxel.z),
-              "use --nan outside to take them as outside, or --nan hole to leave the surface open around them");
+              Remedy::choose_nan_policy);
 }
 
 void allocate_mesh(mesh::Mesh& mesh, const MeshSizes& surface, const BorderCap& cap, const ExtractOptions& options) {
@@ -86,14 +92,14 @@ void allocate_mesh(mesh::Mesh& mesh, const MeshSizes& surface, const BorderCap& 
 }
 
 void append_cap(mesh::Mesh& mesh, const MeshSizes& surface, const BorderCap& cap, const field::IndexBox& box,
-                const glm::ivec3& index_origin, const OutputFrame& placement) {
+                const OutputFrame& placement) {
   for (std::size_t v = 0; v < cap.samples.size(); ++v) {
     const std::size_t number = surface.vertices + v;
-    const glm::ivec3 sample = cap.samples[v] + index_origin;
+    const glm::ivec3& sample = cap.samples[v];
     mesh.positions[number] = placement.position(glm::dvec3(sample));
     if (!mesh.edges.empty()) mesh.edges[number] = {sample, 0};
     if (!mesh.normals.empty()) {
-      mesh.normals[number] = placement.plane_normal(border_normal(box, cap.samples[v]));
+      mesh.normals[number] = placement.plane_normal(border_normal(box, sample));
     }
   }
   for (std::size_t t = 0; t < cap.triangles.size(); ++t) {

@@ -1,9 +1,5 @@
-// What the dense and the sparse extractor share around their own passes: checks, allocation, the cap's part of a mesh.
+// The parts of a run (surface_run.hpp) that look at no sample: checks, allocation, the cap's part of a mesh.
 #pragma once
-
-#include <new>
-#include <stdexcept>
-#include <variant>
 
 #include "extract/border_cap.hpp"
 #include "extract/edge_geometry.hpp"
@@ -19,24 +15,6 @@ struct MeshSizes {
 // placement that flattens space.
 [[nodiscard]] Result<void> check_request(const field::ScalarField& field, const ExtractOptions& options);
 
-// The frame of every extraction: check_request(), `extract` with the field's samples, dense or sparse, and the mesh's
-// name. Memory that runs out is ErrorKind::input.
-template <class Extract>
-[[nodiscard]] Result<Extraction> extract_guarded(const field::ScalarField& field, const ExtractOptions& options,
-                                                 const Extract& extract) {
-  constexpr const char* kHint = "extract it in parts with --roi";
-  if (auto sound = check_request(field, options); !sound) return tl::unexpected(sound.error());
-  try {
-    Result<Extraction> result = std::visit(extract, field.samples);
-    if (result) result->mesh.name = field.name;
-    return result;
-  } catch (const std::bad_alloc&) {
-    return fail(ErrorKind::input, field.source + ": not enough memory for the surface", kHint);
-  } catch (const std::length_error&) {
-    return fail(ErrorKind::input, field.source + ": the surface is larger than memory can be", kHint);
-  }
-}
-
 // The samples to extract from: the part of options.region within `box`. Fails with ErrorKind::input where that holds no
 // cell (two samples along each axis).
 [[nodiscard]] Result<field::IndexBox> clip_region(const field::ScalarField& field, const field::IndexBox& box,
@@ -45,16 +23,19 @@ template <class Extract>
 // Fails with ErrorKind::input where float32 cannot hold the mesh (OutputFrame::fits_float32).
 [[nodiscard]] Result<void> check_placement(const field::ScalarField& field, const OutputFrame& placement);
 
-// Vertex numbers are 32-bit, and the mesh must fit into the memory limit.
-[[nodiscard]] Result<void> check_mesh_size(const field::ScalarField& field, const MeshSizes& sizes,
-                                           const ExtractOptions& options);
+// For what allocate_mesh() takes. Fails with ErrorKind::input where there is no memory, and for more vertices than
+// 32-bit numbers count.
+[[nodiscard]] Result<Reservation> reserve_mesh(const field::ScalarField& field, const MeshSizes& sizes,
+                                               const ExtractOptions& options, const Context& context);
 
 // The sizes of surface and cap together.
 [[nodiscard]] MeshSizes with_cap(const MeshSizes& surface, const BorderCap& cap);
 
-// What numbering the cap's vertices needs, held against the memory limit.
-[[nodiscard]] Result<void> check_cap_size(const field::ScalarField& field, const field::IndexBox& box,
-                                          const ExtractOptions& options);
+// For numbering the cap's vertices while it is made, and then for the cap.
+[[nodiscard]] Result<Reservation> reserve_cap_numbers(const field::ScalarField& field, const field::IndexBox& box,
+                                                      const Context& context);
+[[nodiscard]] Result<Reservation> reserve_cap(const field::ScalarField& field, const BorderCap& cap,
+                                              const Context& context);
 
 // `first` is told as an index of the file.
 [[nodiscard]] tl::unexpected<Error> nan_error(const field::ScalarField& field, std::uint64_t count,
@@ -63,9 +44,8 @@ template <class Extract>
 // Room for the surface and the cap; nothing is initialised.
 void allocate_mesh(mesh::Mesh& mesh, const MeshSizes& surface, const BorderCap& cap, const ExtractOptions& options);
 
-// Writes the cap behind the surface. `box` is the capped box in the cap's own indices, `index_origin` what must be
-// added to them to get indices of the field.
+// Writes the cap of `box` behind the surface.
 void append_cap(mesh::Mesh& mesh, const MeshSizes& surface, const BorderCap& cap, const field::IndexBox& box,
-                const glm::ivec3& index_origin, const OutputFrame& placement);
+                const OutputFrame& placement);
 
 }  // namespace isoextract::extract

@@ -20,6 +20,10 @@ class SiteVertices {
     for (Edges& edges : edges_) edges = {};
   }
 
+  // What the constructor allocates.
+  [[nodiscard]] static std::uint64_t bytes(std::size_t sites, std::size_t directions) {
+    return std::uint64_t{sites} * directions * sizeof(Edges);
+  }
   // The crossed edges of one direction (an index into CaseTable::directions), one bit a sample.
   [[nodiscard]] BlockBits& crossed(std::size_t site, std::size_t direction) {
     return edges_[site * directions_ + direction].crossed;

@@ -16,6 +16,7 @@ namespace {
 
 constexpr int kSize = field::SparseBlock::kSize;
 constexpr int kBlockSamples = kSize * kSize * kSize;
+constexpr const char* kBrick = "8x8x8 voxels";
 
 }  // namespace
 
@@ -36,12 +37,23 @@ Result<field::IndexBox> sparse_region(const field::ScalarField& field, const fie
   return clip_region(field, reach, options);
 }
 
+Extraction nothing_stored() {
+  Extraction nothing;
+  nothing.stats.brick = kBrick;
+  return nothing;
+}
+
+std::optional<field::IndexBox> sparse_cap_box(const field::IndexBox& region, const ExtractOptions& options) {
+  return options.region ? std::optional(region) : std::nullopt;
+}
+
 SparseSites::SparseSites(const field::ScalarField& field, const field::SparseSamples& samples,
-                         const field::IndexBox& region, const ExtractOptions& options)
+                         const field::IndexBox& region, const ExtractOptions& options, const Context& context)
     : field_(field),
       samples_(samples),
       region_(region),
       options_(options),
+      context_(context),
       rule_{field.kind, options.iso},
       stored_number_(visit_sample_type(samples.type, []<class T>(std::type_identity<T>) {
         return +[](const void* values, int offset) {
@@ -50,17 +62,18 @@ SparseSites::SparseSites(const field::ScalarField& field, const field::SparseSam
       })) {}
 
 Result<void> SparseSites::find(ExtractStats& stats) {
-  stats.brick = "8x8x8 voxels";
+  stats.brick = kBrick;
   stats.bricks = samples_.blocks.size();
   std::vector<glm::ivec3> nodes = field::SparseLookup::node_origins(samples_);
-  if (auto fits = check_memory(
-          tile_skin_bytes(samples_, rule_, field_.scale) + nodes.size() * sizeof(field::SparseLookup::Node),
-          options_.limits,
-          fmt::format("{}: finding what lies beside its {} blocks and {} tiles", field_.source, samples_.blocks.size(),
-                      samples_.tiles.size()));
-      !fits) {
-    return fits;
-  }
+  const std::string what = fmt::format("{}: finding what lies beside its {} blocks and {} tiles", field_.source,
+                                       samples_.blocks.size(), samples_.tiles.size());
+  auto memory = context_.reserve(
+      nodes.size() * sizeof(field::SparseLookup::Node) + samples_.blocks.size() * sizeof(BlockBits), what);
+  if (!memory) return tl::unexpected(memory.error());
+  samples_memory_ = std::move(*memory);
+  const auto skins = context_.reserve(tile_skin_bytes(samples_, rule_, field_.scale),
+                                      what);  // until sites are listed
+  if (!skins) return tl::unexpected(skins.error());
   const Stopwatch watch;
   lookup_.emplace(samples_, std::move(nodes));
   visit_sample_type(samples_.type, [&]<class T>(std::type_identity<T>) { classify<T>(stats); });
@@ -68,6 +81,7 @@ Result<void> SparseSites::find(ExtractStats& stats) {
     return nan_error(field_, stats.nan_samples, first_nan());
   }
   has_holes_ = stats.nan_samples != 0 && options_.nan == NanPolicy::hole;
+  if (auto wanted = context_.check(); !wanted) return wanted;
   if (auto listed = list_sites(); !listed) return listed;
   stats.bricks_visited = stored_sites_;
   stats.places_visited = sites_.size() - stored_sites_;
@@ -225,6 +239,10 @@ Result<void> SparseSites::list_sites() {
   const std::vector<glm::ivec3> unstored = unstored_places(samples_, *lookup_, sides_);
   const std::size_t blocks = samples_.blocks.size();
   const auto place = [&](std::size_t p) { return p < blocks ? samples_.blocks[p].origin : unstored[p - blocks]; };
+  const auto looking = context_.reserve(
+      (blocks + unstored.size()) * (sizeof(field::SparseLookup::Group) + sizeof(glm::ivec3) + 1),
+      fmt::format("{}: looking at {} blocks for the surface", field_.source, blocks + unstored.size()));
+  if (!looking) return tl::unexpected(looking.error());
   std::vector<field::SparseLookup::Group> groups(blocks + unstored.size());
   std::vector<std::uint8_t> passed(groups.size());
   for_each("finding crossed blocks", groups.size(), [&](std::size_t p) {
@@ -232,13 +250,11 @@ Result<void> SparseSites::list_sites() {
     passed[p] = owns_crossed_edge(place(p), groups[p]) ? 1 : 0;
   });
   const auto count = static_cast<std::size_t>(std::ranges::count(passed, std::uint8_t{1}));
-  // Places and their groups; of the sites also their index and crossed edges.
-  const std::uint64_t bytes_a_site = 128 + 100 * case_table(options_.method).directions.size();
-  if (auto fits = check_memory(groups.size() * 64 + count * bytes_a_site, options_.limits,
-                               fmt::format("{}: the {} blocks that the surface passes", field_.source, count));
-      !fits) {
-    return fits;
-  }
+  constexpr std::uint64_t kBytesASite = 128;  // its place, its group, its share of the index
+  auto memory = context_.reserve(count * kBytesASite,
+                                 fmt::format("{}: the {} blocks that the surface passes", field_.source, count));
+  if (!memory) return tl::unexpected(memory.error());
+  sites_memory_ = std::move(*memory);
   sites_.reserve(count);
   groups_.reserve(count);
   site_index_ = field::OriginIndex(count);

@@ -20,15 +20,22 @@ namespace isoextract::extract {
 [[nodiscard]] Result<field::IndexBox> sparse_region(const field::ScalarField& field,
                                                     const field::SparseSamples& samples, const ExtractOptions& options);
 
+// The extraction where nothing is stored.
+[[nodiscard]] Extraction nothing_stored();
+
+// The box whose border a cap closes: the region that was asked for. Without one nothing leaves what is stored.
+[[nodiscard]] std::optional<field::IndexBox> sparse_cap_box(const field::IndexBox& region,
+                                                            const ExtractOptions& options);
+
 // A site is a place of 8 x 8 x 8 samples that owns a crossed edge: the lower end of the edge is one of its samples.
 class SparseSites {
  public:
-  // All arguments must outlive it.
+  // All arguments but the context must outlive it.
   SparseSites(const field::ScalarField& field, const field::SparseSamples& samples, const field::IndexBox& region,
-              const ExtractOptions& options);
+              const ExtractOptions& options, const Context& context = Context());
 
   // Compares every sample with iso, then lists the sites. Fails with ErrorKind::input for NaN samples in the region, if
-  // those are errors, and where that needs more memory than the limit.
+  // those are errors, and where there is no memory for it; with ErrorKind::cancelled between the two.
   [[nodiscard]] Result<void> find(ExtractStats& stats);
 
   // Stored blocks first, then places without one; each part sorted by x, y, z.
@@ -69,10 +76,10 @@ class SparseSites {
   template <class F>
   void for_each(const char* stage, std::size_t count, const F& f) const {
     constexpr std::size_t kGrain = 64;
-    if (options_.progress != nullptr) options_.progress->begin(stage, count);
+    context_.progress().begin(stage, count);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kGrain), [&](const auto& range) {
       for (std::size_t i = range.begin(); i != range.end(); ++i) f(i);
-      if (options_.progress != nullptr) options_.progress->advance(range.size());
+      context_.progress().advance(range.size());
     });
   }
 
@@ -93,7 +100,10 @@ class SparseSites {
   const field::SparseSamples& samples_;
   field::IndexBox region_;
   const ExtractOptions& options_;
+  Context context_;
   InsideRule rule_;
+  Reservation samples_memory_;  // for the lookup and the bits
+  Reservation sites_memory_;
   std::optional<field::SparseLookup> lookup_;
   double (*stored_number_)(const void* values, int offset);
   Buffer<BlockBits> bits_;  // of the stored blocks

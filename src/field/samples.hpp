@@ -2,6 +2,7 @@
 // Samples are kept in the type they were stored as and are never copied to change representation.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -32,6 +33,12 @@ struct DenseSamples {
   std::shared_ptr<const void> owner;  // keeps `data` alive
   const void* data = nullptr;         // dims.x * dims.y * dims.z values in native byte order, aligned for their type
   bool file_backed = false;  // data is a read-only mapping of a file: pages given back come again from the file
+  // Set, at any time, when a part of the file is no longer there: samples of it are 0. `owner` keeps it alive; null
+  // where nothing can be lost.
+  const std::atomic<bool>* loss = nullptr;
+
+  // Asked after work on the samples: what came of it is worth nothing if they are not what the file held.
+  [[nodiscard]] bool lost() const { return loss != nullptr && loss->load(std::memory_order_acquire); }
 
   [[nodiscard]] std::size_t count() const {
     return static_cast<std::size_t>(dims.x) * static_cast<std::size_t>(dims.y) * static_cast<std::size_t>(dims.z);

@@ -1,7 +1,6 @@
 #include "files/file_bytes.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <memory>
@@ -16,13 +15,11 @@
 namespace isoextract::files {
 namespace {
 
-std::atomic<std::uint64_t> bytes_read_so_far{0};
-
 std::string system_message(int error) { return std::generic_category().message(error); }
 
 }  // namespace
 
-Result<InputFile> InputFile::open(const std::filesystem::path& path) {
+Result<InputFile> InputFile::open(const std::filesystem::path& path, const Context& context) {
   const std::string name = path.string();
   const auto cannot_read = [&](int error) {
     return fail(ErrorKind::input, fmt::format("{}: cannot be read: {}", name, system_message(error)));
@@ -30,7 +27,7 @@ Result<InputFile> InputFile::open(const std::filesystem::path& path) {
   // Without O_NONBLOCK, opening a pipe that nobody writes to would wait for ever.
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0) return cannot_read(errno);
-  InputFile file(path, descriptor, 0);
+  InputFile file(path, descriptor, 0, context);
 
   struct stat status {};
   if (::fstat(descriptor, &status) != 0) return cannot_read(errno);
@@ -44,13 +41,18 @@ Result<InputFile> InputFile::open(const std::filesystem::path& path) {
   return file;
 }
 
-InputFile::InputFile(std::filesystem::path path, int descriptor, std::uint64_t size)
-    : path_(std::move(path)), descriptor_(descriptor), size_(size) {}
+InputFile::InputFile(std::filesystem::path path, int descriptor, std::uint64_t size, Context context)
+    : context_(std::move(context)), path_(std::move(path)), descriptor_(descriptor), size_(size) {}
 
+// The context is copied: one that was moved from counts nowhere.
 InputFile::InputFile(InputFile&& other) noexcept
-    : path_(std::move(other.path_)), descriptor_(std::exchange(other.descriptor_, -1)), size_(other.size_) {}
+    : context_(other.context_),
+      path_(std::move(other.path_)),
+      descriptor_(std::exchange(other.descriptor_, -1)),
+      size_(other.size_) {}
 
 InputFile& InputFile::operator=(InputFile&& other) noexcept {
+  std::swap(context_, other.context_);
   std::swap(path_, other.path_);
   std::swap(descriptor_, other.descriptor_);
   std::swap(size_, other.size_);
@@ -80,8 +82,9 @@ Result<void> InputFile::read_at(std::uint64_t offset, std::span<std::byte> bytes
   return {};
 }
 
-std::uint64_t bytes_read() { return bytes_read_so_far.load(std::memory_order_relaxed); }
-void count_bytes_read(std::uint64_t bytes) { bytes_read_so_far.fetch_add(bytes, std::memory_order_relaxed); }
+void InputFile::count_bytes_read(std::uint64_t bytes) const {
+  context_.counters().bytes_read.fetch_add(bytes, std::memory_order_relaxed);
+}
 
 bool is_gzip(std::span<const std::byte> content) {
   return content.size() >= 2 && content[0] == std::byte{0x1f} && content[1] == std::byte{0x8b};

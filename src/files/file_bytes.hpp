@@ -8,14 +8,16 @@
 #include <string>
 #include <vector>
 
+#include "base/context.hpp"
 #include "base/error.hpp"
 
 namespace isoextract::files {
 
-// An open, regular file with at least one byte. Its errors are ErrorKind::input and start with its name.
+// An open, regular file with at least one byte. Its errors are ErrorKind::input and start with its name. What is read
+// of it counts in the context that it was opened in.
 class InputFile {
  public:
-  [[nodiscard]] static Result<InputFile> open(const std::filesystem::path& path);
+  [[nodiscard]] static Result<InputFile> open(const std::filesystem::path& path, const Context& context = Context());
 
   InputFile(InputFile&& other) noexcept;
   InputFile& operator=(InputFile&& other) noexcept;
@@ -25,21 +27,22 @@ class InputFile {
   [[nodiscard]] std::string name() const { return path_.string(); }
   [[nodiscard]] std::uint64_t size() const { return size_; }
   [[nodiscard]] int descriptor() const { return descriptor_; }
+  [[nodiscard]] const Context& context() const { return context_; }
 
   // Fills all of `bytes` with what lies from `offset` on. Safe to call from several threads.
   [[nodiscard]] Result<void> read_at(std::uint64_t offset, std::span<std::byte> bytes) const;
 
- private:
-  InputFile(std::filesystem::path path, int descriptor, std::uint64_t size);
+  // For what goes past read_at. Packed bytes count as they lie in the file.
+  void count_bytes_read(std::uint64_t bytes) const;
 
+ private:
+  InputFile(std::filesystem::path path, int descriptor, std::uint64_t size, Context context);
+
+  Context context_;
   std::filesystem::path path_;
   int descriptor_ = -1;
   std::uint64_t size_ = 0;
 };
-
-// Bytes that this process has read from input files so far. Packed bytes count as they lie in the file.
-[[nodiscard]] std::uint64_t bytes_read();
-void count_bytes_read(std::uint64_t bytes);  // for readers that go past InputFile::read_at
 
 [[nodiscard]] bool is_gzip(std::span<const std::byte> content);
 

@@ -5,6 +5,8 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include "files/detail/mapped_ranges.hpp"
+
 namespace isoextract::files {
 
 std::optional<MappedFile> MappedFile::map(const InputFile& file, std::uint64_t offset, std::uint64_t bytes) {
@@ -15,17 +17,22 @@ std::optional<MappedFile> MappedFile::map(const InputFile& file, std::uint64_t o
   void* pages = ::mmap(nullptr, length, PROT_READ, MAP_PRIVATE, file.descriptor(), static_cast<off_t>(offset - lead));
   if (pages == MAP_FAILED) return std::nullopt;
   static_cast<void>(::madvise(pages, length, MADV_SEQUENTIAL));
-  return MappedFile(pages, lead, length);
+  file.count_bytes_read(bytes);
+  return MappedFile(pages, lead, length, detail::watch_range(pages, length));
 }
 
-MappedFile::MappedFile(void* pages, std::size_t lead, std::size_t length)
-    : pages_(pages), lead_(lead), length_(length) {}
+MappedFile::MappedFile(void* pages, std::size_t lead, std::size_t length, detail::MappedRange* range)
+    : pages_(pages), lead_(lead), length_(length), range_(range) {}
 
 MappedFile::MappedFile(MappedFile&& other) noexcept
-    : pages_(other.pages_), lead_(other.lead_), length_(std::exchange(other.length_, 0)) {}
+    : pages_(other.pages_), lead_(other.lead_), length_(std::exchange(other.length_, 0)), range_(other.range_) {}
 
 MappedFile::~MappedFile() {
-  if (length_ > 0) ::munmap(pages_, length_);
+  if (length_ == 0) return;
+  detail::forget_range(range_);
+  ::munmap(pages_, length_);
 }
+
+const std::atomic<bool>& MappedFile::lost() const { return range_->lost; }
 
 }  // namespace isoextract::files

@@ -18,7 +18,7 @@ namespace {
 constexpr int kMajor = 4;
 constexpr int kMinor = 3;
 
-tl::unexpected<Error> unavailable(std::string message, std::string hint = "--backend cpu needs no GPU") {
+tl::unexpected<Error> unavailable(std::string message, Hint hint = Remedy::use_cpu) {
   return fail(ErrorKind::unavailable, std::move(message), std::move(hint));
 }
 
@@ -68,7 +68,7 @@ Result<void> load_libraries() {
     if (found) continue;
     return unavailable(
         fmt::format("there is no GPU backend on this machine: {} could not be loaded ({})", library.what, why),
-        fmt::format("on Debian the package is {}; --backend cpu needs no GPU", library.package));
+        {Remedy::use_cpu, fmt::format("on Debian the package is {}", library.package)});
   }
   return {};
 }
@@ -81,7 +81,7 @@ Result<std::vector<EGLDeviceEXT>> egl_devices() {
       !(has_client_extension("EGL_EXT_device_enumeration") || has_client_extension("EGL_EXT_device_base"))) {
     return unavailable(
         "EGL cannot list devices here (EGL_EXT_device_enumeration): no driver for headless drawing is installed",
-        "on Debian install libegl-mesa0, or the GPU's own driver; --backend cpu needs no GPU");
+        {Remedy::use_cpu, "on Debian install libegl-mesa0, or the GPU's own driver"});
   }
   EGLint count = 0;
   if (eglQueryDevicesEXT(0, nullptr, &count) == EGL_FALSE) {
@@ -331,19 +331,20 @@ Result<void> GlContext::check(const std::string& doing) const {
     if (!result) continue;
     if (code == GL_OUT_OF_MEMORY) {
       result = unavailable(fmt::format("{}: not enough GPU memory while {}", device_.renderer, doing),
-                           "give the GPU less at a time with --gpu-memory, or use --backend cpu");
+                           Remedy::less_gpu_memory);
     } else {
       result = unavailable(
           fmt::format("{}: {} while {} (OpenGL error 0x{:04X})", device_.renderer, gl_error_words(code), doing, code),
-          "please report it; --backend cpu needs no GPU");
+          {Remedy::use_cpu, "please report it"});
     }
   }
   return result;
 }
 
 Error GlContext::lost(std::string_view why, const std::string& doing) const {
-  return {ErrorKind::unavailable, fmt::format("{}: the GPU was reset {} while {}", device_.renderer, why, doing),
-          "try again; --backend cpu needs no GPU"};
+  return {ErrorKind::unavailable,
+          fmt::format("{}: the GPU was reset {} while {}", device_.renderer, why, doing),
+          {Remedy::use_cpu, "try again"}};
 }
 
 const std::vector<std::string>& GlContext::debug_messages() const { return context_->messages(); }

@@ -20,7 +20,7 @@ struct ContextOptions {
 };
 
 // Belongs to the thread that opened it: GL calls on that thread only, and none when it is gone. Current once opened. A
-// framebuffer without attachments is bound, because without one every draw fails (DESIGN section 6).
+// framebuffer without attachments is bound, because without one every draw fails.
 class GlContext {
  public:
   // Core profile 4.3 or newer. Fails with ErrorKind::unavailable.

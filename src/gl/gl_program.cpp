@@ -21,7 +21,7 @@ std::string log_of(GLuint object, decltype(glGetShaderiv) parameter, decltype(gl
 
 Error broken(const GlContext& context, std::string_view what, const std::string& log) {
   return {ErrorKind::unavailable, fmt::format("{}: the driver refused {}: {}", context.device().renderer, what, log),
-          "please report it; --backend cpu needs no GPU"};
+          Hint(Remedy::use_cpu, "please report it")};
 }
 
 }  // namespace

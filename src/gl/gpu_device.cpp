@@ -75,7 +75,7 @@ Result<GpuDevice> choose_device(std::span<const GpuDevice> devices, const Device
     list += fmt::format("{}{}: {}", list.empty() ? "" : ", ", device.index, describe(device));
   }
   return fail(ErrorKind::unavailable, fmt::format("there is no device {}; there are {}", words(choice), list),
-              "'isoextract devices' tells more; leave out --device to let one be chosen");
+              Remedy::other_gpu);
 }
 
 std::string describe(const GpuDevice& device) {

@@ -102,7 +102,7 @@ class ThreadPass {
   void choose_patches() {
     GLint level = 64;
     glGetIntegerv(GL_MAX_TESS_GEN_LEVEL, &level);
-    // llvmpipe's draws are right up to 65,536 tessellated vertices (DESIGN section 6): 16 patches of 64 x 64.
+    // llvmpipe's draws are right up to 65,536 tessellated vertices: 16 patches of 64 x 64.
     const int side = context_.device().software ? 64 : level + 1;
     const int along = (size_ + side - 1) / side;
     patches_ = static_cast<std::uint64_t>(along) * along * static_cast<std::uint64_t>(size_);

@@ -112,9 +112,11 @@ class AnalyticMeasurement {
  public:
   // `placed` is `mesh`, in the index space of `field`.
   AnalyticMeasurement(const mesh::Mesh& mesh, const IndexMesh& placed, const field::ScalarField& field,
-                      const extract::ExtractOptions& extracted, const field::AnalyticField& formula)
+                      const extract::ExtractOptions& extracted, const field::AnalyticField& formula,
+                      const Context& context)
       : mesh_(mesh),
         extracted_(extracted),
+        context_(context),
         placed_(placed),
         closest_(formula, extracted.iso),
         step_(2.0 / (std::get<field::DenseSamples>(field.samples).dims.x - 1)),
@@ -127,12 +129,10 @@ class AnalyticMeasurement {
     AnalyticError result;
     result.closed_form = closest_.closed_form();
     result.unit = unit_;
-    if (extracted_.progress != nullptr) {
-      extracted_.progress->begin("measuring the true error", mesh_.triangles.size() + mesh_.positions.size());
-    }
+    context_.progress().begin("measuring the true error", mesh_.triangles.size() + mesh_.positions.size());
     const ErrorAccumulator none(placed_.voxel());
     const auto triangles =
-        reduce_in_order(mesh_.triangles.size(), TriangleSums{none, {}, {}}, extracted_.progress,
+        reduce_in_order(mesh_.triangles.size(), TriangleSums{none, {}, {}}, &context_.progress(),
                         [&](const PointRange& range, TriangleSums& sums) { measure_triangles(range, sums); });
     result.interior = triangles.distance.result();
     result.smooth_normals = triangles.smooth.result();
@@ -140,7 +140,7 @@ class AnalyticMeasurement {
     result.area = triangles.area;
     result.cap_triangles = triangles.cap_triangles;
     const std::vector<std::uint8_t> used = placed_.surface_vertices();
-    result.vertices = reduce_in_order(mesh_.positions.size(), none, extracted_.progress,
+    result.vertices = reduce_in_order(mesh_.positions.size(), none, &context_.progress(),
                                       [&](const PointRange& range, ErrorAccumulator& sums) {
                                         for (std::size_t v = range.begin(); v != range.end(); ++v) {
                                           if (used[v] != 0) measure_point(placed_.vertex(v), 1, sums);
@@ -192,6 +192,7 @@ class AnalyticMeasurement {
 
   const mesh::Mesh& mesh_;
   const extract::ExtractOptions& extracted_;
+  const Context& context_;
   const IndexMesh& placed_;
   ClosestPoint closest_;
   double step_;  // of the samples, in the formula's units
@@ -203,12 +204,12 @@ class AnalyticMeasurement {
 
 std::optional<AnalyticError> measure_analytic_error(const mesh::Mesh& mesh, const field::ScalarField& field,
                                                     const extract::ExtractOptions& extracted,
-                                                    const field::ScalarField* grid) {
+                                                    const field::ScalarField* grid, const Context& context) {
   const field::AnalyticField* formula = field.format == "demo" ? field::find_analytic_field(field.name) : nullptr;
   if (formula == nullptr) return std::nullopt;
   const IndexMesh placed(mesh, field, extracted, grid);
   if (!is_similarity(placed.output_from_index().linear)) return std::nullopt;
-  return AnalyticMeasurement(mesh, placed, field, extracted, *formula).run();
+  return AnalyticMeasurement(mesh, placed, field, extracted, *formula, context).run();
 }
 
 }  // namespace isoextract::measure

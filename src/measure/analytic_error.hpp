@@ -39,6 +39,7 @@ struct AnalyticError {
 [[nodiscard]] std::optional<AnalyticError> measure_analytic_error(const mesh::Mesh& mesh,
                                                                   const field::ScalarField& field,
                                                                   const extract::ExtractOptions& extracted,
-                                                                  const field::ScalarField* grid = nullptr);
+                                                                  const field::ScalarField* grid = nullptr,
+                                                                  const Context& context = Context());
 
 }  // namespace isoextract::measure

@@ -35,7 +35,6 @@ extract::ExtractOptions extract_options(const field::ScalarField& field, extract
   extract.iso = options.iso;
   extract.nan = options.nan;
   extract.output_from_index = field.index_to_world;
-  extract.limits = options.limits;
   return extract;
 }
 
@@ -63,11 +62,13 @@ struct Setting {
   std::vector<extract::ExtractStats> stats;  // of the same runs
 };
 
-Result<void> run_once(const field::ScalarField& field, const BenchOptions& options, bool timed, Setting& setting) {
+Result<void> run_once(const field::ScalarField& field, const BenchOptions& options, bool timed, Setting& setting,
+                      const Context& context) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   static_cast<std::size_t>(setting.threads));
   const Stopwatch watch;
-  const auto extraction = setting.backend->extractor->extract(field, extract_options(field, setting.method, options));
+  const auto extraction =
+      setting.backend->extractor->extract(field, extract_options(field, setting.method, options), context);
   const double seconds = watch.elapsed().wall_seconds;
   if (!extraction) return tl::unexpected(extraction.error());
   setting.triangles = extraction->mesh.triangles.size();
@@ -97,7 +98,7 @@ std::optional<BenchDeviceTimes> device_times(const std::vector<extract::ExtractS
 }
 
 Result<std::vector<BenchRow>> time_level(const field::ScalarField& field, std::size_t level,
-                                         const BenchOptions& options) {
+                                         const BenchOptions& options, const Context& context) {
   std::vector<Setting> settings;
   for (const extract::Method method : options.methods) {
     for (const BenchBackend& backend : options.backends) {
@@ -106,11 +107,13 @@ Result<std::vector<BenchRow>> time_level(const field::ScalarField& field, std::s
     }
   }
   const auto rounds = static_cast<std::size_t>(options.repeats) + 1;
-  if (options.progress != nullptr) options.progress->begin("timing", rounds * settings.size());
+  context.progress().begin("timing", rounds * settings.size());
+  const Context untold(context.memory());  // the bar shows the rounds, not what is within them
   for (std::size_t round = 0; round < rounds; ++round) {
     for (Setting& setting : settings) {
-      if (auto run = run_once(field, options, round > 0, setting); !run) return tl::unexpected(run.error());
-      if (options.progress != nullptr) options.progress->advance(1);
+      if (auto run = run_once(field, options, round > 0, setting, untold); !run) return tl::unexpected(run.error());
+      context.progress().advance(1);
+      if (auto wanted = context.check(); !wanted) return tl::unexpected(wanted.error());
     }
     std::ranges::reverse(settings);
   }
@@ -158,19 +161,18 @@ tl::unexpected<Error> no_surface(const field::ScalarField& field, double iso, bo
 using Judge = std::function<void(const Specimen& specimen, BenchErrors& errors)>;
 
 Result<void> judge_level(const field::ScalarField& field, const BenchOptions& options, const Judge& judge,
-                         bool in_finer, std::vector<BenchRow>& rows) {
+                         bool in_finer, std::vector<BenchRow>& rows, const Context& context) {
   for (const extract::Method method : options.methods) {
     for (const BenchBackend& backend : options.backends) {
       if (!backend.runs(method)) continue;
       extract::ExtractOptions extract = extract_options(field, method, options);
       extract.cap = true;
-      const auto capped = backend.extractor->extract(field, extract);
+      const auto capped = backend.extractor->extract(field, extract, Context(context.memory()));
       if (!capped) return tl::unexpected(capped.error());
       const double volume = mesh::measure_size(capped->mesh).volume;
       extract.cap = false;
       extract.smooth_normals = true;
-      extract.progress = options.progress;
-      const auto open = backend.extractor->extract(field, extract);
+      const auto open = backend.extractor->extract(field, extract, context);
       if (!open) return tl::unexpected(open.error());
       if (open->mesh.triangles.empty()) return no_surface(field, options.iso, in_finer);
       BenchErrors judged;
@@ -185,10 +187,10 @@ Result<void> judge_level(const field::ScalarField& field, const BenchOptions& op
 }
 
 Result<void> add_level(BenchResult& result, const field::ScalarField& field, const BenchOptions& options,
-                       const Judge& judge, bool in_finer) {
-  auto rows = time_level(field, result.levels.size(), options);
+                       const Judge& judge, bool in_finer, const Context& context) {
+  auto rows = time_level(field, result.levels.size(), options, context);
   if (!rows) return tl::unexpected(rows.error());
-  if (auto judged = judge_level(field, options, judge, in_finer, *rows); !judged) return judged;
+  if (auto judged = judge_level(field, options, judge, in_finer, *rows, context); !judged) return judged;
   result.levels.push_back({size_text(field), cells_of(field), spacing_of(field), false});
   result.rows.insert(result.rows.end(), rows->begin(), rows->end());
   return {};
@@ -267,9 +269,10 @@ struct FinestSurface {
 bool is_closed(const mesh::Mesh& mesh) { return mesh::measure_topology(mesh).open_edges == 0; }
 
 Result<FinestSurface> finest_surface(const field::ScalarField& field, const extract::Method method,
-                                     extract::Extractor& extractor, const BenchOptions& options) {
+                                     extract::Extractor& extractor, const BenchOptions& options,
+                                     const Context& context) {
   extract::ExtractOptions extract = extract_options(field, method, options);
-  const auto open = extractor.extract(field, extract);
+  const auto open = extractor.extract(field, extract, Context(context.memory()));
   if (!open) return tl::unexpected(open.error());
   if (open->mesh.triangles.empty()) return no_surface(field, options.iso, false);
   FinestSurface surface;
@@ -281,7 +284,7 @@ Result<FinestSurface> finest_surface(const field::ScalarField& field, const extr
     surface.high = glm::max(surface.high, placed.vertex(v));
   }
   extract.cap = true;
-  const auto capped = extractor.extract(field, extract);
+  const auto capped = extractor.extract(field, extract, Context(context.memory()));
   if (!capped) return tl::unexpected(capped.error());
   surface.size.volume = mesh::measure_size(capped->mesh).volume;
   return surface;
@@ -319,7 +322,8 @@ Result<void> check_thread_counts(std::span<const int> threads) {
   return {};
 }
 
-Result<BenchResult> bench_demo(std::string_view name, const std::vector<int>& sizes, const BenchOptions& options) {
+Result<BenchResult> bench_demo(std::string_view name, const std::vector<int>& sizes, const BenchOptions& options,
+                               const Context& context) {
   const field::AnalyticField* formula = field::find_analytic_field(name);
   if (formula == nullptr) {
     return fail(ErrorKind::usage,
@@ -327,17 +331,18 @@ Result<BenchResult> bench_demo(std::string_view name, const std::vector<int>& si
                 "take another demo field, or a file");
   }
   if (auto checked = check_thread_counts(options.threads); !checked) return tl::unexpected(checked.error());
-  const ReferenceSize reference = find_reference_size(*formula, options.iso, options.progress);
+  const ReferenceSize reference = find_reference_size(*formula, options.iso, &context.progress());
+  const Limits limits{context.memory().limit()};
   BenchResult result;
   result.input = fmt::format("{}{}", field::kDemoPrefix, name);
   result.iso = options.iso;
   result.truth = truth_of(reference);
   for (const int size : sizes) {
     const auto field =
-        field::make_demo_field(fmt::format("{}?size={}", result.input, size), options.limits, options.progress);
+        field::make_demo_field(fmt::format("{}?size={}", result.input, size), limits, &context.progress());
     if (!field) return tl::unexpected(field.error());
     const Judge judge = [&](const Specimen& specimen, BenchErrors& errors) {
-      const auto error = measure_analytic_error(specimen.mesh, specimen.field, specimen.extracted);
+      const auto error = measure_analytic_error(specimen.mesh, specimen.field, specimen.extracted, nullptr, context);
       if (!error) return;
       errors.position = error->interior;
       errors.smooth_normals = error->smooth_normals;
@@ -347,15 +352,17 @@ Result<BenchResult> bench_demo(std::string_view name, const std::vector<int>& si
           relative_error(specimen.volume, reference.size.volume * error->unit * error->unit * error->unit);
     };
     const bool in_finer = size != sizes.back() && reference.size.area > 0;
-    if (auto added = add_level(result, *field, options, judge, in_finer); !added) return tl::unexpected(added.error());
+    if (auto added = add_level(result, *field, options, judge, in_finer, context); !added)
+      return tl::unexpected(added.error());
   }
   conclude(result, options, relative_uncertainty(reference));
   return result;
 }
 
 Result<BenchResult> bench_field(const field::ScalarField& field, const std::vector<int>& factors,
-                                const BenchOptions& options) {
+                                const BenchOptions& options, const Context& context) {
   if (auto checked = check_thread_counts(options.threads); !checked) return tl::unexpected(checked.error());
+  const Limits limits{context.memory().limit()};
   BenchResult result;
   result.input = field.source;
   result.iso = options.iso;
@@ -367,7 +374,7 @@ Result<BenchResult> bench_field(const field::ScalarField& field, const std::vect
   for (const extract::Method method : options.methods) {
     for (const BenchBackend& backend : options.backends) {
       if (!backend.runs(method)) continue;
-      auto surface = finest_surface(field, method, *backend.extractor, options);
+      auto surface = finest_surface(field, method, *backend.extractor, options, context);
       if (!surface) return tl::unexpected(surface.error());
       finest.push_back(*surface);
     }
@@ -376,7 +383,7 @@ Result<BenchResult> bench_field(const field::ScalarField& field, const std::vect
   for (const int factor : factors) {
     std::optional<field::ScalarField> coarse;
     if (factor > 1) {
-      auto made = field::coarsen(field, factor, options.limits, options.progress);
+      auto made = field::coarsen(field, factor, limits, &context.progress());
       if (!made) return tl::unexpected(made.error());
       coarse = std::move(*made);
       if (std::string dropped = dropped_samples(field, factor); !dropped.empty()) {
@@ -389,7 +396,7 @@ Result<BenchResult> bench_field(const field::ScalarField& field, const std::vect
       of_finest.output_from_index = field.index_to_world;
       FieldErrorOptions error;
       error.reach = 2.0 * factor;
-      error.progress = options.progress;
+      error.progress = &context.progress();
       errors.position = measure_field_error(specimen.mesh, field, of_finest, error).interior;
       for (Length* length : {&errors.position.rms, &errors.position.percentile99, &errors.position.max}) {
         length->voxels /= factor;
@@ -405,7 +412,7 @@ Result<BenchResult> bench_field(const field::ScalarField& field, const std::vect
       }
       ++exact;
     };
-    if (auto added = add_level(result, coarse ? *coarse : field, options, judge, factor > 1); !added) {
+    if (auto added = add_level(result, coarse ? *coarse : field, options, judge, factor > 1, context); !added) {
       return tl::unexpected(added.error());
     }
     result.levels.back().is_truth = factor == 1;

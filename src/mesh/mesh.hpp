@@ -4,10 +4,13 @@
 #include <cstdint>
 #include <string>
 #include <tuple>
+#include <vector>
 
 #include <glm/glm.hpp>
 
 #include "base/buffer.hpp"
+#include "base/memory_budget.hpp"
+#include "mesh/attributes.hpp"
 
 namespace isoextract::mesh {
 
@@ -34,6 +37,8 @@ struct Mesh {
   Buffer<glm::vec3> normals;     // unit length, outward, one a vertex; or empty
   Buffer<EdgeKey> edges;         // one a vertex, where they were asked for; or empty
   Buffer<glm::uvec3> triangles;  // vertex indices
+  std::vector<Attribute> attributes;
+  Reservation memory;  // for all of this, by whoever allocated it; empty where nobody counts
 
   [[nodiscard]] glm::dvec3 position(std::size_t vertex) const { return origin + glm::dvec3(positions[vertex]); }
 };

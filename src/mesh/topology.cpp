@@ -1,7 +1,9 @@
 #include "mesh/topology.hpp"
 
 #include <algorithm>
+#include <new>
 #include <numeric>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -113,6 +115,20 @@ Topology measure_topology(const Mesh& mesh) {
   result.euler = static_cast<std::int64_t>(used) - static_cast<std::int64_t>(result.edges) +
                  static_cast<std::int64_t>(mesh.triangles.size() - result.repeated_index_triangles);
   return result;
+}
+
+Result<Topology> measure_topology(const Mesh& mesh, const Context& context) {
+  const std::string what = mesh.name + ": the edges of its triangles";
+  const std::uint64_t corners = 3 * std::uint64_t{mesh.triangles.size()};
+  const auto memory = context.reserve(corners * (sizeof(EdgeUse) + sizeof(std::uint64_t)) +
+                                          mesh.positions.size() * (sizeof(std::uint64_t) + sizeof(std::uint32_t)),
+                                      what);
+  if (!memory) return tl::unexpected(memory.error());
+  try {
+    return measure_topology(mesh);
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorKind::input, what + " need more memory than there is");
+  }
 }
 
 }  // namespace isoextract::mesh

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 
+#include "base/context.hpp"
+#include "base/error.hpp"
 #include "mesh/mesh.hpp"
 
 namespace isoextract::mesh {
@@ -26,6 +28,10 @@ struct Topology {
   [[nodiscard]] std::int64_t genus() const { return static_cast<std::int64_t>(components) - euler / 2; }
 };
 
+// Throws std::bad_alloc.
 [[nodiscard]] Topology measure_topology(const Mesh& mesh);
+
+// Fails where its working memory, some 100 bytes a triangle, is more than is left.
+[[nodiscard]] Result<Topology> measure_topology(const Mesh& mesh, const Context& context);
 
 }  // namespace isoextract::mesh

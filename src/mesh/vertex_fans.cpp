@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <new>
 #include <span>
 #include <utility>
 #include <vector>
@@ -72,15 +73,7 @@ std::uint32_t number_fans(Mesh& mesh, std::span<const Corner> corners, std::vect
   return fans;
 }
 
-}  // namespace
-
-Result<void> make_one_vertex_a_fan(Mesh& mesh, const Limits& limits, const std::string& source) {
-  const std::uint64_t vertex_bytes =
-      sizeof(glm::vec3) * (mesh.normals.empty() ? 1 : 2) + (mesh.edges.empty() ? 0 : sizeof(EdgeKey));
-  const std::uint64_t bytes = CornersOfVertices::bytes(mesh) + 2 * mesh.positions.size() * vertex_bytes +
-                              mesh.triangles.size_bytes() + mesh.positions.size() * sizeof(std::uint32_t);
-  if (auto fits = check_memory(bytes, limits, fmt::format("{}: the holes of its surface", source)); !fits) return fits;
-
+Result<void> part_fans(Mesh& mesh, const std::string& source) {
   const CornersOfVertices corners(mesh);
   std::vector<std::uint32_t> fan;
   Buffer<glm::uvec3> triangles(mesh.triangles.size());  // with the new numbers; the old ones tell the fans
@@ -91,7 +84,7 @@ Result<void> make_one_vertex_a_fan(Mesh& mesh, const Limits& limits, const std::
     const std::uint32_t fans = number_fans(mesh, at, fan);
     if (source_of.size() + fans > std::numeric_limits<std::uint32_t>::max()) {
       return fail(ErrorKind::input, fmt::format("{}: the surface has more vertices than a mesh can number", source),
-                  "extract it in parts with --roi");
+                  Remedy::extract_part);
     }
     const auto first = static_cast<std::uint32_t>(source_of.size());
     for (std::size_t i = 0; i < at.size(); ++i) {
@@ -100,16 +93,24 @@ Result<void> make_one_vertex_a_fan(Mesh& mesh, const Limits& limits, const std::
     source_of.insert(source_of.end(), fans, v);
   }
 
-  const auto gathered = [&]<class T>(const Buffer<T>& old) {
-    Buffer<T> values(source_of.size());
-    std::transform(source_of.begin(), source_of.end(), values.begin(), [&](std::uint32_t v) { return old[v]; });
-    return values;
-  };
-  mesh.positions = gathered(mesh.positions);
-  if (!mesh.normals.empty()) mesh.normals = gathered(mesh.normals);
-  if (!mesh.edges.empty()) mesh.edges = gathered(mesh.edges);
+  gather_vertices(mesh, source_of);
   mesh.triangles = std::move(triangles);
   return {};
+}
+
+}  // namespace
+
+Result<void> make_one_vertex_a_fan(Mesh& mesh, const std::string& source, const Context& context) {
+  const std::uint64_t bytes = CornersOfVertices::bytes(mesh) + 2 * mesh.positions.size() * vertex_bytes(mesh) +
+                              mesh.triangles.size_bytes() + mesh.positions.size() * sizeof(std::uint32_t);
+  const std::string what = fmt::format("{}: the holes of its surface", source);
+  const auto memory = context.reserve(bytes, what);
+  if (!memory) return tl::unexpected(memory.error());
+  try {
+    return part_fans(mesh, source);
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorKind::input, fmt::format("{} need more memory than there is", what), Remedy::extract_part);
+  }
 }
 
 }  // namespace isoextract::mesh

@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
+#include "base/context.hpp"
 #include "base/error.hpp"
-#include "base/limits.hpp"
 #include "mesh/mesh.hpp"
 
 namespace isoextract::mesh {
@@ -12,8 +12,9 @@ namespace isoextract::mesh {
 // Where triangles were left out, a vertex may have none any more, or several fans of triangles that meet in it alone.
 // This drops the former, and gives each further fan a copy of its vertex: then the mesh is a manifold with a border,
 // if no edge has more than two triangles. Vertices keep their order; copies stand behind the vertex they copy, in the
-// order of their fans' first triangles, and have its normal and its edge key. Fails with ErrorKind::input where that
-// needs more memory than the limit, or more vertices than a mesh can number; `source` starts the message.
-[[nodiscard]] Result<void> make_one_vertex_a_fan(Mesh& mesh, const Limits& limits, const std::string& source);
+// order of their fans' first triangles, and have all that belongs to it. Fails with ErrorKind::input where that
+// needs more memory than is left, or more vertices than a mesh can number; `source` starts the message.
+[[nodiscard]] Result<void> make_one_vertex_a_fan(Mesh& mesh, const std::string& source,
+                                                 const Context& context = Context());
 
 }  // namespace isoextract::mesh

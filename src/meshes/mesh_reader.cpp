@@ -38,11 +38,24 @@ Reader reader_of(const MeshSource& source) {
                                 files::printable(text, 16)));
 }
 
-mesh::Mesh mesh_of(const FileSurface& surface, const Limits& limits) {
-  MemoryUse memory(limits);
+mesh::Mesh mesh_of(const FileSurface& surface, const Context& context) {
+  MemoryUse memory(context);
   memory.take(surface.positions.capacity() * sizeof(glm::dvec3) + surface.positions.size() * sizeof(glm::vec3));
   memory.take((surface.triangles.capacity() + surface.triangles.size()) * sizeof(glm::uvec3));
+  for (const FileAttribute& attribute : surface.attributes) {
+    memory.take(attribute.values.capacity() + attribute.values.size());
+  }
   mesh::Mesh mesh;
+  for (const auto& [kind, values] : surface.attributes) {
+    if (values.size() != surface.positions.size() * kind.stride()) {
+      throw DamagedMesh(fmt::format("expected '{}' of each of {} vertices, found {}", kind.name,
+                                    surface.positions.size(), values.size() / kind.stride()));
+    }
+    mesh.attributes.push_back(kind.without_values());
+    Buffer<std::byte>& copy = mesh.attributes.back().values;
+    copy = Buffer<std::byte>(values.size());
+    std::copy(values.begin(), values.end(), copy.begin());
+  }
   mesh.positions = Buffer<glm::vec3>(surface.positions.size());
   mesh.triangles = Buffer<glm::uvec3>(surface.triangles.size());
   std::copy(surface.triangles.begin(), surface.triangles.end(), mesh.triangles.begin());
@@ -85,8 +98,8 @@ mesh::Mesh mesh_of(const FileSurface& surface, const Limits& limits) {
   return mesh;
 }
 
-FileSurface read_surface(const files::InputFile& file, const Limits& limits) {
-  MemoryUse memory(limits);
+FileSurface read_surface(const files::InputFile& file, const Context& context) {
+  MemoryUse memory(context);
   memory.take(file.size());
   Buffer<std::byte> content(file.size());
   if (auto read = file.read_at(0, content.span()); !read) throw DamagedMesh(read.error().message);
@@ -94,13 +107,18 @@ FileSurface read_surface(const files::InputFile& file, const Limits& limits) {
   return reader_of(source)(source);
 }
 
-MeshFile read_file(const files::InputFile& file, const Limits& limits) {
-  const FileSurface surface = read_surface(file, limits);
+MeshFile read_file(const files::InputFile& file, const Context& context) {
+  const FileSurface surface = read_surface(file, context);
   if (surface.positions.empty() && !surface.triangles.empty()) {
     throw DamagedMesh("expected vertices, found triangles without any");
   }
   MeshFile result;
-  result.mesh = mesh_of(surface, limits);
+  result.mesh = mesh_of(surface, context);
+  auto memory = context.reserve(
+      result.mesh.positions.size() * mesh::vertex_bytes(result.mesh) + result.mesh.triangles.size_bytes(),
+      "its vertices and triangles");
+  if (!memory) throw DamagedMesh(memory.error().message, memory.error().hint);
+  result.mesh.memory = std::move(*memory);
   result.mesh.name = file.path().filename().string();
   result.format = surface.format;
   for (const std::string& note : surface.notes) result.notes.push_back(fmt::format("{}: {}", file.name(), note));
@@ -109,11 +127,13 @@ MeshFile read_file(const files::InputFile& file, const Limits& limits) {
 
 }  // namespace
 
-Result<MeshFile> read_mesh(const std::filesystem::path& path, const Limits& limits) {
+Result<MeshFile> read_mesh(const std::filesystem::path& path, const Context& context) {
   auto file = files::InputFile::open(path);
   if (!file) return tl::unexpected(file.error());
   try {
-    return read_file(*file, limits);
+    return read_file(*file, context);
+  } catch (const Cancelled& cancelled) {
+    return tl::unexpected(cancelled.error);
   } catch (const DamagedMesh& damage) {
     const std::string_view text = damage.what();
     const bool named = text.starts_with(file->name());
@@ -124,10 +144,17 @@ Result<MeshFile> read_mesh(const std::filesystem::path& path, const Limits& limi
 }
 
 void MemoryUse::take(std::uint64_t bytes) {
+  if (const auto going_on = context_.check(); !going_on) throw Cancelled{going_on.error()};
   used_ = checked_sum(used_, bytes).value_or(std::numeric_limits<std::uint64_t>::max());
-  if (used_ <= limits_.memory_bytes) return;
-  const auto fits = check_memory(used_, limits_, "its bytes, vertices and triangles");
-  throw DamagedMesh(fits.error().message, fits.error().hint);
+  if (used_ <= reserved_) return;
+  // Some more than is needed, for the next time, if there is so much.
+  const std::string what = "its bytes, vertices and triangles";
+  const std::uint64_t missing = used_ - reserved_;
+  auto memory = context_.reserve(std::max(missing, reserved_ / 8), what);
+  if (!memory) memory = context_.reserve(missing, what);
+  if (!memory) throw DamagedMesh(memory.error().message, memory.error().hint);
+  reserved_ += memory->bytes();
+  parts_.push_back(std::move(*memory));
 }
 
 void require_vertex_count(std::uint64_t count) {
@@ -136,12 +163,11 @@ void require_vertex_count(std::uint64_t count) {
       fmt::format("expected at most {} vertices, found {}", std::numeric_limits<std::uint32_t>::max(), count));
 }
 
-void weld_corners(std::span<const glm::vec3> corners, FileSurface& surface, MemoryUse& memory) {
+std::vector<std::uint32_t> weld_corners(std::span<const glm::vec3> corners, FileSurface& surface, MemoryUse& memory) {
   const auto first = static_cast<std::uint32_t>(surface.positions.size());
   constexpr std::uint32_t kFree = std::numeric_limits<std::uint32_t>::max();
   const std::size_t table_size = std::bit_ceil(2 * corners.size() + 1);
-  const std::uint64_t bytes =
-      (table_size + corners.size()) * sizeof(std::uint32_t) + corners.size() * sizeof(glm::vec3);
+  const std::uint64_t bytes = (table_size + 2 * corners.size()) * sizeof(std::uint32_t);
   memory.take(bytes);
   std::vector<std::uint32_t> table(table_size, kFree);
   const auto bits_of = [](const glm::vec3& p) {
@@ -149,27 +175,30 @@ void weld_corners(std::span<const glm::vec3> corners, FileSurface& surface, Memo
                         std::bit_cast<std::uint32_t>(p.z));
   };
   std::vector<std::uint32_t> vertex_of(corners.size());
-  std::vector<glm::vec3> vertices;
-  vertices.reserve(corners.size());
+  std::vector<std::uint32_t> first_corner;
+  first_corner.reserve(corners.size());
   for (std::size_t c = 0; c < corners.size(); ++c) {
     const glm::u64vec3 bits = bits_of(corners[c]);
     // Multiplicative hashing with odd constants; the high bits are the well-mixed ones.
     const std::uint64_t mixed = (bits.x * 0x9E3779B97F4A7C15U + bits.y) * 0xC2B2AE3D27D4EB4FU + bits.z;
     std::size_t place = (mixed * 0x9E3779B97F4A7C15U >> 20U) & (table.size() - 1);
-    while (table[place] != kFree && bits_of(vertices[table[place]]) != bits) place = (place + 1) & (table.size() - 1);
+    while (table[place] != kFree && bits_of(corners[first_corner[table[place]]]) != bits) {
+      place = (place + 1) & (table.size() - 1);
+    }
     if (table[place] == kFree) {
-      table[place] = static_cast<std::uint32_t>(vertices.size());
-      vertices.push_back(corners[c]);
+      table[place] = static_cast<std::uint32_t>(first_corner.size());
+      first_corner.push_back(static_cast<std::uint32_t>(c));
     }
     vertex_of[c] = first + table[place];
   }
-  memory.make_room(surface.positions, vertices.size());
+  memory.make_room(surface.positions, first_corner.size());
   memory.make_room(surface.triangles, corners.size() / 3);
-  surface.positions.insert(surface.positions.end(), vertices.begin(), vertices.end());
+  for (const std::uint32_t c : first_corner) surface.positions.emplace_back(corners[c]);
   for (std::size_t c = 0; c + 2 < corners.size(); c += 3) {
     surface.triangles.emplace_back(vertex_of[c], vertex_of[c + 1], vertex_of[c + 2]);
   }
   memory.give_back(bytes);
+  return first_corner;
 }
 
 bool TextScanner::next_line() {

@@ -3,6 +3,9 @@
 // Coordinates are read in double, as far as the file has them, and become float32 relative to an origin in double that
 // is chosen as the extractor does. A glTF file whose meshes share one translation keeps that as the origin, and its
 // positions bit for bit. Polygons become fans of triangles. All surfaces of a file are joined into one mesh.
+//
+// Attributes of vertices are read from PLY (every number but the place and the normal) and from glTF (COLOR_0, and what
+// begins with an underscore), as the file has them: vectors do not turn with a node. The writers write them back.
 #pragma once
 
 #include <filesystem>
@@ -11,8 +14,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/context.hpp"
 #include "base/error.hpp"
-#include "base/limits.hpp"
 #include "mesh/mesh.hpp"
 #include "meshes/mesh_writer.hpp"
 
@@ -25,10 +28,12 @@ struct MeshFile {
 };
 
 // The format is found by content first, and by extension for OBJ, which has no mark. STL, and glTF without indices, are
-// triangles without connectivity: corners are welded where their coordinates have identical bytes.
+// triangles without connectivity: corners are welded where their coordinates have identical bytes, whatever their
+// attributes: those of the first corner are kept, and a note counts the others.
 //
 // Fails with ErrorKind::input: a file that cannot be read, is damaged, has coordinates that are not finite, indices of
-// vertices that are not there, or needs more than the memory limit. A file without triangles is no error.
-[[nodiscard]] Result<MeshFile> read_mesh(const std::filesystem::path& path, const Limits& limits = default_limits());
+// vertices that are not there, or needs more memory than is left. The mesh keeps its part
+// reserved. A file without triangles is no error.
+[[nodiscard]] Result<MeshFile> read_mesh(const std::filesystem::path& path, const Context& context = Context());
 
 }  // namespace isoextract::meshes

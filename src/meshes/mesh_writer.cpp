@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "meshes/write/mesh_format_writers.hpp"
 
@@ -15,11 +16,11 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::array kFormats = {
-    MeshFormatInfo{MeshFormat::glb, "glb", "glTF 2.0, one binary file", true, true, false},
-    MeshFormatInfo{MeshFormat::gltf, "gltf", "glTF 2.0, JSON with a .bin beside it", true, false, false},
-    MeshFormatInfo{MeshFormat::ply, "ply", "PLY, binary little-endian or text", false, true, true},
-    MeshFormatInfo{MeshFormat::obj, "obj", "Wavefront OBJ, text", true, true, false},
-    MeshFormatInfo{MeshFormat::stl, "stl", "STL, binary or text", false, true, true},
+    MeshFormatInfo{MeshFormat::glb, "glb", "glTF 2.0, one binary file", true, true, false, true},
+    MeshFormatInfo{MeshFormat::gltf, "gltf", "glTF 2.0, JSON with a .bin beside it", true, false, false, true},
+    MeshFormatInfo{MeshFormat::ply, "ply", "PLY, binary little-endian or text", false, true, true, true},
+    MeshFormatInfo{MeshFormat::obj, "obj", "Wavefront OBJ, text", true, true, false, false},
+    MeshFormatInfo{MeshFormat::stl, "stl", "STL, binary or text", false, true, true, false},
 };
 
 std::string names_of_formats(bool MeshFormatInfo::*property) {
@@ -33,14 +34,13 @@ std::string names_of_formats(bool MeshFormatInfo::*property) {
 Result<void> check(std::span<const mesh::Mesh> meshes, const fs::path& path, const MeshWriteOptions& options) {
   const MeshFormatInfo& info = mesh_format_info(options.format);
   if (options.ascii && !info.has_ascii) {
-    return fail(ErrorKind::usage, fmt::format("{}: --ascii does not go with the format {}", path.string(), info.name),
-                fmt::format("--ascii is for {}", names_of_formats(&MeshFormatInfo::has_ascii)));
+    return fail(ErrorKind::usage, fmt::format("{}: the format {} cannot be text", path.string(), info.name),
+                {Remedy::ascii_formats, names_of_formats(&MeshFormatInfo::has_ascii)});
   }
   if (meshes.size() != 1 && !info.holds_several_meshes) {
     return fail(ErrorKind::usage,
                 fmt::format("{}: the format {} holds one mesh, found {}", path.string(), info.name, meshes.size()),
-                fmt::format("use --format {}, or put {{iso}} into the name after -o to get a file for each iso value",
-                            names_of_formats(&MeshFormatInfo::holds_several_meshes)));
+                {Remedy::one_file_per_surface, names_of_formats(&MeshFormatInfo::holds_several_meshes)});
   }
   if (info.can_stream) return {};
   std::error_code ignored;
@@ -49,7 +49,7 @@ Result<void> check(std::span<const mesh::Mesh> meshes, const fs::path& path, con
     return fail(
         ErrorKind::usage,
         fmt::format("{}: the format {} makes two files and cannot be written to a stream", path.string(), info.name),
-        fmt::format("use --format {}", names_of_formats(&MeshFormatInfo::can_stream)));
+        {Remedy::choose_mesh_format, names_of_formats(&MeshFormatInfo::can_stream)});
   }
   if (path.extension() == ".bin") {
     return fail(ErrorKind::usage,
@@ -59,10 +59,27 @@ Result<void> check(std::span<const mesh::Mesh> meshes, const fs::path& path, con
   return {};
 }
 
+// For formats without attributes.
+void note_attributes(std::span<const mesh::Mesh> meshes, const MeshFormatInfo& info, Notes& notes) {
+  std::vector<std::string> names;
+  for (const mesh::Mesh& mesh : meshes) {
+    for (const mesh::Attribute& attribute : mesh.attributes) {
+      std::string name = fmt::format("'{}'", attribute.name);
+      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(std::move(name));
+    }
+  }
+  if (names.empty()) return;
+  notes.push_back(fmt::format("{} has no attributes of vertices: {} left out; {} keep them", info.name,
+                              fmt::format("{} {}", fmt::join(names, ", "), names.size() == 1 ? "was" : "were"),
+                              names_of_formats(&MeshFormatInfo::has_attributes)));
+}
+
 Result<void> write_one_file(std::span<const mesh::Mesh> meshes, const MeshWriteOptions& options,
                             files::OutputFile& file, Notes& notes) {
+  const MeshFormatInfo& info = mesh_format_info(options.format);
+  if (!info.has_attributes) note_attributes(meshes, info, notes);
   switch (options.format) {
-    case MeshFormat::ply: return write_ply(meshes[0], options, file);
+    case MeshFormat::ply: return write_ply(meshes[0], options, file, notes);
     case MeshFormat::obj: return write_obj(meshes, options, file);
     case MeshFormat::stl: return write_stl(meshes[0], options, file, notes);
     case MeshFormat::glb:
@@ -125,8 +142,9 @@ std::optional<MeshFormat> mesh_format_by_path(const fs::path& path) {
 }
 
 Result<MeshWriteResult> write_meshes(std::span<const mesh::Mesh> meshes, const fs::path& path,
-                                     const MeshWriteOptions& options) {
+                                     const MeshWriteOptions& options, const Context& context) {
   try {
+    if (auto going_on = context.check(); !going_on) return tl::unexpected<Error>(std::move(going_on.error()));
     if (auto possible = check(meshes, path, options); !possible) {
       return tl::unexpected<Error>(std::move(possible.error()));
     }

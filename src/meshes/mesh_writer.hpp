@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/context.hpp"
 #include "base/error.hpp"
 #include "base/words.hpp"
 #include "mesh/mesh.hpp"
@@ -25,11 +26,12 @@ constexpr auto words_of(MeshFormat /*type*/) {
 // One row a format: detection, help and README read it.
 struct MeshFormatInfo {
   MeshFormat format;
-  std::string_view name;      // as in --format, and the extension without its dot
+  std::string_view name;      // also the extension, without its dot
   std::string_view title;     // "glTF 2.0, one binary file"
   bool holds_several_meshes;  // several iso values fit into one file
   bool can_stream;            // may be written to standard output
-  bool has_ascii;             // --ascii applies
+  bool has_ascii;             // it can be text
+  bool has_attributes;        // vertices may have more than a place and a normal
 };
 [[nodiscard]] std::span<const MeshFormatInfo> mesh_formats();
 [[nodiscard]] const MeshFormatInfo& mesh_format_info(MeshFormat format);
@@ -54,9 +56,10 @@ struct MeshWriteResult {
 };
 
 // Writes all meshes into one file (or, for .gltf, one pair of files) at `path`; "-" is standard output. Vertex normals
-// are written where a mesh has them. Nothing is left behind on failure (ErrorKind::output; ErrorKind::usage for what
-// the format cannot do).
+// and attributes are written where a mesh has them, or noted where the format cannot hold them. Nothing is left behind
+// on failure (ErrorKind::output; ErrorKind::usage for what the format cannot do).
 [[nodiscard]] Result<MeshWriteResult> write_meshes(std::span<const mesh::Mesh> meshes,
-                                                   const std::filesystem::path& path, const MeshWriteOptions& options);
+                                                   const std::filesystem::path& path, const MeshWriteOptions& options,
+                                                   const Context& context = Context());
 
 }  // namespace isoextract::meshes

@@ -17,13 +17,6 @@ namespace {
 
 constexpr std::string_view kFormat = ISOEXTRACT_FUZZ_FORMAT;
 
-volumes::VolumeFormat format_of_target() {
-  for (const auto& info : volumes::volume_formats()) {
-    if (info.name == kFormat) return info.format;
-  }
-  std::abort();
-}
-
 std::string file_name(const std::string& bytes) {
   if (kFormat == "nifti") return bytes.starts_with("\x1F\x8B") ? "volume.nii.gz" : "volume.nii";
   return "volume." + std::string(kFormat);
@@ -47,24 +40,26 @@ volumes::RawLayout take_layout(const std::uint8_t*& data, std::size_t& size) {
 void read_one(const std::uint8_t* data, std::size_t size) {
   static const test::TempFolder folder;  // detached data can only be found within it
   volumes::ReadOptions options;
-  options.format = format_of_target();
-  options.limits.memory_bytes = std::uint64_t{8} << 20;
-  if (options.format == volumes::VolumeFormat::raw) options.raw = take_layout(data, size);
+  const volumes::VolumeFormat* format = volumes::find_volume_format(kFormat);
+  if (format == nullptr) std::abort();
+  options.format = format->about().id;
+  const Context context(MemoryBudget(std::uint64_t{8} << 20));
+  if (format->about().needs_layout) options.raw = take_layout(data, size);
 
   const std::string bytes(reinterpret_cast<const char*>(data), size);
-  std::string input = "demo:" + bytes;
-  if (options.format != volumes::VolumeFormat::demo) {
+  std::string input = format->about().prefix + bytes;
+  if (format->about().prefix.empty()) {
     input = folder / file_name(bytes);
     test::write_bytes(input, bytes);
   }
-  const auto grids = volumes::list_grids(input, options);
+  const auto grids = volumes::list_grids(input, options, context);
   // A file with several grids needs a choice: the first scalar one.
   if (grids && grids->size() > 1) {
     const auto scalar =
         std::find_if(grids->begin(), grids->end(), [](const volumes::GridInfo& grid) { return grid.scalar; });
     if (scalar != grids->end()) options.grid = scalar->name + "[" + std::to_string(scalar->index_of_name) + "]";
   }
-  const auto field = volumes::read_volume(input, options);
+  const auto field = volumes::read_volume(input, options, context);
   if (!field) {
     if (field.error().message.empty()) std::abort();
     return;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "meshes/mesh_writer.hpp"
+#include "support/sample_attributes.hpp"
 #include "support/sample_meshes.hpp"
 
 namespace {
@@ -32,6 +33,16 @@ mesh::Mesh nothing(std::string name) { return make_mesh(std::move(name), {}, {})
 
 mesh::Mesh one_triangle() { return make_mesh("triangle", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}); }
 
+// Attributes of sizes that fill four bytes and that do not.
+mesh::Mesh with_attributes(mesh::ComponentType colour, std::size_t components) {
+  mesh::Mesh mesh = sphere(24, false, "coloured");
+  add_colour(mesh, colour, components);
+  add_attribute(mesh, "TEMPERATURE", mesh::ComponentType::f32, 1);
+  add_attribute(mesh, "label", mesh::ComponentType::u8, 1);
+  add_attribute(mesh, "way", mesh::ComponentType::i16, 3, true);
+  return mesh;
+}
+
 std::vector<Sample> samples() {
   const glm::dvec3 far(4e6 + 1.0 / 3, -7e6, 1.0 / 7);
   return {
@@ -48,6 +59,9 @@ std::vector<Sample> samples() {
       {"several_flat", [] { return list(one_triangle(), sphere(8, false, "iso 1"), tetrahedron()); }, true},
       {"tiny", [] { return list(one_triangle()); }},
       {"many", [] { return list(sphere(200, true)); }},
+      {"attributes", [] { return list(with_attributes(mesh::ComponentType::u8, 3)); }},
+      {"attributes_flat", [] { return list(with_attributes(mesh::ComponentType::u16, 3)); }, true},
+      {"attributes_and_none", [] { return list(with_attributes(mesh::ComponentType::f32, 4), one_triangle()); }},
       {"empty", [] { return list(nothing("nothing")); }},
       {"no_mesh", [] { return list(); }},
       {"empty_and_more", [] { return list(nothing("nothing"), tetrahedron(), nothing("")); }},

@@ -10,23 +10,7 @@
 
 namespace isoextract::test {
 
-template <class T>
-Buffer<T> copy_of(const Buffer<T>& buffer) {
-  Buffer<T> copy(buffer.size());
-  std::copy(buffer.begin(), buffer.end(), copy.begin());
-  return copy;
-}
-
-inline mesh::Mesh copy_of(const mesh::Mesh& mesh) {
-  mesh::Mesh copy;
-  copy.name = mesh.name;
-  copy.origin = mesh.origin;
-  copy.positions = copy_of(mesh.positions);
-  copy.normals = copy_of(mesh.normals);
-  copy.edges = copy_of(mesh.edges);
-  copy.triangles = copy_of(mesh.triangles);
-  return copy;
-}
+inline mesh::Mesh copy_of(const mesh::Mesh& mesh) { return copy(mesh); }
 
 // The same mesh with its vertices and triangles in random order, and triangles that start anywhere.
 inline mesh::Mesh shuffled(const mesh::Mesh& mesh, unsigned seed) {

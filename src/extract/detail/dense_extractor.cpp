@@ -14,13 +14,12 @@
 
 #include "base/stopwatch.hpp"
 #include "extract/asymptotic_decider.hpp"
-#include "extract/border_cap.hpp"
 #include "extract/dense_input.hpp"
 #include "extract/detail/cell_rows.hpp"
 #include "extract/detail/cell_streams.hpp"
 #include "extract/detail/vertex_batch.hpp"
 #include "extract/row_bits.hpp"
-#include "mesh/vertex_fans.hpp"
+#include "extract/surface_run.hpp"
 
 namespace isoextract::extract {
 namespace {
@@ -34,13 +33,17 @@ class BrickFlags {
       : masks_(masks),
         words_(masks.words()),
         rows_y_((masks.dims().y + kBrickRows - 1) / kBrickRows),
-        rows_z_((masks.dims().z + kBrickRows - 1) / kBrickRows),
-        crossed_(static_cast<std::size_t>(words_) * static_cast<std::size_t>(rows_y_) *
-                 static_cast<std::size_t>(rows_z_)) {}
+        rows_z_((masks.dims().z + kBrickRows - 1) / kBrickRows) {}
+
+  [[nodiscard]] std::uint64_t bytes() const { return count(); }
+  void allocate() { crossed_ = Buffer<std::uint8_t>(count()); }
 
   [[nodiscard]] int rows_y() const { return rows_y_; }
   [[nodiscard]] int rows_z() const { return rows_z_; }
-  [[nodiscard]] std::uint64_t count() const { return crossed_.size(); }
+  [[nodiscard]] std::uint64_t count() const {
+    return static_cast<std::uint64_t>(words_) * static_cast<std::uint64_t>(rows_y_) *
+           static_cast<std::uint64_t>(rows_z_);
+  }
   [[nodiscard]] std::uint64_t count_crossed() const {
     return static_cast<std::uint64_t>(std::count(crossed_.begin(), crossed_.end(), std::uint8_t{1}));
   }
@@ -76,9 +79,10 @@ template <class T>
 class DenseExtraction final : private CellDecider {
  public:
   DenseExtraction(const field::ScalarField& field, const DenseView<T>& whole, const field::IndexBox& region,
-                  const ExtractOptions& options)
+                  DenseMasks masks, const ExtractOptions& options, const Context& context)
       : field_(field),
         options_(options),
+        context_(context),
         rule_{field.kind, options.iso},
         whole_(whole),
         view_(part_of(whole, region)),
@@ -86,56 +90,65 @@ class DenseExtraction final : private CellDecider {
         table_(case_table(options.method)),
         directions_(static_cast<int>(table_.directions.size())),
         placement_(options.output_from_index, {glm::ivec3(0), whole.dims - 1}, field.kind, field.scale),
-        masks_(view_.dims),
+        masks_(std::move(masks)),
         bricks_(masks_) {}
 
-  Result<Extraction> run() {
-    Extraction result;
-    result.mesh.origin = placement_.origin();
-    result.stats.brick = fmt::format("64x{0}x{0} cells", kBrickRows);
-    result.stats.bricks = bricks_.count();
+  [[nodiscard]] const OutputFrame& placement() const { return placement_; }
 
-    if (auto fits = check_placement(field_, placement_); !fits) return tl::unexpected(fits.error());
-    const auto threshold = classify_dense(field_, view_, region_.min, options_, masks_, result.stats);
+  Result<bool> classify(ExtractStats& stats) {
+    stats.brick = fmt::format("64x{0}x{0} cells", kBrickRows);
+    stats.bricks = bricks_.count();
+    const auto threshold = classify_dense(field_, view_, region_.min, options_, masks_, stats, context_);
     if (!threshold) return tl::unexpected(threshold.error());
-    if (!*threshold) return result;
-    has_holes_ = result.stats.nan_samples != 0 && options_.nan == NanPolicy::hole;
+    has_holes_ = stats.nan_samples != 0 && options_.nan == NanPolicy::hole;
+    return threshold->has_value();
+  }
+
+  Result<MeshSizes> count(ExtractStats& stats) {
+    const Stopwatch watch;
+    const std::size_t rows = row_index(0, view_.dims.z) + 1;  // and the end
+    auto memory = context_.reserve(
+        bricks_.bytes() +
+            rows * (static_cast<std::size_t>(directions_) * sizeof(std::uint32_t) + sizeof(std::uint64_t)),
+        fmt::format("{}: its {} rows of samples", field_.source, rows - 1));
+    if (!memory) return tl::unexpected(memory.error());
+    rows_memory_ = std::move(*memory);
+    bricks_.allocate();
     drawings_.emplace(row_drawings(table_, placement_.mirrored(), has_holes_));
-
-    Stopwatch watch;
-    result.stats.hole_cells = count();
-    result.stats.bricks_visited = bricks_.count_crossed();
+    stats.hole_cells = count_rows();
+    stats.bricks_visited = bricks_.count_crossed();
     const MeshSizes sizes = place_rows();
-    if (auto fits = check_mesh_size(field_, sizes, options_); !fits) return tl::unexpected(fits.error());
-    BorderCap cap;
-    if (options_.cap) {
-      cap = make_border_cap(
-          {glm::ivec3(0), view_.dims - 1}, options_.method, static_cast<std::uint32_t>(sizes.vertices),
-          [&](const glm::ivec3& p) { return masks_.inside(p); },
-          [&](const glm::ivec3& p, int direction) { return edge_vertex(p, direction); },
-          [&](const glm::ivec3& p) { return rule_.depth(value(region_.min + p)); },
-          [&](const glm::ivec3& p) { return has_holes_ && std::isnan(value(region_.min + p)); });
-      if (auto fits = check_mesh_size(field_, with_cap(sizes, cap), options_); !fits) {
-        return tl::unexpected(fits.error());
-      }
-    }
-    result.stats.count = watch.elapsed();
+    stats.count = watch.elapsed();
+    return sizes;
+  }
 
-    watch.restart();
-    allocate_mesh(result.mesh, sizes, cap, options_);
-    emit(result.mesh);
+  Result<void> emit(mesh::Mesh& mesh) {
+    emit_bricks(mesh);
     if (samples_changed_) {
       return fail(ErrorKind::input, fmt::format("{}: the samples changed while they were looked at", field_.source),
                   "wait until whatever writes the file is done");
     }
-    append_cap(result.mesh, sizes, cap, {glm::ivec3(0), view_.dims - 1}, region_.min, placement_);
-    if (has_holes_) {
-      if (auto done = mesh::make_one_vertex_a_fan(result.mesh, options_.limits, field_.source); !done) {
-        return tl::unexpected(done.error());
-      }
+    return {};
+  }
+
+  [[nodiscard]] std::optional<field::IndexBox> cap_box() const { return region_; }
+  [[nodiscard]] bool has_holes() const { return has_holes_; }
+  [[nodiscard]] bool inside(const glm::ivec3& p) const { return masks_.inside(p - region_.min); }
+  [[nodiscard]] double value(const glm::ivec3& p) const {
+    return field_.scale(static_cast<double>(whole_.row(p.y, p.z)[p.x]));
+  }
+
+  // The number of one vertex, found by counting: for the few that are not met in order.
+  [[nodiscard]] std::uint32_t edge_vertex(const glm::ivec3& sample, int direction) const {
+    const glm::ivec3 p = sample - region_.min;
+    const CellRow row = cell_row(p.y, p.z);
+    const std::uint64_t* upper = row.bits[static_cast<std::size_t>(direction >> 1)];
+    std::uint32_t number = vertex_base(row_index(p.y, p.z))[table_.index_of(direction)];
+    for (int w = 0; w <= p.x / 64; ++w) {
+      const std::uint64_t ends = (direction & 1) != 0 ? next_bits(upper, w) : upper[w];
+      number += static_cast<std::uint32_t>(std::popcount((row.bits[0][w] ^ ends) & bits_below(w, p.x)));
     }
-    result.stats.emit = watch.elapsed();
-    return result;
+    return number;
   }
 
  private:
@@ -148,12 +161,12 @@ class DenseExtraction final : private CellDecider {
   void for_each_brick_row(const char* stage, const F& f) {
     const int rows_y = bricks_.rows_y();
     const int brick_rows = rows_y * bricks_.rows_z();
-    if (options_.progress != nullptr) options_.progress->begin(stage, static_cast<std::uint64_t>(brick_rows));
+    context_.progress().begin(stage, static_cast<std::uint64_t>(brick_rows));
     tbb::parallel_for(0, brick_rows, [&](int b) {
       const int bj = b % rows_y;
       const int bk = b / rows_y;
       f(bj, bk);
-      if (options_.progress != nullptr) options_.progress->advance(1);
+      context_.progress().advance(1);
     });
   }
 
@@ -181,7 +194,7 @@ class DenseExtraction final : private CellDecider {
   }
 
   // Returns how many cells NanPolicy::hole leaves out.
-  std::uint64_t count() {
+  std::uint64_t count_rows() {
     const std::size_t rows = row_index(0, view_.dims.z);
     vertex_base_ = Buffer<std::uint32_t>((rows + 1) * static_cast<std::size_t>(directions_));
     triangle_base_ = Buffer<std::uint64_t>(rows + 1);
@@ -207,7 +220,7 @@ class DenseExtraction final : private CellDecider {
     return vertex_base_.data() + row * static_cast<std::size_t>(directions_);
   }
 
-  // `p` is relative to the region, here and in what follows, unless something else is said.
+  // `p` is relative to the region.
   [[nodiscard]] std::optional<unsigned> variant(unsigned cell_case, const glm::ivec3& p) const override {
     return variant_or_hole(table_, cell_case, rule_, has_holes_,
                            [&](int corner) { return value(region_.min + p + direction_step(corner)); });
@@ -245,19 +258,7 @@ class DenseExtraction final : private CellDecider {
     return sizes;
   }
 
-  // The number of one vertex, found by counting: for the few that are not met in order.
-  [[nodiscard]] std::uint32_t edge_vertex(const glm::ivec3& p, int direction) const {
-    const CellRow row = cell_row(p.y, p.z);
-    const std::uint64_t* upper = row.bits[static_cast<std::size_t>(direction >> 1)];
-    std::uint32_t number = vertex_base(row_index(p.y, p.z))[table_.index_of(direction)];
-    for (int w = 0; w <= p.x / 64; ++w) {
-      const std::uint64_t ends = (direction & 1) != 0 ? next_bits(upper, w) : upper[w];
-      number += static_cast<std::uint32_t>(std::popcount((row.bits[0][w] ^ ends) & bits_below(w, p.x)));
-    }
-    return number;
-  }
-
-  void emit(mesh::Mesh& mesh) {
+  void emit_bricks(mesh::Mesh& mesh) {
     std::vector<std::atomic<int>> rows_done(static_cast<std::size_t>(bricks_.rows_z()));
     for_each_brick_row("extracting", [&](int bj, int bk) {
       const std::uint8_t* crossed_bricks = bricks_.row(bj, bk);
@@ -331,11 +332,6 @@ class DenseExtraction final : private CellDecider {
     }
   }
 
-  // `p` is an index of the whole field.
-  [[nodiscard]] double value(const glm::ivec3& p) const {
-    return field_.scale(static_cast<double>(whole_.row(p.y, p.z)[p.x]));
-  }
-
   // Of the stored numbers, at a sample of the whole field: central differences; at the border of the data one-sided
   // ones of the same order.
   [[nodiscard]] glm::dvec3 sample_gradient(const glm::ivec3& p) const {
@@ -374,6 +370,7 @@ class DenseExtraction final : private CellDecider {
 
   const field::ScalarField& field_;
   const ExtractOptions& options_;
+  const Context& context_;
   InsideRule rule_;
   DenseView<T> whole_;
   DenseView<T> view_;  // of the region
@@ -386,6 +383,7 @@ class DenseExtraction final : private CellDecider {
   bool has_holes_ = false;                    // some samples are NaN, and NanPolicy::hole
   std::atomic<bool> samples_changed_{false};  // between two looks at them: a mapped file that somebody writes to
   std::optional<CellDrawings> drawings_;
+  Reservation rows_memory_;  // for the bricks and what follows
   // First counts, then the first vertex and triangle; behind the last row are all there are.
   Buffer<std::uint32_t> vertex_base_;    // per row and direction
   Buffer<std::uint64_t> triangle_base_;  // per row
@@ -394,12 +392,15 @@ class DenseExtraction final : private CellDecider {
 }  // namespace
 
 Result<Extraction> extract_dense(const field::ScalarField& field, const field::DenseSamples& samples,
-                                 const ExtractOptions& options) {
+                                 const ExtractOptions& options, const Context& context) {
   const auto region = dense_region(field, samples, options);
   if (!region) return tl::unexpected(region.error());
+  auto masks = make_masks(field, glm::ivec3(region->dims()), context);
+  if (!masks) return tl::unexpected(masks.error());
   return visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) -> Result<Extraction> {
     const DenseView<T> view = dense_view<T>(samples);
-    return DenseExtraction<T>(field, view, *region, options).run();
+    DenseExtraction<T> surface(field, view, *region, std::move(*masks), options, context);
+    return extract_surface(field, options, surface, context);
   });
 }
 

@@ -13,6 +13,6 @@ namespace isoextract::extract {
 //   4. emit: vertices and triangles, written once, in place;
 //   5. cap, if asked for (border_cap.hpp).
 [[nodiscard]] Result<Extraction> extract_dense(const field::ScalarField& field, const field::DenseSamples& samples,
-                                               const ExtractOptions& options);
+                                               const ExtractOptions& options, const Context& context);
 
 }  // namespace isoextract::extract

@@ -1,20 +1,19 @@
 #include "extract/detail/sparse_extractor.hpp"
 
 #include <atomic>
-#include <cmath>
 #include <optional>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "base/stopwatch.hpp"
 #include "extract/asymptotic_decider.hpp"
-#include "extract/border_cap.hpp"
 #include "extract/detail/site_cells.hpp"
 #include "extract/detail/vertex_batch.hpp"
-#include "extract/mesh_assembly.hpp"
 #include "extract/row_bits.hpp"
 #include "extract/site_vertices.hpp"
 #include "extract/sparse_sites.hpp"
-#include "mesh/vertex_fans.hpp"
+#include "extract/surface_run.hpp"
 
 namespace isoextract::extract {
 namespace {
@@ -61,58 +60,60 @@ template <class T>
 class SparseExtraction final : private CellDecider {
  public:
   SparseExtraction(const field::ScalarField& field, const field::SparseSamples& samples, const field::IndexBox& region,
-                   const ExtractOptions& options)
+                   const ExtractOptions& options, const Context& context)
       : field_(field),
         samples_(samples),
         region_(region),
         options_(options),
+        context_(context),
         rule_{field.kind, options.iso},
         table_(case_table(options.method)),
         placement_(options.output_from_index, stored_box(samples), field.kind, field.scale),
-        sites_(field, samples, region, options) {}
+        sites_(field, samples, region, options, context) {}
 
-  Result<Extraction> run() {
-    Extraction result;
-    result.mesh.origin = placement_.origin();
-    if (auto fits = check_placement(field_, placement_); !fits) return tl::unexpected(fits.error());
-    if (auto found = sites_.find(result.stats); !found) return tl::unexpected(found.error());
+  [[nodiscard]] const OutputFrame& placement() const { return placement_; }
+
+  Result<bool> classify(ExtractStats& stats) {
+    if (auto found = sites_.find(stats); !found) return tl::unexpected(found.error());
+    return true;
+  }
+
+  Result<MeshSizes> count(ExtractStats& stats) {
+    const Stopwatch watch;
+    const std::size_t sites = sites_.origins().size();
+    auto memory = context_.reserve(SiteVertices::bytes(sites, table_.directions.size()) + sites * sizeof(std::uint64_t),
+                                   fmt::format("{}: the {} blocks that the surface passes", field_.source, sites));
+    if (!memory) return tl::unexpected(memory.error());
+    numbers_memory_ = std::move(*memory);
     drawings_.emplace(table_, placement_.mirrored(), sites_.has_holes());
-
-    Stopwatch watch;
-    result.stats.hole_cells = count();
+    stats.hole_cells = count_sites();
     const MeshSizes sizes = place_sites();
-    if (auto fits = check_mesh_size(field_, sizes, options_); !fits) return tl::unexpected(fits.error());
-    BorderCap cap;
-    if (options_.cap && options_.region) {
-      if (auto fits = check_cap_size(field_, region_, options_); !fits) return tl::unexpected(fits.error());
-      cap = make_border_cap(
-          region_, options_.method, static_cast<std::uint32_t>(sizes.vertices),
-          [&](const glm::ivec3& p) { return sites_.inside(p); },
-          [&](const glm::ivec3& p, int direction) { return edge_vertex(p, direction); },
-          [&](const glm::ivec3& p) { return rule_.depth(sites_.value(p)); },
-          [&](const glm::ivec3& p) { return sites_.has_holes() && std::isnan(sites_.value(p)); });
-      if (auto fits = check_mesh_size(field_, with_cap(sizes, cap), options_); !fits) {
-        return tl::unexpected(fits.error());
-      }
-    }
-    result.stats.count = watch.elapsed();
+    stats.count = watch.elapsed();
+    return sizes;
+  }
 
-    watch.restart();
-    allocate_mesh(result.mesh, sizes, cap, options_);
-    emit(result.mesh);
-    append_cap(result.mesh, sizes, cap, region_, glm::ivec3(0), placement_);
-    if (sites_.has_holes()) {
-      if (auto done = mesh::make_one_vertex_a_fan(result.mesh, options_.limits, field_.source); !done) {
-        return tl::unexpected(done.error());
-      }
-    }
-    result.stats.emit = watch.elapsed();
-    return result;
+  Result<void> emit(mesh::Mesh& mesh) {
+    sites_.for_each("extracting", sites_.origins().size(), [&](std::size_t s) {
+      emit_vertices(mesh, s);
+      const SitePlanes planes = sites_.planes(s);
+      write_site_cells(table_, *drawings_, sites_.origins()[s], planes, sites_.active_cells(s, planes), *this,
+                       vertices_, sites_.near(s), mesh.triangles.data() + triangle_base_[s]);
+    });
+    return {};
+  }
+
+  [[nodiscard]] std::optional<field::IndexBox> cap_box() const { return sparse_cap_box(region_, options_); }
+  [[nodiscard]] bool has_holes() const { return sites_.has_holes(); }
+  [[nodiscard]] bool inside(const glm::ivec3& p) const { return sites_.inside(p); }
+  [[nodiscard]] double value(const glm::ivec3& p) const { return sites_.value(p); }
+  [[nodiscard]] std::uint32_t edge_vertex(const glm::ivec3& p, int direction) const {
+    const auto site = static_cast<std::size_t>(sites_.site(field::block_origin(p)));
+    return vertices_.at(site, table_.index_of(direction), field::block_offset(p));
   }
 
  private:
   // Returns how many cells NanPolicy::hole leaves out.
-  std::uint64_t count() {
+  std::uint64_t count_sites() {
     std::atomic<std::uint64_t> left_out{0};
     const std::vector<glm::ivec3>& origins = sites_.origins();
     vertices_ = SiteVertices(origins.size(), table_.directions.size());
@@ -137,23 +138,9 @@ class SparseExtraction final : private CellDecider {
     return sizes;
   }
 
-  [[nodiscard]] std::uint32_t edge_vertex(const glm::ivec3& p, int direction) const {
-    const auto site = static_cast<std::size_t>(sites_.site(field::block_origin(p)));
-    return vertices_.at(site, table_.index_of(direction), field::block_offset(p));
-  }
-
   [[nodiscard]] std::optional<unsigned> variant(unsigned cell_case, const glm::ivec3& p) const override {
     return variant_or_hole(table_, cell_case, rule_, sites_.has_holes(),
                            [&](int corner) { return sites_.value(p + direction_step(corner)); });
-  }
-
-  void emit(mesh::Mesh& mesh) {
-    sites_.for_each("extracting", sites_.origins().size(), [&](std::size_t s) {
-      emit_vertices(mesh, s);
-      const SitePlanes planes = sites_.planes(s);
-      write_site_cells(table_, *drawings_, sites_.origins()[s], planes, sites_.active_cells(s, planes), *this,
-                       vertices_, sites_.near(s), mesh.triangles.data() + triangle_base_[s]);
-    });
   }
 
   void emit_vertices(mesh::Mesh& mesh, std::size_t s) const {
@@ -204,11 +191,13 @@ class SparseExtraction final : private CellDecider {
   const field::SparseSamples& samples_;
   field::IndexBox region_;
   const ExtractOptions& options_;
+  const Context& context_;
   InsideRule rule_;
   const CaseTable& table_;
   OutputFrame placement_;
   SparseSites sites_;
   std::optional<CellDrawings> drawings_;
+  Reservation numbers_memory_;  // for what follows
   SiteVertices vertices_;
   Buffer<std::uint64_t> triangle_base_;  // per site: first a count, then the first triangle
 };
@@ -216,16 +205,13 @@ class SparseExtraction final : private CellDecider {
 }  // namespace
 
 Result<Extraction> extract_sparse(const field::ScalarField& field, const field::SparseSamples& samples,
-                                  const ExtractOptions& options) {
+                                  const ExtractOptions& options, const Context& context) {
   const auto region = sparse_region(field, samples, options);
   if (!region) return tl::unexpected(region.error());
-  if (region->empty()) {
-    Extraction nothing;
-    nothing.stats.brick = "8x8x8 voxels";
-    return nothing;
-  }
+  if (region->empty()) return nothing_stored();
   return visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) -> Result<Extraction> {
-    return SparseExtraction<T>(field, samples, *region, options).run();
+    SparseExtraction<T> surface(field, samples, *region, options, context);
+    return extract_surface(field, options, surface, context);
   });
 }
 

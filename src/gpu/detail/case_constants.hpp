@@ -12,8 +12,9 @@ namespace isoextract::gpu {
 // tetrahedron, higher bits first). Strips wind counter-clockwise seen from outside.
 [[nodiscard]] std::string tetrahedron_constants();
 
-// Seed S2's texture of triangle lists: a row of kCaseTexels for each of the 256 cases. First the number of triangles |
-// 128 if the case is ambiguous, then the edges of its first variant, three a triangle, as direction << 3 | corner.
+// Timokhin and Mikhaylyuk's texture of triangle lists: a row of kCaseTexels for each of the 256 cases. First the number
+// of triangles | 128 if the case is ambiguous, then the edges of its first variant, three a triangle, as direction << 3
+// | corner.
 inline constexpr int kCaseTexels = 16;
 [[nodiscard]] std::vector<std::uint8_t> cube_case_texels();
 

@@ -19,7 +19,7 @@ CellCapture::CellCapture(const gl::GlContext& context, GpuPipeline pipeline, std
       pipeline_(pipeline),
       words_(words_per_vertex),
       feedback_bytes_(feedback_bytes),
-      // llvmpipe repeats vertices in a draw of more than 65,536 tessellated ones (DESIGN section 6).
+      // llvmpipe repeats vertices in a draw of more than 65,536 tessellated ones.
       patches_per_draw_(context.device().software ? 65536 / kCellsPerSite : kMaxSites),
       max_sites_(0),
       next_sites_(0),
@@ -119,7 +119,7 @@ Result<void> CellCapture::draw(const gl::CellPass& pass, std::span<const glm::iv
         return fail(
             ErrorKind::unavailable,
             fmt::format("{}: counted {} triangles and captured {}", context_.device().renderer, *triangles, written),
-            "please report it; --backend cpu needs no GPU");
+            {Remedy::use_cpu, "please report it"});
       }
       watch.restart();
       if (soup_.size() < words) soup_ = Buffer<std::uint32_t>(words);

@@ -1,5 +1,6 @@
 // Drawing the cells of sites, and capturing the triangles by transform feedback: a count pass first, then a buffer of
-// exactly that size (seeds S1 and S2).
+// exactly that size. After Suravikin and Korobitsyn (extract/cell_tables.hpp), and P. Yu. Timokhin, M. V. Mikhaylyuk:
+// Method to extract isosurfaces on the GPU by means of programmable tessellation, 2020 (docs/papers.md).
 #pragma once
 
 #include <bit>
@@ -18,9 +19,9 @@
 namespace isoextract::gpu {
 
 enum class GpuPipeline {
-  mt_geometry,      // seed S1: vertex and geometry shaders, tetrahedra as lines with adjacency
-  mc_tessellation,  // seed S2: a patch a site, the tessellator makes one thread a cell
-  mc_points,        // one point a cell by its number alone: what S2 is compared with
+  mt_geometry,      // Suravikin and Korobitsyn: geometry shaders, tetrahedra as lines with adjacency
+  mc_tessellation,  // Timokhin and Mikhaylyuk: a patch a site, the tessellator makes a thread a cell
+  mc_points,        // one point a cell by its number alone: what that is compared with
 };
 
 // Captured vertices, three a triangle, as they lie in memory: position, key (captured_vertex.glsl), perhaps a normal.
@@ -61,6 +62,9 @@ class CellCapture {
   using Allow = std::function<Result<void>(std::uint64_t triangles)>;
   [[nodiscard]] Result<void> draw(const gl::CellPass& pass, std::span<const glm::ivec3> origins, const Bind& bind,
                                   const Take& take, const Allow& allow);
+
+  // What was read back, once nobody looks at it any more.
+  void free_soup() { soup_ = {}; }
 
   [[nodiscard]] const CaptureTimes& times() const { return times_; }
   [[nodiscard]] std::uint64_t captured_bytes() const { return captured_bytes_; }

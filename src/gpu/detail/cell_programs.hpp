@@ -12,8 +12,8 @@ namespace isoextract::gpu {
 
 enum class CapturedNormals {
   none,
-  flat,      // of each triangle, by the cross product of two edges (seed S1)
-  gradient,  // of the field, at the vertex (seed S1)
+  flat,      // of each triangle, by the cross product of two edges (Suravikin and Korobitsyn)
+  gradient,  // of the field, at the vertex (Suravikin and Korobitsyn)
 };
 
 struct CellProgramKind {

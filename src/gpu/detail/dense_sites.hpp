@@ -17,6 +17,11 @@ class DenseSites {
   // `masks` are those of the samples from `low` on.
   DenseSites(const extract::DenseMasks& masks, const glm::ivec3& low);
 
+  // What it takes at most for masks of such dims.
+  [[nodiscard]] static std::uint64_t bytes(const glm::ivec3& dims) {
+    const glm::u64vec3 bricks = (glm::u64vec3(dims) + std::uint64_t{7}) / std::uint64_t{8};
+    return bricks.x * bricks.y * bricks.z * (sizeof(std::int32_t) + sizeof(glm::ivec3));
+  }
   // The lowest sample of each site, in indices of the field; by rising z, then y, then x.
   [[nodiscard]] const std::vector<glm::ivec3>& origins() const { return origins_; }
   [[nodiscard]] std::uint64_t bricks() const { return numbers_.size(); }  // sites or not

@@ -21,9 +21,9 @@ Result<gl::GlTexture> make_sample_texture(const gl::GlContext& context, field::S
 
 tl::unexpected<Error> too_few_bytes(std::uint64_t bytes, std::uint64_t least) {
   return fail(ErrorKind::usage,
-              fmt::format("--gpu-memory: {} of samples are too few, expected {} or more", format_byte_size(bytes),
-                          format_byte_size(least)),
-              "give the GPU more, or use --backend cpu");
+              fmt::format("the GPU's share of memory: {} for samples are too few, expected {} or more",
+                          format_byte_size(bytes), format_byte_size(least)),
+              Remedy::more_gpu_memory);
 }
 
 }  // namespace isoextract::gpu

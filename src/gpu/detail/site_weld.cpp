@@ -93,7 +93,13 @@ void SiteWeld::add(std::span<const std::uint32_t> batch, const CapturedSoup& sou
       range.triangles = static_cast<std::uint32_t>(piece.triangles.size()) - range.first_triangle;
     }
   });
+  for (std::size_t p = first_piece; p < pieces_.size(); ++p) piece_bytes_ += pieces_[p].bytes();
   time_ += watch.elapsed();
+}
+
+std::uint64_t SiteWeld::Piece::bytes() const {
+  return keys.capacity() * sizeof(keys[0]) + (positions.capacity() + normals.capacity()) * sizeof(glm::vec3) +
+         triangles.capacity() * sizeof(triangles[0]);
 }
 
 void SiteWeld::weld_site(std::uint32_t site, const CapturedSoup& soup, std::span<const std::uint32_t> triangles,
@@ -193,7 +199,7 @@ Result<extract::MeshSizes> SiteWeld::number() {
   });
   if (!sound) {
     return fail(ErrorKind::unavailable, "the GPU captured triangles that cannot be",
-                "please report it with 'isoextract devices'; --backend cpu needs no GPU");
+                {Remedy::use_cpu, "please report it with 'isoextract devices'"});
   }
   for (const auto& part : late) late_.insert(late_.end(), part.begin(), part.end());
   std::ranges::sort(late_, {}, [](const LateVertex& v) { return std::pair(v.site, v.vertex); });

@@ -41,6 +41,14 @@ class SiteWeld {
   // After number(): the vertex on the crossed edge from sample `offset` (block_offset()) of a site.
   [[nodiscard]] std::uint32_t vertex_at(std::size_t site, int direction, int offset) const;
 
+  // What a weld of so many sites takes, but for what add() keeps of each
+  // triangle.
+  [[nodiscard]] static std::uint64_t bytes(std::size_t sites, std::size_t directions) {
+    return extract::SiteVertices::bytes(sites, directions) +
+           std::uint64_t{sites} * (sizeof(SiteRange) + sizeof(std::uint64_t));
+  }
+  [[nodiscard]] std::uint64_t piece_bytes() const { return piece_bytes_; }  // what it has kept so far
+
   [[nodiscard]] std::uint64_t decided_cells() const { return decided_cells_; }
   [[nodiscard]] const StageTime& time() const { return time_; }
 
@@ -53,6 +61,8 @@ class SiteWeld {
     std::vector<std::array<std::uint16_t, 3>> triangles;  // of the site's vertices
     std::uint64_t decided = 0;
     bool incomplete = false;  // an ambiguous cell without all its vertices
+
+    [[nodiscard]] std::uint64_t bytes() const;
   };
   struct SiteRange {
     std::uint32_t piece = 0;
@@ -80,6 +90,7 @@ class SiteWeld {
   NearSites near_;
   DecideCell decide_;
   std::vector<Piece> pieces_;
+  std::uint64_t piece_bytes_ = 0;
   bool strangers_ = false;         // triangles of a site that is not in their batch
   std::vector<SiteRange> ranges_;  // by site
   extract::SiteVertices vertices_;

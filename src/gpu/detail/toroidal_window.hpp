@@ -1,5 +1,6 @@
 // A window over data that does not fit, kept in an array whose addresses repeat: what stays in the window is never
-// moved or copied again. Seed S5 (Shustikov), in three dimensions; a window of one sample in z is the paper's own case.
+// moved or copied again. D. A. Shustikov: Use of toroidal copying for stepwise updates of a
+// texture (docs/papers.md), in three dimensions; a window of one sample in z is the paper's own case.
 #pragma once
 
 #include <optional>

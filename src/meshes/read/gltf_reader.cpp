@@ -1,14 +1,17 @@
 // glTF 2.0 (ISO/IEC 12113), .glb and .gltf: the triangles of the default scene, placed by its nodes in double. The JSON
 // is read here and not by TinyGLTF, which trusts offsets of images and of animations that nobody asked for.
+//
+// Attributes are COLOR_0 and those that begin with an underscore, where all primitives have them in one form.
+#include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstring>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "base/checked.hpp"
+#include "meshes/read/gltf_json.hpp"
 #include "meshes/read/mesh_format_readers.hpp"
 
 namespace isoextract::meshes {
@@ -16,7 +19,9 @@ namespace {
 
 using nlohmann::json;
 
+constexpr int kByte = 5120;
 constexpr int kUnsignedByte = 5121;
+constexpr int kShort = 5122;
 constexpr int kUnsignedShort = 5123;
 constexpr int kUnsignedInt = 5125;
 constexpr int kFloat = 5126;
@@ -25,101 +30,16 @@ constexpr std::uint64_t kTriangles = 4;
 constexpr std::uint64_t kStrip = 5;
 constexpr std::uint64_t kFan = 6;
 
-constexpr int kMaxDepth = 64;
-// What a value of the JSON may take, with its key, its node in a map and the room of a growing list.
-constexpr std::uint64_t kJsonValueBytes = 128;
-
-// Values within values are visited by recursion, so hostile ones must not be deep.
-json parse_json(std::string_view text, MemoryUse& memory) {
-  memory.take(text.size());
-  const auto check = [&](int depth, json::parse_event_t event, const json&) {
-    if (event == json::parse_event_t::object_end || event == json::parse_event_t::array_end) return true;
-    if (depth > kMaxDepth) {
-      throw DamagedMesh(
-          fmt::format("expected JSON nested at most {} deep, found a value at depth {}", kMaxDepth, depth));
-    }
-    memory.take(kJsonValueBytes);
-    return true;
-  };
-  return json::parse(text, check, false);
-}
-
-std::string shown(const json& value) {
-  return files::printable(value.dump(-1, ' ', true, json::error_handler_t::replace), 60);
-}
-
-// A whole number of an object, or `missing` where it has none.
-std::uint64_t whole(const json& object, const char* key, std::optional<std::uint64_t> missing = {}) {
-  const auto found = object.find(key);
-  if (found == object.end() && missing) return *missing;
-  if (found == object.end()) throw DamagedMesh(fmt::format("expected '{}' in {}, found none", key, shown(object)));
-  if (!found->is_number_unsigned()) {
-    throw DamagedMesh(fmt::format("expected a whole number as '{}', found {}", key, shown(*found)));
+std::optional<mesh::ComponentType> component_of(int code) {
+  switch (code) {
+    case kByte: return mesh::ComponentType::i8;
+    case kUnsignedByte: return mesh::ComponentType::u8;
+    case kShort: return mesh::ComponentType::i16;
+    case kUnsignedShort: return mesh::ComponentType::u16;
+    case kUnsignedInt: return mesh::ComponentType::u32;
+    case kFloat: return mesh::ComponentType::f32;
+    default: return std::nullopt;
   }
-  return found->get<std::uint64_t>();
-}
-
-// Entry `index` of a list of the model.
-const json& entry(const json& model, const char* list, std::uint64_t index) {
-  const auto found = model.find(list);
-  const std::size_t size = found != model.end() && found->is_array() ? found->size() : 0;
-  if (index >= size) {
-    throw DamagedMesh(fmt::format("expected fewer than {} as an index into '{}', found {}", size, list, index));
-  }
-  if (!(*found)[index].is_object()) throw DamagedMesh(fmt::format("expected an object in '{}' at {}", list, index));
-  return (*found)[index];
-}
-
-template <std::size_t kCount>
-std::array<double, kCount> numbers(const json& list, const char* key) {
-  std::array<double, kCount> out{};
-  const bool fits = list.is_array() && list.size() == kCount;
-  for (std::size_t i = 0; fits && i < kCount; ++i) {
-    if (!list[i].is_number()) throw DamagedMesh(fmt::format("expected numbers as '{}', found {}", key, shown(list)));
-    out[i] = list[i].get<double>();
-  }
-  if (!fits) throw DamagedMesh(fmt::format("expected {} numbers as '{}', found {}", kCount, key, shown(list)));
-  return out;
-}
-
-// Affine map of a node in double.
-struct Transform {
-  glm::dmat3 linear{1.0};
-  glm::dvec3 offset{0.0};
-
-  [[nodiscard]] Transform after(const Transform& inner) const {
-    return {linear * inner.linear, linear * inner.offset + offset};
-  }
-  [[nodiscard]] bool is_finite() const {
-    return isoextract::is_finite(linear[0]) && isoextract::is_finite(linear[1]) && isoextract::is_finite(linear[2]) &&
-           isoextract::is_finite(offset);
-  }
-};
-
-Transform transform_of(const json& node) {
-  Transform transform;
-  if (const auto matrix = node.find("matrix"); matrix != node.end()) {
-    const auto m = numbers<16>(*matrix, "matrix");
-    transform.linear = {m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10]};
-    transform.offset = {m[12], m[13], m[14]};
-    return transform;
-  }
-  if (const auto rotation = node.find("rotation"); rotation != node.end()) {
-    const auto [x, y, z, w] = numbers<4>(*rotation, "rotation");
-    // The rotation of a unit quaternion; glTF 2.0, 3.6.4.1.
-    transform.linear = {1 - 2 * (y * y + z * z), 2 * (x * y + z * w),     2 * (x * z - y * w),
-                        2 * (x * y - z * w),     1 - 2 * (x * x + z * z), 2 * (y * z + x * w),
-                        2 * (x * z + y * w),     2 * (y * z - x * w),     1 - 2 * (x * x + y * y)};
-  }
-  if (const auto scale = node.find("scale"); scale != node.end()) {
-    const auto factors = numbers<3>(*scale, "scale");
-    for (int axis = 0; axis < 3; ++axis) transform.linear[axis] *= factors[static_cast<std::size_t>(axis)];
-  }
-  if (const auto translation = node.find("translation"); translation != node.end()) {
-    const auto [x, y, z] = numbers<3>(*translation, "translation");
-    transform.offset = {x, y, z};
-  }
-  return transform;
 }
 
 struct Instance {
@@ -156,6 +76,14 @@ class ModelReader {
       if (surface_.origin) transform.offset = glm::dvec3(0);
       add_mesh(entry(model_, "meshes", instance.mesh), transform);
     }
+    for (const std::string& name : left_out_) {
+      surface_.notes.push_back(
+          fmt::format("the attribute '{}' was left out: not all of its surfaces have it in one form", name));
+    }
+    if (corners_apart_ > 0) {
+      surface_.notes.push_back(
+          fmt::format("{} corners were joined with others at their place that have other attributes", corners_apart_));
+    }
     if (other_primitives_ > 0) {
       surface_.notes.push_back(fmt::format("{} primitives of points or lines were left out", other_primitives_));
     }
@@ -168,12 +96,13 @@ class ModelReader {
     std::uint64_t count = 0;
     std::uint64_t stride = 0;
     int component = 0;
-  };
 
-  static std::string_view text_of(const json& object, const char* key) {
-    const auto found = object.find(key);
-    return found != object.end() && found->is_string() ? std::string_view(found->get_ref<const std::string&>()) : "";
-  }
+    [[nodiscard]] glm::vec3 point(std::uint64_t index) const {
+      glm::vec3 p;
+      std::memcpy(&p, first + index * stride, sizeof p);
+      return p;
+    }
+  };
 
   void load_buffers() {
     const auto list = model_.find("buffers");
@@ -262,9 +191,8 @@ class ModelReader {
     if (accessor.contains("sparse") || !accessor.contains("bufferView")) {
       throw DamagedMesh(fmt::format("expected an accessor with all its values in a buffer, found {}", shown(accessor)));
     }
-    const std::uint64_t item = components * (view.component == kUnsignedByte    ? 1
-                                             : view.component == kUnsignedShort ? 2
-                                                                                : 4);
+    const auto component = component_of(view.component);
+    const std::uint64_t item = components * (component ? mesh::component_size(*component) : sizeof(float));
     const json& range = entry(model_, "bufferViews", whole(accessor, "bufferView"));
     const std::uint64_t buffer = whole(range, "buffer");
     if (buffer >= buffers_.size()) {
@@ -285,6 +213,139 @@ class ModelReader {
     }
     view.first = buffers_[buffer].data() + range_start + start;
     return view;
+  }
+
+  struct AttributeView {
+    mesh::Attribute kind;  // without values
+    View view;
+  };
+
+  [[nodiscard]] std::optional<AttributeView> attribute_of(const std::string& semantic, const json& index) {
+    if (!index.is_number_unsigned()) {
+      throw DamagedMesh(
+          fmt::format("expected an accessor as '{}', found {}", files::printable(semantic, 40), shown(index)));
+    }
+    const json& accessor = entry(model_, "accessors", index.get<std::uint64_t>());
+    constexpr std::array<std::string_view, mesh::kMaxComponents> kTypes{"SCALAR", "VEC2", "VEC3", "VEC4"};
+    const std::string_view type = text_of(accessor, "type");
+    const auto* found = std::find(kTypes.begin(), kTypes.end(), type);
+    if (found == kTypes.end() || accessor.contains("sparse") || !accessor.contains("bufferView")) {
+      surface_.notes.push_back(fmt::format("the attribute '{}' was left out: its values are {}",
+                                           files::printable(semantic, 40), shown(accessor)));
+      return std::nullopt;
+    }
+    AttributeView attribute;
+    mesh::Attribute& kind = attribute.kind;
+    kind.components = static_cast<std::size_t>(found - kTypes.begin()) + 1;
+    attribute.view = view_of(index.get<std::uint64_t>(), type, kind.components);
+    const auto component = component_of(attribute.view.component);
+    if (!component) {
+      throw DamagedMesh(fmt::format("expected a component type from {} to {} of '{}', found {}", kByte, kFloat,
+                                    files::printable(semantic, 40), attribute.view.component));
+    }
+    kind.type = *component;
+    const auto normalised = accessor.find("normalized");
+    kind.normalised = normalised != accessor.end() && normalised->is_boolean() && normalised->get<bool>() &&
+                      attribute.view.component != kFloat;
+    if (semantic.starts_with('_')) {
+      kind.name = semantic.substr(1);
+      return attribute;
+    }
+    kind.name = "colour";
+    kind.role = mesh::AttributeRole::colour;
+    const bool fraction = kind.normalised && (kind.type == mesh::ComponentType::u8 ||  //
+                                              kind.type == mesh::ComponentType::u16);
+    if (kind.components < 3 || (!fraction && kind.type != mesh::ComponentType::f32)) {
+      throw DamagedMesh(
+          fmt::format("expected colours of three or four components, float or normalized unsigned ones, found {}",
+                      shown(accessor)));
+    }
+    return attribute;
+  }
+
+  // Those of the primitive that go on from what is there, in the order of surface_.attributes. The first primitive says
+  // what there may be; what is missing in a later one, or is of another form, goes.
+  std::vector<View> attribute_views(const json& semantics, std::uint64_t vertices) {
+    std::vector<AttributeView> found;
+    for (const auto& [semantic, index] : semantics.items()) {
+      if (semantic != "COLOR_0" && !semantic.starts_with('_')) continue;
+      auto attribute = attribute_of(semantic, index);
+      if (!attribute) continue;
+      if (attribute->view.count != vertices) {
+        throw DamagedMesh(fmt::format("expected {} values as '{}', one a vertex, found {}", vertices,
+                                      files::printable(semantic, 40), attribute->view.count));
+      }
+      found.push_back(std::move(*attribute));
+    }
+    auto& there = surface_.attributes;
+    if (std::exchange(is_first_primitive_, false)) {
+      for (const AttributeView& attribute : found) there.push_back({attribute.kind.without_values(), {}});
+    }
+    const auto same = [](const mesh::Attribute& a, const mesh::Attribute& b) {
+      return a.name == b.name && a.role == b.role && a.type == b.type && a.components == b.components &&
+             a.normalised == b.normalised;
+    };
+    const auto leave_out = [&](const mesh::Attribute& kind) { left_out_.insert(files::printable(kind.name, 40)); };
+    std::erase_if(there, [&](const FileAttribute& attribute) {
+      const bool gone = std::none_of(found.begin(), found.end(),
+                                     [&](const AttributeView& other) { return same(other.kind, attribute.kind); });
+      if (gone) leave_out(attribute.kind);
+      return gone;
+    });
+    std::vector<View> views;
+    for (const FileAttribute& attribute : there) {
+      views.push_back(std::find_if(found.begin(), found.end(), [&](const AttributeView& other) {
+                        return same(other.kind, attribute.kind);
+                      })->view);
+    }
+    for (const AttributeView& attribute : found) {
+      const bool kept = std::any_of(there.begin(), there.end(),
+                                    [&](const FileAttribute& other) { return same(other.kind, attribute.kind); });
+      if (!kept) leave_out(attribute.kind);
+    }
+    return views;
+  }
+
+  // The values of the primitive's vertices for new vertices; new vertex i is vertex_at(i).
+  template <class VertexAt>
+  void add_values(const std::vector<View>& views, std::uint64_t count, const VertexAt& vertex_at) {
+    for (std::size_t a = 0; a < views.size(); ++a) {
+      auto& [kind, values] = surface_.attributes[a];
+      source_.memory.make_room(values, count * kind.stride());
+      for (std::uint64_t i = 0; i < count; ++i) {
+        const std::byte* value = views[a].first + vertex_at(i) * views[a].stride;
+        values.insert(values.end(), value, value + kind.stride());
+      }
+    }
+  }
+
+  // Makes vertices of the corners of a primitive without indices.
+  void add_corners(const View& places, const std::vector<View>& views, std::uint64_t mode) {
+    const std::uint64_t triangles = triangle_count(mode, places.count, "vertices");
+    const std::size_t first_vertex = surface_.positions.size();
+    const std::size_t first_triangle = surface_.triangles.size();
+    std::vector<glm::vec3> corners;
+    source_.memory.make_room(corners, 3 * triangles);
+    for (std::uint64_t t = 0; t < triangles; ++t) {
+      for (const std::uint64_t corner : corners_of(mode, t)) corners.push_back(places.point(corner));
+    }
+    require_vertex_count(first_vertex + corners.size());
+    const std::vector<std::uint32_t> first_corner = weld_corners(corners, surface_, source_.memory);
+    source_.memory.give_back(corners.capacity() * sizeof(glm::vec3));
+    const auto vertex_at = [&](std::uint64_t corner) { return corners_of(mode, corner / 3)[corner % 3]; };
+    add_values(views, first_corner.size(), [&](std::uint64_t v) { return vertex_at(first_corner[v]); });
+    if (views.empty()) return;
+    for (std::uint64_t c = 0; c < corners.size(); ++c) {
+      const std::size_t v = surface_.triangles[first_triangle + c / 3][static_cast<int>(c % 3)];
+      const std::uint64_t taken = vertex_at(first_corner[v - first_vertex]);
+      bool apart = false;
+      for (std::size_t a = 0; a < views.size(); ++a) {
+        apart =
+            apart || std::memcmp(views[a].first + vertex_at(c) * views[a].stride,
+                                 views[a].first + taken * views[a].stride, surface_.attributes[a].kind.stride()) != 0;
+      }
+      corners_apart_ += apart ? 1 : 0;
+    }
   }
 
   void add_mesh(const json& mesh, const Transform& transform) {
@@ -334,25 +395,14 @@ class ModelReader {
     const std::size_t first_vertex = surface_.positions.size();
     const std::size_t first_triangle = surface_.triangles.size();
     require_vertex_count(first_vertex + places.count);
-    const auto point = [&](std::uint64_t v) {
-      glm::vec3 p;
-      std::memcpy(&p, places.first + v * places.stride, sizeof p);
-      return p;
-    };
+    const std::vector<View> views = attribute_views(*attributes, places.count);
     if (primitive.contains("indices")) {
       source_.memory.make_room(surface_.positions, places.count);
-      for (std::uint64_t v = 0; v < places.count; ++v) surface_.positions.emplace_back(point(v));
+      for (std::uint64_t v = 0; v < places.count; ++v) surface_.positions.emplace_back(places.point(v));
+      add_values(views, places.count, [](std::uint64_t v) { return v; });
       add_indexed(view_of(whole(primitive, "indices"), "SCALAR", 1), mode, first_vertex, places.count);
     } else {
-      const std::uint64_t triangles = triangle_count(mode, places.count, "vertices");
-      std::vector<glm::vec3> corners;
-      source_.memory.make_room(corners, 3 * triangles);
-      for (std::uint64_t t = 0; t < triangles; ++t) {
-        for (const std::uint64_t corner : corners_of(mode, t)) corners.push_back(point(corner));
-      }
-      require_vertex_count(first_vertex + corners.size());
-      weld_corners(corners, surface_, source_.memory);
-      source_.memory.give_back(corners.capacity() * sizeof(glm::vec3));
+      add_corners(places, views, mode);
     }
     for (std::size_t v = first_vertex; v < surface_.positions.size(); ++v) {
       surface_.positions[v] = transform.linear * surface_.positions[v] + transform.offset;
@@ -394,6 +444,9 @@ class ModelReader {
   std::vector<std::vector<std::byte>> owned_;
   std::vector<std::span<const std::byte>> buffers_;
   std::uint64_t other_primitives_ = 0;
+  bool is_first_primitive_ = true;
+  std::set<std::string> left_out_;   // attributes
+  std::uint64_t corners_apart_ = 0;  // that share a vertex with others, but not all attributes
   FileSurface surface_;
 };
 

@@ -14,9 +14,10 @@
 
 #include <glm/glm.hpp>
 
+#include "base/context.hpp"
 #include "base/finite.hpp"
-#include "base/limits.hpp"
 #include "files/file_bytes.hpp"
+#include "mesh/attributes.hpp"
 
 namespace isoextract::meshes {
 
@@ -28,9 +29,20 @@ struct DamagedMesh : std::runtime_error {
   Hint hint;
 };
 
+// Thrown within this room where somebody wants the reading to end.
+struct Cancelled {
+  Error error;
+};
+
+struct FileAttribute {
+  mesh::Attribute kind;  // without values
+  std::vector<std::byte> values;
+};
+
 struct FileSurface {
   std::vector<glm::dvec3> positions;
   std::vector<glm::uvec3> triangles;
+  std::vector<FileAttribute> attributes;  // of each position
   // The positions are float32 numbers relative to this, as the file has them; to be kept so.
   std::optional<glm::dvec3> origin;
   std::string_view format;
@@ -41,9 +53,9 @@ struct FileSurface {
 // files that a file names again and again, may ask for far more than its own bytes.
 class MemoryUse {
  public:
-  explicit MemoryUse(const Limits& limits) : limits_(limits) {}
+  explicit MemoryUse(const Context& context) : context_(context) {}
 
-  // Throws DamagedMesh beyond the limit.
+  // Throws DamagedMesh where that is more than is left, and Cancelled.
   void take(std::uint64_t bytes);
   void give_back(std::uint64_t bytes) { used_ -= bytes; }
 
@@ -59,8 +71,10 @@ class MemoryUse {
   }
 
  private:
-  const Limits& limits_;
+  const Context& context_;
   std::uint64_t used_ = 0;
+  std::uint64_t reserved_ = 0;  // at least what is used
+  std::vector<Reservation> parts_;
 };
 
 struct MeshSource {
@@ -93,8 +107,9 @@ void add_fan(std::vector<glm::uvec3>& triangles, const Corners& corners, MemoryU
 // A mesh's indices have 32 bits. Throws DamagedMesh.
 void require_vertex_count(std::uint64_t count);
 
-// Makes one vertex of all corners whose coordinates have identical bytes. `corners` come three a triangle.
-void weld_corners(std::span<const glm::vec3> corners, FileSurface& surface, MemoryUse& memory);
+// Makes one vertex of all corners whose coordinates have identical bytes. `corners` come three a triangle. Returns the
+// first corner of each new vertex. Attributes are left to the caller.
+std::vector<std::uint32_t> weld_corners(std::span<const glm::vec3> corners, FileSurface& surface, MemoryUse& memory);
 
 // Words and numbers of a text, line by line.
 class TextScanner {

@@ -1,4 +1,7 @@
 // PLY (Greg Turk, 1994): text, little- and big-endian; the elements "vertex" and "face", others are passed over.
+//
+// Attributes of the vertices are red, green, blue and alpha together, where they have one type that a colour can have;
+// a_0, a_1, ..., up to four that follow each other and have one type, as the components of a; and any other number.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -14,7 +17,7 @@
 namespace isoextract::meshes {
 namespace {
 
-enum class Type { i8, u8, i16, u16, i32, u32, f32, f64 };
+using Type = mesh::ComponentType;
 
 struct TypeName {
   std::string_view name;
@@ -219,6 +222,104 @@ class ElementReader {
   std::vector<std::vector<double>> lists_;
 };
 
+// An attribute of the vertices, and the properties that are its components.
+struct AttributeColumns {
+  mesh::Attribute kind;
+  std::vector<std::size_t> columns;
+};
+
+bool can_be_colour(Type type) { return type == Type::u8 || type == Type::u16 || type == Type::f32; }
+
+std::optional<AttributeColumns> find_colour(const Element& element) {
+  AttributeColumns colour;
+  colour.kind.name = "colour";
+  colour.kind.role = mesh::AttributeRole::colour;
+  for (const char* name : {"red", "green", "blue", "alpha"}) {
+    const auto found = element.find(name);
+    const Property* property = found ? &element.properties[*found] : nullptr;
+    const bool fits = property != nullptr && !property->count_type && can_be_colour(property->type.type) &&
+                      (colour.columns.empty() || property->type.type == colour.kind.type);
+    if (!fits && colour.columns.size() < 3) return std::nullopt;
+    if (!fits) break;
+    colour.kind.type = property->type.type;
+    colour.columns.push_back(*found);
+  }
+  colour.kind.components = colour.columns.size();
+  colour.kind.normalised = colour.kind.type != Type::f32;
+  return colour;
+}
+
+std::vector<AttributeColumns> find_attributes(const Element& element, std::vector<std::string>& notes) {
+  std::vector<AttributeColumns> found;
+  std::vector<bool> taken(element.properties.size());
+  for (const char* name : {"x", "y", "z", "nx", "ny", "nz"}) {
+    if (const auto column = element.find(name)) taken[*column] = true;
+  }
+  if (auto colour = find_colour(element)) {
+    for (const std::size_t column : colour->columns) taken[column] = true;
+    found.push_back(std::move(*colour));
+  }
+  for (std::size_t i = 0; i < taken.size(); ++i) {
+    const Property& property = element.properties[i];
+    if (taken[i]) continue;
+    if (property.count_type) {
+      notes.push_back(fmt::format("the lists '{}' of its vertices were left out", property.name));
+      continue;
+    }
+    std::string stem = property.name;
+    std::size_t count = 1;
+    if (stem.ends_with("_0")) {
+      stem.resize(stem.size() - 2);
+      const auto follows = [&](std::size_t next) {
+        return next < taken.size() && !taken[next] && !element.properties[next].count_type &&
+               element.properties[next].type.type == property.type.type &&
+               element.properties[next].name == fmt::format("{}_{}", stem, next - i);
+      };
+      while (follows(i + count)) ++count;
+    }
+    const bool together = count > 1 && count <= mesh::kMaxComponents;
+    AttributeColumns attribute;
+    attribute.kind.name = together ? stem : property.name;
+    attribute.kind.type = property.type.type;
+    attribute.kind.components = together ? count : 1;
+    for (std::size_t c = 0; c < attribute.kind.components; ++c) {
+      attribute.columns.push_back(i + c);
+      taken[i + c] = true;
+    }
+    found.push_back(std::move(attribute));
+  }
+  return found;
+}
+
+// False where type T does not have the number.
+template <class T>
+bool append(std::vector<std::byte>& values, double number) {
+  using Range = std::numeric_limits<T>;
+  const bool inside = number >= static_cast<double>(Range::lowest()) && number <= static_cast<double>(Range::max());
+  if constexpr (std::is_integral_v<T>) {
+    if (!inside || number != std::floor(number)) return false;
+  } else {
+    if (!inside && std::isfinite(number)) return false;
+  }
+  const auto bytes = std::bit_cast<std::array<std::byte, sizeof(T)>>(static_cast<T>(number));
+  values.insert(values.end(), bytes.begin(), bytes.end());
+  return true;
+}
+
+bool append(std::vector<std::byte>& values, Type type, double number) {
+  switch (type) {
+    case Type::i8: return append<std::int8_t>(values, number);
+    case Type::u8: return append<std::uint8_t>(values, number);
+    case Type::i16: return append<std::int16_t>(values, number);
+    case Type::u16: return append<std::uint16_t>(values, number);
+    case Type::i32: return append<std::int32_t>(values, number);
+    case Type::u32: return append<std::uint32_t>(values, number);
+    case Type::f32: return append<float>(values, number);
+    case Type::f64: break;
+  }
+  return append<double>(values, number);
+}
+
 template <class Body>
 void read_vertices(Body& body, const Element& element, MemoryUse& memory, FileSurface& surface) {
   std::array<std::size_t, 3> columns{};
@@ -232,10 +333,25 @@ void read_vertices(Body& body, const Element& element, MemoryUse& memory, FileSu
   }
   require_vertex_count(element.count);
   memory.make_room(surface.positions, element.count);
+  std::vector<AttributeColumns> attributes = find_attributes(element, surface.notes);
+  const std::size_t first = surface.attributes.size();
+  for (AttributeColumns& attribute : attributes) {
+    surface.attributes.push_back({std::move(attribute.kind), {}});
+    memory.make_room(surface.attributes.back().values, element.count * surface.attributes.back().kind.stride());
+  }
   ElementReader reader(body, element, memory);
   for (std::uint64_t v = 0; v < element.count; ++v) {
     reader.next();
     surface.positions.emplace_back(reader.scalar(columns[0]), reader.scalar(columns[1]), reader.scalar(columns[2]));
+    for (std::size_t a = 0; a < attributes.size(); ++a) {
+      FileAttribute& attribute = surface.attributes[first + a];
+      for (const std::size_t column : attributes[a].columns) {
+        if (append(attribute.values, attribute.kind.type, reader.scalar(column))) continue;
+        throw DamagedMesh(fmt::format("expected a number of type {} as '{}' of vertex {}, found {}",
+                                      element.properties[column].type.name, element.properties[column].name, v,
+                                      reader.scalar(column)));
+      }
+    }
   }
 }
 

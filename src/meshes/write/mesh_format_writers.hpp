@@ -23,7 +23,8 @@ using Notes = std::vector<std::string>;
                                       files::OutputFile& model, files::OutputFile& binary,
                                       const std::string& binary_name, Notes& notes);
 
-[[nodiscard]] Result<void> write_ply(const mesh::Mesh& mesh, const MeshWriteOptions& options, files::OutputFile& file);
+[[nodiscard]] Result<void> write_ply(const mesh::Mesh& mesh, const MeshWriteOptions& options, files::OutputFile& file,
+                                     Notes& notes);
 
 [[nodiscard]] Result<void> write_obj(std::span<const mesh::Mesh> meshes, const MeshWriteOptions& options,
                                      files::OutputFile& file);

@@ -47,7 +47,7 @@ std::string grid_table(std::span<const GridInfo> grids) {
 
 Result<std::size_t> choose_grid(const std::string& file, std::span<const GridInfo> grids,
                                 const std::optional<std::string>& wanted) {
-  const auto listed = [&](const char* advice) { return fmt::format("{}\n{}", advice, grid_table(grids)); };
+  const auto listed = [&](Remedy remedy) { return Hint(remedy, "\n" + grid_table(grids)); };
   if (grids.empty()) return fail(ErrorKind::input, file + ": there is no grid in the file");
   std::vector<std::size_t> found;
   for (std::size_t i = 0; i < grids.size(); ++i) {
@@ -58,22 +58,23 @@ Result<std::size_t> choose_grid(const std::string& file, std::span<const GridInf
     if (found.size() == 1) return found.front();
     const auto message = found.empty() ? fmt::format("{}: expected a grid of float, double or int32, found none", file)
                                        : fmt::format("{}: {} of its grids are scalar", file, found.size());
-    return fail(ErrorKind::input, message, listed(found.empty() ? "its grids are" : "choose one with --grid NAME"));
+    return fail(ErrorKind::input, message,
+                found.empty() ? Hint("its grids are\n" + grid_table(grids)) : listed(Remedy::choose_grid));
   }
   if (found.empty()) {
     return fail(ErrorKind::input,
                 fmt::format("{}: there is no grid '{}'", file, files::printable(std::string_view(*wanted), 200)),
-                listed("choose one of them with --grid NAME"));
+                listed(Remedy::choose_grid));
   }
   if (found.size() > 1) {
     return fail(ErrorKind::input, fmt::format("{}: {} grids are named '{}'", file, found.size(), *wanted),
-                listed("choose one of them with --grid NAME[k]"));
+                listed(Remedy::choose_grid_number));
   }
   if (!grids[found.front()].scalar) {
     return fail(ErrorKind::input,
                 fmt::format("{}: expected a grid of float, double or int32, '{}' holds {}", file, *wanted,
                             grids[found.front()].type),
-                listed("choose one of them with --grid NAME"));
+                listed(Remedy::choose_grid));
   }
   return found.front();
 }

@@ -1,4 +1,4 @@
-// Which of a file's grids is meant. Private to io.
+// Which of a file's grids is meant.
 #pragma once
 
 #include <optional>
@@ -6,7 +6,7 @@
 #include <string>
 
 #include "base/error.hpp"
-#include "volumes/volume_reader.hpp"
+#include "volumes/volume_format.hpp"
 
 namespace isoextract::volumes {
 
@@ -16,7 +16,7 @@ namespace isoextract::volumes {
 // One line a grid: label, type, class, active voxels, box. At most 100 of them.
 [[nodiscard]] std::string grid_table(std::span<const GridInfo> grids);
 
-// The index of the grid that --grid names or, without it, of the only scalar one. The hint of a failure lists them.
+// The index of the wanted grid or, where none is named, of the only scalar one. The hint of a failure lists them.
 [[nodiscard]] Result<std::size_t> choose_grid(const std::string& file, std::span<const GridInfo> grids,
                                               const std::optional<std::string>& wanted);
 

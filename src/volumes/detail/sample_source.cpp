@@ -57,22 +57,24 @@ Result<void> for_each_parallel(std::size_t count, const std::function<Result<voi
 
 // Reads and, while the bytes are in the cache, brings them into native order.
 Result<void> read_range(const files::InputFile& file, std::uint64_t offset, std::span<std::byte> out,
-                        const SampleSource& source, Progress* progress) {
+                        const SampleSource& source, const Context& context) {
   return for_each_parallel((out.size() + kChunk - 1) / kChunk, [&](std::size_t i) -> Result<void> {
+    if (auto wanted = context.check(); !wanted) return wanted;
     const auto chunk = out.subspan(i * kChunk, std::min(kChunk, out.size() - i * kChunk));
     if (auto read = file.read_at(offset + i * kChunk, chunk); !read) return read;
     if (source.swap_bytes) swap_samples(chunk, source.sample_size);
-    if (progress != nullptr) progress->advance(chunk.size());
+    context.progress().advance(chunk.size());
     return {};
   });
 }
 
 struct GzipClose {
+  const files::InputFile* file = nullptr;
   std::uint64_t start = 0;  // where in the file the packed data begins
-  void operator()(gzFile file) const {
-    const auto end = static_cast<std::int64_t>(::gzoffset(file));
-    if (end > static_cast<std::int64_t>(start)) files::count_bytes_read(static_cast<std::uint64_t>(end) - start);
-    ::gzclose_r(file);
+  void operator()(gzFile gzip) const {
+    const auto end = static_cast<std::int64_t>(::gzoffset(gzip));
+    if (end > static_cast<std::int64_t>(start)) file->count_bytes_read(static_cast<std::uint64_t>(end) - start);
+    ::gzclose_r(gzip);
   }
 };
 using GzipFile = std::unique_ptr<gzFile_s, GzipClose>;
@@ -88,7 +90,7 @@ Result<GzipFile> open_gzip(const files::InputFile& file, std::uint64_t offset) {
     return cannot();
   }
   ::gzbuffer(gzip, 1 << 18);
-  return GzipFile(gzip, GzipClose{offset});
+  return GzipFile(gzip, GzipClose{&file, offset});
 }
 
 // How many bytes came; fewer than asked for only at the end of intact data.
@@ -107,7 +109,7 @@ Result<std::size_t> inflate_into(gzFile gzip, const files::InputFile& file, std:
 
 // True if there is more after the samples.
 Result<bool> read_gzip(const files::InputFile& file, const SamplePiece& piece, std::span<std::byte> out,
-                       const SampleSource& source, Progress* progress) {
+                       const SampleSource& source, const Context& context) {
   const auto gzip = open_gzip(file, piece.offset);
   if (!gzip) return tl::unexpected(gzip.error());
   const auto ends_early = [&](std::uint64_t at) {
@@ -123,13 +125,14 @@ Result<bool> read_gzip(const files::InputFile& file, const SamplePiece& piece, s
     if (*got < want) return ends_early(at);
   }
   for (std::size_t at = 0; at < out.size();) {
+    if (auto wanted = context.check(); !wanted) return tl::unexpected(wanted.error());
     const auto chunk = out.subspan(at, std::min(kChunk, out.size() - at));
     const auto got = inflate_into(gzip->get(), file, chunk);
     if (!got) return tl::unexpected(got.error());
     at += *got;
     if (*got < chunk.size()) return ends_early(piece.skip + at);
     if (source.swap_bytes) swap_samples(chunk, source.sample_size);
-    if (progress != nullptr) progress->advance(chunk.size());
+    context.progress().advance(chunk.size());
   }
   // One byte further, so that the checksum at the end is compared.
   std::byte next{};
@@ -149,11 +152,11 @@ Result<Buffer<std::byte>> allocate(std::uint64_t bytes, const SampleSource& sour
 
 }  // namespace
 
-Result<std::uint64_t> check_source(const SampleSource& source, const std::string& what) {
+Result<std::uint64_t> check_source(const SampleSource& source, const std::string& what, const Context& context) {
   const std::uint64_t expected = source.piece_bytes();
   std::uint64_t extra = 0;
   for (const SamplePiece& piece : source.pieces) {
-    const auto file = files::InputFile::open(piece.path);
+    const auto file = files::InputFile::open(piece.path, context);
     if (!file) return tl::unexpected(file.error());
     const std::uint64_t found = file->size() - std::min(file->size(), piece.offset);
     const std::string of_what =
@@ -176,24 +179,21 @@ Result<std::uint64_t> check_source(const SampleSource& source, const std::string
   return extra;
 }
 
-std::optional<files::MappedFile> map_samples(const SampleSource& source, Progress* progress) {
+std::optional<files::MappedFile> map_samples(const SampleSource& source, const Context& context) {
   const SamplePiece& piece = source.pieces.front();
   const bool as_wanted = source.pieces.size() == 1 && !piece.gzip && !source.swap_bytes;
   if (!as_wanted || piece.offset % source.sample_size != 0) return std::nullopt;
-  const auto file = files::InputFile::open(piece.path);
+  const auto file = files::InputFile::open(piece.path, context);
   if (!file) return std::nullopt;
   auto mapped = files::MappedFile::map(*file, piece.offset, source.bytes);
   if (!mapped) return std::nullopt;
-  files::count_bytes_read(source.bytes);
-  if (progress != nullptr) {
-    progress->begin("reading", source.bytes);
-    progress->advance(source.bytes);
-  }
+  context.progress().begin("reading", source.bytes);
+  context.progress().advance(source.bytes);
   return mapped;
 }
 
-Result<ReadSamples> read_samples(const SampleSource& source, Progress* progress) {
-  if (progress != nullptr) progress->begin("reading", source.bytes);
+Result<ReadSamples> read_samples(const SampleSource& source, const Context& context) {
+  context.progress().begin("reading", source.bytes);
   auto data = allocate(source.bytes, source);
   if (!data) return tl::unexpected(data.error());
   ReadSamples result{std::move(*data), false};
@@ -201,13 +201,13 @@ Result<ReadSamples> read_samples(const SampleSource& source, Progress* progress)
   for (std::size_t i = 0; i < source.pieces.size(); ++i) {
     const SamplePiece& piece = source.pieces[i];
     const auto out = result.data.span().subspan(i * piece_bytes, piece_bytes);
-    const auto file = files::InputFile::open(piece.path);
+    const auto file = files::InputFile::open(piece.path, context);
     if (!file) return tl::unexpected(file.error());
     if (piece.gzip) {
-      const auto more = read_gzip(*file, piece, out, source, progress);
+      const auto more = read_gzip(*file, piece, out, source, context);
       if (!more) return tl::unexpected(more.error());
       result.more_in_gzip |= *more;
-    } else if (auto read = read_range(*file, piece.offset, out, source, progress); !read) {
+    } else if (auto read = read_range(*file, piece.offset, out, source, context); !read) {
       return tl::unexpected(read.error());
     }
   }
@@ -239,13 +239,14 @@ std::uint64_t transpose_bytes(const glm::ivec3& dims, std::size_t sample_size) {
          static_cast<std::uint64_t>(dims.z) * sample_size;
 }
 
-Result<ReadSamples> read_samples_transposed(const SampleSource& source, const glm::ivec3& dims, Progress* progress) {
-  if (progress != nullptr) progress->begin("reading", source.bytes);
+Result<ReadSamples> read_samples_transposed(const SampleSource& source, const glm::ivec3& dims,
+                                            const Context& context) {
+  context.progress().begin("reading", source.bytes);
   auto data = allocate(source.bytes, source);
   if (!data) return tl::unexpected(data.error());
   auto slab = allocate(transpose_bytes(dims, source.sample_size), source);
   if (!slab) return tl::unexpected(slab.error());
-  const auto file = files::InputFile::open(source.pieces.front().path);
+  const auto file = files::InputFile::open(source.pieces.front().path, context);
   if (!file) return tl::unexpected(file.error());
 
   const std::uint64_t plane_bytes = transpose_bytes({1, dims.y, dims.z}, source.sample_size);
@@ -253,7 +254,7 @@ Result<ReadSamples> read_samples_transposed(const SampleSource& source, const gl
     const int count = std::min(kSlab, dims.x - x);
     const auto part = slab->span().first(static_cast<std::size_t>(plane_bytes) * static_cast<std::size_t>(count));
     const std::uint64_t offset = source.pieces.front().offset + plane_bytes * static_cast<std::uint64_t>(x);
-    if (auto read = read_range(*file, offset, part, source, progress); !read) return tl::unexpected(read.error());
+    if (auto read = read_range(*file, offset, part, source, context); !read) return tl::unexpected(read.error());
     const auto turn = [&]<class T>(std::type_identity<T>) {
       transpose_slab(reinterpret_cast<const T*>(part.data()), reinterpret_cast<T*>(data->data()), dims, x, count);
     };

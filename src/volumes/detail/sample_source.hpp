@@ -12,8 +12,8 @@
 #include <glm/glm.hpp>
 
 #include "base/buffer.hpp"
+#include "base/context.hpp"
 #include "base/error.hpp"
-#include "base/progress.hpp"
 #include "files/mapped_file.hpp"
 
 namespace isoextract::volumes {
@@ -37,25 +37,27 @@ struct SampleSource {
 
 // Holds the sizes against the files before any memory is taken, and returns how many bytes follow the samples (not
 // counting what gzip holds). `what` says in messages what the bytes are, for example "100x100x100 f32 samples".
-[[nodiscard]] Result<std::uint64_t> check_source(const SampleSource& source, const std::string& what);
+[[nodiscard]] Result<std::uint64_t> check_source(const SampleSource& source, const std::string& what,
+                                                 const Context& context);
 
 // Samples that lie in their file just as they are wanted: one piece, not gzip, native byte order, at an offset aligned
 // for their type. Counts them as read once, and reports them as "reading". Nothing where they lie otherwise or where
 // the system cannot map them: then they are to be read.
-[[nodiscard]] std::optional<files::MappedFile> map_samples(const SampleSource& source, Progress* progress);
+[[nodiscard]] std::optional<files::MappedFile> map_samples(const SampleSource& source, const Context& context);
 
 struct ReadSamples {
   Buffer<std::byte> data;
   bool more_in_gzip = false;  // inflated bytes follow the samples
 };
 
-// Reads all pieces, straight into one buffer and in native byte order. Reports bytes as "reading".
-[[nodiscard]] Result<ReadSamples> read_samples(const SampleSource& source, Progress* progress);
+// Reads all pieces, straight into one buffer and in native byte order. Reports bytes as "reading". Its memory is the
+// caller's to reserve.
+[[nodiscard]] Result<ReadSamples> read_samples(const SampleSource& source, const Context& context);
 
 // The same for one piece that is not gzip and whose last axis is the fastest one: the result has x fastest. Needs
 // transpose_bytes() on top of the result.
 [[nodiscard]] Result<ReadSamples> read_samples_transposed(const SampleSource& source, const glm::ivec3& dims,
-                                                          Progress* progress);
+                                                          const Context& context);
 [[nodiscard]] std::uint64_t transpose_bytes(const glm::ivec3& dims, std::size_t sample_size);
 
 }  // namespace isoextract::volumes

@@ -1,24 +1,23 @@
-// Which format a file is: by its content, then by its extension. Private to io.
+// Which format an input is: by what was asked for, by its content, then by its extension.
 #pragma once
 
 #include <string>
-#include <string_view>
 
+#include "base/context.hpp"
 #include "base/error.hpp"
-#include "files/file_bytes.hpp"
-#include "volumes/volume_reader.hpp"
+#include "volumes/volume_format.hpp"
 
 namespace isoextract::volumes {
 
 struct DetectedFormat {
-  VolumeFormat format;
+  const VolumeFormat* format;
   std::string note;  // where the extension says something else; else empty
 };
 
-// ReadOptions::format decides where it is given; a raw layout makes a file raw that nothing else claims. Fails with
-// ErrorKind::input for what is not a volume.
-[[nodiscard]] Result<DetectedFormat> detect_format(const files::InputFile& file, const ReadOptions& options);
-
-[[nodiscard]] std::string_view volume_format_name(VolumeFormat format);
+// A prefix such as demo: decides; else ReadOptions::format, where it is given. A raw layout makes a file raw that
+// nothing else claims. Fails with ErrorKind::input for what is not a volume, and with ErrorKind::usage for a format
+// that there is not or that has no files.
+[[nodiscard]] Result<DetectedFormat> detect_format(const std::string& input, const ReadOptions& options,
+                                                   const Context& context);
 
 }  // namespace isoextract::volumes

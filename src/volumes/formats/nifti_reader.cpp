@@ -9,7 +9,9 @@
 #include <fmt/format.h>
 #include <nifti2_io.h>
 
-#include "volumes/detail/volume_format.hpp"
+#include "volumes/detail/dense_format.hpp"
+#include "volumes/detail/file_start.hpp"
+#include "volumes/detail/formats.hpp"
 
 namespace isoextract::volumes {
 namespace {
@@ -221,7 +223,7 @@ Result<SamplePiece> locate_samples(const files::InputFile& file, const NiftiHead
     if (!image) return tl::unexpected(image.error());
     piece.path = std::move(*image);
   }
-  const auto image = files::InputFile::open(piece.path);
+  const auto image = files::InputFile::open(piece.path, file.context());
   if (!image) return tl::unexpected(image.error());
   std::array<std::byte, 2> start{};
   if (image->size() >= start.size()) {
@@ -266,12 +268,8 @@ tl::unexpected<Error> fail_no_header(const files::InputFile& file) {
   return fail_magic(file, "a NIfTI file", "a NIfTI-1 or NIfTI-2 header");
 }
 
-}  // namespace
-
-bool looks_like_nifti(std::span<const std::byte> content) { return parse_header(content).has_value(); }
-
 Result<DenseFile> open_nifti(const files::InputFile& file) {
-  const auto content = files::first_bytes(file, kDetectionBytes);
+  const auto content = files::first_bytes(file, kStartBytes);
   if (!content) return tl::unexpected(content.error());
   if (const auto header = parse_header(*content)) return open_with_header(file, *header);
   if (!has_extension(file.path(), ".img") && !has_extension(file.path(), ".img.gz")) return fail_no_header(file);
@@ -279,12 +277,35 @@ Result<DenseFile> open_nifti(const files::InputFile& file) {
   // The samples of a pair were named; the header is beside them.
   const auto path = find_partner(file, ".hdr");
   if (!path) return tl::unexpected(path.error());
-  const auto partner = files::InputFile::open(*path);
+  const auto partner = files::InputFile::open(*path, file.context());
   if (!partner) return tl::unexpected(partner.error());
-  const auto partner_content = files::first_bytes(*partner, kDetectionBytes);
+  const auto partner_content = files::first_bytes(*partner, kStartBytes);
   if (!partner_content) return tl::unexpected(partner_content.error());
   const auto header = parse_header(*partner_content);
   return header ? open_with_header(*partner, *header) : Result<DenseFile>(fail_no_header(*partner));
+}
+
+class NiftiFormat final : public DenseFormat {
+ public:
+  NiftiFormat()
+      : DenseFormat({.id = "nifti",
+                     .title = "NIfTI-1 and NIfTI-2, also gzip and pairs",
+                     .extensions = {".nii", ".nii.gz", ".hdr", ".img", ".hdr.gz", ".img.gz"}}) {}
+
+  [[nodiscard]] bool probe(const FileStart& start) const override { return parse_header(start.bytes).has_value(); }
+
+ protected:
+  [[nodiscard]] Result<DenseFile> open_header(const files::InputFile& file,
+                                              const ReadOptions& /*options*/) const override {
+    return open_nifti(file);
+  }
+};
+
+}  // namespace
+
+const VolumeFormat& nifti_format() {
+  static const NiftiFormat format;
+  return format;
 }
 
 }  // namespace isoextract::volumes

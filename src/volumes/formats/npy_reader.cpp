@@ -8,7 +8,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "volumes/detail/volume_format.hpp"
+#include "volumes/detail/dense_format.hpp"
+#include "volumes/detail/file_start.hpp"
+#include "volumes/detail/formats.hpp"
 
 namespace isoextract::volumes {
 namespace {
@@ -158,7 +160,7 @@ Result<NpyPreamble> read_preamble(const files::InputFile& file) {
   std::array<std::byte, 12> start{};
   const auto known = static_cast<std::size_t>(std::min<std::uint64_t>(start.size(), file.size()));
   if (auto read = file.read_at(0, std::span(start).first(known)); !read) return tl::unexpected(read.error());
-  if (!looks_like_npy(start)) return fail_magic(file, "a NumPy file", "'\\x93NUMPY'");
+  if (!starts_with(start, kMagic)) return fail_magic(file, "a NumPy file", "'\\x93NUMPY'");
   const int version = std::to_integer<int>(start[6]);
   if (version < 1 || version > 3) {
     return fail(ErrorKind::input, fmt::format("{}: expected NPY version 1, 2 or 3, found {}", file.name(), version));
@@ -178,10 +180,6 @@ Result<NpyPreamble> read_preamble(const files::InputFile& file) {
   }
   return preamble;
 }
-
-}  // namespace
-
-bool looks_like_npy(std::span<const std::byte> content) { return starts_with(content, kMagic); }
 
 Result<DenseFile> open_npy(const files::InputFile& file) {
   const auto preamble = read_preamble(file);
@@ -220,6 +218,28 @@ Result<DenseFile> open_npy(const files::InputFile& file) {
   dense.pieces = {{file.path(), preamble->data_offset}};
   dense.size_is_exact = true;
   return dense;
+}
+
+class NpyFormat final : public DenseFormat {
+ public:
+  NpyFormat() : DenseFormat({.id = "npy", .title = "NumPy array [z, y, x]", .extensions = {".npy"}}) {}
+
+  [[nodiscard]] bool probe(const FileStart& start) const override {
+    return !start.packed && starts_with(start.bytes, kMagic);
+  }
+
+ protected:
+  [[nodiscard]] Result<DenseFile> open_header(const files::InputFile& file,
+                                              const ReadOptions& /*options*/) const override {
+    return open_npy(file);
+  }
+};
+
+}  // namespace
+
+const VolumeFormat& npy_format() {
+  static const NpyFormat format;
+  return format;
 }
 
 }  // namespace isoextract::volumes

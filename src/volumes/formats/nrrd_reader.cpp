@@ -9,12 +9,15 @@
 #include <teem/nrrd.h>
 
 #include "base/checked.hpp"
-#include "volumes/detail/volume_format.hpp"
+#include "volumes/detail/dense_format.hpp"
+#include "volumes/detail/file_start.hpp"
+#include "volumes/detail/formats.hpp"
 #include "volumes/formats/nrrd_header.hpp"
 
 namespace isoextract::volumes {
 namespace {
 
+constexpr std::string_view kMagic = "NRRD00";
 constexpr const char* kSpacingAssumed = "the header has no spacings or directions: 1 is assumed";
 
 struct NrrdDeleter {
@@ -230,8 +233,8 @@ Result<std::uint64_t> skip_lines(const files::InputFile& file, std::uint64_t off
 
 // Where the samples in one file begin, by "line skip" and "byte skip".
 Result<SamplePiece> locate_piece(const std::filesystem::path& path, std::uint64_t offset, const NrrdIoState& state,
-                                 std::uint64_t piece_bytes) {
-  const auto file = files::InputFile::open(path);
+                                 std::uint64_t piece_bytes, const Context& context) {
+  const auto file = files::InputFile::open(path, context);
   if (!file) return tl::unexpected(file.error());
   const auto behind_lines = skip_lines(*file, offset, state.lineSkip);
   if (!behind_lines) return tl::unexpected(behind_lines.error());
@@ -257,7 +260,7 @@ Result<std::vector<SamplePiece>> locate_samples(const files::InputFile& file, co
                                                 const ParsedNrrd& parsed, std::uint64_t bytes) {
   std::vector<SamplePiece> pieces;
   if (!text.detached) {
-    auto piece = locate_piece(file.path(), text.data_offset, *parsed.state, bytes);
+    auto piece = locate_piece(file.path(), text.data_offset, *parsed.state, bytes, file.context());
     if (!piece) return tl::unexpected(piece.error());
     pieces.push_back(std::move(*piece));
     return pieces;
@@ -271,7 +274,7 @@ Result<std::vector<SamplePiece>> locate_samples(const files::InputFile& file, co
   for (std::uint64_t i = 0; i < count; ++i) {
     auto path = files::resolve_beside(file.path(), text.detached->name(i));
     if (!path) return tl::unexpected(path.error());
-    auto piece = locate_piece(*path, 0, *parsed.state, bytes / count);
+    auto piece = locate_piece(*path, 0, *parsed.state, bytes / count, file.context());
     if (!piece) return tl::unexpected(piece.error());
     pieces.push_back(std::move(*piece));
   }
@@ -284,14 +287,10 @@ Result<void> check_encoding(const std::string& file, const NrrdIoState& state) {
               "rewrite it, for example with: unu save -f nrrd -e gzip");
 }
 
-}  // namespace
-
-bool looks_like_nrrd(std::span<const std::byte> content) { return starts_with(content, "NRRD00"); }
-
 Result<DenseFile> open_nrrd(const files::InputFile& file) {
-  const auto content = files::first_bytes(file, kDetectionBytes);
+  const auto content = files::first_bytes(file, kStartBytes);
   if (!content) return tl::unexpected(content.error());
-  if (!looks_like_nrrd(*content)) return fail_magic(file, "a NRRD file", "'NRRD000'");
+  if (!starts_with(*content, kMagic)) return fail_magic(file, "a NRRD file", "'NRRD000'");
   const auto text = read_nrrd_header(file);
   if (!text) return tl::unexpected(text.error());
   const auto parsed = parse_fields(file.name(), text->fields);
@@ -318,6 +317,30 @@ Result<DenseFile> open_nrrd(const files::InputFile& file) {
   if (!pieces) return tl::unexpected(pieces.error());
   dense.pieces = std::move(*pieces);
   return dense;
+}
+
+class NrrdFormat final : public DenseFormat {
+ public:
+  NrrdFormat()
+      : DenseFormat(
+            {.id = "nrrd", .title = "NRRD, attached or detached, raw or gzip", .extensions = {".nrrd", ".nhdr"}}) {}
+
+  [[nodiscard]] bool probe(const FileStart& start) const override {
+    return !start.packed && starts_with(start.bytes, kMagic);
+  }
+
+ protected:
+  [[nodiscard]] Result<DenseFile> open_header(const files::InputFile& file,
+                                              const ReadOptions& /*options*/) const override {
+    return open_nrrd(file);
+  }
+};
+
+}  // namespace
+
+const VolumeFormat& nrrd_format() {
+  static const NrrdFormat format;
+  return format;
 }
 
 }  // namespace isoextract::volumes

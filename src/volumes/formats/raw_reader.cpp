@@ -1,13 +1,15 @@
 #include <fmt/format.h>
 
 #include "base/checked.hpp"
-#include "volumes/detail/volume_format.hpp"
+#include "volumes/detail/dense_format.hpp"
+#include "volumes/detail/file_start.hpp"
+#include "volumes/detail/formats.hpp"
 
 namespace isoextract::volumes {
 namespace {
 
-// What other options would make the file fit; empty where nothing evident does.
-std::string fitting_options(const files::InputFile& file, const RawLayout& layout, std::uint64_t expected) {
+// What else would make the file fit.
+Hint fitting_layout(const files::InputFile& file, const RawLayout& layout, std::uint64_t expected) {
   const std::uint64_t found = file.size() - std::min(file.size(), layout.skip);
   const std::uint64_t count = expected / field::sample_size(layout.type);
   std::string types;
@@ -17,21 +19,20 @@ std::string fitting_options(const files::InputFile& file, const RawLayout& layou
     if (count * field::sample_size(type) == found)
       types += fmt::format("{}{}", types.empty() ? "" : ", ", field::sample_type_name(type));
   }
-  if (!types.empty()) return fmt::format("the size would fit --dtype {}", types);
+  if (!types.empty()) return {Remedy::retype_raw, types};
   if (file.size() > expected) {
-    return fmt::format("the size would fit --skip {}, if that many bytes of header come first", file.size() - expected);
+    return {Remedy::skip_in_raw, std::to_string(file.size() - expected)};
   }
-  return "check --dims, --dtype and --skip";
+  return Remedy::check_raw;
 }
-
-}  // namespace
 
 Result<DenseFile> open_raw(const files::InputFile& file, const RawLayout& layout) {
   std::array<std::uint64_t, 3> sizes{};
   for (int axis = 0; axis < 3; ++axis) {
     if (layout.dims[axis] < 1) {
-      return fail(ErrorKind::usage, fmt::format("--dims: expected three numbers from 1 on, found {},{},{}",
-                                                layout.dims.x, layout.dims.y, layout.dims.z));
+      return fail(ErrorKind::usage,
+                  fmt::format("the dims of a raw file: expected three numbers from 1 on, found {},{},{}", layout.dims.x,
+                              layout.dims.y, layout.dims.z));
     }
     sizes[static_cast<std::size_t>(axis)] = static_cast<std::uint64_t>(layout.dims[axis]);
   }
@@ -41,10 +42,10 @@ Result<DenseFile> open_raw(const files::InputFile& file, const RawLayout& layout
   const auto total = checked_sum(expected, layout.skip);
   if (!total || *total != file.size()) {
     return fail(ErrorKind::input,
-                fmt::format("{}: expected {} bytes ({} after --skip {}), found {}", file.name(),
+                fmt::format("{}: expected {} bytes ({} after {} bytes to skip), found {}", file.name(),
                             total ? std::to_string(*total) : "more than 2^64", describe_samples(*dims, layout.type),
                             layout.skip, file.size()),
-                fitting_options(file, layout, expected));
+                fitting_layout(file, layout, expected));
   }
   DenseFile dense;
   dense.format = "raw";
@@ -54,6 +55,24 @@ Result<DenseFile> open_raw(const files::InputFile& file, const RawLayout& layout
   dense.pieces = {{file.path(), layout.skip}};
   dense.size_is_exact = true;
   return dense;
+}
+
+class RawFormat final : public DenseFormat {
+ public:
+  RawFormat()
+      : DenseFormat({.id = "raw", .title = "samples without a header", .extensions = {".raw"}, .needs_layout = true}) {}
+
+ protected:
+  [[nodiscard]] Result<DenseFile> open_header(const files::InputFile& file, const ReadOptions& options) const override {
+    return open_raw(file, *options.raw);
+  }
+};
+
+}  // namespace
+
+const VolumeFormat& raw_format() {
+  static const RawFormat format;
+  return format;
 }
 
 }  // namespace isoextract::volumes

@@ -22,6 +22,7 @@ bool VdbCursor::is_prepared(std::uint64_t count) const { return std::min(count, 
 
 void VdbCursor::prepare(std::uint64_t count) {
   if (is_prepared(count)) return;
+  if (auto wanted = file_.context().check(); !wanted) throw VdbRefused(wanted.error());
   // Twice what is asked for: then no more is copied from window to window than is read.
   constexpr std::uint64_t kWindow = std::uint64_t{256} << 10;
   const std::size_t kept = length_ - at_;
@@ -30,7 +31,7 @@ void VdbCursor::prepare(std::uint64_t count) {
   std::copy_n(window_.get() + at_, kept, window.get());
   const std::span<std::byte> fresh(window.get() + kept, length - kept);
   if (auto read = file_.read_at(position() + kept, fresh); !read) throw VdbRefused(read.error());
-  if (progress_ != nullptr) progress_->advance(fresh.size());
+  file_.context().progress().advance(fresh.size());
   begin_ += at_;
   at_ = 0;
   length_ = length;

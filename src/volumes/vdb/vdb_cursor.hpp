@@ -12,7 +12,6 @@
 #include <type_traits>
 
 #include "base/error.hpp"
-#include "base/progress.hpp"
 #include "files/file_bytes.hpp"
 
 namespace isoextract::volumes {
@@ -32,8 +31,8 @@ class VdbRefused : public std::runtime_error {
 
 class VdbCursor {
  public:
-  explicit VdbCursor(const files::InputFile& file, Progress* progress = nullptr)
-      : file_(file), progress_(progress), end_(file.size()) {}
+  // What is read counts as progress.
+  explicit VdbCursor(const files::InputFile& file) : file_(file), end_(file.size()) {}
 
   [[nodiscard]] std::uint64_t size() const { return file_.size(); }
   [[nodiscard]] std::uint64_t position() const { return begin_ + at_; }
@@ -42,7 +41,8 @@ class VdbCursor {
   // cursor is behind it already.
   void set_end(std::uint64_t end) { end_ = end; }
 
-  // Sees to it that the next `count` bytes are in the window, or as many as the file has.
+  // Sees to it that the next `count` bytes are in the window, or as many as the file has. Throws VdbRefused where they
+  // cannot be read, or where the work is to end.
   void prepare(std::uint64_t count);
   [[nodiscard]] bool is_prepared(std::uint64_t count) const;
 
@@ -66,7 +66,6 @@ class VdbCursor {
   [[nodiscard]] const char* what_ends() const { return end_ < size() ? "grid" : "file"; }
 
   const files::InputFile& file_;
-  Progress* progress_;
   std::uint64_t end_;
   std::shared_ptr<std::byte[]> window_;
   std::uint64_t begin_ = 0;  // of the window, in the file

@@ -5,8 +5,10 @@
 
 #include <fmt/format.h>
 
+#include "volumes/detail/file_start.hpp"
+#include "volumes/detail/formats.hpp"
 #include "volumes/detail/grid_choice.hpp"
-#include "volumes/detail/volume_format.hpp"
+#include "volumes/detail/placing.hpp"
 #include "volumes/vdb/vdb_header.hpp"
 #include "volumes/vdb/vdb_transform.hpp"
 #include "volumes/vdb/vdb_tree.hpp"
@@ -14,6 +16,7 @@
 namespace isoextract::volumes {
 namespace {
 
+constexpr std::string_view kMagic(" BDV\0\0\0\0", 8);
 constexpr std::string_view kLevelSetClass = "level set";
 constexpr std::string_view kFogClass = "fog volume";
 
@@ -82,8 +85,8 @@ struct VoxelCount {
 // cannot be read has none.
 class VoxelCounter {
  public:
-  VoxelCounter(VdbCursor& cursor, const std::string& file, const Limits& limits, const VdbHeader& header)
-      : cursor_(cursor), file_(file), limits_(limits), grids_(header) {}
+  VoxelCounter(VdbCursor& cursor, const files::InputFile& file, const VdbHeader& header)
+      : cursor_(cursor), file_(file), grids_(header) {}
 
   VoxelCount count(const VdbGridRecord& record) {
     try {
@@ -103,7 +106,7 @@ class VoxelCounter {
     VoxelCount count;
     visit_scalar_tree(owner.tree_type, [&]<class Value>(std::type_identity<Value>) {
       static_cast<void>(read_transform_of(cursor_, owner));
-      const VdbTreeLimits limits{limits_, file_, files::printable(owner.name, 80)};
+      const VdbTreeLimits limits{file_.context(), file_.name(), files::printable(owner.name, 80)};
       const VdbTopology topology = read_vdb_topology<Value>(cursor_, layout_of<Value>(owner), limits);
       count = {topology.samples.active_voxels, topology.samples.active_box};
     });
@@ -111,16 +114,14 @@ class VoxelCounter {
   }
 
   VdbCursor& cursor_;
-  const std::string& file_;
-  const Limits& limits_;
+  const files::InputFile& file_;
   GridsByName grids_;
   std::unordered_map<std::uint64_t, VoxelCount> counts_;  // by the place of the owner's transform
 };
 
-std::vector<GridInfo> describe_grids(VdbCursor& cursor, const std::string& file, const Limits& limits,
-                                     const VdbHeader& header) {
+std::vector<GridInfo> describe_grids(VdbCursor& cursor, const files::InputFile& file, const VdbHeader& header) {
   std::map<std::string, int> counts;
-  VoxelCounter counter(cursor, file, limits, header);
+  VoxelCounter counter(cursor, file, header);
   std::vector<GridInfo> grids;
   for (const VdbGridRecord& record : header.grids) {
     const bool counted = record.voxels && record.box;
@@ -146,13 +147,14 @@ Result<field::ScalarField> read_grid(const files::InputFile& file, VdbCursor& cu
   field.source = file.name();
   field.name = record.name;
   field.format = "OpenVDB";
+  field.grids = header.grids.size();
   if (record.grid_class == kLevelSetClass) field.kind = field::FieldKind::level_set;
 
   const Frame frame = read_transform_of(cursor, record);
   if (auto placed = set_frame(field, frame, options); !placed) return tl::unexpected(placed.error());
   const VdbGridRecord& owner = GridsByName(header).tree_owner(record);
   if (&owner != &record) static_cast<void>(read_transform_of(cursor, owner));
-  const VdbTreeLimits limits{options.limits, file.name(), files::printable(record.name, 80)};
+  const VdbTreeLimits limits{file.context(), file.name(), files::printable(record.name, 80)};
   visit_scalar_tree(record.tree_type, [&]<class Value>(std::type_identity<Value>) {
     const auto layout = layout_of<Value>(owner);
     VdbTopology topology = read_vdb_topology<Value>(cursor, layout, limits);
@@ -164,7 +166,7 @@ Result<field::ScalarField> read_grid(const files::InputFile& file, VdbCursor& cu
 // Calls work() and turns what it throws into an error that names the file.
 template <class F>
 auto with_messages(const files::InputFile& file, F&& work) -> decltype(work()) {
-  if (!looks_like_vdb(files::first_bytes(file, kDetectionBytes).value_or(std::vector<std::byte>{}))) {
+  if (!starts_with(files::first_bytes(file, kStartBytes).value_or(std::vector<std::byte>{}), kMagic)) {
     return fail_magic(file, "a VDB file", "' BDV'");
   }
   try {
@@ -177,26 +179,20 @@ auto with_messages(const files::InputFile& file, F&& work) -> decltype(work()) {
   }
 }
 
-}  // namespace
-
-bool looks_like_vdb(std::span<const std::byte> content) {
-  return starts_with(content, std::string_view(" BDV\0\0\0\0", 8));
-}
-
-Result<std::vector<GridInfo>> list_vdb_grids(const files::InputFile& file, const Limits& limits) {
+Result<std::vector<GridInfo>> list_vdb_grids(const files::InputFile& file) {
   return with_messages(file, [&]() -> Result<std::vector<GridInfo>> {
     VdbCursor cursor(file);
     const VdbHeader header = read_vdb_header(cursor);
-    return describe_grids(cursor, file.name(), limits, header);
+    return describe_grids(cursor, file, header);
   });
 }
 
 Result<field::ScalarField> read_vdb(const files::InputFile& file, const ReadOptions& options) {
   return with_messages(file, [&]() -> Result<field::ScalarField> {
-    if (options.progress != nullptr) options.progress->begin("reading", 0);
-    VdbCursor cursor(file, options.progress);
+    file.context().progress().begin("reading", 0);
+    VdbCursor cursor(file);
     const VdbHeader header = read_vdb_header(cursor);
-    const std::vector<GridInfo> grids = describe_grids(cursor, file.name(), options.limits, header);
+    const std::vector<GridInfo> grids = describe_grids(cursor, file, header);
     const auto chosen = choose_grid(file.name(), grids, options.grid);
     if (!chosen) return tl::unexpected(chosen.error());
     auto field = read_grid(file, cursor, header, header.grids[*chosen], options);
@@ -211,6 +207,47 @@ Result<field::ScalarField> read_vdb(const files::InputFile& file, const ReadOpti
     }
     return field;
   });
+}
+
+class VdbFormat final : public VolumeFormat {
+ public:
+  VdbFormat()
+      : VolumeFormat({.id = "vdb",
+                      .title = "OpenVDB grids of float, double or int32",
+                      .extensions = {".vdb"},
+                      .prefix = {},
+                      .has_grids = true}) {}
+
+  [[nodiscard]] bool probe(const FileStart& start) const override {
+    return !start.packed && starts_with(start.bytes, kMagic);
+  }
+
+  [[nodiscard]] Result<std::vector<GridInfo>> list(const std::string& input, const ReadOptions& /*options*/,
+                                                   const Context& context) const override {
+    const auto file = files::InputFile::open(input, context);
+    if (!file) return tl::unexpected(file.error());
+    return list_vdb_grids(*file);
+  }
+
+  [[nodiscard]] Result<std::vector<std::filesystem::path>> files(const std::string& input,
+                                                                 const ReadOptions& /*options*/,
+                                                                 const Context& /*context*/) const override {
+    return std::vector<std::filesystem::path>{input};
+  }
+
+  [[nodiscard]] Result<field::ScalarField> open(const std::string& input, const ReadOptions& options,
+                                                const Context& context) const override {
+    const auto file = files::InputFile::open(input, context);
+    if (!file) return tl::unexpected(file.error());
+    return read_vdb(*file, options);
+  }
+};
+
+}  // namespace
+
+const VolumeFormat& vdb_format() {
+  static const VdbFormat format;
+  return format;
 }
 
 }  // namespace isoextract::volumes

@@ -1,7 +1,7 @@
 // The transform of a grid in a VDB file. Private to io.
 #pragma once
 
-#include "volumes/detail/volume_format.hpp"
+#include "volumes/detail/placing.hpp"
 #include "volumes/vdb/vdb_cursor.hpp"
 
 namespace isoextract::volumes {

@@ -63,11 +63,6 @@ field::IndexBox box_of(const LeafMask& mask) {
   return box;
 }
 
-std::uint64_t index_bytes(const VdbTopology& topology) {
-  return topology.samples.tiles.capacity() * sizeof(field::SparseTile) +
-         topology.samples.blocks.capacity() * sizeof(field::SparseBlock) + topology.masks.capacity() * sizeof(LeafMask);
-}
-
 template <class Value>
 class TopologyReader {
  public:
@@ -172,8 +167,8 @@ class TopologyReader {
 
   void add_leaf(const glm::ivec3& origin) {
     const auto mask = cursor_.read_value<LeafMask>();
-    make_room(samples_.blocks);
-    make_room(topology_.masks);
+    make_room(samples_.blocks, topology_.blocks_memory);
+    make_room(topology_.masks, topology_.masks_memory);
     samples_.blocks.push_back({origin});
     topology_.masks.push_back(mask);
     int on = 0;
@@ -194,7 +189,7 @@ class TopologyReader {
     const bool both_nan = value != value && background_ != background_;
     if (value == background_ || both_nan) return;
     check_range(origin);
-    make_room(samples_.tiles);
+    make_room(samples_.tiles, topology_.tiles_memory);
     samples_.tiles.push_back({origin, size, static_cast<double>(value)});
   }
 
@@ -203,18 +198,18 @@ class TopologyReader {
     whole = whole.empty() ? box : field::IndexBox{glm::min(whole.min, box.min), glm::max(whole.max, box.max)};
   }
 
-  // Room for one more element. Few bytes of a file can stand for many tiles: what a list would grow to, beside what it
-  // has until then, is held against the limit before it grows.
+  // Room for one more element. Few bytes of a file can stand for many tiles: what a list grows to is reserved before it
+  // grows, beside what it has until then.
   template <class T>
-  void make_room(std::vector<T>& list) const {
+  void make_room(std::vector<T>& list, Reservation& memory) const {
     if (list.size() < list.capacity()) return;
     constexpr std::size_t kFirst = 16;
     const std::size_t capacity = std::max(kFirst, list.size() + list.size() / 2);
-    const std::uint64_t bytes = index_bytes(topology_) + capacity * sizeof(T);
-    const auto fits = check_memory(bytes, limits_.limits,
-                                   fmt::format("{}: the tiles and nodes of grid '{}'", limits_.file, limits_.grid));
-    if (!fits) throw VdbRefused(fits.error());
+    auto grown = limits_.context.reserve(
+        capacity * sizeof(T), fmt::format("{}: the tiles and nodes of grid '{}'", limits_.file, limits_.grid));
+    if (!grown) throw VdbRefused(grown.error());
     list.reserve(capacity);
+    memory = std::move(*grown);
   }
 
   VdbCursor& cursor_;
@@ -225,6 +220,15 @@ class TopologyReader {
   field::SparseSamples& samples_ = topology_.samples;
   std::vector<glm::ivec3> root_places_;
   std::vector<Value> values_;  // of the node that is read
+};
+
+// What a grid's samples point into, and what is reserved for them.
+template <class Value>
+struct TreeMemory {
+  Buffer<Value> values;
+  Reservation values_memory;
+  Reservation blocks_memory;
+  Reservation tiles_memory;
 };
 
 // Leaves that lie in one window of the file, in its order.
@@ -262,15 +266,19 @@ template <class Value>
 field::SparseSamples read_vdb_leaves(VdbCursor& cursor, const VdbValueLayout& layout, const VdbTreeLimits& limits,
                                      VdbTopology topology) {
   const std::size_t count = topology.samples.blocks.size();
-  const std::uint64_t bytes = index_bytes(topology) + count * kLeafValues * sizeof(Value);
-  const auto fits = check_memory(bytes, limits.limits,
-                                 fmt::format("{}: the {} leaf nodes of grid '{}'", limits.file, count, limits.grid));
-  if (!fits) throw VdbRefused(fits.error());
+  auto reserved =
+      limits.context.reserve(count * kLeafValues * sizeof(Value),
+                             fmt::format("{}: the {} leaf nodes of grid '{}'", limits.file, count, limits.grid));
+  if (!reserved) throw VdbRefused(reserved.error());
 
   field::SparseSamples samples = std::move(topology.samples);
-  const auto values = std::make_shared<Buffer<Value>>(count * kLeafValues);
+  const auto memory = std::make_shared<TreeMemory<Value>>(
+      TreeMemory<Value>{Buffer<Value>(count * kLeafValues), std::move(*reserved), std::move(topology.blocks_memory),
+                        std::move(topology.tiles_memory)});
   const auto background = static_cast<Value>(samples.background);
-  const auto values_of = [&](std::size_t leaf) { return values->span().subspan(leaf * kLeafValues, kLeafValues); };
+  const auto values_of = [&](std::size_t leaf) {
+    return memory->values.span().subspan(leaf * kLeafValues, kLeafValues);
+  };
   std::size_t next = 0;
   const auto take = [&](tbb::flow_control& control) {
     if (next == count) {
@@ -294,7 +302,7 @@ field::SparseSamples read_vdb_leaves(VdbCursor& cursor, const VdbValueLayout& la
   tbb::parallel_sort(samples.blocks, [](const field::SparseBlock& a, const field::SparseBlock& b) {
     return by_place(a.origin) < by_place(b.origin);
   });
-  samples.owner = values;
+  samples.owner = memory;
   return samples;
 }
 

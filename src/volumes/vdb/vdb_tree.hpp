@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "base/limits.hpp"
+#include "base/context.hpp"
 #include "field/samples.hpp"
 #include "volumes/vdb/vdb_cursor.hpp"
 #include "volumes/vdb/vdb_values.hpp"
@@ -17,11 +17,14 @@ namespace isoextract::volumes {
 struct VdbTopology {
   field::SparseSamples samples;                     // blocks in the order of the file, without values; tiles
   std::vector<std::array<std::uint64_t, 8>> masks;  // of the blocks: the active values
+  Reservation blocks_memory;                        // of samples.blocks
+  Reservation tiles_memory;                         // of samples.tiles
+  Reservation masks_memory;
 };
 
-// What limits memory, and what messages call it.
+// Where memory is reserved, and what messages call it.
 struct VdbTreeLimits {
-  Limits limits;
+  const Context& context;
   std::string file;
   std::string grid;
 };
@@ -32,7 +35,8 @@ template <class Value>
 [[nodiscard]] VdbTopology read_vdb_topology(VdbCursor& cursor, const VdbValueLayout& layout,
                                             const VdbTreeLimits& limits);
 
-// Fills the blocks, many at a time; after that they are sorted and own their values. Throws as the topology does.
+// Fills the blocks, many at a time; after that they are sorted, and own their values and all that is reserved for them.
+// Throws as the topology does.
 template <class Value>
 [[nodiscard]] field::SparseSamples read_vdb_leaves(VdbCursor& cursor, const VdbValueLayout& layout,
                                                    const VdbTreeLimits& limits, VdbTopology topology);

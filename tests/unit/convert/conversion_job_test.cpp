@@ -12,7 +12,7 @@ namespace {
 ConversionJob full_job() {
   ConversionJob job;
   job.source.input = "dir/in \xc3\xa4.raw";
-  job.source.read.format = volumes::VolumeFormat::raw;
+  job.source.read.format = "raw";
   job.source.read.grid = "density[1]";
   job.source.read.raw = volumes::RawLayout{{3, 4, 5}, field::SampleType::i16, std::endian::big, 512};
   job.source.read.spacing = glm::dvec3(0.1, 1e-300, 3);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <stdexcept>
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -13,19 +14,16 @@
 #include "measure/mesh_distance.hpp"
 #include "support/fields.hpp"
 #include "support/meshes.hpp"
+#include "support/sample_attributes.hpp"
 #include "support/sample_meshes.hpp"
 
 namespace isoextract::edit {
 namespace {
 
-mesh::Mesh copy(const mesh::Mesh& mesh) {
-  mesh::Mesh same;
-  same.name = mesh.name;
-  same.origin = mesh.origin;
-  same.positions = test::buffer_of(std::vector<glm::vec3>(mesh.positions.begin(), mesh.positions.end()));
-  same.normals = test::buffer_of(std::vector<glm::vec3>(mesh.normals.begin(), mesh.normals.end()));
-  same.triangles = test::buffer_of(std::vector<glm::uvec3>(mesh.triangles.begin(), mesh.triangles.end()));
-  return same;
+SimplifiedMesh must_simplify(mesh::Mesh mesh, const SimplifyOptions& options) {
+  auto simplified = simplify_within(std::move(mesh), options);
+  if (!simplified) throw std::runtime_error(simplified.error().message);
+  return std::move(*simplified);
 }
 
 mesh::Mesh placed(const mesh::Mesh& mesh, const glm::dmat3& map) {
@@ -57,7 +55,7 @@ double expect_kept_promises(const field::ScalarField& field, const Case& c) {
   simplify.max_distance = c.max_distance;
   simplify.patch_size = c.patch_size;
   simplify.to_metric = c.to_metric;
-  const auto [after, facts] = simplify_within(copy(before), simplify);
+  const auto [after, facts] = must_simplify(copy(before), simplify);
 
   EXPECT_EQ(facts.triangles_before, before.triangles.size());
   EXPECT_EQ(facts.triangles_after, after.triangles.size());
@@ -185,7 +183,7 @@ TEST(BoundedSimplify, SameForAnyNumberOfThreads) {
     SimplifyOptions simplify;
     simplify.max_distance = 0.1;
     simplify.patch_size = 8;
-    return simplify_within(copy(mesh), simplify);
+    return must_simplify(copy(mesh), simplify);
   };
   const SimplifiedMesh one = with_threads(1);
   const SimplifiedMesh four = with_threads(4);
@@ -199,10 +197,10 @@ TEST(BoundedSimplify, SameForAnyNumberOfThreads) {
 TEST(BoundedSimplify, NothingToGain) {
   SimplifyOptions options;
   options.max_distance = 1e-3;
-  const auto [empty, none] = simplify_within(mesh::Mesh{}, options);
+  const auto [empty, none] = must_simplify(mesh::Mesh{}, options);
   EXPECT_TRUE(empty.triangles.empty());
   EXPECT_EQ(none.measured_upper, 0);
-  const auto [same, facts] = simplify_within(test::tetrahedron(), options);
+  const auto [same, facts] = must_simplify(test::tetrahedron(), options);
   EXPECT_EQ(same.triangles.size(), 4U);
   EXPECT_EQ(facts.measured_upper, 0);
 }
@@ -219,6 +217,46 @@ mesh::Mesh mesh_of(const std::vector<glm::vec3>& positions, const std::vector<Fa
   std::vector<glm::uvec3> triangles;
   for (const Face& face : faces) triangles.push_back(face.corners);
   return test::make_mesh("faces", positions, triangles);
+}
+
+TEST(BoundedSimplify, KeepsToItsContext) {
+  SimplifyOptions options;
+  options.max_distance = 0.05;
+  const Context small{MemoryBudget(100000)};
+  const auto refused = simplify_within(test::sphere(40, true), options, small);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().hint.remedy, Remedy::raise_memory_limit);
+  EXPECT_EQ(small.memory().reserved(), 0U);
+  const Context cancelled;
+  cancelled.cancel();
+  const auto ended = simplify_within(test::sphere(40, true), options, cancelled);
+  ASSERT_FALSE(ended);
+  EXPECT_EQ(ended.error().kind, ErrorKind::cancelled);
+  // What the mesh no longer needs goes back.
+  const Context context;
+  mesh::Mesh mesh = test::sphere(40, true);
+  mesh.memory = std::move(*context.reserve(1 << 20, "test"));
+  const auto done = simplify_within(std::move(mesh), options, context);
+  ASSERT_TRUE(done);
+  EXPECT_EQ(context.memory().reserved(), done->mesh.memory.bytes());
+  EXPECT_EQ(done->mesh.memory.bytes(),
+            done->mesh.positions.size() * 2 * sizeof(glm::vec3) + done->mesh.triangles.size_bytes());
+}
+
+TEST(BoundedSimplify, KeepsWhatBelongsToVertices) {
+  mesh::Mesh before = test::sphere(40, true);
+  test::add_colour(before, mesh::ComponentType::u8, 3);
+  SimplifyOptions options;
+  options.max_distance = 0.05;
+  const mesh::Mesh after = must_simplify(copy(before), options).mesh;
+  ASSERT_LT(after.positions.size(), before.positions.size());
+  for (std::size_t v = 0; v < after.positions.size(); ++v) {
+    const auto* found = std::ranges::find(before.positions, after.positions[v]);
+    const auto was = static_cast<std::size_t>(found - before.positions.begin());
+    ASSERT_LT(was, before.positions.size());
+    EXPECT_EQ(after.normals[v], before.normals[was]);
+    EXPECT_TRUE(std::ranges::equal(after.attributes[0].at(v), before.attributes[0].at(was)));
+  }
 }
 
 // Without the link condition a thin tube, closed at both ends, becomes two triangles back to back.

@@ -253,7 +253,8 @@ TEST(CubesTable, HasTheKnownNumberOfTriangles) {
   EXPECT_EQ(triangles, 820);
 }
 
-// Seed S1's table: opposite cases use the same edges, and the strip's length follows from the number of inside corners.
+// Suravikin and Korobitsyn's table: opposite cases use the same edges, and the strip's length follows from the number
+// of inside corners.
 TEST(TetrahedronCases, AgreeWithTheirCorners) {
   for (unsigned index = 1; index < 15; ++index) {
     const TetrahedronCase& drawn = tetrahedron_cases()[index];

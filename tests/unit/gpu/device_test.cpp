@@ -157,14 +157,14 @@ TEST(Drivers, AreThere) {
 }
 
 TEST(Drivers, NoneInstalledIsAnError) {
-  expect_unavailable("__EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent/x.json", {"EGL", "--backend cpu"});
+  expect_unavailable("__EGL_VENDOR_LIBRARY_FILENAMES=/nonexistent/x.json", {"EGL", "use_cpu"});
 }
 
 TEST(Drivers, BrokenLibrariesAreAnError) {
   const test::TempFolder folder;
   const auto with_folder = [&] { return "LD_LIBRARY_PATH='" + folder.path().string() + "'"; };
   test::write_bytes(folder / "libEGL.so.1", "this is no library");
-  expect_unavailable(with_folder(), {"EGL could not be loaded", "libEGL.so.1", "libegl1", "--backend cpu"});
+  expect_unavailable(with_folder(), {"EGL could not be loaded", "libEGL.so.1", "libegl1", "use_cpu"});
   test::write_bytes(folder / "libEGL.so.1", test::read_bytes(ISOEXTRACT_NO_FUNCTIONS));
   expect_unavailable(with_folder(), {"EGL could not be loaded", "eglGetProcAddress"});
   std::filesystem::remove(folder / "libEGL.so.1");
@@ -178,8 +178,7 @@ TEST(Drivers, AVendorWithoutItsLibraryIsAnError) {
   const test::TempFolder folder;
   test::write_bytes(folder / "vendor.json",
                     R"({"file_format_version": "1.0.0", "ICD": {"library_path": "libEGL_nobody.so.0"}})");
-  expect_unavailable("__EGL_VENDOR_LIBRARY_FILENAMES='" + (folder / "vendor.json").string() + "'",
-                     {"EGL", "--backend cpu"});
+  expect_unavailable("__EGL_VENDOR_LIBRARY_FILENAMES='" + (folder / "vendor.json").string() + "'", {"EGL", "use_cpu"});
 }
 
 // Mesa without its drivers: a device that cannot be initialised, or none.
@@ -188,8 +187,7 @@ TEST(Drivers, MesaWithoutDriversIsAnError) {
   ASSERT_TRUE(devices) << devices.error().message;
   if (!std::ranges::all_of(*devices, &gl::GpuDevice::software))
     GTEST_SKIP() << "another driver than Mesa's llvmpipe is here";
-  expect_unavailable("LIBGL_DRIVERS_PATH=/nonexistent",
-                     {"EGL could not be initialised on the device", "--backend cpu"});
+  expect_unavailable("LIBGL_DRIVERS_PATH=/nonexistent", {"EGL could not be initialised on the device", "use_cpu"});
 }
 
 }  // namespace

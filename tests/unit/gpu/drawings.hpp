@@ -109,7 +109,7 @@ inline double angle_between(const glm::dvec3& a, const glm::dvec3& b) {
 
 // Both with edge keys. Vertices with one key (parted at holes) have one position and one normal.
 inline void expect_same_surface(const mesh::Mesh& cpu, const mesh::Mesh& gpu) {
-  constexpr double kUnits = 2;  // DESIGN section 3, identity
+  constexpr double kUnits = 2;  // in the last place of the local coordinates
   constexpr double kDegrees = 0.01;
   EXPECT_EQ(cpu.origin, gpu.origin);
   EXPECT_EQ(cpu.name, gpu.name);

@@ -1,4 +1,4 @@
-// Normals that the geometry shader takes from each triangle (seed S1).
+// Normals that the geometry shader takes from each triangle (Suravikin and Korobitsyn).
 #include "captured_surface.hpp"
 #include "drawings.hpp"
 #include "field/demo_field.hpp"

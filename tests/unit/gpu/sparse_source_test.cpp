@@ -194,7 +194,7 @@ TEST_P(Atlas, TooSmallIsAnError) {
     const auto source = surface.source(bytes, max_texture);
     ASSERT_FALSE(source);
     EXPECT_EQ(source.error().kind, ErrorKind::usage);
-    EXPECT_NE(source.error().message.find("--gpu-memory"), std::string::npos);
+    EXPECT_EQ(source.error().hint.remedy, Remedy::more_gpu_memory);
   }
 }
 

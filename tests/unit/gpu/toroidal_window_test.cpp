@@ -92,7 +92,7 @@ TEST(ToroidalWindow, StandingStillTakesNothing) {
   EXPECT_TRUE(window.move_to({1, 2, 3}).empty());
 }
 
-// Seed S5: a step along the diagonal renews one row and one column, which the paper counts as 2n of n * n texels; the
+// Shustikov: a step along the diagonal renews one row and one column, which the paper counts as 2n of n * n texels; the
 // corner that both share is renewed once.
 TEST(ToroidalWindow, SavesWhatThePaperSays) {
   constexpr int kSize = 255;

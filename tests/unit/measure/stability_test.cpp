@@ -31,9 +31,11 @@ class Careless final : public extract::Extractor {
  public:
   [[nodiscard]] std::string_view name() const override { return "careless"; }
   [[nodiscard]] std::string device() const override { return "none"; }
-  [[nodiscard]] Result<extract::Extraction> extract(const field::ScalarField& field,
-                                                    const extract::ExtractOptions& options) override {
-    auto extraction = extract::make_cpu_extractor()->extract(field, options);
+
+ private:
+  [[nodiscard]] Result<extract::Extraction> run(const field::ScalarField& field, const extract::ExtractOptions& options,
+                                                const Context& context) override {
+    auto extraction = extract::make_cpu_extractor()->extract(field, options, context);
     if (!extraction || extraction->mesh.triangles.empty()) return extraction;
     mesh::Mesh& mesh = extraction->mesh;
     mesh.triangles[0] = mesh.triangles[1];

@@ -1,1 +1,1 @@
-isoextract_unit_test(mesh metrics_test.cpp topology_test.cpp vertex_fans_test.cpp)
+isoextract_unit_test(mesh attributes_test.cpp metrics_test.cpp topology_test.cpp vertex_fans_test.cpp)

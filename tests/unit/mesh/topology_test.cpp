@@ -64,6 +64,17 @@ TEST(Topology, RepeatedIndicesAndUnusedVertices) {
   EXPECT_EQ(t.unused_vertices, 2U);
 }
 
+TEST(Topology, ReservesItsMemory) {
+  const Mesh mesh = test::tetrahedron();
+  const Context context;
+  const auto measured = measure_topology(mesh, context);
+  ASSERT_TRUE(measured);
+  EXPECT_EQ(measured->edges, 6U);
+  EXPECT_EQ(context.memory().reserved(), 0U);
+  EXPECT_GE(context.memory().peak(), 12 * 32U);
+  EXPECT_FALSE(measure_topology(mesh, Context(MemoryBudget(100))));
+}
+
 TEST(Topology, EmptyMesh) {
   const Topology t = measure_topology(Mesh{});
   EXPECT_EQ(t.components, 0U);

@@ -20,7 +20,7 @@ TEST(VertexFans, PartsSurfacesThatMeetInAPointAndDropsUnusedVertices) {
   std::ranges::transform(mesh.positions, mesh.edges.begin(), [](const glm::vec3& p) {
     return EdgeKey{glm::ivec3(p), 4};
   });
-  ASSERT_TRUE(make_one_vertex_a_fan(mesh, default_limits(), "test"));
+  ASSERT_TRUE(make_one_vertex_a_fan(mesh, "test"));
   ASSERT_EQ(mesh.positions.size(), 6U);
   EXPECT_EQ(mesh.triangles[0], glm::uvec3(0, 1, 3));
   EXPECT_EQ(mesh.triangles[1], glm::uvec3(2, 4, 5));
@@ -38,14 +38,14 @@ TEST(VertexFans, PartsSurfacesThatMeetInAPointAndDropsUnusedVertices) {
 TEST(VertexFans, LeavesAManifoldAsItIs) {
   const Mesh before = test::tetrahedron();
   Mesh mesh = test::tetrahedron();
-  ASSERT_TRUE(make_one_vertex_a_fan(mesh, default_limits(), "test"));
+  ASSERT_TRUE(make_one_vertex_a_fan(mesh, "test"));
   EXPECT_TRUE(std::ranges::equal(mesh.positions, before.positions));
   EXPECT_TRUE(std::ranges::equal(mesh.triangles, before.triangles));
 }
 
 TEST(VertexFans, KeepsToTheMemoryLimit) {
   Mesh mesh = test::tetrahedron();
-  const auto done = make_one_vertex_a_fan(mesh, Limits{100}, "a.raw");
+  const auto done = make_one_vertex_a_fan(mesh, "a.raw", Context(MemoryBudget(100)));
   ASSERT_FALSE(done);
   EXPECT_NE(done.error().message.find("a.raw"), std::string::npos);
 }

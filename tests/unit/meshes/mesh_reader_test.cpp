@@ -438,7 +438,7 @@ TEST_F(MeshReaderTest, OtherFilesAndLimits) {
   for (const MeshFormatInfo& info : mesh_formats()) {
     const auto path = folder_ / fmt::format("small.{}", info.name);
     test::must_write(meshes, path, {info.format, info.format == MeshFormat::stl, false});
-    const auto read = read_mesh(path, Limits{100});
+    const auto read = read_mesh(path, Context(MemoryBudget(100)));
     ASSERT_FALSE(read) << info.name;
     EXPECT_NE(read.error().message.find("the limit is 100 B"), std::string::npos) << read.error().message;
     EXPECT_EQ(read.error().hint.remedy, Remedy::raise_memory_limit);
@@ -451,7 +451,7 @@ TEST_F(MeshReaderTest, MemoryLimitIsKept) {
     write_bytes(folder_ / name, bytes);
     ASSERT_LT(bytes.size(), limit);
     EXPECT_TRUE(read_mesh(folder_ / name)) << name;
-    const auto read = read_mesh(folder_ / name, Limits{limit});
+    const auto read = read_mesh(folder_ / name, Context(MemoryBudget(limit)));
     ASSERT_FALSE(read) << name;
     EXPECT_NE(read.error().message.find("its bytes, vertices and triangles need"), std::string::npos)
         << read.error().message;

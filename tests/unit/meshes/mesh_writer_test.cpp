@@ -39,7 +39,7 @@ class MeshWriterRefusal : public testing::TestWithParam<Refusal> {};
 INSTANTIATE_TEST_SUITE_P(All, MeshWriterRefusal,
                          testing::Values(Refusal{"AsciiGlb", MeshFormat::glb, 1, true, "a.glb", "ply, stl"},
                                          Refusal{"AsciiObj", MeshFormat::obj, 1, true, "a.obj", "ply, stl"},
-                                         Refusal{"TwoInPly", MeshFormat::ply, 2, false, "a.ply", "{iso}"},
+                                         Refusal{"TwoInPly", MeshFormat::ply, 2, false, "a.ply", "glb, gltf, obj"},
                                          Refusal{"TwoInStl", MeshFormat::stl, 2, false, "a.stl", "glb, gltf, obj"},
                                          Refusal{"GltfToStdout", MeshFormat::gltf, 1, false, "-", "glb, ply, obj, stl"},
                                          Refusal{"GltfToDevice", MeshFormat::gltf, 1, false, "/dev/null", "glb"},

@@ -128,26 +128,22 @@ TEST(MappedFormats, NotWhatMustBeMadeFirst) {
 TEST(MappedFormats, CountAsReadOnceAndAsProgress) {
   const TempFolder folder;
   write_bytes(folder / "v.raw", ramp_bytes<float>());
-  Progress progress;
+  const Context context;
   volumes::ReadOptions options = raw_options(field::SampleType::f32);
-  options.format = volumes::VolumeFormat::raw;
-  options.progress = &progress;
-  const std::uint64_t before = files::bytes_read();
-  const field::ScalarField field = must_read(folder / "v.raw", options);
+  options.format = "raw";
+  const field::ScalarField field = must_read(folder / "v.raw", options, context);
   EXPECT_TRUE(dense(field).file_backed);
-  EXPECT_GE(files::bytes_read() - before, 240U);
-  EXPECT_LT(files::bytes_read() - before, 480U + 240U);  // detection looks at the first bytes
-  EXPECT_STREQ(progress.stage(), "reading");
-  EXPECT_EQ(progress.total(), 240U);
-  EXPECT_EQ(progress.done(), 240U);
+  EXPECT_GE(context.counters().bytes_read, 240U);
+  EXPECT_LT(context.counters().bytes_read, 480U + 240U);  // detection looks at the first bytes
+  EXPECT_STREQ(context.progress().stage(), "reading");
+  EXPECT_EQ(context.progress().total(), 240U);
+  EXPECT_EQ(context.progress().done(), 240U);
 }
 
 TEST(MappedFormats, NeedNoneOfTheMemoryLimit) {
   const TempFolder folder;
   write_bytes(folder / "v.raw", ramp_bytes<float>());
-  volumes::ReadOptions options = raw_options(field::SampleType::f32);
-  options.limits.memory_bytes = 0;
-  expect_ramp<float>(must_read(folder / "v.raw", options));
+  expect_ramp<float>(must_read(folder / "v.raw", raw_options(field::SampleType::f32), with_memory(0)));
 }
 
 TEST(MappedFormats, StayWhenTheFileIsRemovedOrReplaced) {
@@ -157,6 +153,24 @@ TEST(MappedFormats, StayWhenTheFileIsRemovedOrReplaced) {
   write_bytes(folder / "new.raw", "short");
   std::filesystem::rename(folder / "new.raw", folder / "v.raw");
   expect_ramp<float>(field);
+}
+
+TEST(MappedFormats, ThatAreCutOffReadAsZerosAndAreLost) {
+  const TempFolder folder;
+  const glm::ivec3 dims{64, 64, 64};  // 64 pages
+  write_bytes(folder / "v.raw", ramp_bytes<std::uint8_t>(std::endian::native, dims));
+  volumes::ReadOptions options = raw_options(field::SampleType::u8);
+  options.raw->dims = dims;
+  const field::ScalarField field = must_read(folder / "v.raw", options);
+  EXPECT_TRUE(volumes::check_not_lost(field));
+  std::filesystem::resize_file(folder / "v.raw", 4096);
+  EXPECT_EQ(dense_value<std::uint8_t>(field, 1, 0, 0), ramp<std::uint8_t>(1, 0, 0));
+  EXPECT_TRUE(volumes::check_not_lost(field));
+  EXPECT_EQ(dense_value<std::uint8_t>(field, 1, 1, 63), 0);
+  const auto whole = volumes::check_not_lost(field);
+  ASSERT_FALSE(whole);
+  EXPECT_EQ(whole.error().kind, ErrorKind::input);
+  expect_in(whole.error().message, "became shorter");
 }
 
 TEST(MappedFile, HoldsOnlyWhatIsInTheFile) {

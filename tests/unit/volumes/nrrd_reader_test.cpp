@@ -228,7 +228,7 @@ TEST(NrrdReaderPlace, FramesThatCannotBeUsedAskForASpacing) {
     write_bytes(folder / "v.nrrd", nrrd(fields, kSamples));
     const Error error = refusal(folder / "v.nrrd");
     EXPECT_EQ(error.kind, ErrorKind::input);
-    expect_in(error.hint.text, "--spacing");
+    EXPECT_EQ(error.hint.remedy, Remedy::place_by_hand);
     volumes::ReadOptions options;
     options.spacing = glm::dvec3(2, 3, 4);
     options.origin = glm::dvec3(1, 1, 1);
@@ -244,7 +244,7 @@ TEST(NrrdReaderPlace, SpacingReplacesARotatedFrameWithANote) {
   options.spacing = glm::dvec3(1, 1, 2);
   const field::ScalarField field = must_read(folder / "v.nrrd", options);
   expect_near(field.index_to_world({1, 1, 1}), {6, 7, 9});
-  EXPECT_TRUE(has_note(field, "--spacing replaces the rotated"));
+  EXPECT_TRUE(has_note(field, "the given spacing replaces the rotated"));
   options.spacing.reset();
   options.origin = glm::dvec3(0, 0, 0);
   expect_near(must_read(folder / "v.nrrd", options).index_to_world({1, 0, 0}), {0, 2, 0});

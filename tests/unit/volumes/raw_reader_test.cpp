@@ -30,11 +30,11 @@ TEST(RawReaderSize, NamesWhatIsExpectedWhatIsFoundAndWhatWouldFit) {
   const Error smaller = refusal(folder / "v.raw", raw_options(field::SampleType::f32));
   expect_in(smaller.message, "expected 240 bytes");
   expect_in(smaller.message, "found 120");
-  expect_in(smaller.hint.text, "u16, i16, f16");
+  EXPECT_EQ(smaller.hint, Hint(Remedy::retype_raw, "u16, i16, f16"));
   const Error larger = refusal(folder / "v.raw", raw_options(field::SampleType::u16, std::endian::little, 2));
   expect_in(larger.message, "expected 122 bytes");
   write_bytes(folder / "v.raw", "12345678" + ramp_bytes<std::uint16_t>());
-  expect_in(refusal(folder / "v.raw", raw_options(field::SampleType::u16)).hint.text, "--skip 8");
+  EXPECT_EQ(refusal(folder / "v.raw", raw_options(field::SampleType::u16)).hint, Hint(Remedy::skip_in_raw, "8"));
 }
 
 TEST(RawReaderSize, HugeSizesAreAnErrorBeforeMemoryIsTaken) {
@@ -60,13 +60,36 @@ TEST(RawReaderSize, DimsBelowOneAreAUsageError) {
 TEST(RawReaderSize, MemoryLimitHoldsForWhatIsRead) {
   const TempFolder folder;
   write_bytes(folder / "v.raw", ramp_bytes<float>(std::endian::big));
-  volumes::ReadOptions options = raw_options(field::SampleType::f32, std::endian::big);
-  options.limits.memory_bytes = 239;
-  const Error error = refusal(folder / "v.raw", options);
+  const volumes::ReadOptions options = raw_options(field::SampleType::f32, std::endian::big);
+  const Error error = refusal(folder / "v.raw", options, with_memory(239));
   EXPECT_EQ(error.kind, ErrorKind::input);
   EXPECT_EQ(error.hint.remedy, Remedy::raise_memory_limit);
-  options.limits.memory_bytes = 240;
-  expect_ramp<float>(must_read(folder / "v.raw", options));
+  expect_ramp<float>(must_read(folder / "v.raw", options, with_memory(240)));
+}
+
+TEST(RawReaderSize, MemoryIsReservedForAsLongAsTheSamplesLive) {
+  const TempFolder folder;
+  write_bytes(folder / "v.raw", ramp_bytes<float>(std::endian::big));
+  const volumes::ReadOptions options = raw_options(field::SampleType::f32, std::endian::big);
+  const Context context = with_memory(300);
+  {
+    const field::ScalarField field = must_read(folder / "v.raw", options, context);
+    EXPECT_EQ(context.memory().reserved(), 240U);
+    EXPECT_EQ(refusal(folder / "v.raw", options, context).hint.remedy, Remedy::raise_memory_limit);
+  }
+  EXPECT_EQ(context.memory().reserved(), 0U);
+  must_read(folder / "v.raw", options, context);
+}
+
+TEST(RawReaderSize, ReadingEndsWhereThatIsAskedFor) {
+  const TempFolder folder;
+  write_bytes(folder / "v.raw", ramp_bytes<float>(std::endian::big));
+  const Context context;
+  context.cancel();
+  const auto field =
+      volumes::read_volume((folder / "v.raw").string(), raw_options(field::SampleType::f32, std::endian::big), context);
+  ASSERT_FALSE(field);
+  EXPECT_EQ(field.error().kind, ErrorKind::cancelled);
 }
 
 TEST(RawReaderSize, ReportsItsProgressInBytes) {
@@ -74,11 +97,11 @@ TEST(RawReaderSize, ReportsItsProgressInBytes) {
   const glm::ivec3 dims{200, 210, 220};
   const TempFolder folder;
   write_bytes(folder / "v.raw", ramp_bytes<std::int16_t>(std::endian::big, dims));
-  Progress progress;
+  const Context context;
+  const Progress& progress = context.progress();
   volumes::ReadOptions options = raw_options(field::SampleType::i16, std::endian::big);
   options.raw->dims = dims;
-  options.progress = &progress;
-  expect_ramp<std::int16_t>(must_read(folder / "v.raw", options), dims);
+  expect_ramp<std::int16_t>(must_read(folder / "v.raw", options, context), dims);
   EXPECT_STREQ(progress.stage(), "reading");
   EXPECT_EQ(progress.total(), 200U * 210U * 220U * 2U);
   EXPECT_EQ(progress.done(), progress.total());

@@ -37,10 +37,9 @@ std::string small_file(std::uint32_t compression, bool half, const std::string& 
 
 // Reads it and touches every value, so that a tool that watches memory would see a bad pointer.
 void read_and_touch(const std::filesystem::path& path) {
-  volumes::ReadOptions options;
-  options.limits.memory_bytes = std::uint64_t{1} << 30;
-  const auto field = volumes::read_volume(path.string(), options);
-  static_cast<void>(volumes::list_grids(path.string(), options));
+  const Context context = with_memory(std::uint64_t{1} << 30);
+  const auto field = volumes::read_volume(path.string(), {}, context);
+  static_cast<void>(volumes::list_grids(path.string(), {}, context));
   if (!field) {
     EXPECT_NE(field.error().message.find(path.filename().string()), std::string::npos);
     return;

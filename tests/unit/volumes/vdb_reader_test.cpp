@@ -271,7 +271,7 @@ TEST(VdbReaderGrids, AChoiceIsAskedForAndTheListShown) {
   const Error error = refusal(file.path);
   EXPECT_EQ(error.kind, ErrorKind::input);
   expect_in(error.message, "5 of its grids are scalar");
-  expect_in(error.hint.text, "--grid NAME");
+  EXPECT_EQ(error.hint.remedy, Remedy::choose_grid);
   for (const char* line : {"\n  velocity  vec3s", "not scalar", "\n  flags", "empty", "\n  twin[0]", "\n  twin[1]",
                            "level set", "active voxels in [-12,-12,-12]..[12,12,12]"}) {
     expect_in(error.hint.text, line);
@@ -363,11 +363,33 @@ TEST(VdbReaderGrids, EmptyGridsAreRead) {
 TEST(VdbReaderLimits, MemoryIsCheckedBeforeTheLeavesAreFilled) {
   const TempFolder folder;
   write_vdb(folder / "v.vdb", {ball("density")});
-  volumes::ReadOptions options;
-  options.limits.memory_bytes = 56 * 512 * sizeof(float);
-  const Error error = refusal(folder / "v.vdb", options);
+  const Error error = refusal(folder / "v.vdb", {}, with_memory(56 * 512 * sizeof(float)));
   expect_in(error.message, "the 56 leaf nodes of grid 'density' need");
   EXPECT_EQ(error.hint.remedy, Remedy::raise_memory_limit);
+}
+
+TEST(VdbReaderLimits, MemoryIsReservedForAsLongAsTheSamplesLive) {
+  const TempFolder folder;
+  write_vdb(folder / "v.vdb", {ball("density")});
+  const Context context;
+  {
+    const field::ScalarField field = must_read(folder / "v.vdb", {}, context);
+    const auto& samples = std::get<field::SparseSamples>(field.samples);
+    EXPECT_EQ(context.memory().reserved(), 56 * 512 * sizeof(float) +
+                                               samples.blocks.capacity() * sizeof(field::SparseBlock) +
+                                               samples.tiles.capacity() * sizeof(field::SparseTile));
+  }
+  EXPECT_EQ(context.memory().reserved(), 0U);
+}
+
+TEST(VdbReaderLimits, ReadingEndsWhereThatIsAskedFor) {
+  const TempFolder folder;
+  write_vdb(folder / "v.vdb", {ball("density")});
+  const Context context;
+  context.cancel();
+  const auto field = volumes::read_volume((folder / "v.vdb").string(), {}, context);
+  ASSERT_FALSE(field);
+  EXPECT_EQ(field.error().kind, ErrorKind::cancelled);
 }
 
 TEST(VdbReaderLimits, VoxelsTooFarOutAreRefused) {

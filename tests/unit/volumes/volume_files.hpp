@@ -70,19 +70,23 @@ inline std::string gzip(const std::string& bytes) {
   return packed;
 }
 
-inline field::ScalarField must_read(const std::filesystem::path& path, const volumes::ReadOptions& options = {}) {
-  auto field = volumes::read_volume(path.string(), options);
+inline field::ScalarField must_read(const std::filesystem::path& path, const volumes::ReadOptions& options = {},
+                                    const Context& context = Context()) {
+  auto field = volumes::read_volume(path.string(), options, context);
   if (!field) throw std::runtime_error(field.error().message + "\n" + field.error().hint.text);
   return std::move(*field);
 }
 
 // The error of a file that must not be read. It names the file.
-inline Error refusal(const std::filesystem::path& path, const volumes::ReadOptions& options = {}) {
-  const auto field = volumes::read_volume(path.string(), options);
+inline Error refusal(const std::filesystem::path& path, const volumes::ReadOptions& options = {},
+                     const Context& context = Context()) {
+  const auto field = volumes::read_volume(path.string(), options, context);
   if (field) throw std::runtime_error(path.string() + " was read");
   EXPECT_NE(field.error().message.find(path.filename().string()), std::string::npos) << field.error().message;
   return field.error();
 }
+
+inline Context with_memory(std::uint64_t bytes) { return Context(MemoryBudget(bytes)); }
 
 inline void expect_in(const std::string& text, const std::string& part) {
   EXPECT_NE(text.find(part), std::string::npos) << "expected '" << part << "' in: " << text;

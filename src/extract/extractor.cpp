@@ -1,0 +1,25 @@
+#include "extract/extractor.hpp"
+
+#include <new>
+#include <stdexcept>
+
+#include "extract/mesh_assembly.hpp"
+
+namespace isoextract::extract {
+
+Result<Extraction> Extractor::extract(const field::ScalarField& field, const ExtractOptions& options,
+                                      const Context& context) {
+  if (auto sound = check_request(field, options); !sound) return tl::unexpected(sound.error());
+  if (auto wanted = context.check(); !wanted) return tl::unexpected(wanted.error());
+  try {
+    Result<Extraction> result = run(field, options, context);
+    if (result) result->mesh.name = field.name;
+    return result;
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorKind::input, field.source + ": not enough memory for the surface", Remedy::extract_part);
+  } catch (const std::length_error&) {
+    return fail(ErrorKind::input, field.source + ": the surface is larger than memory can be", Remedy::extract_part);
+  }
+}
+
+}  // namespace isoextract::extract

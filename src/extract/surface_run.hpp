@@ -1,0 +1,104 @@
+// The run of every extraction, dense or sparse, on the CPU or a device: what is checked, in which order, and what is
+// made of the passes that a surface brings.
+#pragma once
+
+#include <cmath>
+#include <concepts>
+#include <optional>
+#include <utility>
+
+#include "base/context.hpp"
+#include "base/limits.hpp"
+#include "base/stopwatch.hpp"
+#include "extract/border_cap.hpp"
+#include "extract/inside_test.hpp"
+#include "extract/mesh_assembly.hpp"
+#include "mesh/vertex_fans.hpp"
+
+namespace isoextract::extract {
+
+// What a surface brings. The passes are called once each, in this order; samples are given by their index in the field.
+template <class S>
+concept SurfacePasses = requires(S& surface, const S& seen, ExtractStats& stats, mesh::Mesh& mesh, const glm::ivec3& p,
+                                 int direction) {
+  { seen.placement() } -> std::convertible_to<const OutputFrame&>;
+  // Compares the samples with iso and fills the figures of that. False where there can be no surface.
+  { surface.classify(stats) } -> std::same_as<Result<bool>>;
+  // Finds how large the surface is, and fills `count` and what else came out. A surface that is drawn in portions is
+  // drawn here, and its part of `emit` is known then.
+  { surface.count(stats) } -> std::same_as<Result<MeshSizes>>;
+  // Writes the first vertices and triangles of a mesh that has room for as many as were counted.
+  { surface.emit(mesh) } -> std::same_as<Result<void>>;
+
+  // Known once it was counted. The box whose border a cap closes; nothing where nothing leaves it.
+  { seen.cap_box() } -> std::same_as<std::optional<field::IndexBox>>;
+  { seen.has_holes() } -> std::same_as<bool>;  // some samples are NaN, and NanPolicy::hole
+  { seen.inside(p) } -> std::same_as<bool>;
+  { seen.value(p) } -> std::same_as<double>;
+  { seen.edge_vertex(p, direction) } -> std::same_as<std::uint32_t>;  // on the crossed edge from `p`
+};
+
+// What is the same wherever the surface comes from: its frame fits float32, its size fits the context's memory, the cap
+// is made of what the surface has at the border and stands behind it, and where cells were left out each fan of
+// triangles gets a vertex of its own.
+template <SurfacePasses Surface>
+[[nodiscard]] Result<Extraction> extract_surface(const field::ScalarField& field, const ExtractOptions& options,
+                                                 Surface& surface, const Context& context) {
+  const OutputFrame& placement = surface.placement();
+  Extraction result;
+  result.mesh.origin = placement.origin();
+  if (auto fits = check_placement(field, placement); !fits) return tl::unexpected(fits.error());
+  const auto found = surface.classify(result.stats);
+  if (!found) return tl::unexpected(found.error());
+  if (!*found) return result;
+  if (auto wanted = context.check(); !wanted) return tl::unexpected(wanted.error());
+
+  const auto sizes = surface.count(result.stats);
+  if (!sizes) return tl::unexpected(sizes.error());
+  if (auto wanted = context.check(); !wanted) return tl::unexpected(wanted.error());
+  auto memory = reserve_mesh(field, *sizes, options, context);
+  if (!memory) return tl::unexpected(memory.error());
+  Stopwatch watch;
+  BorderCap cap;
+  Reservation cap_memory;
+  const std::optional<field::IndexBox> box = options.cap ? surface.cap_box() : std::nullopt;
+  if (box) {
+    auto numbers = reserve_cap_numbers(field, *box, context);
+    if (!numbers) return tl::unexpected(numbers.error());
+    const InsideRule rule{field.kind, options.iso};
+    cap = make_border_cap(
+        *box, options.method, static_cast<std::uint32_t>(sizes->vertices),
+        [&](const glm::ivec3& p) { return surface.inside(p); },
+        [&](const glm::ivec3& p, int direction) { return surface.edge_vertex(p, direction); },
+        [&](const glm::ivec3& p) { return rule.depth(surface.value(p)); },
+        [&](const glm::ivec3& p) { return surface.has_holes() && std::isnan(surface.value(p)); });
+    numbers->release();
+    auto held = reserve_cap(field, cap, context);
+    if (!held) return tl::unexpected(held.error());
+    cap_memory = std::move(*held);
+    memory->release();
+    memory = reserve_mesh(field, with_cap(*sizes, cap), options, context);
+    if (!memory) return tl::unexpected(memory.error());
+  }
+  result.stats.count += watch.elapsed();
+
+  watch.restart();
+  allocate_mesh(result.mesh, *sizes, cap, options);
+  if (auto done = surface.emit(result.mesh); !done) return tl::unexpected(done.error());
+  if (box) append_cap(result.mesh, *sizes, cap, *box, placement);
+  cap = {};
+  cap_memory.release();
+  if (surface.has_holes()) {
+    if (auto done = mesh::make_one_vertex_a_fan(result.mesh, field.source, context); !done) {
+      return tl::unexpected(done.error());
+    }
+    memory->release();
+    memory = reserve_mesh(field, {result.mesh.positions.size(), result.mesh.triangles.size()}, options, context);
+    if (!memory) return tl::unexpected(memory.error());
+  }
+  result.mesh.memory = std::move(*memory);
+  result.stats.emit += watch.elapsed();
+  return result;
+}
+
+}  // namespace isoextract::extract

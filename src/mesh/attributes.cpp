@@ -1,0 +1,87 @@
+#include "mesh/attributes.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <utility>
+#include <vector>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include "mesh/mesh.hpp"
+
+namespace isoextract::mesh {
+namespace {
+
+struct ComponentInfo {
+  std::string_view name;
+  std::size_t size;
+};
+constexpr std::array<ComponentInfo, 8> kComponents{
+    {{"i8", 1}, {"u8", 1}, {"i16", 2}, {"u16", 2}, {"i32", 4}, {"u32", 4}, {"f32", 4}, {"f64", 8}}};
+
+const ComponentInfo& info(ComponentType type) { return kComponents[static_cast<std::size_t>(type)]; }
+
+// New item i is old item old_of_new[i]; an item is `stride` values.
+template <class T>
+Buffer<T> gathered(const Buffer<T>& old, std::size_t stride, std::span<const std::uint32_t> old_of_new) {
+  if (old.empty()) return {};
+  constexpr std::size_t kGrain = 1 << 14;
+  Buffer<T> values(old_of_new.size() * stride);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, old_of_new.size(), kGrain), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i != range.end(); ++i) {
+      std::copy_n(old.data() + old_of_new[i] * stride, stride, values.data() + i * stride);
+    }
+  });
+  return values;
+}
+
+template <class T>
+Buffer<T> copied(const Buffer<T>& values) {
+  Buffer<T> copy(values.size());
+  std::copy(values.begin(), values.end(), copy.begin());
+  return copy;
+}
+
+}  // namespace
+
+std::size_t component_size(ComponentType type) { return info(type).size; }
+std::string_view component_name(ComponentType type) { return info(type).name; }
+
+std::size_t vertex_bytes(const Mesh& mesh) {
+  std::size_t bytes = sizeof(glm::vec3) * (mesh.normals.empty() ? 1 : 2) + (mesh.edges.empty() ? 0 : sizeof(EdgeKey));
+  for (const Attribute& attribute : mesh.attributes) bytes += attribute.stride();
+  return bytes;
+}
+
+void gather_vertices(Mesh& mesh, std::span<const std::uint32_t> old_of_new) {
+  auto positions = gathered(mesh.positions, 1, old_of_new);
+  auto normals = gathered(mesh.normals, 1, old_of_new);
+  auto edges = gathered(mesh.edges, 1, old_of_new);
+  std::vector<Buffer<std::byte>> values;
+  for (const Attribute& attribute : mesh.attributes) {
+    values.push_back(gathered(attribute.values, attribute.stride(), old_of_new));
+  }
+  mesh.positions = std::move(positions);
+  mesh.normals = std::move(normals);
+  mesh.edges = std::move(edges);
+  for (std::size_t a = 0; a < values.size(); ++a) mesh.attributes[a].values = std::move(values[a]);
+}
+
+Mesh copy(const Mesh& mesh) {
+  Mesh result;
+  result.name = mesh.name;
+  result.origin = mesh.origin;
+  result.positions = copied(mesh.positions);
+  result.normals = copied(mesh.normals);
+  result.edges = copied(mesh.edges);
+  result.triangles = copied(mesh.triangles);
+  for (const Attribute& a : mesh.attributes) {
+    result.attributes.push_back(a.without_values());
+    result.attributes.back().values = copied(a.values);
+  }
+  return result;
+}
+
+}  // namespace isoextract::mesh

@@ -1,0 +1,69 @@
+// Formats whose files hold one full box of samples behind a header: they say what the header says and where the samples
+// are; the rest is the same for all.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "base/error.hpp"
+#include "field/scalar_field.hpp"
+#include "files/file_bytes.hpp"
+#include "volumes/detail/placing.hpp"
+#include "volumes/detail/sample_source.hpp"
+#include "volumes/volume_format.hpp"
+
+namespace isoextract::volumes {
+
+// A dense volume whose header was read and checked; its samples were not.
+struct DenseFile {
+  std::string format;  // "NRRD"
+  std::string world_space;
+  field::SampleType type = field::SampleType::u8;
+  glm::ivec3 dims{0};
+  std::endian endian = std::endian::native;
+  bool x_slowest = false;  // stored with the last axis fastest
+  field::ValueScale scale;
+  Frame frame;
+  std::vector<SamplePiece> pieces;
+  bool size_is_exact = false;  // bytes after the samples are an error, not a note
+  std::vector<std::string> notes;
+};
+
+class DenseFormat : public VolumeFormat {
+ public:
+  using VolumeFormat::VolumeFormat;
+
+  [[nodiscard]] Result<std::vector<GridInfo>> list(const std::string& input, const ReadOptions& options,
+                                                   const Context& context) const final;
+  [[nodiscard]] Result<std::vector<std::filesystem::path>> files(const std::string& input, const ReadOptions& options,
+                                                                 const Context& context) const final;
+  [[nodiscard]] Result<field::ScalarField> open(const std::string& input, const ReadOptions& options,
+                                                const Context& context) const final;
+
+ protected:
+  // Reads the header. Other files that it names are opened in the context of `file`.
+  [[nodiscard]] virtual Result<DenseFile> open_header(const files::InputFile& file,
+                                                      const ReadOptions& options) const = 0;
+};
+
+// Sizes from a header as dims. Fails where one is 0 or too large for an index, or where all together are more than
+// 2^62 bytes.
+[[nodiscard]] Result<glm::ivec3> checked_dims(const std::string& file, const std::array<std::uint64_t, 3>& sizes,
+                                              field::SampleType type);
+
+[[nodiscard]] std::uint64_t sample_bytes(const glm::ivec3& dims, field::SampleType type);
+
+// "100x100x100 f32 samples"
+[[nodiscard]] std::string describe_samples(const glm::ivec3& dims, field::SampleType type);
+
+// The one grid of a dense volume.
+[[nodiscard]] GridInfo dense_grid(std::string name, const glm::ivec3& dims, field::SampleType type);
+
+// The name of a file without its folder and the extensions of its format.
+[[nodiscard]] std::string stem_of(const std::filesystem::path& path);
+
+}  // namespace isoextract::volumes

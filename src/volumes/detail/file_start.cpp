@@ -1,0 +1,21 @@
+#include "volumes/detail/file_start.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace isoextract::volumes {
+
+bool starts_with(std::span<const std::byte> content, std::string_view magic) {
+  return content.size() >= magic.size() &&
+         std::equal(magic.begin(), magic.end(), content.begin(),
+                    [](char m, std::byte b) { return static_cast<std::byte>(m) == b; });
+}
+
+tl::unexpected<Error> fail_magic(const files::InputFile& file, std::string_view format, std::string_view expected) {
+  const auto content = files::first_bytes(file, kStartBytes);
+  return fail(ErrorKind::input, fmt::format("{}: not {}: expected {} at the start, found '{}'", file.name(), format,
+                                            expected, content ? files::printable(*content, 16) : std::string()));
+}
+
+}  // namespace isoextract::volumes

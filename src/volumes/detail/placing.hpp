@@ -1,0 +1,21 @@
+// Where a volume is in the world: what its file says, and what the options say instead.
+#pragma once
+
+#include <string>
+
+#include "base/error.hpp"
+#include "field/scalar_field.hpp"
+#include "volumes/volume_format.hpp"
+
+namespace isoextract::volumes {
+
+// Where a file says its samples are. A frame that cannot be used is only an error if the options do not replace it.
+struct Frame {
+  field::Affine index_to_world;
+  std::string problem;  // "axis 2 has no direction"; empty if all is well
+};
+
+// Sets the field's index_to_world from its file and the options' spacing and origin. Messages name field.source.
+[[nodiscard]] Result<void> set_frame(field::ScalarField& field, const Frame& frame, const ReadOptions& options);
+
+}  // namespace isoextract::volumes

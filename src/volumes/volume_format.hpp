@@ -1,0 +1,116 @@
+// What all formats of volumes have in common, and the list of them. A new format is a class of its own and a line in
+// the list (volume_format.cpp): detection, the help, the man page and the choice of a format follow from what it says
+// here.
+#pragma once
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "base/context.hpp"
+#include "base/error.hpp"
+#include "field/scalar_field.hpp"
+
+namespace isoextract::volumes {
+
+// What a headerless file cannot say of itself.
+struct RawLayout {
+  glm::ivec3 dims{0};  // x (fastest), y, z
+  field::SampleType type = field::SampleType::u8;
+  std::endian endian = std::endian::little;
+  std::uint64_t skip = 0;  // bytes before the first sample
+
+  friend bool operator==(const RawLayout&, const RawLayout&) = default;
+};
+
+// What is to be read, as plain values.
+struct ReadOptions {
+  std::optional<std::string> format;  // the id of one; default: by content, then by extension
+  std::optional<std::string> grid;    // NAME or NAME[k], k counts grids of that name from 0; where formats have grids
+  std::optional<RawLayout> raw;       // raw files need it; for others it is an error
+  std::optional<glm::dvec3> spacing;  // replaces what the file says; raw and NPY have 1
+  std::optional<glm::dvec3> origin;   // world position of index (0, 0, 0); likewise
+  std::optional<field::FieldKind> kind;  // replaces what the file says
+
+  friend bool operator==(const ReadOptions&, const ReadOptions&) = default;
+};
+
+// One grid of a file as its header tells, without reading samples.
+struct GridInfo {
+  std::string name;
+  int index_of_name = 0;                 // k of NAME[k]
+  bool name_repeats = false;             // true if NAME alone would not be enough
+  std::string type;                      // "float", "vec3s", ...
+  bool scalar = false;                   // a surface can be extracted from it
+  std::optional<field::FieldKind> kind;  // where the file says so
+  field::IndexBox box;                   // active voxels, or all samples; may be empty
+  std::uint64_t voxels = 0;              // active voxels, or all samples
+};
+
+// What a format says of itself without looking at a file.
+struct FormatDescription {
+  std::string id = {};                       // what it is chosen by: "nrrd"; lower case, and it never changes
+  std::string title = {};                    // one line for people: "NRRD, attached or detached, raw or gzip"
+  std::vector<std::string> extensions = {};  // the ends of files' names, in lower case: ".nii.gz"
+  std::string prefix = {};    // "demo:": inputs that start so are of this format and no files; else empty
+  bool has_grids = false;     // a file names its grids, and ReadOptions::grid chooses one
+  bool needs_layout = false;  // files do not say what is in them: ReadOptions::raw has to
+};
+
+// The beginning of a file, for formats to know their own by. kStartBytes of it, or all where there are fewer.
+inline constexpr std::size_t kStartBytes = 1024;
+struct FileStart {
+  const std::filesystem::path& path;
+  std::span<const std::byte> bytes;  // inflated where the file is gzip
+  bool packed = false;               // it is
+};
+
+// Formats live as long as the program, keep nothing of a file between calls and may be used by several threads at once.
+// Where `input` is named, it is the path of a file, or a text that starts with the format's prefix. Options were
+// checked against the description. What they throw, std::bad_alloc for example, is caught by whoever calls them by way
+// of volume_reader.hpp. Failures are ErrorKind::input unless said otherwise, and messages name the file.
+class VolumeFormat {
+ public:
+  explicit VolumeFormat(FormatDescription about) : about_(std::move(about)) {}
+  virtual ~VolumeFormat() = default;
+  VolumeFormat(const VolumeFormat&) = delete;
+  VolumeFormat& operator=(const VolumeFormat&) = delete;
+
+  [[nodiscard]] const FormatDescription& about() const { return about_; }
+
+  // Whether a file that starts so is of this format, beyond doubt. False where only its name can tell.
+  [[nodiscard]] virtual bool probe(const FileStart& /*start*/) const { return false; }
+
+  // The grids there are, scalar or not; one where the format has no names for them. Never reads samples.
+  [[nodiscard]] virtual Result<std::vector<GridInfo>> list(const std::string& input, const ReadOptions& options,
+                                                           const Context& context) const = 0;
+
+  // The files that open() would look at. One may be named twice. Never reads samples.
+  [[nodiscard]] virtual Result<std::vector<std::filesystem::path>> files(const std::string& input,
+                                                                         const ReadOptions& options,
+                                                                         const Context& context) const = 0;
+
+  // One grid, dense or sparse as the file has it, with its place (options applied), its notes and `grids`. Its samples
+  // stay reserved in the context's memory for as long as they live, unless they are a mapping of their file.
+  [[nodiscard]] virtual Result<field::ScalarField> open(const std::string& input, const ReadOptions& options,
+                                                        const Context& context) const = 0;
+
+ private:
+  FormatDescription about_;
+};
+
+// All of them, in the order in which they are asked and shown.
+[[nodiscard]] std::span<const VolumeFormat* const> volume_formats();
+// Null where there is none of that id.
+[[nodiscard]] const VolumeFormat* find_volume_format(std::string_view id);
+
+}  // namespace isoextract::volumes

@@ -1,0 +1,93 @@
+// What an extraction takes is reserved for as long as it lives, and an extraction ends where that is asked for.
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "extract/extractor.hpp"
+#include "support/fields.hpp"
+
+namespace isoextract::extract {
+namespace {
+
+struct Asked {
+  bool sparse;
+  bool cap;
+  NanPolicy nan;
+};
+
+class Memory : public testing::TestWithParam<Asked> {
+ protected:
+  Memory() {
+    options_.iso = 0;
+    options_.cap = GetParam().cap;
+    options_.nan = GetParam().nan;
+    options_.smooth_normals = options_.edge_keys = true;
+    const bool holes = options_.nan == NanPolicy::hole;
+    field_ = test::dense_field<float>({64, 48, 40}, [&](int i, int j, int k) {
+      if (holes && i == 30 && j == 24) return std::numeric_limits<double>::quiet_NaN();
+      return 18 - glm::length(glm::dvec3(i - 31.5, j - 23.5, k - (GetParam().cap ? 4 : 19.5)));
+    });
+    if (GetParam().sparse) field_ = test::sparse_copy<float>(field_, -100);
+    if (GetParam().sparse && GetParam().cap) options_.region = field::IndexBox{glm::ivec3(0), {63, 47, 39}};
+  }
+
+  // The bytes of a mesh as it is.
+  static std::uint64_t bytes_of(const mesh::Mesh& mesh) {
+    return mesh.positions.size_bytes() + mesh.normals.size_bytes() + mesh.edges.size_bytes() +
+           mesh.triangles.size_bytes();
+  }
+
+  field::ScalarField field_;
+  ExtractOptions options_;
+};
+
+INSTANTIATE_TEST_SUITE_P(Fields, Memory,
+                         testing::Values(Asked{false, false, NanPolicy::error}, Asked{false, true, NanPolicy::error},
+                                         Asked{false, false, NanPolicy::hole}, Asked{true, false, NanPolicy::error},
+                                         Asked{true, true, NanPolicy::error}));
+
+TEST_P(Memory, IsReservedWhileItLives) {
+  const Context context(MemoryBudget(1 << 30));
+  {
+    const auto extraction = make_cpu_extractor()->extract(field_, options_, context);
+    ASSERT_TRUE(extraction) << extraction.error().message;
+    const mesh::Mesh& mesh = extraction->mesh;
+    ASSERT_FALSE(mesh.triangles.empty());
+    EXPECT_EQ(mesh.memory.bytes(), bytes_of(mesh));
+    EXPECT_EQ(context.memory().reserved(), bytes_of(mesh)) << "only the mesh is left";
+    // Besides the mesh at least a bit a sample, and not many times the mesh.
+    const std::uint64_t bits = GetParam().sparse ? 64 : std::uint64_t{2} * 48 * 40 * 8;
+    EXPECT_GE(context.memory().peak(), bytes_of(mesh) + bits);
+    EXPECT_LE(context.memory().peak(), 4 * bytes_of(mesh) + 8 * bits + (1 << 18));
+  }
+  EXPECT_EQ(context.memory().reserved(), 0U);
+}
+
+TEST_P(Memory, ALimitJustBelowThePeakIsRefused) {
+  const Context free(MemoryBudget(1 << 30));
+  ASSERT_TRUE(make_cpu_extractor()->extract(field_, options_, free));
+  const std::uint64_t peak = free.memory().peak();
+  const Context enough(MemoryBudget{peak});
+  // Making a vertex a fan holds its own needs against the limit, and reserves nothing.
+  if (options_.nan != NanPolicy::hole) {
+    EXPECT_TRUE(make_cpu_extractor()->extract(field_, options_, enough));
+  }
+  const Context little(MemoryBudget{peak - 1});
+  const auto refused = make_cpu_extractor()->extract(field_, options_, little);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, ErrorKind::input);
+  EXPECT_EQ(refused.error().hint.remedy, Remedy::raise_memory_limit) << refused.error().message;
+  EXPECT_EQ(little.memory().reserved(), 0U);
+}
+
+TEST_P(Memory, NothingIsReservedAfterACancelledExtraction) {
+  const Context context;
+  context.cancel();
+  const auto refused = make_cpu_extractor()->extract(field_, options_, context);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, ErrorKind::cancelled);
+  EXPECT_EQ(context.memory().reserved(), 0U);
+}
+
+}  // namespace
+}  // namespace isoextract::extract

@@ -1,0 +1,75 @@
+#include "mesh/attributes.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include <gtest/gtest.h>
+
+#include "mesh/vertex_fans.hpp"
+#include "support/sample_attributes.hpp"
+#include "unit/mesh/shapes.hpp"
+
+namespace isoextract::mesh {
+namespace {
+
+Mesh mesh_with_everything() {
+  Mesh mesh = test::tetrahedron();
+  mesh.normals = Buffer<glm::vec3>(4);
+  mesh.edges = Buffer<EdgeKey>(4);
+  for (std::size_t v = 0; v < 4; ++v) {
+    mesh.normals[v] = glm::vec3(static_cast<float>(v));
+    mesh.edges[v] = {glm::ivec3(static_cast<std::int32_t>(v)), 1};
+  }
+  test::add_colour(mesh, ComponentType::u8, 3);
+  test::add_attribute(mesh, "heat", ComponentType::f64, 1);
+  return mesh;
+}
+
+// Vertex v of `mesh` has all that vertex w of `other` has.
+bool same_vertex(const Mesh& mesh, std::size_t v, const Mesh& other, std::size_t w) {
+  bool same = mesh.positions[v] == other.positions[w] && mesh.normals[v] == other.normals[w] &&
+              mesh.edges[v] == other.edges[w] && mesh.attributes.size() == other.attributes.size();
+  for (std::size_t a = 0; same && a < mesh.attributes.size(); ++a) {
+    same = std::ranges::equal(mesh.attributes[a].at(v), other.attributes[a].at(w));
+  }
+  return same;
+}
+
+TEST(Attributes, GatherTakesAllThatBelongsToVertices) {
+  const Mesh before = mesh_with_everything();
+  EXPECT_EQ(vertex_bytes(before), 2 * sizeof(glm::vec3) + sizeof(EdgeKey) + 3 + 8);
+  Mesh mesh = copy(before);
+  constexpr std::array<std::uint32_t, 5> kOld{3, 0, 0, 2, 3};
+  gather_vertices(mesh, kOld);
+  ASSERT_EQ(mesh.positions.size(), kOld.size());
+  for (std::size_t v = 0; v < kOld.size(); ++v) EXPECT_TRUE(same_vertex(mesh, v, before, kOld[v])) << v;
+  gather_vertices(mesh, {});
+  EXPECT_TRUE(mesh.positions.empty() && mesh.attributes[0].values.empty());
+}
+
+TEST(Attributes, FansGetCopiesOfThem) {
+  Mesh mesh = mesh_with_everything();
+  constexpr std::array<glm::uvec3, 2> kTwoFans{{{0, 1, 2}, {3, 0, 3}}};
+  mesh.triangles = Buffer<glm::uvec3>(2);
+  std::ranges::copy(kTwoFans, mesh.triangles.begin());
+  const Mesh before = copy(mesh);
+  ASSERT_TRUE(make_one_vertex_a_fan(mesh, "test"));
+  for (std::size_t t = 0; t < 2; ++t) {
+    for (int corner = 0; corner < 3; ++corner) {
+      EXPECT_TRUE(same_vertex(mesh, mesh.triangles[t][corner], before, before.triangles[t][corner]));
+    }
+  }
+  EXPECT_NE(mesh.triangles[0].x, mesh.triangles[1].y);
+}
+
+TEST(Attributes, CopiesAreWhole) {
+  const Mesh mesh = mesh_with_everything();
+  const Mesh same = copy(mesh);
+  ASSERT_EQ(same.positions.size(), mesh.positions.size());
+  for (std::size_t v = 0; v < 4; ++v) EXPECT_TRUE(same_vertex(same, v, mesh, v));
+  EXPECT_TRUE(std::ranges::equal(same.triangles, mesh.triangles));
+  for (std::size_t a = 0; a < 2; ++a) EXPECT_TRUE(test::same_attribute(same.attributes[a], mesh.attributes[a]));
+}
+
+}  // namespace
+}  // namespace isoextract::mesh

@@ -1,0 +1,39 @@
+// Memory that is reserved, and ends that are asked for.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "meshes/mesh_reader.hpp"
+#include "meshes/mesh_writer.hpp"
+#include "support/sample_meshes.hpp"
+#include "support/temp_folder.hpp"
+#include "unit/meshes/written_mesh.hpp"
+
+namespace isoextract::meshes {
+namespace {
+
+TEST(MeshFileContext, IsKeptTo) {
+  const test::TempFolder folder;
+  const auto meshes = test::one(test::sphere(20, false));
+  for (const MeshFormatInfo& info : mesh_formats()) {
+    const auto path = folder / fmt::format("kept.{}", info.name);
+    test::must_write(meshes, path, {info.format, false, false});
+    const Context context;
+    {
+      const auto read = read_mesh(path, context);
+      ASSERT_TRUE(read) << info.name;
+      EXPECT_EQ(context.memory().reserved(), read->mesh.positions.size_bytes() + read->mesh.triangles.size_bytes());
+      EXPECT_GT(context.memory().peak(), context.memory().reserved());
+    }
+    EXPECT_EQ(context.memory().reserved(), 0U);
+    context.cancel();
+    const auto ended = read_mesh(path, context);
+    ASSERT_FALSE(ended) << info.name;
+    EXPECT_EQ(ended.error().kind, ErrorKind::cancelled);
+    const auto written = write_meshes(meshes, path, {info.format, false, false}, context);
+    ASSERT_FALSE(written) << info.name;
+    EXPECT_EQ(written.error().kind, ErrorKind::cancelled);
+  }
+}
+
+}  // namespace
+}  // namespace isoextract::meshes
