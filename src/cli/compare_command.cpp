@@ -29,7 +29,7 @@ struct Side {
 };
 
 Result<Side> read_side(const std::string& path, const Context& context) {
-  auto file = meshes::read_mesh(path, Context(MemoryBudget(limits.memory_bytes)));
+  auto file = meshes::read_mesh(path, context);
   if (!file) return tl::unexpected(std::move(file.error()));
   Side side;
   side.path = path;

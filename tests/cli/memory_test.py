@@ -1,0 +1,87 @@
+"""The memory limit is kept by whole conversions: what the process takes at most, against what it was allowed."""
+
+import gzip
+import json
+import struct
+
+from support import DATA, ProgramTest, main, needs_data
+
+MIB = 1 << 20
+# The program and its libraries, the stacks of its threads, and small things that nobody reserves.
+OVERHEAD = 64 * MIB
+# What Mesa's software renderer takes beside textures and buffers: its compiler, and the pages it draws to.
+SOFTWARE_RENDERER = 256 * MIB
+
+GYROID = "demo:gyroid?size=224"
+
+
+class MemoryTest(ProgramTest):
+    def write_waves(self, size):
+        """Smooth waves of float samples, as NRRD packed by gzip: they are unpacked into memory."""
+        row = [struct.pack(f"<{size}f", *(((x * 5 + shift) % 61 - 30) / 30 for x in range(size))) for shift in range(61)]
+        samples = b"".join(row[(3 * y + 7 * z) % 61] for z in range(size) for y in range(size))
+        header = f"NRRD0004\ntype: float\ndimension: 3\nsizes: {size} {size} {size}\nendian: little\nencoding: gzip\n\n"
+        (self.folder / "waves.nrrd").write_bytes(header.encode() + gzip.compress(samples, 1))
+        return "waves.nrrd"
+
+    def report(self, *arguments):
+        run = self.run_program(*arguments, "--report", "report.json", "--quiet")
+        return run, json.loads((self.folder / "report.json").read_text())
+
+    def check(self, *arguments, allowed=OVERHEAD, peak_at_least=64 * MIB):
+        """Three runs: what it needs; with a limit that is just enough; with one that is too small."""
+        run, report = self.report(*arguments)
+        self.assertEqual(run.code, 0, run.err)
+        needed = report["reserved_memory_bytes"]
+        # The case is large enough for a lost reservation to be seen.
+        self.assertGreater(needed, peak_at_least)
+        self.assertLess(report["peak_memory_bytes"], needed + allowed, f"{arguments}: more than is reserved")
+        before = self.files()
+        run, report = self.report(*arguments, "--memory-limit", str(needed + MIB))
+        self.assertEqual(run.code, 0, run.err)
+        self.assertLess(report["peak_memory_bytes"], needed + MIB + allowed)
+        for name in set(self.files()) - {"waves.nrrd", "report.json"}:
+            (self.folder / name).unlink()
+        run, report = self.report(*arguments, "--memory-limit", str(needed // 2))
+        self.assert_fails(2, run, "memory", "--memory-limit")
+        self.assertLess(report["peak_memory_bytes"], needed // 2 + allowed)
+        self.assertEqual(set(self.files()), set(before) & {"waves.nrrd", "report.json"})
+
+    def test_dense_samples(self):
+        self.check(GYROID, "--iso", "0", "-o", "a.ply")
+
+    def test_samples_from_a_packed_file(self):
+        self.check(self.write_waves(192), "--iso", "0.1", "-o", "a.glb")
+
+    def test_marching_tetrahedra_with_smooth_normals(self):
+        self.check(GYROID, "--iso", "0", "--method", "mt", "--normals", "smooth", "-o", "a.obj")
+
+    def test_another_resolution(self):
+        self.check("demo:gyroid?size=160", "--iso", "0", "--resolution", "256", "-o", "a.ply")
+
+    @needs_data("vdb/smoke.vdb")
+    def test_sparse_samples(self):
+        self.check(DATA / "vdb/smoke.vdb", "--iso", "0.1", "-o", "a.ply", peak_at_least=16 * MIB)
+
+    def test_a_mesh_in_stl(self):
+        self.check(GYROID, "--iso", "0.3", "-o", "a.stl")
+
+    def test_two_surfaces(self):
+        self.check(GYROID, "--iso", "0", "--iso", "0.5", "-o", "a.glb")
+
+    def test_a_capped_part(self):
+        self.check("demo:metaballs?size=256", "--iso", "0.5", "--cap", "--nan", "hole", "-o", "a.ply")
+
+    def test_simplification(self):
+        self.check("demo:gyroid?size=128", "--iso", "0", "--simplify", "0.1", "-o", "a.ply")
+
+    def test_the_error(self):
+        self.check("demo:gyroid?size=160", "--iso", "0", "--error", "-o", "a.ply")
+
+    def test_the_gpu(self):
+        self.check("demo:gyroid?size=128", "--iso", "0", "--backend", "gpu", "--gpu-memory", "64M", "-o", "a.ply",
+                   allowed=OVERHEAD + SOFTWARE_RENDERER, peak_at_least=32 * MIB)
+
+
+if __name__ == "__main__":
+    main()
