@@ -196,7 +196,7 @@ Result<void> run_convert(const ConvertPlan& plan, const Messages& messages) {
     const Context context{plan.memory};
     ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
     Narrator narrator(plan, messages, bar);
-    outcome = convert::run(plan.job, context, narrator, {plan.explain || plan.report, plan.report.has_value()});
+    outcome = convert::run(plan.job, context, narrator, {plan.report.has_value()});
   } else {
     outcome.error = std::move(checked.error());
   }

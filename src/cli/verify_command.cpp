@@ -44,7 +44,7 @@ Result<void> verify_backends(const VerifyPlan& plan, const Messages& messages, c
   {
     ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
     Notes notes(messages, bar);
-    const auto source = convert::open_source(plan.source, {}, context, notes);
+    const auto source = convert::open_source(plan.source, false, context, notes);
     if (!source) return tl::unexpected(source.error());
     label = source->label;
     extract::ExtractOptions options = options_of(plan, *source);
@@ -106,7 +106,7 @@ Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages, const
     auto file = meshes::read_mesh(*plan.mesh, context);
     if (!file) return tl::unexpected(std::move(file.error()));
     for (const std::string& text : file->notes) notes.note(text);
-    const auto source = convert::open_source(plan.source, {}, context, notes);
+    const auto source = convert::open_source(plan.source, false, context, notes);
     if (!source) return tl::unexpected(source.error());
     surface = fmt::format("{} iso {}", source->label, plan.iso);
     const auto extraction = extractor->extract(source->field, options_of(plan, *source), context);

@@ -35,8 +35,7 @@ class Conversion {
   Result<void> run() {
     if (auto opened = open_backends(); !opened) return opened;
     if (auto checked = check_mesh_files(job_); !checked) return checked;
-    const SourceExtras wanted{.keep_data = job_.error.has_value(), .work = extras_.work};
-    auto source = open_source(job_.source, wanted, context_, events_);
+    auto source = open_source(job_.source, job_.error.has_value(), context_, events_);
     if (!source) return tl::unexpected(std::move(source.error()));
     source_ = std::move(*source);
     for (const OutputFileJob& output : job_.outputs) {

@@ -74,7 +74,7 @@ class ConversionTest : public testing::Test {
     return outcome.reserved_memory;
   }
 
-  Outcome run(const ConversionJob& job) { return convert::run(job, Context(), log_, {true, true}); }
+  Outcome run(const ConversionJob& job) { return convert::run(job, Context(), log_, {true}); }
 
   test::TempFolder folder_;
   Log log_;
@@ -180,7 +180,7 @@ TEST_F(ConversionTest, TwoAtOnceDoNotMix) {
     {
       std::vector<std::jthread> threads;
       for (std::size_t i = 0; i < inputs.size(); ++i) {
-        threads.emplace_back([&, i] { outcomes[i] = convert::run(jobs[i], Context(), logs[i], {true, true}); });
+        threads.emplace_back([&, i] { outcomes[i] = convert::run(jobs[i], Context(), logs[i], {true}); });
       }
     }
     for (std::size_t i = 0; i < inputs.size(); ++i) {
