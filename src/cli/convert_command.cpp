@@ -55,10 +55,6 @@ class Narrator final : public convert::Events {
     bar_.above([&] { messages_.note(text); });
   }
 
-  void opened(const extract::Extractor& /*extractor*/, const std::string& reason, const StageTime& /*time*/) override {
-    if (!reason.empty()) note("--backend auto: " + reason);
-  }
-
   void read(const std::string& /*input*/, const field::ScalarField& field, const StageTime& time) override {
     label_ = convert::field_label(field);
     tell_stage(fmt::format("{}: read in {}", label_, times_text(time)));

@@ -65,8 +65,7 @@ class Conversion {
     const Stopwatch watch;
     auto opened = open_backend(job_.backend);
     if (!opened) return tl::unexpected(std::move(opened.error()));
-    extractor_ = std::move(opened->extractor);
-    events_.opened(*extractor_, opened->reason, watch.elapsed());
+    extract_with(std::move(*opened), watch.elapsed());
     if (!job_.verify) return {};
     BackendChoice other = job_.backend;
     other.backend = extractor_->name() == word_of(Backend::gpu) ? Backend::cpu : Backend::gpu;
@@ -74,6 +73,13 @@ class Conversion {
     if (!opened) return tl::unexpected(std::move(opened.error()));
     other_extractor_ = std::move(opened->extractor);
     return {};
+  }
+
+  // From now on.
+  void extract_with(OpenedBackend backend, const StageTime& time) {
+    extractor_ = std::move(backend.extractor);
+    events_.opened(*extractor_, time);
+    if (!backend.reason.empty()) events_.note("backend: " + backend.reason);
   }
 
   // One surface is made, written and let go after the other, where the format allows.
@@ -151,8 +157,7 @@ class Conversion {
     const bool may = job_.backend.backend == Backend::automatic && extractor_->name() == word_of(Backend::gpu) &&
                      other_extractor_ == nullptr;
     if (!may || error.kind != ErrorKind::unavailable) return false;
-    extractor_ = extract::make_cpu_extractor();
-    events_.opened(*extractor_, fmt::format("cpu, because {}", error.message), {});
+    extract_with({extract::make_cpu_extractor(), fmt::format("cpu, because {}", error.message)}, {});
     return true;
   }
 

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 class Log final : public Events {
  public:
   void note(const std::string& text) override { lines.push_back("note " + text); }
-  void opened(const extract::Extractor& extractor, const std::string&, const StageTime&) override {
+  void opened(const extract::Extractor& extractor, const StageTime&) override {
     lines.push_back("opened " + std::string(extractor.name()));
   }
   void read(const std::string& input, const field::ScalarField&, const StageTime&) override {
