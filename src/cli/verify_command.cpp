@@ -37,7 +37,7 @@ extract::ExtractOptions options_of(const VerifyPlan& plan, const convert::Source
 
 Result<void> verify_backends(const VerifyPlan& plan, const Messages& messages, const Context& context) {
   const std::unique_ptr<extract::Extractor> first = extract::make_cpu_extractor();
-  const auto second = convert::open_backend({convert::Backend::gpu, plan.gpu});
+  const auto second = convert::open_backend(convert::Backend::gpu, {plan.gpu});
   if (!second) return tl::unexpected(second.error());
   convert::VerificationRecord record;
   std::string label;
@@ -52,8 +52,8 @@ Result<void> verify_backends(const VerifyPlan& plan, const Messages& messages, c
     options.edge_keys = true;
     const auto extraction = first->extract(source->field, options, context);
     if (!extraction) return tl::unexpected(extraction.error());
-    auto compared = convert::compare_backends(source->field, options, extraction->mesh, *first,
-                                              *second->extractor, context);
+    auto compared =
+        convert::compare_backends(source->field, options, extraction->mesh, *first, *second->extractor, context);
     if (!compared) return tl::unexpected(std::move(compared.error()));
     record = std::move(*compared);
   }

@@ -63,13 +63,12 @@ class Conversion {
   Result<void> open_backends() {
     outcome_.backend = word_of(job_.backend.backend);
     const Stopwatch watch;
-    auto opened = open_backend(job_.backend);
+    const gpu::GpuOptions gpu{job_.backend.gpu};
+    auto opened = open_backend(job_.backend.backend, gpu);
     if (!opened) return tl::unexpected(std::move(opened.error()));
     extract_with(std::move(*opened), watch.elapsed());
     if (!job_.verify) return {};
-    BackendChoice other = job_.backend;
-    other.backend = extractor_->name() == word_of(Backend::gpu) ? Backend::cpu : Backend::gpu;
-    opened = open_backend(other);
+    opened = open_backend(extractor_->name() == word_of(Backend::gpu) ? Backend::cpu : Backend::gpu, gpu);
     if (!opened) return tl::unexpected(std::move(opened.error()));
     other_extractor_ = std::move(opened->extractor);
     return {};

@@ -249,9 +249,6 @@ class JobJson {
     each("backend", job.backend.backend);
     each("device", job.backend.gpu.device);
     each("gpu_memory", job.backend.gpu.memory_bytes);
-    each("tessellation", job.backend.gpu.tessellation);
-    each("swizzle", job.backend.gpu.swizzle);
-    each("gpu_debug", job.backend.gpu.debug);
     each("empty", job.empty);
     each("format", job.format);
     each("ascii", job.ascii);
