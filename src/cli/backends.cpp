@@ -11,11 +11,11 @@ Result<std::vector<NamedBackend>> parse_backends(std::string_view text) {
   std::vector<NamedBackend> backends;
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t end = std::min(text.find(',', begin), text.size());
-    NamedBackend backend{std::string(text.substr(begin, end - begin)), {}, {}};
-    backend.choice.backend = backend.name == "cpu" ? convert::Backend::cpu : convert::Backend::gpu;
-    backend.choice.gpu.tessellation = backend.name != "gpu:points";
-    if (!backend.choice.gpu.tessellation) backend.only = extract::Method::mc;
-    backend.choice.gpu.swizzle = backend.name != "gpu:rows";
+    NamedBackend backend{std::string(text.substr(begin, end - begin)), {}, {}, {}};
+    backend.backend = backend.name == "cpu" ? convert::Backend::cpu : convert::Backend::gpu;
+    backend.gpu.tessellation = backend.name != "gpu:points";
+    if (!backend.gpu.tessellation) backend.only = extract::Method::mc;
+    backend.gpu.swizzle = backend.name != "gpu:rows";
     constexpr std::array<std::string_view, 4> kNames{"cpu", "gpu", "gpu:points", "gpu:rows"};
     const bool known = std::ranges::find(kNames, backend.name) != kNames.end();
     const bool again = std::ranges::find(backends, backend.name, &NamedBackend::name) != backends.end();
@@ -32,7 +32,7 @@ Result<std::vector<NamedBackend>> parse_backends(std::string_view text) {
 Result<std::vector<measure::BenchBackend>> open_backends(const std::vector<NamedBackend>& backends) {
   std::vector<measure::BenchBackend> opened;
   for (const NamedBackend& backend : backends) {
-    auto one = convert::open_backend(backend.choice);
+    auto one = convert::open_backend(backend.backend, backend.gpu);
     if (!one) return tl::unexpected(one.error());
     opened.push_back({backend.name, std::move(one->extractor), backend.only});
   }

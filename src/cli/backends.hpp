@@ -17,7 +17,8 @@ namespace isoextract::cli {
 // cubes by number instead of by tessellation, "gpu:rows" visits the cells of a brick row by row.
 struct NamedBackend {
   std::string name;
-  convert::BackendChoice choice;
+  convert::Backend backend = convert::Backend::cpu;
+  gpu::GpuOptions gpu;
   std::optional<extract::Method> only;  // the method that it is a variant of
 };
 

@@ -91,7 +91,7 @@ class Bench {
       return {};
     }
     options_.backends.push_back({"cpu", extract::make_cpu_extractor(), {}});
-    auto gpu = convert::open_backend({convert::Backend::automatic, plan_.gpu});
+    auto gpu = convert::open_backend(convert::Backend::automatic, {plan_.gpu});
     if (gpu && gpu->extractor->name() == word_of(convert::Backend::gpu)) {
       options_.backends.push_back({"gpu", std::move(gpu->extractor), {}});
     }

@@ -55,10 +55,6 @@ class Narrator final : public convert::Events {
     bar_.above([&] { messages_.note(text); });
   }
 
-  void opened(const extract::Extractor& /*extractor*/, const std::string& reason, const StageTime& /*time*/) override {
-    if (!reason.empty()) note("--backend auto: " + reason);
-  }
-
   void read(const std::string& /*input*/, const field::ScalarField& field, const StageTime& time) override {
     label_ = convert::field_label(field);
     tell_stage(fmt::format("{}: read in {}", label_, times_text(time)));
@@ -196,7 +192,7 @@ Result<void> run_convert(const ConvertPlan& plan, const Messages& messages) {
     const Context context{plan.memory};
     ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
     Narrator narrator(plan, messages, bar);
-    outcome = convert::run(plan.job, context, narrator, {plan.explain || plan.report, plan.report.has_value()});
+    outcome = convert::run(plan.job, context, narrator, {plan.report.has_value()});
   } else {
     outcome.error = std::move(checked.error());
   }

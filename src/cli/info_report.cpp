@@ -66,7 +66,7 @@ void add_shape(NamedLines& lines, const FieldReport& report) {
   lines.add("format", field.format);
   if (!field.name.empty()) lines.add("name", printable_name(field.name));
   lines.add("kind", fmt::format("{}: {} the iso value is inside", convert::kind_name(field.kind),
-                                convert::inside_name(field.kind)));
+                                word_of(field.kind)));
   const field::IndexBox box = field.extents();
   if (const auto* sparse = std::get_if<field::SparseSamples>(&field.samples)) {
     lines.add("samples", fmt::format("{}, sparse: {} active voxels in {} blocks and {} tiles, background {:.6g}",
@@ -164,7 +164,7 @@ convert::Json json_of(const FieldReport& report) {
   convert::Json json{{"format", field.format},
                      {"name", field.name},
                      {"kind", convert::kind_name(field.kind)},
-                     {"inside", convert::inside_name(field.kind)},
+                     {"inside", word_of(field.kind)},
                      {"type", field::sample_type_name(field.type())}};
   const auto* sparse = std::get_if<field::SparseSamples>(&field.samples);
   json["sparse"] = sparse != nullptr;

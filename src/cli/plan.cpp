@@ -157,8 +157,8 @@ Result<std::vector<convert::OutputFileJob>> plan_outputs(const ConvertFlags& fla
 
 }  // namespace
 
-gpu::GpuOptions plan_gpu(const DeviceFlags& flags) {
-  gpu::GpuOptions gpu;
+gpu::GpuChoice plan_gpu(const DeviceFlags& flags) {
+  gpu::GpuChoice gpu;
   if (flags.device) gpu.device = *flags.device;
   gpu.memory_bytes = flags.gpu_memory;
   return gpu;
@@ -166,8 +166,8 @@ gpu::GpuOptions plan_gpu(const DeviceFlags& flags) {
 
 std::vector<NamedBackend> plan_backends(std::vector<NamedBackend> backends, const DeviceFlags& flags) {
   for (NamedBackend& backend : backends) {
-    if (flags.device) backend.choice.gpu.device = *flags.device;
-    backend.choice.gpu.memory_bytes = flags.gpu_memory;
+    if (flags.device) backend.gpu.device = *flags.device;
+    backend.gpu.memory_bytes = flags.gpu_memory;
   }
   return backends;
 }

@@ -40,7 +40,7 @@ struct VerifyPlan {
   convert::SurfaceOptions surface;
   double iso = 0;
   std::optional<std::string> mesh;  // none: the backends are compared
-  gpu::GpuOptions gpu;
+  gpu::GpuChoice gpu;
   bool float32_world = false;  // the mesh's format has float32 world coordinates only
   bool json = false;
   std::vector<std::string> notes;
@@ -58,7 +58,7 @@ struct BenchPlan {
   std::vector<std::string> inputs;
   bool gpu_threads = false;                           // instead of inputs
   std::optional<std::vector<NamedBackend>> backends;  // none: cpu, and gpu where there is one that is not software
-  gpu::GpuOptions gpu;                                // of the default
+  gpu::GpuChoice gpu;                                 // of the default
   volumes::ReadOptions read;
   std::optional<double> iso;      // none: each demo field's own
   std::vector<int> sizes;         // of demo fields
@@ -71,7 +71,7 @@ struct BenchPlan {
 };
 
 // What --device and --gpu-memory say.
-[[nodiscard]] gpu::GpuOptions plan_gpu(const DeviceFlags& flags);
+[[nodiscard]] gpu::GpuChoice plan_gpu(const DeviceFlags& flags);
 // The same for each backend of a list.
 [[nodiscard]] std::vector<NamedBackend> plan_backends(std::vector<NamedBackend> backends, const DeviceFlags& flags);
 [[nodiscard]] Result<Verbosity> plan_verbosity(const RunFlags& flags);

@@ -20,7 +20,7 @@ namespace {
 Result<std::vector<measure::BenchBackend>> choose_backends(const StabilityFlags& flags, const Messages& messages) {
   if (flags.backends) return open_backends(plan_backends(*flags.backends, flags.device));
   std::vector<measure::BenchBackend> backends{{"cpu", extract::make_cpu_extractor(), {}}};
-  auto gpu = convert::open_backend({convert::Backend::gpu, plan_gpu(flags.device)});
+  auto gpu = convert::open_backend(convert::Backend::gpu, {plan_gpu(flags.device)});
   if (gpu) {
     backends.push_back({"gpu", std::move(gpu->extractor), {}});
   } else {

@@ -37,14 +37,14 @@ extract::ExtractOptions options_of(const VerifyPlan& plan, const convert::Source
 
 Result<void> verify_backends(const VerifyPlan& plan, const Messages& messages, const Context& context) {
   const std::unique_ptr<extract::Extractor> first = extract::make_cpu_extractor();
-  const auto second = convert::open_backend({convert::Backend::gpu, plan.gpu});
+  const auto second = convert::open_backend(convert::Backend::gpu, {plan.gpu});
   if (!second) return tl::unexpected(second.error());
   convert::VerificationRecord record;
   std::string label;
   {
     ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
     Notes notes(messages, bar);
-    const auto source = convert::open_source(plan.source, {}, context, notes);
+    const auto source = convert::open_source(plan.source, false, context, notes);
     if (!source) return tl::unexpected(source.error());
     label = source->label;
     extract::ExtractOptions options = options_of(plan, *source);
@@ -52,8 +52,8 @@ Result<void> verify_backends(const VerifyPlan& plan, const Messages& messages, c
     options.edge_keys = true;
     const auto extraction = first->extract(source->field, options, context);
     if (!extraction) return tl::unexpected(extraction.error());
-    auto compared = convert::compare_backends(source->field, options, extraction->mesh, *first,
-                                              *second->extractor, context);
+    auto compared =
+        convert::compare_backends(source->field, options, extraction->mesh, *first, *second->extractor, context);
     if (!compared) return tl::unexpected(std::move(compared.error()));
     record = std::move(*compared);
   }
@@ -106,7 +106,7 @@ Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages, const
     auto file = meshes::read_mesh(*plan.mesh, context);
     if (!file) return tl::unexpected(std::move(file.error()));
     for (const std::string& text : file->notes) notes.note(text);
-    const auto source = convert::open_source(plan.source, {}, context, notes);
+    const auto source = convert::open_source(plan.source, false, context, notes);
     if (!source) return tl::unexpected(source.error());
     surface = fmt::format("{} iso {}", source->label, plan.iso);
     const auto extraction = extractor->extract(source->field, options_of(plan, *source), context);

@@ -19,13 +19,13 @@ OpenedBackend open_automatic(const gpu::GpuOptions& options) {
 
 }  // namespace
 
-Result<OpenedBackend> open_backend(const BackendChoice& choice) {
-  switch (choice.backend) {
+Result<OpenedBackend> open_backend(Backend backend, const gpu::GpuOptions& options) {
+  switch (backend) {
     case Backend::cpu: return OpenedBackend{extract::make_cpu_extractor(), ""};
-    case Backend::automatic: return open_automatic(choice.gpu);
+    case Backend::automatic: return open_automatic(options);
     case Backend::gpu: break;
   }
-  auto gpu = gpu::make_gpu_extractor(choice.gpu);
+  auto gpu = gpu::make_gpu_extractor(options);
   if (!gpu) return tl::unexpected(std::move(gpu.error()));
   return OpenedBackend{std::move(gpu->extractor), ""};
 }

@@ -19,7 +19,7 @@ constexpr auto words_of(Backend /*type*/) {
 
 struct BackendChoice {
   Backend backend = Backend::cpu;
-  gpu::GpuOptions gpu;
+  gpu::GpuChoice gpu;
 
   friend bool operator==(const BackendChoice&, const BackendChoice&) = default;
 };
@@ -32,6 +32,6 @@ struct OpenedBackend {
 // cpu cannot fail; gpu fails with ErrorKind::unavailable where there is none, and never turns into the CPU. automatic
 // takes a GPU if there is one that is not software, which is never faster than the CPU backend. A GPU's extractor is
 // used and dropped on the thread that opened it.
-[[nodiscard]] Result<OpenedBackend> open_backend(const BackendChoice& choice);
+[[nodiscard]] Result<OpenedBackend> open_backend(Backend backend, const gpu::GpuOptions& options);
 
 }  // namespace isoextract::convert

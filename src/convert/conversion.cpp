@@ -35,8 +35,7 @@ class Conversion {
   Result<void> run() {
     if (auto opened = open_backends(); !opened) return opened;
     if (auto checked = check_mesh_files(job_); !checked) return checked;
-    const SourceExtras wanted{.keep_data = job_.error.has_value(), .work = extras_.work};
-    auto source = open_source(job_.source, wanted, context_, events_);
+    auto source = open_source(job_.source, job_.error.has_value(), context_, events_);
     if (!source) return tl::unexpected(std::move(source.error()));
     source_ = std::move(*source);
     for (const OutputFileJob& output : job_.outputs) {
@@ -46,41 +45,57 @@ class Conversion {
   }
 
  private:
-  // What one surface of a file left besides its mesh.
   struct Surface {
     double iso = 0;
     mesh::Mesh mesh;
     std::optional<MeshError> error;
   };
 
+  // A file while its surfaces are made.
+  struct OutputFile {
+    WrittenOutput written;
+    meshes::MeshWriter writer;
+    std::vector<MeshRecord> records;  // where they were asked for
+    StageTime recording;
+  };
+
   // Before the input is read: a missing GPU is told at once.
   Result<void> open_backends() {
     outcome_.backend = word_of(job_.backend.backend);
     const Stopwatch watch;
-    auto opened = open_backend(job_.backend);
+    const gpu::GpuOptions gpu{job_.backend.gpu};
+    auto opened = open_backend(job_.backend.backend, gpu);
     if (!opened) return tl::unexpected(std::move(opened.error()));
-    extractor_ = std::move(opened->extractor);
-    events_.opened(*extractor_, opened->reason, watch.elapsed());
+    extract_with(std::move(*opened), watch.elapsed());
     if (!job_.verify) return {};
-    BackendChoice other = job_.backend;
-    other.backend = extractor_->name() == word_of(Backend::gpu) ? Backend::cpu : Backend::gpu;
-    opened = open_backend(other);
+    opened = open_backend(extractor_->name() == word_of(Backend::gpu) ? Backend::cpu : Backend::gpu, gpu);
     if (!opened) return tl::unexpected(std::move(opened.error()));
     other_extractor_ = std::move(opened->extractor);
     return {};
   }
 
+  // From now on.
+  void extract_with(OpenedBackend backend, const StageTime& time) {
+    extractor_ = std::move(backend.extractor);
+    events_.opened(*extractor_, time);
+    if (!backend.reason.empty()) events_.note("backend: " + backend.reason);
+  }
+
+  // One surface is made, written and let go after the other, where the format allows.
   Result<void> write(const OutputFileJob& output) {
-    std::vector<Surface> surfaces;
+    OutputFile file{{output, {}, 0, 0, {}, {}},
+                    meshes::MeshWriter(output.path, {job_.format, job_.normals == Normals::flat, job_.ascii}, context_),
+                    {},
+                    {}};
     for (const double iso : output.isos) {
       if (auto go_on = context_.check(); !go_on) return go_on;
       auto surface = make_surface(iso);
       if (!surface) return tl::unexpected(std::move(surface.error()));
       if (!*surface) continue;
       if (output.isos.size() > 1) (*surface)->mesh.name = fmt::format("{} iso {}", (*surface)->mesh.name, iso);
-      surfaces.push_back(std::move(**surface));
+      if (auto added = add(std::move(**surface), file); !added) return added;
     }
-    return surfaces.empty() ? leave_out(output) : write(output, std::move(surfaces));
+    return file.written.isos.empty() ? leave_out(output) : finish(file);
   }
 
   // Nothing where it is empty and empty surfaces are skipped.
@@ -125,8 +140,8 @@ class Conversion {
     events_.extracted({iso, extraction->mesh.triangles.size(), extraction->stats,
                        extraction_facts(extraction->stats, options, asked), watch.elapsed()});
     if (other_extractor_ != nullptr) {
-      auto record = compare_backends(source_.field, options, extraction->mesh, *extractor_, *other_extractor_,
-                                     context_);
+      auto record =
+          compare_backends(source_.field, options, extraction->mesh, *extractor_, *other_extractor_, context_);
       if (!record) return tl::unexpected(std::move(record.error()));
       extraction->mesh.edges = {};  // they have done their work
       events_.verified(*record);
@@ -141,8 +156,7 @@ class Conversion {
     const bool may = job_.backend.backend == Backend::automatic && extractor_->name() == word_of(Backend::gpu) &&
                      other_extractor_ == nullptr;
     if (!may || error.kind != ErrorKind::unavailable) return false;
-    extractor_ = extract::make_cpu_extractor();
-    events_.opened(*extractor_, fmt::format("cpu, because {}", error.message), {});
+    extract_with({extract::make_cpu_extractor(), fmt::format("cpu, because {}", error.message)}, {});
     return true;
   }
 
@@ -167,25 +181,29 @@ class Conversion {
             region_hides_it ? Hint(Remedy::widen_region_or_skip) : other};
   }
 
-  Result<void> write(const OutputFileJob& output, std::vector<Surface> surfaces) {
-    const Stopwatch watch;
+  Result<void> add(Surface surface, OutputFile& file) {
+    if (extras_.mesh_facts) record(surface, file);
     context_.progress().begin("writing", 0);
-    WrittenOutput written{output, {}, 0, 0, {}, {}};
-    std::vector<mesh::Mesh> meshes;
-    for (Surface& surface : surfaces) {
-      written.isos.push_back(surface.iso);
-      written.triangles += surface.mesh.triangles.size();
-      written.vertices += surface.mesh.positions.size();
-      meshes.push_back(std::move(surface.mesh));
-    }
-    auto result = meshes::write_meshes(meshes, output.path, {job_.format, job_.normals == Normals::flat, job_.ascii}, context_);
+    const Stopwatch watch;
+    file.written.isos.push_back(surface.iso);
+    file.written.triangles += surface.mesh.triangles.size();
+    file.written.vertices += surface.mesh.positions.size();
+    auto added = file.writer.add(std::move(surface.mesh));
+    file.written.time += watch.elapsed();
+    return added;
+  }
+
+  Result<void> finish(OutputFile& file) {
+    context_.progress().begin("writing", 0);
+    const Stopwatch watch;
+    auto result = file.writer.finish();
     if (!result) return tl::unexpected(std::move(result.error()));
-    written.files = std::move(result->files);
-    written.time = watch.elapsed();
-    if (extras_.mesh_facts) record(output, surfaces, meshes);
+    file.written.files = std::move(result->files);
+    file.written.time += watch.elapsed();
+    if (extras_.mesh_facts) events_.recorded(file.records, file.recording);
     for (const std::string& text : result->notes) events_.note(text);
-    tell_skipped(output, written.isos);
-    events_.written(written);
+    tell_skipped(file.written.job, file.written.isos);
+    events_.written(file.written);
     return {};
   }
 
@@ -196,17 +214,12 @@ class Conversion {
   }
 
   // What only a report asks for: finding components and open edges takes about as long as writing.
-  void record(const OutputFileJob& output, const std::vector<Surface>& surfaces,
-              const std::vector<mesh::Mesh>& meshes) {
+  void record(const Surface& surface, OutputFile& file) {
     const Stopwatch watch;
-    context_.progress().begin("measuring", meshes.size());
-    std::vector<MeshRecord> records;
-    for (std::size_t m = 0; m < meshes.size(); ++m) {
-      records.push_back(mesh_record(surfaces[m].iso, output.path, meshes[m]));
-      records.back().error = surfaces[m].error;
-      context_.progress().advance(1);
-    }
-    events_.recorded(records, watch.elapsed());
+    context_.progress().begin("measuring", 0);
+    file.records.push_back(mesh_record(surface.iso, file.written.job.path, surface.mesh));
+    file.records.back().error = surface.error;
+    file.recording += watch.elapsed();
   }
 
   void tell_skipped(const OutputFileJob& output, const std::vector<double>& isos) {

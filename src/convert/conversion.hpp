@@ -11,7 +11,6 @@ namespace isoextract::convert {
 
 // What is found out only for who asks, because it takes time.
 struct OutcomeExtras {
-  bool work = false;        // Outcome::work: what was left out of the file
   bool mesh_facts = false;  // Outcome::meshes: components, open edges, sizes; about as long as writing
 };
 

@@ -20,7 +20,6 @@ std::string_view kind_name(ErrorKind kind) {
 std::string_view kind_name(field::FieldKind kind) {
   return kind == field::FieldKind::level_set ? "level set" : "density";
 }
-std::string_view inside_name(field::FieldKind kind) { return kind == field::FieldKind::level_set ? "below" : "above"; }
 
 Json json_of(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 

@@ -16,8 +16,7 @@ namespace isoextract::convert {
 
 using Json = nlohmann::ordered_json;
 
-[[nodiscard]] std::string_view kind_name(field::FieldKind kind);    // "density", "level set"
-[[nodiscard]] std::string_view inside_name(field::FieldKind kind);  // "above", "below"
+[[nodiscard]] std::string_view kind_name(field::FieldKind kind);  // "density", "level set"
 
 [[nodiscard]] Json json_of(const glm::dvec3& v);         // [x, y, z]
 [[nodiscard]] Json json_of(const field::Box& box);       // {"min": [x, y, z], "max": [x, y, z]}

@@ -38,7 +38,7 @@ Json json_of(const InputFacts& input) {
   const glm::i64vec3 dims = input.box.empty() ? glm::i64vec3(0) : input.box.dims();
   json["dims"] = {dims.x, dims.y, dims.z};
   json["kind"] = kind_name(input.kind);
-  json["inside"] = inside_name(input.kind);
+  json["inside"] = word_of(input.kind);
   json["value_scale"] = {{"slope", input.scale.slope}, {"intercept", input.scale.intercept}};
   json["index_to_world"] = json_of(input.index_to_world);
   json["world_space"] = input.world_space;

@@ -1,7 +1,5 @@
 #include "convert/source.hpp"
 
-#include <algorithm>
-#include <cstdint>
 #include <utility>
 
 #include "convert/field_label.hpp"
@@ -9,10 +7,6 @@
 
 namespace isoextract::convert {
 namespace {
-
-void tell_work(const field::ScalarField& field, Events& events) {
-  for (const WorkFact& fact : reading_facts(field, std::max<std::uint64_t>(field.grids, 1))) events.worked(fact);
-}
 
 // The grid of another resolution takes the place of the data.
 Result<void> change_resolution(const SourceOptions& options, bool keep_data, const Context& context, Events& events,
@@ -54,16 +48,15 @@ extract::ExtractOptions Source::extract_options(const SurfaceOptions& surface, d
   return options;
 }
 
-Result<Source> open_source(const SourceOptions& options, const SourceExtras& extras, const Context& context,
-                           Events& events) {
+Result<Source> open_source(const SourceOptions& options, bool keep_data, const Context& context, Events& events) {
   auto field = read_field(options.input, options.read, context, events);
   if (!field) return tl::unexpected(std::move(field.error()));
   Source source;
   source.label = field_label(*field);
   source.field = std::move(*field);
-  if (extras.work) tell_work(source.field, events);
+  for (const WorkFact& fact : reading_facts(source.field)) events.worked(fact);
   if (options.resolution) {
-    auto changed = change_resolution(options, extras.keep_data, context, events, source);
+    auto changed = change_resolution(options, keep_data, context, events, source);
     if (!changed) return tl::unexpected(std::move(changed.error()));
   }
   auto placed = place_field(source.field, options.placement, options.roi);

@@ -26,13 +26,8 @@ struct Source {
   [[nodiscard]] extract::ExtractOptions extract_options(const SurfaceOptions& surface, double iso) const;
 };
 
-struct SourceExtras {
-  bool keep_data = false;  // also where there is another grid
-  bool work = false;       // tell what was left out of the file, which may mean looking at it again
-};
-
-// Fails as read_volume(), resample() and place_field() do.
-[[nodiscard]] Result<Source> open_source(const SourceOptions& options, const SourceExtras& extras,
-                                         const Context& context, Events& events);
+// Source::data is there only with `keep_data`. Fails as read_volume(), resample() and place_field() do.
+[[nodiscard]] Result<Source> open_source(const SourceOptions& options, bool keep_data, const Context& context,
+                                         Events& events);
 
 }  // namespace isoextract::convert

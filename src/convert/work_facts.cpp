@@ -23,11 +23,11 @@ std::string dense_text(const field::DenseSamples& samples) {
 
 }  // namespace
 
-std::vector<WorkFact> reading_facts(const field::ScalarField& field, std::uint64_t grids) {
+std::vector<WorkFact> reading_facts(const field::ScalarField& field) {
   std::vector<WorkFact> facts;
-  if (grids > 1) {
-    facts.push_back({"grids", "left out", grids - 1, grids,
-                     fmt::format("the other {} grids of the file, which were not read", grids - 1)});
+  if (field.grids > 1) {
+    facts.push_back({"grids", "left out", field.grids - 1, field.grids,
+                     fmt::format("the other {} grids of the file, which were not read", field.grids - 1)});
   }
   const auto* dense = std::get_if<field::DenseSamples>(&field.samples);
   if (dense != nullptr && dense->file_backed) {

@@ -19,8 +19,8 @@ struct WorkFact {
   std::string text;                    // the rest of the sentence: "12 of 64 bricks (...), which ..."
 };
 
-// Of reading `field` from a file with `grids` grids.
-[[nodiscard]] std::vector<WorkFact> reading_facts(const field::ScalarField& field, std::uint64_t grids);
+// Of reading `field`.
+[[nodiscard]] std::vector<WorkFact> reading_facts(const field::ScalarField& field);
 
 // Of resample(), which made `grid` of `data`.
 [[nodiscard]] WorkFact resolution_fact(const field::ScalarField& data, const field::ScalarField& grid);

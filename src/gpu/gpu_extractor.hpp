@@ -16,15 +16,20 @@
 
 namespace isoextract::gpu {
 
-struct GpuOptions {
+// Which GPU, and how much of it.
+struct GpuChoice {
   gl::DeviceChoice device;
   std::optional<std::uint64_t> memory_bytes;  // what samples and captured triangles may take on the device together;
                                               // default: a quarter of what it has, 1 GiB where it does not tell
+
+  friend bool operator==(const GpuChoice&, const GpuChoice&) = default;
+};
+
+// How it is used besides: the mesh is the same.
+struct GpuOptions : GpuChoice {
   bool tessellation = true;  // threads of marching cubes are made by the tessellator, else by number alone
   bool swizzle = true;       // cells in groups of 2 x 2 x 2
   bool debug = false;        // ErrorKind::unavailable for whatever the driver complains about; for tests
-
-  friend bool operator==(const GpuOptions&, const GpuOptions&) = default;
 };
 
 struct GpuExtractorAndDevice {

@@ -4,6 +4,8 @@
 #include <array>
 #include <exception>
 #include <system_error>
+#include <type_traits>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -16,11 +18,11 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::array kFormats = {
-    MeshFormatInfo{MeshFormat::glb, "glb", "glTF 2.0, one binary file", true, true, false, true},
-    MeshFormatInfo{MeshFormat::gltf, "gltf", "glTF 2.0, JSON with a .bin beside it", true, false, false, true},
-    MeshFormatInfo{MeshFormat::ply, "ply", "PLY, binary little-endian or text", false, true, true, true},
-    MeshFormatInfo{MeshFormat::obj, "obj", "Wavefront OBJ, text", true, true, false, false},
-    MeshFormatInfo{MeshFormat::stl, "stl", "STL, binary or text", false, true, true, false},
+    MeshFormatInfo{MeshFormat::glb, "glb", "glTF 2.0, one binary file", true, false, true, false, true},
+    MeshFormatInfo{MeshFormat::gltf, "gltf", "glTF 2.0, JSON with a .bin beside it", true, true, false, false, true},
+    MeshFormatInfo{MeshFormat::ply, "ply", "PLY, binary little-endian or text", false, true, true, true, true},
+    MeshFormatInfo{MeshFormat::obj, "obj", "Wavefront OBJ, text", true, true, true, false, false},
+    MeshFormatInfo{MeshFormat::stl, "stl", "STL, binary or text", false, true, true, true, false},
 };
 
 std::string names_of_formats(bool MeshFormatInfo::*property) {
@@ -31,21 +33,26 @@ std::string names_of_formats(bool MeshFormatInfo::*property) {
   return names;
 }
 
-Result<void> check(std::span<const mesh::Mesh> meshes, const fs::path& path, const MeshWriteOptions& options) {
+// Standard output, a pipe or a device: what was written there cannot be taken back.
+bool is_stream(const fs::path& path) {
+  std::error_code ignored;
+  const fs::file_status status = fs::status(path, ignored);
+  return path == "-" || (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status));
+}
+
+Result<void> check(std::size_t meshes, const fs::path& path, const MeshWriteOptions& options) {
   const MeshFormatInfo& info = mesh_format_info(options.format);
   if (options.ascii && !info.has_ascii) {
     return fail(ErrorKind::usage, fmt::format("{}: the format {} cannot be text", path.string(), info.name),
                 {Remedy::ascii_formats, names_of_formats(&MeshFormatInfo::has_ascii)});
   }
-  if (meshes.size() != 1 && !info.holds_several_meshes) {
+  if (meshes != 1 && !info.holds_several_meshes) {
     return fail(ErrorKind::usage,
-                fmt::format("{}: the format {} holds one mesh, found {}", path.string(), info.name, meshes.size()),
+                fmt::format("{}: the format {} holds one mesh, found {}", path.string(), info.name, meshes),
                 {Remedy::one_file_per_surface, names_of_formats(&MeshFormatInfo::holds_several_meshes)});
   }
   if (info.can_stream) return {};
-  std::error_code ignored;
-  const fs::file_status status = fs::status(path, ignored);
-  if (path == "-" || (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status))) {
+  if (is_stream(path)) {
     return fail(
         ErrorKind::usage,
         fmt::format("{}: the format {} makes two files and cannot be written to a stream", path.string(), info.name),
@@ -59,64 +66,22 @@ Result<void> check(std::span<const mesh::Mesh> meshes, const fs::path& path, con
   return {};
 }
 
-// For formats without attributes.
-void note_attributes(std::span<const mesh::Mesh> meshes, const MeshFormatInfo& info, Notes& notes) {
-  std::vector<std::string> names;
-  for (const mesh::Mesh& mesh : meshes) {
-    for (const mesh::Attribute& attribute : mesh.attributes) {
-      std::string name = fmt::format("'{}'", attribute.name);
-      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(std::move(name));
-    }
-  }
-  if (names.empty()) return;
-  notes.push_back(fmt::format("{} has no attributes of vertices: {} left out; {} keep them", info.name,
-                              fmt::format("{} {}", fmt::join(names, ", "), names.size() == 1 ? "was" : "were"),
-                              names_of_formats(&MeshFormatInfo::has_attributes)));
-}
+// PLY or STL, whose one mesh is all there is to write.
+class OneMeshWriter final : public FormatWriter {
+ public:
+  using Write = Result<void> (*)(const mesh::Mesh&, const MeshWriteOptions&, files::OutputFile&, Notes&);
 
-Result<void> write_one_file(std::span<const mesh::Mesh> meshes, const MeshWriteOptions& options,
-                            files::OutputFile& file, Notes& notes) {
-  const MeshFormatInfo& info = mesh_format_info(options.format);
-  if (!info.has_attributes) note_attributes(meshes, info, notes);
-  switch (options.format) {
-    case MeshFormat::ply: return write_ply(meshes[0], options, file, notes);
-    case MeshFormat::obj: return write_obj(meshes, options, file);
-    case MeshFormat::stl: return write_stl(meshes[0], options, file, notes);
-    case MeshFormat::glb:
-    case MeshFormat::gltf: break;
-  }
-  return write_glb(meshes, options, file, notes);
-}
+  OneMeshWriter(Write write, const MeshWriteOptions& options, files::OutputFile& file)
+      : write_(write), options_(options), file_(file) {}
 
-Result<MeshWriteResult> write_file(std::span<const mesh::Mesh> meshes, const fs::path& path,
-                                   const MeshWriteOptions& options) {
-  auto file = files::OutputFile::create(path);
-  if (!file) return tl::unexpected<Error>(std::move(file.error()));
-  MeshWriteResult result;
-  auto done = write_one_file(meshes, options, *file, result.notes);
-  if (done) done = file->commit();
-  if (!done) return tl::unexpected<Error>(std::move(done.error()));
-  result.files.push_back({path.string(), file->bytes_written()});
-  return result;
-}
+  Result<void> add(const mesh::Mesh& mesh, Notes& notes) override { return write_(mesh, options_, file_, notes); }
+  Result<void> finish(Notes& /*notes*/) override { return {}; }
 
-Result<MeshWriteResult> write_pair(std::span<const mesh::Mesh> meshes, const fs::path& path,
-                                   const MeshWriteOptions& options) {
-  fs::path binary_path = path;
-  binary_path.replace_extension(".bin");
-  auto model = files::OutputFile::create(path);
-  if (!model) return tl::unexpected<Error>(std::move(model.error()));
-  auto binary = files::OutputFile::create(binary_path);
-  if (!binary) return tl::unexpected<Error>(std::move(binary.error()));
-  MeshWriteResult result;
-  auto done = write_gltf(meshes, options, *model, *binary, binary_path.filename().string(), result.notes);
-  const bool has_binary = done && binary->bytes_written() > 0;
-  if (done) done = has_binary ? files::OutputFile::commit_pair(*binary, *model) : model->commit();
-  if (!done) return tl::unexpected<Error>(std::move(done.error()));
-  result.files.push_back({path.string(), model->bytes_written()});
-  if (has_binary) result.files.push_back({binary_path.string(), binary->bytes_written()});
-  return result;
-}
+ private:
+  Write write_;
+  MeshWriteOptions options_;
+  files::OutputFile& file_;
+};
 
 }  // namespace
 
@@ -141,17 +106,128 @@ std::optional<MeshFormat> mesh_format_by_path(const fs::path& path) {
   return extension.empty() ? std::nullopt : mesh_format_by_name(std::string_view(extension).substr(1));
 }
 
+struct MeshWriter::State {
+  fs::path path;
+  MeshWriteOptions options;
+  Context context;
+  bool holds = false;            // all meshes until the last
+  std::vector<mesh::Mesh> held;  // where it does
+  std::size_t count = 0;         // of meshes that were added
+  std::optional<files::OutputFile> file;
+  std::optional<files::OutputFile> binary;  // of .gltf
+  std::unique_ptr<FormatWriter> format;
+  std::vector<std::string> left_out;  // names of attributes, where the format has none
+  Notes notes;
+  std::optional<Error> failure;
+
+  // Nothing is done after a failure, so that a part of a file is never committed.
+  template <class Step>
+  [[nodiscard]] std::invoke_result_t<Step> attempt(Step step) {
+    if (failure) return tl::unexpected<Error>(*failure);
+    try {
+      auto going_on = context.check();
+      auto done = going_on ? step() : std::invoke_result_t<Step>(tl::unexpected<Error>(std::move(going_on.error())));
+      if (!done) failure = done.error();
+      return done;
+    } catch (const std::exception& error) {  // out of memory, or a library's own
+      failure = Error{ErrorKind::output, fmt::format("{}: cannot write: {}", path.string(), error.what()), {}};
+      return tl::unexpected<Error>(*failure);
+    }
+  }
+
+  [[nodiscard]] Result<void> open();
+  [[nodiscard]] Result<void> write(const mesh::Mesh& mesh);
+  [[nodiscard]] Result<MeshWriteResult> finish(std::span<const mesh::Mesh> last);
+  [[nodiscard]] std::string left_out_note() const;
+};
+
+// Once.
+Result<void> MeshWriter::State::open() {
+  if (format != nullptr) return {};
+  auto opened = files::OutputFile::create(path);
+  if (!opened) return tl::unexpected<Error>(std::move(opened.error()));
+  file = std::move(*opened);
+  switch (options.format) {
+    case MeshFormat::glb: format = make_glb_writer(options, *file); break;
+    case MeshFormat::ply: format = std::make_unique<OneMeshWriter>(write_ply, options, *file); break;
+    case MeshFormat::stl: format = std::make_unique<OneMeshWriter>(write_stl, options, *file); break;
+    case MeshFormat::obj: format = make_obj_writer(options, *file); break;
+    case MeshFormat::gltf:
+      const fs::path binary_path = fs::path(path).replace_extension(".bin");
+      opened = files::OutputFile::create(binary_path);
+      if (!opened) return tl::unexpected<Error>(std::move(opened.error()));
+      binary = std::move(*opened);
+      format = make_gltf_writer(options, *file, *binary, binary_path.filename().string());
+  }
+  return {};
+}
+
+Result<void> MeshWriter::State::write(const mesh::Mesh& mesh) {
+  if (auto opened = open(); !opened) return opened;
+  if (!mesh_format_info(options.format).has_attributes) {
+    for (const mesh::Attribute& attribute : mesh.attributes) {
+      std::string name = fmt::format("'{}'", attribute.name);
+      if (std::find(left_out.begin(), left_out.end(), name) == left_out.end()) left_out.push_back(std::move(name));
+    }
+  }
+  return format->add(mesh, notes);
+}
+
+std::string MeshWriter::State::left_out_note() const {
+  return fmt::format("{} has no attributes of vertices: {} {} left out; {} keep them",
+                     mesh_format_info(options.format).name, fmt::join(left_out, ", "),
+                     left_out.size() == 1 ? "was" : "were", names_of_formats(&MeshFormatInfo::has_attributes));
+}
+
+// `last` are the meshes that are not written yet.
+Result<MeshWriteResult> MeshWriter::State::finish(std::span<const mesh::Mesh> last) {
+  auto done = check(count, path, options);
+  if (done) done = open();
+  for (std::size_t m = 0; m < last.size() && done; ++m) done = write(last[m]);
+  if (done) done = format->finish(notes);
+  const bool has_binary = done && binary && binary->bytes_written() > 0;
+  if (done) done = has_binary ? files::OutputFile::commit_pair(*binary, *file) : file->commit();
+  if (!done) return tl::unexpected<Error>(std::move(done.error()));
+  if (!left_out.empty()) notes.insert(notes.begin(), left_out_note());
+  MeshWriteResult result{{{path.string(), file->bytes_written()}}, std::move(notes)};
+  if (has_binary) {
+    result.files.push_back({fs::path(path).replace_extension(".bin").string(), binary->bytes_written()});
+  }
+  return result;
+}
+
+MeshWriter::MeshWriter(const fs::path& path, const MeshWriteOptions& options, const Context& context)
+    : state_(std::make_unique<State>()) {
+  state_->path = path;
+  state_->options = options;
+  state_->context = context;
+  state_->holds = !mesh_format_info(options.format).writes_as_they_come || is_stream(path);
+}
+
+MeshWriter::MeshWriter(MeshWriter&&) noexcept = default;
+MeshWriter& MeshWriter::operator=(MeshWriter&&) noexcept = default;
+MeshWriter::~MeshWriter() = default;
+
+Result<void> MeshWriter::add(mesh::Mesh mesh) {
+  State& state = *state_;
+  return state.attempt([&]() -> Result<void> {
+    if (auto possible = check(++state.count, state.path, state.options); !possible) return possible;
+    if (!state.holds) return state.write(mesh);
+    state.held.push_back(std::move(mesh));
+    return {};
+  });
+}
+
+Result<MeshWriteResult> MeshWriter::finish() {
+  return state_->attempt([&] { return state_->finish(state_->held); });
+}
+
 Result<MeshWriteResult> write_meshes(std::span<const mesh::Mesh> meshes, const fs::path& path,
                                      const MeshWriteOptions& options, const Context& context) {
-  try {
-    if (auto going_on = context.check(); !going_on) return tl::unexpected<Error>(std::move(going_on.error()));
-    if (auto possible = check(meshes, path, options); !possible) {
-      return tl::unexpected<Error>(std::move(possible.error()));
-    }
-    return options.format == MeshFormat::gltf ? write_pair(meshes, path, options) : write_file(meshes, path, options);
-  } catch (const std::exception& error) {  // out of memory, or a library's own
-    return fail(ErrorKind::output, fmt::format("{}: cannot write: {}", path.string(), error.what()));
-  }
+  const MeshWriter writer(path, options, context);
+  MeshWriter::State& state = *writer.state_;
+  state.count = meshes.size();
+  return state.attempt([&] { return state.finish(meshes); });
 }
 
 }  // namespace isoextract::meshes

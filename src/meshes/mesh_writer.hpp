@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -29,6 +30,7 @@ struct MeshFormatInfo {
   std::string_view name;      // also the extension, without its dot
   std::string_view title;     // "glTF 2.0, one binary file"
   bool holds_several_meshes;  // several iso values fit into one file
+  bool writes_as_they_come;   // a mesh is written, and may go, before there is a next one; else all are held
   bool can_stream;            // may be written to standard output
   bool has_ascii;             // it can be text
   bool has_attributes;        // vertices may have more than a place and a normal
@@ -55,9 +57,36 @@ struct MeshWriteResult {
   std::vector<std::string> notes;  // what the format could not hold, one sentence each
 };
 
-// Writes all meshes into one file (or, for .gltf, one pair of files) at `path`; "-" is standard output. Vertex normals
-// and attributes are written where a mesh has them, or noted where the format cannot hold them. Nothing is left behind
-// on failure (ErrorKind::output; ErrorKind::usage for what the format cannot do).
+// One file (or, for .gltf, one pair of files) that takes its meshes one after another. Nothing is opened before the
+// first mesh, and the file gets its name in finish(): a writer that goes without it leaves nothing behind.
+//
+// OBJ and .gltf with its .bin are written as the meshes come: after add() a mesh is gone. The file of a GLB begins with
+// where everything in it is, so its meshes are held until finish(); writing them to another file meanwhile and copying
+// that would be writing everything twice. Meshes are held for standard output, pipes and devices too: nothing can be
+// taken back there, and where a later surface fails they shall get nothing.
+class MeshWriter {
+ public:
+  MeshWriter(const std::filesystem::path& path, const MeshWriteOptions& options, const Context& context = Context());
+  MeshWriter(MeshWriter&&) noexcept;
+  MeshWriter& operator=(MeshWriter&&) noexcept;
+  ~MeshWriter();
+
+  // Vertex normals and attributes are written where the mesh has them, or noted where the format cannot hold them.
+  // Fails with ErrorKind::output, or with ErrorKind::usage for what the format cannot do; then every later call fails
+  // alike.
+  [[nodiscard]] Result<void> add(mesh::Mesh mesh);
+
+  // Writes what comes after the last mesh and commits. Call once, last.
+  [[nodiscard]] Result<MeshWriteResult> finish();
+
+ private:
+  friend Result<MeshWriteResult> write_meshes(std::span<const mesh::Mesh>, const std::filesystem::path&,
+                                              const MeshWriteOptions&, const Context&);
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+// All of a file at once, for whoever has all meshes anyway. "-" is standard output.
 [[nodiscard]] Result<MeshWriteResult> write_meshes(std::span<const mesh::Mesh> meshes,
                                                    const std::filesystem::path& path, const MeshWriteOptions& options,
                                                    const Context& context = Context());

@@ -65,9 +65,12 @@ class GpuTest(ProgramTest):
         asked = self.run_program(SPHERE, "--iso", 0, "--backend", "gpu", "-o", "s.glb", env=NO_GPU)
         self.assert_fails(3, asked, "EGL", "--backend cpu")
         self.assertFalse((self.folder / "s.glb").exists())
-        automatic = self.run_program(SPHERE, "--iso", 0, "--backend", "auto", "-o", "s.glb", env=NO_GPU)
+        automatic = self.run_program(SPHERE, "--iso", 0, "--backend", "auto", "-o", "s.glb", "--report", "r.json",
+                                     env=NO_GPU)
         self.assertEqual(automatic.code, 0)
-        self.assertIn("--backend auto: cpu, because", automatic.err)
+        note = json.loads((self.folder / "r.json").read_text())["notes"][0]
+        self.assertIn("backend: cpu, because", note)
+        self.assertIn(f"note: {note}\n", automatic.err)
         self.assertTrue((self.folder / "s.glb").exists())
         self.assert_fails(3, self.run_program("devices", env=NO_GPU), "EGL")
         self.assert_fails(3, self.run_program("verify", SPHERE, "--iso", 0, env=NO_GPU), "EGL")

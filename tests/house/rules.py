@@ -186,7 +186,24 @@ def check_machine_paths(root):
                 yield f"{place}: `{line.strip()}`: an absolute path of one machine"
 
 
-CHECKS = [check_includes, check_links, check_namespaces, check_reserved, check_map, check_length, check_machine_paths]
+def check_remedies(root):
+    """Every remedy is given by a room below cli, and cli has words for it."""
+    code_of = {path.relative_to(root / "src").as_posix(): code for _, path, code in room_sources(root)}
+    declared = re.search(r"\benum class Remedy \{(.*?)\}", code_of.get("base/error.hpp", ""), re.DOTALL)
+    given = " ".join(code for name, code in code_of.items() if not name.startswith("cli/"))
+    for remedy in re.findall(r"\w+", declared.group(1)) if declared else []:
+        if remedy == "none":
+            continue
+        if not re.search(rf"\bRemedy::{remedy}\b", given):
+            yield f"src/base/error.hpp: nobody gives the remedy {remedy}"
+        if not re.search(rf"\bRemedy::{remedy}\b", code_of.get("cli/remedies.cpp", "")):
+            yield f"src/cli/remedies.cpp: no words for the remedy {remedy}"
+
+
+CHECKS = [
+    check_includes, check_links, check_namespaces, check_reserved, check_map, check_length, check_machine_paths,
+    check_remedies,
+]
 
 
 def main():

@@ -123,6 +123,21 @@ class RulesTest(unittest.TestCase):
         self.plant("docs/notes.md", f"see\n{SLASH}home{SLASH}me/x\n")
         self.expect_one("docs/notes.md:2", "absolute path")
 
+    def test_remedies(self):
+        error = "// one_in_a_comment\nenum class Remedy {\n  none,\n  one,  // text\n  two\n};\n"
+        self.plant("src/base/error.hpp", error)
+        self.plant_in_room("volumes", "f(Remedy::one); g(Remedy::two);\n")
+        words = "switch (r) {\n  case Remedy::none: break;\n  case Remedy::one: return x;\n  case Remedy::two: return y;\n}\n"
+        readme = (self.root / "src/README.md").read_text() + "## cli: x\n| `remedies` | x |\n"
+        self.plant("src/README.md", readme)
+        self.plant("src/cli/remedies.cpp", words)
+        self.assertEqual(self.findings(), [])
+        self.plant("src/volumes/planted.cpp", "f(Remedy::one);  // Remedy::two\n")
+        self.expect_one("base/error.hpp", "nobody gives the remedy two")
+        self.plant("src/volumes/planted.cpp", "f(Remedy::one); g(Remedy::two);\n")
+        self.plant("src/cli/remedies.cpp", words.replace("Remedy::one", "Remedy::One"))
+        self.expect_one("cli/remedies.cpp", "no words for the remedy one")
+
     def test_a_table_without_cycles(self):
         for room in rules.MAY_INCLUDE:
             neighbours = [rules.reach(other) for other in rules.MAY_INCLUDE[room]]

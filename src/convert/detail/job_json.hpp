@@ -27,6 +27,11 @@ concept EnumWithWords = std::is_enum_v<E> && requires {
   words_of(E{});
 };
 
+// What JSON has values for.
+template <class T>
+concept JsonValue =
+    std::same_as<T, bool> || std::same_as<T, double> || std::same_as<T, std::uint64_t> || std::same_as<T, std::string>;
+
 template <class T>
 concept JobStructure = std::same_as<T, volumes::RawLayout> || std::same_as<T, SimplifyBound> ||
     std::same_as<T, OutputFileJob> || std::same_as<T, ConversionJob>;
@@ -51,41 +56,19 @@ class JobJson {
     return words;
   }
 
-  static Json encode(const std::string& value) { return value; }
-  static Expected decode(const Json& json, std::string& target) {
-    if (!json.is_string()) return "a text";
-    target = json.get<std::string>();
-    return {};
-  }
-
-  template <std::same_as<bool> T>
-  static Json encode(T value) {
+  template <JsonValue T>
+  static Json encode(const T& value) {
     return value;
   }
   static Expected decode(const Json& json, bool& target) {
-    if (!json.is_boolean()) return "true or false";
-    target = json.get<bool>();
-    return {};
+    return take(json, &Json::is_boolean, "true or false", target);
   }
-
-  template <std::same_as<double> T>
-  static Json encode(T value) {
-    return value;
-  }
-  static Expected decode(const Json& json, double& target) {
-    if (!json.is_number()) return "a number";
-    target = json.get<double>();
-    return {};
-  }
-
-  template <std::same_as<std::uint64_t> T>
-  static Json encode(T value) {
-    return value;
-  }
+  static Expected decode(const Json& json, double& target) { return take(json, &Json::is_number, "a number", target); }
   static Expected decode(const Json& json, std::uint64_t& target) {
-    if (!json.is_number_unsigned()) return "a whole number from 0 on";
-    target = json.get<std::uint64_t>();
-    return {};
+    return take(json, &Json::is_number_unsigned, "a whole number from 0 on", target);
+  }
+  static Expected decode(const Json& json, std::string& target) {
+    return take(json, &Json::is_string, "a text", target);
   }
 
   static Json encode(std::endian value) { return value == std::endian::big ? "big" : "little"; }
@@ -203,6 +186,13 @@ class JobJson {
   }
 
  private:
+  template <JsonValue T>
+  static Expected take(const Json& json, bool (Json::*is_one)() const, const char* expected, T& target) {
+    if (!(json.*is_one)()) return expected;
+    target = json.get<T>();
+    return {};
+  }
+
   // The members of a structure by name. One list serves both ways, so neither can leave a member out.
   template <class T, class Visitor>
   static void visit(T& value, Visitor&& each) {
@@ -249,9 +239,6 @@ class JobJson {
     each("backend", job.backend.backend);
     each("device", job.backend.gpu.device);
     each("gpu_memory", job.backend.gpu.memory_bytes);
-    each("tessellation", job.backend.gpu.tessellation);
-    each("swizzle", job.backend.gpu.swizzle);
-    each("gpu_debug", job.backend.gpu.debug);
     each("empty", job.empty);
     each("format", job.format);
     each("ascii", job.ascii);

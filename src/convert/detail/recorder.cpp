@@ -7,12 +7,11 @@ void Recorder::note(const std::string& text) {
   listener_.note(text);
 }
 
-void Recorder::opened(const extract::Extractor& extractor, const std::string& reason, const StageTime& time) {
+void Recorder::opened(const extract::Extractor& extractor, const StageTime& time) {
   outcome_.backend = extractor.name();
   outcome_.device = extractor.device();
   if (outcome_.backend == word_of(Backend::gpu)) outcome_.stages.push_back({"open", std::nullopt, time});
-  if (!reason.empty()) outcome_.notes.push_back("backend: " + reason);
-  listener_.opened(extractor, reason, time);
+  listener_.opened(extractor, time);
 }
 
 void Recorder::read(const std::string& input, const field::ScalarField& field, const StageTime& time) {

@@ -11,7 +11,7 @@ class Recorder final : public Events {
   Recorder(Outcome& outcome, Events& listener) : outcome_(outcome), listener_(listener) {}
 
   void note(const std::string& text) override;
-  void opened(const extract::Extractor& extractor, const std::string& reason, const StageTime& time) override;
+  void opened(const extract::Extractor& extractor, const StageTime& time) override;
   void read(const std::string& input, const field::ScalarField& field, const StageTime& time) override;
   void resampled(const field::ScalarField& grid, const WorkFact& fact, const StageTime& time) override;
   void worked(const WorkFact& fact) override;

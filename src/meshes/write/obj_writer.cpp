@@ -1,4 +1,7 @@
 // Wavefront OBJ: text; indices start at 1 and count through the whole file.
+#include <string>
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "base/version.hpp"
@@ -65,35 +68,48 @@ Result<void> write_faces(const mesh::Mesh& mesh, Normals normals, const Next& ne
   });
 }
 
-Result<void> write_mesh(const mesh::Mesh& mesh, const MeshWriteOptions& options, Next& next, files::OutputFile& file) {
-  const Normals normals = options.flat_normals    ? Normals::of_faces
-                          : !mesh.normals.empty() ? Normals::of_vertices
-                                                  : Normals::none;
-  const auto write_all_normals = [&]() -> Result<void> {
-    if (normals == Normals::of_faces) {
+class ObjWriter final : public FormatWriter {
+ public:
+  ObjWriter(bool flat_normals, files::OutputFile& file) : flat_normals_(flat_normals), file_(file) {}
+
+  Result<void> add(const mesh::Mesh& mesh, Notes& /*notes*/) override {
+    const Normals normals = flat_normals_           ? Normals::of_faces
+                            : !mesh.normals.empty() ? Normals::of_vertices
+                                                    : Normals::none;
+    const auto write_all_normals = [&]() -> Result<void> {
+      if (normals == Normals::of_faces) {
+        return write_normals(
+            mesh.triangles.size(), [&](std::size_t t) { return face_normal(mesh, mesh.triangles[t]); }, file_);
+      }
       return write_normals(
-          mesh.triangles.size(), [&](std::size_t t) { return face_normal(mesh, mesh.triangles[t]); }, file);
-    }
-    return write_normals(
-        mesh.normals.size(), [&](std::size_t v) { return mesh.normals[v]; }, file);
-  };
-  Result<void> written;
-  if (!mesh.name.empty()) written = file.write(fmt::format("o {}\n", one_line(mesh.name)));
-  if (written) written = write_vertices(mesh, file);
-  if (written) written = write_all_normals();
-  if (written) written = write_faces(mesh, normals, next, file);
-  next.vertex += mesh.positions.size();
-  next.normal += normals == Normals::of_faces ? mesh.triangles.size() : mesh.normals.size();
-  return written;
-}
+          mesh.normals.size(), [&](std::size_t v) { return mesh.normals[v]; }, file_);
+    };
+    auto written = write_header();
+    if (written && !mesh.name.empty()) written = file_.write(fmt::format("o {}\n", one_line(mesh.name)));
+    if (written) written = write_vertices(mesh, file_);
+    if (written) written = write_all_normals();
+    if (written) written = write_faces(mesh, normals, next_, file_);
+    next_.vertex += mesh.positions.size();
+    next_.normal += normals == Normals::of_faces ? mesh.triangles.size() : mesh.normals.size();
+    return written;
+  }
+
+  Result<void> finish(Notes& /*notes*/) override { return write_header(); }
+
+ private:
+  // Once, before the first mesh; also of a file without any.
+  Result<void> write_header() { return file_.write(std::exchange(header_, {})); }
+
+  bool flat_normals_;
+  files::OutputFile& file_;
+  std::string header_ = fmt::format("# {}\n", generator());
+  Next next_;
+};
 
 }  // namespace
 
-Result<void> write_obj(std::span<const mesh::Mesh> meshes, const MeshWriteOptions& options, files::OutputFile& file) {
-  auto written = file.write(fmt::format("# {}\n", generator()));
-  Next next;
-  for (std::size_t m = 0; m < meshes.size() && written; ++m) written = write_mesh(meshes[m], options, next, file);
-  return written;
+std::unique_ptr<FormatWriter> make_obj_writer(const MeshWriteOptions& options, files::OutputFile& file) {
+  return std::make_unique<ObjWriter>(options.flat_normals, file);
 }
 
 }  // namespace isoextract::meshes

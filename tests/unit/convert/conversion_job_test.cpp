@@ -26,7 +26,7 @@ ConversionJob full_job() {
   job.simplify = SimplifyBound{0.1, true};
   job.error = field::Interpolation::tricubic;
   job.verify = true;
-  job.backend = {Backend::automatic, {gl::CudaIndex{2}, 1U << 20U, false, false, true}};
+  job.backend = {Backend::automatic, {gl::CudaIndex{2}, 1U << 20U}};
   job.empty = EmptyPolicy::write;
   job.format = meshes::MeshFormat::stl;
   job.ascii = true;

@@ -1,8 +1,10 @@
 #include "convert/conversion.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -18,7 +20,7 @@ namespace fs = std::filesystem;
 class Log final : public Events {
  public:
   void note(const std::string& text) override { lines.push_back("note " + text); }
-  void opened(const extract::Extractor& extractor, const std::string&, const StageTime&) override {
+  void opened(const extract::Extractor& extractor, const StageTime&) override {
     lines.push_back("opened " + std::string(extractor.name()));
   }
   void read(const std::string& input, const field::ScalarField&, const StageTime&) override {
@@ -27,6 +29,7 @@ class Log final : public Events {
   }
   void extracted(const ExtractedSurface& surface) override {
     lines.push_back("extracted " + std::to_string(surface.triangles));
+    if (memory != nullptr) reserved.push_back(memory->reserved());
   }
   void written(const WrittenOutput& output) override {
     lines.push_back("written " + std::to_string(output.isos.size()) + " of " + std::to_string(output.job.isos.size()));
@@ -34,6 +37,8 @@ class Log final : public Events {
 
   std::vector<std::string> lines;
   const Context* cancel_at_read = nullptr;
+  const MemoryBudget* memory = nullptr;  // to look at after each extraction
+  std::vector<std::uint64_t> reserved;
 };
 
 class ConversionTest : public testing::Test {
@@ -47,7 +52,29 @@ class ConversionTest : public testing::Test {
     return one;
   }
 
-  Outcome run(const ConversionJob& job) { return convert::run(job, Context(), log_, {true, true}); }
+  ConversionJob several(meshes::MeshFormat format, std::vector<double> isos) {
+    ConversionJob one = job("demo:gyroid?size=40", 0, "several");
+    one.format = format;
+    one.outputs[0].isos = std::move(isos);
+    return one;
+  }
+
+  // The same surface four times, and what is reserved when each has been extracted.
+  std::vector<std::uint64_t> reserved_by_four(meshes::MeshFormat format) {
+    const Context context;
+    log_.memory = &context.memory();
+    log_.reserved.clear();
+    EXPECT_TRUE(convert::run(several(format, {0.1, 0.1, 0.1, 0.1}), context, log_).done());
+    return std::exchange(log_.reserved, {});
+  }
+
+  std::uint64_t peak_of(meshes::MeshFormat format, std::vector<double> isos) {
+    const Outcome outcome = convert::run(several(format, std::move(isos)), Context(), log_);
+    EXPECT_TRUE(outcome.done()) << outcome.error->message;
+    return outcome.reserved_memory;
+  }
+
+  Outcome run(const ConversionJob& job) { return convert::run(job, Context(), log_, {true}); }
 
   test::TempFolder folder_;
   Log log_;
@@ -92,6 +119,42 @@ TEST_F(ConversionTest, SkippedSurfacesAreTold) {
   EXPECT_NE(outcome.notes.at(0).find("was not written"), std::string::npos);
 }
 
+// Where the format allows, the next surface is made when the one before is written and gone.
+TEST_F(ConversionTest, HoldsOneMeshAtATime) {
+  for (const meshes::MeshFormat format : {meshes::MeshFormat::obj, meshes::MeshFormat::gltf}) {
+    const std::vector<std::uint64_t> reserved = reserved_by_four(format);
+    EXPECT_EQ(reserved, std::vector(4, reserved.at(0))) << word_of(format);
+    const std::uint64_t largest = std::max({peak_of(format, {0}), peak_of(format, {0.5}), peak_of(format, {-0.7})});
+    EXPECT_EQ(peak_of(format, {0, 0.5, -0.7}), largest) << word_of(format);
+  }
+  const std::vector<std::uint64_t> held = reserved_by_four(meshes::MeshFormat::glb);
+  EXPECT_EQ(held.at(3) - held.at(2), held.at(1) - held.at(0));
+  EXPECT_GT(held.at(1), held.at(0)) << "a GLB begins with where everything is";
+}
+
+TEST_F(ConversionTest, ALaterSurfaceThatFailsLeavesNoFile) {
+  for (const meshes::MeshFormat format : {meshes::MeshFormat::glb, meshes::MeshFormat::gltf, meshes::MeshFormat::obj}) {
+    EXPECT_FALSE(run(several(format, {0, 9})).done());
+    EXPECT_TRUE(folder_.names().empty()) << word_of(format);
+  }
+}
+
+TEST_F(ConversionTest, RecordsEverySurfaceOfAFile) {
+  const Outcome outcome = run(several(meshes::MeshFormat::obj, {0, 0.5}));
+  ASSERT_EQ(outcome.meshes.size(), 2U);
+  std::vector<std::string> stages;
+  for (const StageRecord& stage : outcome.stages) stages.push_back(stage.stage);
+  const std::vector<std::string> once{"classify", "count", "emit"};
+  std::vector<std::string> expected{"read"};
+  for (int surface = 0; surface < 2; ++surface) expected.insert(expected.end(), once.begin(), once.end());
+  expected.insert(expected.end(), {"mesh facts", "write"});
+  EXPECT_EQ(stages, expected);
+  EXPECT_EQ(outcome.meshes[0].triangles, outcome.extractions.at(0).triangles);
+  EXPECT_EQ(outcome.meshes[1].iso, 0.5);
+  EXPECT_EQ(outcome.meshes[1].name, "gyroid iso 0.5");
+  EXPECT_EQ(log_.lines.back(), "written 2 of 2");
+}
+
 TEST_F(ConversionTest, EndsWhereItIsCancelled) {
   const Context context;
   log_.cancel_at_read = &context;
@@ -117,7 +180,7 @@ TEST_F(ConversionTest, TwoAtOnceDoNotMix) {
     {
       std::vector<std::jthread> threads;
       for (std::size_t i = 0; i < inputs.size(); ++i) {
-        threads.emplace_back([&, i] { outcomes[i] = convert::run(jobs[i], Context(), logs[i], {true, true}); });
+        threads.emplace_back([&, i] { outcomes[i] = convert::run(jobs[i], Context(), logs[i], {true}); });
       }
     }
     for (std::size_t i = 0; i < inputs.size(); ++i) {

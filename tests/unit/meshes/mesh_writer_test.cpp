@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include "support/sample_attributes.hpp"
 #include "support/sample_meshes.hpp"
 #include "support/temp_folder.hpp"
 #include "unit/meshes/written_mesh.hpp"
@@ -113,6 +114,95 @@ TEST(MeshWriter, AMissingFolderLeavesNothing) {
     EXPECT_EQ(result.error().kind, ErrorKind::output);
   }
   EXPECT_TRUE(folder.names().empty());
+}
+
+const MeshWriteOptions kSeveral[] = {{MeshFormat::glb, false, false},
+                                     {MeshFormat::gltf, false, false},
+                                     {MeshFormat::gltf, true, false},
+                                     {MeshFormat::obj, false, false},
+                                     {MeshFormat::obj, true, false}};
+
+TEST(MeshWriter, LetsGoOfAMeshBeforeTheNextComes) {
+  for (const MeshWriteOptions& options : kSeveral) {
+    const MeshFormatInfo& info = mesh_format_info(options.format);
+    const TempFolder folder;
+    const Context context;
+    MeshWriter writer(folder / "out", options, context);
+    std::uint64_t held = 0;
+    for (const std::uint64_t bytes : {1000U, 20U, 3U}) {
+      mesh::Mesh mesh = sphere(8, false);
+      mesh.memory = context.reserve(bytes, "a mesh").value();
+      ASSERT_TRUE(writer.add(std::move(mesh)));
+      held += info.writes_as_they_come ? 0 : bytes;
+      EXPECT_EQ(context.memory().reserved(), held) << info.name;
+      EXPECT_FALSE(fs::exists(folder / "out")) << info.name << ": it has its name before it is whole";
+    }
+    ASSERT_TRUE(writer.finish()) << info.name;
+    EXPECT_TRUE(fs::exists(folder / "out"));
+  }
+}
+
+TEST(MeshWriter, OneByOneGivesTheBytesOfAllAtOnce) {
+  for (const MeshWriteOptions& options : kSeveral) {
+    const std::string_view name = mesh_format_info(options.format).name;
+    const TempFolder folder;
+    fs::create_directory(folder / "a");
+    fs::create_directory(folder / "b");
+    std::vector<mesh::Mesh> meshes;
+    meshes.push_back(sphere(20, !options.flat_normals));
+    meshes.push_back(tetrahedron("not \xff UTF-8", {1e7, 0, 0}));
+    meshes.push_back(sphere(9, false));
+    for (mesh::Mesh& mesh : meshes) add_colour(mesh, mesh::ComponentType::u8, 3);
+    MeshWriter writer(folder / "a/out", options);
+    for (const mesh::Mesh& mesh : meshes) ASSERT_TRUE(writer.add(mesh::copy(mesh)));
+    const auto one_by_one = writer.finish();
+    ASSERT_TRUE(one_by_one) << name;
+    const MeshWriteResult at_once = must_write(meshes, folder / "b/out", options);
+    EXPECT_EQ(one_by_one->notes, at_once.notes) << name;
+    EXPECT_FALSE(at_once.notes.empty()) << name;
+    ASSERT_EQ(one_by_one->files.size(), at_once.files.size()) << name;
+    for (std::size_t f = 0; f < at_once.files.size(); ++f) {
+      const fs::path path = one_by_one->files[f].path;
+      EXPECT_EQ(one_by_one->files[f].bytes, fs::file_size(path)) << name;
+      EXPECT_TRUE(read_bytes(path) == read_bytes(at_once.files[f].path)) << name;
+    }
+  }
+}
+
+TEST(MeshWriter, LeavesNothingUnlessItFinishes) {
+  for (const MeshWriteOptions& options : kSeveral) {
+    const TempFolder folder;
+    {
+      MeshWriter writer(folder / "out", options);
+      ASSERT_TRUE(writer.add(sphere(300, false)));
+    }
+    EXPECT_TRUE(folder.names().empty()) << mesh_format_info(options.format).name;
+  }
+}
+
+TEST(MeshWriter, StaysRefusedAfterASecondMeshInAFormatOfOne) {
+  for (const MeshFormat format : {MeshFormat::ply, MeshFormat::stl}) {
+    const TempFolder folder;
+    MeshWriter writer(folder / "out", {format, false, false});
+    ASSERT_TRUE(writer.add(tetrahedron()));
+    const auto second = writer.add(tetrahedron());
+    ASSERT_FALSE(second);
+    EXPECT_EQ(second.error().kind, ErrorKind::usage);
+    const auto finished = writer.finish();
+    ASSERT_FALSE(finished);
+    EXPECT_EQ(finished.error().message, second.error().message);
+    EXPECT_TRUE(folder.names().empty());
+  }
+}
+
+// What cannot be taken back comes last, when no surface can fail any more.
+TEST(MeshWriter, DevicesGetNothingBeforeTheEnd) {
+  MeshWriter writer("/dev/full", {MeshFormat::obj, false, false});
+  ASSERT_TRUE(writer.add(sphere(300, false)));
+  ASSERT_TRUE(writer.add(sphere(300, false)));
+  const auto finished = writer.finish();
+  ASSERT_FALSE(finished);
+  EXPECT_EQ(finished.error().kind, ErrorKind::output);
 }
 
 }  // namespace
