@@ -21,7 +21,7 @@ build_packages=(
 # unpacks the source of oneTBB (scripts/tsan_tbb).
 test_packages=(
   libgtest-dev libopenvdb-dev libboost-dev clang-format clang-tidy python3 python3-jsonschema shellcheck mandoc
-  bash-completion gnuplot-nox dpkg-dev
+  bash-completion zsh fish gnuplot-nox dpkg-dev
 )
 fuzz_packages=(clang libclang-rt-14-dev)
 bench_packages=(libvtk9-dev libopenvdb-dev libboost-dev libimath-dev libopenvdb-tools python3)

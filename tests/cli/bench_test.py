@@ -4,14 +4,11 @@ import csv
 import io
 import json
 import os
-import shutil
-import unittest
 import xml.etree.ElementTree
 
-from support import ProgramTest, main
+from support import ProgramTest, main, needs_program
 
 QUICK = ("--sizes", "12,20,32", "--repeats", "1", "--threads", "1")
-needs_gnuplot = unittest.skipUnless(shutil.which("gnuplot"), "no gnuplot")
 
 
 class BenchTest(ProgramTest):
@@ -86,7 +83,7 @@ class BenchTest(ProgramTest):
         self.assertEqual([row["area_error"] == "" for row in rows], [False, False, True])
         self.assertIn("16", self.bench(*raw, "--coarser", "2", "--methods", "mc"))
 
-    @needs_gnuplot
+    @needs_program("gnuplot")
     def test_the_picture(self):
         name = "it's {a}_b \"c\".raw"
         self.write_raw(name, (17, 17, 17), lambda x, y, z: 6 - ((x - 8) ** 2 + (y - 8) ** 2 + (z - 7.7) ** 2) ** 0.5)

@@ -1,17 +1,11 @@
 """Help, man page and completions: all made from the declarations, so all must know every option."""
 
 import re
-import shutil
 import subprocess
-import unittest
 
-from support import SOURCE, ProgramTest, main
+from support import SOURCE, ProgramTest, main, needs_program
 
 COMMANDS = ("convert", "info", "verify", "compare", "bench", "stability", "devices", "help", "generate")
-
-
-def needs(program):
-    return unittest.skipUnless(shutil.which(program), f"no {program}")
 
 
 class DocumentsTest(ProgramTest):
@@ -81,7 +75,7 @@ class DocumentsTest(ProgramTest):
         self.assertEqual((SOURCE / "man/isoextract.1").read_text(), self.text("generate", "man"),
                          "update it with: isoextract generate man > man/isoextract.1")
 
-    @needs("mandoc")
+    @needs_program("mandoc")
     def test_the_man_page_is_well_formed(self):
         run = subprocess.run(["mandoc", "-T", "lint", "-W", "warning", SOURCE / "man/isoextract.1"], capture_output=True,
                              text=True, check=False)
@@ -130,13 +124,13 @@ class DocumentsTest(ProgramTest):
         (self.folder / "a file.vdb").touch()
         self.assertEqual(self.bash_completes("isoextract a"), ["a", "file.vdb"])  # one line; split() is the test's
 
-    @needs("zsh")
+    @needs_program("zsh")
     def test_zsh_parses(self):
         script = self.folder / "_isoextract"
         script.write_text(self.text("generate", "zsh"))
         subprocess.run(["zsh", "-n", script], check=True)
 
-    @needs("fish")
+    @needs_program("fish")
     def test_fish(self):
         script = self.folder / "isoextract.fish"
         script.write_text(self.text("generate", "fish"))

@@ -1,12 +1,10 @@
 """scripts/measure with the program: trial runs of what needs no other program, and the pages that come of them."""
 
 import json
-import shutil
 import subprocess
 import sys
-import unittest
 
-from support import PROGRAM, SOURCE, ProgramTest, main
+from support import PROGRAM, SOURCE, ProgramTest, main, needs_program
 
 
 class MeasureTest(ProgramTest):
@@ -34,7 +32,7 @@ class MeasureTest(ProgramTest):
             self.assertLess(row["after"], row["before"])
             self.assertLessEqual(row["measured_voxels"]["upper"], 0.1)
 
-    @unittest.skipUnless(shutil.which("gnuplot"), "no gnuplot")
+    @needs_program("gnuplot")
     def test_error(self):
         figures = self.measure("error")["error"]["figures"]
         measured = [row for row in figures["benchmark"]["rows"] if "cold_ms" in row]

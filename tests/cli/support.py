@@ -1,6 +1,7 @@
 """What the command-line tests share: running the program, and reading what it wrote with nothing but the standard
 library."""
 
+import functools
 import json
 import os
 import pathlib
@@ -72,6 +73,23 @@ class ProgramTest(unittest.TestCase):
         path = self.folder / name
         path.write_bytes(struct.pack(f"<{len(values)}{code}", *values))
         return path
+
+
+INSTALL = "scripts/setup.sh test installs it"
+
+
+def needs_program(name):
+    """Without the program the test fails: one that is skipped checks nothing, and nobody misses it."""
+
+    def wrap(test):
+        @functools.wraps(test)
+        def run(self):
+            self.assertIsNotNone(shutil.which(name), f"no {name}: {INSTALL}")
+            test(self)
+
+        return run
+
+    return wrap
 
 
 def needs_data(name):
@@ -210,4 +228,8 @@ def read_stl(data):
 
 
 def main():
-    unittest.main(argv=[sys.argv[0], *sys.argv[1:]], verbosity=1)
+    program = unittest.main(argv=[sys.argv[0], *sys.argv[1:]], verbosity=1, exit=False)
+    # scripts/test shows these lines: for CTest a file of which a part was skipped has passed.
+    for test, reason in program.result.skipped:
+        print(f"skipped: {test.id().removeprefix('__main__.')}: {reason}", file=sys.stderr)
+    sys.exit(not program.result.wasSuccessful())
