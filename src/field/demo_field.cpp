@@ -17,6 +17,12 @@
 namespace isoextract::field {
 namespace {
 
+// Samples, and what is reserved for them.
+struct OwnedSamples {
+  Buffer<float> values;
+  Reservation memory;
+};
+
 // World coordinates of the samples along one axis; the same for all three.
 using Axis = std::vector<double>;
 
@@ -140,34 +146,34 @@ Result<DemoSpec> parse_demo_spec(std::string_view spec) {
   return DemoSpec{name, *size};
 }
 
-Result<ScalarField> make_demo_field(std::string_view spec, const Limits& limits, Progress* progress) {
+Result<ScalarField> make_demo_field(std::string_view spec, const Context& context) {
   const Result<DemoSpec> parsed = parse_demo_spec(spec);
   if (!parsed) return tl::unexpected(parsed.error());
   const auto n = static_cast<std::size_t>(parsed->size);
-  const std::uint64_t bytes = n * n * n * sizeof(float);
-  if (auto fits = check_memory(bytes, limits, fmt::format("{}: {}^3 f32 samples", spec, n)); !fits) {
-    return tl::unexpected(fits.error());
-  }
+  auto memory = context.reserve(n * n * n * sizeof(float), fmt::format("{}: {}^3 f32 samples", spec, n));
+  if (!memory) return tl::unexpected(memory.error());
 
   const double spacing = 2.0 / (parsed->size - 1);
   Axis axis(n);
   for (std::size_t i = 0; i < n; ++i) axis[i] = -1 + spacing * static_cast<double>(i);
 
-  auto values = std::make_shared<Buffer<float>>(n * n * n);
+  auto samples = std::make_shared<OwnedSamples>(OwnedSamples{Buffer<float>(n * n * n), std::move(*memory)});
+  float* const values = samples->values.data();
   const FillRow fill = find_demo(parsed->name)->make(axis);
-  if (progress != nullptr) progress->begin("making the demo field", n);
+  context.progress().begin("making the demo field", n);
   tbb::parallel_for(std::size_t{0}, n, [&](std::size_t k) {
-    for (std::size_t j = 0; j < n; ++j) fill(j, k, values->data() + n * (j + n * k));
-    if (progress != nullptr) progress->advance(1);
+    if (context.cancelled()) return;
+    for (std::size_t j = 0; j < n; ++j) fill(j, k, values + n * (j + n * k));
+    context.progress().advance(1);
   });
+  if (auto wanted = context.check(); !wanted) return tl::unexpected(wanted.error());
 
   ScalarField field;
   field.name = std::string(parsed->name);
   field.source = std::string(spec);
   field.format = "demo";
   field.index_to_world = {glm::dmat3(spacing), glm::dvec3(-1)};
-  const float* data = values->data();
-  field.samples = DenseSamples{SampleType::f32, glm::ivec3(parsed->size), std::move(values), data};
+  field.samples = DenseSamples{SampleType::f32, glm::ivec3(parsed->size), std::move(samples), values};
   return field;
 }
 

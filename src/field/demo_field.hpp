@@ -8,9 +8,8 @@
 #include <string>
 #include <string_view>
 
+#include "base/context.hpp"
 #include "base/error.hpp"
-#include "base/limits.hpp"
-#include "base/progress.hpp"
 #include "field/scalar_field.hpp"
 
 namespace isoextract::field {
@@ -34,8 +33,8 @@ struct DemoSpec {
 [[nodiscard]] Result<DemoSpec> parse_demo_spec(std::string_view spec);
 
 // `spec` is "demo:NAME[?key=value[&key=value...]]", keys: size (samples along each axis, 2..2048, default 64). Fails
-// like parse_demo_spec, and with ErrorKind::input where the limit forbids the size.
-[[nodiscard]] Result<ScalarField> make_demo_field(std::string_view spec, const Limits& limits,
-                                                  Progress* progress = nullptr);
+// like parse_demo_spec, and with ErrorKind::input where the samples need more memory than is left. The samples keep
+// theirs reserved.
+[[nodiscard]] Result<ScalarField> make_demo_field(std::string_view spec, const Context& context = Context());
 
 }  // namespace isoextract::field

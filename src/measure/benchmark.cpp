@@ -332,14 +332,12 @@ Result<BenchResult> bench_demo(std::string_view name, const std::vector<int>& si
   }
   if (auto checked = check_thread_counts(options.threads); !checked) return tl::unexpected(checked.error());
   const ReferenceSize reference = find_reference_size(*formula, options.iso, &context.progress());
-  const Limits limits{context.memory().limit()};
   BenchResult result;
   result.input = fmt::format("{}{}", field::kDemoPrefix, name);
   result.iso = options.iso;
   result.truth = truth_of(reference);
   for (const int size : sizes) {
-    const auto field =
-        field::make_demo_field(fmt::format("{}?size={}", result.input, size), limits, &context.progress());
+    const auto field = field::make_demo_field(fmt::format("{}?size={}", result.input, size), context);
     if (!field) return tl::unexpected(field.error());
     const Judge judge = [&](const Specimen& specimen, BenchErrors& errors) {
       const auto error = measure_analytic_error(specimen.mesh, specimen.field, specimen.extracted, nullptr, context);

@@ -37,7 +37,7 @@ BenchmarkInput named(const InputDescription& description, int size, Result<field
 
 BenchmarkInput make_demo(const InputDescription& description, int size) {
   const std::string spec = fmt::format("demo:{}?size={}", description.origin, size);
-  return named(description, size, field::make_demo_field(spec, default_limits()));
+  return named(description, size, field::make_demo_field(spec));
 }
 
 // Calls use(first, last) for pieces of [0, count), on all threads.

@@ -1,5 +1,4 @@
 // Fields by formula, as inputs like any other.
-#include "base/limits.hpp"
 #include "field/demo_field.hpp"
 #include "volumes/detail/dense_format.hpp"
 #include "volumes/detail/formats.hpp"
@@ -33,7 +32,7 @@ class DemoFormat final : public VolumeFormat {
 
   [[nodiscard]] Result<field::ScalarField> open(const std::string& input, const ReadOptions& options,
                                                 const Context& context) const override {
-    auto field = field::make_demo_field(input, Limits{context.memory().limit()}, &context.progress());
+    auto field = field::make_demo_field(input, context);
     if (!field) return field;
     if (auto placed = set_frame(*field, {field->index_to_world, {}}, options); !placed) {
       return tl::unexpected(placed.error());

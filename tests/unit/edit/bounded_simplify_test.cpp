@@ -90,7 +90,7 @@ double expect_kept_promises(const field::ScalarField& field, const Case& c) {
   return static_cast<double>(facts.triangles_after) / static_cast<double>(facts.triangles_before);
 }
 
-field::ScalarField demo(const std::string& name) { return *field::make_demo_field(name, default_limits()); }
+field::ScalarField demo(const std::string& name) { return *field::make_demo_field(name); }
 
 TEST(BoundedSimplify, SmoothSurfacesLoseMostTriangles) {
   Case c;

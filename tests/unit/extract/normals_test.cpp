@@ -39,7 +39,7 @@ TEST(SmoothNormals, OfAPlaneAreExactInAnyFrame) {
 }
 
 TEST(SmoothNormals, AreNotMadeUnlessAskedFor) {
-  const field::ScalarField field = field::make_demo_field("demo:sphere?size=16", default_limits()).value();
+  const field::ScalarField field = field::make_demo_field("demo:sphere?size=16").value();
   EXPECT_TRUE(test::extract(field, {}).mesh.normals.empty());
 }
 

@@ -8,7 +8,7 @@ namespace isoextract::extract {
 namespace {
 
 field::ScalarField sphere(int size) {
-  return field::make_demo_field("demo:sphere?size=" + std::to_string(size), default_limits()).value();
+  return field::make_demo_field("demo:sphere?size=" + std::to_string(size)).value();
 }
 
 TEST(Placement, IsTheFullAffineMap) {

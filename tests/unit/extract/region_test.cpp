@@ -39,7 +39,7 @@ TEST_P(Region, IsAPartOfTheWhole) {
 }
 
 TEST_P(Region, CanBeCappedDenseAndSparse) {
-  const field::ScalarField dense = field::make_demo_field("demo:gyroid?size=32", default_limits()).value();
+  const field::ScalarField dense = field::make_demo_field("demo:gyroid?size=32").value();
   const field::ScalarField sparse = test::sparse_copy<float>(dense, -1);
   ExtractOptions options;
   options.method = GetParam();

@@ -69,7 +69,7 @@ TEST_P(Sparse, TileSkinsAgainstTilesAndBackground) {
 }
 
 TEST_P(Sparse, NegativeIndicesAndLevelSets) {
-  const field::ScalarField dense = field::make_demo_field("demo:sphere?size=32", default_limits()).value();
+  const field::ScalarField dense = field::make_demo_field("demo:sphere?size=32").value();
   field::ScalarField level_set = test::dense_field<float>({32, 32, 32}, [&](int i, int j, int k) {
     return -static_cast<const float*>(std::get<field::DenseSamples>(dense.samples).data)[i + 32 * (j + 32 * k)];
   });
@@ -92,7 +92,7 @@ TEST_P(Sparse, NegativeIndicesAndLevelSets) {
 }
 
 TEST_P(Sparse, SmoothNormalsEqualDense) {
-  const field::ScalarField dense = field::make_demo_field("demo:metaballs?size=40", default_limits()).value();
+  const field::ScalarField dense = field::make_demo_field("demo:metaballs?size=40").value();
   const field::ScalarField sparse = test::sparse_copy<float>(dense, -1);
   ExtractOptions options;
   options.method = GetParam();
@@ -110,7 +110,7 @@ TEST_P(Sparse, SmoothNormalsEqualDense) {
 }
 
 TEST_P(Sparse, VisitsOnlyBlocksThatTheSurfacePasses) {
-  const field::ScalarField dense = field::make_demo_field("demo:sphere?size=128", default_limits()).value();
+  const field::ScalarField dense = field::make_demo_field("demo:sphere?size=128").value();
   const field::ScalarField sparse = test::sparse_copy<float>(dense, -9);
   ExtractOptions options;
   options.method = GetParam();
@@ -121,7 +121,7 @@ TEST_P(Sparse, VisitsOnlyBlocksThatTheSurfacePasses) {
 }
 
 TEST_P(Sparse, BlocksAtTheEndsOfTheIndexRangeAreRefusedNotTorn) {
-  const field::ScalarField dense = field::make_demo_field("demo:sphere?size=8", default_limits()).value();
+  const field::ScalarField dense = field::make_demo_field("demo:sphere?size=8").value();
   field::ScalarField field = test::sparse_copy<float>(dense, -1);
   auto& samples = std::get<field::SparseSamples>(field.samples);
   samples.blocks.push_back(samples.blocks[0]);
@@ -156,7 +156,7 @@ TEST_P(Sparse, NanOutsideTheRegionIsNoMatter) {
 
 // Where the background is inside, a capped region is the region less the bubbles in it.
 TEST_P(Sparse, CapStandsWhereTheRegionEndsInAnInsideBackground) {
-  const field::ScalarField dense = field::make_demo_field("demo:sphere?size=8", default_limits()).value();
+  const field::ScalarField dense = field::make_demo_field("demo:sphere?size=8").value();
   field::ScalarField field = test::sparse_copy<float>(dense, -1);
   field.kind = field::FieldKind::level_set;  // now the sphere is the outside
   ExtractOptions options;

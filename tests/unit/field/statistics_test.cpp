@@ -199,7 +199,7 @@ TEST(SuggestIso, LevelSetsHaveTheirZero) {
 }
 
 TEST(SuggestIso, DemoFieldsHaveTheirOwn) {
-  const auto field = make_demo_field("demo:marschner-lobb?size=16", default_limits());
+  const auto field = make_demo_field("demo:marschner-lobb?size=16");
   ASSERT_TRUE(field.has_value());
   EXPECT_EQ(suggest_iso(*field, measure_statistics(*field)).iso, 0.5);
 }

@@ -187,7 +187,7 @@ TEST(Parity, ExtremeValues) {
 TEST(Parity, DemoFields) {
   for (const char* spec : {"demo:sphere?size=40", "demo:gyroid?size=36", "demo:marschner-lobb?size=41"}) {
     SCOPED_TRACE(spec);
-    const auto field = field::make_demo_field(spec, default_limits());
+    const auto field = field::make_demo_field(spec);
     ASSERT_TRUE(field);
     extract::ExtractOptions options = at_iso(std::string_view(spec).find("lobb") != std::string_view::npos ? 0.5 : 0);
     options.output_from_index = field->index_to_world;

@@ -12,14 +12,14 @@ namespace {
 // llvmpipe repeats the first batch in a tessellated draw of more than 65,536 vertices, which are 128 sites; the number
 // of triangles looks right all the same.
 TEST(LargeDraw, TessellatedVerticesAreNotRepeated) {
-  const auto field = field::make_demo_field("demo:gyroid?size=56", default_limits());
+  const auto field = field::make_demo_field("demo:gyroid?size=56");
   ASSERT_TRUE(field);
   EXPECT_GT(test::extract_on_gpu(*field, {}).stats.bricks_visited, 300U);
   EXPECT_GT(test::expect_parity(*field, extract::ExtractOptions{}), 40000U);
 }
 
 TEST(LargeDraw, StatsSayWhatWasDone) {
-  const auto field = field::make_demo_field("demo:gyroid?size=40", default_limits());
+  const auto field = field::make_demo_field("demo:gyroid?size=40");
   ASSERT_TRUE(field);
   const extract::Extraction result = test::extract_on_gpu(*field, {});
   ASSERT_TRUE(result.stats.device);

@@ -21,7 +21,7 @@ struct Extracted {
 };
 
 Extracted extract_demo(const std::string& spec, double iso, const field::Affine& after = {}, bool cap = false) {
-  Extracted result{field::make_demo_field(spec, default_limits()).value(), {}, {}};
+  Extracted result{field::make_demo_field(spec).value(), {}, {}};
   result.options.iso = iso;
   result.options.cap = cap;
   result.options.smooth_normals = true;

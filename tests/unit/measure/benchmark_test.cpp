@@ -70,7 +70,7 @@ TEST(Benchmark, RowsAreWhatWasAskedFor) {
   EXPECT_EQ(bench_demo("random", {16}, options).error().kind, ErrorKind::usage);
   options.threads = {1, most + 1};
   EXPECT_EQ(bench_demo("sphere", {16}, options).error().kind, ErrorKind::usage) << "threads in name only";
-  const field::ScalarField field = field::make_demo_field("demo:sphere?size=16", default_limits()).value();
+  const field::ScalarField field = field::make_demo_field("demo:sphere?size=16").value();
   EXPECT_EQ(bench_field(field, {1}, options).error().kind, ErrorKind::usage);
 }
 
@@ -82,7 +82,7 @@ TEST(Benchmark, TellsWhereThereIsNoSurface) {
   const Error coarse = bench_demo("sphere", {8, 32}, quick(0.6)).error();
   EXPECT_NE(coarse.message.find("with 8 samples"), std::string::npos) << coarse.message;
   EXPECT_NE(coarse.hint.text.find("leave out the coarsest"), std::string::npos) << coarse.hint.text;
-  const field::ScalarField field = field::make_demo_field("demo:sphere?size=32", default_limits()).value();
+  const field::ScalarField field = field::make_demo_field("demo:sphere?size=32").value();
   EXPECT_EQ(bench_field(field, {4, 1}, quick(9)).error().hint.text, "try --iso 0");
   EXPECT_NE(bench_field(field, {4, 1}, quick(0.6)).error().hint.text.find("leave out the coarsest"), std::string::npos);
 }
@@ -137,7 +137,7 @@ TEST(Benchmark, OfAnOddSizeComparesWhatLiesInside) {
 
 // The finest data are the truth; what is coarser is worse, with the order of the box filter and the mesh: two.
 TEST(Benchmark, OfAFieldComparesCoarserVersionsOfIt) {
-  const field::ScalarField field = field::make_demo_field("demo:torus?size=128", default_limits()).value();
+  const field::ScalarField field = field::make_demo_field("demo:torus?size=128").value();
   const BenchResult result = bench_field(field, {4, 2, 1}, quick()).value();
   ASSERT_EQ(result.rows.size(), 6U);
   for (std::size_t r = 0; r + 2 < 6; ++r) {

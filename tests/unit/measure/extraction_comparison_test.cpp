@@ -41,7 +41,7 @@ class ExtractionComparisonTest : public testing::TestWithParam<extract::Method> 
     return o;
   }
   [[nodiscard]] mesh::Mesh torus() const {
-    return test::extract(field::make_demo_field("demo:torus?size=24", default_limits()).value(), options()).mesh;
+    return test::extract(field::make_demo_field("demo:torus?size=24").value(), options()).mesh;
   }
 };
 INSTANTIATE_TEST_SUITE_P(Methods, ExtractionComparisonTest, testing::Values(extract::Method::mc, extract::Method::mt),

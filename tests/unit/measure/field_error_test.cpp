@@ -57,7 +57,7 @@ TEST(FieldError, OfAMovedPlaneIsTheMove) {
 
 // The greatest distance between a trilinear sphere and its triangles is where and what geometry says.
 TEST(FieldError, OfASphereIsTheSagittaOfItsTriangles) {
-  const field::ScalarField field = field::make_demo_field("demo:sphere?size=65", default_limits()).value();
+  const field::ScalarField field = field::make_demo_field("demo:sphere?size=65").value();
   const Extracted sphere = extract_at(field, 0);
   const FieldError error = measure_field_error(sphere.mesh, field, sphere.options, {field::Interpolation::tricubic});
   const double voxel = 2.0 / 64;
@@ -72,7 +72,7 @@ TEST(FieldError, OfASphereIsTheSagittaOfItsTriangles) {
 
 TEST(FieldError, OfVerticesIsWhatStorageCosts) {
   for (const double offset : {0.0, 1e7}) {
-    field::ScalarField field = field::make_demo_field("demo:torus?size=40", default_limits()).value();
+    field::ScalarField field = field::make_demo_field("demo:torus?size=40").value();
     field.index_to_world.offset += offset;
     for (const extract::Method method : {extract::Method::mc, extract::Method::mt}) {
       const Extracted torus = extract_at(field, 0, method);
@@ -169,7 +169,7 @@ TEST(FieldError, CountsWhatItCannotMeasure) {
 }
 
 TEST(FieldError, LeavesCapsOut) {
-  const field::ScalarField field = field::make_demo_field("demo:gyroid?size=40", default_limits()).value();
+  const field::ScalarField field = field::make_demo_field("demo:gyroid?size=40").value();
   const Extracted open = extract_at(field, 0.1);
   extract::ExtractOptions capped = open.options;
   capped.cap = true;

@@ -71,7 +71,7 @@ class MeshMatchTest : public testing::TestWithParam<extract::Method> {
   [[nodiscard]] mesh::Mesh torus(const field::Affine& place = {}) const {
     extract::ExtractOptions o = options();
     o.output_from_index = place;
-    return test::extract(field::make_demo_field("demo:torus?size=24", default_limits()).value(), o).mesh;
+    return test::extract(field::make_demo_field("demo:torus?size=24").value(), o).mesh;
   }
   // Few distinct values, the iso value among them: many pairs of vertices are as near as they ever are.
   [[nodiscard]] mesh::Mesh ties(const field::Affine& place = {}) const {

@@ -45,7 +45,7 @@ Measured measure(const field::ScalarField& data, double iso, const glm::ivec3& r
 TEST(Resolution, FinerGridsConvergeToTheInterpolant) {
   const double c = std::cos(0.5);
   const double s = std::sin(0.5);
-  field::ScalarField sphere = field::make_demo_field("demo:sphere?size=9", default_limits()).value();
+  field::ScalarField sphere = field::make_demo_field("demo:sphere?size=9").value();
   sphere.index_to_world = {glm::dmat3(-2 * c, -2 * s, 0, -0.5 * s, 0.5 * c, 0.1, 0, 0, 1), glm::dvec3(100, -30, 7)};
   const field::ScalarField random = test::random_field<std::uint8_t>({6, 5, 7}, 4, 256);
   for (const Case& data : {Case{sphere, 0}, Case{random, 127.3}}) {
@@ -60,7 +60,7 @@ TEST(Resolution, FinerGridsConvergeToTheInterpolant) {
 }
 
 TEST(Resolution, VoxelsAreThoseOfTheDataAndNoVertexIsOnTheirEdges) {
-  const field::ScalarField data = field::make_demo_field("demo:torus?size=33", default_limits()).value();
+  const field::ScalarField data = field::make_demo_field("demo:torus?size=33").value();
   const Measured finer = measure(data, 0, {60, 71, 40});
   EXPECT_EQ(finer.error.storage.points, 0U);
   EXPECT_EQ(finer.error.interior.unmeasured(), 0U);
@@ -74,7 +74,7 @@ TEST(Resolution, VoxelsAreThoseOfTheDataAndNoVertexIsOnTheirEdges) {
 
 // The mesh's vertices are exact on edges that lie within one cell of the data.
 TEST(Resolution, VerticesOnFractionsOfTheDataAreExact) {
-  field::ScalarField data = field::make_demo_field("demo:gyroid?size=17", default_limits()).value();
+  field::ScalarField data = field::make_demo_field("demo:gyroid?size=17").value();
   data.index_to_world.offset += 1000.0;
   const Measured finer = measure(data, 0.1, {65, 65, 65});
   EXPECT_GT(finer.error.vertices.points, 0U);
@@ -84,7 +84,7 @@ TEST(Resolution, VerticesOnFractionsOfTheDataAreExact) {
 // Caps lie in the border of the grid: with a region that is between samples of the data, and around sparse data whose
 // background is inside, which have no border of their own.
 TEST(Resolution, CapsAreKnown) {
-  const field::ScalarField data = field::make_demo_field("demo:gyroid?size=20", default_limits()).value();
+  const field::ScalarField data = field::make_demo_field("demo:gyroid?size=20").value();
   const Measured closed = measure(data, 0.1, {30, 44, 27}, extract::Method::mc, true);
   const Measured open = measure(data, 0.1, {30, 44, 27});
   EXPECT_EQ(closed.error.cap_triangles, closed.mesh.triangles.size() - open.mesh.triangles.size());
