@@ -30,10 +30,13 @@ import sys
 import tempfile
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent / 'viewers'))
+import numpy as np
 
-import mesh_files  # noqa: E402
-from mesh_facts import Facts, measure, merged, without_repeats  # noqa: E402
+sys.path.insert(0, str(Path(__file__).resolve().parent / 'viewers'))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / 'tests' / 'support'))
+
+import mesh_readers  # noqa: E402
+from mesh_facts import Facts, Mesh, measure, merged, without_repeats  # noqa: E402
 
 BLENDER_SCRIPT = Path(__file__).resolve().parent / 'viewers' / 'blender_measure.py'
 MESHLAB_FORMATS = {'.ply', '.obj', '.stl'}
@@ -54,10 +57,19 @@ class Expected:
     has_connectivity: bool
 
 
+def read(path):
+    """The meshes of a file, and whether they have connectivity."""
+    found = mesh_readers.read(path)
+    meshes = [Mesh(np.array(mesh.vertices, dtype=np.float64).reshape(-1, 3),
+                   np.array(mesh.triangles, dtype=np.int64).reshape(-1, 3)) for mesh in found]
+    return meshes, all(mesh.has_connectivity for mesh in found)
+
+
 def expect(path):
-    content = mesh_files.read(path)
-    meshes = content.meshes if content.has_connectivity else [merged(mesh) for mesh in content.meshes]
-    return Expected(measure(meshes), measure([without_repeats(mesh) for mesh in meshes]), content.has_connectivity)
+    meshes, has_connectivity = read(path)
+    if not has_connectivity:
+        meshes = [merged(mesh) for mesh in meshes]
+    return Expected(measure(meshes), measure([without_repeats(mesh) for mesh in meshes]), has_connectivity)
 
 
 def ask_blender(expected):
@@ -90,7 +102,7 @@ def ask_meshlab(path):
         if not saved.exists() or not open_edges:
             return None
         crossed = re.search(r'^Mesh has (\d+) non two manifold edges', log, re.MULTILINE)
-        facts = measure(mesh_files.read(saved).meshes)
+        facts = measure(read(saved)[0])
         facts.open_edges = int(open_edges[1])
         facts.crossed_edges = int(crossed[1]) if crossed else 0
         return facts

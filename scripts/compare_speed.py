@@ -24,10 +24,12 @@ import time
 
 from measuring import page_cache, record
 
+sys.path.insert(0, str(record.ROOT / "tests" / "support"))
+
+import mesh_readers  # noqa: E402
+
 ROOT = record.ROOT
 START_UPS = 20
-PLY_SIZES = {"char": 1, "uchar": 1, "short": 2, "ushort": 2, "int": 4, "uint": 4, "float": 4, "double": 8}
-PLY_SIZES |= {"int8": 1, "uint8": 1, "int16": 2, "uint16": 2, "int32": 4, "uint32": 4, "float32": 4, "float64": 8}
 MEASURES = ("wall", "cpu", "peak")
 
 
@@ -48,23 +50,12 @@ def run_once(command):
 def ply_triangles(path):
     """Triangles of a binary PLY file of triangles and quads, a quad as two: by its header and its size."""
     with open(path, "rb") as file:
-        elements, line = [], b""
-        while line != b"end_header":
-            line = file.readline().strip()
-            words = line.decode().split()
-            if words[:1] == ["element"]:
-                elements.append({"name": words[1], "count": int(words[2]), "size": 0, "index": 0})
-            elif words[:2] == ["property", "list"]:
-                elements[-1]["size"] += PLY_SIZES[words[2]]
-                elements[-1]["index"] = PLY_SIZES[words[3]]
-            elif words[:1] == ["property"]:
-                elements[-1]["size"] += PLY_SIZES[words[1]]
+        header = mesh_readers.PlyHeader(file)
         left = os.path.getsize(path) - file.tell()
-    faces = next(element for element in elements if element["name"] == "face")
-    left -= sum(element["count"] * element["size"] for element in elements)
-    corners = left // faces["index"]
-    quads = corners - 3 * faces["count"]
-    return faces["count"] + quads
+    left -= sum(count * header.fixed_size(element) for element, count in header.counts.items())
+    corners = left // header.index_size()
+    quads = corners - 3 * header.counts["face"]
+    return header.counts["face"] + quads
 
 
 def summary(values):

@@ -18,6 +18,7 @@
 #include <tbb/parallel_sort.h>
 #include <tbb/partitioner.h>
 
+#include "base/hash.hpp"
 #include "edit/detail/patch_simplifier.hpp"
 #include "mesh/distance_bound.hpp"
 #include "mesh/triangle_tree.hpp"
@@ -63,9 +64,7 @@ struct Patch {
 };
 
 struct CornersHash {
-  std::size_t operator()(const glm::uvec3& t) const {
-    return ((t.x * 0x9E3779B97F4A7C15U + t.y) * 0xC2B2AE3D27D4EB4FU + t.z) * 0x9E3779B97F4A7C15U >> 20U;
-  }
+  std::size_t operator()(const glm::uvec3& t) const { return hash_of_three(t.x, t.y, t.z); }
 };
 // Triangles that are measured already, and near enough.
 using Measured = std::unordered_map<glm::uvec3, Known, CornersHash>;

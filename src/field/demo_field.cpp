@@ -1,4 +1,4 @@
-// Source of the random numbers: splitmix64, Steele, Lea and Flood, OOPSLA 2014. The formulas are in demo_formulas.hpp.
+// The formulas are in demo_formulas.hpp.
 #include "field/demo_field.hpp"
 
 #include <algorithm>
@@ -12,6 +12,7 @@
 #include <tbb/parallel_for.h>
 
 #include "base/buffer.hpp"
+#include "base/hash.hpp"
 #include "field/demo_formulas.hpp"
 
 namespace isoextract::field {
@@ -56,10 +57,8 @@ FillRow gyroid(const Axis& axis) {
 FillRow random(const Axis& axis) {
   return [n = axis.size()](std::size_t j, std::size_t k, float* row) {
     for (std::size_t i = 0; i < n; ++i) {
-      std::uint64_t h = (i + n * (j + n * k) + 1) * 0x9E3779B97F4A7C15ULL;
-      h = (h ^ (h >> 30)) * 0xBF58476D1CE4E5B9ULL;
-      h = (h ^ (h >> 27)) * 0x94D049BB133111EBULL;
-      row[i] = static_cast<float>(static_cast<double>((h ^ (h >> 31)) >> 40) * 0x1p-23 - 1);
+      const std::uint64_t h = splitmix64(i + n * (j + n * k));
+      row[i] = static_cast<float>(static_cast<double>(h >> 40) * 0x1p-23 - 1);
     }
   };
 }

@@ -4,6 +4,8 @@
 #include <bit>
 #include <tuple>
 
+#include "base/hash.hpp"
+
 namespace isoextract::field {
 namespace {
 
@@ -15,10 +17,7 @@ OriginIndex::OriginIndex(std::size_t count) : slots_(std::bit_ceil(2 * count + 1
 
 std::size_t OriginIndex::slot_of(const glm::ivec3& origin) const {
   const auto part = [](int v) { return static_cast<std::uint64_t>(static_cast<std::uint32_t>(v) >> 3); };
-  std::uint64_t h = part(origin.x) * 0x9E3779B97F4A7C15ULL;
-  h = (h ^ part(origin.y)) * 0xC2B2AE3D27D4EB4FULL;
-  h = (h ^ part(origin.z)) * 0x9E3779B97F4A7C15ULL;
-  return static_cast<std::size_t>(h ^ h >> 32) & (slots_.size() - 1);
+  return hash_of_three(part(origin.x), part(origin.y), part(origin.z)) & (slots_.size() - 1);
 }
 
 void OriginIndex::insert(const glm::ivec3& origin, std::int32_t number) {

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "base/checked.hpp"
+#include "base/hash.hpp"
 #include "mesh/local_origin.hpp"
 #include "meshes/read/mesh_format_readers.hpp"
 
@@ -179,9 +180,7 @@ std::vector<std::uint32_t> weld_corners(std::span<const glm::vec3> corners, File
   first_corner.reserve(corners.size());
   for (std::size_t c = 0; c < corners.size(); ++c) {
     const glm::u64vec3 bits = bits_of(corners[c]);
-    // Multiplicative hashing with odd constants; the high bits are the well-mixed ones.
-    const std::uint64_t mixed = (bits.x * 0x9E3779B97F4A7C15U + bits.y) * 0xC2B2AE3D27D4EB4FU + bits.z;
-    std::size_t place = (mixed * 0x9E3779B97F4A7C15U >> 20U) & (table.size() - 1);
+    std::size_t place = hash_of_three(bits.x, bits.y, bits.z) & (table.size() - 1);
     while (table[place] != kFree && bits_of(corners[first_corner[table[place]]]) != bits) {
       place = (place + 1) & (table.size() - 1);
     }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/hash.hpp"
 #include "mesh/mesh.hpp"
 
 namespace isoextract::test {
@@ -15,7 +16,7 @@ void add_values(mesh::Mesh& mesh, mesh::Attribute attribute) {
   for (std::size_t i = 0; i < mesh.positions.size() * attribute.components; ++i) {
     // Of floats, fractions that are no short decimal numbers.
     values.push_back(std::is_floating_point_v<T> ? static_cast<T>(1) / static_cast<T>(i + 3)
-                                                 : static_cast<T>(i * 0x9E3779B97F4A7C15U >> 7U));
+                                                 : static_cast<T>(splitmix64(i)));
   }
   attribute.values = Buffer<std::byte>(values.size() * sizeof(T));
   if (!values.empty()) std::memcpy(attribute.values.data(), values.data(), attribute.values.size());

@@ -12,6 +12,7 @@
 #include <tbb/parallel_for.h>
 
 #include "base/buffer.hpp"
+#include "base/hash.hpp"
 
 namespace isoextract::measure {
 
@@ -67,11 +68,8 @@ class Buckets {
 
 // A bucket below `buckets` for a cell of space; buckets > 0.
 [[nodiscard]] inline std::size_t bucket_of_cell(std::int64_t x, std::int64_t y, std::int64_t z, std::size_t buckets) {
-  // Multiplicative hashing with odd constants; the high bits are the well-mixed ones.
-  const std::uint64_t mixed =
-      (static_cast<std::uint64_t>(x) * 0x9E3779B97F4A7C15U + static_cast<std::uint64_t>(y)) * 0xC2B2AE3D27D4EB4FU +
-      static_cast<std::uint64_t>(z);
-  return static_cast<std::size_t>((mixed * 0x9E3779B97F4A7C15U) >> 20U) % buckets;
+  return hash_of_three(static_cast<std::uint64_t>(x), static_cast<std::uint64_t>(y), static_cast<std::uint64_t>(z)) %
+         buckets;
 }
 
 }  // namespace isoextract::measure
