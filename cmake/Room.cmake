@@ -9,6 +9,10 @@
 add_library(isoextract_options INTERFACE)
 target_compile_options(isoextract_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
   -Wno-sign-conversion -Wold-style-cast -Wnon-virtual-dtor -Woverloaded-virtual -Wnull-dereference)
+if(CMAKE_UNITY_BUILD)
+  # What is in an anonymous namespace of a file that is included by another file of the compiler's own making.
+  target_compile_options(isoextract_options INTERFACE -Wno-subobject-linkage)
+endif()
 if(ISOEXTRACT_WERROR)
   target_compile_options(isoextract_options INTERFACE -Werror)
 endif()

@@ -29,7 +29,7 @@ class Buffer {
 
   Buffer() = default;
 
-  // Throws std::bad_alloc; callers that take sizes from outside check them against Limits first.
+  // Throws std::bad_alloc; callers that take sizes from outside reserve them first (Context::reserve).
   explicit Buffer(std::size_t size) : data_(static_cast<T*>(detail::allocate_pages(size, sizeof(T)))), size_(size) {}
 
   Buffer(Buffer&& other) noexcept : data_(std::move(other.data_)), size_(std::exchange(other.size_, 0)) {}

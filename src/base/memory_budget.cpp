@@ -12,7 +12,7 @@
 #include <unistd.h>
 
 #include "base/buffer.hpp"
-#include "base/limits.hpp"
+#include "base/byte_size.hpp"
 
 namespace isoextract {
 

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "base/limits.hpp"
+#include "base/byte_size.hpp"
 #include "base/machine.hpp"
 #include "base/version.hpp"
 

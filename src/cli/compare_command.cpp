@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "base/byte_size.hpp"
 #include "base/context.hpp"
-#include "base/limits.hpp"
 #include "base/machine.hpp"
 #include "base/stopwatch.hpp"
 #include "cli/layout.hpp"
@@ -35,7 +35,9 @@ Result<Side> read_side(const std::string& path, const Context& context) {
   side.path = path;
   side.file = std::move(*file);
   side.file.mesh.name = path;
-  side.topology = mesh::measure_topology(side.file.mesh);
+  auto topology = mesh::measure_topology(side.file.mesh, context);
+  if (!topology) return tl::unexpected(std::move(topology.error()));
+  side.topology = *topology;
   side.size = mesh::measure_size(side.file.mesh);
   side.bounds = mesh::measure_bounds(side.file.mesh);
   return side;
@@ -132,12 +134,12 @@ convert::Json comparison_json(const std::array<Side, 2>& sides, const measure::M
 
 // Where the limit lies within the interval of the greatest distance, a narrower one says on which side it is.
 void look_closer(const std::array<Side, 2>& sides, double limit, measure::DistanceOptions options,
-                 measure::MeshDistance& distance) {
+                 measure::MeshDistance& distance, const Context& context) {
   if (distance.hausdorff_upper <= limit) return;
   options.tolerance = 1e-4;
   options.enough = limit;
   options.samples = 0;
-  const auto closer = measure::measure_distance(sides[0].file.mesh, sides[1].file.mesh, options);
+  const auto closer = measure::measure_distance(sides[0].file.mesh, sides[1].file.mesh, options, context);
   if (!closer) return;
   const auto narrow = [](measure::DirectedDistance& wide, const measure::DirectedDistance& found) {
     wide.max_upper = std::min(wide.max_upper, found.max_upper);
@@ -184,12 +186,11 @@ Result<void> run_compare(const ComparePlan& plan, const Messages& messages) {
   {
     const ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
     measure::DistanceOptions options;
-    options.progress = &context.progress();
-    auto measured = measure::measure_distance(sides[0].file.mesh, sides[1].file.mesh, options);
+    auto measured = measure::measure_distance(sides[0].file.mesh, sides[1].file.mesh, options, context);
     if (!measured) return tl::unexpected(std::move(measured.error()));
     distance = *measured;
     if (plan.max_distance && distance.hausdorff_lower <= *plan.max_distance) {
-      look_closer(sides, *plan.max_distance, options, distance);
+      look_closer(sides, *plan.max_distance, options, distance, context);
     }
   }
   messages.detail(fmt::format("compared in {:.2f} s, peak memory {}", watch.elapsed().wall_seconds,

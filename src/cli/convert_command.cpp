@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 #include <unistd.h>
 
+#include "base/byte_size.hpp"
 #include "base/machine.hpp"
 #include "base/stopwatch.hpp"
 #include "cli/mesh_error_text.hpp"
@@ -176,8 +177,8 @@ Result<void> write_report(const ConvertPlan& plan, const convert::Outcome& outco
   const std::string hint = outcome.error ? words_of(outcome.error->hint) : "";
   auto file = files::OutputFile::create(*plan.report);
   if (!file) return tl::unexpected(file.error());
-  const std::string text = convert::json_text(
-      convert::report_of(plan.job, outcome, plan.arguments, plan.memory.limit(), hint));
+  const std::string text =
+      convert::json_text(convert::report_of(plan.job, outcome, plan.arguments, plan.memory.limit(), hint));
   if (auto written = file->write(text); !written) return written;
   return file->commit();
 }

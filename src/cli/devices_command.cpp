@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "base/limits.hpp"
+#include "base/byte_size.hpp"
 #include "cli/messages.hpp"
 #include "convert/json_values.hpp"
 #include "gl/gpu_device.hpp"

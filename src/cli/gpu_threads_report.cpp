@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "base/limits.hpp"
+#include "base/byte_size.hpp"
 #include "base/version.hpp"
 #include "cli/bench_report.hpp"
 

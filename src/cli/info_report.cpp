@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "base/limits.hpp"
+#include "base/byte_size.hpp"
 #include "cli/layout.hpp"
 #include "cli/remedies.hpp"
 #include "convert/placement.hpp"
@@ -65,8 +65,7 @@ void add_shape(NamedLines& lines, const FieldReport& report) {
   const field::ScalarField& field = report.field;
   lines.add("format", field.format);
   if (!field.name.empty()) lines.add("name", printable_name(field.name));
-  lines.add("kind", fmt::format("{}: {} the iso value is inside", convert::kind_name(field.kind),
-                                word_of(field.kind)));
+  lines.add("kind", fmt::format("{}: {} the iso value is inside", convert::kind_name(field.kind), word_of(field.kind)));
   const field::IndexBox box = field.extents();
   if (const auto* sparse = std::get_if<field::SparseSamples>(&field.samples)) {
     lines.add("samples", fmt::format("{}, sparse: {} active voxels in {} blocks and {} tiles, background {:.6g}",

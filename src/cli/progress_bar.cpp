@@ -16,7 +16,7 @@ namespace {
 using namespace std::chrono_literals;
 constexpr auto kSilentFor = 1s;
 constexpr auto kRedrawEvery = 100ms;
-constexpr std::size_t kWidth = 30;
+constexpr std::size_t kBarWidth = 30;
 constexpr std::string_view kEraseLine = "\r\x1b[K";
 
 bool stderr_is_terminal() {
@@ -29,9 +29,9 @@ std::string bar_text(const Progress& progress) {
   if (total == 0) return fmt::format("{}{} ...", kEraseLine, progress.stage());
   // A stage may begin between the two reads; the bar then stands full for one redraw.
   const double share = std::min(1.0, static_cast<double>(progress.done()) / static_cast<double>(total));
-  const auto filled = static_cast<std::size_t>(share * static_cast<double>(kWidth));
-  return fmt::format("{}[{}{}] {:3.0f} % {}", kEraseLine, std::string(filled, '#'), std::string(kWidth - filled, '.'),
-                     100 * share, progress.stage());
+  const auto filled = static_cast<std::size_t>(share * static_cast<double>(kBarWidth));
+  return fmt::format("{}[{}{}] {:3.0f} % {}", kEraseLine, std::string(filled, '#'),
+                     std::string(kBarWidth - filled, '.'), 100 * share, progress.stage());
 }
 
 void write_to_stderr(std::string_view text) {

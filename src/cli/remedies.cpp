@@ -43,6 +43,11 @@ std::string words_of(const Hint& hint) {
     case Remedy::try_iso: return fmt::format("try --iso {}; --empty skip makes this no error", text);
     case Remedy::no_surface_or_skip:
       return "try another input: this one has no surface worth suggesting; --empty skip makes this no error";
+    case Remedy::list_demo_fields: return "isoextract help demo lists the demo fields and their keys";
+    case Remedy::list_gpus: return "'isoextract devices' lists them";
+    case Remedy::report_gpu: return "please report it with 'isoextract devices'; --backend cpu needs no GPU";
+    case Remedy::show_values:
+      return "'isoextract info' shows the range of the data" + (text.empty() ? "" : "; " + text);
   }
   return text;
 }

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/byte_size.hpp"
 #include "base/machine.hpp"
 #include "base/stopwatch.hpp"
 #include "cli/layout.hpp"
@@ -111,8 +112,7 @@ Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages, const
     surface = fmt::format("{} iso {}", source->label, plan.iso);
     const auto extraction = extractor->extract(source->field, options_of(plan, *source), context);
     if (!extraction) return tl::unexpected(extraction.error());
-    const auto matched =
-        measure::match_meshes(file->mesh, extraction->mesh, plan.float32_world, Limits{context.memory().limit()});
+    const auto matched = measure::match_meshes(file->mesh, extraction->mesh, plan.float32_world, context);
     if (!matched) return tl::unexpected(matched.error());
     match = *matched;
   }

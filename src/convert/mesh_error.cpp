@@ -60,8 +60,7 @@ MeshError measure_mesh_error(const mesh::Mesh& mesh, const field::ScalarField& f
   options.interpolation = interpolation;
   options.grid = grid;
   if (grid != nullptr) options.reach = reach_from(*grid);
-  options.progress = &context.progress();
-  error.field = measure::measure_field_error(mesh, field, extracted, options);
+  error.field = measure::measure_field_error(mesh, field, extracted, options, context);
   error.analytic = measure::measure_analytic_error(mesh, field, extracted, grid, context);
   if (error.analytic && !extracted.region && field.kind == field::FieldKind::density) {
     const double unit = error.analytic->unit;

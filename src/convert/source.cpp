@@ -12,7 +12,7 @@ namespace {
 Result<void> change_resolution(const SourceOptions& options, bool keep_data, const Context& context, Events& events,
                                Source& source) {
   const Stopwatch watch;
-  auto grid = field::resample(source.field, *options.resolution, Limits{context.memory().limit()}, &context.progress());
+  auto grid = field::resample(source.field, *options.resolution, context);
   if (!grid) return tl::unexpected(std::move(grid.error()));
   const StageTime time = watch.elapsed();
   for (const std::string& text : grid->notes) events.note(text);

@@ -40,12 +40,11 @@ Json json_of(const measure::MeshMatch& match, const std::vector<std::string>& di
 
 Result<VerificationRecord> compare_backends(const field::ScalarField& field, const extract::ExtractOptions& options,
                                             const mesh::Mesh& mesh, const extract::Extractor& first,
-                                            extract::Extractor& second,
-                                            const Context& context) {
+                                            extract::Extractor& second, const Context& context) {
   const Stopwatch watch;
   auto other = second.extract(field, options, context);
   if (!other) return tl::unexpected(std::move(other.error()));
-  auto comparison = measure::compare_extractions(mesh, other->mesh, Limits{context.memory().limit()});
+  auto comparison = measure::compare_extractions(mesh, other->mesh, context);
   if (!comparison) return tl::unexpected(std::move(comparison.error()));
   VerificationRecord record;
   record.iso = options.iso;

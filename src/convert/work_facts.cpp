@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "base/limits.hpp"
+#include "base/byte_size.hpp"
 
 namespace isoextract::convert {
 namespace {

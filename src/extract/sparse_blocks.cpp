@@ -9,16 +9,14 @@
 namespace isoextract::extract {
 namespace {
 
-constexpr int kSize = field::SparseBlock::kSize;
-
 // Appends the places of block size whose 2 x 2 x 2 group is partly in the tile and partly not.
 void add_tile_skin(const field::SparseTile& tile, std::vector<glm::ivec3>& places) {
-  const int blocks = tile.size / kSize;
+  const int blocks = tile.size / kBlockSize;
   const auto on_skin = [&](int b) { return b == -1 || b == blocks - 1; };
   for (int x = -1; x < blocks; ++x) {
     for (int y = -1; y < blocks; ++y) {
       const int step = on_skin(x) || on_skin(y) ? 1 : blocks;  // only the two ends along z, where x and y are within
-      for (int z = -1; z < blocks; z += step) places.push_back(tile.origin + kSize * glm::ivec3(x, y, z));
+      for (int z = -1; z < blocks; z += step) places.push_back(tile.origin + kBlockSize * glm::ivec3(x, y, z));
     }
   }
 }
@@ -31,7 +29,7 @@ field::IndexBox stored_box(const field::SparseSamples& samples) {
     box.min = glm::min(box.min, origin);
     box.max = glm::max(box.max, origin + (size - 1));
   };
-  for (const field::SparseBlock& block : samples.blocks) add(block.origin, kSize);
+  for (const field::SparseBlock& block : samples.blocks) add(block.origin, kBlockSize);
   for (const field::SparseTile& tile : samples.tiles) add(tile.origin, tile.size);
   return box;
 }
@@ -43,7 +41,7 @@ std::uint64_t tile_skin_bytes(const field::SparseSamples& samples, const InsideR
   std::uint64_t places = 0;
   for (const field::SparseTile& tile : samples.tiles) {
     if (tile.size < field::SparseLookup::Node::kSize || rule(scale(tile.value)) == background_inside) continue;
-    const auto blocks = static_cast<std::uint64_t>(tile.size / kSize);
+    const auto blocks = static_cast<std::uint64_t>(tile.size / kBlockSize);
     places += (blocks + 1) * (blocks + 1) * (blocks + 1) - (blocks - 1) * (blocks - 1) * (blocks - 1);
   }
   return places * kBytesAPlace;
@@ -72,9 +70,9 @@ std::vector<glm::ivec3> unstored_places(const field::SparseSamples& samples, con
     }
     if (stored.size() <= kLittle) {
       for (const std::int32_t slot : stored) {
-        const glm::ivec3 place = node.origin + kSize * glm::ivec3(slot >> 8, slot >> 4 & 15, slot & 15);
+        const glm::ivec3 place = node.origin + kBlockSize * glm::ivec3(slot >> 8, slot >> 4 & 15, slot & 15);
         for (int c = 0; c < 8; ++c) {
-          const glm::ivec3 before = place - kSize * glm::ivec3(c & 1, c >> 1 & 1, c >> 2);
+          const glm::ivec3 before = place - kBlockSize * glm::ivec3(c & 1, c >> 1 & 1, c >> 2);
           const field::SparseLookup::Group group = lookup.group(before);
           if (group[0] >= 0) continue;
           const State here = state(group[0]);
@@ -83,7 +81,7 @@ std::vector<glm::ivec3> unstored_places(const field::SparseSamples& samples, con
       }
       return;
     }
-    const auto origin_at = [&](int x, int y, int z) { return node.origin + kSize * (glm::ivec3(x, y, z) - 1); };
+    const auto origin_at = [&](int x, int y, int z) { return node.origin + kBlockSize * (glm::ivec3(x, y, z) - 1); };
     const auto at = [](int x, int y, int z) {
       const int slot = (x * kSide + y) * kSide + z;
       return static_cast<std::size_t>(slot);

@@ -12,6 +12,8 @@
 
 namespace isoextract::extract {
 
+inline constexpr int kBlockSize = field::SparseBlock::kSize;
+
 // The box of all blocks and tiles; empty if there are none.
 [[nodiscard]] field::IndexBox stored_box(const field::SparseSamples& samples);
 

@@ -14,8 +14,7 @@
 namespace isoextract::extract {
 namespace {
 
-constexpr int kSize = field::SparseBlock::kSize;
-constexpr int kBlockSamples = kSize * kSize * kSize;
+constexpr int kBlockSamples = kBlockSize * kBlockSize * kBlockSize;
 constexpr const char* kBrick = "8x8x8 voxels";
 
 }  // namespace
@@ -98,11 +97,11 @@ void SparseSites::classify(ExtractStats& stats) {
   std::atomic<std::uint64_t> nan{0};
   for_each("classifying blocks", blocks, [&](std::size_t b) {
     const auto* values = static_cast<const T*>(samples_.blocks[b].values);
-    std::array<std::uint64_t, kSize + 1> bits;  // one word more than a block has
+    std::array<std::uint64_t, kBlockSize + 1> bits;  // one word more than a block has
     const std::uint64_t block_nan = classify_samples(values, kBlockSamples, limit, bits.data());
     if (!threshold) bits.fill(0);
-    std::copy_n(bits.begin(), kSize, bits_[b].begin());
-    if (block_nan != 0 && touches_region(samples_.blocks[b].origin, kSize)) {
+    std::copy_n(bits.begin(), kBlockSize, bits_[b].begin());
+    if (block_nan != 0 && touches_region(samples_.blocks[b].origin, kBlockSize)) {
       nan.fetch_add(block_nan, std::memory_order_relaxed);
     }
   });
@@ -128,7 +127,7 @@ bool SparseSites::touches_region(const glm::ivec3& origin, int size) const {
 
 glm::ivec3 SparseSites::first_nan() const {
   for (const field::SparseBlock& block : samples_.blocks) {
-    if (!touches_region(block.origin, kSize)) continue;
+    if (!touches_region(block.origin, kBlockSize)) continue;
     for (int v = 0; v < kBlockSamples; ++v) {
       if (std::isnan(stored_number_(block.values, v))) return block.origin + glm::ivec3(v >> 6, v >> 3 & 7, v & 7);
     }
@@ -170,15 +169,16 @@ std::uint64_t SparseSites::region_bits(const glm::ivec3& origin, const glm::ivec
   const glm::ivec3 high = region_.max - step - origin;
   if (x < low.x || x > high.x) return 0;
   std::uint64_t bits = 0;
-  for (int y = std::max(low.y, 0); y <= std::min(high.y, kSize - 1); ++y) {
-    for (int z = std::max(low.z, 0); z <= std::min(high.z, kSize - 1); ++z) bits |= std::uint64_t{1} << (8 * y + z);
+  for (int y = std::max(low.y, 0); y <= std::min(high.y, kBlockSize - 1); ++y) {
+    for (int z = std::max(low.z, 0); z <= std::min(high.z, kBlockSize - 1); ++z)
+      bits |= std::uint64_t{1} << (8 * y + z);
   }
   return bits;
 }
 
 bool SparseSites::wholly_in_region(const glm::ivec3& origin) const {
   return glm::all(glm::greaterThanEqual(origin, region_.min)) &&
-         glm::all(glm::lessThanEqual(origin + kSize, region_.max));
+         glm::all(glm::lessThanEqual(origin + kBlockSize, region_.max));
 }
 
 BlockBits SparseSites::active_cells(std::size_t site, const SitePlanes& planes) const {
@@ -204,7 +204,7 @@ BlockBits SparseSites::active_cells(std::size_t site, const SitePlanes& planes) 
 BlockBits SparseSites::crossed_edges_at(const glm::ivec3& origin, const SitePlanes& planes, int direction) const {
   const bool whole = wholly_in_region(origin);
   BlockBits crossed;
-  for (int x = 0; x < kSize; ++x) {
+  for (int x = 0; x < kBlockSize; ++x) {
     crossed[x] = moved_bits(planes, 0, x) ^ moved_bits(planes, direction, x);
     if (!whole) crossed[x] &= region_bits(origin, direction_step(direction), x);
   }

@@ -7,8 +7,8 @@
 #include <optional>
 #include <utility>
 
+#include "base/byte_size.hpp"
 #include "base/context.hpp"
-#include "base/limits.hpp"
 #include "base/stopwatch.hpp"
 #include "extract/border_cap.hpp"
 #include "extract/inside_test.hpp"

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
-#include "base/buffer.hpp"
+#include "base/reserved_buffer.hpp"
 #include "field/sparse_lookup.hpp"
 
 namespace isoextract::field {
@@ -35,8 +35,7 @@ double mean(const glm::ivec3& first, int factor, const F& value) {
 }
 
 template <class T>
-Result<Samples> coarsen_dense(const ScalarField& field, const DenseSamples& fine, int factor, const Limits& limits,
-                              Progress* progress) {
+Result<Samples> coarsen_dense(const ScalarField& field, const DenseSamples& fine, int factor, const Context& context) {
   DenseSamples coarse;
   coarse.type = sample_type_of<Coarse<T>>();
   coarse.dims = fine.dims / factor;
@@ -44,18 +43,16 @@ Result<Samples> coarsen_dense(const ScalarField& field, const DenseSamples& fine
     return fail(ErrorKind::input, fmt::format("{}: of its {} x {} x {} samples, one for each {}^3 is too few",
                                               field.source, fine.dims.x, fine.dims.y, fine.dims.z, factor));
   }
-  if (auto fits = check_memory(coarse.count() * sizeof(Coarse<T>), limits,
-                               fmt::format("{}: one sample for each {}^3", field.source, factor));
-      !fits) {
-    return tl::unexpected(fits.error());
-  }
-  auto values = std::make_shared<Buffer<Coarse<T>>>(coarse.count());
+  auto made = make_reserved_buffer<Coarse<T>>(coarse.count(), context,
+                                              fmt::format("{}: one sample for each {}^3", field.source, factor));
+  if (!made) return tl::unexpected(made.error());
+  Coarse<T>* const values = (*made)->values.data();
   const glm::i64vec3 dims(fine.dims);
   const auto* source = static_cast<const T*>(fine.data);
-  if (progress != nullptr) progress->begin("making the field coarser", static_cast<std::uint64_t>(coarse.dims.z));
+  context.progress().begin("making the field coarser", static_cast<std::uint64_t>(coarse.dims.z));
   tbb::parallel_for(0, coarse.dims.z, [&](int k) {
-    auto* row = values->data() + static_cast<std::size_t>(coarse.dims.x) * static_cast<std::size_t>(coarse.dims.y) *
-                                     static_cast<std::size_t>(k);
+    auto* row = values + static_cast<std::size_t>(coarse.dims.x) * static_cast<std::size_t>(coarse.dims.y) *
+                             static_cast<std::size_t>(k);
     for (int j = 0; j < coarse.dims.y; ++j) {
       for (int i = 0; i < coarse.dims.x; ++i) {
         *row++ = static_cast<Coarse<T>>(mean(factor * glm::ivec3(i, j, k), factor, [&](const glm::ivec3& p) {
@@ -63,18 +60,18 @@ Result<Samples> coarsen_dense(const ScalarField& field, const DenseSamples& fine
         }));
       }
     }
-    if (progress != nullptr) progress->advance(1);
+    context.progress().advance(1);
   });
-  coarse.data = values->data();
-  coarse.owner = std::move(values);
+  coarse.data = values;
+  coarse.owner = std::move(*made);
   return coarse;
 }
 
 int floor_divided(int a, int b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
 
 template <class T>
-Result<Samples> coarsen_sparse(const ScalarField& field, const SparseSamples& fine, int factor, const Limits& limits,
-                               Progress* progress) {
+Result<Samples> coarsen_sparse(const ScalarField& field, const SparseSamples& fine, int factor,
+                               const Context& context) {
   constexpr int kSize = SparseBlock::kSize;
   constexpr int kBlockSamples = kSize * kSize * kSize;
   SparseSamples coarse;
@@ -97,18 +94,16 @@ Result<Samples> coarsen_sparse(const ScalarField& field, const SparseSamples& fi
   const auto key = [](const glm::ivec3& p) { return std::tuple(p.x, p.y, p.z); };
   std::ranges::sort(origins, {}, key);
   origins.erase(std::unique(origins.begin(), origins.end()), origins.end());
-  if (auto fits = check_memory(origins.size() * kBlockSamples * sizeof(Coarse<T>), limits,
-                               fmt::format("{}: one sample for each {}^3", field.source, factor));
-      !fits) {
-    return tl::unexpected(fits.error());
-  }
-  auto values = std::make_shared<Buffer<Coarse<T>>>(origins.size() * kBlockSamples);
+  auto made = make_reserved_buffer<Coarse<T>>(origins.size() * kBlockSamples, context,
+                                              fmt::format("{}: one sample for each {}^3", field.source, factor));
+  if (!made) return tl::unexpected(made.error());
+  Coarse<T>* const values = (*made)->values.data();
   const SparseLookup lookup(fine);
-  if (progress != nullptr) progress->begin("making the field coarser", origins.size());
+  context.progress().begin("making the field coarser", origins.size());
   tbb::parallel_for(std::size_t{0}, origins.size(), [&](std::size_t b) {
     for (int v = 0; v < kBlockSamples; ++v) {
       const glm::ivec3 p = origins[b] + glm::ivec3(v >> 6, v >> 3 & 7, v & 7);
-      (*values)[b * kBlockSamples + static_cast<std::size_t>(v)] =
+      values[b * kBlockSamples + static_cast<std::size_t>(v)] =
           static_cast<Coarse<T>>(mean(factor * p, factor, [&](const glm::ivec3& q) {
             const glm::ivec3 origin = block_origin(q);
             const std::int32_t block = lookup.block(origin);
@@ -116,10 +111,10 @@ Result<Samples> coarsen_sparse(const ScalarField& field, const SparseSamples& fi
                               : lookup.constant(origin);
           }));
     }
-    if (progress != nullptr) progress->advance(1);
+    context.progress().advance(1);
   });
   for (std::size_t b = 0; b < origins.size(); ++b) {
-    coarse.blocks.push_back({origins[b], values->data() + b * kBlockSamples});
+    coarse.blocks.push_back({origins[b], values + b * kBlockSamples});
   }
   const IndexBox& active = fine.active_box;
   if (!active.empty()) {
@@ -129,18 +124,18 @@ Result<Samples> coarsen_sparse(const ScalarField& field, const SparseSamples& fi
     }
   }
   coarse.active_voxels = fine.active_voxels / (static_cast<std::uint64_t>(factor) * factor * factor);
-  coarse.owner = std::move(values);
+  coarse.owner = std::move(*made);
   return coarse;
 }
 
 }  // namespace
 
-Result<ScalarField> coarsen(const ScalarField& field, int factor, const Limits& limits, Progress* progress) {
+Result<ScalarField> coarsen(const ScalarField& field, int factor, const Context& context) {
   auto samples = visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) {
     if (const auto* dense = std::get_if<DenseSamples>(&field.samples)) {
-      return coarsen_dense<T>(field, *dense, factor, limits, progress);
+      return coarsen_dense<T>(field, *dense, factor, context);
     }
-    return coarsen_sparse<T>(field, std::get<SparseSamples>(field.samples), factor, limits, progress);
+    return coarsen_sparse<T>(field, std::get<SparseSamples>(field.samples), factor, context);
   });
   if (!samples) return tl::unexpected(samples.error());
   ScalarField coarse;

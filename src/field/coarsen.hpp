@@ -1,9 +1,8 @@
 // Coarser versions of a field.
 #pragma once
 
+#include "base/context.hpp"
 #include "base/error.hpp"
-#include "base/limits.hpp"
-#include "base/progress.hpp"
 #include "field/scalar_field.hpp"
 
 namespace isoextract::field {
@@ -12,8 +11,7 @@ namespace isoextract::field {
 // those samples. Dense stays dense, without the last samples of an axis where `factor` does not divide their number;
 // sparse stays sparse, its blocks aligned with multiples of 8 * `factor`. Samples are f64 if they were, otherwise f32;
 // a sample that is not finite makes the mean not finite. Fails with ErrorKind::input where an axis would have fewer
-// than two samples, or the limit forbids the size.
-[[nodiscard]] Result<ScalarField> coarsen(const ScalarField& field, int factor, const Limits& limits,
-                                          Progress* progress = nullptr);
+// than two samples, or the memory for it is not there.
+[[nodiscard]] Result<ScalarField> coarsen(const ScalarField& field, int factor, const Context& context = Context());
 
 }  // namespace isoextract::field

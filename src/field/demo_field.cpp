@@ -11,18 +11,12 @@
 #include <fmt/ranges.h>
 #include <tbb/parallel_for.h>
 
-#include "base/buffer.hpp"
 #include "base/hash.hpp"
+#include "base/reserved_buffer.hpp"
 #include "field/demo_formulas.hpp"
 
 namespace isoextract::field {
 namespace {
-
-// Samples, and what is reserved for them.
-struct OwnedSamples {
-  Buffer<float> values;
-  Reservation memory;
-};
 
 // World coordinates of the samples along one axis; the same for all three.
 using Axis = std::vector<double>;
@@ -90,7 +84,6 @@ const Demo* find_demo(std::string_view name) {
   return found == kDemos.end() ? nullptr : found;
 }
 
-constexpr std::string_view kHint = "isoextract help demo lists the demo fields and their keys";
 constexpr int kDefaultSize = 64;
 constexpr int kMaxSize = 2048;
 
@@ -98,7 +91,8 @@ constexpr int kMaxSize = 2048;
 Result<int> parse_size(std::string_view spec, std::string_view setting) {
   const std::size_t equals = setting.find('=');
   if (setting.substr(0, equals) != "size" || equals == std::string_view::npos) {
-    return fail(ErrorKind::usage, fmt::format("{}: expected size=N, found '{}'", spec, setting), std::string(kHint));
+    return fail(ErrorKind::usage, fmt::format("{}: expected size=N, found '{}'", spec, setting),
+                Remedy::list_demo_fields);
   }
   const std::string_view text = setting.substr(equals + 1);
   int size = 0;
@@ -138,7 +132,7 @@ Result<DemoSpec> parse_demo_spec(std::string_view spec) {
     for (const DemoDescription& demo : kDescriptions) names.push_back(demo.name);
     return fail(ErrorKind::usage,
                 fmt::format("{}: no demo field '{}'; there are {}", spec, name, fmt::join(names, ", ")),
-                std::string(kHint));
+                Remedy::list_demo_fields);
   }
   const Result<int> size = parse_settings(spec, settings);
   if (!size) return tl::unexpected(size.error());
@@ -149,15 +143,14 @@ Result<ScalarField> make_demo_field(std::string_view spec, const Context& contex
   const Result<DemoSpec> parsed = parse_demo_spec(spec);
   if (!parsed) return tl::unexpected(parsed.error());
   const auto n = static_cast<std::size_t>(parsed->size);
-  auto memory = context.reserve(n * n * n * sizeof(float), fmt::format("{}: {}^3 f32 samples", spec, n));
-  if (!memory) return tl::unexpected(memory.error());
+  auto samples = make_reserved_buffer<float>(n * n * n, context, fmt::format("{}: {}^3 f32 samples", spec, n));
+  if (!samples) return tl::unexpected(samples.error());
 
   const double spacing = 2.0 / (parsed->size - 1);
   Axis axis(n);
   for (std::size_t i = 0; i < n; ++i) axis[i] = -1 + spacing * static_cast<double>(i);
 
-  auto samples = std::make_shared<OwnedSamples>(OwnedSamples{Buffer<float>(n * n * n), std::move(*memory)});
-  float* const values = samples->values.data();
+  float* const values = (*samples)->values.data();
   const FillRow fill = find_demo(parsed->name)->make(axis);
   context.progress().begin("making the demo field", n);
   tbb::parallel_for(std::size_t{0}, n, [&](std::size_t k) {
@@ -172,7 +165,7 @@ Result<ScalarField> make_demo_field(std::string_view spec, const Context& contex
   field.source = std::string(spec);
   field.format = "demo";
   field.index_to_world = {glm::dmat3(spacing), glm::dvec3(-1)};
-  field.samples = DenseSamples{SampleType::f32, glm::ivec3(parsed->size), std::move(samples), values};
+  field.samples = DenseSamples{SampleType::f32, glm::ivec3(parsed->size), std::move(*samples), values};
   return field;
 }
 

@@ -9,8 +9,9 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
-#include "base/buffer.hpp"
+#include "base/byte_size.hpp"
 #include "base/checked.hpp"
+#include "base/reserved_buffer.hpp"
 #include "field/sparse_lookup.hpp"
 
 namespace isoextract::field {
@@ -111,13 +112,13 @@ class PlaneRows {
 
 template <class T>
 void fill(const SourceRows<T>& source, const glm::ivec3& old_dims, const glm::ivec3& dims, Resampled<T>* values,
-          Progress* progress) {
+          const Context& context) {
   constexpr int kRows = 64;  // of a new plane, in one go
   std::vector<Between> along_x;
   along_x.reserve(static_cast<std::size_t>(dims.x));
   for (int i = 0; i < dims.x; ++i) along_x.push_back(place_of(i, old_dims.x, dims.x));
   const std::int64_t bands = (std::int64_t{dims.y} + kRows - 1) / kRows;
-  if (progress != nullptr) progress->begin("resampling", static_cast<std::uint64_t>(bands * dims.z));
+  context.progress().begin("resampling", static_cast<std::uint64_t>(bands * dims.z));
   tbb::parallel_for(std::int64_t{0}, bands * dims.z, [&](std::int64_t part) {
     const auto k = static_cast<int>(part / bands);
     const int first = static_cast<int>(part % bands) * kRows;
@@ -138,7 +139,7 @@ void fill(const SourceRows<T>& source, const glm::ivec3& old_dims, const glm::iv
         *out++ = static_cast<Resampled<T>>(blend(at[0], at[1], x.t));
       }
     }
-    if (progress != nullptr) progress->advance(1);
+    context.progress().advance(1);
   });
 }
 
@@ -166,8 +167,7 @@ IndexBox box_in_background(const SparseSamples& sparse) {
 std::string dims_text(const glm::i64vec3& dims) { return fmt::format("{} x {} x {}", dims.x, dims.y, dims.z); }
 
 template <class T>
-Result<ScalarField> resampled(const ScalarField& field, const glm::ivec3& resolution, const Limits& limits,
-                              Progress* progress) {
+Result<ScalarField> resampled(const ScalarField& field, const glm::ivec3& resolution, const Context& context) {
   const auto* sparse = std::get_if<SparseSamples>(&field.samples);
   const IndexBox box = sparse != nullptr ? box_in_background<T>(*sparse) : field.extents();
   const glm::ivec3 old_dims(box.dims());
@@ -177,25 +177,23 @@ Result<ScalarField> resampled(const ScalarField& field, const glm::ivec3& resolu
 
   using Value = Resampled<T>;
   const glm::u64vec3 counts(resolution);
-  const auto bytes = checked_product(counts.x, counts.y, counts.z, std::uint64_t{sizeof(Value)});
+  const std::uint64_t count = checked_product(counts.x, counts.y, counts.z).value_or(~std::uint64_t{0});
   const std::string size =
       fmt::format("{} samples of {}", dims_text(resolution), sample_type_name(sample_type_of<Value>()));
-  if (auto fits = check_memory(bytes.value_or(~std::uint64_t{0}), limits, fmt::format("{}: {}", field.source, size));
-      !fits) {
-    return tl::unexpected(fits.error());
-  }
+  auto values = make_reserved_buffer<Value>(count, context, fmt::format("{}: {}", field.source, size));
+  if (!values) return tl::unexpected(values.error());
   if (sparse != nullptr) {
-    result.notes.push_back(fmt::format(
-        "{}: its sparse samples become {} ({}), which cover the voxels ({}, {}, {}) .. ({}, {}, {})", field.source,
-        size, format_byte_size(*bytes), box.min.x, box.min.y, box.min.z, box.max.x, box.max.y, box.max.z));
+    result.notes.push_back(
+        fmt::format("{}: its sparse samples become {} ({}), which cover the voxels ({}, {}, {}) .. ({}, {}, {})",
+                    field.source, size, format_byte_size(count * sizeof(Value)), box.min.x, box.min.y, box.min.z,
+                    box.max.x, box.max.y, box.max.z));
   }
   DenseSamples samples;
   samples.type = sample_type_of<Value>();
   samples.dims = resolution;
-  auto values = std::make_shared<Buffer<Value>>(samples.count());
-  fill(SourceRows<T>(field.samples, box), old_dims, resolution, values->data(), progress);
-  samples.data = values->data();
-  samples.owner = std::move(values);
+  fill(SourceRows<T>(field.samples, box), old_dims, resolution, (*values)->values.data(), context);
+  samples.data = (*values)->values.data();
+  samples.owner = std::move(*values);
 
   Affine old_from_new = scaling(glm::dvec3(old_dims - 1) / glm::dvec3(resolution - 1));
   old_from_new.offset = box.min;
@@ -207,8 +205,7 @@ Result<ScalarField> resampled(const ScalarField& field, const glm::ivec3& resolu
 
 }  // namespace
 
-Result<ScalarField> resample(const ScalarField& field, const glm::ivec3& resolution, const Limits& limits,
-                             Progress* progress) {
+Result<ScalarField> resample(const ScalarField& field, const glm::ivec3& resolution, const Context& context) {
   if (glm::any(glm::lessThan(resolution, glm::ivec3(2)))) {
     return fail(ErrorKind::usage,
                 fmt::format("a resolution needs at least 2 samples along each axis, found {}", dims_text(resolution)));
@@ -219,8 +216,8 @@ Result<ScalarField> resample(const ScalarField& field, const glm::ivec3& resolut
                 fmt::format("{}: another resolution needs at least 2 samples along each axis, found {}", field.source,
                             dims_text(dense->dims)));
   }
-  return visit_sample_type(
-      field.type(), [&]<class T>(std::type_identity<T>) { return resampled<T>(field, resolution, limits, progress); });
+  return visit_sample_type(field.type(),
+                           [&]<class T>(std::type_identity<T>) { return resampled<T>(field, resolution, context); });
 }
 
 }  // namespace isoextract::field

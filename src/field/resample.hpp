@@ -3,9 +3,8 @@
 
 #include <glm/glm.hpp>
 
+#include "base/context.hpp"
 #include "base/error.hpp"
-#include "base/limits.hpp"
-#include "base/progress.hpp"
 #include "field/scalar_field.hpp"
 
 namespace isoextract::field {
@@ -25,11 +24,11 @@ namespace isoextract::field {
 //
 // Sparse samples are everywhere, so their box is that of the active voxels and of all stored values that are not the
 // background, with one voxel more on each side: there and beyond all is background. They become dense, and a note says
-// how large. The size is held against the limit before memory is taken.
+// how large. Their memory is reserved before it is taken.
 //
 // Fails with ErrorKind::usage where `resolution` is below 2 along an axis, with ErrorKind::input where `field` is, or
-// where the limit forbids the size.
-[[nodiscard]] Result<ScalarField> resample(const ScalarField& field, const glm::ivec3& resolution, const Limits& limits,
-                                           Progress* progress = nullptr);
+// where the memory for it is not there.
+[[nodiscard]] Result<ScalarField> resample(const ScalarField& field, const glm::ivec3& resolution,
+                                           const Context& context = Context());
 
 }  // namespace isoextract::field

@@ -42,13 +42,11 @@ std::string words(const DeviceChoice& choice) {
 
 Result<DeviceChoice> parse_device_choice(const std::string& text) {
   constexpr std::string_view kCuda = "cuda:";
-  if (text.empty())
-    return fail(ErrorKind::usage, "expected a number, cuda:N or a name", "'isoextract devices' lists them");
+  if (text.empty()) return fail(ErrorKind::usage, "expected a number, cuda:N or a name", Remedy::list_gpus);
   if (text.starts_with(kCuda)) {
     const auto number = parse_index(std::string_view(text).substr(kCuda.size()));
     if (!number) {
-      return fail(ErrorKind::usage, fmt::format("expected a number after cuda:, found '{}'", text),
-                  "'isoextract devices' lists them");
+      return fail(ErrorKind::usage, fmt::format("expected a number after cuda:, found '{}'", text), Remedy::list_gpus);
     }
     return CudaIndex{*number};
   }

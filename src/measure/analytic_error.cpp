@@ -79,14 +79,14 @@ class AngleSums {
   double max_ = 0;
 };
 
-struct TriangleSums {
+struct FormulaSums {
   ErrorAccumulator distance;
   AngleSums smooth;
   AngleSums flat;
   double area = 0;
   std::uint64_t cap_triangles = 0;
 
-  void merge(const TriangleSums& other) {
+  void merge(const FormulaSums& other) {
     distance.merge(other.distance);
     smooth.merge(other.smooth);
     flat.merge(other.flat);
@@ -132,8 +132,8 @@ class AnalyticMeasurement {
     context_.progress().begin("measuring the true error", mesh_.triangles.size() + mesh_.positions.size());
     const ErrorAccumulator none(placed_.voxel());
     const auto triangles =
-        reduce_in_order(mesh_.triangles.size(), TriangleSums{none, {}, {}}, &context_.progress(),
-                        [&](const PointRange& range, TriangleSums& sums) { measure_triangles(range, sums); });
+        reduce_in_order(mesh_.triangles.size(), FormulaSums{none, {}, {}}, &context_.progress(),
+                        [&](const PointRange& range, FormulaSums& sums) { measure_triangles(range, sums); });
     result.interior = triangles.distance.result();
     result.smooth_normals = triangles.smooth.result();
     result.flat_normals = triangles.flat.result();
@@ -166,7 +166,7 @@ class AnalyticMeasurement {
     return glm::normalize(normal_map_ * foot.gradient);
   }
 
-  void measure_triangles(const PointRange& range, TriangleSums& sums) const {
+  void measure_triangles(const PointRange& range, FormulaSums& sums) const {
     for (std::size_t t = range.begin(); t != range.end(); ++t) {
       const auto corners = placed_.corners(t);
       if (placed_.is_cap(corners)) {

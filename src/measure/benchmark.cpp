@@ -360,7 +360,6 @@ Result<BenchResult> bench_demo(std::string_view name, const std::vector<int>& si
 Result<BenchResult> bench_field(const field::ScalarField& field, const std::vector<int>& factors,
                                 const BenchOptions& options, const Context& context) {
   if (auto checked = check_thread_counts(options.threads); !checked) return tl::unexpected(checked.error());
-  const Limits limits{context.memory().limit()};
   BenchResult result;
   result.input = field.source;
   result.iso = options.iso;
@@ -381,7 +380,7 @@ Result<BenchResult> bench_field(const field::ScalarField& field, const std::vect
   for (const int factor : factors) {
     std::optional<field::ScalarField> coarse;
     if (factor > 1) {
-      auto made = field::coarsen(field, factor, limits, &context.progress());
+      auto made = field::coarsen(field, factor, context);
       if (!made) return tl::unexpected(made.error());
       coarse = std::move(*made);
       if (std::string dropped = dropped_samples(field, factor); !dropped.empty()) {
@@ -394,8 +393,7 @@ Result<BenchResult> bench_field(const field::ScalarField& field, const std::vect
       of_finest.output_from_index = field.index_to_world;
       FieldErrorOptions error;
       error.reach = 2.0 * factor;
-      error.progress = &context.progress();
-      errors.position = measure_field_error(specimen.mesh, field, of_finest, error).interior;
+      errors.position = measure_field_error(specimen.mesh, field, of_finest, error, context).interior;
       for (Length* length : {&errors.position.rms, &errors.position.percentile99, &errors.position.max}) {
         length->voxels /= factor;
       }

@@ -39,8 +39,6 @@ Buckets<KeyedVertex> by_block(const mesh::Mesh& mesh, std::size_t buckets) {
           }};
 }
 
-double largest(const glm::dvec3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
-
 double ulps_apart(const mesh::Mesh& a, std::uint32_t in_a, const mesh::Mesh& b, std::uint32_t in_b) {
   const glm::dvec3 p(a.positions[in_a]);
   const glm::dvec3 q(b.positions[in_b]);
@@ -48,7 +46,7 @@ double ulps_apart(const mesh::Mesh& a, std::uint32_t in_a, const mesh::Mesh& b, 
   if (!std::isfinite(away.x) || !std::isfinite(away.y) || !std::isfinite(away.z)) {
     return std::numeric_limits<double>::infinity();
   }
-  return largest(away) / float_spacing(std::max(largest(p), largest(q)));
+  return largest_coordinate(away) / float_spacing(std::max(largest_coordinate(p), largest_coordinate(q)));
 }
 
 double degrees_apart(const glm::vec3& n, const glm::vec3& m) {
@@ -70,7 +68,7 @@ struct Worst {
   }
 };
 
-struct VertexSums {
+struct MatchedVertices {
   std::array<std::uint64_t, 2> only{};
   std::array<std::optional<mesh::EdgeKey>, 2> example{};
   Worst position;
@@ -81,7 +79,7 @@ struct VertexSums {
     only[side] += count;
     if (!example[side] || edge < *example[side]) example[side] = edge;
   }
-  void merge(const VertexSums& other) {
+  void merge(const MatchedVertices& other) {
     for (std::size_t side = 0; side < 2; ++side) {
       if (other.example[side]) add_only(side, other.only[side], *other.example[side]);
     }
@@ -100,11 +98,11 @@ class VertexMatcher {
         names_a_(a.edges.size()),
         names_b_(b.edges.size()) {}
 
-  VertexSums run() {
+  MatchedVertices run() {
     const std::size_t buckets = bucket_count(a_, b_);
     const Buckets<KeyedVertex> of_a = by_block(a_, buckets);
     const Buckets<KeyedVertex> of_b = by_block(b_, buckets);
-    return reduce_in_order(buckets, VertexSums{}, nullptr, [&](const PointRange& range, VertexSums& sums) {
+    return reduce_in_order(buckets, MatchedVertices{}, nullptr, [&](const PointRange& range, MatchedVertices& sums) {
       for (std::size_t bucket = range.begin(); bucket != range.end(); ++bucket) {
         match(of_a.at(bucket), of_b.at(bucket), sums);
       }
@@ -135,7 +133,7 @@ class VertexMatcher {
     return run;
   }
 
-  void match(Run a, Run b, VertexSums& sums) {
+  void match(Run a, Run b, MatchedVertices& sums) {
     while (!a.empty() || !b.empty()) {
       const bool from_a = b.empty() || (!a.empty() && a.front().key < b.front().key);
       const mesh::EdgeKey key = from_a ? a.front().key : b.front().key;
@@ -151,7 +149,7 @@ class VertexMatcher {
     }
   }
 
-  void compare(std::uint32_t in_a, std::uint32_t in_b, const mesh::EdgeKey& key, VertexSums& sums) const {
+  void compare(std::uint32_t in_a, std::uint32_t in_b, const mesh::EdgeKey& key, MatchedVertices& sums) const {
     sums.position.add(ulps_apart(a_, in_a, b_, in_b), key);
     if (normals_) sums.normal.add(degrees_apart(a_.normals[in_a], b_.normals[in_b]), key);
   }
@@ -165,7 +163,7 @@ class VertexMatcher {
 
 }  // namespace
 
-Result<ExtractionComparison> compare_extractions(const mesh::Mesh& a, const mesh::Mesh& b, const Limits& limits) {
+Result<ExtractionComparison> compare_extractions(const mesh::Mesh& a, const mesh::Mesh& b, const Context& context) {
   for (const mesh::Mesh* mesh : {&a, &b}) {
     if (mesh->edges.size() == mesh->positions.size()) continue;
     return fail(ErrorKind::verification,
@@ -175,12 +173,11 @@ Result<ExtractionComparison> compare_extractions(const mesh::Mesh& a, const mesh
   const std::uint64_t bytes =
       VertexMatcher::bytes(a, b) + triangle_comparison_bytes(a.triangles.size() + b.triangles.size(), a.edges.size());
   const std::uint64_t triangles = a.triangles.size() + b.triangles.size();
-  if (auto fits = check_memory(bytes, limits, fmt::format("{}: comparing {} triangles", a.name, triangles)); !fits) {
-    return tl::unexpected(fits.error());
-  }
+  const auto memory = context.reserve(bytes, fmt::format("{}: comparing {} triangles", a.name, triangles));
+  if (!memory) return tl::unexpected(memory.error());
 
   VertexMatcher matcher(a, b);
-  const VertexSums sums = matcher.run();
+  const MatchedVertices sums = matcher.run();
   ExtractionComparison result;
   result.vertices = {a.positions.size(), b.positions.size()};
   result.triangles = compare_triangle_sets({a, matcher.names_a()}, {b, matcher.names_b()}, a.edges.size());

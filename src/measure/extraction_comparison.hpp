@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
+#include "base/context.hpp"
 #include "base/error.hpp"
-#include "base/limits.hpp"
 #include "measure/triangle_sets.hpp"
 #include "mesh/mesh.hpp"
 
@@ -45,9 +45,9 @@ struct ExtractionComparison {
 
 // Where a hole parts a vertex, its copies share a key: how many there are is compared, not which triangles each has.
 // Fails with ErrorKind::verification if a mesh lacks edge keys, with ErrorKind::input if the comparison needs more
-// memory than the limit. Indices of vertices that are not there are a difference like any other.
+// memory than there is. Indices of vertices that are not there are a difference like any other.
 [[nodiscard]] Result<ExtractionComparison> compare_extractions(const mesh::Mesh& a, const mesh::Mesh& b,
-                                                               const Limits& limits = default_limits());
+                                                               const Context& context = Context());
 
 // What differs by more than it may, a sentence without its full stop each; none if the meshes are the same: the same
 // triangles and vertices, the same origin, positions within kStabilityUlps, normals within kNormalDegrees. `names` are

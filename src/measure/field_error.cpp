@@ -153,21 +153,21 @@ class SurfaceProbe {
   glm::dvec3 high_{kInfinity};
 };
 
-struct TriangleSums {
+struct InteriorSums {
   ErrorAccumulator interior;
   std::uint64_t cap_triangles = 0;
 
-  void merge(const TriangleSums& other) {
+  void merge(const InteriorSums& other) {
     interior.merge(other.interior);
     cap_triangles += other.cap_triangles;
   }
 };
 
-struct VertexSums {
+struct VertexErrorSums {
   ErrorAccumulator all;
   ErrorAccumulator storage;
 
-  void merge(const VertexSums& other) {
+  void merge(const VertexErrorSums& other) {
     all.merge(other.all);
     storage.merge(other.storage);
   }
@@ -176,11 +176,12 @@ struct VertexSums {
 class FieldMeasurement {
  public:
   FieldMeasurement(const mesh::Mesh& mesh, const field::ScalarField& field, const extract::ExtractOptions& extracted,
-                   const FieldErrorOptions& options)
+                   const FieldErrorOptions& options, const Context& context)
       : mesh_(mesh),
         field_(field),
         extracted_(extracted),
         options_(options),
+        context_(context),
         chosen_(field, options.interpolation),
         trilinear_(field, field::Interpolation::trilinear),
         placed_(mesh, field, extracted, options.grid) {}
@@ -188,19 +189,17 @@ class FieldMeasurement {
   FieldError run() {
     FieldError result;
     result.interpolation = options_.interpolation;
-    if (options_.progress != nullptr) {
-      options_.progress->begin("measuring the error", mesh_.triangles.size() + mesh_.positions.size());
-    }
+    context_.progress().begin("measuring the error", mesh_.triangles.size() + mesh_.positions.size());
     const ErrorAccumulator none(placed_.voxel());
     const auto triangles =
-        reduce_in_order(mesh_.triangles.size(), TriangleSums{none}, options_.progress,
-                        [&](const PointRange& range, TriangleSums& sums) { measure_triangles(range, sums); });
+        reduce_in_order(mesh_.triangles.size(), InteriorSums{none}, &context_.progress(),
+                        [&](const PointRange& range, InteriorSums& sums) { measure_triangles(range, sums); });
     result.interior = triangles.interior.result();
     result.cap_triangles = triangles.cap_triangles;
     surface_vertices_ = placed_.surface_vertices();
     const auto vertices =
-        reduce_in_order(mesh_.positions.size(), VertexSums{none, none}, options_.progress,
-                        [&](const PointRange& range, VertexSums& sums) { measure_vertices(range, sums); });
+        reduce_in_order(mesh_.positions.size(), VertexErrorSums{none, none}, &context_.progress(),
+                        [&](const PointRange& range, VertexErrorSums& sums) { measure_vertices(range, sums); });
     result.vertices = vertices.all.result();
     result.storage = vertices.storage.result();
     return result;
@@ -211,7 +210,7 @@ class FieldMeasurement {
     return {interpolant, field_, placed_.tolerance(), placed_.output_from_index(), extracted_.iso, options_.reach};
   }
 
-  void measure_triangles(const PointRange& range, TriangleSums& sums) const {
+  void measure_triangles(const PointRange& range, InteriorSums& sums) const {
     SurfaceProbe surface = probe(chosen_);
     for (std::size_t t = range.begin(); t != range.end(); ++t) {
       const auto corners = placed_.corners(t);
@@ -226,7 +225,7 @@ class FieldMeasurement {
     }
   }
 
-  void measure_vertices(const PointRange& range, VertexSums& sums) const {
+  void measure_vertices(const PointRange& range, VertexErrorSums& sums) const {
     SurfaceProbe chosen = probe(chosen_);
     SurfaceProbe trilinear = probe(trilinear_);
     for (std::size_t v = range.begin(); v != range.end(); ++v) {
@@ -241,6 +240,7 @@ class FieldMeasurement {
   const field::ScalarField& field_;
   const extract::ExtractOptions& extracted_;
   const FieldErrorOptions& options_;
+  const Context& context_;
   field::Interpolant chosen_;
   field::Interpolant trilinear_;
   IndexMesh placed_;
@@ -250,8 +250,9 @@ class FieldMeasurement {
 }  // namespace
 
 FieldError measure_field_error(const mesh::Mesh& mesh, const field::ScalarField& field,
-                               const extract::ExtractOptions& extracted, const FieldErrorOptions& options) {
-  return FieldMeasurement(mesh, field, extracted, options).run();
+                               const extract::ExtractOptions& extracted, const FieldErrorOptions& options,
+                               const Context& context) {
+  return FieldMeasurement(mesh, field, extracted, options, context).run();
 }
 
 }  // namespace isoextract::measure

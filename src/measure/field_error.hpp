@@ -10,6 +10,7 @@
 // is none, or samples are not finite, there is no distance; such points are counted, not left out in silence.
 #pragma once
 
+#include "base/context.hpp"
 #include "extract/extractor.hpp"
 #include "field/interpolant.hpp"
 #include "measure/error_statistics.hpp"
@@ -20,7 +21,6 @@ struct FieldErrorOptions {
   field::Interpolation interpolation = field::Interpolation::trilinear;  // whose isosurface is the truth
   double reach = 1;                                                      // voxels of the field
   const field::ScalarField* grid = nullptr;  // that the mesh was extracted from, if resample() made it of the field
-  Progress* progress = nullptr;
 };
 
 struct FieldError {
@@ -41,7 +41,7 @@ struct FieldError {
 // cap are taken from it. The mesh may have fewer triangles since. Voxels are those of `field`. The same answer for any
 // number of threads.
 [[nodiscard]] FieldError measure_field_error(const mesh::Mesh& mesh, const field::ScalarField& field,
-                                             const extract::ExtractOptions& extracted,
-                                             const FieldErrorOptions& options);
+                                             const extract::ExtractOptions& extracted, const FieldErrorOptions& options,
+                                             const Context& context = Context());
 
 }  // namespace isoextract::measure

@@ -41,6 +41,15 @@ glm::dvec2 spread(std::uint64_t n) {
 
 // A's side of the comparison: its points in the frame of B's tree.
 class Direction {
+  struct Corner {
+    double distance_squared = 0;
+    std::uint32_t slot = 0;
+  };
+  struct Open {
+    double upper;
+    std::uint32_t triangle;
+  };
+
  public:
   Direction(const mesh::Mesh& a, const mesh::Mesh& b, const mesh::TriangleTree& tree, const DistanceOptions& options,
             double floor)
@@ -48,6 +57,14 @@ class Direction {
     limits_.tolerance = options.tolerance;
     limits_.floor = floor;
     limits_.enough = options.enough;
+  }
+
+  // What it takes at most, with the tree of B, and the samples that outlive it.
+  [[nodiscard]] static std::uint64_t bytes(const mesh::Mesh& a, const mesh::Mesh& b, const DistanceOptions& options) {
+    const std::uint64_t a_triangle = sizeof(double) + sizeof(Open) + sizeof(mesh::TriangleBound);
+    return mesh::TriangleTree::bytes(b.triangles.size()) + a.positions.size() * (sizeof(Corner) + 1) +
+           a.triangles.size() * a_triangle +
+           options.samples * (4 * sizeof(double) + sizeof(std::uint32_t) + sizeof(glm::dvec3));
   }
 
   DirectedDistance measure() {
@@ -153,10 +170,6 @@ class Direction {
   // The widest bounds first, in rounds: what a round finds spares the next ones work, and no thread's luck decides
   // what is looked at.
   void bound_triangles() {
-    struct Open {
-      double upper;
-      std::uint32_t triangle;
-    };
     std::vector<double> uppers(a_.triangles.size());
     for_ranges(uppers.size(), [&](std::size_t first, std::size_t last) {
       for (std::size_t t = first; t < last; ++t) uppers[t] = quick_upper(a_.triangles[t]);
@@ -196,11 +209,6 @@ class Direction {
       round *= 2;
     }
   }
-
-  struct Corner {
-    double distance_squared = 0;
-    std::uint32_t slot = 0;
-  };
 
   const mesh::Mesh& a_;
   const mesh::Mesh& b_;
@@ -244,14 +252,15 @@ double float32_resolution(const mesh::Mesh& mesh) {
 
 }  // namespace
 
-Result<MeshDistance> measure_distance(const mesh::Mesh& a, const mesh::Mesh& b, const DistanceOptions& options) {
+Result<MeshDistance> measure_distance(const mesh::Mesh& a, const mesh::Mesh& b, const DistanceOptions& options,
+                                      const Context& context) {
   for (const mesh::Mesh* mesh : {&a, &b}) {
     if (!mesh->triangles.empty()) continue;
     return fail(ErrorKind::input,
                 fmt::format("{} mesh{} has no triangles, so there is no distance to it",
                             mesh == &a ? "the first" : "the second",
                             mesh->name.empty() ? "" : fmt::format(", {},", mesh->name)),
-                "a surface is empty where the iso value lies outside the data; 'isoextract info' shows their range");
+                {Remedy::show_values, "a surface is empty where the iso value lies outside of it"});
   }
   constexpr double kFarthest = 1e150;
   if (const double apart = glm::length(a.origin - b.origin); !(apart <= kFarthest)) {
@@ -259,9 +268,12 @@ Result<MeshDistance> measure_distance(const mesh::Mesh& a, const mesh::Mesh& b, 
                 fmt::format("expected meshes at most {:g} apart, found {} and {} farther from each other", kFarthest,
                             a.name, b.name));
   }
+  const auto memory = context.reserve(std::max(Direction::bytes(a, b, options), Direction::bytes(b, a, options)),
+                                      fmt::format("{} and {}: the distances of their triangles", a.name, b.name));
+  if (!memory) return tl::unexpected(memory.error());
   MeshDistance result;
   result.resolution = std::max(float32_resolution(a), float32_resolution(b));
-  if (options.progress != nullptr) options.progress->begin("measuring distances", 0);
+  context.progress().begin("measuring distances", 0);
   const auto directed = [&](const mesh::Mesh& from, const mesh::Mesh& to, std::vector<double>& samples) {
     const mesh::TriangleTree tree(to.positions.span(), to.triangles.span());
     Direction direction(from, to, tree, options, result.resolution);

@@ -12,8 +12,8 @@
 
 #include <glm/glm.hpp>
 
+#include "base/context.hpp"
 #include "base/error.hpp"
-#include "base/progress.hpp"
 #include "mesh/mesh.hpp"
 
 namespace isoextract::measure {
@@ -23,7 +23,6 @@ struct DistanceOptions {
   // Triangle by triangle, distances up to this need no closer look: then the interval may reach up to it.
   double enough = 0;
   std::uint64_t samples = 1 << 18;  // in each direction; with 0 the figures of samples stay 0
-  Progress* progress = nullptr;
 };
 
 struct DirectedDistance {
@@ -49,9 +48,11 @@ struct MeshDistance {
   double resolution = 0;
 };
 
-// Fails with ErrorKind::input if a mesh has no triangles: nothing has a distance to nothing; or if the origins
-// are more than 1e150 apart, where squared distances leave the range of double. Positions must be finite.
+// Fails with ErrorKind::input if a mesh has no triangles: nothing has a distance to nothing; if the origins
+// are more than 1e150 apart, where squared distances leave the range of double; or if there is not the memory for it.
+// Positions must be finite.
 [[nodiscard]] Result<MeshDistance> measure_distance(const mesh::Mesh& a, const mesh::Mesh& b,
-                                                    const DistanceOptions& options = {});
+                                                    const DistanceOptions& options = {},
+                                                    const Context& context = Context());
 
 }  // namespace isoextract::measure

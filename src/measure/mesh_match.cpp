@@ -18,8 +18,6 @@
 namespace isoextract::measure {
 namespace {
 
-double largest(const glm::dvec3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
-
 // The largest local and the largest world coordinates of a mesh, without sign.
 struct Reach {
   double local = 0;
@@ -29,7 +27,7 @@ struct Reach {
     if (mesh.positions.empty()) return;
     const mesh::LocalBounds bounds = mesh::measure_local_bounds(mesh);
     for (const glm::vec3& corner : {bounds.min, bounds.max}) {
-      local = std::max(local, largest(glm::dvec3(corner)));
+      local = std::max(local, largest_coordinate(glm::dvec3(corner)));
       world = glm::max(world, glm::abs(mesh.origin + glm::dvec3(corner)));
     }
   }
@@ -58,7 +56,7 @@ class Cells {
     // A bucket holds a block of 2^shift cells a side: then meshes, which have neighbours near each other, find them in
     // the cache. It is about as wide as four edges of a surface of so many vertices.
     const double edges = 4 * reach / std::sqrt(static_cast<double>(vertices) + 1);
-    while (shift_ < kMaxShift && std::ldexp(largest(size_), shift_ + 1) <= edges) ++shift_;
+    while (shift_ < kMaxShift && std::ldexp(largest_coordinate(size_), shift_ + 1) <= edges) ++shift_;
     buckets_ = vertices / 16 + 1;
   }
 
@@ -157,7 +155,7 @@ Nearest nearest_to(const glm::dvec3& place, const glm::dvec3& allowed, const Pla
         const auto order = [](const glm::ivec3& c) { return std::tuple(c.x, c.y, c.z); };
         auto v = std::ranges::lower_bound(all, order(cell), {}, [&](const PlacedVertex& p) { return order(p.cell); });
         for (; v != all.end() && v->cell == cell; ++v) {
-          const double share = largest((places.place(v->stored) - place) / allowed);
+          const double share = largest_coordinate((places.place(v->stored) - place) / allowed);
           if (share > 1 || std::tie(share, v->vertex) >= std::tie(nearest.share, nearest.vertex)) continue;
           nearest = {v->vertex, share};
         }
@@ -175,15 +173,13 @@ std::uint64_t matching_bytes(std::uint64_t vertices) {
 }  // namespace
 
 Result<MeshMatch> match_meshes(const mesh::Mesh& written, const mesh::Mesh& extracted, bool float32_world,
-                               const Limits& limits) {
+                               const Context& context) {
   const std::uint64_t vertices = written.positions.size() + extracted.positions.size();
   const std::uint64_t triangles = written.triangles.size() + extracted.triangles.size();
   const std::uint64_t bytes =
       matching_bytes(vertices) + triangle_comparison_bytes(triangles, extracted.positions.size());
-  if (auto fits = check_memory(bytes, limits, fmt::format("{}: matching {} triangles", written.name, triangles));
-      !fits) {
-    return tl::unexpected(fits.error());
-  }
+  const auto memory = context.reserve(bytes, fmt::format("{}: matching {} triangles", written.name, triangles));
+  if (!memory) return tl::unexpected(memory.error());
 
   MeshMatch result;
   result.vertices = {written.positions.size(), extracted.positions.size()};

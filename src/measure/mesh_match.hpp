@@ -23,8 +23,8 @@
 #include <string>
 #include <vector>
 
+#include "base/context.hpp"
 #include "base/error.hpp"
-#include "base/limits.hpp"
 #include "measure/triangle_sets.hpp"
 #include "mesh/mesh.hpp"
 
@@ -43,9 +43,9 @@ struct MeshMatch {
 };
 
 // `float32_world`: the file's format has float32 world coordinates only. Fails with ErrorKind::input if matching needs
-// more memory than the limit.
+// more memory than there is.
 [[nodiscard]] Result<MeshMatch> match_meshes(const mesh::Mesh& written, const mesh::Mesh& extracted, bool float32_world,
-                                             const Limits& limits = default_limits());
+                                             const Context& context = Context());
 
 // What differs, a sentence without its full stop each; none if they are the same. `names` are what the meshes are
 // called.

@@ -27,6 +27,11 @@ class TriangleTree {
     glm::dvec3 point{0.0};
   };
 
+  // What making the tree takes at most, for a caller to reserve; half of it, once it is made.
+  [[nodiscard]] static std::uint64_t bytes(std::uint64_t triangles) {
+    return triangles * (sizeof(Corners) + sizeof(std::uint32_t) + sizeof(Box) + sizeof(glm::vec4));
+  }
+
   // At least one triangle; finite positions; indices below positions.size(). The tree keeps copies. It is the same for
   // any number of threads.
   TriangleTree(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles);

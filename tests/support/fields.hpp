@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <random>
 #include <tuple>
@@ -11,6 +12,8 @@
 #include "field/scalar_field.hpp"
 
 namespace isoextract::test {
+
+inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // Halves are made from floats only.
 template <class T, class V>

@@ -77,8 +77,8 @@ Found go(const Way& way, std::size_t threads) {
   found.emplace_back("statistics", told(statistics));
   found.emplace_back("suggestion", fmt::format("{}", field::suggest_iso(field, statistics).iso));
   found.emplace_back("estimate", fmt::format("{}", field::estimate_vertices(field, way.iso)));
-  const auto resampled = must(field::resample(field, {40, 31, 52}, default_limits()));
-  const auto coarser = must(field::coarsen(field, 2, default_limits()));
+  const auto resampled = must(field::resample(field, {40, 31, 52}));
+  const auto coarser = must(field::coarsen(field, 2));
   add_surface(resampled, way, extract::Method::mt, "resampled", found);
   add_surface(coarser, way, extract::Method::mt, "coarser", found);
   const mesh::Mesh mesh = add_surface(field, way, extract::Method::mc, "as it is", found);

@@ -18,8 +18,6 @@
 namespace isoextract::extract {
 namespace {
 
-constexpr int kSize = field::SparseBlock::kSize;
-
 // The values around one place: the block-size places up to one away along each axis.
 template <class T>
 class Neighbourhood {
@@ -159,7 +157,7 @@ class SparseExtraction final : private CellDecider {
       const int direction = table_.directions[d];
       const glm::ivec3 step = direction_step(direction);
       const BlockBits& crossed = vertices_.crossed(s, d);
-      for (int x = 0; x < kSize; ++x) {
+      for (int x = 0; x < kBlockSize; ++x) {
         for_each_bit(crossed[x], [&](int bit) {
           const glm::ivec3 p = origin + glm::ivec3(x, bit >> 3, bit & 7);
           const int i = batch.count++;

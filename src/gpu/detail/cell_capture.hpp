@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/buffer.hpp"
-#include "base/limits.hpp"
+#include "base/byte_size.hpp"
 #include "base/stopwatch.hpp"
 #include "gl/gl_context.hpp"
 #include "gl/gl_object.hpp"

@@ -10,8 +10,6 @@
 namespace isoextract::gpu {
 namespace {
 
-constexpr int kBrick = 8;
-
 std::size_t brick_index(const glm::ivec3& bricks, const glm::ivec3& b) {
   return static_cast<std::size_t>(b.x) +
          static_cast<std::size_t>(bricks.x) *
@@ -26,8 +24,8 @@ unsigned mixed_bricks(const extract::DenseMasks& masks, int w, int bj, int bk) {
   const std::uint64_t shared = extract::bits_below(w, dims.x - 1);
   std::uint64_t any = 0;
   std::uint64_t all = ~std::uint64_t{0};
-  for (int k = kBrick * bk; k < std::min(kBrick * (bk + 1) + 1, dims.z); ++k) {
-    for (int j = kBrick * bj; j < std::min(kBrick * (bj + 1) + 1, dims.y); ++j) {
+  for (int k = kBrickCells * bk; k < std::min(kBrickCells * (bk + 1) + 1, dims.z); ++k) {
+    for (int j = kBrickCells * bj; j < std::min(kBrickCells * (bj + 1) + 1, dims.y); ++j) {
       const std::uint64_t* row = masks.row(j, k);
       const std::uint64_t next = row[w] >> 1 | row[w + 1] << 63;
       any |= (row[w] & own) | (next & shared);
@@ -46,7 +44,9 @@ unsigned mixed_bricks(const extract::DenseMasks& masks, int w, int bj, int bk) {
 }  // namespace
 
 DenseSites::DenseSites(const extract::DenseMasks& masks, const glm::ivec3& low)
-    : low_(low), bricks_((masks.dims() + kBrick - 1) / kBrick), numbers_(brick_index(bricks_, {0, 0, bricks_.z}), -1) {
+    : low_(low),
+      bricks_((masks.dims() + kBrickCells - 1) / kBrickCells),
+      numbers_(brick_index(bricks_, {0, 0, bricks_.z}), -1) {
   tbb::parallel_for(0, bricks_.z, [&](int bk) {
     for (int bj = 0; bj < bricks_.y; ++bj) {
       for (int w = 0; w < masks.words(); ++w) {
@@ -64,20 +64,20 @@ DenseSites::DenseSites(const extract::DenseMasks& masks, const glm::ivec3& low)
         std::int32_t& number = numbers_[brick_index(bricks_, b)];
         if (number < 0) continue;
         number = static_cast<std::int32_t>(origins_.size());
-        origins_.push_back(low_ + kBrick * b);
+        origins_.push_back(low_ + kBrickCells * b);
       }
     }
   }
 }
 
 std::int32_t DenseSites::site(const glm::ivec3& p) const {
-  const glm::ivec3 brick = (p - low_) / kBrick;
+  const glm::ivec3 brick = (p - low_) / kBrickCells;
   return glm::all(glm::lessThan(brick, bricks_)) ? numbers_[brick_index(bricks_, brick)] : -1;
 }
 
 std::array<std::int32_t, 8> DenseSites::near(std::size_t site_number) const {
   std::array<std::int32_t, 8> sites;
-  for (int n = 0; n < 8; ++n) sites[n] = site(origins_[site_number] + kBrick * extract::direction_step(n));
+  for (int n = 0; n < 8; ++n) sites[n] = site(origins_[site_number] + kBrickCells * extract::direction_step(n));
   return sites;
 }
 

@@ -10,6 +10,8 @@
 
 namespace isoextract::gpu {
 
+constexpr int kBrickCells = 8;  // along each axis
+
 // A site is a brick of 8 x 8 x 8 cells, with samples on both sides. It owns the edges whose lower end is one of its
 // samples.
 class DenseSites {
@@ -19,7 +21,7 @@ class DenseSites {
 
   // What it takes at most for masks of such dims.
   [[nodiscard]] static std::uint64_t bytes(const glm::ivec3& dims) {
-    const glm::u64vec3 bricks = (glm::u64vec3(dims) + std::uint64_t{7}) / std::uint64_t{8};
+    const glm::u64vec3 bricks = (glm::u64vec3(dims) + std::uint64_t{kBrickCells - 1}) / std::uint64_t{kBrickCells};
     return bricks.x * bricks.y * bricks.z * (sizeof(std::int32_t) + sizeof(glm::ivec3));
   }
   // The lowest sample of each site, in indices of the field; by rising z, then y, then x.

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
+#include "gpu/detail/dense_sites.hpp"
+
 namespace isoextract::gpu {
 namespace {
-
-constexpr int kBrick = 8;
 
 std::uint64_t volume(const glm::ivec3& size) {
   const glm::u64vec3 wide(size);
@@ -18,7 +18,7 @@ field::IndexBox box_of(std::span<const glm::ivec3> sites, const field::IndexBox&
   field::IndexBox box{sites.front(), sites.front()};
   for (const glm::ivec3& site : sites) {
     box.min = glm::min(box.min, site);
-    box.max = glm::max(box.max, site + kBrick);
+    box.max = glm::max(box.max, site + kBrickCells);
   }
   return {box.min, glm::min(box.max, region.max)};
 }
@@ -59,7 +59,7 @@ Result<DenseSource> DenseSource::make(const gl::GlContext& context, const field:
 Result<void> DenseSource::choose_window() {
   const glm::ivec3 all(reach_.dims());
   const glm::ivec3 cells = box_.max - box_.min;
-  const int least_slices = std::min(kBrick + 1 + 2 * apron_, all.z);
+  const int least_slices = std::min(kBrickCells + 1 + 2 * apron_, all.z);
   const std::uint64_t size = field::sample_size(samples_->type);
   const int limit = options_.max_texture_size;
   const auto fits = [&](const glm::ivec3& window) {
@@ -70,10 +70,10 @@ Result<void> DenseSource::choose_window() {
   // Halves the longer side, in whole bricks, until a slab of one brick's height fits.
   while (!fits(window)) {
     const int axis = column_cells_.x >= column_cells_.y ? 0 : 1;
-    if (column_cells_[axis] <= kBrick) {
+    if (column_cells_[axis] <= kBrickCells) {
       return too_few_bytes(options_.bytes, volume(window) * size);
     }
-    column_cells_[axis] = ((column_cells_[axis] + 1) / 2 + kBrick - 1) / kBrick * kBrick;
+    column_cells_[axis] = ((column_cells_[axis] + 1) / 2 + kBrickCells - 1) / kBrickCells * kBrickCells;
     window[axis] = std::min(column_cells_[axis] + 1 + 2 * apron_, all[axis]);
   }
   const std::uint64_t slices = options_.bytes / (volume({window.x, window.y, 1}) * size);
@@ -84,7 +84,7 @@ Result<void> DenseSource::choose_window() {
 }
 
 field::IndexBox DenseSource::needed_samples(const glm::ivec3& site) const {
-  return {glm::max(site - apron_, reach_.min), glm::min(site + kBrick + apron_, reach_.max)};
+  return {glm::max(site - apron_, reach_.min), glm::min(site + kBrickCells + apron_, reach_.max)};
 }
 
 void DenseSource::begin_column() {
@@ -100,12 +100,12 @@ void DenseSource::begin_column() {
   }
   column_reach_.min = glm::max(glm::ivec3(low - apron_, reach_.min.z), reach_.min);
   column_reach_.max = glm::min(glm::ivec3(high + apron_, reach_.max.z), reach_.max);
-  bricks_ = (glm::ivec3(column_reach_.dims()) + kBrick - 1) / kBrick;
+  bricks_ = (glm::ivec3(column_reach_.dims()) + kBrickCells - 1) / kBrickCells;
   needed_.assign(volume(bricks_), 0);
   for (const std::uint32_t s : column_sites_) {
     const field::IndexBox need = needed_samples(sites_[s]);
-    const glm::ivec3 first = (need.min - column_reach_.min) / kBrick;
-    const glm::ivec3 last = (need.max - column_reach_.min) / kBrick;
+    const glm::ivec3 first = (need.min - column_reach_.min) / kBrickCells;
+    const glm::ivec3 last = (need.max - column_reach_.min) / kBrickCells;
     for (int z = first.z; z <= last.z; ++z) {
       for (int y = first.y; y <= last.y; ++y) {
         std::uint8_t* row = needed_.data() + bricks_.x * (y + static_cast<std::int64_t>(bricks_.y) * z);
@@ -142,8 +142,8 @@ Result<std::span<const std::uint32_t>> DenseSource::advance() {
 // The needed bricks of a box, runs of them in one piece; rows that need the same runs together.
 void DenseSource::upload(const field::IndexBox& entered) {
   if (entered.empty()) return;
-  const glm::ivec3 first = (entered.min - column_reach_.min) / kBrick;
-  const glm::ivec3 last = (entered.max - column_reach_.min) / kBrick;
+  const glm::ivec3 first = (entered.min - column_reach_.min) / kBrickCells;
+  const glm::ivec3 last = (entered.max - column_reach_.min) / kBrickCells;
   const auto row = [&](int y, int z) {
     return std::span<const std::uint8_t>(needed_).subspan(
         static_cast<std::size_t>(bricks_.x) *
@@ -159,8 +159,8 @@ void DenseSource::upload(const field::IndexBox& entered) {
         if (needed[static_cast<std::size_t>(x)] == 0) continue;
         const int begin = x;
         while (x < last.x && needed[static_cast<std::size_t>(x) + 1] != 0) ++x;
-        const glm::ivec3 low = column_reach_.min + kBrick * glm::ivec3(begin, y, z);
-        const glm::ivec3 high = column_reach_.min + kBrick * glm::ivec3(x + 1, y + rows, z + 1) - 1;
+        const glm::ivec3 low = column_reach_.min + kBrickCells * glm::ivec3(begin, y, z);
+        const glm::ivec3 high = column_reach_.min + kBrickCells * glm::ivec3(x + 1, y + rows, z + 1) - 1;
         upload_pieces({glm::max(low, entered.min), glm::min(high, entered.max)});
       }
       y += rows;

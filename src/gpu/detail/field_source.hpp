@@ -8,8 +8,8 @@
 
 #include <glm/glm.hpp>
 
+#include "base/byte_size.hpp"
 #include "base/error.hpp"
-#include "base/limits.hpp"
 #include "base/stopwatch.hpp"
 #include "gl/gl_object.hpp"
 #include "gl/gl_program.hpp"

@@ -17,25 +17,25 @@
 namespace isoextract::meshes {
 namespace {
 
-using Type = mesh::ComponentType;
+using mesh::ComponentType;
 
 struct TypeName {
   std::string_view name;
   std::string_view other;
-  Type type;
+  ComponentType type;
   std::size_t size;
 };
-constexpr std::array kTypes{
-    TypeName{"char", "int8", Type::i8, 1},      TypeName{"uchar", "uint8", Type::u8, 1},
-    TypeName{"short", "int16", Type::i16, 2},   TypeName{"ushort", "uint16", Type::u16, 2},
-    TypeName{"int", "int32", Type::i32, 4},     TypeName{"uint", "uint32", Type::u32, 4},
-    TypeName{"float", "float32", Type::f32, 4}, TypeName{"double", "float64", Type::f64, 8},
+constexpr std::array kTypeNames{
+    TypeName{"char", "int8", ComponentType::i8, 1},      TypeName{"uchar", "uint8", ComponentType::u8, 1},
+    TypeName{"short", "int16", ComponentType::i16, 2},   TypeName{"ushort", "uint16", ComponentType::u16, 2},
+    TypeName{"int", "int32", ComponentType::i32, 4},     TypeName{"uint", "uint32", ComponentType::u32, 4},
+    TypeName{"float", "float32", ComponentType::f32, 4}, TypeName{"double", "float64", ComponentType::f64, 8},
 };
 
 const TypeName& type_named(const TextScanner& header, std::string_view name) {
-  const auto* found =
-      std::find_if(kTypes.begin(), kTypes.end(), [&](const TypeName& t) { return t.name == name || t.other == name; });
-  if (found == kTypes.end()) header.expected("a type such as float or uint", name);
+  const auto* found = std::find_if(kTypeNames.begin(), kTypeNames.end(),
+                                   [&](const TypeName& t) { return t.name == name || t.other == name; });
+  if (found == kTypeNames.end()) header.expected("a type such as float or uint", name);
   return *found;
 }
 
@@ -149,14 +149,14 @@ class BinaryBody {
   [[nodiscard]] std::uint64_t size() const { return size_; }
   double next(const TypeName& type) {
     switch (type.type) {
-      case Type::i8: return as<std::int8_t>();
-      case Type::u8: return as<std::uint8_t>();
-      case Type::i16: return as<std::int16_t>();
-      case Type::u16: return as<std::uint16_t>();
-      case Type::i32: return as<std::int32_t>();
-      case Type::u32: return as<std::uint32_t>();
-      case Type::f32: return static_cast<double>(as<float>());
-      case Type::f64: break;
+      case ComponentType::i8: return as<std::int8_t>();
+      case ComponentType::u8: return as<std::uint8_t>();
+      case ComponentType::i16: return as<std::int16_t>();
+      case ComponentType::u16: return as<std::uint16_t>();
+      case ComponentType::i32: return as<std::int32_t>();
+      case ComponentType::u32: return as<std::uint32_t>();
+      case ComponentType::f32: return static_cast<double>(as<float>());
+      case ComponentType::f64: break;
     }
     return as<double>();
   }
@@ -228,7 +228,9 @@ struct AttributeColumns {
   std::vector<std::size_t> columns;
 };
 
-bool can_be_colour(Type type) { return type == Type::u8 || type == Type::u16 || type == Type::f32; }
+bool can_be_colour(ComponentType type) {
+  return type == ComponentType::u8 || type == ComponentType::u16 || type == ComponentType::f32;
+}
 
 std::optional<AttributeColumns> find_colour(const Element& element) {
   AttributeColumns colour;
@@ -245,7 +247,7 @@ std::optional<AttributeColumns> find_colour(const Element& element) {
     colour.columns.push_back(*found);
   }
   colour.kind.components = colour.columns.size();
-  colour.kind.normalised = colour.kind.type != Type::f32;
+  colour.kind.normalised = colour.kind.type != ComponentType::f32;
   return colour;
 }
 
@@ -306,16 +308,16 @@ bool append(std::vector<std::byte>& values, double number) {
   return true;
 }
 
-bool append(std::vector<std::byte>& values, Type type, double number) {
+bool append(std::vector<std::byte>& values, ComponentType type, double number) {
   switch (type) {
-    case Type::i8: return append<std::int8_t>(values, number);
-    case Type::u8: return append<std::uint8_t>(values, number);
-    case Type::i16: return append<std::int16_t>(values, number);
-    case Type::u16: return append<std::uint16_t>(values, number);
-    case Type::i32: return append<std::int32_t>(values, number);
-    case Type::u32: return append<std::uint32_t>(values, number);
-    case Type::f32: return append<float>(values, number);
-    case Type::f64: break;
+    case ComponentType::i8: return append<std::int8_t>(values, number);
+    case ComponentType::u8: return append<std::uint8_t>(values, number);
+    case ComponentType::i16: return append<std::int16_t>(values, number);
+    case ComponentType::u16: return append<std::uint16_t>(values, number);
+    case ComponentType::i32: return append<std::int32_t>(values, number);
+    case ComponentType::u32: return append<std::uint32_t>(values, number);
+    case ComponentType::f32: return append<float>(values, number);
+    case ComponentType::f64: break;
   }
   return append<double>(values, number);
 }

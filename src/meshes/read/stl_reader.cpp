@@ -8,7 +8,7 @@
 namespace isoextract::meshes {
 namespace {
 
-constexpr std::size_t kHeaderBytes = 80 + sizeof(std::uint32_t);
+constexpr std::size_t kPreambleBytes = 80 + sizeof(std::uint32_t);
 constexpr std::size_t kRecordBytes = 4 * sizeof(glm::vec3) + sizeof(std::uint16_t);
 
 FileSurface weld(const std::vector<glm::vec3>& corners, const MeshSource& source, std::string_view format) {
@@ -22,17 +22,17 @@ FileSurface weld(const std::vector<glm::vec3>& corners, const MeshSource& source
 // The file's size says whether it is binary: text begins with "solid", but so do the headers of some binary files.
 std::uint64_t binary_size(std::span<const std::byte> content) {
   std::uint32_t count = 0;
-  std::memcpy(&count, content.data() + kHeaderBytes - sizeof count, sizeof count);
-  return kHeaderBytes + kRecordBytes * std::uint64_t{count};
+  std::memcpy(&count, content.data() + kPreambleBytes - sizeof count, sizeof count);
+  return kPreambleBytes + kRecordBytes * std::uint64_t{count};
 }
 
 FileSurface read_binary(const MeshSource& source) {
-  const std::size_t count = (source.content.size() - kHeaderBytes) / kRecordBytes;
+  const std::size_t count = (source.content.size() - kPreambleBytes) / kRecordBytes;
   std::vector<glm::vec3> corners;
   source.memory.make_room(corners, 3 * count);
   corners.resize(3 * count);
   for (std::size_t t = 0; t < count; ++t) {
-    const std::byte* record = source.content.data() + kHeaderBytes + t * kRecordBytes;
+    const std::byte* record = source.content.data() + kPreambleBytes + t * kRecordBytes;
     std::memcpy(&corners[3 * t], record + sizeof(glm::vec3), 3 * sizeof(glm::vec3));
   }
   return weld(corners, source, "STL, binary");
@@ -68,16 +68,16 @@ FileSurface read_text(const MeshSource& source) {
 
 FileSurface read_stl(const MeshSource& source) {
   const std::size_t size = source.content.size();
-  const bool has_header = size >= kHeaderBytes;
+  const bool has_header = size >= kPreambleBytes;
   if (has_header && binary_size(source.content) == size) return read_binary(source);
   if (source.text().starts_with("solid")) return read_text(source);
   if (!has_header) {
     throw DamagedMesh(
-        fmt::format("expected at least the {} bytes of a binary STL's header, found {}", kHeaderBytes, size));
+        fmt::format("expected at least the {} bytes of a binary STL's header, found {}", kPreambleBytes, size));
   }
   const std::uint64_t wanted = binary_size(source.content);
   throw DamagedMesh(fmt::format("expected {} bytes for the {} triangles that its header announces, found {}", wanted,
-                                (wanted - kHeaderBytes) / kRecordBytes, size));
+                                (wanted - kPreambleBytes) / kRecordBytes, size));
 }
 
 }  // namespace isoextract::meshes

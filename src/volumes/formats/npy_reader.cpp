@@ -15,7 +15,7 @@
 namespace isoextract::volumes {
 namespace {
 
-constexpr std::string_view kMagic("\x93NUMPY", 6);
+constexpr std::string_view kNpyMagic("\x93NUMPY", 6);
 
 struct NpyHeader {
   std::optional<std::string> descr;
@@ -160,7 +160,7 @@ Result<NpyPreamble> read_preamble(const files::InputFile& file) {
   std::array<std::byte, 12> start{};
   const auto known = static_cast<std::size_t>(std::min<std::uint64_t>(start.size(), file.size()));
   if (auto read = file.read_at(0, std::span(start).first(known)); !read) return tl::unexpected(read.error());
-  if (!starts_with(start, kMagic)) return fail_magic(file, "a NumPy file", "'\\x93NUMPY'");
+  if (!starts_with(start, kNpyMagic)) return fail_magic(file, "a NumPy file", "'\\x93NUMPY'");
   const int version = std::to_integer<int>(start[6]);
   if (version < 1 || version > 3) {
     return fail(ErrorKind::input, fmt::format("{}: expected NPY version 1, 2 or 3, found {}", file.name(), version));
@@ -225,7 +225,7 @@ class NpyFormat final : public DenseFormat {
   NpyFormat() : DenseFormat({.id = "npy", .title = "NumPy array [z, y, x]", .extensions = {".npy"}}) {}
 
   [[nodiscard]] bool probe(const FileStart& start) const override {
-    return !start.packed && starts_with(start.bytes, kMagic);
+    return !start.packed && starts_with(start.bytes, kNpyMagic);
   }
 
  protected:

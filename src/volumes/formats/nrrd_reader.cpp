@@ -17,7 +17,7 @@
 namespace isoextract::volumes {
 namespace {
 
-constexpr std::string_view kMagic = "NRRD00";
+constexpr std::string_view kNrrdMagic = "NRRD00";
 constexpr const char* kSpacingAssumed = "the header has no spacings or directions: 1 is assumed";
 
 struct NrrdDeleter {
@@ -290,7 +290,7 @@ Result<void> check_encoding(const std::string& file, const NrrdIoState& state) {
 Result<DenseFile> open_nrrd(const files::InputFile& file) {
   const auto content = files::first_bytes(file, kStartBytes);
   if (!content) return tl::unexpected(content.error());
-  if (!starts_with(*content, kMagic)) return fail_magic(file, "a NRRD file", "'NRRD000'");
+  if (!starts_with(*content, kNrrdMagic)) return fail_magic(file, "a NRRD file", "'NRRD000'");
   const auto text = read_nrrd_header(file);
   if (!text) return tl::unexpected(text.error());
   const auto parsed = parse_fields(file.name(), text->fields);
@@ -326,7 +326,7 @@ class NrrdFormat final : public DenseFormat {
             {.id = "nrrd", .title = "NRRD, attached or detached, raw or gzip", .extensions = {".nrrd", ".nhdr"}}) {}
 
   [[nodiscard]] bool probe(const FileStart& start) const override {
-    return !start.packed && starts_with(start.bytes, kMagic);
+    return !start.packed && starts_with(start.bytes, kNrrdMagic);
   }
 
  protected:

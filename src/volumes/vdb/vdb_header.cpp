@@ -8,7 +8,7 @@
 namespace isoextract::volumes {
 namespace {
 
-constexpr std::int64_t kMagic = 0x56444220;
+constexpr std::int64_t kVdbMagic = 0x56444220;
 // From OpenVDB 1.1 (2013) on; older layouts have other nodes and transforms.
 constexpr std::uint32_t kOldestVersion = 222;
 constexpr std::size_t kUuidLength = 36;
@@ -101,7 +101,7 @@ VdbGridRecord read_descriptor(VdbCursor& cursor) {
 
 VdbHeader read_vdb_header(VdbCursor& cursor) {
   VdbHeader header;
-  if (cursor.read_value<std::int64_t>() != kMagic) throw VdbDamaged("expected 'VDB' at the start");
+  if (cursor.read_value<std::int64_t>() != kVdbMagic) throw VdbDamaged("expected 'VDB' at the start");
   header.file_version = cursor.read_value<std::uint32_t>();
   if (header.file_version < kOldestVersion) {
     throw VdbDamaged(fmt::format("expected file version {} or later, found {}: load and save it with a newer OpenVDB",

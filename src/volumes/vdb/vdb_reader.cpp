@@ -16,7 +16,7 @@
 namespace isoextract::volumes {
 namespace {
 
-constexpr std::string_view kMagic(" BDV\0\0\0\0", 8);
+constexpr std::string_view kVdbStart(" BDV\0\0\0\0", 8);
 constexpr std::string_view kLevelSetClass = "level set";
 constexpr std::string_view kFogClass = "fog volume";
 
@@ -166,7 +166,7 @@ Result<field::ScalarField> read_grid(const files::InputFile& file, VdbCursor& cu
 // Calls work() and turns what it throws into an error that names the file.
 template <class F>
 auto with_messages(const files::InputFile& file, F&& work) -> decltype(work()) {
-  if (!starts_with(files::first_bytes(file, kStartBytes).value_or(std::vector<std::byte>{}), kMagic)) {
+  if (!starts_with(files::first_bytes(file, kStartBytes).value_or(std::vector<std::byte>{}), kVdbStart)) {
     return fail_magic(file, "a VDB file", "' BDV'");
   }
   try {
@@ -219,7 +219,7 @@ class VdbFormat final : public VolumeFormat {
                       .has_grids = true}) {}
 
   [[nodiscard]] bool probe(const FileStart& start) const override {
-    return !start.packed && starts_with(start.bytes, kMagic);
+    return !start.packed && starts_with(start.bytes, kVdbStart);
   }
 
   [[nodiscard]] Result<std::vector<GridInfo>> list(const std::string& input, const ReadOptions& /*options*/,

@@ -41,7 +41,7 @@ TEST(DemoField, EveryDescriptionCanBeMade) {
 
 // Measurements and the hashes of meshes are of these.
 TEST(DemoField, RandomIsWhatItAlwaysWas) {
-  const ScalarField field = make_demo_field("demo:random?size=2", default_limits()).value();
+  const ScalarField field = make_demo_field("demo:random?size=2").value();
   EXPECT_EQ(sample(field, 0, 0, 0), 0x1.8882ap-1F);
   EXPECT_EQ(sample(field, 1, 0, 0), -0x1.18762p-3F);
   EXPECT_EQ(sample(field, 1, 1, 1), 0x1.16104cp-1F);

@@ -11,8 +11,6 @@
 namespace isoextract::field {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
 std::vector<glm::dvec3> random_points(const glm::dvec3& size) {
   std::mt19937 engine(7);
   std::uniform_real_distribution<double> unit(0, 1);
@@ -113,7 +111,9 @@ TEST(Interpolant, SparseAndDenseAgreeInEveryType) {
 
 TEST(Interpolant, IsNaNWhereASampleIsNotFinite) {
   const ScalarField field = test::dense_field<float>({6, 6, 6}, [](int i, int j, int k) {
-    return glm::ivec3(i, j, k) == glm::ivec3(3, 3, 3) ? kNaN : glm::ivec3(i, j, k) == glm::ivec3(0) ? -INFINITY : 1.0;
+    return glm::ivec3(i, j, k) == glm::ivec3(3, 3, 3) ? test::kNaN
+           : glm::ivec3(i, j, k) == glm::ivec3(0)     ? -INFINITY
+                                                      : 1.0;
   });
   const Interpolant linear(field, Interpolation::trilinear);
   const Interpolant cubic(field, Interpolation::tricubic);

@@ -14,13 +14,12 @@
 namespace isoextract::field {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 const DenseSamples& dense_samples(const ScalarField& field) { return std::get<DenseSamples>(field.samples); }
 
 ScalarField resampled(const ScalarField& field, const glm::ivec3& resolution) {
-  ScalarField result = resample(field, resolution, default_limits()).value();
+  ScalarField result = resample(field, resolution).value();
   EXPECT_EQ(dense_samples(result).dims, resolution);
   return result;
 }
@@ -71,7 +70,8 @@ TEST(Resample, AtOldSamplesHasTheirExactValues) {
                                 SampleType::i32, SampleType::f16, SampleType::f32, SampleType::f64}) {
     visit_sample_type(type, [&]<class T>(std::type_identity<T>) {
       const ScalarField field = test::dense_field<T>({4, 5, 3}, [](int i, int j, int k) -> double {
-        if (is_floating_sample<T> && i == 1) return j == 1 ? kNaN : j == 2 ? -kInfinity : j == 3 ? kInfinity : -0.0;
+        if (is_floating_sample<T> && i == 1)
+          return j == 1 ? test::kNaN : j == 2 ? -kInfinity : j == 3 ? kInfinity : -0.0;
         if (sizeof(T) == 4 && std::is_integral_v<T>) return 2147483647 - i - 10 * j - 100 * k;
         return i + 7 * j + 20 * k;
       });
@@ -119,7 +119,7 @@ TEST(Resample, IsTheTrilinearInterpolant) {
 
 TEST(Resample, OnlyNeighboursThatCountHaveASay) {
   EXPECT_EQ(row_of({1, kInfinity, 3, 4}, 4)[0], 1);
-  const std::vector<double> row = row_of({1, kInfinity, 3, -kInfinity, kNaN, 6, 7}, 13);
+  const std::vector<double> row = row_of({1, kInfinity, 3, -kInfinity, test::kNaN, 6, 7}, 13);
   EXPECT_EQ(row[0], 1);
   EXPECT_EQ(row[1], kInfinity);
   EXPECT_EQ(row[2], kInfinity);
@@ -202,16 +202,16 @@ TEST(Resample, SparseTakesNegativeIndicesTilesAndNothingAtAll) {
 
 TEST(Resample, SaysWhatItCannotDo) {
   const ScalarField field = test::dense_field<float>({4, 4, 4}, [](int i, int, int) { return i; });
-  EXPECT_EQ(resample(field, {4, 1, 4}, default_limits()).error().kind, ErrorKind::usage);
+  EXPECT_EQ(resample(field, {4, 1, 4}).error().kind, ErrorKind::usage);
   const ScalarField flat = test::dense_field<float>({4, 4, 1}, [](int i, int, int) { return i; });
-  EXPECT_EQ(resample(flat, {4, 4, 4}, default_limits()).error().kind, ErrorKind::input);
-  const Error large = resample(field, {100, 100, 100}, Limits{4'000'000 - 1}).error();
+  EXPECT_EQ(resample(flat, {4, 4, 4}).error().kind, ErrorKind::input);
+  const Error large = resample(field, {100, 100, 100}, Context(MemoryBudget(4'000'000 - 1))).error();
   EXPECT_EQ(large.kind, ErrorKind::input);
   EXPECT_EQ(large.hint.remedy, Remedy::raise_memory_limit);
-  EXPECT_TRUE(resample(field, {100, 100, 100}, Limits{4'000'000}));
-  EXPECT_TRUE(resample(field, {4, 4, 4}, Limits{0})) << "nothing is allocated";
+  EXPECT_TRUE(resample(field, {100, 100, 100}, Context(MemoryBudget(4'000'000))));
+  EXPECT_TRUE(resample(field, {4, 4, 4}, Context(MemoryBudget(0)))) << "nothing is allocated";
   const int most = std::numeric_limits<int>::max();
-  EXPECT_EQ(resample(field, glm::ivec3(most), Limits{1ULL << 62}).error().kind, ErrorKind::input);
+  EXPECT_EQ(resample(field, glm::ivec3(most), Context(MemoryBudget(1ULL << 62))).error().kind, ErrorKind::input);
 }
 
 TEST(Resample, IsTheSameForAnyNumberOfThreads) {

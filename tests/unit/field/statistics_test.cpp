@@ -33,7 +33,7 @@ std::uint64_t histogram_sum(const FieldStatistics& statistics) {
 }
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr float kFloatInfinity = std::numeric_limits<float>::infinity();
 
 TEST(Statistics, EveryTypeGivesExactRangeAndMean) {
   for (const SampleType type : {SampleType::u8, SampleType::i8, SampleType::u16, SampleType::i16, SampleType::u32,
@@ -69,10 +69,10 @@ TEST(Statistics, ValuesAreScaled) {
 TEST(Statistics, WhatIsNotFiniteIsCountedAndLeftOut) {
   std::vector<float> values(1000, 1.0F);
   values[0] = kNan;
-  values[500] = kInfinity;
-  values[501] = -kInfinity;
+  values[500] = kFloatInfinity;
+  values[501] = -kFloatInfinity;
   values[999] = kNan;
-  values.push_back(kInfinity);  // alone in the rest that fills no lanes
+  values.push_back(kFloatInfinity);  // alone in the rest that fills no lanes
   values[7] = -3.0F;
   const FieldStatistics statistics = statistics_of(values);
   EXPECT_EQ(statistics.nan, 2U);

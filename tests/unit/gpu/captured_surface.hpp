@@ -23,6 +23,8 @@
 
 namespace isoextract::test {
 
+inline constexpr std::uint64_t kFeedback = std::uint64_t{1} << 24;  // more than any surface here has
+
 // A context and its programs, opened when first asked for and dropped before the program ends.
 class OwnContext final : public testing::Environment {
  public:

@@ -18,6 +18,12 @@
 
 namespace isoextract::test {
 
+inline extract::ExtractOptions at_iso(double iso) {
+  extract::ExtractOptions options;
+  options.iso = iso;
+  return options;
+}
+
 struct Drawing {
   extract::Method method = extract::Method::mc;
   bool tessellation = true;

@@ -10,12 +10,6 @@ namespace {
 
 using test::expect_parity;
 
-extract::ExtractOptions at_iso(double iso) {
-  extract::ExtractOptions options;
-  options.iso = iso;
-  return options;
-}
-
 constexpr glm::ivec3 kSizes[] = {{2, 2, 2},   {3, 2, 2},    {2, 40, 2},  {2, 2, 33}, {8, 8, 8},    {9, 9, 9},
                                  {10, 9, 17}, {16, 16, 16}, {17, 8, 33}, {65, 3, 4}, {130, 10, 2}, {7, 24, 25}};
 
@@ -23,7 +17,7 @@ TEST(Parity, EveryDrawingOfOddSizes) {
   unsigned seed = 0;
   for (const glm::ivec3& dims : kSizes) {
     SCOPED_TRACE(testing::Message() << dims.x << " x " << dims.y << " x " << dims.z);
-    extract::ExtractOptions options = at_iso(500000);
+    extract::ExtractOptions options = test::at_iso(500000);
     options.cap = seed % 3 == 0;
     const field::ScalarField field = test::random_field<float>(dims, seed++, 1000000);
     EXPECT_GT(expect_parity(field, options, test::kAllDrawings), 0U);
@@ -38,7 +32,7 @@ TEST(Parity, EveryDrawingOfTies) {
     const field::ScalarField field = test::random_field<std::int16_t>({12, 11, 10}, seed, 5);
     for (const double iso : {0.0, 1.0, 2.0, 2.5}) {
       SCOPED_TRACE(testing::Message() << "seed " << seed << ", iso " << iso);
-      extract::ExtractOptions options = at_iso(iso);
+      extract::ExtractOptions options = test::at_iso(iso);
       options.cap = seed % 2 == 1;
       EXPECT_GT(expect_parity(field, options, test::kAllDrawings), 0U);
     }
@@ -48,8 +42,8 @@ TEST(Parity, EveryDrawingOfTies) {
 TEST(Parity, AxesOfOneSampleFailAlike) {
   for (const glm::ivec3& dims : {glm::ivec3(1, 5, 5), glm::ivec3(5, 1, 5), glm::ivec3(5, 5, 1)}) {
     const field::ScalarField field = test::random_field<float>(dims, 1, 9);
-    EXPECT_EQ(expect_parity(field, at_iso(4)), 0U);
-    EXPECT_FALSE(test::kGpuExtractors->find({})->extract(field, at_iso(4)));
+    EXPECT_EQ(expect_parity(field, test::at_iso(4)), 0U);
+    EXPECT_FALSE(test::kGpuExtractors->find({})->extract(field, test::at_iso(4)));
   }
 }
 
@@ -74,7 +68,7 @@ TYPED_TEST(ParityOfType, ScaledOrNot) {
     field.scale = scale;
     for (const field::FieldKind kind : {field::FieldKind::density, field::FieldKind::level_set}) {
       field.kind = kind;
-      extract::ExtractOptions options = at_iso(scale(middle));
+      extract::ExtractOptions options = test::at_iso(scale(middle));
       options.smooth_normals = std::is_same_v<T, double> || std::is_same_v<T, std::int16_t>;
       EXPECT_GT(expect_parity(field, options), 0U);
     }
@@ -88,7 +82,7 @@ TEST(Parity, PlacementsOfEveryKind) {
   for (const field::Affine& frame :
        {field::scaling({-1, 1, 1}), field::scaling({1e-3, 40, 0.7}), field::Affine{turned, {1, 2, 3}},
         field::Affine{-turned, {1e7, -2e7, 3e7}}, field::Affine{sheared, {-1e5, 0, 1e6}}}) {
-    extract::ExtractOptions options = at_iso(400000);
+    extract::ExtractOptions options = test::at_iso(400000);
     options.output_from_index = frame;
     options.smooth_normals = true;
     options.cap = true;
@@ -104,14 +98,14 @@ TEST(Parity, RegionsAndTheirCaps) {
         field::IndexBox{{1, 0, 25 - 9}, {2, 30, 40}}, field::IndexBox{{7, 7, 7}, {8, 8, 25}}}) {
     for (const bool cap : {false, true}) {
       SCOPED_TRACE(testing::Message() << "region from " << region.min.x << ", cap " << cap);
-      extract::ExtractOptions options = at_iso(500);
+      extract::ExtractOptions options = test::at_iso(500);
       options.region = region;
       options.cap = cap;
       options.smooth_normals = true;
       expect_parity(field, options);
     }
   }
-  extract::ExtractOptions options = at_iso(500);
+  extract::ExtractOptions options = test::at_iso(500);
   options.region = field::IndexBox{{40, 0, 0}, {50, 9, 9}};
   expect_parity(field, options);
   EXPECT_FALSE(test::kGpuExtractors->find({})->extract(field, options));
@@ -142,7 +136,7 @@ TEST(Parity, NanAndInfinities) {
       for (const bool cap : {false, true}) {
         SCOPED_TRACE(testing::Message() << "seed " << seed << ", policy " << static_cast<int>(policy) << ", cap "
                                         << cap);
-        extract::ExtractOptions options = at_iso(0.1);
+        extract::ExtractOptions options = test::at_iso(0.1);
         options.nan = policy;
         options.cap = cap;
         options.smooth_normals = seed % 2 == 0;
@@ -155,13 +149,13 @@ TEST(Parity, NanAndInfinities) {
 TEST(Parity, NothingAndEverythingInside) {
   for (const double value : {-1.0, 1.0}) {
     const field::ScalarField field = test::dense_field<float>({9, 20, 9}, [&](int, int, int) { return value; });
-    extract::ExtractOptions options = at_iso(0);
+    extract::ExtractOptions options = test::at_iso(0);
     EXPECT_EQ(expect_parity(field, options), 0U);
     options.cap = true;
     EXPECT_EQ(expect_parity(field, options) > 0, value > 0);
   }
   // No number of the type is inside.
-  EXPECT_EQ(expect_parity(test::random_field<std::uint8_t>({9, 9, 9}, 1, 256), at_iso(255)), 0U);
+  EXPECT_EQ(expect_parity(test::random_field<std::uint8_t>({9, 9, 9}, 1, 256), test::at_iso(255)), 0U);
 }
 
 // Values whose differences leave the range of float or double, or are lost in it.
@@ -172,15 +166,15 @@ TEST(Parity, ExtremeValues) {
     const field::ScalarField field = test::dense_field<double>({10, 9, 8}, [&](int, int, int) {
       return size * std::uniform_int_distribution<int>(-3, 3)(engine) / (size > 1e-320 ? 3 : 1);
     });
-    EXPECT_GT(expect_parity(field, at_iso(0)), 0U);
-    EXPECT_GT(expect_parity(field, at_iso(size > 1e-320 ? size / 3 : size)), 0U);
+    EXPECT_GT(expect_parity(field, test::at_iso(0)), 0U);
+    EXPECT_GT(expect_parity(field, test::at_iso(size > 1e-320 ? size / 3 : size)), 0U);
   }
   // Scales that make values beyond the ordinary of ordinary samples.
   for (const double slope : {1e-290, 1e-200, 1e305}) {
     SCOPED_TRACE(testing::Message() << "slope " << slope);
     field::ScalarField field = test::random_field<float>({10, 9, 8}, 4, 1000);
     field.scale = {slope, 0};
-    EXPECT_GT(expect_parity(field, at_iso(500.5 * slope)), 0U);
+    EXPECT_GT(expect_parity(field, test::at_iso(500.5 * slope)), 0U);
   }
 }
 
@@ -189,7 +183,8 @@ TEST(Parity, DemoFields) {
     SCOPED_TRACE(spec);
     const auto field = field::make_demo_field(spec);
     ASSERT_TRUE(field);
-    extract::ExtractOptions options = at_iso(std::string_view(spec).find("lobb") != std::string_view::npos ? 0.5 : 0);
+    extract::ExtractOptions options =
+        test::at_iso(std::string_view(spec).find("lobb") != std::string_view::npos ? 0.5 : 0);
     options.output_from_index = field->index_to_world;
     options.smooth_normals = true;
     options.cap = true;

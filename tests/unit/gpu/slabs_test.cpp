@@ -7,8 +7,6 @@ namespace isoextract::gpu {
 namespace {
 
 constexpr std::uint64_t kPlenty = std::uint64_t{1} << 24;
-constexpr std::uint64_t kFeedback = std::uint64_t{1} << 24;
-
 // Every brick is crossed, and no two samples are alike.
 field::ScalarField noise(const glm::ivec3& dims) { return test::random_field<float>(dims, 17, 1000000); }
 
@@ -34,7 +32,7 @@ TEST_P(Slabs, OfEveryHeightMakeTheSameMesh) {
   test::DenseSurface surface(field, half(GetParam(), normals));
   auto whole = surface.source(kPlenty, 2048);
   ASSERT_TRUE(whole);
-  const mesh::Mesh expected = test::captured_mesh(surface.sites(), *whole, kFeedback);
+  const mesh::Mesh expected = test::captured_mesh(surface.sites(), *whole, test::kFeedback);
   EXPECT_EQ(whole->uploads().samples, product(dims));
   EXPECT_EQ(whole->uploads().bytes, 4 * product(dims));
   EXPECT_EQ(whole->uploads().left_out, 0U);
@@ -51,7 +49,7 @@ TEST_P(Slabs, OfEveryHeightMakeTheSameMesh) {
     SCOPED_TRACE(height);
     auto source = surface.source(slice * static_cast<std::uint64_t>(height) + (height % 3 == 0 ? slice - 1 : 0), 2048);
     ASSERT_TRUE(source);
-    test::expect_same_bytes(expected, test::captured_mesh(surface.sites(), *source, kFeedback));
+    test::expect_same_bytes(expected, test::captured_mesh(surface.sites(), *source, test::kFeedback));
     EXPECT_EQ(source->uploads().samples, product(dims)) << "each once";
   }
 }
@@ -63,7 +61,7 @@ TEST_P(Slabs, OfColumnsMakeTheSameMesh) {
   test::DenseSurface surface(field, half(GetParam(), normals));
   auto whole = surface.source(kPlenty, 2048);
   ASSERT_TRUE(whole);
-  const mesh::Mesh expected = test::captured_mesh(surface.sites(), *whole, kFeedback);
+  const mesh::Mesh expected = test::captured_mesh(surface.sites(), *whole, test::kFeedback);
   const int least = normals ? 11 : 9;
   std::uint64_t before = ~std::uint64_t{0};
   for (const glm::ivec3& window : {glm::ivec3(least), glm::ivec3(least, least, 14), glm::ivec3(17, least, least),
@@ -71,7 +69,7 @@ TEST_P(Slabs, OfColumnsMakeTheSameMesh) {
     SCOPED_TRACE(testing::Message() << window.x << " x " << window.y << " x " << window.z);
     auto source = surface.source(4 * product(window), 2048);
     ASSERT_TRUE(source);
-    test::expect_same_bytes(expected, test::captured_mesh(surface.sites(), *source, kFeedback));
+    test::expect_same_bytes(expected, test::captured_mesh(surface.sites(), *source, test::kFeedback));
     EXPECT_GE(source->uploads().samples, product(dims));
     EXPECT_LE(source->uploads().samples, before) << "wider columns share less";
     before = source->uploads().samples;
@@ -82,7 +80,7 @@ TEST_P(Slabs, OfColumnsMakeTheSameMesh) {
     SCOPED_TRACE(testing::Message() << "textures of " << size);
     auto source = surface.source(kPlenty, size);
     ASSERT_TRUE(source);
-    test::expect_same_bytes(expected, test::captured_mesh(surface.sites(), *source, kFeedback));
+    test::expect_same_bytes(expected, test::captured_mesh(surface.sites(), *source, test::kFeedback));
   }
 }
 
@@ -107,7 +105,8 @@ TEST_P(Slabs, CapturedInPortionsMakeTheSameMesh) {
   const field::ScalarField field = noise({18, 17, 20});
   test::DenseSurface surface(field, half(GetParam(), false));
   std::optional<mesh::Mesh> expected;
-  for (const std::uint64_t feedback : {kFeedback, std::uint64_t{1}, std::uint64_t{100000}, std::uint64_t{333333}}) {
+  for (const std::uint64_t feedback :
+       {test::kFeedback, std::uint64_t{1}, std::uint64_t{100000}, std::uint64_t{333333}}) {
     auto source = surface.source(kPlenty, 2048);
     ASSERT_TRUE(source);
     mesh::Mesh mesh = test::captured_mesh(surface.sites(), *source, feedback);
@@ -132,7 +131,7 @@ TEST_P(Slabs, BricksThatTheSurfaceDoesNotPassStayAtHome) {
   for (const std::uint64_t bytes : {kPlenty, 4 * product({96, 90, 9}), 4 * product({30, 30, 30})}) {
     auto source = surface.source(bytes, 2048);
     ASSERT_TRUE(source);
-    const mesh::Mesh mesh = test::captured_mesh(surface.sites(), *source, kFeedback);
+    const mesh::Mesh mesh = test::captured_mesh(surface.sites(), *source, test::kFeedback);
     test::expect_sound(mesh, true);
     test::expect_same_surface(test::extract(field, options).mesh, mesh);
     const UploadFigures figures = source->uploads();

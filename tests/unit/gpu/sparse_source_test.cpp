@@ -12,8 +12,6 @@ namespace {
 using test::expect_parity;
 
 constexpr std::uint64_t kLeaf = 512 * sizeof(float);
-constexpr std::uint64_t kFeedback = std::uint64_t{1} << 24;
-
 // Noise over blocks, some of which are constant: background, inside, or a little inside.
 template <class T>
 field::ScalarField noise_with_tiles(const glm::ivec3& dims, unsigned seed, double background) {
@@ -34,12 +32,6 @@ void move_by(field::ScalarField& field, const glm::ivec3& offset) {
   for (field::SparseTile& tile : samples.tiles) tile.origin += offset;
 }
 
-extract::ExtractOptions at_iso(double iso) {
-  extract::ExtractOptions options;
-  options.iso = iso;
-  return options;
-}
-
 TEST(SparseParity, BlocksTilesAndBackground) {
   for (const double background : {0.0, 70.0}) {
     field::ScalarField field = noise_with_tiles<float>({32, 16, 24}, 3, background);
@@ -47,7 +39,7 @@ TEST(SparseParity, BlocksTilesAndBackground) {
       SCOPED_TRACE(testing::Message() << "background " << background << ", negative " << negative);
       if (negative) move_by(field, {-16, -8, -48});
       field.kind = negative ? field::FieldKind::level_set : field::FieldKind::density;
-      extract::ExtractOptions options = at_iso(50);
+      extract::ExtractOptions options = test::at_iso(50);
       options.smooth_normals = true;
       EXPECT_GT(expect_parity(field, options), 0U);
     }
@@ -64,13 +56,13 @@ TEST(SparseParity, RegionsThatCutLeaves) {
       for (const bool cap : {false, true}) {
         SCOPED_TRACE(testing::Message() << "background " << background << ", region from " << region.min.x << ", cap "
                                         << cap);
-        extract::ExtractOptions options = at_iso(50);
+        extract::ExtractOptions options = test::at_iso(50);
         options.region = region;
         options.cap = cap;
         EXPECT_GT(expect_parity(field, options), 0U);
       }
     }
-    extract::ExtractOptions options = at_iso(50);
+    extract::ExtractOptions options = test::at_iso(50);
     options.region = field::IndexBox{{-1000, -1000, -1000}, {-990, -990, -990}};
     expect_parity(field, options);
   }
@@ -86,7 +78,7 @@ TEST(SparseParity, NanInLeaves) {
   for (const extract::NanPolicy policy :
        {extract::NanPolicy::error, extract::NanPolicy::outside, extract::NanPolicy::hole}) {
     for (const bool cut : {false, true}) {
-      extract::ExtractOptions options = at_iso(0);
+      extract::ExtractOptions options = test::at_iso(0);
       options.nan = policy;
       options.cap = cut;
       if (cut) options.region = field::IndexBox{{2, 3, 4}, {20, 12, 13}};
@@ -102,7 +94,7 @@ void expect_tiles_of() {
   SCOPED_TRACE(field::sample_type_name(field::sample_type_of<T>()));
   field::ScalarField field = noise_with_tiles<T>({16, 24, 16}, 8, std::is_signed_v<T> ? -7.0 : 3.0);
   field.scale = {0.5, -4};
-  EXPECT_GT(expect_parity(field, at_iso(21)), 0U);
+  EXPECT_GT(expect_parity(field, test::at_iso(21)), 0U);
 }
 TEST(SparseParity, TilesOfEveryType) {
   expect_tiles_of<std::uint8_t>();
@@ -119,9 +111,9 @@ TEST(SparseParity, TilesAlone) {
   auto& samples = std::get<field::SparseSamples>(field.samples);
   samples.blocks.clear();
   samples.tiles = {{glm::ivec3(-16), 16, 3.0}, {glm::ivec3(0), 8, -2.0}, {glm::ivec3(8, 0, 0), 8, 1.0}};
-  EXPECT_GT(expect_parity(field, at_iso(0.5)), 0U);
+  EXPECT_GT(expect_parity(field, test::at_iso(0.5)), 0U);
   samples.tiles.clear();
-  EXPECT_EQ(expect_parity(field, at_iso(0.5)), 0U);
+  EXPECT_EQ(expect_parity(field, test::at_iso(0.5)), 0U);
 }
 
 class Atlas : public testing::TestWithParam<extract::Method> {};
@@ -129,7 +121,7 @@ INSTANTIATE_TEST_SUITE_P(Methods, Atlas, testing::Values(extract::Method::mc, ex
 
 TEST_P(Atlas, OfEverySizeMakesTheSameMesh) {
   const field::ScalarField field = noise_with_tiles<float>({40, 40, 32}, 2, 0);
-  extract::ExtractOptions options = at_iso(50);
+  extract::ExtractOptions options = test::at_iso(50);
   options.method = GetParam();
   options.smooth_normals = GetParam() == extract::Method::mc;
   test::SparseSurface surface(field, options);
@@ -149,7 +141,7 @@ TEST_P(Atlas, OfEverySizeMakesTheSameMesh) {
     SCOPED_TRACE(testing::Message() << size.slots << " slots, textures of " << size.max_texture);
     auto source = surface.source(size.slots * kLeaf + kLeaf / 2, size.max_texture);
     ASSERT_TRUE(source) << source.error().message;
-    mesh::Mesh mesh = test::captured_mesh(surface.sites(), *source, kFeedback);
+    mesh::Mesh mesh = test::captured_mesh(surface.sites(), *source, test::kFeedback);
     if (expected) test::expect_same_bytes(*expected, mesh);
     if (!expected) expected = std::move(mesh);
     const UploadFigures figures = source->uploads();
@@ -172,12 +164,12 @@ TEST_P(Atlas, LeavesThatTheSurfaceDoesNotPassStayAtHome) {
     return 9.3 - glm::length(glm::dvec3(i, j, k) - glm::dvec3(30.1, 31.2, 30.3));
   });
   const field::ScalarField field = test::sparse_copy<float>(dense, -99);
-  extract::ExtractOptions options = at_iso(0);
+  extract::ExtractOptions options = test::at_iso(0);
   options.method = GetParam();
   test::SparseSurface surface(field, options);
   auto source = surface.source(kLeaf * 1000, 2048);
   ASSERT_TRUE(source);
-  const mesh::Mesh mesh = test::captured_mesh(surface.sites(), *source, kFeedback);
+  const mesh::Mesh mesh = test::captured_mesh(surface.sites(), *source, test::kFeedback);
   test::expect_sound(mesh, true);
   const UploadFigures figures = source->uploads();
   EXPECT_EQ(figures.samples, 512 * surface.needed_leaves());
@@ -187,7 +179,7 @@ TEST_P(Atlas, LeavesThatTheSurfaceDoesNotPassStayAtHome) {
 
 TEST_P(Atlas, TooSmallIsAnError) {
   const field::ScalarField field = noise_with_tiles<float>({40, 40, 40}, 2, 0);
-  extract::ExtractOptions options = at_iso(50);
+  extract::ExtractOptions options = test::at_iso(50);
   options.method = GetParam();
   const test::SparseSurface surface(field, options);
   for (const auto& [bytes, max_texture] : {std::pair(27 * kLeaf - 1, 2048), {1000 * kLeaf, 16}, {27 * kLeaf, 23}}) {

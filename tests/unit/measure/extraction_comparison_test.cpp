@@ -215,7 +215,7 @@ TEST_P(ExtractionComparisonTest, NeedsKeysAndMemory) {
   const auto without = compare_extractions(mesh, keyless);
   ASSERT_FALSE(without);
   EXPECT_EQ(without.error().kind, ErrorKind::verification);
-  const auto small = compare_extractions(mesh, mesh, Limits{1000});
+  const auto small = compare_extractions(mesh, mesh, Context(MemoryBudget(1000)));
   ASSERT_FALSE(small);
   EXPECT_EQ(small.error().kind, ErrorKind::input);
 }

@@ -15,13 +15,13 @@
 namespace isoextract::measure {
 namespace {
 
-struct Extracted {
+struct OfField {
   extract::ExtractOptions options;
   mesh::Mesh mesh;
 };
 
-Extracted extract_at(const field::ScalarField& field, double iso, extract::Method method = extract::Method::mc) {
-  Extracted result;
+OfField extract_at(const field::ScalarField& field, double iso, extract::Method method = extract::Method::mc) {
+  OfField result;
   result.options.iso = iso;
   result.options.method = method;
   result.options.output_from_index = field.index_to_world;
@@ -39,7 +39,7 @@ TEST(FieldError, OfAMovedPlaneIsTheMove) {
   });
   field.index_to_world = frame;
   for (const field::Interpolation interpolation : {field::Interpolation::trilinear, field::Interpolation::tricubic}) {
-    Extracted plane = extract_at(field, 0);
+    OfField plane = extract_at(field, 0);
     const FieldError exact = measure_field_error(plane.mesh, field, plane.options, {interpolation});
     EXPECT_EQ(exact.interior.points, 7 * plane.mesh.triangles.size());
     EXPECT_EQ(exact.vertices.points, plane.mesh.positions.size());
@@ -58,7 +58,7 @@ TEST(FieldError, OfAMovedPlaneIsTheMove) {
 // The greatest distance between a trilinear sphere and its triangles is where and what geometry says.
 TEST(FieldError, OfASphereIsTheSagittaOfItsTriangles) {
   const field::ScalarField field = field::make_demo_field("demo:sphere?size=65").value();
-  const Extracted sphere = extract_at(field, 0);
+  const OfField sphere = extract_at(field, 0);
   const FieldError error = measure_field_error(sphere.mesh, field, sphere.options, {field::Interpolation::tricubic});
   const double voxel = 2.0 / 64;
   EXPECT_NEAR(error.interior.rms.world, error.interior.rms.voxels * voxel, 1e-12);
@@ -75,7 +75,7 @@ TEST(FieldError, OfVerticesIsWhatStorageCosts) {
     field::ScalarField field = field::make_demo_field("demo:torus?size=40").value();
     field.index_to_world.offset += offset;
     for (const extract::Method method : {extract::Method::mc, extract::Method::mt}) {
-      const Extracted torus = extract_at(field, 0, method);
+      const OfField torus = extract_at(field, 0, method);
       const FieldError error = measure_field_error(torus.mesh, field, torus.options, {});
       EXPECT_LT(error.storage.max.voxels, 40 * 0x1p-20) << "float32 and the margin";
       EXPECT_GT(error.storage.max.voxels, 0);
@@ -116,7 +116,7 @@ TEST(FieldError, FindsTheSurfaceThatOnlyTouchesASample) {
   const field::ScalarField field = test::dense_field<std::uint8_t>({5, 5, 5}, [](int i, int j, int k) {
     return glm::ivec3(i, j, k) == glm::ivec3(2) ? 60 : 70 + i + 3 * j + 7 * k;
   });
-  const Extracted touching = extract_at(field, 60);
+  const OfField touching = extract_at(field, 60);
   ASSERT_EQ(touching.mesh.triangles.size(), 8U);
   const FieldError error = measure_field_error(touching.mesh, field, touching.options, {});
   EXPECT_EQ(error.vertices.unmeasured() + error.interior.unmeasured(), 0U);
@@ -170,7 +170,7 @@ TEST(FieldError, CountsWhatItCannotMeasure) {
 
 TEST(FieldError, LeavesCapsOut) {
   const field::ScalarField field = field::make_demo_field("demo:gyroid?size=40").value();
-  const Extracted open = extract_at(field, 0.1);
+  const OfField open = extract_at(field, 0.1);
   extract::ExtractOptions capped = open.options;
   capped.cap = true;
   const mesh::Mesh closed = test::extract(field, capped).mesh;
@@ -186,8 +186,8 @@ TEST(FieldError, IsTheSameForSparseSamplesAndForAnyNumberOfThreads) {
   const field::ScalarField dense = test::dense_field<float>(
       {64, 64, 64}, [](int i, int j, int k) { return std::max(-0.2, 20 - std::hypot(i - 31.3, j - 32.1, k - 30.7)); });
   const field::ScalarField sparse = test::sparse_copy<float>(dense, static_cast<double>(-0.2F));
-  const Extracted of_dense = extract_at(dense, 0);
-  const Extracted of_sparse = extract_at(sparse, 0);
+  const OfField of_dense = extract_at(dense, 0);
+  const OfField of_sparse = extract_at(sparse, 0);
   for (const field::Interpolation interpolation : {field::Interpolation::trilinear, field::Interpolation::tricubic}) {
     const FieldError error = measure_field_error(of_dense.mesh, dense, of_dense.options, {interpolation});
     const FieldError same = measure_field_error(of_sparse.mesh, sparse, of_sparse.options, {interpolation});

@@ -192,7 +192,7 @@ TEST_P(MeshMatchTest, NothingAndMemory) {
   EXPECT_EQ(told(match(mesh::Mesh{}, mesh::Mesh{})), "");
   EXPECT_EQ(match(mesh, mesh::Mesh{}).triangles.only[0], mesh.triangles.size());
   EXPECT_EQ(match(mesh::Mesh{}, mesh).triangles.only[1], mesh.triangles.size());
-  const auto small = match_meshes(mesh, mesh, false, Limits{1000});
+  const auto small = match_meshes(mesh, mesh, false, Context(MemoryBudget(1000)));
   ASSERT_FALSE(small);
   EXPECT_EQ(small.error().kind, ErrorKind::input);
 }

@@ -28,7 +28,7 @@ struct Measured {
 Measured measure(const field::ScalarField& data, double iso, const glm::ivec3& resolution,
                  extract::Method method = extract::Method::mc, bool cap = false) {
   Measured result;
-  result.grid = field::resample(data, resolution, default_limits()).value();
+  result.grid = field::resample(data, resolution).value();
   result.options.iso = iso;
   result.options.method = method;
   result.options.cap = cap;

@@ -1,4 +1,4 @@
-#include "base/limits.hpp"
+#include "base/byte_size.hpp"
 
 #include <gtest/gtest.h>
 
@@ -30,16 +30,6 @@ TEST(ByteSize, Formats) {
   EXPECT_EQ(format_byte_size(1536), "1.5 KiB");
   EXPECT_EQ(format_byte_size(1023 * 1024), "0.999 MiB");
   EXPECT_EQ(format_byte_size(std::uint64_t{2} << 30), "2 GiB");
-}
-
-TEST(Memory, IsHeldAgainstTheLimit) {
-  EXPECT_TRUE(check_memory(100, {100}, "x"));
-  const auto result = check_memory(101, {100}, "in.raw: 101 voxels");
-  ASSERT_FALSE(result);
-  EXPECT_EQ(result.error().kind, ErrorKind::input);
-  EXPECT_NE(result.error().message.find("in.raw"), std::string::npos);
-  EXPECT_EQ(result.error().hint.remedy, Remedy::raise_memory_limit);
-  EXPECT_GT(default_limits().memory_bytes, 0U);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "base/limits.hpp"
+#include "base/byte_size.hpp"
 
 #include <array>
 #include <charconv>
@@ -6,11 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "base/memory_budget.hpp"
-
 namespace isoextract {
-
-Limits default_limits() { return {available_memory()}; }
 
 Result<std::uint64_t> parse_byte_size(std::string_view text) {
   const auto bad = [&] {
@@ -43,14 +39,6 @@ std::string format_byte_size(std::uint64_t bytes) {
     ++unit;
   }
   return unit == 0 ? fmt::format("{} B", bytes) : fmt::format("{:.3g} {}", value, kUnits[unit]);
-}
-
-Result<void> check_memory(std::uint64_t bytes, const Limits& limits, const std::string& what) {
-  if (bytes <= limits.memory_bytes) return {};
-  return fail(
-      ErrorKind::input,
-      fmt::format("{} need {}, the limit is {}", what, format_byte_size(bytes), format_byte_size(limits.memory_bytes)),
-      Remedy::raise_memory_limit);
 }
 
 }  // namespace isoextract
