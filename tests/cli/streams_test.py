@@ -53,6 +53,11 @@ class StreamsTest(ProgramTest):
         self.assertEqual(run.stderr, b"")
         self.assertGreater(len(read_ply(run.stdout).triangles), 1000)
 
+    def test_stdout_gets_nothing_where_a_later_surface_fails(self):
+        run = self.run_program("demo:gyroid?size=64", "--iso", "0", "--iso", "9", "-o", "-", "--format", "obj")
+        self.assert_fails(2, run, "no surface at iso 9")
+        self.assertEqual(run.out, b"")
+
     def test_a_reader_that_stops_early_is_an_error_and_no_crash(self):
         command = '"$0" demo:gyroid?size=96 --iso 0 -q -o - --format obj | head -n 1; exit ${PIPESTATUS[0]}'
         run = subprocess.run(["bash", "-c", command, PROGRAM], cwd=self.folder, capture_output=True, check=False)

@@ -65,6 +65,7 @@ class ConversionTest : public testing::Test {
     log_.memory = &context.memory();
     log_.reserved.clear();
     EXPECT_TRUE(convert::run(several(format, {0.1, 0.1, 0.1, 0.1}), context, log_).done());
+    log_.memory = nullptr;
     return std::exchange(log_.reserved, {});
   }
 
