@@ -86,7 +86,9 @@ class Narrator final : public convert::Events {
   }
 
   void verified(const convert::VerificationRecord& record) override {
-    tell_stage(fmt::format("{} iso {}: verified in {}", label_, record.iso, times_text(record.time)));
+    if (record.not_applicable.empty()) {
+      tell_stage(fmt::format("{} iso {}: verified in {}", label_, record.iso, times_text(record.time)));
+    }
     verified_.push_back(verification_summary(record));
   }
 
@@ -176,8 +178,8 @@ Result<void> write_report(const ConvertPlan& plan, const convert::Outcome& outco
   const std::string hint = outcome.error ? words_of(outcome.error->hint) : "";
   auto file = files::OutputFile::create(*plan.report);
   if (!file) return tl::unexpected(file.error());
-  const std::string text = convert::json_text(
-      convert::report_of(plan.job, outcome, plan.arguments, plan.memory.limit(), hint));
+  const std::string text =
+      convert::json_text(convert::report_of(plan.job, outcome, plan.arguments, plan.memory.limit(), hint));
   if (auto written = file->write(text); !written) return written;
   return file->commit();
 }
