@@ -51,6 +51,8 @@ enum class Remedy {
   other_output_name,     // for a file that is written
   widen_region_or_skip,  // the region hides the surface; or an empty one is no error
   try_iso,               // text: another value and what it was found by; or an empty surface is no error
+  other_iso,             // text: another value
+  leave_out_coarsest,    // of several resolutions, or another value
   no_surface_or_skip,    // no value has a surface worth suggesting; or an empty surface is no error
   list_demo_fields,      // their names and keys
   list_gpus,             // their numbers and names

@@ -152,7 +152,9 @@ class Bench {
 
   [[nodiscard]] Result<void> write() const {
     std::optional<std::string> picture;
-    if (plan_.plot) {
+    const bool drawn = plan_.plot && measured();
+    if (plan_.plot && !drawn) messages_.note(fmt::format("{}: not drawn, because no error was measured", *plan_.plot));
+    if (drawn) {
       auto made = run_gnuplot(error_plot_script(results_, plan_.options.repeats, plan_.picture));
       if (!made) return tl::unexpected(made.error());
       picture = std::move(*made);
@@ -169,10 +171,17 @@ class Bench {
     if (picture) {
       if (auto written = write_file(*plan_.plot, *picture); !written) return written;
     }
-    for (const auto& file : {plan_.csv, plan_.json, plan_.plot}) {
+    for (const auto& file : {plan_.csv, plan_.json, drawn ? plan_.plot : std::nullopt}) {
       if (file) messages_.summary(fmt::format("-> {}", *file));
     }
     return {};
+  }
+
+  // Some error, by a method that has one.
+  [[nodiscard]] bool measured() const {
+    return std::ranges::any_of(results_, [](const measure::BenchResult& result) {
+      return std::ranges::any_of(result.rows, [](const measure::BenchRow& row) { return row.position.has_value(); });
+    });
   }
 
   [[nodiscard]] bool bar_wanted() const { return messages_.verbosity() != Verbosity::quiet; }

@@ -28,26 +28,30 @@ std::string order_text(const std::optional<measure::ConvergenceOrder>& order) {
 }
 
 std::string setting_text(const measure::BenchResult& result, const measure::BenchRow& row) {
-  return fmt::format("{} {} {}, {} thread{}", measure::method_name(row.method), row.backend,
-                     result.levels[row.level].size, row.threads, row.threads == 1 ? "" : "s");
+  return fmt::format("{} {} {}, {} thread{}", word_of(row.method), row.backend, result.levels[row.level].size,
+                     row.threads, row.threads == 1 ? "" : "s");
 }
 
 std::uint64_t unmeasured_points(const measure::BenchResult& result) {
   std::uint64_t most = 0;
-  for (const measure::BenchRow& row : result.rows) most = std::max(most, row.position.unmeasured());
+  for (const measure::BenchRow& row : result.rows) {
+    if (row.position) most = std::max(most, row.position->unmeasured());
+  }
   return most;
 }
 
+// Empty where no errors were measured.
 std::string front_text(const measure::BenchResult& result) {
   std::vector<const measure::BenchRow*> front;
   for (const measure::BenchRow& row : result.rows) {
     if (row.on_front) front.push_back(&row);
   }
+  if (front.empty()) return "";
   std::ranges::sort(front, {}, &measure::BenchRow::median_seconds);
   std::string text = "Nothing is better in both, error and time (*):\n";
   for (const measure::BenchRow* row : front) {
     text += fmt::format("  {}: {} ms, rms {:.3g}\n", setting_text(result, *row), milliseconds(row->median_seconds),
-                        row->position.rms.world);
+                        row->position->rms.world);
   }
   return text;
 }
@@ -56,7 +60,7 @@ std::string orders_text(const measure::BenchResult& result) {
   std::vector<std::vector<std::string>> orders{
       {"method", "backend", "position", "smooth normals", "flat normals", "area", "volume"}};
   for (const measure::BenchOrders& order : result.orders) {
-    orders.push_back({std::string(measure::method_name(order.method)), order.backend, order_text(order.position),
+    orders.push_back({std::string(word_of(order.method)), order.backend, order_text(order.position),
                       order_text(order.smooth_normals), order_text(order.flat_normals), order_text(order.area),
                       order_text(order.volume)});
   }
@@ -80,6 +84,13 @@ convert::Json json_of(const std::optional<measure::ConvergenceOrder>& order) {
 
 convert::Json json_of(const measure::Length& length) { return {{"voxels", length.voxels}, {"world", length.world}}; }
 
+convert::Json json_of_position(const measure::BenchRow& row) {
+  if (!row.position) return nullptr;
+  return {{"rms", json_of(row.position->rms)}, {"percentile99", json_of(row.position->percentile99)},
+          {"max", json_of(row.position->max)}, {"worst", convert::json_of(row.position->worst)},
+          {"rounding", row.rounding},          {"unmeasured", row.position->unmeasured()}};
+}
+
 convert::Json json_of(const std::optional<measure::BenchDeviceTimes>& device) {
   if (!device) return nullptr;
   return {{"seconds",
@@ -93,20 +104,14 @@ convert::Json json_of(const std::optional<measure::BenchDeviceTimes>& device) {
 }
 
 convert::Json json_of(const measure::BenchRow& row, const measure::BenchResult& result) {
-  return {{"method", measure::method_name(row.method)},
+  return {{"method", word_of(row.method)},
           {"backend", row.backend},
           {"size", result.levels[row.level].size},
           {"threads", row.threads},
           {"triangles", row.triangles},
           {"seconds", {{"median", row.median_seconds}, {"min", row.min_seconds}, {"max", row.max_seconds}}},
           {"device", json_of(row.device)},
-          {"position",
-           {{"rms", json_of(row.position.rms)},
-            {"percentile99", json_of(row.position.percentile99)},
-            {"max", json_of(row.position.max)},
-            {"worst", convert::json_of(row.position.worst)},
-            {"rounding", row.rounding},
-            {"unmeasured", row.position.unmeasured()}}},
+          {"position", json_of_position(row)},
           {"smooth_normals", json_of(row.smooth_normals)},
           {"flat_normals", json_of(row.flat_normals)},
           {"area_error", json_or_null(row.area_error)},
@@ -135,11 +140,10 @@ std::string device_text(const measure::BenchResult& result) {
     if (!row.device) continue;
     const measure::BenchDeviceTimes& times = *row.device;
     const measure::BenchLevel& level = result.levels[row.level];
-    rows.push_back({std::string(measure::method_name(row.method)), row.backend, level.size,
-                    fmt::format("{}", row.threads), milliseconds(times.draw()),
-                    fmt::format("{:.2e}", static_cast<double>(level.cells) / times.draw()), milliseconds(times.count),
-                    milliseconds(times.capture), milliseconds(times.upload), milliseconds(times.read_back),
-                    milliseconds(times.weld), format_byte_size(times.bytes_uploaded),
+    rows.push_back({std::string(word_of(row.method)), row.backend, level.size, fmt::format("{}", row.threads),
+                    milliseconds(times.draw()), fmt::format("{:.2e}", static_cast<double>(level.cells) / times.draw()),
+                    milliseconds(times.count), milliseconds(times.capture), milliseconds(times.upload),
+                    milliseconds(times.read_back), milliseconds(times.weld), format_byte_size(times.bytes_uploaded),
                     format_byte_size(times.bytes_captured)});
   }
   if (rows.size() == 2) return "";
@@ -175,14 +179,16 @@ std::string bench_table(const measure::BenchResult& result, int repeats) {
        "area", "volume", ""},
       {"", "", "", "", "", "", "", "voxels", "voxels", "world", "world", "deg", "deg", "%", "%", ""}};
   for (const measure::BenchRow& row : result.rows) {
-    const measure::ErrorStatistics& position = row.position;
-    rows.push_back({std::string(measure::method_name(row.method)), row.backend, result.levels[row.level].size,
+    const auto length = [&](const auto& of) { return row.position ? fmt::format("{:.3g}", of(*row.position)) : "-"; };
+    rows.push_back({std::string(word_of(row.method)), row.backend, result.levels[row.level].size,
                     fmt::format("{}", row.threads), fmt::format("{}", row.triangles), milliseconds(row.median_seconds),
                     fmt::format("({} .. {})", milliseconds(row.min_seconds), milliseconds(row.max_seconds)),
-                    fmt::format("{:.3g}", position.rms.voxels), fmt::format("{:.3g}", position.max.voxels),
-                    fmt::format("{:.3g}", position.rms.world), fmt::format("{:.3g}", position.max.world),
-                    angle_text(row.smooth_normals), angle_text(row.flat_normals), percent_text(row.area_error),
-                    percent_text(row.volume_error), row.on_front ? "*" : ""});
+                    length([](const auto& position) { return position.rms.voxels; }),
+                    length([](const auto& position) { return position.max.voxels; }),
+                    length([](const auto& position) { return position.rms.world; }),
+                    length([](const auto& position) { return position.max.world; }), angle_text(row.smooth_normals),
+                    angle_text(row.flat_normals), percent_text(row.area_error), percent_text(row.volume_error),
+                    row.on_front ? "*" : ""});
   }
   text += aligned_table(rows, 2);
   for (const std::string& note : result.notes) text += fmt::format("Note: {}.\n", note);
@@ -202,16 +208,21 @@ std::string bench_csv(const std::vector<measure::BenchResult>& results) {
   for (const measure::BenchResult& result : results) {
     for (const measure::BenchRow& row : result.rows) {
       const measure::BenchLevel& level = result.levels[row.level];
-      const measure::ErrorStatistics& position = row.position;
+      const auto length = [&](const auto& of) {
+        return csv_cell(row.position ? std::optional<double>(of(*row.position)) : std::nullopt);
+      };
       const auto degrees = [](const std::optional<measure::AngleStatistics>& angles) {
         return csv_cell(angles ? std::optional(angles->rms_degrees) : std::nullopt);
       };
-      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_cell(result.input),
-                          result.iso, measure::method_name(row.method), row.backend, level.size, level.spacing,
-                          row.threads, row.triangles, row.median_seconds, row.min_seconds, row.max_seconds,
-                          position.rms.voxels, position.max.voxels, position.rms.world, position.max.world,
-                          position.unmeasured(), degrees(row.smooth_normals), degrees(row.flat_normals),
-                          csv_cell(row.area_error), csv_cell(row.volume_error), row.on_front ? 1 : 0);
+      text += fmt::format(
+          "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_cell(result.input), result.iso,
+          word_of(row.method), row.backend, level.size, level.spacing, row.threads, row.triangles, row.median_seconds,
+          row.min_seconds, row.max_seconds, length([](const auto& position) { return position.rms.voxels; }),
+          length([](const auto& position) { return position.max.voxels; }),
+          length([](const auto& position) { return position.rms.world; }),
+          length([](const auto& position) { return position.max.world; }),
+          row.position ? fmt::format("{}", row.position->unmeasured()) : "", degrees(row.smooth_normals),
+          degrees(row.flat_normals), csv_cell(row.area_error), csv_cell(row.volume_error), row.on_front ? 1 : 0);
     }
   }
   return text;
@@ -228,7 +239,7 @@ convert::Json bench_json(const std::vector<measure::BenchResult>& results, int r
     for (const measure::BenchRow& row : result.rows) rows.push_back(json_of(row, result));
     convert::Json orders = convert::Json::array();
     for (const measure::BenchOrders& order : result.orders) {
-      orders.push_back({{"method", measure::method_name(order.method)},
+      orders.push_back({{"method", word_of(order.method)},
                         {"backend", order.backend},
                         {"position", json_of(order.position)},
                         {"smooth_normals", json_of(order.smooth_normals)},

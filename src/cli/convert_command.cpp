@@ -87,7 +87,9 @@ class Narrator final : public convert::Events {
   }
 
   void verified(const convert::VerificationRecord& record) override {
-    tell_stage(fmt::format("{} iso {}: verified in {}", label_, record.iso, times_text(record.time)));
+    if (record.not_applicable.empty()) {
+      tell_stage(fmt::format("{} iso {}: verified in {}", label_, record.iso, times_text(record.time)));
+    }
     verified_.push_back(verification_summary(record));
   }
 

@@ -43,7 +43,8 @@ std::vector<Line> lines_of(const std::vector<measure::BenchResult>& results) {
   std::vector<Line> lines;
   for (const measure::BenchResult& result : results) {
     for (const measure::BenchRow& row : result.rows) {
-      std::string hue = row.method == extract::Method::mc ? "marching cubes" : "marching tetrahedra";
+      if (!row.position) continue;
+      std::string hue(extract::method_info(row.method).title);
       if (row.backend != "cpu") hue += " on " + row.backend;
       if (results.size() > 1) hue = fmt::format("{}: {}", result.input, hue);
       auto line = std::ranges::find_if(
@@ -84,6 +85,7 @@ std::string ranges(const std::vector<measure::BenchResult>& results) {
   double most[2] = {0, 0};
   for (const measure::BenchResult& result : results) {
     for (const measure::BenchRow& row : result.rows) {
+      if (!row.position) continue;
       const double place[2] = {1e3 * row.median_seconds, row.rms_above_rounding()};
       for (int axis = 0; axis < 2; ++axis) {
         if (!(place[axis] > 0)) continue;

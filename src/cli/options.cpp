@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <span>
 
 #include <fmt/format.h>
@@ -185,6 +186,15 @@ void declare_device(const Group& group, DeviceFlags& flags) {
               "output does not depend on it (default: a quarter of what the GPU has, 1G where it does not tell).");
 }
 
+// "Marching cubes, or marching tetrahedra with six a cell"
+std::string method_help() {
+  std::vector<std::string_view> methods;
+  for (const extract::MethodInfo& method : extract::kMethods) methods.push_back(method.help);
+  std::string text = fmt::format("{}", fmt::join(methods, ", or "));
+  text.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(text.front())));
+  return text;
+}
+
 void declare_backends(const Group& group, std::optional<std::vector<NamedBackend>>& backends,
                       const std::string& by_default) {
   group.value(
@@ -195,7 +205,7 @@ void declare_backends(const Group& group, std::optional<std::vector<NamedBackend
 }
 
 void declare_surface(const Group& group, SurfaceFlags& flags) {
-  group.choice("--method", flags.method, "Marching cubes, or marching tetrahedra with six a cell (default: mc).");
+  group.choice("--method", flags.method, fmt::format("{} (default: {}).", method_help(), extract::method_ids()[0]));
   group.value("--roi", "X0,Y0,Z0,X1,Y1,Z1", flags.roi, parse_box,
               "Only the samples in this box, given by its smaller and larger corner in the input's world coordinates "
               "(with --space index in voxel coordinates).");
@@ -295,7 +305,9 @@ void declare_bench(CLI::App& app, BenchFlags& flags) {
   const Group surface(app, "Surface");
   surface.value("--iso", "V", flags.iso, parse_number,
                 "The value whose surface is extracted (default: the demo field's own). Files need it.");
-  surface.value("--methods", "M,M,...", flags.methods, parse_methods, "Of mc and mt (default: mc,mt).");
+  surface.value("--methods", "M,M,...", flags.methods, parse_methods,
+                fmt::format("Of {} (default: {}).", fmt::join(extract::method_ids(), " and "),
+                            fmt::join(extract::method_ids(), ",")));
   declare_nan(surface, flags.nan);
   const Group output(app, "Output");
   output.value<std::string>("--csv", "FILE", flags.csv, parse_text, "Write the rows of the table as CSV.");

@@ -109,6 +109,12 @@ Result<convert::Normals> plan_normals(const ConvertFlags& flags, meshes::MeshFor
                              word_of(*flags.normals)),
                  "leave out --normals, or choose another format");
   }
+  const extract::MethodInfo& method = extract::method_info(plan_surface(flags.surface).method);
+  if (!method.traits.gradient_normals) {
+    if (flags.normals != convert::Normals::smooth) return flags.normals.value_or(convert::Normals::none);
+    return usage(fmt::format("--normals smooth: {}", extract::why_no_gradient_normals(method)),
+                 "--normals flat needs none");
+  }
   return flags.normals.value_or(is_gltf(format) ? convert::Normals::smooth : convert::Normals::none);
 }
 
@@ -362,12 +368,17 @@ Result<BenchPlan> plan_bench(const BenchFlags& flags) {
   plan.coarser = flags.coarser.value_or(std::vector<int>{});
   std::ranges::reverse(plan.coarser);
   plan.options.nan = flags.nan.value_or(extract::NanPolicy::error);
-  plan.options.methods = flags.methods.value_or(std::vector<extract::Method>{extract::Method::mc, extract::Method::mt});
+  if (flags.methods) {
+    for (const extract::Method method : *flags.methods) plan.options.methods.push_back(extract::method_info(method));
+  } else {
+    plan.options.methods.assign(extract::kMethods.begin(), extract::kMethods.end());
+  }
   if (flags.backends) plan.backends = plan_backends(*flags.backends, flags.device);
   plan.gpu = plan_gpu(flags.device);
   plan.options.threads = flags.threads.value_or(std::vector<int>{1});
-  if (auto checked = measure::check_thread_counts(plan.options.threads); !checked)
-    return tl::unexpected(checked.error());
+  if (auto checked = measure::check_thread_counts(plan.options.threads); !checked) {
+    return usage("--threads: " + checked.error().message, checked.error().hint);
+  }
   const int all = tbb::this_task_arena::max_concurrency();
   if (!flags.threads && all > 1) plan.options.threads.push_back(all);
 

@@ -41,6 +41,9 @@ std::string words_of(const Hint& hint) {
     case Remedy::other_output_name: return "choose another name with -o";
     case Remedy::widen_region_or_skip: return "widen the --roi; --empty skip makes this no error";
     case Remedy::try_iso: return fmt::format("try --iso {}; --empty skip makes this no error", text);
+    case Remedy::other_iso: return fmt::format("try --iso {}", text);
+    case Remedy::leave_out_coarsest:
+      return "leave out the coarsest with --sizes (demo fields) or --coarser (files), or choose another --iso";
     case Remedy::no_surface_or_skip:
       return "try another input: this one has no surface worth suggesting; --empty skip makes this no error";
     case Remedy::list_demo_fields: return "isoextract help demo lists the demo fields and their keys";

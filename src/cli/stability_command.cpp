@@ -69,38 +69,55 @@ std::size_t count_failed(const std::vector<measure::StabilityRow>& rows) {
       std::count_if(rows.begin(), rows.end(), [](const measure::StabilityRow& row) { return !row.failures.empty(); }));
 }
 
+// Of all rows, each reason once.
+std::vector<std::string> not_applicable(const std::vector<measure::StabilityRow>& rows) {
+  std::vector<std::string> reasons;
+  for (const measure::StabilityRow& row : rows) {
+    for (const std::string& reason : row.not_applicable) {
+      if (std::ranges::find(reasons, reason) == reasons.end()) reasons.push_back(reason);
+    }
+  }
+  return reasons;
+}
+
 std::string table_text(const std::vector<measure::StabilityRow>& rows) {
   std::string text = fmt::format("{:<18} {:<6} {:<10} {:>8} {:>9} {:>6} {:>8} {:>8}  {}\n", "case", "method", "backend",
                                  "vertices", "triangles", "ulps", "voxels", "allowed", "verdict");
   for (const measure::StabilityRow& row : rows) {
     const measure::StabilityFindings& found = row.findings;
-    text += fmt::format("{:<18} {:<6} {:<10} {:>8} {:>9} {:>6.2f} {:>8.1e} {:>8.1e}  {}\n", row.name,
-                        measure::method_name(row.method), row.backend, found.vertices, found.triangles, found.ulps,
-                        found.voxels, row.voxels_allowed,
-                        row.failures.empty() ? "pass" : fmt::format("FAIL: {}", fmt::join(row.failures, "; ")));
+    const auto crossing = [&](std::string number) { return found.crossings_checked ? std::move(number) : "-"; };
+    text +=
+        fmt::format("{:<18} {:<6} {:<10} {:>8} {:>9} {:>6} {:>8} {:>8}  {}\n", row.name, word_of(row.method),
+                    row.backend, found.vertices, found.triangles, crossing(fmt::format("{:.2f}", found.ulps)),
+                    crossing(fmt::format("{:.1e}", found.voxels)), crossing(fmt::format("{:.1e}", row.voxels_allowed)),
+                    row.failures.empty() ? "pass" : fmt::format("FAIL: {}", fmt::join(row.failures, "; ")));
   }
+  for (const std::string& reason : not_applicable(rows)) text += fmt::format("Not applicable: {}\n", reason);
   return text + fmt::format("{} of {} passed\n", rows.size() - count_failed(rows), rows.size());
 }
 
 convert::Json row_json(const measure::StabilityRow& row) {
   const measure::StabilityFindings& found = row.findings;
-  return {{"case", row.name},
-          {"method", measure::method_name(row.method)},
-          {"backend", row.backend},
-          {"passed", row.failures.empty()},
-          {"failures", row.failures},
-          {"vertices", found.vertices},
-          {"triangles", found.triangles},
-          {"not_finite", found.not_finite},
-          {"off_edge", found.off_edge},
-          {"repeated", found.repeated},
-          {"zero_area", found.zero_area},
-          {"open_edges", found.open_edges},
-          {"unsound", found.unsound},
-          {"ulps", found.ulps},
-          {"ulps_allowed", measure::kStabilityUlps},
-          {"voxels", found.voxels},
-          {"voxels_allowed", row.voxels_allowed}};
+  const auto where = [](bool checked, const auto& value) { return checked ? convert::Json(value) : convert::Json(); };
+  convert::Json json{{"case", row.name},
+                     {"method", word_of(row.method)},
+                     {"backend", row.backend},
+                     {"passed", row.failures.empty()},
+                     {"failures", row.failures},
+                     {"vertices", found.vertices},
+                     {"triangles", found.triangles},
+                     {"not_finite", found.not_finite},
+                     {"off_edge", where(found.edges_checked, found.off_edge)},
+                     {"repeated", found.repeated},
+                     {"zero_area", found.zero_area},
+                     {"open_edges", found.open_edges},
+                     {"unsound", found.unsound},
+                     {"ulps", where(found.crossings_checked, found.ulps)},
+                     {"ulps_allowed", where(found.crossings_checked, measure::kStabilityUlps)},
+                     {"voxels", where(found.crossings_checked, found.voxels)},
+                     {"voxels_allowed", where(found.crossings_checked, row.voxels_allowed)}};
+  if (!row.not_applicable.empty()) json["not_applicable"] = row.not_applicable;
+  return json;
 }
 
 }  // namespace
@@ -113,11 +130,12 @@ Result<void> run_stability(const StabilityFlags& flags, const Messages& messages
   }
   const auto backends = choose_backends(flags, messages);
   if (!backends) return tl::unexpected(backends.error());
+  for (const std::string& missing : measure::missing_methods(*backends, extract::kMethods)) messages.note(missing);
   std::vector<measure::StabilityRow> rows;
   for (const measure::StabilityCase* test : *cases) {
-    for (const extract::Method method : {extract::Method::mc, extract::Method::mt}) {
+    for (const extract::MethodInfo& method : extract::kMethods) {
       for (const measure::BenchBackend& backend : *backends) {
-        if (!backend.runs(method)) continue;
+        if (!backend.runs(method.method)) continue;
         rows.push_back(measure::run_stability_case(*test, method, *backend.extractor));
         rows.back().backend = backend.name;
       }

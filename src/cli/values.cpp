@@ -7,6 +7,7 @@
 #include <optional>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/byte_size.hpp"
 
@@ -202,10 +203,13 @@ Result<std::vector<int>> parse_coarse_factors(std::string_view text) {
 Result<std::vector<extract::Method>> parse_methods(std::string_view text) {
   std::vector<extract::Method> methods;
   for (const std::string_view word : split(text, ",")) {
-    if (word != "mc" && word != "mt") return expected_found("some of mc, mt, such as mc,mt", text);
-    const extract::Method method = word == "mc" ? extract::Method::mc : extract::Method::mt;
-    if (std::ranges::find(methods, method) != methods.end()) return expected_found("each method once", text);
-    methods.push_back(method);
+    const auto method = value_of<extract::Method>(word);
+    if (!method) {
+      const auto ids = extract::method_ids();
+      return expected_found(fmt::format("some of {}, such as {},{}", fmt::join(ids, ", "), ids[0], ids[1]), text);
+    }
+    if (std::ranges::find(methods, *method) != methods.end()) return expected_found("each method once", text);
+    methods.push_back(*method);
   }
   return methods;
 }

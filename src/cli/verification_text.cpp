@@ -20,6 +20,9 @@ std::string worst_text(double worst, std::string_view unit, double allowed, cons
 }  // namespace
 
 std::string verification_summary(const convert::VerificationRecord& record) {
+  if (!record.not_applicable.empty()) {
+    return fmt::format("not verified at iso {}: not applicable: {}", record.iso, record.not_applicable);
+  }
   const measure::ExtractionComparison& found = record.comparison;
   std::string text = fmt::format(
       "verified at iso {}: {} gives the same {} triangles and {} vertices as {}, at most "
@@ -33,6 +36,10 @@ std::string verification_table(const std::string& label, const convert::Verifica
   const measure::ExtractionComparison& found = record.comparison;
   NamedLines lines;
   lines.plain(fmt::format("{} iso {}: {} and {}", label, record.iso, record.backends[0], record.backends[1]));
+  if (!record.not_applicable.empty()) {
+    lines.add("same", "not applicable: " + record.not_applicable);
+    return lines.take();
+  }
   const auto counts = [&](std::string_view name, const std::array<std::uint64_t, 2>& total,
                           const std::array<std::uint64_t, 2>& only) {
     lines.add(name, fmt::format("{} and {}; {} and {} in one only", total[0], total[1], only[0], only[1]));

@@ -49,12 +49,13 @@ Result<void> verify_backends(const VerifyPlan& plan, const Messages& messages, c
     if (!source) return tl::unexpected(source.error());
     label = source->label;
     extract::ExtractOptions options = options_of(plan, *source);
-    options.smooth_normals = true;
-    options.edge_keys = true;
+    const extract::MethodInfo& method = extract::method_info(options.method);
+    options.smooth_normals = method.traits.gradient_normals;
+    options.edge_keys = method.traits.vertices_on_edges;
     const auto extraction = first->extract(source->field, options, context);
     if (!extraction) return tl::unexpected(extraction.error());
-    auto compared =
-        convert::compare_backends(source->field, options, extraction->mesh, *first, *second->extractor, context);
+    auto compared = convert::compare_backends(source->field, options, method, extraction->mesh, *first,
+                                              *second->extractor, context);
     if (!compared) return tl::unexpected(std::move(compared.error()));
     record = std::move(*compared);
   }

@@ -112,7 +112,9 @@ class Conversion {
       if (!simplified) return tl::unexpected(std::move(simplified.error()));
       events_.simplified(*simplified);
     }
-    if (job_.error) {
+    if (const std::string reason = extract::why_no_error(method()); job_.error && !reason.empty()) {
+      events_.note("the error of the mesh is not measured: " + reason);
+    } else if (job_.error) {
       const Stopwatch watch;
       const field::ScalarField& data = source_.data ? *source_.data : source_.field;
       surface.error = measure_mesh_error(surface.mesh, data, extract_options(iso), *job_.error,
@@ -122,10 +124,12 @@ class Conversion {
     return surface;
   }
 
+  [[nodiscard]] const extract::MethodInfo& method() const { return extract::method_info(job_.surface.method); }
+
   [[nodiscard]] extract::ExtractOptions extract_options(double iso) const {
     extract::ExtractOptions options = source_.extract_options(job_.surface, iso);
     options.smooth_normals = job_.normals == Normals::smooth;
-    options.edge_keys = job_.verify;
+    options.edge_keys = job_.verify && method().traits.vertices_on_edges;
     return options;
   }
 
@@ -140,8 +144,8 @@ class Conversion {
     events_.extracted({iso, extraction->mesh.triangles.size(), extraction->stats,
                        extraction_facts(extraction->stats, options, asked), watch.elapsed()});
     if (other_extractor_ != nullptr) {
-      auto record =
-          compare_backends(source_.field, options, extraction->mesh, *extractor_, *other_extractor_, context_);
+      auto record = compare_backends(source_.field, options, method(), extraction->mesh, *extractor_, *other_extractor_,
+                                     context_);
       if (!record) return tl::unexpected(std::move(record.error()));
       extraction->mesh.edges = {};  // they have done their work
       events_.verified(*record);

@@ -59,6 +59,7 @@ MeshError measure_mesh_error(const mesh::Mesh& mesh, const field::ScalarField& f
   measure::FieldErrorOptions options;
   options.interpolation = interpolation;
   options.grid = grid;
+  options.vertices_on_edges = extract::method_info(extracted.method).traits.vertices_on_edges;
   if (grid != nullptr) options.reach = reach_from(*grid);
   error.field = measure::measure_field_error(mesh, field, extracted, options, context);
   error.analytic = measure::measure_analytic_error(mesh, field, extracted, grid, context);

@@ -17,7 +17,8 @@ struct MeshError {
   std::optional<field::SurfaceSize> exact;         // likewise, where their size is known, in the mesh's units
 };
 
-// `extracted` is how the mesh was extracted from `field`, or from `grid` if there is one, which resample() made of it.
+// Of methods that follow the interpolant (MethodTraits). `extracted` is how the mesh was extracted from `field`, or
+// from `grid` if there is one, which resample() made of it.
 [[nodiscard]] MeshError measure_mesh_error(const mesh::Mesh& mesh, const field::ScalarField& field,
                                            const extract::ExtractOptions& extracted, field::Interpolation interpolation,
                                            const field::ScalarField* grid, const Context& context);

@@ -22,6 +22,12 @@ Json counts(const measure::TriangleDifference& triangles, const std::array<std::
 Json json_of(const VerificationRecord& record) {
   const measure::ExtractionComparison& found = record.comparison;
   Json json{{"iso", record.iso}, {"backends", record.backends}};
+  if (!record.not_applicable.empty()) {
+    json["passed"] = nullptr;
+    json["not_applicable"] = record.not_applicable;
+    json["time"] = json_of(record.time);
+    return json;
+  }
   json.update(counts(found.triangles, found.vertices, found.vertices_only, record.differences));
   json["ulps"] = found.ulps;
   json["ulps_allowed"] = measure::kStabilityUlps;
@@ -38,17 +44,28 @@ Json json_of(const measure::MeshMatch& match, const std::vector<std::string>& di
   return json;
 }
 
+std::string why_not_comparable(const extract::MethodInfo& method, const extract::Extractor& first,
+                               const extract::Extractor& second) {
+  for (const extract::Extractor* backend : {&first, &second}) {
+    if (!backend->has(method.method)) return fmt::format("{} does not have {}", backend->name(), method.title);
+  }
+  return extract::why_no_edges(method);
+}
+
 Result<VerificationRecord> compare_backends(const field::ScalarField& field, const extract::ExtractOptions& options,
-                                            const mesh::Mesh& mesh, const extract::Extractor& first,
-                                            extract::Extractor& second, const Context& context) {
+                                            const extract::MethodInfo& method, const mesh::Mesh& mesh,
+                                            const extract::Extractor& first, extract::Extractor& second,
+                                            const Context& context) {
   const Stopwatch watch;
+  VerificationRecord record;
+  record.iso = options.iso;
+  record.backends = {std::string(first.name()), std::string(second.name())};
+  record.not_applicable = why_not_comparable(method, first, second);
+  if (!record.not_applicable.empty()) return record;
   auto other = second.extract(field, options, context);
   if (!other) return tl::unexpected(std::move(other.error()));
   auto comparison = measure::compare_extractions(mesh, other->mesh, context);
   if (!comparison) return tl::unexpected(std::move(comparison.error()));
-  VerificationRecord record;
-  record.iso = options.iso;
-  record.backends = {std::string(first.name()), std::string(second.name())};
   record.differences = measure::differences(*comparison, {record.backends[0], record.backends[1]});
   record.comparison = *comparison;
   record.time = watch.elapsed();

@@ -19,19 +19,27 @@ namespace isoextract::convert {
 struct VerificationRecord {
   double iso = 0;
   std::array<std::string, 2> backends;  // the one whose mesh is written comes first
+  std::string not_applicable;           // why nothing was compared, as a sentence without its full stop; else empty
   measure::ExtractionComparison comparison;
   std::vector<std::string> differences;  // none if it passed
   StageTime time;                        // of the second extraction and the comparison
 };
 
+// Why the surfaces of a method by `first` and `second` cannot be compared, likewise: a backend does not have it, or
+// its vertices have no edge keys.
+[[nodiscard]] std::string why_not_comparable(const extract::MethodInfo& method, const extract::Extractor& first,
+                                             const extract::Extractor& second);
+
 [[nodiscard]] Json json_of(const VerificationRecord& record);
 
-// Extracts with `second` what `first` made `mesh` of, and compares. `options` are those of `mesh`, edge keys among
-// them. Fails as the extraction and the comparison do; what differs is no failure here.
+// Extracts with `second` what `first` made `mesh` of, and compares, where that can be. `options` are those of `mesh`:
+// by `method`, and with edge keys where it has them. Fails as the extraction and the comparison do; what differs is no
+// failure here, nor is what cannot be compared.
 [[nodiscard]] Result<VerificationRecord> compare_backends(const field::ScalarField& field,
                                                           const extract::ExtractOptions& options,
-                                                          const mesh::Mesh& mesh, const extract::Extractor& first,
-                                                          extract::Extractor& second, const Context& context);
+                                                          const extract::MethodInfo& method, const mesh::Mesh& mesh,
+                                                          const extract::Extractor& first, extract::Extractor& second,
+                                                          const Context& context);
 
 // Fails with ErrorKind::verification if the record says that something differs. `label` names the field.
 [[nodiscard]] Result<void> check_verification(const std::string& label, const VerificationRecord& record);

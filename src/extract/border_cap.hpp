@@ -2,7 +2,8 @@
 //
 // A cap vertex stands at every inside sample of the border; the other corners of cap polygons are vertices that the
 // surface already has on the border's edges, so the cap is welded. Squares decide alternating corners like the cells
-// behind them (asymptotic_decider.hpp); for marching tetrahedra a square is the two triangles its tetrahedra show.
+// behind them (asymptotic_decider.hpp); where a method has edges across a cell's faces, a square is the two triangles
+// that its cells show.
 #pragma once
 
 #include <algorithm>
@@ -75,10 +76,12 @@ class CapNumbers {
 
 // `inside(p)` for a sample; `edge_vertex(p, direction)` is the number of the surface's vertex on the crossed edge from
 // sample p along the axis bits `direction`; `depth(p)` is InsideRule::depth of a sample; cap vertices are numbered from
-// `first_number` on; squares with a corner that is `missing(p)` are left out.
+// `first_number` on; squares with a corner that is `missing(p)` are left out. `whole_squares`:
+// MethodTraits::axis_edges_only.
 template <class Inside, class EdgeVertex, class Depth, class Missing>
-BorderCap make_border_cap(const field::IndexBox& box, Method method, std::uint32_t first_number, const Inside& inside,
-                          const EdgeVertex& edge_vertex, const Depth& depth, const Missing& missing) {
+BorderCap make_border_cap(const field::IndexBox& box, bool whole_squares, std::uint32_t first_number,
+                          const Inside& inside, const EdgeVertex& edge_vertex, const Depth& depth,
+                          const Missing& missing) {
   BorderCap cap;
   detail::CapNumbers numbers(box);
 
@@ -148,7 +151,7 @@ BorderCap make_border_cap(const field::IndexBox& box, Method method, std::uint32
     dv[f.v] = 1;
     const std::array square{p, p + du, p + du + dv, p + dv};  // counter-clockwise seen from outside
     if (std::any_of(square.begin(), square.end(), missing)) return;
-    if (method == Method::mc) {
+    if (whole_squares) {
       fill(square);
     } else {
       fill(std::array{square[0], square[1], square[2]});

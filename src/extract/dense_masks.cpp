@@ -28,21 +28,9 @@ std::uint64_t classify(const DenseView<T>& view, const InsideThreshold<T>& thres
   return nan.load();
 }
 
-template std::uint64_t classify(const DenseView<std::uint8_t>&, const InsideThreshold<std::uint8_t>&, DenseMasks&,
-                                Progress*);
-template std::uint64_t classify(const DenseView<std::int8_t>&, const InsideThreshold<std::int8_t>&, DenseMasks&,
-                                Progress*);
-template std::uint64_t classify(const DenseView<std::uint16_t>&, const InsideThreshold<std::uint16_t>&, DenseMasks&,
-                                Progress*);
-template std::uint64_t classify(const DenseView<std::int16_t>&, const InsideThreshold<std::int16_t>&, DenseMasks&,
-                                Progress*);
-template std::uint64_t classify(const DenseView<std::uint32_t>&, const InsideThreshold<std::uint32_t>&, DenseMasks&,
-                                Progress*);
-template std::uint64_t classify(const DenseView<std::int32_t>&, const InsideThreshold<std::int32_t>&, DenseMasks&,
-                                Progress*);
-template std::uint64_t classify(const DenseView<field::Half>&, const InsideThreshold<field::Half>&, DenseMasks&,
-                                Progress*);
-template std::uint64_t classify(const DenseView<float>&, const InsideThreshold<float>&, DenseMasks&, Progress*);
-template std::uint64_t classify(const DenseView<double>&, const InsideThreshold<double>&, DenseMasks&, Progress*);
+#define ISOEXTRACT_INSTANTIATE(T) \
+  template std::uint64_t classify(const DenseView<T>&, const InsideThreshold<T>&, DenseMasks&, Progress*);
+ISOEXTRACT_EACH_SAMPLE_TYPE(ISOEXTRACT_INSTANTIATE)
+#undef ISOEXTRACT_INSTANTIATE
 
 }  // namespace isoextract::extract

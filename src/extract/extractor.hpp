@@ -1,10 +1,10 @@
-// From a field to a mesh. One interface for every method and backend.
+// From a field to a mesh. One interface for every method (method.hpp) and backend.
 //
 // Inside is value > iso for density, value < iso for level sets; a value equal to iso is outside. Triangles wind
-// counter-clockwise seen from outside, also where a transform mirrors. Every vertex lies on one edge of the grid and
-// is welded by that edge's integer key. The mesh is a closed, oriented 2-manifold wherever the surface does not leave
-// the data, and everywhere if `cap` is set; by `mc` it has the topology of the trilinear interpolant. The same field
-// and options give the same bytes for any number of threads.
+// counter-clockwise seen from outside, also where a transform mirrors. Vertices are welded by integers, never by
+// distance: those that lie on an edge of the grid by that edge's key. The mesh is a closed, oriented 2-manifold
+// wherever the surface does not leave the data, and everywhere if `cap` is set; by `mc` it has the topology of the
+// trilinear interpolant. The same field and options give the same bytes for any number of threads.
 #pragma once
 
 #include <array>
@@ -19,16 +19,11 @@
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
 #include "base/words.hpp"
+#include "extract/method.hpp"
 #include "field/scalar_field.hpp"
 #include "mesh/mesh.hpp"
 
 namespace isoextract::extract {
-
-enum class Method {
-  mc,  // marching cubes, with the topology of the trilinear interpolant (asymptotic_decider.hpp)
-  mt,  // marching tetrahedra, six a cell (cell_tables.hpp)
-};
-constexpr auto words_of(Method /*type*/) { return std::array{Word{Method::mc, "mc"}, Word{Method::mt, "mt"}}; }
 
 enum class NanPolicy {
   error,    // a NaN sample is ErrorKind::input; the message says where the first one is
@@ -44,8 +39,8 @@ constexpr auto words_of(NanPolicy /*type*/) {
 struct ExtractOptions {
   Method method = Method::mc;
   double iso = 0;
-  bool smooth_normals = false;  // from the gradient of the field at the vertex
-  bool edge_keys = false;       // fill Mesh::edges: for who compares meshes
+  bool smooth_normals = false;  // from the gradient of the field at the vertex (MethodTraits::gradient_normals)
+  bool edge_keys = false;       // fill Mesh::edges (MethodTraits::vertices_on_edges): for who compares meshes
   bool cap = false;             // close the surface where it leaves the data or the region
   NanPolicy nan = NanPolicy::error;
   std::optional<field::IndexBox> region;  // extract only from cells within this box of samples (clipped to the data)
@@ -92,10 +87,12 @@ class Extractor {
   virtual ~Extractor() = default;
   [[nodiscard]] virtual std::string_view name() const = 0;  // "cpu", "gpu"
   [[nodiscard]] virtual std::string device() const = 0;     // what it runs on: "AMD EPYC 7763 64-Core Processor"
+  [[nodiscard]] virtual bool has(Method method) const = 0;
 
   // What takes memory by the size of the field or of the surface is reserved in the context while it lives, the mesh
-  // exactly (Mesh::memory). Fails with ErrorKind::usage for an iso value that is not finite, with ErrorKind::input for
-  // a placement that flattens space and where memory runs out, with ErrorKind::cancelled between the passes.
+  // exactly (Mesh::memory). Fails with ErrorKind::usage for an iso value that is not finite and as check_method() does,
+  // with ErrorKind::unavailable for a method that it does not have, with ErrorKind::input for a placement that flattens
+  // space and where memory runs out, with ErrorKind::cancelled between the passes.
   [[nodiscard]] Result<Extraction> extract(const field::ScalarField& field, const ExtractOptions& options,
                                            const Context& context = Context());
 

@@ -67,7 +67,7 @@ template <SurfacePasses Surface>
     if (!numbers) return tl::unexpected(numbers.error());
     const InsideRule rule{field.kind, options.iso};
     cap = make_border_cap(
-        *box, options.method, static_cast<std::uint32_t>(sizes->vertices),
+        *box, method_info(options.method).traits.axis_edges_only, static_cast<std::uint32_t>(sizes->vertices),
         [&](const glm::ivec3& p) { return surface.inside(p); },
         [&](const glm::ivec3& p, int direction) { return surface.edge_vertex(p, direction); },
         [&](const glm::ivec3& p) { return rule.depth(surface.value(p)); },

@@ -135,6 +135,9 @@ class GpuExtractor final : public extract::Extractor {
 
   [[nodiscard]] std::string_view name() const override { return "gpu"; }
   [[nodiscard]] std::string device() const override { return gl::describe(gl_->device()); }
+  [[nodiscard]] bool has(extract::Method method) const override {
+    return pipeline_of(method, tools_.options).has_value();
+  }
 
  private:
   [[nodiscard]] Result<extract::Extraction> run(const field::ScalarField& field, const extract::ExtractOptions& options,

@@ -52,10 +52,29 @@ std::uint64_t cells_of(const field::ScalarField& field) {
          static_cast<std::uint64_t>(cells.z);
 }
 
-// One method and backend at one resolution, and its times by number of threads.
+// One method on one backend.
+struct Contestant {
+  extract::MethodInfo method;
+  BenchBackend backend;
+
+  [[nodiscard]] bool is(const BenchRow& row) const {
+    return row.method == method.method && row.backend == backend.name;
+  }
+};
+
+std::vector<Contestant> contestants(const BenchOptions& options) {
+  std::vector<Contestant> all;
+  for (const extract::MethodInfo& method : options.methods) {
+    for (const BenchBackend& backend : options.backends) {
+      if (backend.runs(method.method)) all.push_back({method, backend});
+    }
+  }
+  return all;
+}
+
+// One contestant with a number of threads at one resolution.
 struct Setting {
-  extract::Method method;
-  const BenchBackend* backend;
+  Contestant contestant;
   int threads;
   std::uint64_t triangles = 0;
   std::vector<double> seconds;
@@ -67,8 +86,8 @@ Result<void> run_once(const field::ScalarField& field, const BenchOptions& optio
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   static_cast<std::size_t>(setting.threads));
   const Stopwatch watch;
-  const auto extraction =
-      setting.backend->extractor->extract(field, extract_options(field, setting.method, options), context);
+  const auto& [method, backend] = setting.contestant;
+  const auto extraction = backend.extractor->extract(field, extract_options(field, method.method, options), context);
   const double seconds = watch.elapsed().wall_seconds;
   if (!extraction) return tl::unexpected(extraction.error());
   setting.triangles = extraction->mesh.triangles.size();
@@ -100,11 +119,8 @@ std::optional<BenchDeviceTimes> device_times(const std::vector<extract::ExtractS
 Result<std::vector<BenchRow>> time_level(const field::ScalarField& field, std::size_t level,
                                          const BenchOptions& options, const Context& context) {
   std::vector<Setting> settings;
-  for (const extract::Method method : options.methods) {
-    for (const BenchBackend& backend : options.backends) {
-      if (!backend.runs(method)) continue;
-      for (const int threads : options.threads) settings.push_back({method, &backend, threads, 0, {}, {}});
-    }
+  for (const Contestant& contestant : contestants(options)) {
+    for (const int threads : options.threads) settings.push_back({contestant, threads, 0, {}, {}});
   }
   const auto rounds = static_cast<std::size_t>(options.repeats) + 1;
   context.progress().begin("timing", rounds * settings.size());
@@ -122,8 +138,8 @@ Result<std::vector<BenchRow>> time_level(const field::ScalarField& field, std::s
   for (Setting& setting : settings) {
     BenchRow row;
     row.level = level;
-    row.method = setting.method;
-    row.backend = setting.backend->name;
+    row.method = setting.contestant.method.method;
+    row.backend = setting.contestant.backend.name;
     row.threads = setting.threads;
     row.triangles = setting.triangles;
     row.min_seconds = std::ranges::min(setting.seconds);
@@ -153,35 +169,36 @@ tl::unexpected<Error> no_surface(const field::ScalarField& field, double iso, bo
       ErrorKind::input,
       fmt::format("{}: no surface at iso {} with {} samples along an axis; the values run from {:.6g} to {:.6g}",
                   field.source, iso, size_text(field), statistics.min, statistics.max),
-      in_finer ? "leave out the coarsest with --sizes (demo fields) or --coarser (files), or choose another --iso"
-               : fmt::format("try --iso {}", field::suggest_iso(field, statistics).iso));
+      in_finer ? Hint(Remedy::leave_out_coarsest)
+               : Hint(Remedy::other_iso, fmt::format("{}", field::suggest_iso(field, statistics).iso)));
 }
 
-// Fills all errors but the rounding.
-using Judge = std::function<void(const Specimen& specimen, BenchErrors& errors)>;
+// Fills all errors but the rounding; `number` is that of the contestant whose specimen it is.
+using Judge = std::function<void(const Specimen& specimen, std::size_t number, BenchErrors& errors)>;
 
 Result<void> judge_level(const field::ScalarField& field, const BenchOptions& options, const Judge& judge,
                          bool in_finer, std::vector<BenchRow>& rows, const Context& context) {
-  for (const extract::Method method : options.methods) {
-    for (const BenchBackend& backend : options.backends) {
-      if (!backend.runs(method)) continue;
-      extract::ExtractOptions extract = extract_options(field, method, options);
-      extract.cap = true;
-      const auto capped = backend.extractor->extract(field, extract, Context(context.memory()));
-      if (!capped) return tl::unexpected(capped.error());
-      const double volume = mesh::measure_size(capped->mesh).volume;
-      extract.cap = false;
-      extract.smooth_normals = true;
-      const auto open = backend.extractor->extract(field, extract, context);
-      if (!open) return tl::unexpected(open.error());
-      if (open->mesh.triangles.empty()) return no_surface(field, options.iso, in_finer);
-      BenchErrors judged;
-      judged.rounding = IndexMesh(open->mesh, field, extract).rounding();
-      judge({field, extract, open->mesh, volume}, judged);
-      for (BenchRow& row : rows) {
-        if (row.method == method && row.backend == backend.name) static_cast<BenchErrors&>(row) = judged;
-      }
+  std::size_t number = 0;
+  for (const Contestant& contestant : contestants(options)) {
+    const extract::MethodInfo& method = contestant.method;
+    extract::Extractor& extractor = *contestant.backend.extractor;
+    extract::ExtractOptions extract = extract_options(field, method.method, options);
+    extract.cap = true;
+    const auto capped = extractor.extract(field, extract, Context(context.memory()));
+    if (!capped) return tl::unexpected(capped.error());
+    const double volume = mesh::measure_size(capped->mesh).volume;
+    extract.cap = false;
+    extract.smooth_normals = method.traits.gradient_normals;
+    const auto open = extractor.extract(field, extract, context);
+    if (!open) return tl::unexpected(open.error());
+    if (open->mesh.triangles.empty()) return no_surface(field, options.iso, in_finer);
+    BenchErrors judged;
+    judged.rounding = IndexMesh(open->mesh, field, extract).rounding();
+    if (method.traits.follows_interpolant) judge({field, extract, open->mesh, volume}, number, judged);
+    for (BenchRow& row : rows) {
+      if (contestant.is(row)) static_cast<BenchErrors&>(row) = judged;
     }
+    ++number;
   }
   return {};
 }
@@ -221,28 +238,39 @@ void conclude(BenchResult& result, const BenchOptions& options, const field::Sur
   double rounding = 0;
   for (const BenchRow& row : result.rows) rounding = std::max(rounding, row.rounding);
   const field::SurfaceSize floor{std::max(kRounding, uncertainty.area), std::max(kRounding, uncertainty.volume)};
-  for (const extract::Method method : options.methods) {
-    for (const BenchBackend& backend : options.backends) {
-      if (!backend.runs(method)) continue;
-      BenchOrders orders;
-      orders.method = method;
-      orders.backend = backend.name;
-      const auto angle = [](const std::optional<AngleStatistics>& normals) {
-        return normals ? std::optional(normals->rms_degrees) : std::nullopt;
-      };
-      orders.position = order_of(result, orders, rounding, [](const BenchRow& row) { return row.position.rms.world; });
-      orders.smooth_normals =
-          order_of(result, orders, 0, [&](const BenchRow& row) { return angle(row.smooth_normals); });
-      orders.flat_normals = order_of(result, orders, 0, [&](const BenchRow& row) { return angle(row.flat_normals); });
-      orders.area = order_of(result, orders, floor.area, [](const BenchRow& row) { return row.area_error; });
-      orders.volume = order_of(result, orders, floor.volume, [](const BenchRow& row) { return row.volume_error; });
-      result.orders.push_back(std::move(orders));
+  for (const Contestant& contestant : contestants(options)) {
+    BenchOrders orders;
+    orders.method = contestant.method.method;
+    orders.backend = contestant.backend.name;
+    const auto angle = [](const std::optional<AngleStatistics>& normals) {
+      return normals ? std::optional(normals->rms_degrees) : std::nullopt;
+    };
+    orders.position = order_of(result, orders, rounding, [](const BenchRow& row) {
+      return row.position ? std::optional(row.position->rms.world) : std::nullopt;
+    });
+    orders.smooth_normals = order_of(result, orders, 0, [&](const BenchRow& row) { return angle(row.smooth_normals); });
+    orders.flat_normals = order_of(result, orders, 0, [&](const BenchRow& row) { return angle(row.flat_normals); });
+    orders.area = order_of(result, orders, floor.area, [](const BenchRow& row) { return row.area_error; });
+    orders.volume = order_of(result, orders, floor.volume, [](const BenchRow& row) { return row.volume_error; });
+    result.orders.push_back(std::move(orders));
+  }
+  std::vector<BenchRow*> measured;
+  std::vector<Cost> costs;
+  for (BenchRow& row : result.rows) {
+    if (!row.position) continue;
+    measured.push_back(&row);
+    costs.push_back({row.rms_above_rounding(), row.median_seconds});
+  }
+  const std::vector<bool> front = pareto_front(costs);
+  for (std::size_t r = 0; r < front.size(); ++r) measured[r]->on_front = front[r];
+  for (std::string& missing : missing_methods(options.backends, options.methods)) {
+    result.notes.push_back(std::move(missing));
+  }
+  for (const extract::MethodInfo& method : options.methods) {
+    for (const std::string& reason : {extract::why_no_error(method), extract::why_no_gradient_normals(method)}) {
+      if (!reason.empty()) result.notes.push_back("not applicable: " + reason);
     }
   }
-  std::vector<Cost> costs;
-  for (const BenchRow& row : result.rows) costs.push_back({row.rms_above_rounding(), row.median_seconds});
-  const std::vector<bool> front = pareto_front(costs);
-  for (std::size_t r = 0; r < front.size(); ++r) result.rows[r].on_front = front[r];
 }
 
 field::SurfaceSize relative_uncertainty(const ReferenceSize& reference) {
@@ -258,7 +286,7 @@ std::string truth_of(const ReferenceSize& reference) {
       uncertainty.area, uncertainty.volume);
 }
 
-// The surface of the data that are the truth, by one method and backend.
+// The surface of the data that are the truth, by one contestant.
 struct FinestSurface {
   field::SurfaceSize size;
   bool closed = false;
@@ -268,10 +296,10 @@ struct FinestSurface {
 
 bool is_closed(const mesh::Mesh& mesh) { return mesh::measure_topology(mesh).open_edges == 0; }
 
-Result<FinestSurface> finest_surface(const field::ScalarField& field, const extract::Method method,
-                                     extract::Extractor& extractor, const BenchOptions& options,
-                                     const Context& context) {
-  extract::ExtractOptions extract = extract_options(field, method, options);
+Result<FinestSurface> finest_surface(const field::ScalarField& field, const Contestant& contestant,
+                                     const BenchOptions& options, const Context& context) {
+  extract::Extractor& extractor = *contestant.backend.extractor;
+  extract::ExtractOptions extract = extract_options(field, contestant.method.method, options);
   const auto open = extractor.extract(field, extract, Context(context.memory()));
   if (!open) return tl::unexpected(open.error());
   if (open->mesh.triangles.empty()) return no_surface(field, options.iso, false);
@@ -311,12 +339,24 @@ std::string dropped_samples(const field::ScalarField& field, int factor) {
 
 }  // namespace
 
+std::vector<std::string> missing_methods(std::span<const BenchBackend> backends,
+                                         std::span<const extract::MethodInfo> methods) {
+  std::vector<std::string> missing;
+  for (const BenchBackend& backend : backends) {
+    for (const extract::MethodInfo& method : methods) {
+      if (!backend.concerns(method.method) || backend.extractor->has(method.method)) continue;
+      missing.push_back(fmt::format("not applicable: {} does not have {}", backend.name, method.title));
+    }
+  }
+  return missing;
+}
+
 Result<void> check_thread_counts(std::span<const int> threads) {
   const int most = tbb::this_task_arena::max_concurrency();
   for (const int count : threads) {
     if (count <= most) continue;
     return fail(ErrorKind::usage,
-                fmt::format("--threads: expected at most {}, which can run at a time here, found {}", most, count),
+                fmt::format("expected at most {} threads, which can run at a time here, found {}", most, count),
                 "more would run no faster, and the times would have the wrong name");
   }
   return {};
@@ -339,11 +379,11 @@ Result<BenchResult> bench_demo(std::string_view name, const std::vector<int>& si
   for (const int size : sizes) {
     const auto field = field::make_demo_field(fmt::format("{}?size={}", result.input, size), context);
     if (!field) return tl::unexpected(field.error());
-    const Judge judge = [&](const Specimen& specimen, BenchErrors& errors) {
+    const Judge judge = [&](const Specimen& specimen, std::size_t /*number*/, BenchErrors& errors) {
       const auto error = measure_analytic_error(specimen.mesh, specimen.field, specimen.extracted, nullptr, context);
       if (!error) return;
       errors.position = error->interior;
-      errors.smooth_normals = error->smooth_normals;
+      if (specimen.extracted.smooth_normals) errors.smooth_normals = error->smooth_normals;
       errors.flat_normals = error->flat_normals;
       errors.area_error = relative_error(error->area, reference.size.area * error->unit * error->unit);
       errors.volume_error =
@@ -367,14 +407,11 @@ Result<BenchResult> bench_field(const field::ScalarField& field, const std::vect
       "the trilinear interpolant of the finest data ({}); area and volume against its meshes; it "
       "counts in no order of convergence",
       size_text(field));
-  std::vector<FinestSurface> finest;  // by method and backend, in the order of the judgements
-  for (const extract::Method method : options.methods) {
-    for (const BenchBackend& backend : options.backends) {
-      if (!backend.runs(method)) continue;
-      auto surface = finest_surface(field, method, *backend.extractor, options, context);
-      if (!surface) return tl::unexpected(surface.error());
-      finest.push_back(*surface);
-    }
+  std::vector<FinestSurface> finest;  // by the contestants' numbers
+  for (const Contestant& contestant : contestants(options)) {
+    auto surface = finest_surface(field, contestant, options, context);
+    if (!surface) return tl::unexpected(surface.error());
+    finest.push_back(*surface);
   }
   std::vector<std::string> not_comparable;  // sizes
   for (const int factor : factors) {
@@ -387,26 +424,24 @@ Result<BenchResult> bench_field(const field::ScalarField& field, const std::vect
         result.notes.push_back(std::move(dropped));
       }
     }
-    auto exact = finest.begin();
-    const Judge judge = [&](const Specimen& specimen, BenchErrors& errors) {
+    const Judge judge = [&](const Specimen& specimen, std::size_t number, BenchErrors& errors) {
+      const FinestSurface& exact = finest[number];
       extract::ExtractOptions of_finest = specimen.extracted;
       of_finest.output_from_index = field.index_to_world;
       FieldErrorOptions error;
       error.reach = 2.0 * factor;
-      errors.position = measure_field_error(specimen.mesh, field, of_finest, error, context).interior;
-      for (Length* length : {&errors.position.rms, &errors.position.percentile99, &errors.position.max}) {
-        length->voxels /= factor;
-      }
+      ErrorStatistics& position =
+          errors.position.emplace(measure_field_error(specimen.mesh, field, of_finest, error, context).interior);
+      for (Length* length : {&position.rms, &position.percentile99, &position.max}) length->voxels /= factor;
       if (factor > 1) {
-        if (exact->closed && covers(specimen.field, factor, *exact) && is_closed(specimen.mesh)) {
-          errors.area_error = relative_error(mesh::measure_size(specimen.mesh).area, exact->size.area);
-          errors.volume_error = relative_error(specimen.volume, exact->size.volume);
+        if (exact.closed && covers(specimen.field, factor, exact) && is_closed(specimen.mesh)) {
+          errors.area_error = relative_error(mesh::measure_size(specimen.mesh).area, exact.size.area);
+          errors.volume_error = relative_error(specimen.volume, exact.size.volume);
         } else if (const std::string size = size_text(specimen.field);
                    not_comparable.empty() || not_comparable.back() != size) {
           not_comparable.push_back(size);
         }
       }
-      ++exact;
     };
     if (auto added = add_level(result, coarse ? *coarse : field, options, judge, factor > 1, context); !added) {
       return tl::unexpected(added.error());
@@ -422,7 +457,5 @@ Result<BenchResult> bench_field(const field::ScalarField& field, const std::vect
   conclude(result, options);
   return result;
 }
-
-std::string_view method_name(extract::Method method) { return method == extract::Method::mc ? "mc" : "mt"; }
 
 }  // namespace isoextract::measure

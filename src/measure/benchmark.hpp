@@ -25,13 +25,18 @@ struct BenchBackend {
   std::shared_ptr<extract::Extractor> extractor;
   std::optional<extract::Method> only{};  // of a variant that concerns one method
 
-  [[nodiscard]] bool runs(extract::Method method) const { return only.value_or(method) == method; }
+  [[nodiscard]] bool concerns(extract::Method method) const { return only.value_or(method) == method; }
+  [[nodiscard]] bool runs(extract::Method method) const { return concerns(method) && extractor->has(method); }
 };
+
+// Which of the methods that concern a backend it does not have, a sentence without its full stop each.
+[[nodiscard]] std::vector<std::string> missing_methods(std::span<const BenchBackend> backends,
+                                                       std::span<const extract::MethodInfo> methods);
 
 struct BenchOptions {
   double iso = 0;
   extract::NanPolicy nan = extract::NanPolicy::error;
-  std::vector<extract::Method> methods;
+  std::vector<extract::MethodInfo> methods;
   std::vector<BenchBackend> backends;
   std::vector<int> threads;
   int repeats = 5;
@@ -58,17 +63,18 @@ struct BenchDeviceTimes {
   [[nodiscard]] double draw() const { return count + capture; }  // the two passes over the cells
 };
 
-// Of the mesh that one method and backend make of one level, whatever the number of threads.
+// Of the mesh that one method and backend make of one level, whatever the number of threads. Nothing is measured of
+// surfaces that do not follow the field between its samples, and no smooth normals where the method has none.
 struct BenchErrors {
-  ErrorStatistics position;  // inside the triangles; in voxels of its resolution and in world units
-  double rounding = 0;       // how far float32 moves vertices, in world units; smaller errors are all alike
+  std::optional<ErrorStatistics> position;  // inside the triangles; in voxels of its resolution and in world units
+  double rounding = 0;  // how far float32 moves vertices, in world units; smaller errors are all alike
   std::optional<AngleStatistics> smooth_normals;  // these where the truth is a formula
   std::optional<AngleStatistics> flat_normals;
   std::optional<double> area_error;  // |measured / true - 1|; nothing where there is nothing to compare with
   std::optional<double> volume_error;
 
-  // In world units.
-  [[nodiscard]] double rms_above_rounding() const { return std::max(position.rms.world, rounding); }
+  // In world units; where positions were measured.
+  [[nodiscard]] double rms_above_rounding() const { return std::max(position.value().rms.world, rounding); }
 };
 
 struct BenchRow : BenchErrors {
@@ -81,7 +87,8 @@ struct BenchRow : BenchErrors {
   double min_seconds = 0;
   double max_seconds = 0;
   std::optional<BenchDeviceTimes> device;
-  bool on_front = false;  // no other row is at least as good in rms_above_rounding() and median time, and better in one
+  bool on_front = false;  // no other measured row is at least as good in rms_above_rounding() and median time, and
+                          // better in one
 };
 
 struct BenchOrders {
@@ -98,7 +105,7 @@ struct BenchResult {
   std::string input;
   double iso = 0;
   std::string truth;               // what the errors are measured against, as a sentence without its full stop
-  std::vector<std::string> notes;  // what was left out and why, likewise
+  std::vector<std::string> notes;  // what was left out or is not applicable and why, likewise
   std::vector<BenchLevel> levels;  // coarse to fine
   std::vector<BenchRow> rows;
   std::vector<BenchOrders> orders;
@@ -119,8 +126,5 @@ struct BenchResult {
 // and a note says so. Fails as bench_demo() does.
 [[nodiscard]] Result<BenchResult> bench_field(const field::ScalarField& field, const std::vector<int>& factors,
                                               const BenchOptions& options, const Context& context = Context());
-
-// "mc", "mt"
-[[nodiscard]] std::string_view method_name(extract::Method method);
 
 }  // namespace isoextract::measure

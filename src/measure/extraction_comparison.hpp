@@ -1,5 +1,6 @@
 // Two meshes of the same field and options, each from a backend of its own, vertex by vertex and triangle by triangle.
-// Both carry edge keys (ExtractOptions::edge_keys); in which order their vertices and triangles stand is no matter.
+// Both carry edge keys (ExtractOptions::edge_keys), which only vertices on edges have (MethodTraits); in which order
+// their vertices and triangles stand is no matter.
 //
 // Positions are compared in units in the last place (ulps) of the local coordinates: the greatest difference of a
 // coordinate, divided by the spacing of float32 at the largest coordinate, without sign, that the vertex has in either

@@ -226,13 +226,14 @@ class FieldMeasurement {
   }
 
   void measure_vertices(const PointRange& range, VertexErrorSums& sums) const {
+    const bool edges = options_.vertices_on_edges && options_.grid == nullptr;
     SurfaceProbe chosen = probe(chosen_);
     SurfaceProbe trilinear = probe(trilinear_);
     for (std::size_t v = range.begin(); v != range.end(); ++v) {
       if (surface_vertices_[v] == 0) continue;
       const glm::dvec3 index = placed_.vertex(v);
       chosen.measure(index, 1, sums.all);
-      if (options_.grid == nullptr && placed_.on_axis_edge(index)) trilinear.measure(index, 1, sums.storage);
+      if (edges && placed_.on_axis_edge(index)) trilinear.measure(index, 1, sums.storage);
     }
   }
 

@@ -21,6 +21,7 @@ struct FieldErrorOptions {
   field::Interpolation interpolation = field::Interpolation::trilinear;  // whose isosurface is the truth
   double reach = 1;                                                      // voxels of the field
   const field::ScalarField* grid = nullptr;  // that the mesh was extracted from, if resample() made it of the field
+  bool vertices_on_edges = true;             // MethodTraits::vertices_on_edges: else there is no `storage` error
 };
 
 struct FieldError {
@@ -31,15 +32,16 @@ struct FieldError {
   // At vertices on edges along the samples' axes, against the trilinear interpolant, whose crossing there is exact:
   // what float32 positions and the margin at the ends of edges (extract/edge_geometry.hpp) cost. Marching tetrahedra
   // have vertices on diagonals besides, where the interpolant is not linear; those are in `vertices` only. Without
-  // points where the mesh is from another grid, whose edges are not the field's.
+  // points where the mesh is from another grid, whose edges are not the field's, and where the method's vertices are
+  // not on edges.
   ErrorStatistics storage;
 
   std::uint64_t cap_triangles = 0;  // not measured: they lie in the border of the data, not on the isosurface
 };
 
-// `extracted` is how `mesh` was extracted, from `field` or from the grid in `options`: iso value, placement, region and
-// cap are taken from it. The mesh may have fewer triangles since. Voxels are those of `field`. The same answer for any
-// number of threads.
+// Of methods that follow the interpolant (MethodTraits). `extracted` is how `mesh` was extracted, from `field` or from
+// the grid in `options`: iso value, placement, region and cap are taken from it. The mesh may have fewer triangles
+// since. Voxels are those of `field`. The same answer for any number of threads.
 [[nodiscard]] FieldError measure_field_error(const mesh::Mesh& mesh, const field::ScalarField& field,
                                              const extract::ExtractOptions& extracted, const FieldErrorOptions& options,
                                              const Context& context = Context());

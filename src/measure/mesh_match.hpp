@@ -14,7 +14,9 @@
 //   those, unless the origin is the extraction's own (then the file had the very numbers);
 // - sums in double: a few roundings of the world coordinates.
 // The extractors keep vertices of different edges at least four ulps of the local coordinates apart (OutputFrame), so
-// that the nearest one is the right one; only STL far from the origin of the world may hold less than that.
+// that the nearest one is the right one; only STL far from the origin of the world may hold less than that. Nothing
+// keeps vertices apart that are not on edges (MethodTraits): of two that are nearer than that, one may count as
+// missing.
 #pragma once
 
 #include <array>

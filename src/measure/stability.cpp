@@ -1,5 +1,7 @@
 #include "measure/stability.hpp"
 
+#include <utility>
+
 #include <fmt/format.h>
 
 namespace isoextract::measure {
@@ -9,8 +11,8 @@ bool expects_triangles(StabilityOutcome outcome, bool cap) {
   return outcome == StabilityOutcome::surface || (outcome == StabilityOutcome::cap_only && cap);
 }
 
-void run_once(const StabilityScene& scene, extract::ExtractOptions options, extract::Extractor& extractor,
-              StabilityRow& row) {
+void run_once(const StabilityScene& scene, const extract::ExtractOptions& options, const extract::MethodTraits& traits,
+              extract::Extractor& extractor, StabilityRow& row) {
   const auto add = [&](std::string_view what) {
     row.failures.push_back(fmt::format("{}{}", options.cap ? "with a cap: " : "", what));
   };
@@ -23,7 +25,7 @@ void run_once(const StabilityScene& scene, extract::ExtractOptions options, extr
   const mesh::Mesh& mesh = extraction->mesh;
   const bool expected = expects_triangles(scene.outcome, options.cap);
   if (mesh.triangles.empty() == expected) add(expected ? "no surface" : "a surface where there is none");
-  const StabilityFindings findings = check_stability(mesh, scene.field, options);
+  const StabilityFindings findings = check_stability(mesh, scene.field, options, traits);
   const bool must_be_closed = options.nan != extract::NanPolicy::hole && (options.cap || scene.closed);
   for (const std::string& failure : failures(findings, must_be_closed, kStabilityUlps, scene.voxels)) add(failure);
   row.findings.add(findings);
@@ -31,19 +33,25 @@ void run_once(const StabilityScene& scene, extract::ExtractOptions options, extr
 
 }  // namespace
 
-StabilityRow run_stability_case(const StabilityCase& test, extract::Method method, extract::Extractor& extractor) {
+StabilityRow run_stability_case(const StabilityCase& test, const extract::MethodInfo& method,
+                                extract::Extractor& extractor) {
   const StabilityScene scene = test.make();
   StabilityRow row;
   row.name = test.name;
-  row.method = method;
+  row.method = method.method;
   row.backend = extractor.name();
   row.voxels_allowed = scene.voxels;
+  row.findings = no_findings(method.traits);
+  for (std::string reason :
+       {extract::why_no_edges(method), extract::why_no_error(method), extract::why_no_gradient_normals(method)}) {
+    if (!reason.empty()) row.not_applicable.push_back(std::move(reason));
+  }
   for (const bool cap : {false, true}) {
     extract::ExtractOptions options = scene.options;
-    options.method = method;
-    options.smooth_normals = true;
+    options.method = method.method;
+    options.smooth_normals = method.traits.gradient_normals;
     options.cap = cap;
-    run_once(scene, options, extractor, row);
+    run_once(scene, options, method.traits, extractor, row);
   }
   return row;
 }

@@ -209,12 +209,12 @@ constexpr std::array kCases{
                   [] { return scene<field::Half>(0, [](auto p) { return 65504 * side(p); }); }},
     StabilityCase{"infinities", "Every sample is infinite.", "infinity - infinity: t is not a number", true,
                   [] { return scene<float>(0, [](auto p) { return kInfinity * side(p); }); }},
-    StabilityCase{"nan-outside", "Scattered NaN and infinities, with --nan outside.",
+    StabilityCase{"nan-outside", "Scattered NaN and infinities, NaN taken as outside.",
                   "t is not a number beside NaN and infinities", true,
                   [] { return holey_ball(extract::NanPolicy::outside); }},
-    StabilityCase{"nan-hole", "Scattered NaN and infinities, with --nan hole.", "t is not a number beside infinities",
+    StabilityCase{"nan-hole", "Scattered NaN and infinities, NaN left as holes.", "t is not a number beside infinities",
                   true, [] { return holey_ball(extract::NanPolicy::hole); }},
-    StabilityCase{"all-nan", "Every sample is NaN, with --nan outside.", kSurvives, false,
+    StabilityCase{"all-nan", "Every sample is NaN, taken as outside.", kSurvives, false,
                   [] {
                     StabilityScene result = scene<float>(0, [](auto) { return kNan; });
                     result.options.nan = extract::NanPolicy::outside;

@@ -22,11 +22,13 @@ using Vector = glm::vec<3, Real>;
 
 class Checker {
  public:
-  Checker(const mesh::Mesh& mesh, const field::ScalarField& field, const extract::ExtractOptions& options)
+  Checker(const mesh::Mesh& mesh, const field::ScalarField& field, const extract::ExtractOptions& options,
+          const extract::MethodTraits& traits)
       : mesh_(mesh),
         field_(field),
         samples_(std::get<field::DenseSamples>(field.samples)),
         options_(options),
+        traits_(traits),
         index_from_output_(glm::inverse(options.output_from_index.linear)),
         margin_(
             extract::OutputFrame(options.output_from_index, {glm::ivec3(0), samples_.dims - 1}, field.kind, field.scale)
@@ -62,7 +64,7 @@ class Checker {
       edge.low[axis] = static_cast<int>(floor);
       edge.step[axis] = 1;
     }
-    if (options_.method == extract::Method::mc && edge.step.x + edge.step.y + edge.step.z > 1) return std::nullopt;
+    if (traits_.axis_edges_only && edge.step.x + edge.step.y + edge.step.z > 1) return std::nullopt;
     return is_expected(edge) ? std::optional(edge) : std::nullopt;
   }
 
@@ -129,6 +131,7 @@ class Checker {
   const field::ScalarField& field_;
   const field::DenseSamples& samples_;
   const extract::ExtractOptions& options_;
+  const extract::MethodTraits& traits_;
   glm::dmat3 index_from_output_;
   double margin_;
   glm::dvec3 largest_{0.0};  // local coordinates of the mesh, without sign
@@ -156,25 +159,35 @@ void StabilityFindings::add(const StabilityFindings& other) {
   zero_area += other.zero_area;
   open_edges += other.open_edges;
   unsound += other.unsound;
+  edges_checked = edges_checked && other.edges_checked;
+  crossings_checked = crossings_checked && other.crossings_checked;
   ulps = std::max(ulps, other.ulps);
   voxels = std::max(voxels, other.voxels);
 }
 
+StabilityFindings no_findings(const extract::MethodTraits& traits) {
+  StabilityFindings findings;
+  findings.edges_checked = traits.vertices_on_edges;
+  findings.crossings_checked = traits.vertices_on_edges && traits.follows_interpolant;
+  return findings;
+}
+
 std::vector<std::optional<GridEdge>> grid_edges(const mesh::Mesh& mesh, const field::ScalarField& field,
-                                                const extract::ExtractOptions& options) {
-  const Checker checker(mesh, field, options);
+                                                const extract::ExtractOptions& options,
+                                                const extract::MethodTraits& traits) {
+  const Checker checker(mesh, field, options, traits);
   std::vector<std::optional<GridEdge>> edges;
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) edges.push_back(checker.edge(v));
   return edges;
 }
 
 StabilityFindings check_stability(const mesh::Mesh& mesh, const field::ScalarField& field,
-                                  const extract::ExtractOptions& options) {
-  StabilityFindings findings;
+                                  const extract::ExtractOptions& options, const extract::MethodTraits& traits) {
+  StabilityFindings findings = no_findings(traits);
   findings.vertices = mesh.positions.size();
   findings.triangles = mesh.triangles.size();
   if (mesh.positions.empty()) return findings;
-  const Checker checker(mesh, field, options);
+  const Checker checker(mesh, field, options, traits);
   std::set<std::array<int, 6>> taken;
   for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
     const glm::vec3& p = mesh.positions[v];
@@ -184,6 +197,7 @@ StabilityFindings check_stability(const mesh::Mesh& mesh, const field::ScalarFie
       ++findings.not_finite;
       continue;
     }
+    if (!findings.edges_checked) continue;
     const auto edge = checker.edge(v);
     if (!edge) {
       ++findings.off_edge;
@@ -193,7 +207,7 @@ StabilityFindings check_stability(const mesh::Mesh& mesh, const field::ScalarFie
         taken.insert({edge->low.x, edge->low.y, edge->low.z, edge->step.x, edge->step.y, edge->step.z}).second;
     // A hole may part a vertex in two.
     if (!is_new && options.nan != extract::NanPolicy::hole) ++findings.repeated;
-    checker.compare(v, *edge, findings);
+    if (findings.crossings_checked) checker.compare(v, *edge, findings);
   }
   const mesh::Topology topology = mesh::measure_topology(mesh);
   findings.repeated += repeated_triangles(mesh);

@@ -89,9 +89,10 @@ class Benchmark {
   void measure(const BenchmarkInput& input, bool smooth_normals, const std::vector<int>& threads) {
     std::vector<Entrant> entrants;
     for (const int count : threads) {
-      for (const extract::Method method : {extract::Method::mc, extract::Method::mt}) {
-        if (!contains(options_.methods, method == extract::Method::mc ? "mc" : "mt")) continue;
-        entrants.push_back(enter(isoextract_contestant(input, method, smooth_normals), count, 0));
+      for (const extract::MethodInfo& method : extract::kMethods) {
+        if (!contains(options_.methods, method.id)) continue;
+        if (smooth_normals && !method.traits.gradient_normals) continue;
+        entrants.push_back(enter(isoextract_contestant(input, method.method, smooth_normals), count, 0));
       }
     }
     if (!options_.self) add_peers(input, smooth_normals, threads.front(), entrants);
@@ -150,6 +151,8 @@ int run_program(int argc, char** argv) {
   std::vector<std::string> names;
   for (const InputDescription& description : benchmark_inputs()) names.emplace_back(description.name);
 
+  const auto methods = extract::method_ids();
+
   CLI::App app("Times isoextract's extractor beside VTK's and OpenVDB's on the same samples in memory");
   app.option_defaults()->delimiter(',')->always_capture_default();
   app.add_option("--fields", options.fields, "Inputs")->check(CLI::IsMember(names));
@@ -158,7 +161,8 @@ int run_program(int argc, char** argv) {
   app.add_option("--types", options.types, "Sample types of formulas; files keep theirs, and f32 is tried beside it")
       ->check(CLI::IsMember({"f32", "u8", "i8", "u16", "i16"}));
   app.add_option("--normals", options.normals, "none, smooth")->check(CLI::IsMember({"none", "smooth"}));
-  app.add_option("--methods", options.methods, "isoextract's methods")->check(CLI::IsMember({"mc", "mt"}));
+  app.add_option("--methods", options.methods, "isoextract's methods")
+      ->check(CLI::IsMember(std::vector<std::string>(methods.begin(), methods.end())));
   app.add_option("--peers", options.peers, "Whom to compare with")->check(CLI::IsMember(options.peers));
   app.add_option("--threads", options.threads, "Numbers of threads")->check(CLI::Range(1, all));
   app.add_option("--runs", options.rounds, "Alternating rounds, after a first run of each")->check(CLI::Range(1, 1000));

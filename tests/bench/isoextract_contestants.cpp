@@ -15,7 +15,7 @@ class IsoextractContestant : public Contestant {
     options_.smooth_normals = smooth_normals;
   }
 
-  [[nodiscard]] std::string name() const override { return options_.method == extract::Method::mc ? "mc" : "mt"; }
+  [[nodiscard]] std::string name() const override { return std::string(word_of(options_.method)); }
   [[nodiscard]] std::string program() const override { return std::string(generator()); }
 
   Outcome run() override {

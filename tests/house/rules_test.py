@@ -98,12 +98,32 @@ class RulesTest(unittest.TestCase):
         for code in (
             "exit(1);", "std::exit (1);", "_exit(1);", "std::abort();", "f(argv);", "std::cout << 1;",
             'std::fprintf(stderr, "x");', 'printf("x");', 'fmt::print("x");', "#include <spdlog/spdlog.h>",
-            "write(STDOUT_FILENO, p, n);",
+            "write(STDOUT_FILENO, p, n);", "::write(1, p, n);", "std::wcout << 1;", 'vprintf("x", a);', 'dprintf(2, "x");',
+            "std::putchar(c);", 'fmt::println("x");', 'std::print("x");', 'fmt::vprint("x", a);', 'fputs("x", stdout);',
         ):  # fmt: skip
-            with self.subTest(code=code):
-                self.plant_in_room("volumes", f"int x;\n{code}\n")
-                findings = self.findings()
-                self.assertTrue(findings and all("src/volumes/planted.cpp:2" in finding for finding in findings), findings)
+            for room in ("volumes", "convert"):
+                with self.subTest(code=code, room=room):
+                    self.plant_in_room(room, f"int x;\n{code}\n")
+                    findings = self.findings()
+                    found = findings and all(f"src/{room}/planted.cpp:2" in finding for finding in findings)
+                    self.assertTrue(found, findings)
+                    (self.root / f"src/{room}/planted.cpp").unlink()
+
+    def test_what_looks_like_printing_and_is_not(self):
+        self.plant_in_room("volumes", "file.write(1024, p);\nwrite(file, p);\nint fingerprint(int n);\nsnprintf(p, n, f);\n")
+        self.assertEqual(self.findings(), [])
+
+    def test_names_of_options_below_cli(self):
+        for text in ('"use --iso V"', '"--iso"', "f(\"(--nan outside)\")", 'R"(a\n--cap)"'):
+            with self.subTest(text=text):
+                self.plant_in_room("volumes", f"int x;\nauto s = {text};\n".replace("\\n", "\n"))
+                self.expect_one("src/volumes/planted.cpp:", "names an option")
+
+    def test_what_looks_like_an_option_and_is_none(self):
+        code = '// the words of --iso are in cli\nint i = n--a; auto s = "a--b -- c -d ----";\n/* "--iso" */\n'
+        self.plant_in_room("volumes", code)
+        self.plant("src/cli/main.cpp", CLEAN["src/cli/main.cpp"] + 'auto hint = "use --iso V";\n')
+        self.assertEqual(self.findings(), [])
 
     def test_map_of_the_rooms(self):
         self.plant("src/volumes/new.cpp", "int x;\n")

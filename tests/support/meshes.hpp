@@ -35,7 +35,7 @@ inline std::vector<std::array<Point, 3>> triangle_set(const mesh::Mesh& mesh) {
 
 // For INSTANTIATE_TEST_SUITE_P over methods.
 inline std::string method_name(const testing::TestParamInfo<extract::Method>& parameter) {
-  return parameter.param == extract::Method::mc ? "mc" : "mt";
+  return std::string(word_of(parameter.param));
 }
 
 inline extract::Extraction extract(const field::ScalarField& field, const extract::ExtractOptions& options) {

@@ -38,7 +38,6 @@ class CellDrawings {
   CellDrawings(const CaseTable& table, bool mirrored, bool decide_all, std::span<const std::uint8_t> names = {});
 
   [[nodiscard]] int directions() const { return directions_; }
-  [[nodiscard]] const Triangle* triangles() const { return triangles_.data(); }
   // The set of the table's edges whose ends are on different sides.
   [[nodiscard]] std::uint32_t crossed_edges(unsigned cell_case) const { return crossed_edges_[cell_case]; }
 
@@ -51,12 +50,34 @@ class CellDrawings {
     return variant ? by_variant_[*variant] : Drawing{.left_out = true};
   }
 
+  // Writes a cell's triangles to `out` and returns their end. `numbers` are those of vertices, by what triangles call
+  // their edges.
+  template <class Number>
+  glm::uvec3* write(const Drawing& drawing, const Number* numbers, glm::uvec3* out) const {
+    const Triangle* triangle = triangles_.data() + drawing.first;
+    for (unsigned t = 0; t < drawing.count; ++t, ++triangle) {
+      *out++ = glm::uvec3(numbers[(*triangle)[0]], numbers[(*triangle)[1]], numbers[(*triangle)[2]]);
+    }
+    return out;
+  }
+
  private:
   int directions_;
   std::array<Drawing, 256> by_case_;
   std::array<std::uint32_t, 256> crossed_edges_{};
   std::vector<Drawing> by_variant_;
   std::vector<Triangle> triangles_;
+};
+
+// What the cells of a row or a site draw together.
+struct CellCounts {
+  std::uint64_t triangles = 0;
+  std::uint64_t left_out = 0;  // cells
+
+  void add(const CellDrawings::Drawing& drawing) {
+    triangles += drawing.count;
+    left_out += drawing.left_out ? 1 : 0;
+  }
 };
 
 }  // namespace isoextract::extract

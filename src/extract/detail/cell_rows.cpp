@@ -81,9 +81,7 @@ RowCounts count_row(const CellDrawings& drawings, const CellRow& row, const Cell
     if (!has_cells) continue;
     for (std::uint64_t rest = active_cells(corners, before_last); rest != 0; rest &= rest - 1) {
       const int cell = std::countr_zero(rest);
-      const auto drawing = drawings.of(cell_case(corners, cell), decider, row.origin, {64 * w + cell, 0, 0});
-      counts.triangles += drawing.count;
-      counts.left_out += drawing.left_out ? 1 : 0;
+      counts.cells.add(drawings.of(cell_case(corners, cell), decider, row.origin, {64 * w + cell, 0, 0}));
     }
   }
   return counts;
@@ -130,10 +128,7 @@ bool write_row(const CellDrawings& drawings, const CellRow& row, const CellDecid
       }
       const auto drawing = drawings.of(cell_case(corners, cell), decider, row.origin, {64 * w + cell, 0, 0});
       if (HWY_UNLIKELY(end - out < drawing.count)) return false;
-      const CellDrawings::Triangle* triangle = drawings.triangles() + drawing.first;
-      for (unsigned t = 0; t < drawing.count; ++t, ++triangle) {
-        *out++ = glm::uvec3(numbers[(*triangle)[0]], numbers[(*triangle)[1]], numbers[(*triangle)[2]]);
-      }
+      out = drawings.write(drawing, numbers, out);
     }
   }
   return out == end;

@@ -35,8 +35,7 @@ struct CellRow {
 
 struct RowCounts {
   std::array<std::uint32_t, kMaxDirections> vertices{};  // of the edges the row's samples own, by direction
-  std::uint64_t triangles = 0;
-  std::uint64_t left_out = 0;  // cells
+  CellCounts cells;
 };
 
 [[nodiscard]] RowCounts count_cells(const CellDrawings& drawings, const CellRow& row, const CellDecider& decider);

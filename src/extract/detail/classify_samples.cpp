@@ -139,16 +139,8 @@ std::uint64_t classify_samples(const T* samples, std::size_t count, const Inside
 }
 
 #define ISOEXTRACT_INSTANTIATE(T) \
-  template std::uint64_t classify_samples(const T*, std::size_t, const InsideThreshold<T>&, std::uint64_t*)
-ISOEXTRACT_INSTANTIATE(std::uint8_t);
-ISOEXTRACT_INSTANTIATE(std::int8_t);
-ISOEXTRACT_INSTANTIATE(std::uint16_t);
-ISOEXTRACT_INSTANTIATE(std::int16_t);
-ISOEXTRACT_INSTANTIATE(std::uint32_t);
-ISOEXTRACT_INSTANTIATE(std::int32_t);
-ISOEXTRACT_INSTANTIATE(field::Half);
-ISOEXTRACT_INSTANTIATE(float);
-ISOEXTRACT_INSTANTIATE(double);
+  template std::uint64_t classify_samples(const T*, std::size_t, const InsideThreshold<T>&, std::uint64_t*);
+ISOEXTRACT_EACH_SAMPLE_TYPE(ISOEXTRACT_INSTANTIATE)
 #undef ISOEXTRACT_INSTANTIATE
 
 }  // namespace isoextract::extract

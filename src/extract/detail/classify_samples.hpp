@@ -16,3 +16,15 @@ std::uint64_t classify_samples(const T* samples, std::size_t count, const Inside
                                std::uint64_t* bits);
 
 }  // namespace isoextract::extract
+
+// DO(T) for every type of sample: for what is compiled once for each.
+#define ISOEXTRACT_EACH_SAMPLE_TYPE(DO) \
+  DO(std::uint8_t)                      \
+  DO(std::int8_t)                       \
+  DO(std::uint16_t)                     \
+  DO(std::int16_t)                      \
+  DO(std::uint32_t)                     \
+  DO(std::int32_t)                      \
+  DO(field::Half)                       \
+  DO(float)                             \
+  DO(double)

@@ -205,8 +205,8 @@ class DenseExtraction final : private CellDecider {
         const RowCounts counts = count_cells(*drawings_, cell_row(j, k), *this);
         const std::size_t row = row_index(j, k);
         std::copy_n(counts.vertices.begin(), directions_, vertex_base(row));
-        triangle_base_[row] = counts.triangles;
-        if (counts.left_out != 0) left_out.fetch_add(counts.left_out, std::memory_order_relaxed);
+        triangle_base_[row] = counts.cells.triangles;
+        if (counts.cells.left_out != 0) left_out.fetch_add(counts.cells.left_out, std::memory_order_relaxed);
       });
     });
     return left_out.load();
@@ -273,21 +273,12 @@ class DenseExtraction final : private CellDecider {
   }
 
   void emit_vertices(mesh::Mesh& mesh, int bj, int bk) {
-    const VertexRules rules{placement_, rule_, field_.scale};
     EdgeList edges(directions_, view_.dims.x);
-    VertexBatch batch;
-    std::size_t number = 0;  // of the batch's first vertex
-    const auto flush = [&] {
-      const auto count = static_cast<std::size_t>(batch.count);
-      write_vertices(batch, rules, mesh, number);
-      number += count;
-    };
+    VertexWriter writer({placement_, rule_, field_.scale}, mesh, 0);
+    VertexBatch& batch = writer.batch();
     for_each_row(bj, bk, [&](int j, int k) {
       // The numbers of a slice's rows follow one another; those of its rows in the next slice do not.
-      if (j == kBrickRows * bj) {
-        flush();
-        number = vertex_base(row_index(j, k))[0];
-      }
+      if (j == kBrickRows * bj) writer.go_on_at(vertex_base(row_index(j, k))[0]);
       const std::size_t row = row_index(j, k);
       if (vertex_base(row)[0] == vertex_base(row + 1)[0]) return;
       list_edges(*drawings_, cell_row(j, k), edges);
@@ -296,13 +287,13 @@ class DenseExtraction final : private CellDecider {
         for (const std::int32_t* x = edges.begin(d); x != edges.end(d);) {
           const auto room = static_cast<std::ptrdiff_t>(VertexBatch::kCapacity - batch.count);
           const std::int32_t* end = x + std::min(room, edges.end(d) - x);
-          add_edges(batch, std::span(x, end), j, k, direction, !mesh.normals.empty());
+          add_edges(batch, std::span(x, end), j, k, direction, writer.wants_gradients());
           x = end;
-          if (batch.full()) flush();
+          writer.flush_full();
         }
       }
     });
-    flush();
+    writer.flush();
   }
 
   void add_edges(VertexBatch& batch, std::span<const std::int32_t> positions, int j, int k, int direction,

@@ -27,15 +27,13 @@ HWY_INLINE unsigned cell_case(const SitePlanes& planes, std::size_t x, int cell)
 
 HWY_INLINE glm::ivec3 position(std::size_t x, int cell) { return {static_cast<int>(x), cell >> 3, cell & 7}; }
 
-SiteCounts count_any(const CellDrawings& drawings, const glm::ivec3& origin, const SitePlanes& planes,
+CellCounts count_any(const CellDrawings& drawings, const glm::ivec3& origin, const SitePlanes& planes,
                      const BlockBits& active, const CellDecider& decider) {
-  SiteCounts counts;
+  CellCounts counts;
   for (std::size_t x = 0; x < active.size(); ++x) {
     for (std::uint64_t rest = active[x]; rest != 0; rest &= rest - 1) {
       const int cell = std::countr_zero(rest);
-      const auto drawing = drawings.of(cell_case(planes, x, cell), decider, origin, position(x, cell));
-      counts.triangles += drawing.count;
-      counts.left_out += drawing.left_out ? 1 : 0;
+      counts.add(drawings.of(cell_case(planes, x, cell), decider, origin, position(x, cell)));
     }
   }
   return counts;
@@ -72,10 +70,7 @@ void write_any(const CaseTable& table, const CellDrawings& drawings, const glm::
         const auto site = static_cast<std::size_t>(near[static_cast<std::size_t>(past)]);
         numbers[e] = vertices.at(site, edges[e].direction, offset + edges[e].offset - back);
       }
-      const CellDrawings::Triangle* triangle = drawings.triangles() + drawing.first;
-      for (unsigned t = 0; t < drawing.count; ++t, ++triangle) {
-        *out++ = glm::uvec3(numbers[(*triangle)[0]], numbers[(*triangle)[1]], numbers[(*triangle)[2]]);
-      }
+      out = drawings.write(drawing, numbers.data(), out);
     }
   }
 }
@@ -90,7 +85,7 @@ namespace isoextract::extract {
 HWY_EXPORT(count_any);
 HWY_EXPORT(write_any);
 
-SiteCounts count_site_cells(const CellDrawings& drawings, const glm::ivec3& origin, const SitePlanes& planes,
+CellCounts count_site_cells(const CellDrawings& drawings, const glm::ivec3& origin, const SitePlanes& planes,
                             const BlockBits& active, const CellDecider& decider) {
   return HWY_DYNAMIC_DISPATCH(count_any)(drawings, origin, planes, active, decider);
 }

@@ -14,14 +14,9 @@ namespace isoextract::extract {
 // (entry n is n & 1, n >> 1 & 1, n >> 2 & 1 sites away), or -1.
 using NearSites = std::array<std::int32_t, 8>;
 
-struct SiteCounts {
-  std::uint64_t triangles = 0;
-  std::uint64_t left_out = 0;  // cells
-};
-
 // `drawings` call edges by their numbers in `table`. `active` are the cells, by their lowest sample. `origin` is that
 // of the site, for the decider.
-[[nodiscard]] SiteCounts count_site_cells(const CellDrawings& drawings, const glm::ivec3& origin,
+[[nodiscard]] CellCounts count_site_cells(const CellDrawings& drawings, const glm::ivec3& origin,
                                           const SitePlanes& planes, const BlockBits& active,
                                           const CellDecider& decider);
 

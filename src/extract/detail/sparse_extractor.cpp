@@ -122,7 +122,7 @@ class SparseExtraction final : private CellDecider {
         vertices_.crossed(s, d) = sites_.crossed_edges(s, planes, table_.directions[d]);
       }
       vertices_.count(s);
-      const SiteCounts counts = count_site_cells(*drawings_, origins[s], planes, sites_.active_cells(s, planes), *this);
+      const CellCounts counts = count_site_cells(*drawings_, origins[s], planes, sites_.active_cells(s, planes), *this);
       triangle_base_[s] = counts.triangles;
       if (counts.left_out != 0) left_out.fetch_add(counts.left_out, std::memory_order_relaxed);
     });
@@ -142,17 +142,11 @@ class SparseExtraction final : private CellDecider {
   }
 
   void emit_vertices(mesh::Mesh& mesh, std::size_t s) const {
-    const VertexRules rules{placement_, rule_, field_.scale};
     const glm::ivec3 origin = sites_.origins()[s];
-    const bool gradients = !mesh.normals.empty();
+    VertexWriter writer({placement_, rule_, field_.scale}, mesh, vertices_.first(s, 0));  // a site's follow one another
+    const bool gradients = writer.wants_gradients();
     const Neighbourhood<T> stored(samples_, sites_.lookup(), origin, gradients ? -1 : 0);
-    VertexBatch batch;
-    std::size_t number = vertices_.first(s, 0);  // of the batch's first vertex; a site's numbers follow one another
-    const auto flush = [&] {
-      const auto count = static_cast<std::size_t>(batch.count);
-      write_vertices(batch, rules, mesh, number);
-      number += count;
-    };
+    VertexBatch& batch = writer.batch();
     for (std::size_t d = 0; d < table_.directions.size(); ++d) {
       const int direction = table_.directions[d];
       const glm::ivec3 step = direction_step(direction);
@@ -169,11 +163,11 @@ class SparseExtraction final : private CellDecider {
             put_gradient(batch, 0, i, stored, p);
             put_gradient(batch, 1, i, stored, p + step);
           }
-          if (batch.full()) flush();
+          writer.flush_full();
         });
       }
     }
-    flush();
+    writer.flush();
   }
 
   // Of the stored numbers, by central differences.

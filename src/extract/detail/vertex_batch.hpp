@@ -35,4 +35,37 @@ struct VertexRules {
 // Writes positions from `first` on, and normals and edge keys where the mesh has them, and empties the batch.
 void write_vertices(VertexBatch& batch, const VertexRules& rules, mesh::Mesh& mesh, std::size_t first);
 
+// Writes vertices to a mesh in the order of their numbers, a batch at a time. What was added last is written by the
+// last flush().
+class VertexWriter {
+ public:
+  // `number` is that of the first vertex.
+  VertexWriter(const VertexRules& rules, mesh::Mesh& mesh, std::size_t number)
+      : rules_(rules), mesh_(mesh), number_(number) {}
+
+  [[nodiscard]] bool wants_gradients() const { return !mesh_.normals.empty(); }
+
+  // There is room in it; after adding to it, flush_full().
+  [[nodiscard]] VertexBatch& batch() { return batch_; }
+  void flush_full() {
+    if (batch_.full()) flush();
+  }
+  void flush() {
+    const auto count = static_cast<std::size_t>(batch_.count);
+    write_vertices(batch_, rules_, mesh_, number_);
+    number_ += count;
+  }
+  // The next vertex has another number than the one after the last.
+  void go_on_at(std::size_t number) {
+    flush();
+    number_ = number;
+  }
+
+ private:
+  VertexRules rules_;
+  mesh::Mesh& mesh_;
+  std::size_t number_;  // of the batch's first vertex
+  VertexBatch batch_;
+};
+
 }  // namespace isoextract::extract

@@ -14,6 +14,7 @@ DrawnSurface::DrawnSurface(const field::ScalarField& field, const extract::Extra
       options_(options),
       tools_(tools),
       context_(context),
+      pipeline_(pipeline_of(options.method, tools.options).value()),
       table_(extract::case_table(options.method)),
       placement_(options.output_from_index, stored, field.kind, field.scale) {}
 
@@ -22,14 +23,15 @@ void DrawnSurface::found(const SurfacePlace& place, std::unique_ptr<FieldSource>
   source_ = std::move(source);
 }
 
-GpuPipeline DrawnSurface::pipeline() const {
-  if (options_.method == extract::Method::mt) return GpuPipeline::mt_geometry;
-  return tools_.options.tessellation ? GpuPipeline::mc_tessellation : GpuPipeline::mc_points;
+std::optional<GpuPipeline> pipeline_of(extract::Method method, const GpuOptions& options) {
+  if (method == extract::Method::mt) return GpuPipeline::mt_geometry;
+  if (method != extract::Method::mc) return std::nullopt;
+  return options.tessellation ? GpuPipeline::mc_tessellation : GpuPipeline::mc_points;
 }
 
 Result<gl::CellPass> DrawnSurface::find_programs() const {
   CellProgramKind kind;
-  kind.pipeline = pipeline();
+  kind.pipeline = pipeline_;
   kind.sample_define = sample_format(field_.type()).define;
   kind.sparse = place_.sparse;
   kind.scaled = !field_.scale.is_identity();
@@ -82,7 +84,7 @@ Result<extract::MeshSizes> DrawnSurface::count(extract::ExtractStats& stats) {
   weld_.emplace(
       table_, place_.origins, [this](std::size_t site) { return near(site); },
       [this](const glm::ivec3& cell) { return decide(cell); });
-  CellCapture capture(*tools_.gl, pipeline(), words_a_vertex(), tools_.memory.feedback);
+  CellCapture capture(*tools_.gl, pipeline_, words_a_vertex(), tools_.memory.feedback);
   if (auto drawn = draw(*pass, capture); !drawn) return tl::unexpected(drawn.error());
   capture.free_soup();
   soup_memory_.release();

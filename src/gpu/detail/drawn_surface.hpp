@@ -23,6 +23,9 @@ struct MemoryShares {
   std::uint64_t feedback;
 };
 
+// What draws a method's surfaces; nothing for one that the device does not have.
+[[nodiscard]] std::optional<GpuPipeline> pipeline_of(extract::Method method, const GpuOptions& options);
+
 // What surfaces are drawn with. All that is pointed to must outlive them.
 struct DrawingTools {
   const gl::GlContext* gl;
@@ -46,7 +49,8 @@ struct SurfacePlace {
 // welded before the next: so `count` draws all of it, and `emit` only puts together what is there.
 class DrawnSurface {
  public:
-  // All arguments must outlive it; `stored` is the box of the samples that the mesh's frame reaches around.
+  // All arguments must outlive it; `stored` is the box of the samples that the mesh's frame reaches around. There
+  // is a pipeline for the method.
   DrawnSurface(const field::ScalarField& field, const extract::ExtractOptions& options, const DrawingTools& tools,
                const field::IndexBox& stored, const Context& context);
   virtual ~DrawnSurface() = default;
@@ -79,7 +83,6 @@ class DrawnSurface {
   }
 
  private:
-  [[nodiscard]] GpuPipeline pipeline() const;
   [[nodiscard]] Result<gl::CellPass> find_programs() const;
   void set_uniforms(const gl::CellProgram& program) const;
   [[nodiscard]] Result<void> draw(const gl::CellPass& pass, CellCapture& capture);
@@ -97,6 +100,7 @@ class DrawnSurface {
   const extract::ExtractOptions& options_;
   const DrawingTools& tools_;
   const Context& context_;
+  GpuPipeline pipeline_;
   const extract::CaseTable& table_;
   extract::OutputFrame placement_;
   SurfacePlace place_;

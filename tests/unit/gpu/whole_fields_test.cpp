@@ -41,7 +41,7 @@ TEST_P(GpuStability, AllCasesPass) {
   extract::Extractor* gpu = test::kGpuExtractors->find({GetParam()});
   ASSERT_NE(gpu, nullptr);
   for (const measure::StabilityCase& test : measure::stability_cases()) {
-    const measure::StabilityRow row = measure::run_stability_case(test, GetParam(), *gpu);
+    const measure::StabilityRow row = measure::run_stability_case(test, extract::method_info(GetParam()), *gpu);
     EXPECT_EQ(row.backend, "gpu");
     for (const std::string& failure : row.failures) ADD_FAILURE() << test.name << ": " << failure;
   }

@@ -21,7 +21,7 @@ INSTANTIATE_TEST_SUITE_P(Methods, Stability, testing::Values(extract::Method::mc
 TEST_P(Stability, AllCasesPass) {
   const auto cpu = extract::make_cpu_extractor();
   for (const StabilityCase& test : stability_cases()) {
-    const StabilityRow row = run_stability_case(test, GetParam(), *cpu);
+    const StabilityRow row = run_stability_case(test, extract::method_info(GetParam()), *cpu);
     for (const std::string& failure : row.failures) ADD_FAILURE() << test.name << ": " << failure;
   }
 }
@@ -31,6 +31,7 @@ class Careless final : public extract::Extractor {
  public:
   [[nodiscard]] std::string_view name() const override { return "careless"; }
   [[nodiscard]] std::string device() const override { return "none"; }
+  [[nodiscard]] bool has(extract::Method /*method*/) const override { return true; }
 
  private:
   [[nodiscard]] Result<extract::Extraction> run(const field::ScalarField& field, const extract::ExtractOptions& options,
@@ -47,7 +48,7 @@ class Careless final : public extract::Extractor {
 TEST_P(Stability, ACarelessExtractorFails) {
   Careless careless;
   for (const StabilityCase& test : stability_cases()) {
-    const StabilityRow row = run_stability_case(test, GetParam(), careless);
+    const StabilityRow row = run_stability_case(test, extract::method_info(GetParam()), careless);
     EXPECT_EQ(row.failures.empty(), row.findings.vertices == 0) << test.name;
     EXPECT_EQ(row.backend, "careless");
   }
@@ -65,7 +66,7 @@ double stored_value(const field::ScalarField& field, const glm::ivec3& p) {
 // float32, no local origin, no margin at the ends of edges.
 mesh::Mesh in_plain_float32(const mesh::Mesh& mesh, const StabilityScene& scene,
                             const extract::ExtractOptions& options) {
-  const auto edges = grid_edges(mesh, scene.field, options);
+  const auto edges = grid_edges(mesh, scene.field, options, extract::method_info(options.method).traits);
   mesh::Mesh plain;
   plain.positions = Buffer<glm::vec3>(mesh.positions.size());
   plain.triangles = Buffer<glm::uvec3>(mesh.triangles.size());
@@ -98,8 +99,8 @@ TEST_P(Stability, PlainFloat32FailsWhereTheTableSaysSo) {
     const mesh::Mesh plain = in_plain_float32(extraction->mesh, scene, options);
     // Ten times what is asked of the extractors, so that it is not a matter of the last digit.
     const auto found =
-        failures(check_stability(plain, scene.field, options), scene.closed && options.nan != extract::NanPolicy::hole,
-                 10 * kStabilityUlps, 10 * scene.voxels);
+        failures(check_stability(plain, scene.field, options, extract::method_info(options.method).traits),
+                 scene.closed && options.nan != extract::NanPolicy::hole, 10 * kStabilityUlps, 10 * scene.voxels);
     EXPECT_EQ(!found.empty(), test.plain_fails) << (found.empty() ? "nothing" : found.front());
     if (!found.empty()) RecordProperty(std::string(test.name), found.front());
   }
@@ -125,7 +126,10 @@ class Checks : public testing::Test {
     mesh_ = test::extract(field_, options_).mesh;
     ASSERT_TRUE(found().empty()) << found().front();
   }
-  std::vector<std::string> found() { return failures(check_stability(mesh_, field_, options_), true, 2, 1e-5); }
+  StabilityFindings check() const {
+    return check_stability(mesh_, field_, options_, extract::method_info(options_.method).traits);
+  }
+  std::vector<std::string> found() const { return failures(check(), true, 2, 1e-5); }
 
   field::ScalarField field_;
   extract::ExtractOptions options_;
@@ -136,7 +140,7 @@ TEST_F(Checks, FindAVertexOffItsEdge) {
   glm::vec3& p = mesh_.positions[5];
   const int whole = p.x == std::round(p.x) ? 0 : 1;
   p[whole] += 0.01F;
-  EXPECT_EQ(check_stability(mesh_, field_, options_).off_edge, 1U);
+  EXPECT_EQ(check().off_edge, 1U);
   EXPECT_FALSE(found().empty());
 }
 
@@ -145,7 +149,7 @@ TEST_F(Checks, FindAVertexAlongItsEdge) {
   for (int axis = 0; axis < 3; ++axis) {
     if (p[axis] != std::round(p[axis])) p[axis] += p[axis] - std::floor(p[axis]) < 0.5F ? 0.01F : -0.01F;
   }
-  const StabilityFindings findings = check_stability(mesh_, field_, options_);
+  const StabilityFindings findings = check();
   EXPECT_EQ(findings.off_edge, 0U);
   EXPECT_NEAR(findings.voxels, 0.01, 1e-6);
   EXPECT_GT(findings.ulps, 1000);
@@ -154,26 +158,26 @@ TEST_F(Checks, FindAVertexAlongItsEdge) {
 
 TEST_F(Checks, FindAVertexOnASample) {
   mesh_.positions[5] = glm::round(mesh_.positions[5]);
-  EXPECT_EQ(check_stability(mesh_, field_, options_).off_edge, 1U);
+  EXPECT_EQ(check().off_edge, 1U);
 }
 
 TEST_F(Checks, FindWhatIsNotFinite) {
   mesh_.positions[5].y = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_EQ(check_stability(mesh_, field_, options_).not_finite, 1U);
+  EXPECT_EQ(check().not_finite, 1U);
 }
 
 TEST_F(Checks, FindRepetitions) {
   mesh_.positions[5] = mesh_.positions[6];
-  EXPECT_EQ(check_stability(mesh_, field_, options_).repeated, 1U);
+  EXPECT_EQ(check().repeated, 1U);
   mesh_.triangles[3] = mesh_.triangles[4];
-  const StabilityFindings findings = check_stability(mesh_, field_, options_);
+  const StabilityFindings findings = check();
   EXPECT_EQ(findings.repeated, 2U);
   EXPECT_GT(findings.open_edges, 0U);
 }
 
 TEST_F(Checks, FindTrianglesTurnedOver) {
   std::swap(mesh_.triangles[3].x, mesh_.triangles[3].y);
-  EXPECT_EQ(check_stability(mesh_, field_, options_).unsound, 3U);
+  EXPECT_EQ(check().unsound, 3U);
 }
 
 }  // namespace

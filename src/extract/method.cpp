@@ -1,0 +1,43 @@
+#include "extract/method.hpp"
+
+#include <fmt/format.h>
+
+#include "extract/extractor.hpp"
+
+namespace isoextract::extract {
+namespace {
+
+consteval bool in_order_of_the_enum() {
+  for (std::size_t m = 0; m < kMethods.size(); ++m) {
+    if (kMethods[m].method != static_cast<Method>(m)) return false;
+  }
+  return true;
+}
+static_assert(in_order_of_the_enum());
+
+}  // namespace
+
+std::string why_no_edges(const MethodInfo& method) {
+  if (method.traits.vertices_on_edges) return "";
+  return fmt::format("{}: the vertices are not on edges of the grid", method.title);
+}
+
+std::string why_no_error(const MethodInfo& method) {
+  if (method.traits.follows_interpolant) return "";
+  return fmt::format("{}: the surface does not follow the field between its samples", method.title);
+}
+
+std::string why_no_gradient_normals(const MethodInfo& method) {
+  if (method.traits.gradient_normals) return "";
+  return fmt::format("{}: there are no normals from the field's gradient", method.title);
+}
+
+Result<void> check_method(const MethodInfo& method, const ExtractOptions& options) {
+  if (options.edge_keys && !method.traits.vertices_on_edges) return fail(ErrorKind::usage, why_no_edges(method));
+  if (options.smooth_normals && !method.traits.gradient_normals) {
+    return fail(ErrorKind::usage, why_no_gradient_normals(method));
+  }
+  return {};
+}
+
+}  // namespace isoextract::extract
