@@ -1,5 +1,6 @@
-// Errors are values: every function that can fail below `cli` returns Result<T>; nothing there prints, throws across
-// a room's border or exits. `cli` turns an Error into a message on stderr and the exit code of its kind.
+// Errors are values: every function that can fail below `cli` returns Result<T>; nothing there prints or exits, and all
+// that it throws across a room's border is std::bad_alloc. `cli` turns an Error into a message on stderr and the exit
+// code of its kind.
 //
 // Below `cli` nobody knows what an option is called: what helps is told by code (Remedy), and `cli` puts it into words.
 #pragma once

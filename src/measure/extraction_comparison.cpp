@@ -9,11 +9,11 @@
 
 #include <fmt/format.h>
 
-#include "measure/detail/buckets.hpp"
 #include "measure/detail/float_spacing.hpp"
 #include "measure/detail/reduction.hpp"
 #include "measure/stability.hpp"
 #include "measure/triangle_sets.hpp"
+#include "mesh/buckets.hpp"
 
 namespace isoextract::measure {
 namespace {
@@ -31,12 +31,13 @@ struct KeyedVertex {
 constexpr std::size_t kVerticesABucket = 16;
 constexpr int kBlockBits = 2;
 
-Buckets<KeyedVertex> by_block(const mesh::Mesh& mesh, std::size_t buckets) {
-  return {mesh.edges.size(), buckets, [&](std::size_t v, const auto& put) {
-            const mesh::EdgeKey& key = mesh.edges[v];
-            const glm::ivec3 block = key.low >> kBlockBits;
-            put(bucket_of_cell(block.x, block.y, block.z, buckets), KeyedVertex{key, static_cast<std::uint32_t>(v)});
-          }};
+mesh::Buckets<KeyedVertex> by_block(const mesh::Mesh& mesh, std::size_t buckets) {
+  return {
+      mesh.edges.size(), buckets, [&](std::size_t v, const auto& put) {
+        const mesh::EdgeKey& key = mesh.edges[v];
+        const glm::ivec3 block = key.low >> kBlockBits;
+        put(mesh::bucket_of_cell(block.x, block.y, block.z, buckets), KeyedVertex{key, static_cast<std::uint32_t>(v)});
+      }};
 }
 
 double ulps_apart(const mesh::Mesh& a, std::uint32_t in_a, const mesh::Mesh& b, std::uint32_t in_b) {
@@ -100,8 +101,8 @@ class VertexMatcher {
 
   MatchedVertices run() {
     const std::size_t buckets = bucket_count(a_, b_);
-    const Buckets<KeyedVertex> of_a = by_block(a_, buckets);
-    const Buckets<KeyedVertex> of_b = by_block(b_, buckets);
+    const mesh::Buckets<KeyedVertex> of_a = by_block(a_, buckets);
+    const mesh::Buckets<KeyedVertex> of_b = by_block(b_, buckets);
     return reduce_in_order(buckets, MatchedVertices{}, nullptr, [&](const PointRange& range, MatchedVertices& sums) {
       for (std::size_t bucket = range.begin(); bucket != range.end(); ++bucket) {
         match(of_a.at(bucket), of_b.at(bucket), sums);
@@ -114,7 +115,7 @@ class VertexMatcher {
 
   static std::uint64_t bytes(const mesh::Mesh& a, const mesh::Mesh& b) {
     const std::uint64_t vertices = a.edges.size() + b.edges.size();
-    return Buckets<KeyedVertex>::bytes(vertices, 2 * bucket_count(a, b)) + vertices * sizeof(std::uint32_t);
+    return mesh::Buckets<KeyedVertex>::bytes(vertices, 2 * bucket_count(a, b)) + vertices * sizeof(std::uint32_t);
   }
 
  private:

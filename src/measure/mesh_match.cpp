@@ -9,10 +9,10 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
-#include "measure/detail/buckets.hpp"
 #include "measure/detail/float_spacing.hpp"
 #include "measure/detail/reduction.hpp"
 #include "measure/stability.hpp"
+#include "mesh/buckets.hpp"
 #include "mesh/metrics.hpp"
 
 namespace isoextract::measure {
@@ -67,7 +67,7 @@ class Cells {
   }
   [[nodiscard]] std::size_t bucket_of(const glm::ivec3& cell) const {
     const glm::ivec3 block = cell >> shift_;
-    return bucket_of_cell(block.x, block.y, block.z, buckets_);
+    return mesh::bucket_of_cell(block.x, block.y, block.z, buckets_);
   }
   [[nodiscard]] std::size_t buckets() const { return buckets_; }
 
@@ -112,7 +112,7 @@ struct PlacedVertex {
   }
 };
 
-Buckets<PlacedVertex> by_cell(const Places& places, const Cells& cells) {
+mesh::Buckets<PlacedVertex> by_cell(const Places& places, const Cells& cells) {
   return {places.size(), cells.buckets(), [&](std::size_t v, const auto& put) {
             const glm::vec3& stored = places.stored(v);
             const glm::dvec3 place = places.place(stored);
@@ -123,7 +123,7 @@ Buckets<PlacedVertex> by_cell(const Places& places, const Cells& cells) {
 }
 
 // For each vertex the first one at the very same place; kNoName where that is nowhere.
-Buffer<std::uint32_t> first_at_place(const Buckets<PlacedVertex>& buckets, std::size_t vertices) {
+Buffer<std::uint32_t> first_at_place(const mesh::Buckets<PlacedVertex>& buckets, std::size_t vertices) {
   Buffer<std::uint32_t> first(vertices);
   std::fill(first.begin(), first.end(), kNoName);
   tbb::parallel_for(std::size_t{0}, buckets.size(), [&](std::size_t b) {
@@ -143,7 +143,7 @@ struct Nearest {
 
 // The nearest vertex within `allowed` along each axis; of two as near the first.
 Nearest nearest_to(const glm::dvec3& place, const glm::dvec3& allowed, const Places& places, const Cells& cells,
-                   const Buckets<PlacedVertex>& buckets) {
+                   const mesh::Buckets<PlacedVertex>& buckets) {
   Nearest nearest;
   const glm::ivec3 low = cells.of(place - allowed);
   const glm::ivec3 high = cells.of(place + allowed);
@@ -166,7 +166,7 @@ Nearest nearest_to(const glm::dvec3& place, const glm::dvec3& allowed, const Pla
 }
 
 std::uint64_t matching_bytes(std::uint64_t vertices) {
-  return Buckets<PlacedVertex>::bytes(vertices, vertices / 8) +
+  return mesh::Buckets<PlacedVertex>::bytes(vertices, vertices / 8) +
          vertices * (sizeof(Nearest) + sizeof(glm::vec3) + 2 * sizeof(std::uint32_t));
 }
 
@@ -188,7 +188,7 @@ Result<MeshMatch> match_meshes(const mesh::Mesh& written, const mesh::Mesh& extr
   const Places ours(extracted, float32_world);
   const Cells cells(result.allowed, extracted.origin, Reach(extracted).local,
                     std::max(written.positions.size(), extracted.positions.size()));
-  const Buckets<PlacedVertex> our_buckets = by_cell(ours, cells);
+  const mesh::Buckets<PlacedVertex> our_buckets = by_cell(ours, cells);
   Buffer<std::uint32_t> our_names = first_at_place(our_buckets, extracted.positions.size());
   Buffer<std::uint32_t> their_names = first_at_place(by_cell(theirs, cells), written.positions.size());
 

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "measure/detail/buckets.hpp"
 #include "measure/detail/reduction.hpp"
+#include "mesh/buckets.hpp"
 
 namespace isoextract::measure {
 namespace {
@@ -37,7 +37,7 @@ struct Rest {
   }
 };
 
-Buckets<Rest> by_first_name(const NamedMesh& mesh, std::uint64_t names) {
+mesh::Buckets<Rest> by_first_name(const NamedMesh& mesh, std::uint64_t names) {
   return {mesh.mesh.triangles.size(), names, [&](std::size_t t, const auto& put) {
             if (const auto corners = named(mesh, t)) put(corners->x, Rest{{corners->y, corners->z}, t});
           }};
@@ -130,7 +130,7 @@ std::string point_text(const glm::dvec3& point) {
 }
 
 std::uint64_t triangle_comparison_bytes(std::uint64_t triangles, std::uint64_t names) {
-  return Buckets<Rest>::bytes(triangles, 2 * names);
+  return mesh::Buckets<Rest>::bytes(triangles, 2 * names);
 }
 
 }  // namespace isoextract::measure

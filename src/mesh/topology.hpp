@@ -31,7 +31,7 @@ struct Topology {
 // Throws std::bad_alloc.
 [[nodiscard]] Topology measure_topology(const Mesh& mesh);
 
-// Fails where its working memory, some 100 bytes a triangle, is more than is left.
+// Fails where its working memory, some 30 bytes a triangle, is more than is left.
 [[nodiscard]] Result<Topology> measure_topology(const Mesh& mesh, const Context& context);
 
 }  // namespace isoextract::mesh

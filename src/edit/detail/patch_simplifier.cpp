@@ -7,6 +7,7 @@
 #include <queue>
 #include <utility>
 
+#include "mesh/adjacency.hpp"
 #include "mesh/closest_point.hpp"
 
 namespace isoextract::edit {
@@ -59,7 +60,7 @@ class PatchSimplifier {
         distance_squared_(distance * distance),
         allowed_(allowed) {
     number_vertices();
-    find_fixed_vertices();
+    look_around_vertices();
     sum_quadrics();
   }
 
@@ -103,11 +104,9 @@ class PatchSimplifier {
     };
     origin_ = mesh_positions_[vertices_[vertices_.size() / 2]];
     for (const std::uint32_t vertex : vertices_) places_.push_back(place_of(vertex));
-    star_.resize(vertices_.size());
-    for (std::uint32_t f = 0; f < faces_.size(); ++f) {
-      const Corners& t = faces_[f].corners;
+    for (const Face& face : faces_) {
+      const Corners& t = face.corners;
       corners_.emplace_back(number(t.x), number(t.y), number(t.z));
-      for (int corner = 0; corner < 3; ++corner) star_[corners_[f][corner]].push_back(f);
     }
     gone_.assign(faces_.size(), 0);
     version_.assign(vertices_.size(), 0);
@@ -117,24 +116,19 @@ class PatchSimplifier {
     return glm::dvec3(mesh_positions_[mesh_vertex]) - origin_;
   }
 
-  // Those of the border, and those where the patch is no manifold: what is not one closed fan.
-  void find_fixed_vertices() {
+  // The fixed ones are those of the border, and those where the patch is no manifold: what is not one closed fan.
+  void look_around_vertices() {
+    const mesh::Adjacency adjacency(corners_, vertices_.size());
+    star_.resize(vertices_.size());
     fixed_.assign(vertices_.size(), 0);
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> ring;  // an edge of the ring for each face, from -> to
+    mesh::VertexStar star;
     for (std::uint32_t v = 0; v < vertices_.size(); ++v) {
-      ring.clear();
-      for (const std::uint32_t f : star_[v]) ring.push_back(opposite(f, v));
-      std::sort(ring.begin(), ring.end());
-      std::uint32_t at = ring[0].first;
-      std::size_t steps = 0;
-      do {
-        const auto next = std::lower_bound(ring.begin(), ring.end(), std::pair(at, 0U));
-        if (next == ring.end() || next->first != at) break;
-        at = next->second;
-        ++steps;
-      } while (at != ring[0].first && steps <= ring.size());
-      const bool closed = at == ring[0].first && steps == ring.size();
-      if (!closed) fixed_[v] = 1;
+      const auto corners = adjacency.corners(v);
+      star.look_at(corners, corners_);
+      fixed_[v] = star.is_closed_fan() ? 0 : 1;
+      star_[v].resize(corners.size());
+      std::ranges::transform(corners, star_[v].begin(),
+                             [](mesh::Corner c) { return static_cast<std::uint32_t>(mesh::triangle_of(c)); });
     }
   }
 

@@ -123,7 +123,6 @@ class TextScanner {
   // The next word of this line or the following ones; empty at the end of the text.
   std::string_view word_anywhere();
 
-  [[nodiscard]] std::size_t line_number() const { return line_number_; }
   // The text after this line.
   [[nodiscard]] std::string_view rest() const { return rest_; }
   // Throws DamagedMesh with the line's number.

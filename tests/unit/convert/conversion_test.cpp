@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <new>
 #include <string>
 #include <thread>
 #include <utility>
@@ -26,6 +27,7 @@ class Log final : public Events {
   void read(const std::string& input, const field::ScalarField&, const StageTime&) override {
     lines.push_back("read " + input);
     if (cancel_at_read != nullptr) cancel_at_read->cancel();
+    if (no_memory_after_read) throw std::bad_alloc();
   }
   void extracted(const ExtractedSurface& surface) override {
     lines.push_back("extracted " + std::to_string(surface.triangles));
@@ -37,6 +39,7 @@ class Log final : public Events {
 
   std::vector<std::string> lines;
   const Context* cancel_at_read = nullptr;
+  bool no_memory_after_read = false;
   const MemoryBudget* memory = nullptr;  // to look at after each extraction
   std::vector<std::uint64_t> reserved;
 };
@@ -103,6 +106,17 @@ TEST_F(ConversionTest, AnErrorIsAValueAndLeavesNoFile) {
     EXPECT_EQ(outcome.error->message.find("--"), std::string::npos) << outcome.error->message;
     EXPECT_TRUE(folder_.names().empty());
   }
+}
+
+// The one thing that rooms throw.
+TEST_F(ConversionTest, MemoryThatIsNotThereIsAnError) {
+  log_.no_memory_after_read = true;
+  const Outcome outcome = run(job("demo:sphere?size=16", 0, "a.ply"));
+  ASSERT_FALSE(outcome.done());
+  EXPECT_EQ(outcome.error->kind, ErrorKind::input);
+  EXPECT_EQ(outcome.error->message, "demo:sphere?size=16: not enough memory");
+  EXPECT_EQ(outcome.error->hint.remedy, Remedy::extract_part);
+  EXPECT_TRUE(folder_.names().empty());
 }
 
 TEST_F(ConversionTest, SkippedSurfacesAreTold) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <random>
 #include <vector>
 
 #include "mesh/mesh.hpp"
@@ -20,6 +21,18 @@ inline mesh::Mesh make_mesh(const std::vector<glm::vec3>& positions, const std::
 // Corners 0, x, y, z of size 1; wound outward; volume 1/6.
 inline mesh::Mesh tetrahedron() {
   return make_mesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}});
+}
+
+// Triangles between random vertices of a few neighbours: some repeat an index, some are there twice, edges have any
+// number of them in any direction, and vertices none.
+inline std::vector<glm::uvec3> random_triangles(std::size_t count, std::uint32_t vertices, unsigned seed) {
+  std::mt19937 engine(seed);
+  std::vector<glm::uvec3> triangles(count);
+  for (glm::uvec3& t : triangles) {
+    const auto first = static_cast<std::uint32_t>(engine() % vertices);
+    for (int c = 0; c < 3; ++c) t[c] = (first + static_cast<std::uint32_t>(engine() % 7)) % vertices;
+  }
+  return triangles;
 }
 
 }  // namespace isoextract::test

@@ -1,1 +1,2 @@
-isoextract_unit_test(mesh attributes_test.cpp metrics_test.cpp topology_test.cpp vertex_fans_test.cpp)
+isoextract_unit_test(mesh
+  adjacency_test.cpp attributes_test.cpp components_test.cpp metrics_test.cpp topology_test.cpp vertex_fans_test.cpp)

@@ -1,5 +1,5 @@
-// Things put into buckets, in parallel and in linear time: what two meshes have in common is then found bucket by
-// bucket.
+// Things put into buckets, in parallel and in linear time, in compressed rows: the corners at a vertex, or what two
+// meshes have at a place.
 #pragma once
 
 #include <algorithm>
@@ -14,19 +14,20 @@
 #include "base/buffer.hpp"
 #include "base/hash.hpp"
 
-namespace isoextract::measure {
+namespace isoextract::mesh {
 
 // Each bucket's things are sorted, so that nothing depends on which thread came first. T has a strict order.
 template <class T>
 class Buckets {
  public:
-  // place(i, put) calls put(bucket, thing) once for every i below `count`, or not at all, where i belongs nowhere. It
-  // is called twice for each i.
+  // place(i, put) calls put(bucket, thing) for each thing that i below `count` stands for; there may be none. It is
+  // called twice for each i. Takes bytes(), which is the caller's to reserve; throws std::bad_alloc.
   template <class Place>
   Buckets(std::size_t count, std::size_t buckets, const Place& place) : ends_(buckets) {
     std::fill(ends_.begin(), ends_.end(), std::uint64_t{0});
+    const bool alone = count <= kGrain;  // then one thread does all
     const auto next = [&](std::size_t bucket) {
-      return std::atomic_ref(ends_[bucket]).fetch_add(1, std::memory_order_relaxed);
+      return alone ? ends_[bucket]++ : std::atomic_ref(ends_[bucket]).fetch_add(1, std::memory_order_relaxed);
     };
     each(count, [&](std::size_t i) { place(i, [&](std::size_t bucket, const T&) { next(bucket); }); });
     std::uint64_t total = 0;
@@ -52,9 +53,10 @@ class Buckets {
   }
 
  private:
+  static constexpr std::size_t kGrain = 1 << 12;
+
   template <class F>
   static void each(std::size_t count, const F& f) {
-    constexpr std::size_t kGrain = 1 << 12;
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kGrain), [&](const auto& range) {
       for (std::size_t i = range.begin(); i != range.end(); ++i) f(i);
     });
@@ -72,4 +74,4 @@ class Buckets {
          buckets;
 }
 
-}  // namespace isoextract::measure
+}  // namespace isoextract::mesh

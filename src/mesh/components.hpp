@@ -1,0 +1,35 @@
+// The parts of a surface that hang together, found from indices alone.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+
+#include <glm/glm.hpp>
+
+#include "base/buffer.hpp"
+
+namespace isoextract::mesh {
+
+// Two vertices are of one component where triangles lead from one to the other. Triangles that repeat an index lead
+// nowhere. The same for any number of threads.
+class Components {
+ public:
+  static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+
+  // Indices below `vertices`. Takes bytes(), which is the caller's to reserve; throws std::bad_alloc.
+  Components(std::span<const glm::uvec3> triangles, std::size_t vertices);
+
+  [[nodiscard]] std::uint32_t count() const { return count_; }
+  // Numbered from 0 in the order of their first vertices; kNone for a vertex that no such triangle uses. A triangle is
+  // of the component of its vertices.
+  [[nodiscard]] std::uint32_t of_vertex(std::size_t vertex) const { return label_[vertex]; }
+
+  [[nodiscard]] static std::uint64_t bytes(std::uint64_t vertices) { return vertices * sizeof(std::uint32_t); }
+
+ private:
+  Buffer<std::uint32_t> label_;
+  std::uint32_t count_ = 0;
+};
+
+}  // namespace isoextract::mesh
