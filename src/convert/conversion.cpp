@@ -186,7 +186,9 @@ class Conversion {
   }
 
   Result<void> add(Surface surface, OutputFile& file) {
-    if (extras_.mesh_facts) record(surface, file);
+    if (extras_.mesh_facts) {
+      if (auto recorded = record(surface, file); !recorded) return recorded;
+    }
     context_.progress().begin("writing", 0);
     const Stopwatch watch;
     file.written.isos.push_back(surface.iso);
@@ -218,12 +220,15 @@ class Conversion {
   }
 
   // What only a report asks for: finding components and open edges takes about as long as writing.
-  void record(const Surface& surface, OutputFile& file) {
+  Result<void> record(const Surface& surface, OutputFile& file) {
     const Stopwatch watch;
     context_.progress().begin("measuring", 0);
-    file.records.push_back(mesh_record(surface.iso, file.written.job.path, surface.mesh));
-    file.records.back().error = surface.error;
+    auto made = mesh_record(surface.iso, file.written.job.path, surface.mesh, context_);
+    if (!made) return tl::unexpected(std::move(made.error()));
+    made->error = surface.error;
+    file.records.push_back(std::move(*made));
     file.recording += watch.elapsed();
+    return {};
   }
 
   void tell_skipped(const OutputFileJob& output, const std::vector<double>& isos) {

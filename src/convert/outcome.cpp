@@ -131,17 +131,19 @@ InputFacts input_facts(const std::string& path, const field::ScalarField& field)
   return facts;
 }
 
-MeshRecord mesh_record(double iso, const std::string& file, const mesh::Mesh& mesh) {
-  return {iso,
-          file,
-          mesh.name,
-          mesh.positions.size(),
-          mesh.triangles.size(),
-          mesh.origin,
-          mesh::measure_bounds(mesh),
-          mesh::measure_size(mesh),
-          mesh::measure_topology(mesh),
-          std::nullopt};
+Result<MeshRecord> mesh_record(double iso, const std::string& file, const mesh::Mesh& mesh, const Context& context) {
+  auto topology = mesh::measure_topology(mesh, context);
+  if (!topology) return tl::unexpected(std::move(topology.error()));
+  return MeshRecord{iso,
+                    file,
+                    mesh.name,
+                    mesh.positions.size(),
+                    mesh.triangles.size(),
+                    mesh.origin,
+                    mesh::measure_bounds(mesh),
+                    mesh::measure_size(mesh),
+                    *topology,
+                    std::nullopt};
 }
 
 Json report_of(const ConversionJob& job, const Outcome& report, const std::vector<std::string>& arguments,

@@ -69,7 +69,9 @@ struct MeshRecord {
   std::optional<MeshError> error;  // where it was measured
 };
 
-[[nodiscard]] MeshRecord mesh_record(double iso, const std::string& file, const mesh::Mesh& mesh);
+// Fails where the memory to look at the mesh is not there.
+[[nodiscard]] Result<MeshRecord> mesh_record(double iso, const std::string& file, const mesh::Mesh& mesh,
+                                             const Context& context);
 
 // What a conversion did, or how far it came before it failed.
 struct Outcome {
