@@ -34,7 +34,7 @@ struct TriangleTree::Item {
 };
 
 TriangleTree::TriangleTree(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles)
-    : corners_(triangles.size()), triangle_of_slot_(triangles.size()) {
+    : corners_(triangles.size()) {
   while (triangles.size() > kLeafTriangles << depth_) ++depth_;
   boxes_ = Buffer<Box>((std::size_t{2} << depth_) - 1);
   Buffer<Item> items(triangles.size());
@@ -59,7 +59,6 @@ void TriangleTree::build(std::span<Item> items, std::size_t level, std::size_t n
       const glm::uvec3& triangle = triangles[items[i].triangle];
       const Corners corners{positions[triangle.x], positions[triangle.y], positions[triangle.z]};
       corners_[first + i] = corners;
-      triangle_of_slot_[first + i] = items[i].triangle;
       box.min = glm::min(box.min, glm::min(corners.a, glm::min(corners.b, corners.c)));
       box.max = glm::max(box.max, glm::max(corners.a, glm::max(corners.b, corners.c)));
     }

@@ -139,9 +139,9 @@ TEST(MethodTraits, AClaimThatIsNotTrueIsFound) {
   });
   EXPECT_EQ(observed_traits(flat, Method::mc), (extract::MethodTraits{.gradient_normals = false}));
   // Stability sees it, too: who claims crossings is measured against them.
-  const auto wobbly = std::ranges::find(stability_cases(), "jump", &StabilityCase::name);
-  ASSERT_NE(wobbly, stability_cases().end());
-  EXPECT_FALSE(run_stability_case(*wobbly, extract::method_info(Method::mc), dual).failures.empty());
+  const auto shell = std::ranges::find(stability_cases(), "thin-shell", &StabilityCase::name);
+  ASSERT_NE(shell, stability_cases().end());
+  EXPECT_FALSE(run_stability_case(*shell, extract::method_info(Method::mc), dual).failures.empty());
 }
 
 TEST(MethodTraits, EveryMethodHasNamesOfItsOwn) {
@@ -178,20 +178,20 @@ TEST(NotApplicable, StabilityChecksWhatIsLeft) {
     EXPECT_EQ(row.findings.voxels, 0);
     EXPECT_EQ(row.not_applicable, std::vector<std::string>{"made-up nets: the vertices are not on edges of the grid"});
   }
-  const StabilityCase& jump = *std::ranges::find(stability_cases(), "jump", &StabilityCase::name);
-  EXPECT_TRUE(run_stability_case(jump, dual_method(), dual).failures.empty());
-  EXPECT_FALSE(run_stability_case(jump, extract::method_info(extract::Method::mc), dual).failures.empty());
+  const StabilityCase& shell = *std::ranges::find(stability_cases(), "thin-shell", &StabilityCase::name);
+  EXPECT_TRUE(run_stability_case(shell, dual_method(), dual).failures.empty());
+  EXPECT_FALSE(run_stability_case(shell, extract::method_info(extract::Method::mc), dual).failures.empty());
   // What is left is checked as ever.
   Changed torn([](const extract::ExtractOptions&, mesh::Mesh& mesh) { mesh.triangles[0] = mesh.triangles[1]; });
-  const StabilityRow row = run_stability_case(jump, dual_method(), torn);
+  const StabilityRow row = run_stability_case(shell, dual_method(), torn);
   EXPECT_GT(row.findings.repeated, 0U);
   EXPECT_FALSE(row.failures.empty());
 }
 
 TEST(NotApplicable, MidpointsOfEdgesAreNoCrossings) {
   Changed halfway_on_edges(with_vertices(halfway));
-  const StabilityCase& jump = *std::ranges::find(stability_cases(), "jump", &StabilityCase::name);
-  const StabilityRow row = run_stability_case(jump, made_up({.follows_interpolant = false}), halfway_on_edges);
+  const StabilityCase& shell = *std::ranges::find(stability_cases(), "thin-shell", &StabilityCase::name);
+  const StabilityRow row = run_stability_case(shell, made_up({.follows_interpolant = false}), halfway_on_edges);
   EXPECT_TRUE(row.findings.edges_checked);
   EXPECT_FALSE(row.findings.crossings_checked);
   EXPECT_TRUE(row.failures.empty()) << row.failures.front();
