@@ -235,22 +235,22 @@ class ReportTest(ProgramTest):
         self.assertEqual(self.files(), ["a.raw"])
 
     def test_samples_that_stay_in_their_file(self):
-        # One plane, so that the mesh needs less than the volume.
-        self.write_raw("a.raw", (20, 20, 20), lambda x, y, z: x)
-        raw = ("a.raw", "--dims", "20,20,20", "--dtype", "f32", "--iso", "3.5", "-o", "a.ply")
-        limit = ("--memory-limit", "30K")
+        # One plane, so that the mesh and its facts need less than the volume.
+        self.write_raw("a.raw", (80, 20, 20), lambda x, y, z: x)
+        raw = ("a.raw", "--dims", "80,20,20", "--dtype", "f32", "--iso", "3.5", "-o", "a.ply")
+        limit = ("--memory-limit", "60K")
         report, run = self.report(*raw, "--explain", *limit)
         fact = self.fact(report["work"], "samples")
-        self.assertEqual((fact["done"], fact["count"], fact["total"]), ("mapped", 8000, 8000))
+        self.assertEqual((fact["done"], fact["count"], fact["total"]), ("mapped", 32000, 32000))
         self.assertIn(f"  mapped: {fact['text']}\n", run.err)
         mesh = (self.folder / "a.ply").read_bytes()
         # The same volume in the other byte order is read, and held against the limit.
-        values = struct.unpack("<8000f", (self.folder / "a.raw").read_bytes())
-        (self.folder / "a.raw").write_bytes(struct.pack(">8000f", *values))
+        values = struct.unpack("<32000f", (self.folder / "a.raw").read_bytes())
+        (self.folder / "a.raw").write_bytes(struct.pack(">32000f", *values))
         self.assertEqual(self.report(*raw, "--endian", "big")[0]["work"], [])
         self.assertEqual((self.folder / "a.ply").read_bytes(), mesh)
         run = self.run_program(*raw, "--endian", "big", *limit)
-        self.assert_fails(2, run, "31.2 KiB", "30 KiB", "--memory-limit")
+        self.assert_fails(2, run, "125 KiB", "60 KiB", "--memory-limit")
 
     def test_names_in_any_encoding(self):
         name = os.fsdecode(b"caf\xe9.raw")

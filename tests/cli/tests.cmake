@@ -6,6 +6,7 @@ foreach(name startup usage surface placement output streams lost_input plugin me
     ENVIRONMENT "ISOEXTRACT_PROGRAM=$<TARGET_FILE:isoextract>;ISOEXTRACT_SOURCE_DIR=${PROJECT_SOURCE_DIR}"
     TIMEOUT 120)
 endforeach()
+set_tests_properties(cli.memory PROPERTIES TIMEOUT 300)
 # Its plug-ins are those of tests/plugins.
 set_property(TEST cli.plugin APPEND PROPERTY ENVIRONMENT "ISOEXTRACT_TEST_PLUGINS=${test_plugins}")
 

@@ -217,7 +217,7 @@ TEST_P(Weld, RefusesWhatCannotBe) {
     const auto sizes = weld.number();
     ASSERT_FALSE(sizes) << what;
     EXPECT_EQ(sizes.error().kind, ErrorKind::unavailable);
-    EXPECT_EQ(sizes.error().hint.remedy, Remedy::use_cpu);
+    EXPECT_EQ(sizes.error().hint.remedy, Remedy::report_gpu);
   };
   const HandMade made(GetParam());
   {
