@@ -24,13 +24,13 @@ Result<InputFile> InputFile::open(const std::filesystem::path& path, const Conte
   const auto cannot_read = [&](int error) {
     return fail(ErrorKind::input, fmt::format("{}: cannot be read: {}", name, system_message(error)));
   };
+  InputFile file(path, -1, 0, context);  // before there is a descriptor that could be lost
   // Without O_NONBLOCK, opening a pipe that nobody writes to would wait for ever.
-  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  if (descriptor < 0) return cannot_read(errno);
-  InputFile file(path, descriptor, 0, context);
+  file.descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (file.descriptor_ < 0) return cannot_read(errno);
 
   struct stat status {};
-  if (::fstat(descriptor, &status) != 0) return cannot_read(errno);
+  if (::fstat(file.descriptor_, &status) != 0) return cannot_read(errno);
   if (S_ISDIR(status.st_mode)) return fail(ErrorKind::input, name + ": expected a file, found a directory");
   if (!S_ISREG(status.st_mode)) {
     return fail(ErrorKind::input, name + ": expected a regular file, found a pipe or device",

@@ -16,20 +16,22 @@ std::optional<MappedFile> MappedFile::map(const InputFile& file, std::uint64_t o
   const std::uint64_t length = lead + bytes;
   void* pages = ::mmap(nullptr, length, PROT_READ, MAP_PRIVATE, file.descriptor(), static_cast<off_t>(offset - lead));
   if (pages == MAP_FAILED) return std::nullopt;
+  MappedFile mapped(pages, lead, length);
   static_cast<void>(::madvise(pages, length, MADV_SEQUENTIAL));
+  mapped.range_ = detail::watch_range(pages, length);
   file.count_bytes_read(bytes);
-  return MappedFile(pages, lead, length, detail::watch_range(pages, length));
+  return mapped;
 }
 
-MappedFile::MappedFile(void* pages, std::size_t lead, std::size_t length, detail::MappedRange* range)
-    : pages_(pages), lead_(lead), length_(length), range_(range) {}
+MappedFile::MappedFile(void* pages, std::size_t lead, std::size_t length)
+    : pages_(pages), lead_(lead), length_(length) {}
 
 MappedFile::MappedFile(MappedFile&& other) noexcept
     : pages_(other.pages_), lead_(other.lead_), length_(std::exchange(other.length_, 0)), range_(other.range_) {}
 
 MappedFile::~MappedFile() {
   if (length_ == 0) return;
-  detail::forget_range(range_);
+  if (range_ != nullptr) detail::forget_range(range_);
   ::munmap(pages_, length_);
 }
 

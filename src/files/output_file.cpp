@@ -62,7 +62,7 @@ fs::path follow_links(fs::path path) {
 }
 
 // Calls try_name(path) with fresh names in `folder` until it does not answer that the name is taken. Returns the name,
-// or nothing with errno set.
+// or nothing with errno set. The name is moved from here on: a copy could fail, and leave a file that nobody knows.
 template <class TryName>
 std::optional<std::string> with_fresh_name(const fs::path& folder, TryName try_name) {
   constexpr int kAttempts = 10000;
@@ -147,11 +147,11 @@ Result<void> OutputFile::State::open_file(const fs::path& path, const std::optio
     errno = EOPNOTSUPP;
   }
   if (fd < 0 && (errno == EOPNOTSUPP || errno == EISDIR || errno == EINVAL)) {
-    const auto name = with_fresh_name(folder, [&](const char* fresh) {
+    auto name = with_fresh_name(folder, [&](const char* fresh) {
       fd = retry_interrupted([&] { return ::open(fresh, O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, kNewFile); });
       return fd >= 0;
     });
-    if (name) temporary = *name;
+    if (name) temporary = std::move(*name);
   }
   if (fd < 0) return failed(action, errno);
   struct stat made {};
@@ -183,11 +183,11 @@ Result<void> OutputFile::State::prepare() {
   if (kind == Kind::standard_output) return {};
   if (kind == Kind::file && temporary.empty()) {
     const std::string from = descriptor_link(fd);
-    const auto name = with_fresh_name(folder, [&](const char* fresh) {
+    auto name = with_fresh_name(folder, [&](const char* fresh) {
       return ::linkat(AT_FDCWD, from.c_str(), AT_FDCWD, fresh, AT_SYMLINK_FOLLOW) == 0;
     });
     if (!name) return failed("name it", errno);
-    temporary = *name;
+    temporary = std::move(*name);
   }
   // Some network file systems tell only here that a write failed. An interrupted close has closed.
   if (::close(std::exchange(fd, -1)) != 0 && errno != EINTR) return failed("finish it", errno);

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <exception>
 #include <limits>
+#include <new>
 
 #include <fmt/format.h>
 
@@ -129,18 +130,20 @@ MeshFile read_file(const files::InputFile& file, const Context& context) {
 }  // namespace
 
 Result<MeshFile> read_mesh(const std::filesystem::path& path, const Context& context) {
-  auto file = files::InputFile::open(path);
-  if (!file) return tl::unexpected(file.error());
   try {
+    const auto file = files::InputFile::open(path);
+    if (!file) return tl::unexpected(file.error());
     return read_file(*file, context);
   } catch (const Cancelled& cancelled) {
     return tl::unexpected(cancelled.error);
   } catch (const DamagedMesh& damage) {
     const std::string_view text = damage.what();
-    const bool named = text.starts_with(file->name());
-    return fail(ErrorKind::input, named ? std::string(text) : fmt::format("{}: {}", file->name(), text), damage.hint);
+    const bool named = text.starts_with(path.string());
+    return fail(ErrorKind::input, named ? std::string(text) : fmt::format("{}: {}", path.string(), text), damage.hint);
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorKind::input, fmt::format("{}: not enough memory to read it", path.string()));
   } catch (const std::exception& error) {
-    return fail(ErrorKind::input, fmt::format("{}: cannot be read: {}", file->name(), error.what()));
+    return fail(ErrorKind::input, fmt::format("{}: cannot be read: {}", path.string(), error.what()));
   }
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <exception>
+#include <new>
 #include <system_error>
 #include <type_traits>
 #include <utility>
@@ -129,7 +130,11 @@ struct MeshWriter::State {
       auto done = going_on ? step() : std::invoke_result_t<Step>(tl::unexpected<Error>(std::move(going_on.error())));
       if (!done) failure = done.error();
       return done;
-    } catch (const std::exception& error) {  // out of memory, or a library's own
+    } catch (const std::bad_alloc&) {
+      failure = Error{ErrorKind::output, fmt::format("{}: not enough memory to write it", path.string()),
+                      Remedy::extract_part};
+      return tl::unexpected<Error>(*failure);
+    } catch (const std::exception& error) {  // a library's own
       failure = Error{ErrorKind::output, fmt::format("{}: cannot write: {}", path.string(), error.what()), {}};
       return tl::unexpected<Error>(*failure);
     }

@@ -1,5 +1,5 @@
-// One libFuzzer target a volume format: the input is a whole file, read as the format the target is built for
-// (ISOEXTRACT_FUZZ_FORMAT, as in --input-format), with all samples looked at.
+// One libFuzzer target a volume format: the input is a whole file, read as the format the target is built for, with all
+// samples looked at.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -9,13 +9,14 @@
 #include <string_view>
 
 #include "field/statistics.hpp"
+#include "fuzz/fuzz_format.hpp"
 #include "support/temp_folder.hpp"
 #include "volumes/volume_reader.hpp"
 
 namespace isoextract {
 namespace {
 
-constexpr std::string_view kFormat = ISOEXTRACT_FUZZ_FORMAT;
+using fuzz::kFormat;
 
 std::string file_name(const std::string& bytes) {
   if (kFormat == "nifti") return bytes.starts_with("\x1F\x8B") ? "volume.nii.gz" : "volume.nii";

@@ -1,5 +1,5 @@
-// Writes small, valid files of each volume format for the fuzz targets to start from: fuzz_seeds FOLDER makes
-// FOLDER/FORMAT/*. What a format offers (encodings, byte orders, transforms, compressions) appears at least once.
+// Writes small, valid files of each format for the fuzz targets to start from: fuzz_seeds FOLDER makes FOLDER/FORMAT/*.
+// What a format offers (encodings, byte orders, transforms, compressions) appears at least once.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -16,6 +16,9 @@
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/LevelSetSphere.h>
 
+#include "meshes/mesh_writer.hpp"
+#include "support/sample_attributes.hpp"
+#include "support/sample_meshes.hpp"
 #include "support/temp_folder.hpp"
 #include "unit/volumes/vdb_files.hpp"
 #include "unit/volumes/volume_files.hpp"
@@ -150,13 +153,91 @@ void write_vdbs(const fs::path& folder) {
   write_vdb(folder / "several", {fog, counts, precise, velocity});
 }
 
+mesh::Mesh coloured(mesh::ComponentType type, std::size_t components) {
+  mesh::Mesh mesh = tetrahedron("coloured", {1e7, 0.25, -3});
+  add_colour(mesh, type, components);
+  add_attribute(mesh, "heat", mesh::ComponentType::f32, 1);
+  add_attribute(mesh, "way", mesh::ComponentType::i16, 3, true);
+  return mesh;
+}
+
+// Once as each of the product's writers writes it.
+void write_written(const fs::path& folder, meshes::MeshFormat format) {
+  const meshes::MeshFormatInfo& info = meshes::mesh_format_info(format);
+  const auto seed = [&](const std::string& name, const mesh::Mesh& mesh, bool flat = false) {
+    for (const bool ascii : {false, true}) {
+      if (ascii && !info.has_ascii) continue;
+      const auto path = folder / (ascii ? name + "_text" : name);
+      const auto written = meshes::write_meshes({&mesh, 1}, path, {format, flat, ascii});
+      if (!written) throw std::runtime_error(written.error().message);
+    }
+  };
+  seed("plain", tetrahedron());
+  seed("normals", sphere(2, true));
+  seed("flat", tetrahedron(), true);
+  if (!info.has_attributes) return;
+  seed("colour_u8", coloured(mesh::ComponentType::u8, 4));
+  seed("colour_f32", coloured(mesh::ComponentType::f32, 3));
+}
+
+void write_plys(const fs::path& folder) {
+  write_written(folder, meshes::MeshFormat::ply);
+  std::string body;
+  for (const float coordinate : {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0}) body += pack(coordinate, std::endian::big);
+  body += std::string("\4\0\0\0\1\0\2\0\3", 9) + std::string("\1\0\2", 3);
+  write_bytes(folder / "big_endian",
+              "ply\nformat binary_big_endian 1.0\ncomment seed\nelement vertex 4\nproperty float x\nproperty float y\n"
+              "property float z\nelement face 1\nproperty list uchar short vertex_index\nelement edge 1\n"
+              "property list uchar ushort ends\nend_header\n" +
+                  body);
+}
+
+void write_objs(const fs::path& folder) {
+  write_written(folder, meshes::MeshFormat::obj);
+  write_bytes(folder / "polygons",
+              "# seed\no a\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1e-3 .5\nvt 0 1\nf 1/1 2/1 3/1 4/1\nf -1 -2 -3\nl 1 2\n");
+}
+
+void write_stls(const fs::path& folder) { write_written(folder, meshes::MeshFormat::stl); }
+void write_glbs(const fs::path& folder) { write_written(folder, meshes::MeshFormat::glb); }
+
+// The data of the first ones lie in a file that the target has beside its input, those of the last one in its text.
+void write_gltfs(const fs::path& folder) {
+  const TempFolder pairs;
+  write_written(pairs.path(), meshes::MeshFormat::gltf);
+  for (const std::string& name : pairs.names()) {
+    if (name.ends_with(".bin")) continue;
+    std::string text = read_bytes(pairs / name);
+    const std::string data = name + ".bin";
+    for (std::size_t at = text.find(data); at != std::string::npos; at = text.find(data, at + 1)) {
+      text.replace(at, data.size(), "beside.bin");
+    }
+    write_bytes(folder / name, text);
+  }
+  write_bytes(folder / "embedded",
+              R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"children": [1],
+"matrix": [1,0,0,0, 0,-1,0,0, 0,0,1,0, 4,5,6,1]}, {"mesh": 0, "rotation": [0,0,1,0], "scale": [1,2,3],
+"translation": [1,0,0]}], "meshes": [{"primitives": [{"mode": 5, "attributes": {"POSITION": 0, "_HEAT": 1}},
+{"mode": 6, "indices": 1, "attributes": {"POSITION": 0, "_HEAT": 1}}, {"mode": 0, "attributes": {"POSITION": 0}}]}],
+"accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"}, {"bufferView": 1,
+"byteOffset": 1, "componentType": 5121, "count": 4, "type": "SCALAR"}], "bufferViews": [{"buffer": 0,
+"byteLength": 48}, {"buffer": 0, "byteOffset": 44, "byteLength": 16, "byteStride": 4}], "buffers": [{"byteLength": 60,
+"uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAACAPwAAgD8AAAAAAAAAAAAAgD8AAAAAAAAAAQACAAMAAAAA"
+}]})");
+}
+
 void write_seeds(const fs::path& folder) {
-  const std::array<std::pair<const char*, void (*)(const fs::path&)>, 6> formats{{{"vdb", write_vdbs},
-                                                                                  {"nrrd", write_nrrd},
-                                                                                  {"nifti", write_nifti},
-                                                                                  {"npy", write_npy},
-                                                                                  {"raw", write_raw},
-                                                                                  {"demo", write_demo}}};
+  const std::array<std::pair<const char*, void (*)(const fs::path&)>, 11> formats{{{"vdb", write_vdbs},
+                                                                                   {"nrrd", write_nrrd},
+                                                                                   {"nifti", write_nifti},
+                                                                                   {"npy", write_npy},
+                                                                                   {"raw", write_raw},
+                                                                                   {"demo", write_demo},
+                                                                                   {"ply", write_plys},
+                                                                                   {"obj", write_objs},
+                                                                                   {"stl", write_stls},
+                                                                                   {"glb", write_glbs},
+                                                                                   {"gltf", write_gltfs}}};
   for (const auto& [name, write] : formats) {
     fs::create_directories(folder / name);
     write(folder / name);

@@ -1,0 +1,7 @@
+#include "fuzz/fuzz_format.hpp"
+
+namespace isoextract::fuzz {
+
+constinit const std::string_view kFormat = ISOEXTRACT_FUZZ_FORMAT;
+
+}  // namespace isoextract::fuzz

@@ -1,0 +1,10 @@
+// Which format's reader a fuzz target is for, as in --input-format or as the extension of a mesh.
+#pragma once
+
+#include <string_view>
+
+namespace isoextract::fuzz {
+
+extern const std::string_view kFormat;
+
+}  // namespace isoextract::fuzz

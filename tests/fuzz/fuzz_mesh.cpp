@@ -1,0 +1,59 @@
+// One libFuzzer target a mesh format: the input is a whole file with the extension of the format that the target is
+// built for. What is read must keep what read_mesh promises.
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "base/finite.hpp"
+#include "fuzz/fuzz_format.hpp"
+#include "meshes/mesh_reader.hpp"
+#include "support/temp_folder.hpp"
+
+namespace isoextract {
+namespace {
+
+using fuzz::kFormat;
+
+// The input, and what a .gltf may name as its data (make_seeds.cpp does): zeros are points and indices alike.
+struct Files {
+  Files() { test::write_bytes(folder / "beside.bin", std::string(4096, '\0')); }
+
+  test::TempFolder folder;
+  std::filesystem::path input = folder / ("mesh." + std::string(kFormat));
+};
+
+void require(bool holds) {
+  if (!holds) std::abort();
+}
+
+void read_one(const std::string& bytes) {
+  static const Files files;
+  test::write_bytes(files.input, bytes);
+  const Context context(MemoryBudget(std::uint64_t{8} << 20));
+  {
+    const auto read = meshes::read_mesh(files.input, context);
+    if (!read) {
+      require(read.error().kind == ErrorKind::input && read.error().message.starts_with(files.input.string()));
+      return;
+    }
+    const mesh::Mesh& mesh = read->mesh;
+    require(is_finite(mesh.origin));
+    for (const glm::vec3& p : mesh.positions) require(is_finite(glm::dvec3(p)));
+    for (const glm::uvec3& t : mesh.triangles) require(std::max({t.x, t.y, t.z}) < mesh.positions.size());
+    for (const mesh::Attribute& attribute : mesh.attributes) {
+      require(attribute.values.size() == mesh.positions.size() * attribute.stride());
+    }
+  }
+  require(context.memory().reserved() == 0);
+}
+
+}  // namespace
+}  // namespace isoextract
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  isoextract::read_one(std::string(reinterpret_cast<const char*>(data), size));
+  return 0;
+}
