@@ -44,8 +44,8 @@ class Events {
 
   // Something that was not as one would think: a sentence without its full stop that names no option.
   virtual void note(const std::string& /*text*/) {}
-  // What extracts from now on: told before the input is read, and a second time where the CPU takes over from a GPU that
-  // cannot do the work. Where the choice was the program's, a note says why.
+  // What extracts from now on: told before the input is read, and a second time where the CPU takes over from a GPU
+  // that cannot do the work. Where the choice was the program's, a note says why.
   virtual void opened(const extract::Extractor&, const StageTime&) {}
   virtual void read(const std::string& /*input*/, const field::ScalarField&, const StageTime&) {}
   virtual void resampled(const field::ScalarField& /*grid*/, const WorkFact&, const StageTime&) {}

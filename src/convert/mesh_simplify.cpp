@@ -38,7 +38,7 @@ Stretch stretch_of(const glm::dmat3& map) {
 }  // namespace
 
 Result<MeshSimplification> simplify_mesh(mesh::Mesh& mesh, double iso, const SimplifyBound& bound,
-                                 const field::Affine& output_from_index, const Context& context) {
+                                         const field::Affine& output_from_index, const Context& context) {
   const Stretch voxel = stretch_of(output_from_index.linear);
   edit::SimplifyOptions options;
   options.max_distance = bound.distance;

@@ -28,6 +28,6 @@ struct MeshSimplification {
 // `mesh` was placed by `output_from_index`, whose linear part says what a voxel is. It is replaced by what is left.
 // Fails as edit::simplify_within() does.
 [[nodiscard]] Result<MeshSimplification> simplify_mesh(mesh::Mesh& mesh, double iso, const SimplifyBound& bound,
-                                               const field::Affine& output_from_index, const Context& context);
+                                                       const field::Affine& output_from_index, const Context& context);
 
 }  // namespace isoextract::convert

@@ -41,9 +41,9 @@ class MappedFile {
  private:
   MappedFile(void* pages, std::size_t lead, std::size_t length);
 
-  void* pages_ = nullptr;   // from a page of the file on
-  std::size_t lead_ = 0;    // from there to the range
-  std::size_t length_ = 0;  // from pages_ to the range's end; 0 where there is no mapping
+  void* pages_ = nullptr;                 // from a page of the file on
+  std::size_t lead_ = 0;                  // from there to the range
+  std::size_t length_ = 0;                // from pages_ to the range's end; 0 where there is no mapping
   detail::MappedRange* range_ = nullptr;  // null until it is watched
 };
 

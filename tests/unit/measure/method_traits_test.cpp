@@ -96,8 +96,7 @@ extract::MethodTraits observed_traits(extract::Extractor& extractor, extract::Me
 
   // Second order in the spacing, of positions inside the triangles, and of normals.
   const auto error_at = [&](int size, bool normals) -> std::optional<AnalyticError> {
-    const field::ScalarField torus =
-        field::make_demo_field("demo:torus?size=" + std::to_string(size)).value();
+    const field::ScalarField torus = field::make_demo_field("demo:torus?size=" + std::to_string(size)).value();
     extract::ExtractOptions of_torus = placed(torus, method);
     of_torus.smooth_normals = normals;
     const auto made = extractor.extract(torus, of_torus);
