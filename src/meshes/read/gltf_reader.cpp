@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "base/checked.hpp"
+#include "meshes/detail/json_tree.hpp"
 #include "meshes/read/gltf_json.hpp"
 #include "meshes/read/mesh_format_readers.hpp"
 
@@ -50,7 +51,7 @@ struct Instance {
 class ModelReader {
  public:
   ModelReader(const MeshSource& source, std::string_view text, std::span<const std::byte> binary)
-      : source_(source), binary_(binary), model_(parse_json(text, source.memory)) {
+      : source_(source), binary_(binary), tree_(parse_json(text, source.memory)) {
     if (!model_.is_object()) throw DamagedMesh("expected JSON in a glTF file, found something else");
   }
 
@@ -440,7 +441,8 @@ class ModelReader {
 
   const MeshSource& source_;
   std::span<const std::byte> binary_;  // of a .glb
-  json model_;
+  JsonTree tree_;
+  const json& model_ = tree_.root();
   std::vector<std::vector<std::byte>> owned_;
   std::vector<std::span<const std::byte>> buffers_;
   std::uint64_t other_primitives_ = 0;

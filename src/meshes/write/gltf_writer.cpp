@@ -16,6 +16,7 @@
 
 #include "base/version.hpp"
 #include "mesh/metrics.hpp"
+#include "meshes/detail/json_tree.hpp"
 #include "meshes/write/gltf_part.hpp"
 #include "meshes/write/mesh_format_writers.hpp"
 
@@ -81,7 +82,8 @@ class ModelBuilder {
     model_.defaultScene = 0;
     std::ostringstream stream;
     tinygltf::TinyGLTF().WriteGltfSceneToStream(&model_, stream, false, false);
-    auto document = nlohmann::json::parse(stream.str());
+    JsonTree tree(nlohmann::json::parse(stream.str()));
+    nlohmann::json& document = tree.root();
     // The library makes null, which glTF forbids, of a node without a name and of a scene without nodes.
     for (const char* list : {"nodes", "scenes"}) {
       if (!document.contains(list)) continue;
@@ -90,9 +92,10 @@ class ModelBuilder {
       }
     }
     if (offset_ > 0) {
-      nlohmann::json buffer = {{"byteLength", offset_}};
+      document["buffers"] = nlohmann::json::array();
+      nlohmann::json& buffer = document["buffers"].emplace_back(nlohmann::json::object());
+      buffer["byteLength"] = offset_;
       if (!uri.empty()) buffer["uri"] = uri;
-      document["buffers"] = {buffer};
     }
     return document.dump(indent);
   }

@@ -1,0 +1,24 @@
+// A JSON that can be destroyed where there is no memory: nlohmann's destructor takes some for what is nested, and ends
+// the program where there is none.
+#pragma once
+
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+namespace isoextract::meshes {
+
+class JsonTree {
+ public:
+  explicit JsonTree(nlohmann::json root) noexcept : root_(std::move(root)) {}
+  JsonTree(const JsonTree&) = delete;
+  JsonTree& operator=(const JsonTree&) = delete;
+  ~JsonTree();
+
+  [[nodiscard]] nlohmann::json& root() { return root_; }
+
+ private:
+  nlohmann::json root_;
+};
+
+}  // namespace isoextract::meshes

@@ -1,0 +1,190 @@
+// Conversions in which one allocation fails, on whatever thread: once for each allocation that they make. Each ends
+// with an error that tells of memory, or gets the same files in another way; leaves no part of a file; and loses
+// neither blocks nor files that it holds.
+#include <cstdint>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <map>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "allocation/failing_allocations.hpp"
+#include "convert/conversion.hpp"
+#include "meshes/mesh_reader.hpp"
+#include "support/sample_attributes.hpp"
+#include "support/sample_meshes.hpp"
+#include "support/temp_folder.hpp"
+
+namespace isoextract::convert {
+namespace {
+
+using Files = std::map<std::string, std::string>;  // by name
+
+ConversionJob job_of(const std::string& input, double iso, meshes::MeshFormat format) {
+  ConversionJob job;
+  job.source.input = input;
+  job.format = format;
+  job.outputs = {{"", {iso}}};
+  return job;
+}
+
+std::string sample(const char* name) { return std::string(ISOEXTRACT_SOURCE_DIR) + "/samples/" + name; }
+
+// Open ones, and mapped ones of the tests' folders.
+std::size_t held_files() {
+  const std::filesystem::directory_iterator all("/proc/self/fd");
+  auto count = static_cast<std::size_t>(std::distance(begin(all), end(all)));
+  std::ifstream maps("/proc/self/maps");
+  for (std::string line; std::getline(maps, line);)
+    count += line.find("/isoextract-test-") != std::string::npos ? 1 : 0;
+  return count;
+}
+
+class Allocation : public testing::Test {
+ protected:
+  using Work = std::function<Result<void>()>;
+
+  Allocation() { message_.reserve(std::size_t{1} << 16U); }
+
+  // Does the work with that allocation failing; false if it makes fewer. What is to be known of it is kept without
+  // memory of its own, so that blocks can be counted.
+  bool run(const Work& work, std::uint64_t number) {
+    const std::int64_t before = test::live_allocations();
+    bool reached = false;
+    message_.clear();
+    try {
+      test::fail_allocation(number);
+      const Result<void> done = work();
+      reached = test::allocation_reached();
+      done_ = done.has_value();
+      if (!done_) {
+        kind_ = done.error().kind;
+        message_.assign(done.error().message);
+      }
+    } catch (const std::exception& thrown) {
+      reached = test::allocation_reached();
+      done_ = false;
+      message_.assign("it was thrown, not told: ").append(thrown.what());
+    }
+    lost_ = test::live_allocations() - before;
+    return reached;
+  }
+
+  Files take_files() {
+    Files files;
+    for (const std::string& name : out_.names()) {
+      files[name] = test::read_bytes(out_ / name);
+      std::filesystem::remove(out_ / name);
+    }
+    return files;
+  }
+
+  void expect_all_are_told(const Work& work) {
+    run(work, 0);  // what is made once in a process is made here
+    ASSERT_TRUE(done_) << message_;
+    const Files expected = take_files();
+    const std::size_t held_before = held_files();
+    std::uint64_t number = 1;
+    std::uint64_t errors = 0;
+    for (; run(work, number); ++number) {
+      const testing::ScopedTrace at(__FILE__, __LINE__, "allocation " + std::to_string(number) + ": " + message_);
+      EXPECT_EQ(lost_, 0) << "blocks";
+      EXPECT_EQ(held_files(), held_before);
+      EXPECT_EQ(context_.memory().reserved(), 0U);
+      const Files files = take_files();
+      if (done_) {
+        EXPECT_TRUE(files == expected) << "other files, and no error";
+      } else {
+        ++errors;
+        // What fails after a file was written whole takes it back from nobody.
+        EXPECT_TRUE(files.empty() || files == expected) << "a part of a file, or a temporary one";
+        EXPECT_TRUE(kind_ == ErrorKind::input || kind_ == ErrorKind::output);
+        EXPECT_NE(message_.find("memory"), std::string::npos);
+      }
+      ASSERT_FALSE(HasFailure());
+    }
+    EXPECT_TRUE(done_) << message_;
+    EXPECT_GT(errors, 10U);
+  }
+
+  void expect_all_are_told(ConversionJob job) {
+    job.outputs[0].path = (out_ / "out").string();
+    expect_all_are_told([this, &job]() -> Result<void> {
+      Events nobody;
+      Outcome outcome = convert::run(job, context_, nobody, {.work = true, .mesh_facts = true});
+      if (!outcome.done()) return tl::unexpected(std::move(*outcome.error));
+      return {};
+    });
+  }
+
+  const Context context_;
+  test::TempFolder out_;
+  test::TempFolder in_;
+  bool done_ = false;
+  ErrorKind kind_ = ErrorKind::usage;
+  std::string message_;
+  std::int64_t lost_ = 0;
+};
+
+TEST_F(Allocation, OfDenseSamples) { expect_all_are_told(job_of("demo:sphere?size=6", 0, meshes::MeshFormat::glb)); }
+
+TEST_F(Allocation, OfSimplifying) {
+  ConversionJob job = job_of("demo:sphere?size=4", 0, meshes::MeshFormat::ply);
+  job.simplify = SimplifyBound{0.2, false};
+  expect_all_are_told(job);
+}
+
+TEST_F(Allocation, OfResamplingAndMeasuring) {
+  ConversionJob job = job_of("demo:sphere?size=4", 0, meshes::MeshFormat::ply);
+  job.source.resolution = glm::ivec3(5, 4, 4);
+  job.error = field::Interpolation::tricubic;
+  expect_all_are_told(job);
+}
+
+TEST_F(Allocation, OfPackedSamples) {
+  ConversionJob job = job_of(sample("gyroid.nrrd"), 128, meshes::MeshFormat::gltf);
+  job.source.read.kind = field::FieldKind::level_set;
+  job.source.roi = field::Box{{2, 2, 2}, {6, 6, 6}};
+  job.source.placement.space = Space::index;
+  job.normals = Normals::flat;
+  expect_all_are_told(job);
+}
+
+TEST_F(Allocation, OfSparseSamples) {
+  ConversionJob job = job_of(sample("metaballs.vdb"), 0.5, meshes::MeshFormat::obj);
+  job.source.placement = {Space::world, UpAxis::y, false, 2, ""};
+  expect_all_are_told(job);
+}
+
+TEST_F(Allocation, OfMappedSamples) {
+  std::string bytes;
+  for (int i = 0; i < 5 * 6 * 7; ++i) bytes.push_back(static_cast<char>(i * 37 % 101));
+  test::write_bytes(in_ / "v.raw", bytes);
+  ConversionJob job = job_of(in_ / "v.raw", 50, meshes::MeshFormat::stl);
+  job.source.read.raw = volumes::RawLayout{{5, 6, 7}, field::SampleType::u8, std::endian::little, 0};
+  job.surface = {extract::Method::mt, extract::NanPolicy::error, true};
+  job.normals = Normals::none;
+  job.ascii = true;
+  expect_all_are_told(job);
+}
+
+TEST_F(Allocation, OfReadingMeshes) {
+  mesh::Mesh mesh = test::tetrahedron("mesh", {1e7, 0, 0});
+  test::add_colour(mesh, mesh::ComponentType::u8, 4);
+  for (const meshes::MeshFormatInfo& info : meshes::mesh_formats()) {
+    const auto path = in_ / ("mesh." + std::string(info.name));
+    ASSERT_TRUE(meshes::write_meshes({&mesh, 1}, path, {info.format, false, false}));
+    expect_all_are_told([this, &path]() -> Result<void> {
+      auto read = meshes::read_mesh(path, context_);
+      if (!read) return tl::unexpected(std::move(read.error()));
+      return {};
+    });
+  }
+}
+
+}  // namespace
+}  // namespace isoextract::convert
