@@ -115,7 +115,7 @@ class Allocation : public testing::Test {
     job.outputs[0].path = (out_ / "out").string();
     expect_all_are_told([this, &job]() -> Result<void> {
       Events nobody;
-      Outcome outcome = convert::run(job, context_, nobody, {.work = true, .mesh_facts = true});
+      Outcome outcome = convert::run(job, context_, nobody, {.mesh_facts = true});
       if (!outcome.done()) return tl::unexpected(std::move(*outcome.error));
       return {};
     });

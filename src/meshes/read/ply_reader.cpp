@@ -25,7 +25,7 @@ struct TypeName {
   ComponentType type;
   std::size_t size;
 };
-constexpr std::array kTypeNames{
+constexpr std::array kPlyTypes{
     TypeName{"char", "int8", ComponentType::i8, 1},      TypeName{"uchar", "uint8", ComponentType::u8, 1},
     TypeName{"short", "int16", ComponentType::i16, 2},   TypeName{"ushort", "uint16", ComponentType::u16, 2},
     TypeName{"int", "int32", ComponentType::i32, 4},     TypeName{"uint", "uint32", ComponentType::u32, 4},
@@ -33,9 +33,9 @@ constexpr std::array kTypeNames{
 };
 
 const TypeName& type_named(const TextScanner& header, std::string_view name) {
-  const auto* found = std::find_if(kTypeNames.begin(), kTypeNames.end(),
+  const auto* found = std::find_if(kPlyTypes.begin(), kPlyTypes.end(),
                                    [&](const TypeName& t) { return t.name == name || t.other == name; });
-  if (found == kTypeNames.end()) header.expected("a type such as float or uint", name);
+  if (found == kPlyTypes.end()) header.expected("a type such as float or uint", name);
   return *found;
 }
 
