@@ -46,7 +46,7 @@ InputFile::InputFile(std::filesystem::path path, int descriptor, std::uint64_t s
 
 // The context is copied: one that was moved from counts nowhere.
 InputFile::InputFile(InputFile&& other) noexcept
-    : context_(other.context_),
+    : context_(other.context_),  // NOLINT(performance-move-constructor-init)
       path_(std::move(other.path_)),
       descriptor_(std::exchange(other.descriptor_, -1)),
       size_(other.size_) {}

@@ -10,7 +10,7 @@ namespace {
 
 // Fixed-size chunks, summed by a deterministic reduction, so that nothing depends on the number of threads. Least and
 // greatest coordinates do not depend on the order anyway.
-constexpr std::size_t kGrain = 1 << 15;
+constexpr std::size_t kTrianglesAtATime = 1 << 15;
 
 using Range = tbb::blocked_range<std::size_t>;
 
@@ -20,7 +20,7 @@ LocalBounds measure_local_bounds(const Mesh& mesh) {
   if (mesh.positions.empty()) return {};
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   return tbb::parallel_reduce(
-      Range(0, mesh.positions.size(), kGrain), LocalBounds{glm::vec3(kInfinity), glm::vec3(-kInfinity)},
+      Range(0, mesh.positions.size(), kTrianglesAtATime), LocalBounds{glm::vec3(kInfinity), glm::vec3(-kInfinity)},
       [&](const Range& range, LocalBounds bounds) {
         for (std::size_t v = range.begin(); v != range.end(); ++v) {
           bounds.min = glm::min(bounds.min, mesh.positions[v]);
@@ -44,7 +44,7 @@ MeshSize measure_size(const Mesh& mesh) {
   // Volume as a sum of tetrahedra to one vertex of the mesh: far from it in no direction, so little cancels.
   const glm::dvec3 apex(mesh.positions[0]);
   return tbb::parallel_deterministic_reduce(
-      Range(0, mesh.triangles.size(), kGrain), MeshSize{},
+      Range(0, mesh.triangles.size(), kTrianglesAtATime), MeshSize{},
       [&](const Range& range, MeshSize sum) {
         for (std::size_t t = range.begin(); t != range.end(); ++t) {
           const glm::uvec3 triangle = mesh.triangles[t];

@@ -41,8 +41,9 @@ bool replace_lost_pages(const void* address) {
   if (range == nullptr) return false;
   range->lost.store(true, std::memory_order_release);
   const std::uintptr_t page = at - at % page_size;
-  return ::mmap(reinterpret_cast<void*>(page), end - page, PROT_READ,
-                MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED | MAP_NORESERVE, -1, 0) != MAP_FAILED;
+  void* const start = static_cast<char*>(const_cast<void*>(address)) - at % page_size;
+  return ::mmap(start, end - page, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED | MAP_NORESERVE, -1, 0) !=
+         MAP_FAILED;
 }
 
 // To whoever was asked before; else the process ends as it would have without a handler.

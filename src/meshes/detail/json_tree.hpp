@@ -1,5 +1,5 @@
-// A JSON that can be destroyed where there is no memory: nlohmann's destructor takes some for what is nested, and ends
-// the program where there is none.
+// A JSON of bounded depth that can be destroyed where there is no memory: nlohmann's destructor takes some for what is
+// nested, and ends the program where there is none.
 #pragma once
 
 #include <utility>
@@ -13,7 +13,7 @@ class JsonTree {
   explicit JsonTree(nlohmann::json root) noexcept : root_(std::move(root)) {}
   JsonTree(const JsonTree&) = delete;
   JsonTree& operator=(const JsonTree&) = delete;
-  ~JsonTree();
+  ~JsonTree();  // NOLINT(bugprone-exception-escape)
 
   [[nodiscard]] nlohmann::json& root() { return root_; }
 

@@ -314,7 +314,7 @@ std::vector<std::unique_ptr<const VolumeFormat>> find_plugin_formats(const Folde
       if (auto id = id_of_table(at->path())) tables.emplace(std::move(*id), at->path());
     }
     for (const auto& [id, path] : tables) {
-      const auto same = [&](const auto& format) { return format->about().id == id; };
+      const auto same = [&id = id](const auto& format) { return format->about().id == id; };
       if (std::ranges::any_of(formats, same)) continue;
       formats.push_back(std::make_unique<const PluginFormat>(read_table(id, path), folders));
     }
