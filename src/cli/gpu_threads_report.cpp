@@ -22,7 +22,7 @@ std::string ratio_text(double other, double tessellation) {
 }  // namespace
 
 std::string gpu_threads_table(const gpu::ThreadCreationResult& result, int repeats) {
-  std::string text = "One geometry-shader thread a cell, which ends at once (seed paper S2)\n";
+  std::string text = "One geometry-shader thread a cell, which ends at once (Timokhin and Mikhaylyuk)\n";
   text += fmt::format("Times: a pass over all cells, median of {} (least .. most), {}.\n", repeats,
                       describe(result.device));
   text += fmt::format("Copying on the device: {:.1f} GB/s, reading and writing counted.\n\n",

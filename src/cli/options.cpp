@@ -294,7 +294,7 @@ void declare_compare(CLI::App& app, CompareFlags& flags) {
 void declare_bench(CLI::App& app, BenchFlags& flags) {
   declare_input(app, flags.input, "INPUT...",
                 "What to extract from (default: demo:torus), or gpu-threads for the "
-                "cost of a GPU's threads (seed paper S2), each");
+                "cost of a GPU's threads (Timokhin and Mikhaylyuk), each");
   const Group input(app, "Input");
   input.value("--sizes", "N,N,...", flags.sizes, parse_demo_sizes,
               "Samples along each axis of demo fields (default: 32,64,128,256).");
