@@ -31,11 +31,6 @@ class Notes final : public convert::Events {
   ProgressBar& bar_;
 };
 
-extract::ExtractOptions options_of(const VerifyPlan& plan, const convert::Source& source) {
-  extract::ExtractOptions options = source.extract_options(plan.surface, plan.iso);
-  return options;
-}
-
 Result<void> verify_backends(const VerifyPlan& plan, const Messages& messages, const Context& context) {
   const std::unique_ptr<extract::Extractor> first = extract::make_cpu_extractor();
   const auto second = convert::open_backend(convert::Backend::gpu, {plan.gpu});
@@ -48,7 +43,7 @@ Result<void> verify_backends(const VerifyPlan& plan, const Messages& messages, c
     const auto source = convert::open_source(plan.source, false, context, notes);
     if (!source) return tl::unexpected(source.error());
     label = source->label;
-    extract::ExtractOptions options = options_of(plan, *source);
+    extract::ExtractOptions options = source->extract_options(plan.surface, plan.iso);
     const extract::MethodInfo& method = extract::method_info(options.method);
     options.smooth_normals = method.traits.gradient_normals;
     options.edge_keys = method.traits.vertices_on_edges;
@@ -111,7 +106,7 @@ Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages, const
     const auto source = convert::open_source(plan.source, false, context, notes);
     if (!source) return tl::unexpected(source.error());
     surface = fmt::format("{} iso {}", source->label, plan.iso);
-    const auto extraction = extractor->extract(source->field, options_of(plan, *source), context);
+    const auto extraction = extractor->extract(source->field, source->extract_options(plan.surface, plan.iso), context);
     if (!extraction) return tl::unexpected(extraction.error());
     const auto matched = measure::match_meshes(file->mesh, extraction->mesh, plan.float32_world, context);
     if (!matched) return tl::unexpected(matched.error());

@@ -100,8 +100,8 @@ mesh::Mesh mesh_of(const FileSurface& surface, const Context& context) {
   return mesh;
 }
 
-FileSurface read_surface(const files::InputFile& file, const Context& context) {
-  MemoryUse memory(context);
+FileSurface read_surface(const files::InputFile& file) {
+  MemoryUse memory(file.context());
   memory.take(file.size());
   Buffer<std::byte> content(file.size());
   if (auto read = file.read_at(0, content.span()); !read) throw DamagedMesh(read.error().message);
@@ -109,8 +109,9 @@ FileSurface read_surface(const files::InputFile& file, const Context& context) {
   return reader_of(source)(source);
 }
 
-MeshFile read_file(const files::InputFile& file, const Context& context) {
-  const FileSurface surface = read_surface(file, context);
+MeshFile read_file(const files::InputFile& file) {
+  const Context& context = file.context();
+  const FileSurface surface = read_surface(file);
   if (surface.positions.empty() && !surface.triangles.empty()) {
     throw DamagedMesh("expected vertices, found triangles without any");
   }
@@ -131,9 +132,9 @@ MeshFile read_file(const files::InputFile& file, const Context& context) {
 
 Result<MeshFile> read_mesh(const std::filesystem::path& path, const Context& context) {
   try {
-    const auto file = files::InputFile::open(path);
+    const auto file = files::InputFile::open(path, context);
     if (!file) return tl::unexpected(file.error());
-    return read_file(*file, context);
+    return read_file(*file);
   } catch (const Cancelled& cancelled) {
     return tl::unexpected(cancelled.error);
   } catch (const DamagedMesh& damage) {

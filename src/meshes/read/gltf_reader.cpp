@@ -132,7 +132,7 @@ class ModelReader {
   [[nodiscard]] std::vector<std::byte> load_file(const std::string& name) const {
     const auto path = files::resolve_beside(source_.file.path(), name);
     if (!path) throw DamagedMesh(path.error().message, path.error().hint);
-    const auto file = files::InputFile::open(*path);
+    const auto file = files::InputFile::open(*path, source_.file.context());
     if (!file) throw DamagedMesh(file.error().message);
     std::vector<std::byte> bytes;
     source_.memory.make_room(bytes, file->size());

@@ -153,10 +153,11 @@ class ModelBuilder {
   }
 
   void attributes(const GltfPart& part, tinygltf::Primitive& primitive) {
-    for (const auto& [attribute, name] : part.semantics) {
+    for (const GltfSemantic& semantic : part.semantics) {
+      const mesh::Attribute* attribute = semantic.attribute;
       using Type = mesh::ComponentType;
-      const bool padded = gltf_aligned(attribute->stride()) != attribute->stride();
-      const std::size_t stride = gltf_aligned(attribute->stride());
+      const std::size_t stride = semantic.stride();
+      const bool padded = stride != attribute->stride();
       const int component = attribute->type == Type::i8    ? TINYGLTF_COMPONENT_TYPE_BYTE
                             : attribute->type == Type::u8  ? TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE
                             : attribute->type == Type::i16 ? TINYGLTF_COMPONENT_TYPE_SHORT
@@ -164,8 +165,9 @@ class ModelBuilder {
                                                            : TINYGLTF_COMPONENT_TYPE_FLOAT;
       constexpr std::array kTypes{TINYGLTF_TYPE_SCALAR, TINYGLTF_TYPE_VEC2, TINYGLTF_TYPE_VEC3, TINYGLTF_TYPE_VEC4};
       const std::uint64_t count = part.vertex_count();
-      primitive.attributes[name] = accessor(view(count * stride, TINYGLTF_TARGET_ARRAY_BUFFER, padded ? stride : 0), 0,
-                                            component, kTypes[attribute->components - 1], count);
+      primitive.attributes[semantic.name] =
+          accessor(view(count * stride, TINYGLTF_TARGET_ARRAY_BUFFER, padded ? stride : 0), 0, component,
+                   kTypes[attribute->components - 1], count);
       model_.accessors.back().normalized = attribute->normalised;
     }
   }

@@ -6,15 +6,10 @@
 #include <fmt/format.h>
 
 #include "base/checked.hpp"
+#include "base/reserved_buffer.hpp"
 
 namespace isoextract::volumes {
 namespace {
-
-// Samples in memory, and what is reserved for them.
-struct OwnedSamples {
-  Buffer<std::byte> data;
-  Reservation memory;
-};
 
 // Mapped where that can be; else read, into memory that is reserved. A mapping needs none of its own: the system keeps
 // what is in use of it and drops the rest where memory is short.
@@ -34,8 +29,9 @@ Result<field::DenseSamples> load_samples(const files::InputFile& file, DenseFile
   if (!read) return tl::unexpected(read.error());
   if (read->more_in_gzip) dense.notes.emplace_back("bytes after the samples were not read");
   memory->shrink(source.bytes);
-  const auto owned = std::make_shared<const OwnedSamples>(OwnedSamples{std::move(read->data), std::move(*memory)});
-  return field::DenseSamples{dense.type, dense.dims, owned, owned->data.data(), false};
+  const auto owned = std::make_shared<const ReservedBuffer<std::byte>>(
+      ReservedBuffer<std::byte>{std::move(read->data), std::move(*memory)});
+  return field::DenseSamples{dense.type, dense.dims, owned, owned->values.data(), false};
 }
 
 Result<field::ScalarField> load_dense(const files::InputFile& file, DenseFile&& dense, const ReadOptions& options) {

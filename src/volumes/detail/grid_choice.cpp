@@ -1,6 +1,7 @@
 #include "volumes/detail/grid_choice.hpp"
 
 #include <algorithm>
+#include <map>
 #include <vector>
 
 #include <fmt/format.h>
@@ -21,6 +22,12 @@ std::string describe_grid(const GridInfo& grid) {
 }
 
 }  // namespace
+
+void number_repeated_names(std::span<GridInfo> grids) {
+  std::map<std::string, int> counts;
+  for (GridInfo& info : grids) info.index_of_name = counts[info.name]++;
+  for (GridInfo& info : grids) info.name_repeats = counts[info.name] > 1;
+}
 
 std::string grid_label(const GridInfo& grid) {
   const std::string name = files::printable(std::string_view(grid.name), 200);

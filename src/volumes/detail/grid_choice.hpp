@@ -10,6 +10,9 @@
 
 namespace isoextract::volumes {
 
+// Sets GridInfo::index_of_name and name_repeats from the names.
+void number_repeated_names(std::span<GridInfo> grids);
+
 // NAME, or NAME[k] where names repeat.
 [[nodiscard]] std::string grid_label(const GridInfo& grid);
 

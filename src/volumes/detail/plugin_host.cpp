@@ -138,6 +138,7 @@ class PluginFormat final : public VolumeFormat {
     if (!plugin) return plugin;
     const auto file = files::InputFile::open(input, context);
     if (!file) return tl::unexpected(file.error());
+    // As they lie in the file: first_bytes() would unpack them.
     std::vector<std::byte> start(static_cast<std::size_t>(std::min<std::uint64_t>(file->size(), kStartBytes)));
     if (auto read = file->read_at(0, start); !read) return tl::unexpected(read.error());
     if ((*plugin)->probe(reinterpret_cast<const unsigned char*>(start.data()), start.size(), input.c_str()) == 0) {
@@ -202,7 +203,6 @@ class PluginFormat final : public VolumeFormat {
   }
 
   Result<std::vector<GridInfo>> describe(const std::string& input, const isoextract_volume_list& list) const {
-    std::map<std::string, int> counts;
     std::vector<GridInfo> grids;
     for (std::size_t i = 0; i < list.count; ++i) {
       const isoextract_volume_grid& grid = list.grids[i];
@@ -218,10 +218,9 @@ class PluginFormat final : public VolumeFormat {
         return refused(input, fmt::format("samples of an unknown type ({})", grid.sample_type));
       }
       info.type = files::printable(std::string_view(text_of(grid.type_name)), 80);
-      info.index_of_name = counts[info.name]++;
       grids.push_back(std::move(info));
     }
-    for (GridInfo& info : grids) info.name_repeats = counts[info.name] > 1;
+    number_repeated_names(grids);
     return grids;
   }
 

@@ -1,6 +1,5 @@
 // OpenVDB's files: which grid, where it is, and its tree into sparse samples.
 #include <algorithm>
-#include <map>
 #include <unordered_map>
 
 #include <fmt/format.h>
@@ -120,7 +119,6 @@ class VoxelCounter {
 };
 
 std::vector<GridInfo> describe_grids(VdbCursor& cursor, const files::InputFile& file, const VdbHeader& header) {
-  std::map<std::string, int> counts;
   VoxelCounter counter(cursor, file, header);
   std::vector<GridInfo> grids;
   for (const VdbGridRecord& record : header.grids) {
@@ -128,7 +126,6 @@ std::vector<GridInfo> describe_grids(VdbCursor& cursor, const files::InputFile& 
     const VoxelCount count = counted ? VoxelCount{*record.voxels, *record.box} : counter.count(record);
     GridInfo info;
     info.name = record.name;
-    info.index_of_name = counts[record.name]++;
     info.type = files::printable(record.value_type, 80);
     info.scalar = visit_scalar_tree(record.tree_type, [](auto) {});
     if (record.grid_class == kLevelSetClass) info.kind = field::FieldKind::level_set;
@@ -137,7 +134,7 @@ std::vector<GridInfo> describe_grids(VdbCursor& cursor, const files::InputFile& 
     info.voxels = count.voxels;
     grids.push_back(std::move(info));
   }
-  for (GridInfo& info : grids) info.name_repeats = counts[info.name] > 1;
+  number_repeated_names(grids);
   return grids;
 }
 

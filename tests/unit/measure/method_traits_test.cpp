@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "changed_extractor.hpp"
 #include "field/demo_field.hpp"
 #include "measure/analytic_error.hpp"
 #include "measure/benchmark.hpp"
@@ -20,27 +21,7 @@
 namespace isoextract::measure {
 namespace {
 
-// The CPU's surfaces, changed before anybody sees them.
-class Changed final : public extract::Extractor {
- public:
-  using Change = std::function<void(const extract::ExtractOptions& options, mesh::Mesh& mesh)>;
-
-  explicit Changed(Change change) : change_(std::move(change)) {}
-
-  [[nodiscard]] std::string_view name() const override { return "changed"; }
-  [[nodiscard]] std::string device() const override { return "none"; }
-  [[nodiscard]] bool has(extract::Method /*method*/) const override { return true; }
-
- private:
-  [[nodiscard]] Result<extract::Extraction> run(const field::ScalarField& field, const extract::ExtractOptions& options,
-                                                const Context& context) override {
-    auto extraction = extract::make_cpu_extractor()->extract(field, options, context);
-    if (extraction) change_(options, extraction->mesh);
-    return extraction;
-  }
-
-  Change change_;
-};
+using Changed = test::ChangedExtractor;
 
 // Every vertex where `moved` puts it, given in index space.
 Changed::Change with_vertices(const std::function<glm::dvec3(const glm::dvec3&)>& moved) {

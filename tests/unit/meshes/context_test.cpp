@@ -1,4 +1,6 @@
 // Memory that is reserved, and ends that are asked for.
+#include <filesystem>
+
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -23,6 +25,9 @@ TEST(MeshFileContext, IsKeptTo) {
       ASSERT_TRUE(read) << info.name;
       EXPECT_EQ(context.memory().reserved(), read->mesh.positions.size_bytes() + read->mesh.triangles.size_bytes());
       EXPECT_GT(context.memory().peak(), context.memory().reserved());
+      auto bytes = std::filesystem::file_size(path);
+      if (info.format == MeshFormat::gltf) bytes += std::filesystem::file_size(folder / "kept.bin");
+      EXPECT_GE(context.counters().bytes_read, bytes) << info.name;
     }
     EXPECT_EQ(context.memory().reserved(), 0U);
     context.cancel();
