@@ -70,7 +70,7 @@ void write_any(const CaseTable& table, const CellDrawings& drawings, const glm::
         const auto site = static_cast<std::size_t>(near[static_cast<std::size_t>(past)]);
         numbers[e] = vertices.at(site, edges[e].direction, offset + edges[e].offset - back);
       }
-      out = drawings.write(drawing, numbers.data(), out);
+      out = drawings.write(drawing, numbers, out);
     }
   }
 }
