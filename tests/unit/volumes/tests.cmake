@@ -2,10 +2,16 @@ include(${PROJECT_SOURCE_DIR}/cmake/OpenVDB.cmake)
 
 isoextract_unit_test(volumes
   mapped_samples_test.cpp nifti_reader_test.cpp npy_reader_test.cpp nrrd_reader_test.cpp plugin_host_test.cpp raw_reader_test.cpp
-  real_files_reader_test.cpp vdb_damage_reader_test.cpp vdb_reader_test.cpp vdb_tree_reader_test.cpp
-  volume_reader_test.cpp)
-target_link_libraries(test_volumes PRIVATE openvdb_library)
-# OpenVDB's headers take the compiler longer than the tests; the other files take it very much longer together.
-set_target_properties(test_volumes PROPERTIES UNITY_BUILD_MODE GROUP)
-set_source_files_properties(unit/volumes/vdb_damage_reader_test.cpp unit/volumes/vdb_reader_test.cpp
-  unit/volumes/vdb_tree_reader_test.cpp PROPERTIES UNITY_GROUP openvdb)
+  real_files_reader_test.cpp volume_reader_test.cpp)
+# Together these files take the compiler very much longer than one by one.
+set_target_properties(test_volumes PROPERTIES UNITY_BUILD OFF)
+
+# OpenVDB's templates take the compiler longer than the tests take; without optimisation the tests take longer still.
+add_library(vdb_reader_tests OBJECT
+  unit/volumes/vdb_damage_reader_test.cpp unit/volumes/vdb_reader_test.cpp unit/volumes/vdb_tree_reader_test.cpp)
+target_compile_options(vdb_reader_tests PRIVATE -O1)
+target_include_directories(vdb_reader_tests PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
+target_link_libraries(vdb_reader_tests PRIVATE isoextract_volumes isoextract_options GTest::gtest openvdb_library)
+isoextract_see_all(vdb_reader_tests volumes)
+target_compile_definitions(vdb_reader_tests PRIVATE ISOEXTRACT_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+target_link_libraries(test_volumes PRIVATE vdb_reader_tests openvdb_library)
