@@ -27,6 +27,7 @@
 #include "cli/plan.hpp"
 #include "cli/stability_command.hpp"
 #include "cli/verify_command.hpp"
+#include "files/output_file.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -147,6 +148,20 @@ int run_arguments(std::vector<std::string> arguments) {
   return run_convert_command(line->convert_flags, std::move(arguments));
 }
 
+// Ends the process as the signal would have, but leaves no unfinished file.
+extern "C" void on_end(int signal) {
+  files::OutputFile::remove_unfinished();
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);
+}
+
+// What the shell told to ignore (nohup) stays ignored.
+void leave_nothing_when_interrupted() {
+  for (const int signal : {SIGHUP, SIGINT, SIGTERM}) {
+    if (std::signal(signal, on_end) == SIG_IGN) std::signal(signal, SIG_IGN);
+  }
+}
+
 }  // namespace
 
 int run(int argc, char** argv) {
@@ -154,6 +169,7 @@ int run(int argc, char** argv) {
   // A closed pipe and a file-size limit are errors of writing, with a message and an exit code.
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
+  leave_nothing_when_interrupted();
   try {
     return run_arguments(std::vector<std::string>(argv + (argc > 0 ? 1 : 0), argv + argc));
   } catch (const std::bad_alloc&) {

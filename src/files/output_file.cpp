@@ -14,6 +14,8 @@
 #include <fmt/format.h>
 
 #include "base/buffer.hpp"
+#include "files/detail/retry_interrupted.hpp"
+#include "files/detail/temporary_name.hpp"
 
 namespace isoextract::files {
 namespace {
@@ -44,13 +46,6 @@ Error system_error(const std::string& shown, std::string_view action, int code) 
   }
 }
 
-template <class Call>
-auto retry_interrupted(Call call) {
-  auto result = call();
-  while (result < 0 && errno == EINTR) result = call();
-  return result;
-}
-
 // The file a chain of symbolic links ends at, which need not exist. Loops were found by stat() before.
 fs::path follow_links(fs::path path) {
   std::error_code ignored;
@@ -59,19 +54,6 @@ fs::path follow_links(fs::path path) {
     path = link.is_absolute() ? link : path.parent_path() / link;
   }
   return path;
-}
-
-// Calls try_name(path) with fresh names in `folder` until it does not answer that the name is taken. Returns the name,
-// or nothing with errno set. The name is moved from here on: a copy could fail, and leave a file that nobody knows.
-template <class TryName>
-std::optional<std::string> with_fresh_name(const fs::path& folder, TryName try_name) {
-  constexpr int kAttempts = 10000;
-  for (int i = 0; i < kAttempts; ++i) {
-    std::string name = (folder / fmt::format(".isoextract-{}-{}", ::getpid(), i)).string();
-    if (try_name(name.c_str())) return name;
-    if (errno != EEXIST) return std::nullopt;
-  }
-  return std::nullopt;
 }
 
 std::string descriptor_link(int fd) { return fmt::format("/proc/self/fd/{}", fd); }
@@ -87,7 +69,7 @@ struct OutputFile::State {
   fs::path folder;
   bool replaces = false;  // the target exists
   int fd = -1;
-  std::string temporary;  // the name on disk before commit; empty while there is none
+  TemporaryName temporary;  // the name on disk before commit; empty while there is none
   Buffer<std::byte> buffer;
   std::size_t buffered = 0;
   std::uint64_t bytes = 0;
@@ -98,7 +80,6 @@ struct OutputFile::State {
   State& operator=(const State&) = delete;
   ~State() {
     if (fd >= 0 && kind != Kind::standard_output) ::close(fd);
-    if (!temporary.empty()) ::unlink(temporary.c_str());
   }
 
   [[nodiscard]] tl::unexpected<Error> failed(std::string_view action, int code) {
@@ -147,11 +128,10 @@ Result<void> OutputFile::State::open_file(const fs::path& path, const std::optio
     errno = EOPNOTSUPP;
   }
   if (fd < 0 && (errno == EOPNOTSUPP || errno == EISDIR || errno == EINVAL)) {
-    auto name = with_fresh_name(folder, [&](const char* fresh) {
-      fd = retry_interrupted([&] { return ::open(fresh, O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, kNewFile); });
-      return fd >= 0;
-    });
-    if (name) temporary = std::move(*name);
+    if (auto made = TemporaryName::make_file(folder)) {
+      temporary = std::move(made->name);
+      fd = made->fd;
+    }
   }
   if (fd < 0) return failed(action, errno);
   struct stat made {};
@@ -182,10 +162,7 @@ Result<void> OutputFile::State::prepare() {
   if (auto flushed = flush(); !flushed) return flushed;
   if (kind == Kind::standard_output) return {};
   if (kind == Kind::file && temporary.empty()) {
-    const std::string from = descriptor_link(fd);
-    auto name = with_fresh_name(folder, [&](const char* fresh) {
-      return ::linkat(AT_FDCWD, from.c_str(), AT_FDCWD, fresh, AT_SYMLINK_FOLLOW) == 0;
-    });
+    auto name = TemporaryName::name_file(folder, fd);
     if (!name) return failed("name it", errno);
     temporary = std::move(*name);
   }
@@ -196,8 +173,7 @@ Result<void> OutputFile::State::prepare() {
 
 Result<void> OutputFile::State::publish() {
   if (kind != Kind::file) return {};
-  if (::rename(temporary.c_str(), target.c_str()) != 0) return failed("name it", errno);
-  temporary.clear();
+  if (!temporary.rename_to(target)) return failed("name it", errno);
   return {};
 }
 
@@ -260,24 +236,19 @@ Result<void> OutputFile::commit_pair(OutputFile& first, OutputFile& last) {
   if (auto prepared = one.prepare(); !prepared) return prepared;
   if (auto prepared = last.state_->prepare(); !prepared) return prepared;
 
-  std::optional<std::string> old;  // a second name of the file that is about to be replaced
-  if (one.replaces) {
-    old = with_fresh_name(one.folder, [&](const char* fresh) { return ::link(one.target.c_str(), fresh) == 0; });
-  }
-  auto published = one.publish();
-  if (!published) {
-    if (old) ::unlink(old->c_str());
-    return published;
-  }
-  published = last.state_->publish();
-  if (published) {
-    if (old) ::unlink(old->c_str());
-  } else if (old) {
-    ::rename(old->c_str(), one.target.c_str());
+  std::optional<TemporaryName> old;  // a second name of the file that is about to be replaced
+  if (one.replaces) old = TemporaryName::name_again(one.folder, one.target);
+  if (auto published = one.publish(); !published) return published;
+  auto published = last.state_->publish();
+  if (published) return published;
+  if (old) {
+    static_cast<void>(old->rename_to(one.target));
   } else if (one.kind == State::Kind::file && !one.replaces) {
     ::unlink(one.target.c_str());
   }
   return published;
 }
+
+void OutputFile::remove_unfinished() noexcept { TemporaryName::remove_all(); }
 
 }  // namespace isoextract::files

@@ -4,8 +4,9 @@
 // What is promised: whoever opens the target sees the old file or the whole new one, also if this process fails, is
 // killed or runs out of space. Not promised: that a committed file survives a power cut. The data is not forced to the
 // disk, which would cost as much as writing it again.
-// On file systems without unnamed files (O_TMPFILE) the bytes go to a file `.isoextract-*` beside the target; only
-// killing the process leaves that one behind.
+// On file systems without unnamed files (O_TMPFILE) the bytes go to a file `.isoextract-HOST-PID-N` beside the target,
+// which is removed when this process ends in any way but SIGKILL or a crash; what those leave behind, the next process of
+// the same user and machine removes that writes into that folder.
 #pragma once
 
 #include <cstddef>
@@ -48,6 +49,10 @@ class OutputFile {
   // a file that it replaced is put back (where the file system has hard links). A process killed between the two
   // renames leaves the new `first` beside the old `last`.
   [[nodiscard]] static Result<void> commit_pair(OutputFile& first, OutputFile& last);
+
+  // Removes what this process has not committed; nothing can be written after it. For handlers of signals that end the
+  // process: async-signal-safe.
+  static void remove_unfinished() noexcept;
 
  private:
   struct State;

@@ -4,6 +4,7 @@
 #include <linux/audit.h>
 #include <linux/filter.h>
 #include <linux/seccomp.h>
+#include <sys/file.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -199,6 +200,72 @@ TEST(OutputFile, WorksWithoutUnnamedFiles) {
   EXPECT_EQ(read_bytes(folder / "kept.bin"), "kept");
   EXPECT_EQ(permissions(folder / "made.bin"), 0640U);
   EXPECT_EQ(permissions(folder / "kept.bin"), 0604U);
+}
+
+// Writes out.bin in a process that finds no unnamed files; `before_commit` may end it.
+int write_named_first(const fs::path& folder, const std::function<void()>& before_commit) {
+  return in_child([&] {
+    if (!forbid_unnamed_files()) return 77;
+    auto file = must_create(folder / "out.bin");
+    if (!file.write(std::string(1 << 21, 'x'))) return 2;
+    before_commit();
+    return file.commit() ? 0 : 3;
+  });
+}
+
+// What a process of this machine that is gone has left behind.
+std::string leave_one_behind(const TempFolder& folder) {
+  write_named_first(folder.path(), [] { ::raise(SIGKILL); });
+  const Names names = folder.names();
+  return names.size() == 1 ? *names.begin() : std::string();
+}
+
+TEST(OutputFile, WithoutUnnamedFilesTheNextProcessRemovesWhatAKilledOneLeft) {
+  const TempFolder folder;
+  const std::string left = leave_one_behind(folder);
+  if (left.empty()) GTEST_SKIP() << "this system does not let a process filter its system calls";
+  EXPECT_TRUE(left.starts_with(".isoextract-"));
+  EXPECT_EQ(write_named_first(folder.path(), [] {}), 0);
+  EXPECT_EQ(folder.names(), Names{"out.bin"});
+}
+
+TEST(OutputFile, WhatHasAnOwnerOrIsOfAnotherMachineStays) {
+  const TempFolder folder;
+  const std::string left = leave_one_behind(folder);
+  if (left.empty()) GTEST_SKIP() << "this system does not let a process filter its system calls";
+  // Another process has the lock: it may be one whose number is not seen from here.
+  const int owner = ::open((folder / left).c_str(), O_RDWR | O_CLOEXEC);
+  ASSERT_EQ(::flock(owner, LOCK_EX | LOCK_NB), 0);
+  std::string elsewhere = left;
+  elsewhere.insert(elsewhere.find('-') + 1, "elsewhere.");
+  write_bytes(folder / elsewhere, "of another machine");
+  write_bytes(folder / ".isoextract-notes", "of somebody else");
+  const Names kept{left, elsewhere, ".isoextract-notes"};
+
+  Names with_output = kept;
+  with_output.insert("out.bin");
+  EXPECT_EQ(write_named_first(folder.path(),
+                              [&] {
+                                // A process beside the owner of an unfinished file; what the first one writes is still
+                                // there to be named.
+                                if (write_named_first(folder.path(), [] {}) != 0) ::_exit(5);
+                              }),
+            0);
+  EXPECT_EQ(folder.names(), with_output);
+  ::close(owner);
+}
+
+TEST(OutputFile, WithoutUnnamedFilesASignalsHandlerRemovesWhatIsUnfinished) {
+  const TempFolder folder;
+  const int code = write_named_first(folder.path(), [&] {
+    if (folder.names().size() != 1) ::_exit(5);
+    OutputFile::remove_unfinished();
+    if (!folder.names().empty()) ::_exit(6);
+    if (OutputFile::create(folder / "late.bin")) ::_exit(7);  // nothing new while the process ends
+  });
+  if (code == 77) GTEST_SKIP() << "this system does not let a process filter its system calls";
+  EXPECT_EQ(code, 3);  // there is nothing left to be committed
+  EXPECT_EQ(folder.names(), Names{});
 }
 
 TEST(OutputFile, DevicesAreWrittenDirectly) {

@@ -1,0 +1,222 @@
+#include "files/detail/temporary_name.hpp"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <charconv>
+#include <csignal>
+#include <cstdio>
+#include <mutex>
+#include <set>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "files/detail/retry_interrupted.hpp"
+
+namespace isoextract::files {
+namespace {
+
+namespace fs = std::filesystem;
+
+// What a handler looks at. A name is taken out of its slot by whoever removes the file, so only one does. Names beyond
+// the last slot are not found by handlers, and left to the next run.
+constexpr std::size_t kSlots = 256;
+constinit std::array<std::atomic<const std::string*>, kSlots> slots{};
+constinit std::atomic<int> being_made{0};
+constinit std::atomic<bool> ending{false};
+static_assert(std::atomic<const std::string*>::is_always_lock_free);
+
+// While a file is made whose name is in no slot yet, this thread must not run the handler, which waits for the end of
+// it.
+class Making {
+ public:
+  Making() {
+    sigset_t all;
+    ::sigfillset(&all);
+    ::pthread_sigmask(SIG_SETMASK, &all, &before_);
+    being_made.fetch_add(1);
+  }
+  Making(const Making&) = delete;
+  Making& operator=(const Making&) = delete;
+  ~Making() {
+    being_made.fetch_sub(1);
+    ::pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+  }
+
+ private:
+  sigset_t before_{};
+};
+
+int put_into_slot(const std::string* name) {
+  for (std::size_t s = 0; s < kSlots; ++s) {
+    const std::string* none = nullptr;
+    if (slots[s].compare_exchange_strong(none, name)) return static_cast<int>(s);
+  }
+  return -1;
+}
+
+// Files of other machines in a shared folder are told apart by it.
+const std::string& name_prefix() {
+  static const std::string prefix = [] {
+    std::array<char, 65> host{};
+    if (::gethostname(host.data(), host.size() - 1) != 0) host[0] = '\0';
+    std::string name(host.data());
+    for (char& c : name) {
+      const bool plain = (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '.';
+      if (!plain) c = '_';
+    }
+    return ".isoextract-" + name + "-";
+  }();
+  return prefix;
+}
+
+std::optional<pid_t> owner_of(std::string_view file_name) {
+  const std::string& prefix = name_prefix();
+  if (!file_name.starts_with(prefix)) return std::nullopt;
+  file_name.remove_prefix(prefix.size());
+  pid_t pid = 0;
+  const auto [end, error] = std::from_chars(file_name.data(), file_name.data() + file_name.size(), pid);
+  if (error != std::errc() || pid <= 0 || end == file_name.data() + file_name.size() || *end != '-')
+    return std::nullopt;
+  return pid;
+}
+
+// Only what no process owns: its number is free, and so is the lock, which says the same where processes do not see
+// each other's numbers (containers). Where the file system has no locks, the file stays.
+void remove_left_behind(const fs::path& path) {
+  const int fd = ::open(path.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  if (fd < 0) return;
+  struct stat found {};
+  const bool own = ::fstat(fd, &found) == 0 && S_ISREG(found.st_mode) && found.st_uid == ::geteuid();
+  if (own && ::flock(fd, LOCK_EX | LOCK_NB) == 0) ::unlink(path.c_str());
+  ::close(fd);
+}
+
+void clean_once(const fs::path& folder) {
+  static std::mutex mutex;
+  static std::set<fs::path> cleaned;
+  std::error_code error;
+  const fs::path absolute = fs::absolute(folder, error);
+  {
+    const std::lock_guard lock(mutex);
+    if (error || !cleaned.insert(absolute).second) return;
+  }
+  fs::directory_iterator entry(folder, error);
+  for (; !error && entry != fs::directory_iterator(); entry.increment(error)) {
+    const auto owner = owner_of(entry->path().filename().native());
+    if (owner && ::kill(*owner, 0) != 0 && errno == ESRCH) remove_left_behind(entry->path());
+  }
+}
+
+}  // namespace
+
+// Calls make(name) with fresh names until it does not answer that the name is taken. A name is allocated before there
+// is a file: otherwise a failure could leave a file that nobody knows.
+template <class Make>
+std::optional<TemporaryName> TemporaryName::make(const fs::path& folder, Make make) {
+  constexpr int kAttempts = 10000;
+  for (int i = 0; i < kAttempts; ++i) {
+    auto name =
+        std::make_unique<const std::string>((folder / fmt::format("{}{}-{}", name_prefix(), ::getpid(), i)).string());
+    const Making making;
+    errno = EINTR;
+    if (!ending && make(name->c_str())) {
+      TemporaryName made;
+      made.slot_ = put_into_slot(name.get());
+      made.name_ = std::move(name);
+      return made;
+    }
+    if (errno != EEXIST) return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+std::optional<TemporaryName::File> TemporaryName::make_file(const fs::path& folder) {
+  clean_once(folder);
+  int fd = -1;
+  int lock = -1;
+  auto name = make(folder, [&](const char* fresh) {
+    constexpr mode_t kNewFile = 0666;  // less what the umask takes away
+    fd = retry_interrupted([&] { return ::open(fresh, O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, kNewFile); });
+    if (fd < 0) return false;
+    // A second descriptor holds the lock, since the first is closed before the file gets its last name.
+    lock = ::fcntl(fd, F_DUPFD_CLOEXEC, 0);
+    int reason = lock < 0 ? errno : 0;
+    // Another process may take the new file for one that was left behind, until it is locked.
+    struct stat made {};
+    if (::flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) reason = EEXIST;
+    if (::fstat(fd, &made) == 0 && made.st_nlink == 0) reason = EEXIST;
+    if (reason == 0) return true;
+    if (reason != EEXIST) ::unlink(fresh);
+    if (lock >= 0) ::close(std::exchange(lock, -1));
+    ::close(std::exchange(fd, -1));
+    errno = reason;
+    return false;
+  });
+  if (!name) return std::nullopt;
+  name->lock_ = lock;
+  return File{std::move(*name), fd};
+}
+
+std::optional<TemporaryName> TemporaryName::name_file(const fs::path& folder, int fd) {
+  const std::string from = fmt::format("/proc/self/fd/{}", fd);
+  return make(folder, [&](const char* fresh) {
+    return ::linkat(AT_FDCWD, from.c_str(), AT_FDCWD, fresh, AT_SYMLINK_FOLLOW) == 0;
+  });
+}
+
+std::optional<TemporaryName> TemporaryName::name_again(const fs::path& folder, const fs::path& path) {
+  return make(folder, [&](const char* fresh) { return ::link(path.c_str(), fresh) == 0; });
+}
+
+TemporaryName::TemporaryName(TemporaryName&& other) noexcept
+    : name_(std::move(other.name_)), slot_(std::exchange(other.slot_, -1)), lock_(std::exchange(other.lock_, -1)) {}
+
+TemporaryName& TemporaryName::operator=(TemporaryName&& other) noexcept {
+  std::swap(name_, other.name_);
+  std::swap(slot_, other.slot_);
+  std::swap(lock_, other.lock_);
+  return *this;
+}
+
+TemporaryName::~TemporaryName() {
+  if (const auto name = take()) ::unlink(name->c_str());
+  if (lock_ >= 0) ::close(lock_);
+}
+
+bool TemporaryName::rename_to(const fs::path& target) {
+  if (::rename(c_str(), target.c_str()) != 0) return false;
+  take();
+  if (lock_ >= 0) ::close(std::exchange(lock_, -1));
+  return true;
+}
+
+std::unique_ptr<const std::string> TemporaryName::take() noexcept {
+  auto name = std::move(name_);
+  const int slot = std::exchange(slot_, -1);
+  const std::string* held = name.get();
+  if (slot >= 0 && !slots[static_cast<std::size_t>(slot)].compare_exchange_strong(held, nullptr)) {
+    static_cast<void>(name.release());  // a handler reads it, in a process that is about to end
+  }
+  return name;
+}
+
+void TemporaryName::remove_all() noexcept {
+  ending = true;
+  // A file that another thread is about to make; a file system that hangs is not waited for.
+  for (int i = 0; i < 1000 && being_made != 0; ++i) ::poll(nullptr, 0, 1);
+  for (std::atomic<const std::string*>& slot : slots) {
+    if (const std::string* const name = slot.exchange(nullptr)) ::unlink(name->c_str());
+  }
+}
+
+}  // namespace isoextract::files
