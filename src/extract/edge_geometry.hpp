@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include <glm/glm.hpp>
 
@@ -38,14 +39,16 @@ namespace isoextract::extract {
 // From index space to the float32 positions of a mesh.
 class OutputFrame {
  public:
-  // `box` holds every sample of the field (not only the region), so that a region changes no position.
-  OutputFrame(const field::Affine& output_from_index, const field::IndexBox& box, field::FieldKind kind,
-              const field::ValueScale& scale);
+  // `box` holds every sample of the field. A region changes no position, but for fields so large (more than about 512
+  // samples a side) that the margin can be seen: there positions are relative to the region, and the margin is that of
+  // a field of the region's size. Two such regions agree where they meet as far as float32 goes, not bit for bit.
+  OutputFrame(const field::Affine& output_from_index, const field::IndexBox& box,
+              const std::optional<field::IndexBox>& region, field::FieldKind kind, const field::ValueScale& scale);
 
   [[nodiscard]] const glm::dvec3& origin() const { return origin_; }
   [[nodiscard]] double margin() const { return margin_; }
-  // False if float32 cannot hold the positions apart: coordinates or steps leave its range, or the samples reach so far
-  // (more than about 2^19 steps) that rounding eats the margin.
+  // False if float32 cannot hold the positions apart: coordinates or steps leave its range, or the samples (those of
+  // the region) reach so far (more than about 2^19 steps) that rounding eats the margin.
   [[nodiscard]] bool fits_float32() const { return fits_float32_; }
   // True if triangles must be turned over, because the transform mirrors.
   [[nodiscard]] bool mirrored() const { return mirrored_; }

@@ -16,7 +16,7 @@ DrawnSurface::DrawnSurface(const field::ScalarField& field, const extract::Extra
       context_(context),
       pipeline_(pipeline_of(options.method, tools.options).value()),
       table_(extract::case_table(options.method)),
-      placement_(options.output_from_index, stored, field.kind, field.scale) {}
+      placement_(options.output_from_index, stored, options.region, field.kind, field.scale) {}
 
 void DrawnSurface::found(const SurfacePlace& place, std::unique_ptr<FieldSource> source) {
   place_ = place;

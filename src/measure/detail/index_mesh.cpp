@@ -16,7 +16,8 @@ IndexMesh::IndexMesh(const mesh::Mesh& mesh, const field::ScalarField& field, co
   const auto* sparse = std::get_if<field::SparseSamples>(&field.samples);
   const field::IndexBox samples = sparse != nullptr ? extract::stored_box(*sparse) : field.extents();
   // Half of what keeps vertices off the ends of their edges: closer than that only rounding brings them.
-  tolerance_ = extract::OutputFrame(output_from_index_, samples, field.kind, field.scale).margin() / 2;
+  const auto region = grid == nullptr ? extracted.region : std::nullopt;  // of a grid it counts other steps
+  tolerance_ = extract::OutputFrame(output_from_index_, samples, region, field.kind, field.scale).margin() / 2;
   if (!extracted.cap) return;
   std::optional<field::IndexBox> cap = extracted.region;
   // Unbounded samples have no other border.

@@ -38,6 +38,30 @@ TEST_P(Region, IsAPartOfTheWhole) {
   }
 }
 
+// Of a long field, samples that tie with iso are moved by what its own length asks for; of a region by what that does.
+TEST_P(Region, OfALongFieldMovesTiesByItsOwnMargin) {
+  constexpr int kTie = 4000;
+  const field::ScalarField field = test::dense_field<std::int16_t>({4200, 4, 4}, [](int i, int, int) { return i; });
+  ExtractOptions options;
+  options.method = GetParam();
+  options.iso = kTie;
+  // How far the surface is from the samples that tie, in steps.
+  const auto moved = [&] {
+    const mesh::Mesh mesh = test::extract(field, options).mesh;
+    double farthest = 0;
+    for (const glm::vec3& p : mesh.positions) {
+      const double distance = mesh.origin.x + p.x - kTie;
+      EXPECT_GT(distance, 0);
+      farthest = std::max(farthest, distance);
+    }
+    return farthest;
+  };
+  EXPECT_GT(moved(), 0.001);
+  options.region = field::IndexBox{{kTie - 10, 0, 0}, {kTie + 10, 3, 3}};
+  EXPECT_GT(moved(), 0);
+  EXPECT_LT(moved(), 0.00002);
+}
+
 TEST_P(Region, CanBeCappedDenseAndSparse) {
   const field::ScalarField dense = field::make_demo_field("demo:gyroid?size=32").value();
   const field::ScalarField sparse = test::sparse_copy<float>(dense, -1);
