@@ -38,6 +38,7 @@ enum class Remedy {
   read_as_raw,           // the bytes of any file can be read
   place_by_hand,         // spacing and origin in place of the file's frame
   rescale,               // another spacing, scale, unit or space
+  place_nearer,          // a place nearer to the origin; text: the formats that keep the mesh where it is, if any
   choose_nan_policy,     // NaN outside, or as holes
   use_cpu,               // the CPU backend needs no GPU; text: what else helps, before it
   less_gpu_memory,       // the GPU takes less at a time
@@ -58,7 +59,6 @@ enum class Remedy {
   list_demo_fields,      // their names and keys
   list_gpus,             // their numbers and names
   report_gpu,            // what the GPU did is a fault of it or of ours; the CPU backend needs none
-  show_values,           // the range of the data
 };
 
 struct Hint {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -12,6 +13,7 @@
 #include "cli/layout.hpp"
 #include "cli/progress_bar.hpp"
 #include "convert/json_values.hpp"
+#include "convert/placement.hpp"
 #include "measure/mesh_distance.hpp"
 #include "mesh/metrics.hpp"
 #include "mesh/topology.hpp"
@@ -23,6 +25,7 @@ namespace {
 struct Side {
   std::string path;
   meshes::MeshFile file;
+  bool turned = false;  // from y up to z up
   mesh::Topology topology;
   mesh::MeshSize size;
   mesh::Bounds bounds;
@@ -35,12 +38,39 @@ Result<Side> read_side(const std::string& path, const Context& context) {
   side.path = path;
   side.file = std::move(*file);
   side.file.mesh.name = path;
+  return side;
+}
+
+Result<void> measure_side(Side& side, const Context& context) {
   auto topology = mesh::measure_topology(side.file.mesh, context);
   if (!topology) return tl::unexpected(std::move(topology.error()));
   side.topology = *topology;
   side.size = mesh::measure_size(side.file.mesh);
   side.bounds = mesh::measure_bounds(side.file.mesh);
-  return side;
+  return {};
+}
+
+// The way back from what a conversion does for glTF (convert::output_from_index). Nothing is rounded.
+void turn_y_up_to_z_up(mesh::Mesh& mesh) {
+  const auto turn = [](auto& p) { p = {p.x, -p.z, p.y}; };
+  turn(mesh.origin);
+  for (glm::vec3& p : mesh.positions) turn(p);
+}
+
+// glTF says where up is, the other formats do not: meshes of one kind are compared as they are. Where there is one of
+// each, the other one is taken to be z up unless it is told, as the input of a conversion is.
+void bring_into_one_frame(std::array<Side, 2>& sides, const std::optional<convert::UpAxis>& up,
+                          const Messages& messages) {
+  if (sides[0].file.y_up == sides[1].file.y_up) {
+    if (!up) return;
+    const std::string_view why = sides[0].file.y_up ? "both meshes are glTF, which is y up" : "neither mesh is glTF";
+    messages.note(fmt::format("--up changes nothing: {}", why));
+    return;
+  }
+  if (up.value_or(convert::UpAxis::z) == convert::UpAxis::y) return;
+  Side& gltf = sides[0].file.y_up ? sides[0] : sides[1];
+  turn_y_up_to_z_up(gltf.file.mesh);
+  gltf.turned = true;
 }
 
 // "no: 12 open edges, 1 non-manifold vertex", or the genus.
@@ -64,6 +94,7 @@ std::string closed_text(const mesh::Topology& topology) {
 void add_side(NamedLines& lines, const Side& side) {
   lines.plain(side.path);
   lines.add("format", side.file.format);
+  if (side.turned) lines.add("turned", "from y up to z up");
   lines.add("vertices", fmt::format("{}", side.file.mesh.positions.size()));
   lines.add("triangles", side.size.zero_area_triangles == 0
                              ? fmt::format("{}", side.file.mesh.triangles.size())
@@ -104,6 +135,7 @@ std::string text_of(const std::array<Side, 2>& sides, const measure::MeshDistanc
 convert::Json side_json(const Side& side) {
   convert::Json json{{"file", side.path},
                      {"format", side.file.format},
+                     {"turned_from_y_up_to_z_up", side.turned},
                      {"vertices", side.file.mesh.positions.size()},
                      {"triangles", side.file.mesh.triangles.size()}};
   json.update(convert::json_of(side.topology, side.size));
@@ -154,15 +186,32 @@ void look_closer(const std::array<Side, 2>& sides, double limit, measure::Distan
   distance.hausdorff_upper = std::max(distance.a_to_b.max_upper, distance.b_to_a.max_upper);
 }
 
-Result<void> check_distance(const ComparePlan& plan, const measure::MeshDistance& distance) {
+// Of a mesh that we wrote it is known how it came to have no triangles.
+Error measuring_failed(Error error, const std::array<Side, 2>& sides) {
+  for (const Side& side : sides) {
+    if (!side.file.mesh.triangles.empty() || !side.file.is_ours || !error.hint.empty()) continue;
+    error.hint =
+        "'isoextract info' shows the range of the data; a surface is empty where the iso value lies outside of it";
+  }
+  return error;
+}
+
+Result<void> check_distance(const ComparePlan& plan, const std::array<Side, 2>& sides,
+                            const measure::MeshDistance& distance) {
   // Written so that figures that are not numbers fail.
   const bool known = distance.hausdorff_lower <= distance.hausdorff_upper;
   if (!plan.max_distance || (known && distance.hausdorff_upper <= *plan.max_distance)) return {};
   const bool surely = distance.hausdorff_lower > *plan.max_distance;
+  const auto turned = std::ranges::find(sides, true, &Side::turned);
+  const std::string hint =
+      turned == sides.end()
+          ? ""
+          : fmt::format("{} was turned from y up to z up; --up y leaves it as it is in its file", turned->path);
   return fail(ErrorKind::verification,
               fmt::format("{} and {}: their Hausdorff distance is {} {:.6g}, and --max-distance is {}", plan.meshes[0],
                           plan.meshes[1], surely ? "at least" : "not known to be below",
-                          surely ? distance.hausdorff_lower : distance.hausdorff_upper, *plan.max_distance));
+                          surely ? distance.hausdorff_lower : distance.hausdorff_upper, *plan.max_distance),
+              hint);
 }
 
 }  // namespace
@@ -182,12 +231,17 @@ Result<void> run_compare(const ComparePlan& plan, const Messages& messages) {
     // What was left out may be why the next step fails.
     for (const std::string& note : sides[i].file.notes) messages.note(note);
   }
+  bring_into_one_frame(sides, plan.up, messages);
   measure::MeshDistance distance;
   {
     const ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
-    measure::DistanceOptions options;
+    context.progress().begin("measuring meshes", 0);
+    for (Side& side : sides) {
+      if (auto measured = measure_side(side, context); !measured) return measured;
+    }
+    const measure::DistanceOptions options;
     auto measured = measure::measure_distance(sides[0].file.mesh, sides[1].file.mesh, options, context);
-    if (!measured) return tl::unexpected(std::move(measured.error()));
+    if (!measured) return tl::unexpected(measuring_failed(std::move(measured.error()), sides));
     distance = *measured;
     if (plan.max_distance && distance.hausdorff_lower <= *plan.max_distance) {
       look_closer(sides, *plan.max_distance, options, distance, context);
@@ -197,7 +251,7 @@ Result<void> run_compare(const ComparePlan& plan, const Messages& messages) {
                               format_byte_size(peak_memory())));
   const std::string text = plan.json ? convert::json_text(comparison_json(sides, distance)) : text_of(sides, distance);
   if (auto printed = print_to_stdout(text); !printed) return printed;
-  return check_distance(plan, distance);
+  return check_distance(plan, sides, distance);
 }
 
 }  // namespace isoextract::cli

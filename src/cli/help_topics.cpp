@@ -78,7 +78,8 @@ HelpTopic coordinates_topic() {
             {}},
            {"Only for glb and gltf, whose standard prescribes that y points up, the world is turned: with --up z, "
             "the default, (x, y, z) becomes (x, z, -y). With --up y the input's axes are kept. ply, obj and stl "
-            "prescribe nothing, and always keep the input's axes.",
+            "prescribe nothing, and always keep the input's axes. compare takes the turn back where it gets one mesh "
+            "of each kind, unless its --up says y.",
             {}},
            {"--scale multiplies the coordinates. --unit names the unit of the input's world and converts it to "
             "metres; without it coordinates are written as they are, whatever their unit.",

@@ -282,7 +282,12 @@ void declare_compare(CLI::App& app, CompareFlags& flags) {
   const Group input(app, "Input");
   input.values<std::string>("FILE", "FILE", flags.meshes, parse_text,
                             "The two meshes: .glb, .gltf, .ply, .obj or .stl. Corners without connectivity, as in "
-                            "stl, are welded where their coordinates are identical.");
+                            "stl, are welded where their coordinates are equal.");
+  input.choice("--up", flags.up,
+               "Where one mesh is glb or gltf and the other is not: the axis that points up in the other (default: z). "
+               "glTF prescribes y, and ply, obj and stl nothing. With z the glTF mesh is turned, which the result "
+               "tells: (x, y, z) becomes (x, -z, y), as it was before convert turned it. With y nothing is turned: "
+               "for meshes that were written with --up y or --space index.");
   input.value("--memory-limit", "SIZE", flags.memory_limit, parse_size, kMemoryLimitText);
   const Group output(app, "Output");
   output.value("--max-distance", "D", flags.max_distance, parse_not_negative,

@@ -109,6 +109,7 @@ struct VerifyFlags {
 
 struct CompareFlags {
   std::vector<std::string> meshes;
+  std::optional<convert::UpAxis> up;
   std::optional<double> max_distance;
   std::optional<std::uint64_t> memory_limit;
   bool json = false;

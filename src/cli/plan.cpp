@@ -298,6 +298,7 @@ Result<ComparePlan> plan_compare(const CompareFlags& flags) {
   }
   ComparePlan plan;
   plan.meshes = {flags.meshes[0], flags.meshes[1]};
+  plan.up = flags.up;
   plan.max_distance = flags.max_distance;
   plan.memory = plan_memory(flags.memory_limit);
   plan.json = flags.json;

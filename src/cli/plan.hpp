@@ -48,6 +48,7 @@ struct VerifyPlan {
 
 struct ComparePlan {
   std::array<std::string, 2> meshes;
+  std::optional<convert::UpAxis> up;  // in the mesh that is not glTF, where the other is; none: z
   std::optional<double> max_distance;
   MemoryBudget memory;
   bool json = false;

@@ -23,6 +23,9 @@ std::string words_of(const Hint& hint) {
     case Remedy::read_as_raw: return "--input-format raw reads the bytes of any file";
     case Remedy::place_by_hand: return "place the volume with --spacing X,Y,Z and --origin X,Y,Z";
     case Remedy::rescale: return "choose another --spacing, --scale or --unit, or --space index";
+    case Remedy::place_nearer:
+      return (text.empty() ? "" : fmt::format("use --format {}; or ", text)) +
+             "place the volume nearer with --origin X,Y,Z or --space index";
     case Remedy::choose_nan_policy:
       return "use --nan outside to take them as outside, or --nan hole to leave the surface open around them";
     case Remedy::use_cpu: return text.empty() ? "--backend cpu needs no GPU" : text + "; --backend cpu needs no GPU";
@@ -49,8 +52,6 @@ std::string words_of(const Hint& hint) {
     case Remedy::list_demo_fields: return "isoextract help demo lists the demo fields and their keys";
     case Remedy::list_gpus: return "'isoextract devices' lists them";
     case Remedy::report_gpu: return "please report it with 'isoextract devices'; --backend cpu needs no GPU";
-    case Remedy::show_values:
-      return "'isoextract info' shows the range of the data" + (text.empty() ? "" : "; " + text);
   }
   return text;
 }

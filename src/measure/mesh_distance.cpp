@@ -12,6 +12,7 @@
 #include <tbb/parallel_sort.h>
 #include <tbb/partitioner.h>
 
+#include "measure/detail/same_triangles.hpp"
 #include "mesh/distance_bound.hpp"
 #include "mesh/metrics.hpp"
 #include "mesh/triangle_tree.hpp"
@@ -53,7 +54,12 @@ class Direction {
  public:
   Direction(const mesh::Mesh& a, const mesh::Mesh& b, const mesh::TriangleTree& tree, const DistanceOptions& options,
             double floor)
-      : a_(a), b_(b), tree_(tree), options_(options), shift_(a.origin - b.origin) {
+      : a_(a),
+        b_(b),
+        tree_(tree),
+        options_(options),
+        shift_(a.origin - b.origin),
+        in_both_(triangles_in_both(a, b, shift_)) {
     limits_.tolerance = options.tolerance;
     limits_.floor = floor;
     limits_.enough = options.enough;
@@ -62,9 +68,9 @@ class Direction {
   // What it takes at most, with the tree of B, and the samples that outlive it.
   [[nodiscard]] static std::uint64_t bytes(const mesh::Mesh& a, const mesh::Mesh& b, const DistanceOptions& options) {
     const std::uint64_t a_triangle = sizeof(double) + sizeof(Open) + sizeof(mesh::TriangleBound);
-    return mesh::TriangleTree::bytes(b.triangles.size()) + a.positions.size() * (sizeof(Corner) + 1) +
-           a.triangles.size() * a_triangle +
-           options.samples * (4 * sizeof(double) + sizeof(std::uint32_t) + sizeof(glm::dvec3));
+    return mesh::TriangleTree::bytes(b.triangles.size()) + triangles_in_both_bytes(a, b) +
+           a.positions.size() * (sizeof(Corner) + 1) + a.triangles.size() * a_triangle +
+           options.samples * (4 * sizeof(double) + sizeof(glm::dvec3));
   }
 
   DirectedDistance measure() {
@@ -94,10 +100,14 @@ class Direction {
     take(std::sqrt(nearest.distance_squared), p, nearest.point);
   }
 
-  // Vertices that no triangle uses are no points of the surface.
+  // Vertices that no triangle uses are no points of the surface; those that are used by triangles of both meshes alone
+  // have the distance 0.
   void measure_corners() {
     std::vector<char> used(a_.positions.size(), 0);
-    for (const glm::uvec3& t : a_.triangles) used[t.x] = used[t.y] = used[t.z] = 1;
+    for (std::size_t i = 0; i < a_.triangles.size(); ++i) {
+      const glm::uvec3& t = a_.triangles[i];
+      if (in_both_[i] == 0) used[t.x] = used[t.y] = used[t.z] = 1;
+    }
     corners_.resize(a_.positions.size());
     for_ranges(corners_.size(), [&](std::size_t first, std::size_t last) {
       std::uint32_t hint = 0;
@@ -112,7 +122,12 @@ class Direction {
     for (std::size_t v = 0; v < corners_.size(); ++v) {
       if (used[v] != 0 && corners_[v].distance_squared > corners_[farthest].distance_squared) farthest = v;
     }
-    take_nearest_of(point(static_cast<std::uint32_t>(farthest)), corners_[farthest].slot);
+    const glm::dvec3 place = point(static_cast<std::uint32_t>(farthest));
+    if (used[farthest] != 0) {
+      take_nearest_of(place, corners_[farthest].slot);
+    } else {
+      take(0, place, place);
+    }
   }
 
   // Sample k stands for the k-th of equal shares of the area, so the samples have equal weights.
@@ -127,7 +142,6 @@ class Direction {
       area_up_to[t + 1] = area_up_to[t] + glm::length(normal);
     }
     samples_.resize(options_.samples);
-    std::vector<std::uint32_t> triangle_of(samples_.size());
     const double share = area_up_to.back() / static_cast<double>(samples_.size());
     std::vector<glm::dvec3> places(samples_.size());
     for_ranges(samples_.size(), [&](std::size_t first, std::size_t last) {
@@ -135,7 +149,9 @@ class Direction {
       for (std::size_t k = first; k < last; ++k) {
         const double area = (static_cast<double>(k) + 0.5) * share;
         const auto after = std::upper_bound(area_up_to.begin() + 1, area_up_to.end() - 1, area);
-        const glm::uvec3& t = a_.triangles[static_cast<std::size_t>(after - area_up_to.begin() - 1)];
+        const auto triangle = static_cast<std::size_t>(after - area_up_to.begin() - 1);
+        if (in_both_[triangle] != 0) continue;
+        const glm::uvec3& t = a_.triangles[triangle];
         glm::dvec2 uv = spread(k);
         if (uv.x + uv.y > 1) uv = glm::dvec2(1) - uv;
         places[k] = (1 - uv.x - uv.y) * point(t.x) + uv.x * point(t.y) + uv.y * point(t.z);
@@ -172,7 +188,7 @@ class Direction {
   void bound_triangles() {
     std::vector<double> uppers(a_.triangles.size());
     for_ranges(uppers.size(), [&](std::size_t first, std::size_t last) {
-      for (std::size_t t = first; t < last; ++t) uppers[t] = quick_upper(a_.triangles[t]);
+      for (std::size_t t = first; t < last; ++t) uppers[t] = in_both_[t] != 0 ? 0 : quick_upper(a_.triangles[t]);
     });
     std::vector<Open> open;
     const double good = limits_.good_upper(result_.max_lower);
@@ -215,6 +231,7 @@ class Direction {
   const mesh::TriangleTree& tree_;
   const DistanceOptions& options_;
   glm::dvec3 shift_;
+  std::vector<char> in_both_;  // of A's triangles: B has it as well
   mesh::DistanceLimits limits_;
   std::vector<Corner> corners_;  // of A's vertices
   std::vector<double> samples_;
@@ -256,11 +273,9 @@ Result<MeshDistance> measure_distance(const mesh::Mesh& a, const mesh::Mesh& b, 
                                       const Context& context) {
   for (const mesh::Mesh* mesh : {&a, &b}) {
     if (!mesh->triangles.empty()) continue;
-    return fail(ErrorKind::input,
-                fmt::format("{} mesh{} has no triangles, so there is no distance to it",
-                            mesh == &a ? "the first" : "the second",
-                            mesh->name.empty() ? "" : fmt::format(", {},", mesh->name)),
-                {Remedy::show_values, "a surface is empty where the iso value lies outside of it"});
+    return fail(ErrorKind::input, fmt::format("{} mesh{} has no triangles, so there is no distance to it",
+                                              mesh == &a ? "the first" : "the second",
+                                              mesh->name.empty() ? "" : fmt::format(", {},", mesh->name)));
   }
   constexpr double kFarthest = 1e150;
   if (const double apart = glm::length(a.origin - b.origin); !(apart <= kFarthest)) {

@@ -2,7 +2,9 @@
 //
 // The greatest distance of A to B is that of the point of A that is farthest from B, anywhere on A's triangles. It is
 // given as an interval that holds it, found by branch and bound (distance_bound.hpp), with no more than the rounding of
-// double arithmetic left out. The other figures are of samples, spread over the area of A.
+// double arithmetic left out. The other figures are of samples, spread over the area of A. A triangle that B has as
+// well, with the very same corners, is at distance 0: meshes of the same triangles are exactly 0 apart, whatever their
+// order.
 //
 // Everything is computed from the stored positions in double; the meshes may have different origins. The results are
 // the same for any number of threads.

@@ -124,6 +124,8 @@ MeshFile read_file(const files::InputFile& file) {
   result.mesh.memory = std::move(*memory);
   result.mesh.name = file.path().filename().string();
   result.format = surface.format;
+  result.y_up = surface.y_up;
+  result.is_ours = surface.is_ours;
   for (const std::string& note : surface.notes) result.notes.push_back(fmt::format("{}: {}", file.name(), note));
   return result;
 }
@@ -175,9 +177,10 @@ std::vector<std::uint32_t> weld_corners(std::span<const glm::vec3> corners, File
   const std::uint64_t bytes = (table_size + 2 * corners.size()) * sizeof(std::uint32_t);
   memory.take(bytes);
   std::vector<std::uint32_t> table(table_size, kFree);
+  // The sum makes 0 of -0. NaN is no reason not to end: it has bits as well, and is refused later.
   const auto bits_of = [](const glm::vec3& p) {
-    return glm::u64vec3(std::bit_cast<std::uint32_t>(p.x), std::bit_cast<std::uint32_t>(p.y),
-                        std::bit_cast<std::uint32_t>(p.z));
+    return glm::u64vec3(std::bit_cast<std::uint32_t>(p.x + 0.0F), std::bit_cast<std::uint32_t>(p.y + 0.0F),
+                        std::bit_cast<std::uint32_t>(p.z + 0.0F));
   };
   std::vector<std::uint32_t> vertex_of(corners.size());
   std::vector<std::uint32_t> first_corner;
@@ -204,11 +207,38 @@ std::vector<std::uint32_t> weld_corners(std::span<const glm::vec3> corners, File
   return first_corner;
 }
 
+void add_polygon(std::vector<glm::uvec3>& triangles, std::span<const std::uint32_t> corners, MemoryUse& memory) {
+  constexpr std::size_t kMostOfAFan = 16;
+  memory.make_room(triangles, corners.size() - 2);
+  if (corners.size() <= kMostOfAFan) {
+    for (std::size_t i = 2; i < corners.size(); ++i) triangles.emplace_back(corners[0], corners[i - 1], corners[i]);
+    return;
+  }
+  // What the diagonal from `first` to `last` cuts off is a triangle, and a part beyond each of its two other sides.
+  const auto halve = [&](const auto& self, std::size_t first, std::size_t last) -> void {
+    if (last - first < 2) return;
+    const std::size_t middle = first + (last - first) / 2;
+    triangles.emplace_back(corners[first], corners[middle], corners[last]);
+    self(self, first, middle);
+    self(self, middle, last);
+  };
+  halve(halve, 0, corners.size() - 1);
+}
+
+std::string_view without_utf8_mark(std::string_view text) {
+  constexpr std::string_view kMark = "\xEF\xBB\xBF";
+  return text.starts_with(kMark) ? text.substr(kMark.size()) : text;
+}
+
 bool TextScanner::next_line() {
+  joins_next_ = false;
   if (rest_.empty()) return false;
-  const std::size_t end = std::min(rest_.find('\n'), rest_.size());
+  const auto ends = [&](char c) { return line_end_ ? c == *line_end_ : c == '\n' || c == '\r'; };
+  std::size_t end = 0;
+  while (end < rest_.size() && !ends(rest_[end])) ++end;
   line_ = rest_.substr(0, end);
-  rest_.remove_prefix(std::min(end + 1, rest_.size()));
+  const std::size_t length = !line_end_ && rest_.substr(end).starts_with("\r\n") ? 2 : 1;
+  rest_.remove_prefix(std::min(end + length, rest_.size()));
   ++line_number_;
   return true;
 }
@@ -222,6 +252,17 @@ std::string_view TextScanner::word() {
   const std::string_view found = line_.substr(first, last - first);
   line_.remove_prefix(last);
   return found;
+}
+
+std::string_view TextScanner::word_of_joined_lines() {
+  for (;;) {
+    std::string_view found = word();
+    if (found.ends_with('\\') && line_.find_first_not_of(" \t\r\v\f") == std::string_view::npos) {
+      found.remove_suffix(1);
+      joins_next_ = true;
+    }
+    if (!found.empty() || !joins_next_ || !next_line()) return found;
+  }
 }
 
 std::string_view TextScanner::word_anywhere() {

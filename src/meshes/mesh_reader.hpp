@@ -2,7 +2,8 @@
 //
 // Coordinates are read in double, as far as the file has them, and become float32 relative to an origin in double that
 // is chosen as the extractor does. A glTF file whose meshes share one translation keeps that as the origin, and its
-// positions bit for bit. Polygons become fans of triangles. All surfaces of a file are joined into one mesh.
+// positions bit for bit. Polygons become triangles along diagonals that are chosen by the numbers of their corners, as
+// if they were convex. All surfaces of a file are joined into one mesh.
 //
 // Attributes of vertices are read from PLY (every number but the place and the normal) and from glTF (COLOR_0, and what
 // begins with an underscore), as the file has them: vectors do not turn with a node. The writers write them back.
@@ -24,16 +25,18 @@ namespace isoextract::meshes {
 struct MeshFile {
   mesh::Mesh mesh;                 // named like the file; without normals
   std::string_view format;         // "PLY, text"
+  bool y_up = false;               // its format prescribes that y points up; the others do not say what does
+  bool is_ours = false;            // it says that isoextract wrote it; STL as text does not say who did
   std::vector<std::string> notes;  // what was left out, one sentence each; each starts with the file's name
 };
 
 // The format is found by content first, and by extension for OBJ, which has no mark. STL, and glTF without indices, are
-// triangles without connectivity: corners are welded where their coordinates have identical bytes, whatever their
+// triangles without connectivity: corners are welded where their coordinates are equal (-0 is 0), whatever their
 // attributes: those of the first corner are kept, and a note counts the others.
 //
 // Fails with ErrorKind::input: a file that cannot be read, is damaged, has coordinates that are not finite, indices of
-// vertices that are not there, or needs more memory than is left. The mesh keeps its part
-// reserved. A file without triangles is no error.
+// vertices that are not there, or needs more memory than is left; or glTF that requires an extension which may change
+// its triangles and is not read. The mesh keeps its part reserved. A file without triangles is no error.
 [[nodiscard]] Result<MeshFile> read_mesh(const std::filesystem::path& path, const Context& context = Context());
 
 }  // namespace isoextract::meshes

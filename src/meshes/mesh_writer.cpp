@@ -12,6 +12,7 @@
 #include <fmt/ranges.h>
 
 #include "meshes/write/mesh_format_writers.hpp"
+#include "meshes/write/written_places.hpp"
 
 namespace isoextract::meshes {
 namespace {
@@ -217,6 +218,7 @@ Result<void> MeshWriter::add(mesh::Mesh mesh) {
   State& state = *state_;
   return state.attempt([&]() -> Result<void> {
     if (auto possible = check(++state.count, state.path, state.options); !possible) return possible;
+    if (auto kept = check_places(mesh, state.path, state.options.format); !kept) return kept;
     if (!state.holds) return state.write(mesh);
     state.held.push_back(std::move(mesh));
     return {};
@@ -232,7 +234,12 @@ Result<MeshWriteResult> write_meshes(std::span<const mesh::Mesh> meshes, const f
   const MeshWriter writer(path, options, context);
   MeshWriter::State& state = *writer.state_;
   state.count = meshes.size();
-  return state.attempt([&] { return state.finish(meshes); });
+  return state.attempt([&]() -> Result<MeshWriteResult> {
+    for (const mesh::Mesh& mesh : meshes) {
+      if (auto kept = check_places(mesh, path, options.format); !kept) return tl::unexpected(std::move(kept.error()));
+    }
+    return state.finish(meshes);
+  });
 }
 
 }  // namespace isoextract::meshes

@@ -72,8 +72,9 @@ class MeshWriter {
   ~MeshWriter();
 
   // Vertex normals and attributes are written where the mesh has them, or noted where the format cannot hold them.
-  // Fails with ErrorKind::output, or with ErrorKind::usage for what the format cannot do; then every later call fails
-  // alike.
+  // Fails with ErrorKind::output, also where the mesh is so far from the origin of its coordinates that the numbers of
+  // the format would destroy its triangles (write/written_places.hpp says when), or with ErrorKind::usage for what the
+  // format cannot do; then every later call fails alike.
   [[nodiscard]] Result<void> add(mesh::Mesh mesh);
 
   // Writes what comes after the last mesh and commits. Call once, last.

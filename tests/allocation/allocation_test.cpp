@@ -173,7 +173,7 @@ TEST_F(Allocation, OfMappedSamples) {
 }
 
 TEST_F(Allocation, OfReadingMeshes) {
-  mesh::Mesh mesh = test::tetrahedron("mesh", {1e7, 0, 0});
+  mesh::Mesh mesh = test::tetrahedron("mesh", {1e3, 0, 0});
   test::add_colour(mesh, mesh::ComponentType::u8, 4);
   for (const meshes::MeshFormatInfo& info : meshes::mesh_formats()) {
     const auto path = in_ / ("mesh." + std::string(info.name));

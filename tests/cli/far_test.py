@@ -77,6 +77,35 @@ class FarTest(ProgramTest):
             for axis in range(3):
                 self.assertTrue(1e-5 * 10 < high[axis] - low[axis] < 1e-5 * SIZE, (low, high))
 
+    def test_what_the_numbers_of_a_format_would_destroy_is_refused(self):
+        """Float32 at 1e7 has steps of 1 and double at 1e16 steps of 2, where the voxels are 0.0625 wide."""
+
+        def refused(origin, name, *hints):
+            run = self.run_program(f"demo:sphere?size={SIZE}", "--iso", "0", "--spacing", SPACING,
+                                   f"--origin={origin}", "-o", name)
+            self.assert_fails(4, run, f"{name}: expected ", "--origin X,Y,Z or --space index", *hints)
+            self.assertEqual(self.files(), [])
+
+        refused("1e7,-2e7,3e7", "a.stl", "hint: use --format glb, gltf, ply, obj; or place")
+        for origin in ("1e16,0,0", "0,1e17,0", "0,0,-1e40", "1e300,0,0", "1e300,1e300,1e300"):
+            for form in ("glb", "gltf", "ply", "obj", "stl"):
+                with self.subTest(origin=origin, form=form):
+                    run = self.run_program(f"demo:sphere?size={SIZE}", "--iso", "0", "--spacing", SPACING,
+                                           f"--origin={origin}", "-o", f"a.{form}")
+                    self.assertNotEqual(run.code, 0)
+                    self.assertTrue(run.err.startswith("isoextract: error: "), run.err)
+                    self.assertIn("  hint: ", run.err)
+                    self.assertEqual(self.files(), [])
+        refused("1e16,0,0", "a.ply", "hint: place the volume nearer")
+        refused("0,0,-1e40", "a.glb", "float32")
+
+    def test_scans_in_millimetres_are_written_in_every_format(self):
+        """Voxels of 0.1 at 1000, and at 100 000 they are still there."""
+        for far in (1000, 10000, 100000):
+            for form in ("glb", "gltf", "ply", "obj", "stl"):
+                self.convert(f"demo:torus?size={SIZE}", "--iso", "0", "--spacing", "0.1",
+                             f"--origin=-{far},{far},{far}", "-o", f"a.{form}")
+
 
 if __name__ == "__main__":
     main()

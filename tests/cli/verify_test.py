@@ -62,6 +62,8 @@ class VerifyTest(ProgramTest):
         for far in ("1e5", "1e7"):
             options = (SPHERE, "--iso", "0", "--origin", f"{far},-{far},5")
             for end in FORMATS:
+                if (end, far) == ("stl", "1e7"):
+                    continue  # refused: far_test.py
                 self.write(f"a.{end}", *options)
                 self.verify(f"a.{end}", *options)
 

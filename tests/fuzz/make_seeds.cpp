@@ -190,18 +190,43 @@ void write_plys(const fs::path& folder) {
               "property float z\nelement face 1\nproperty list uchar short vertex_index\nelement edge 1\n"
               "property list uchar ushort ends\nend_header\n" +
                   body);
+  write_bytes(folder / "old_lines",
+              "ply\rformat ascii 1.0\relement vertex 3\rproperty float x\rproperty float y\rproperty float z\r"
+              "element face 1\rproperty list uchar int vertex_index\rend_header\r0 0 0\r1 0 0\r0 1 0\r3 0 1 2\r");
 }
 
 void write_objs(const fs::path& folder) {
   write_written(folder, meshes::MeshFormat::obj);
   write_bytes(folder / "polygons",
               "# seed\no a\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1e-3 .5\nvt 0 1\nf 1/1 2/1 3/1 4/1\nf -1 -2 -3\nl 1 2\n");
+  write_bytes(folder / "old_lines", "\xEF\xBB\xBF# seed\rv 0 0 0\rv 1 0 0\r\nv 1 1 0\rf 1 2 3\r");
+  write_bytes(folder / "joined_lines", "v 0 0 \\\n0\nv 1 \\\r\n0 \\\n 0\nv 1 1 0\nf 1 \\\n2 3\\\n\n");
+  std::string polygon = "v 0 0 0\nv 1 0 0\nv 1 1 0\nf";
+  for (int i = 0; i < 20; ++i) polygon += fmt::format(" {}", i % 3 + 1);
+  write_bytes(folder / "many_corners", polygon + "\n");
 }
 
-void write_stls(const fs::path& folder) { write_written(folder, meshes::MeshFormat::stl); }
+void write_stls(const fs::path& folder) {
+  write_written(folder, meshes::MeshFormat::stl);
+  write_bytes(folder / "capitals",
+              "SOLID A\nFACET NORMAL 0 0 1\nOUTER LOOP\nVERTEX 0 0 0\nVERTEX -0 1 0\nVERTEX 1E0 0 0\nENDLOOP\n"
+              "ENDFACET\nENDSOLID A\n");
+  write_bytes(folder / "longer", read_bytes(folder / "plain") + "more");
+}
+
 void write_glbs(const fs::path& folder) { write_written(folder, meshes::MeshFormat::glb); }
 
-// The data of the first ones lie in a file that the target has beside its input, those of the last one in its text.
+// Of one primitive; `buffer` is what its values are read from, in base64.
+std::string one_primitive(std::string_view more, std::string_view accessors, std::string_view views, std::size_t bytes,
+                          std::string_view buffer) {
+  return fmt::format(
+      R"({{"asset":{{"version":"2.0"}},{}"scenes":[{{"nodes":[0]}}],"nodes":[{{"mesh":0,"scale":[2,2,4]}}],"meshes":[)"
+      R"({{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],"accessors":[{}],"bufferViews":[{}],"buffers":[)"
+      R"({{"byteLength":{},"uri":"data:;base64,{}"}}]}})",
+      more, accessors, views, bytes, buffer);
+}
+
+// The data of the first ones lie in a file that the target has beside its input, those of the others in their text.
 void write_gltfs(const fs::path& folder) {
   const TempFolder pairs;
   write_written(pairs.path(), meshes::MeshFormat::gltf);
@@ -214,6 +239,18 @@ void write_gltfs(const fs::path& folder) {
     }
     write_bytes(folder / name, text);
   }
+  // Zeros but for one corner at (1, 0, 0), its index in front of it.
+  write_bytes(folder / "sparse",
+              one_primitive("",
+                            R"({"componentType":5126,"count":3,"type":"VEC3","sparse":{"count":1,"indices":)"
+                            R"({"bufferView":0,"componentType":5125},"values":{"bufferView":1}}})",
+                            R"({"buffer":0,"byteLength":4},{"buffer":0,"byteOffset":4,"byteLength":12})", 16,
+                            "AQAAAAAAgD8AAAAAAAAAAA=="));
+  // Three corners of bytes, each with one of padding.
+  write_bytes(folder / "quantised",
+              one_primitive(R"("extensionsRequired":["KHR_mesh_quantization","KHR_materials_unlit"],)",
+                            R"({"bufferView":0,"componentType":5120,"normalized":true,"count":3,"type":"VEC3"})",
+                            R"({"buffer":0,"byteLength":12,"byteStride":4})", 12, "AAAAAH8AgAAAfwAA"));
   write_bytes(folder / "embedded",
               R"({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"children": [1],
 "matrix": [1,0,0,0, 0,-1,0,0, 0,0,1,0, 4,5,6,1]}, {"mesh": 0, "rotation": [0,0,1,0], "scale": [1,2,3],

@@ -44,7 +44,7 @@ mesh::Mesh with_attributes(mesh::ComponentType colour, std::size_t components) {
 }
 
 std::vector<Sample> samples() {
-  const glm::dvec3 far(4e6 + 1.0 / 3, -7e6, 1.0 / 7);
+  const glm::dvec3 far(4e4 + 1.0 / 3, -7e4, 1.0 / 7);  // no farther than STL can have it
   return {
       {"plain", [] { return list(sphere(24, false)); }},
       {"normals", [] { return list(sphere(24, true)); }},

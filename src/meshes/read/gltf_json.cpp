@@ -13,6 +13,53 @@ constexpr int kMaxDepth = 64;
 // What a value of the JSON may take, with its key, its node in a map and the room of a growing list.
 constexpr std::uint64_t kJsonValueBytes = 128;
 
+// Looks at JSON before anything is made of it: values within values are visited by recursion, so hostile ones must not
+// be deep, and memory is asked for before it is taken. A callback of the library's parser could look at the values as
+// well, but then every object is followed by a search through all of the list that it is in.
+class JsonLimits final : public nlohmann::json_sax<json> {
+ public:
+  explicit JsonLimits(MemoryUse& memory) : memory_(memory) {}
+
+  bool null() override { return take(); }
+  bool boolean(bool /*value*/) override { return take(); }
+  bool number_integer(number_integer_t /*value*/) override { return take(); }
+  bool number_unsigned(number_unsigned_t /*value*/) override { return take(); }
+  bool number_float(number_float_t /*value*/, const string_t& /*text*/) override { return take(); }
+  bool string(string_t& /*value*/) override { return take(); }
+  bool binary(binary_t& /*value*/) override { return take(); }
+  bool key(string_t& /*name*/) override { return take(); }
+  bool start_object(std::size_t /*size*/) override { return begin(); }
+  bool start_array(std::size_t /*size*/) override { return begin(); }
+  bool end_object() override { return end(); }
+  bool end_array() override { return end(); }
+  bool parse_error(std::size_t /*place*/, const std::string& /*word*/,
+                   const nlohmann::detail::exception& /*error*/) override {
+    return false;
+  }
+
+ private:
+  bool take() {
+    if (depth_ > kMaxDepth) {
+      throw DamagedMesh(
+          fmt::format("expected JSON nested at most {} deep, found a value at depth {}", kMaxDepth, depth_));
+    }
+    memory_.take(kJsonValueBytes);
+    return true;
+  }
+  bool begin() {
+    take();
+    ++depth_;
+    return true;
+  }
+  bool end() {
+    --depth_;
+    return true;
+  }
+
+  MemoryUse& memory_;
+  int depth_ = 0;
+};
+
 template <std::size_t kCount>
 std::array<double, kCount> numbers(const json& list, const char* key) {
   std::array<double, kCount> out{};
@@ -27,19 +74,11 @@ std::array<double, kCount> numbers(const json& list, const char* key) {
 
 }  // namespace
 
-// Values within values are visited by recursion, so hostile ones must not be deep.
 json parse_json(std::string_view text, MemoryUse& memory) {
   memory.take(text.size());
-  const auto check = [&](int depth, json::parse_event_t event, const json&) {
-    if (event == json::parse_event_t::object_end || event == json::parse_event_t::array_end) return true;
-    if (depth > kMaxDepth) {
-      throw DamagedMesh(
-          fmt::format("expected JSON nested at most {} deep, found a value at depth {}", kMaxDepth, depth));
-    }
-    memory.take(kJsonValueBytes);
-    return true;
-  };
-  return json::parse(text, check, false);
+  JsonLimits limits(memory);
+  if (!json::sax_parse(text, &limits)) return {};
+  return json::parse(text, nullptr, false);
 }
 
 std::string shown(const json& value) {

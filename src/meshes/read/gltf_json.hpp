@@ -14,6 +14,7 @@
 
 namespace isoextract::meshes {
 
+// In linear time, and of bounded depth. Null where it is no JSON.
 [[nodiscard]] nlohmann::json parse_json(std::string_view text, MemoryUse& memory);
 
 // The start of a value's text, for messages.

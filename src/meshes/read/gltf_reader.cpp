@@ -10,8 +10,8 @@
 
 #include <fmt/format.h>
 
-#include "base/checked.hpp"
 #include "meshes/detail/json_tree.hpp"
+#include "meshes/read/gltf_data.hpp"
 #include "meshes/read/gltf_json.hpp"
 #include "meshes/read/mesh_format_readers.hpp"
 
@@ -20,27 +20,20 @@ namespace {
 
 using nlohmann::json;
 
-constexpr int kByte = 5120;
-constexpr int kUnsignedByte = 5121;
-constexpr int kShort = 5122;
-constexpr int kUnsignedShort = 5123;
-constexpr int kUnsignedInt = 5125;
-constexpr int kFloat = 5126;
 // Modes of primitives; those below are points and lines.
 constexpr std::uint64_t kTriangles = 4;
 constexpr std::uint64_t kStrip = 5;
 constexpr std::uint64_t kFan = 6;
 
-std::optional<mesh::ComponentType> component_of(int code) {
-  switch (code) {
-    case kByte: return mesh::ComponentType::i8;
-    case kUnsignedByte: return mesh::ComponentType::u8;
-    case kShort: return mesh::ComponentType::i16;
-    case kUnsignedShort: return mesh::ComponentType::u16;
-    case kUnsignedInt: return mesh::ComponentType::u32;
-    case kFloat: return mesh::ComponentType::f32;
-    default: return std::nullopt;
-  }
+// What keeps its name to shading, lights and pictures.
+constexpr std::array<std::string_view, 6> kShadingExtensions{"KHR_materials_", "KHR_texture_", "EXT_texture_",
+                                                             "MSFT_texture_",  "KHR_lights_",  "EXT_lights_"};
+constexpr std::string_view kQuantization = "KHR_mesh_quantization";
+
+bool changes_triangles(std::string_view extension) {
+  return extension != kQuantization && extension != "KHR_xmp_json_ld" &&
+         std::none_of(kShadingExtensions.begin(), kShadingExtensions.end(),
+                      [&](std::string_view start) { return extension.starts_with(start); });
 }
 
 struct Instance {
@@ -53,6 +46,7 @@ class ModelReader {
   ModelReader(const MeshSource& source, std::string_view text, std::span<const std::byte> binary)
       : source_(source), binary_(binary), tree_(parse_json(text, source.memory)) {
     if (!model_.is_object()) throw DamagedMesh("expected JSON in a glTF file, found something else");
+    surface_.y_up = true;
   }
 
   FileSurface read() {
@@ -61,10 +55,9 @@ class ModelReader {
     if (!version.starts_with("2.")) {
       throw DamagedMesh(fmt::format("expected glTF of version 2, found '{}'", files::printable(version, 16)));
     }
-    if (const auto required = model_.find("extensionsRequired"); required != model_.end() && !required->empty()) {
-      throw DamagedMesh(fmt::format("expected glTF without required extensions, found {}", shown(*required)));
-    }
-    load_buffers();
+    surface_.is_ours = is_signature(text_of(*asset, "generator"));
+    check_extensions();
+    data_.emplace(source_, model_, binary_);
     const std::vector<Instance> instances = find_instances();
     bool moved_alike = true;
     for (const Instance& instance : instances) {
@@ -92,53 +85,22 @@ class ModelReader {
   }
 
  private:
-  struct View {
-    const std::byte* first = nullptr;
-    std::uint64_t count = 0;
-    std::uint64_t stride = 0;
-    int component = 0;
-
-    [[nodiscard]] glm::vec3 point(std::uint64_t index) const {
-      glm::vec3 p;
-      std::memcpy(&p, first + index * stride, sizeof p);
-      return p;
+  void check_extensions() {
+    const auto required = model_.find("extensionsRequired");
+    if (required == model_.end()) return;
+    if (!required->is_array()) {
+      throw DamagedMesh(fmt::format("expected a list as 'extensionsRequired', found {}", shown(*required)));
     }
-  };
-
-  void load_buffers() {
-    const auto list = model_.find("buffers");
-    if (list == model_.end()) return;
-    if (!list->is_array()) throw DamagedMesh("expected a list as 'buffers'");
-    for (std::uint64_t i = 0; i < list->size(); ++i) load_buffer(entry(model_, "buffers", i), i);
-  }
-
-  void load_buffer(const json& buffer, std::uint64_t index) {
-    const std::uint64_t size = whole(buffer, "byteLength");
-    const std::string_view uri = text_of(buffer, "uri");
-    std::span<const std::byte> bytes = binary_;
-    if (!uri.empty()) {
-      owned_.push_back(uri.starts_with("data:") ? decode_data_uri(uri, source_.memory)
-                                                : load_file(decode_percent(uri)));
-      bytes = owned_.back();
-    } else if (index != 0) {
-      throw DamagedMesh(fmt::format("expected a 'uri' of buffer {}, found none", index));
+    for (const json& extension : *required) {
+      const std::string_view name =
+          extension.is_string() ? std::string_view(extension.get_ref<const std::string&>()) : "";
+      has_quantised_ = has_quantised_ || name == kQuantization;
+      if (!name.empty() && !changes_triangles(name)) continue;
+      throw DamagedMesh(
+          fmt::format("expected glTF whose triangles need no extension to be read, found that it requires {}",
+                      shown(extension)),
+          "write it without compressed or instanced meshes");
     }
-    if (size > bytes.size()) {
-      throw DamagedMesh(fmt::format("expected {} bytes of buffer {}, found {}", size, index, bytes.size()));
-    }
-    buffers_.push_back(bytes.first(size));
-  }
-
-  [[nodiscard]] std::vector<std::byte> load_file(const std::string& name) const {
-    const auto path = files::resolve_beside(source_.file.path(), name);
-    if (!path) throw DamagedMesh(path.error().message, path.error().hint);
-    const auto file = files::InputFile::open(*path, source_.file.context());
-    if (!file) throw DamagedMesh(file.error().message);
-    std::vector<std::byte> bytes;
-    source_.memory.make_room(bytes, file->size());
-    bytes.resize(file->size());
-    if (auto read = file->read_at(0, bytes); !read) throw DamagedMesh(read.error().message);
-    return bytes;
   }
 
   // Depth first; a node that is met twice would be in a cycle or have two parents, which glTF forbids.
@@ -180,45 +142,9 @@ class ModelReader {
     return instances;
   }
 
-  // An accessor whose bytes all lie within its view, and that within its buffer.
-  [[nodiscard]] View view_of(std::uint64_t index, std::string_view type, std::uint64_t components) const {
-    const json& accessor = entry(model_, "accessors", index);
-    View view;
-    view.component = static_cast<int>(whole(accessor, "componentType"));
-    view.count = whole(accessor, "count");
-    if (text_of(accessor, "type") != type) {
-      throw DamagedMesh(fmt::format("expected an accessor of type {}, found {}", type, shown(accessor)));
-    }
-    if (accessor.contains("sparse") || !accessor.contains("bufferView")) {
-      throw DamagedMesh(fmt::format("expected an accessor with all its values in a buffer, found {}", shown(accessor)));
-    }
-    const auto component = component_of(view.component);
-    const std::uint64_t item = components * (component ? mesh::component_size(*component) : sizeof(float));
-    const json& range = entry(model_, "bufferViews", whole(accessor, "bufferView"));
-    const std::uint64_t buffer = whole(range, "buffer");
-    if (buffer >= buffers_.size()) {
-      throw DamagedMesh(
-          fmt::format("expected fewer than {} as the index of a buffer, found {}", buffers_.size(), buffer));
-    }
-    view.stride = whole(range, "byteStride", item);
-    const std::uint64_t range_start = whole(range, "byteOffset", 0);
-    const std::uint64_t range_bytes = whole(range, "byteLength");
-    const std::uint64_t start = whole(accessor, "byteOffset", 0);
-    const auto range_end = checked_sum(range_start, range_bytes);
-    const auto span = checked_product(view.count == 0 ? std::uint64_t{0} : view.count - 1, view.stride);
-    const auto needed = span ? checked_sum(start, *span, view.count == 0 ? std::uint64_t{0} : item) : std::nullopt;
-    if (!range_end || *range_end > buffers_[buffer].size() || !needed || *needed > range_bytes || view.stride < item) {
-      throw DamagedMesh(
-          fmt::format("expected {} values within a buffer of {} bytes, found the view {} and the accessor {}",
-                      view.count, buffers_[buffer].size(), shown(range), shown(accessor)));
-    }
-    view.first = buffers_[buffer].data() + range_start + start;
-    return view;
-  }
-
   struct AttributeView {
     mesh::Attribute kind;  // without values
-    View view;
+    GltfView view;
   };
 
   [[nodiscard]] std::optional<AttributeView> attribute_of(const std::string& semantic, const json& index) {
@@ -230,24 +156,23 @@ class ModelReader {
     constexpr std::array<std::string_view, mesh::kMaxComponents> kTypes{"SCALAR", "VEC2", "VEC3", "VEC4"};
     const std::string_view type = text_of(accessor, "type");
     const auto* found = std::find(kTypes.begin(), kTypes.end(), type);
-    if (found == kTypes.end() || accessor.contains("sparse") || !accessor.contains("bufferView")) {
-      surface_.notes.push_back(fmt::format("the attribute '{}' was left out: its values are {}",
-                                           files::printable(semantic, 40), shown(accessor)));
+    const bool has_values = accessor.contains("bufferView") || accessor.contains("sparse");
+    if (found == kTypes.end() || !has_values) {
+      surface_.notes.push_back(fmt::format("the attribute '{}' was left out: {}", files::printable(semantic, 40),
+                                           has_values ? "its values are no numbers or vectors" : "it has no values"));
       return std::nullopt;
     }
     AttributeView attribute;
     mesh::Attribute& kind = attribute.kind;
     kind.components = static_cast<std::size_t>(found - kTypes.begin()) + 1;
-    attribute.view = view_of(index.get<std::uint64_t>(), type, kind.components);
-    const auto component = component_of(attribute.view.component);
+    attribute.view = data_->view(index.get<std::uint64_t>(), type, kind.components);
+    const auto component = gltf_component(attribute.view.component);
     if (!component) {
-      throw DamagedMesh(fmt::format("expected a component type from {} to {} of '{}', found {}", kByte, kFloat,
+      throw DamagedMesh(fmt::format("expected a component type from {} to {} of '{}', found {}", kGltfByte, kGltfFloat,
                                     files::printable(semantic, 40), attribute.view.component));
     }
     kind.type = *component;
-    const auto normalised = accessor.find("normalized");
-    kind.normalised = normalised != accessor.end() && normalised->is_boolean() && normalised->get<bool>() &&
-                      attribute.view.component != kFloat;
+    kind.normalised = attribute.view.normalised;
     if (semantic.starts_with('_')) {
       kind.name = semantic.substr(1);
       return attribute;
@@ -266,7 +191,7 @@ class ModelReader {
 
   // Those of the primitive that go on from what is there, in the order of surface_.attributes. The first primitive says
   // what there may be; what is missing in a later one, or is of another form, goes.
-  std::vector<View> attribute_views(const json& semantics, std::uint64_t vertices) {
+  std::vector<GltfView> attribute_views(const json& semantics, std::uint64_t vertices) {
     std::vector<AttributeView> found;
     for (const auto& [semantic, index] : semantics.items()) {
       if (semantic != "COLOR_0" && !semantic.starts_with('_')) continue;
@@ -293,7 +218,7 @@ class ModelReader {
       if (gone) leave_out(attribute.kind);
       return gone;
     });
-    std::vector<View> views;
+    std::vector<GltfView> views;
     for (const FileAttribute& attribute : there) {
       views.push_back(std::find_if(found.begin(), found.end(), [&](const AttributeView& other) {
                         return same(other.kind, attribute.kind);
@@ -309,7 +234,7 @@ class ModelReader {
 
   // The values of the primitive's vertices for new vertices; new vertex i is vertex_at(i).
   template <class VertexAt>
-  void add_values(const std::vector<View>& views, std::uint64_t count, const VertexAt& vertex_at) {
+  void add_values(const std::vector<GltfView>& views, std::uint64_t count, const VertexAt& vertex_at) {
     for (std::size_t a = 0; a < views.size(); ++a) {
       auto& [kind, values] = surface_.attributes[a];
       source_.memory.make_room(values, count * kind.stride());
@@ -321,14 +246,14 @@ class ModelReader {
   }
 
   // Makes vertices of the corners of a primitive without indices.
-  void add_corners(const View& places, const std::vector<View>& views, std::uint64_t mode) {
+  void add_corners(const GltfView& places, const std::vector<GltfView>& views, std::uint64_t mode) {
     const std::uint64_t triangles = triangle_count(mode, places.count, "vertices");
     const std::size_t first_vertex = surface_.positions.size();
     const std::size_t first_triangle = surface_.triangles.size();
     std::vector<glm::vec3> corners;
     source_.memory.make_room(corners, 3 * triangles);
     for (std::uint64_t t = 0; t < triangles; ++t) {
-      for (const std::uint64_t corner : corners_of(mode, t)) corners.push_back(places.point(corner));
+      for (const std::uint64_t corner : corners_of(mode, t)) corners.emplace_back(places.point(corner));
     }
     require_vertex_count(first_vertex + corners.size());
     const std::vector<std::uint32_t> first_corner = weld_corners(corners, surface_, source_.memory);
@@ -389,19 +314,20 @@ class ModelReader {
     if (attributes == primitive.end() || !attributes->is_object()) {
       throw DamagedMesh(fmt::format("expected 'attributes' of a primitive, found {}", shown(primitive)));
     }
-    const View places = view_of(whole(*attributes, "POSITION"), "VEC3", 3);
-    if (places.component != kFloat) {
-      throw DamagedMesh(fmt::format("expected positions of component type {}, found {}", kFloat, places.component));
+    const GltfView places = data_->view(whole(*attributes, "POSITION"), "VEC3", 3);
+    const bool is_quantised = places.component >= kGltfByte && places.component <= kGltfUnsignedShort;
+    if (places.component != kGltfFloat && !(has_quantised_ && is_quantised)) {
+      throw DamagedMesh(fmt::format("expected positions of component type {}, found {}", kGltfFloat, places.component));
     }
     const std::size_t first_vertex = surface_.positions.size();
     const std::size_t first_triangle = surface_.triangles.size();
     require_vertex_count(first_vertex + places.count);
-    const std::vector<View> views = attribute_views(*attributes, places.count);
+    const std::vector<GltfView> views = attribute_views(*attributes, places.count);
     if (primitive.contains("indices")) {
       source_.memory.make_room(surface_.positions, places.count);
-      for (std::uint64_t v = 0; v < places.count; ++v) surface_.positions.emplace_back(places.point(v));
+      for (std::uint64_t v = 0; v < places.count; ++v) surface_.positions.push_back(places.point(v));
       add_values(views, places.count, [](std::uint64_t v) { return v; });
-      add_indexed(view_of(whole(primitive, "indices"), "SCALAR", 1), mode, first_vertex, places.count);
+      add_indexed(data_->view(whole(primitive, "indices"), "SCALAR", 1), mode, first_vertex, places.count);
     } else {
       add_corners(places, views, mode);
     }
@@ -416,17 +342,14 @@ class ModelReader {
     }
   }
 
-  void add_indexed(const View& indices, std::uint64_t mode, std::size_t first_vertex, std::uint64_t vertices) {
-    if (indices.component != kUnsignedByte && indices.component != kUnsignedShort &&
-        indices.component != kUnsignedInt) {
+  void add_indexed(const GltfView& indices, std::uint64_t mode, std::size_t first_vertex, std::uint64_t vertices) {
+    if (!indices.has_whole_numbers()) {
       throw DamagedMesh(
           fmt::format("expected indices of an unsigned type, found component type {}", indices.component));
     }
     const std::uint64_t triangles = triangle_count(mode, indices.count, "indices");
     const auto index_at = [&](std::uint64_t i) {
-      const std::size_t size = indices.component == kUnsignedByte ? 1 : indices.component == kUnsignedShort ? 2 : 4;
-      std::uint32_t index = 0;
-      std::memcpy(&index, indices.first + i * indices.stride, size);
+      const std::uint32_t index = indices.whole_number(i);
       if (index >= vertices) {
         throw DamagedMesh(fmt::format("expected indices below {}, the number of vertices, found {}", vertices, index));
       }
@@ -443,8 +366,8 @@ class ModelReader {
   std::span<const std::byte> binary_;  // of a .glb
   JsonTree tree_;
   const json& model_ = tree_.root();
-  std::vector<std::vector<std::byte>> owned_;
-  std::vector<std::span<const std::byte>> buffers_;
+  std::optional<GltfData> data_;  // once the file is known to be what can be read
+  bool has_quantised_ = false;    // positions that are integers, by KHR_mesh_quantization
   std::uint64_t other_primitives_ = 0;
   bool is_first_primitive_ = true;
   std::set<std::string> left_out_;   // attributes

@@ -46,8 +46,16 @@ struct FileSurface {
   // The positions are float32 numbers relative to this, as the file has them; to be kept so.
   std::optional<glm::dvec3> origin;
   std::string_view format;
+  bool y_up = false;     // the format prescribes that y points up
+  bool is_ours = false;  // it says that isoextract wrote it
   std::vector<std::string> notes;
 };
+
+// What our writers sign files with (generator()) starts with this word, whatever the version.
+inline constexpr std::string_view kProgram = "isoextract";
+[[nodiscard]] inline bool is_signature(std::string_view text) {
+  return text.starts_with(kProgram) && text.substr(kProgram.size()).starts_with(' ');
+}
 
 // What the reading of one file holds in memory, all parts together. Asked before every growth: sizes in a file, and
 // files that a file names again and again, may ask for far more than its own bytes.
@@ -97,29 +105,34 @@ struct MeshSource {
 // The bytes of "data:...". Throws DamagedMesh.
 [[nodiscard]] std::vector<std::byte> decode_data_uri(std::string_view uri, MemoryUse& memory);
 
-// A polygon of at least 3 corners as triangles around its first corner.
-template <class Corners>
-void add_fan(std::vector<glm::uvec3>& triangles, const Corners& corners, MemoryUse& memory) {
-  memory.make_room(triangles, corners.size() - 2);
-  for (std::size_t i = 2; i < corners.size(); ++i) triangles.emplace_back(corners[0], corners[i - 1], corners[i]);
-}
+// A polygon of at least 3 corners as triangles that wind as it does, in linear time: around its first corner, or where
+// it has very many corners by halving it along diagonals. Thousands of needles that meet in one corner lie in each
+// other's bounding boxes, and whoever looks for the nearest of them has to look at all.
+void add_polygon(std::vector<glm::uvec3>& triangles, std::span<const std::uint32_t> corners, MemoryUse& memory);
 
 // A mesh's indices have 32 bits. Throws DamagedMesh.
 void require_vertex_count(std::uint64_t count);
 
-// Makes one vertex of all corners whose coordinates have identical bytes. `corners` come three a triangle. Returns the
-// first corner of each new vertex. Attributes are left to the caller.
+// Makes one vertex of all corners whose coordinates are equal; -0 is 0, and NaN is itself. `corners` come three a
+// triangle. Returns the first corner of each new vertex. Attributes are left to the caller.
 std::vector<std::uint32_t> weld_corners(std::span<const glm::vec3> corners, FileSurface& surface, MemoryUse& memory);
+
+// The text behind the mark that some programs put in front of UTF-8.
+[[nodiscard]] std::string_view without_utf8_mark(std::string_view text);
 
 // Words and numbers of a text, line by line.
 class TextScanner {
  public:
-  explicit TextScanner(std::string_view text) : rest_(text) {}
+  // Lines end with a line feed, a carriage return or both; where `line_end` is given, with that alone, for what follows
+  // a line may be binary.
+  explicit TextScanner(std::string_view text, std::optional<char> line_end = {}) : rest_(text), line_end_(line_end) {}
 
   // Moves to the next line; false at the end of the text.
   bool next_line();
   // The next word of the line; empty at its end.
   std::string_view word();
+  // The same, but a backslash at the end of a line joins the next one to it.
+  std::string_view word_of_joined_lines();
   // The next word of this line or the following ones; empty at the end of the text.
   std::string_view word_anywhere();
 
@@ -134,6 +147,8 @@ class TextScanner {
  private:
   std::string_view rest_;  // after this line
   std::string_view line_;  // what is left of it
+  std::optional<char> line_end_;
+  bool joins_next_ = false;  // the line has ended with a backslash
   std::size_t line_number_ = 0;
 };
 

@@ -26,24 +26,28 @@ std::uint32_t vertex_index(const TextScanner& scanner, std::string_view corner, 
 FileSurface read_obj(const MeshSource& source) {
   FileSurface surface;
   surface.format = "OBJ";
-  TextScanner scanner(source.text());
+  const std::string_view text = without_utf8_mark(source.text());
+  surface.is_ours = text.starts_with("# ") && is_signature(text.substr(2));
+  TextScanner scanner(text);
   std::vector<std::uint32_t> corners;
   std::size_t lines_and_points = 0;
   while (scanner.next_line()) {
-    const std::string_view keyword = scanner.word();
+    const std::string_view keyword = scanner.word_of_joined_lines();
     if (keyword == "v") {
       std::array<double, 3> p{};
-      for (double& coordinate : p) coordinate = scanner.number(scanner.word());
+      for (double& coordinate : p) coordinate = scanner.number(scanner.word_of_joined_lines());
       source.memory.make_room(surface.positions, 1);
       surface.positions.emplace_back(p[0], p[1], p[2]);
     } else if (keyword == "f") {
       corners.clear();
-      for (std::string_view corner = scanner.word(); !corner.empty(); corner = scanner.word()) {
+      for (;;) {
+        const std::string_view corner = scanner.word_of_joined_lines();
+        if (corner.empty()) break;
         source.memory.make_room(corners, 1);
         corners.push_back(vertex_index(scanner, corner, surface.positions.size()));
       }
       if (corners.size() < 3) scanner.expected("at least 3 corners of a face", std::to_string(corners.size()));
-      add_fan(surface.triangles, corners, source.memory);
+      add_polygon(surface.triangles, corners, source.memory);
     } else if (keyword == "l" || keyword == "p") {
       ++lines_and_points;
     } else if (keyword == "curv" || keyword == "surf") {

@@ -70,6 +70,7 @@ struct Header {
   Encoding encoding = Encoding::text;
   std::vector<Element> elements;
   std::size_t bytes = 0;
+  bool is_ours = false;  // a comment says so
 };
 
 // What a line of the header may take: a property with its names, and the values of one element.
@@ -77,7 +78,10 @@ constexpr std::uint64_t kHeaderLineBytes = 512;
 
 Header read_header(std::string_view text, MemoryUse& memory) {
   Header header;
-  TextScanner scanner(text);
+  // What follows the header may be binary, so what ends its lines is settled first: a carriage return where there is no
+  // line feed.
+  const bool has_line_feeds = text.substr(0, text.find("end_header")).find('\n') != std::string_view::npos;
+  TextScanner scanner(text, has_line_feeds ? '\n' : '\r');
   scanner.next_line();  // "ply"
   bool has_format = false;
   bool ended = false;
@@ -115,7 +119,9 @@ Header read_header(std::string_view text, MemoryUse& memory) {
       if (const std::string_view more = scanner.word(); !more.empty())
         scanner.expected("nothing after end_header", more);
       ended = true;
-    } else if (keyword != "comment" && keyword != "obj_info" && !keyword.empty()) {
+    } else if (keyword == "comment") {
+      header.is_ours = header.is_ours || scanner.word() == kProgram;
+    } else if (keyword != "obj_info" && !keyword.empty()) {
       scanner.expected("format, element, property or comment", keyword);
     }
   }
@@ -380,7 +386,7 @@ void read_faces(Body& body, const Element& element, MemoryUse& memory, FileSurfa
     if (corners.size() < 3) {
       throw DamagedMesh(fmt::format("expected at least 3 corners of face {}, found {}", f, corners.size()));
     }
-    add_fan(surface.triangles, corners, memory);
+    add_polygon(surface.triangles, corners, memory);
   }
 }
 
@@ -422,6 +428,7 @@ FileSurface read_ply(const MeshSource& source) {
   const Header header = read_header(text, source.memory);
   FileSurface surface;
   surface.format = header.encoding == Encoding::text ? "PLY, text" : "PLY, binary";
+  surface.is_ours = header.is_ours;
   const std::string_view body = text.substr(header.bytes);
   if (header.encoding == Encoding::text) {
     read_body(TextBody(body), header, source.memory, surface);

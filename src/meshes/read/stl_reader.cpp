@@ -1,4 +1,6 @@
 // STL (3D Systems, 1989), binary and text: triangles without connectivity.
+#include <algorithm>
+#include <array>
 #include <cstring>
 
 #include <fmt/format.h>
@@ -19,15 +21,28 @@ FileSurface weld(const std::vector<glm::vec3>& corners, const MeshSource& source
   return surface;
 }
 
-// The file's size says whether it is binary: text begins with "solid", but so do the headers of some binary files.
-std::uint64_t binary_size(std::span<const std::byte> content) {
+std::uint32_t announced_triangles(std::span<const std::byte> content) {
   std::uint32_t count = 0;
   std::memcpy(&count, content.data() + kPreambleBytes - sizeof count, sizeof count);
-  return kPreambleBytes + kRecordBytes * std::uint64_t{count};
+  return count;
+}
+
+constexpr std::uint64_t binary_size(std::uint64_t triangles) { return kPreambleBytes + kRecordBytes * triangles; }
+
+// Some programs write all in capitals.
+bool is_word(std::string_view word, std::string_view lower_case) {
+  return std::ranges::equal(word, lower_case,
+                            [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a - 'A' + 'a' : a) == b; });
+}
+
+bool starts_as_text(std::string_view text) {
+  constexpr std::string_view kStart = "solid";
+  TextScanner scanner(without_utf8_mark(text.substr(0, kPreambleBytes)));
+  return is_word(scanner.word_anywhere().substr(0, kStart.size()), kStart);
 }
 
 FileSurface read_binary(const MeshSource& source) {
-  const std::size_t count = (source.content.size() - kPreambleBytes) / kRecordBytes;
+  const std::size_t count = announced_triangles(source.content);
   std::vector<glm::vec3> corners;
   source.memory.make_room(corners, 3 * count);
   corners.resize(3 * count);
@@ -35,29 +50,36 @@ FileSurface read_binary(const MeshSource& source) {
     const std::byte* record = source.content.data() + kPreambleBytes + t * kRecordBytes;
     std::memcpy(&corners[3 * t], record + sizeof(glm::vec3), 3 * sizeof(glm::vec3));
   }
-  return weld(corners, source, "STL, binary");
+  FileSurface surface = weld(corners, source, "STL, binary");
+  surface.is_ours = is_signature(source.text());
+  if (const std::uint64_t more = source.content.size() - binary_size(count); more > 0) {
+    surface.notes.push_back(fmt::format("{} bytes after its last triangle were left out", more));
+  }
+  return surface;
 }
 
 FileSurface read_text(const MeshSource& source) {
-  TextScanner scanner(source.text());
+  TextScanner scanner(without_utf8_mark(source.text()));
   std::vector<glm::vec3> corners;
   std::size_t closed = 0;  // corners whose facet has ended
   bool ended = false;
+  constexpr std::array<std::string_view, 3> kEnds{"endloop", "endfacet", "endsolid"};
   while (scanner.next_line()) {
     const std::string_view keyword = scanner.word();
-    if (keyword == "vertex") {
+    const auto* end = std::ranges::find_if(kEnds, [&](std::string_view word) { return is_word(keyword, word); });
+    if (is_word(keyword, "vertex")) {
       glm::vec3 p;
       for (int axis = 0; axis < 3; ++axis) p[axis] = static_cast<float>(scanner.number(scanner.word()));
       source.memory.make_room(corners, 1);
       corners.push_back(p);
       ended = false;
-    } else if (keyword == "endloop" || keyword == "endfacet" || keyword == "endsolid") {
+    } else if (end != kEnds.end()) {
       const std::size_t count = corners.size() - closed;
-      if (count != 3 && (count != 0 || keyword == "endloop")) {
-        scanner.expected(fmt::format("3 corners before '{}'", keyword), std::to_string(count));
+      if (count != 3 && (count != 0 || *end == "endloop")) {
+        scanner.expected(fmt::format("3 corners before '{}'", *end), std::to_string(count));
       }
       closed = corners.size();
-      ended = ended || keyword == "endsolid";
+      ended = ended || *end == "endsolid";
     }
   }
   if (!ended) scanner.expected("'endsolid'", "the end of the file");
@@ -66,18 +88,29 @@ FileSurface read_text(const MeshSource& source) {
 
 }  // namespace
 
+// The file's size says whether it is binary: text begins with "solid", but so do the headers of some binary files.
+// Where such a file is longer than its triangles, a byte of 0 up to its first one tells it from text.
+//
+// What follows the last triangle is left out, with a note; but not where it may be triangles itself: then the number in
+// the header is wrong, as of programs that never come back to fill it in.
 FileSurface read_stl(const MeshSource& source) {
   const std::size_t size = source.content.size();
   const bool has_header = size >= kPreambleBytes;
-  if (has_header && binary_size(source.content) == size) return read_binary(source);
-  if (source.text().starts_with("solid")) return read_text(source);
+  const std::uint64_t count = has_header ? announced_triangles(source.content) : 0;
+  const std::uint64_t wanted = binary_size(count);
+  if (has_header && wanted == size) return read_binary(source);
+  const bool has_zeros = source.text().substr(0, binary_size(1)).find('\0') != std::string_view::npos;
+  const bool too_long = has_header && wanted < size;
+  if (starts_as_text(source.text()) && !(too_long && has_zeros)) return read_text(source);
   if (!has_header) {
     throw DamagedMesh(
         fmt::format("expected at least the {} bytes of a binary STL's header, found {}", kPreambleBytes, size));
   }
-  const std::uint64_t wanted = binary_size(source.content);
-  throw DamagedMesh(fmt::format("expected {} bytes for the {} triangles that its header announces, found {}", wanted,
-                                (wanted - kPreambleBytes) / kRecordBytes, size));
+  const bool more_triangles = too_long && (size - wanted) % kRecordBytes == 0;
+  if (too_long && count > 0 && !more_triangles) return read_binary(source);
+  throw DamagedMesh(fmt::format(
+      "expected {} bytes for the {} triangles that its header announces, found {}{}", wanted, count, size,
+      more_triangles ? fmt::format(", which {} triangles fill", (size - kPreambleBytes) / kRecordBytes) : ""));
 }
 
 }  // namespace isoextract::meshes

@@ -1,5 +1,6 @@
 #include "measure/mesh_distance.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -213,6 +214,42 @@ TEST(MeshDistance, OneSurfaceInTwoTessellations) {
   EXPECT_LE(distance(ball, ball).hausdorff_upper, 1e-15);
 }
 
+// Whatever the order of triangles and corners, the winding, the vertices, and the sign of zeros.
+TEST(MeshDistance, MeshesOfTheSameTrianglesAreNotApart) {
+  std::mt19937 random(5);
+  for (const glm::dvec3& origin : {glm::dvec3(0), glm::dvec3(1e7, -3.25, 0.1)}) {
+    const mesh::Mesh a = test::sphere(33, false, "a", origin);
+    std::vector<glm::vec3> positions;
+    std::vector<glm::uvec3> triangles(a.triangles.begin(), a.triangles.end());
+    std::shuffle(triangles.begin(), triangles.end(), random);
+    for (glm::uvec3& t : triangles) {
+      const auto first = static_cast<unsigned>(positions.size());
+      for (int c = 0; c < 3; ++c) {
+        glm::vec3 p = a.positions[t[c]];
+        for (int axis = 0; axis < 3; ++axis) {
+          if (p[axis] == 0 && first % 2 == 0) p[axis] = -p[axis];
+        }
+        positions.push_back(p);
+      }
+      t = first % 2 == 0 ? glm::uvec3(first + 1, first + 2, first) : glm::uvec3(first + 2, first + 1, first);
+    }
+    const mesh::Mesh b = make_mesh("b", positions, triangles, {}, origin);
+    for (const MeshDistance& d : {distance(a, a), distance(a, b), distance(b, a)}) {
+      for (const double figure : {d.hausdorff_lower, d.hausdorff_upper, d.rms, d.mean, d.percentile99,
+                                  d.a_to_b.max_upper, d.b_to_a.max_upper, d.a_to_b.rms, d.b_to_a.rms}) {
+        EXPECT_EQ(figure, 0);
+      }
+      EXPECT_NEAR(glm::length(d.a_to_b.place - origin), 1, 1e-6) << "a point of the surface";
+      EXPECT_EQ(d.a_to_b.place, d.a_to_b.nearest);
+    }
+    // One triangle more: it alone is looked at.
+    triangles.emplace_back(0, 4, 8);
+    const mesh::Mesh more = make_mesh("more", positions, triangles, {}, origin);
+    EXPECT_EQ(distance(a, more).a_to_b.max_upper, 0);
+    EXPECT_GT(distance(a, more).b_to_a.max_lower, 0.001);
+  }
+}
+
 TEST(MeshDistance, OneMovedVertex) {
   const mesh::Mesh flat = plane(10, 0);
   mesh::Mesh raised = plane(10, 0);
@@ -346,6 +383,7 @@ TEST(MeshDistance, EmptyMeshesHaveNoDistance) {
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().kind, ErrorKind::input);
     EXPECT_NE(result.error().message.find("nothing, has no triangles"), std::string::npos);
+    EXPECT_TRUE(result.error().hint.empty()) << "nobody knows how it came to be";
   }
 }
 

@@ -291,7 +291,7 @@ TEST_F(GltfAttributeTest, DamagedGltf) {
   damaged(R"("COLOR_0":1)", kBytes, "expected colours of three or four components");
   damaged(R"("COLOR_0":1)", R"({"bufferView":0,"componentType":5121,"count":3,"type":"VEC3"})",
           "expected colours of three or four components");
-  // Sparse ones are allowed, but not read.
+  // One without values is allowed, but not read.
   write_bytes(folder_ / "a.gltf", gltf(R"("_A":1)", "none", R"({"componentType":5121,"count":3,"type":"SCALAR"})"));
   EXPECT_EQ(read("a.gltf").notes.size(), 1U);
 }

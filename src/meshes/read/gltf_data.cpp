@@ -1,0 +1,204 @@
+#include "meshes/read/gltf_data.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "base/checked.hpp"
+#include "meshes/read/gltf_json.hpp"
+
+namespace isoextract::meshes {
+namespace {
+
+using nlohmann::json;
+
+// What an integer stands for: itself, or a fraction of the greatest of its type; glTF 2.0, 3.6.2.2.
+template <class T>
+double value_at(const std::byte* place, bool normalised) {
+  T value;
+  std::memcpy(&value, place, sizeof value);
+  const auto number = static_cast<double>(value);
+  return normalised ? std::max(number / std::numeric_limits<T>::max(), -1.0) : number;
+}
+
+double value_at(const std::byte* place, int component, bool normalised) {
+  switch (component) {
+    case kGltfByte: return value_at<std::int8_t>(place, normalised);
+    case kGltfUnsignedByte: return value_at<std::uint8_t>(place, normalised);
+    case kGltfShort: return value_at<std::int16_t>(place, normalised);
+    default: return value_at<std::uint16_t>(place, normalised);
+  }
+}
+
+// Of types that there are none of, the size of the others that have four bytes.
+std::uint64_t size_of(int component) {
+  const auto type = gltf_component(component);
+  return type ? mesh::component_size(*type) : sizeof(float);
+}
+
+const json& part_of(const json& sparse, const char* key) {
+  const auto found = sparse.find(key);
+  if (found == sparse.end() || !found->is_object()) {
+    throw DamagedMesh(fmt::format("expected '{}' of the sparse values of an accessor, found {}", key, shown(sparse)));
+  }
+  return *found;
+}
+
+}  // namespace
+
+std::optional<mesh::ComponentType> gltf_component(int code) {
+  switch (code) {
+    case kGltfByte: return mesh::ComponentType::i8;
+    case kGltfUnsignedByte: return mesh::ComponentType::u8;
+    case kGltfShort: return mesh::ComponentType::i16;
+    case kGltfUnsignedShort: return mesh::ComponentType::u16;
+    case kGltfUnsignedInt: return mesh::ComponentType::u32;
+    case kGltfFloat: return mesh::ComponentType::f32;
+    default: return std::nullopt;
+  }
+}
+
+glm::dvec3 GltfView::point(std::uint64_t index) const {
+  const std::byte* place = first + index * stride;
+  if (component == kGltfFloat) {
+    glm::vec3 p;
+    std::memcpy(&p, place, sizeof p);
+    return p;
+  }
+  const std::uint64_t size = size_of(component);
+  return {value_at(place, component, normalised), value_at(place + size, component, normalised),
+          value_at(place + 2 * size, component, normalised)};
+}
+
+std::uint32_t GltfView::whole_number(std::uint64_t index) const {
+  std::uint32_t number = 0;
+  std::memcpy(&number, first + index * stride, size_of(component));
+  return number;
+}
+
+GltfData::GltfData(const MeshSource& source, const json& model, std::span<const std::byte> binary)
+    : source_(source), model_(model) {
+  const auto list = model_.find("buffers");
+  if (list == model_.end()) return;
+  if (!list->is_array()) throw DamagedMesh("expected a list as 'buffers'");
+  for (std::uint64_t i = 0; i < list->size(); ++i) load_buffer(entry(model_, "buffers", i), i, binary);
+}
+
+void GltfData::load_buffer(const json& buffer, std::uint64_t index, std::span<const std::byte> binary) {
+  const std::uint64_t size = whole(buffer, "byteLength");
+  const std::string_view uri = text_of(buffer, "uri");
+  std::span<const std::byte> bytes = binary;
+  if (!uri.empty()) {
+    owned_.push_back(uri.starts_with("data:") ? decode_data_uri(uri, source_.memory) : load_file(decode_percent(uri)));
+    bytes = owned_.back();
+  } else if (index != 0) {
+    throw DamagedMesh(fmt::format("expected a 'uri' of buffer {}, found none", index));
+  }
+  if (size > bytes.size()) {
+    throw DamagedMesh(fmt::format("expected {} bytes of buffer {}, found {}", size, index, bytes.size()));
+  }
+  buffers_.push_back(bytes.first(size));
+}
+
+std::vector<std::byte> GltfData::load_file(const std::string& name) const {
+  const auto path = files::resolve_beside(source_.file.path(), name);
+  if (!path) throw DamagedMesh(path.error().message, path.error().hint);
+  const auto file = files::InputFile::open(*path, source_.file.context());
+  if (!file) throw DamagedMesh(file.error().message);
+  std::vector<std::byte> bytes;
+  source_.memory.make_room(bytes, file->size());
+  bytes.resize(file->size());
+  if (auto read = file->read_at(0, bytes); !read) throw DamagedMesh(read.error().message);
+  return bytes;
+}
+
+GltfView GltfData::view(std::uint64_t index, std::string_view type, std::uint64_t components) {
+  const json& accessor = entry(model_, "accessors", index);
+  if (text_of(accessor, "type") != type) {
+    throw DamagedMesh(fmt::format("expected an accessor of type {}, found {}", type, shown(accessor)));
+  }
+  if (const auto made = sparse_views_.find(index); made != sparse_views_.end()) return made->second;
+  GltfView view;
+  view.component = static_cast<int>(whole(accessor, "componentType"));
+  view.count = whole(accessor, "count");
+  const auto normalised = accessor.find("normalized");
+  view.normalised = normalised != accessor.end() && normalised->is_boolean() && normalised->get<bool>() &&
+                    view.component != kGltfFloat;
+  const std::uint64_t item = components * size_of(view.component);
+  const auto sparse = accessor.find("sparse");
+  if (accessor.contains("bufferView")) {
+    place(view, accessor, item);
+  } else if (sparse == accessor.end()) {
+    // The standard makes zeros of it; but what comes compressed, by an extension, looks the same.
+    throw DamagedMesh(fmt::format("expected an accessor with values in a buffer, found {}", shown(accessor)));
+  }
+  if (sparse == accessor.end()) return view;
+  return sparse_views_.emplace(index, with_sparse(view, *sparse, item)).first->second;
+}
+
+void GltfData::place(GltfView& view, const json& owner, std::uint64_t item) const {
+  const json& range = entry(model_, "bufferViews", whole(owner, "bufferView"));
+  const std::uint64_t buffer = whole(range, "buffer");
+  if (buffer >= buffers_.size()) {
+    throw DamagedMesh(
+        fmt::format("expected fewer than {} as the index of a buffer, found {}", buffers_.size(), buffer));
+  }
+  view.stride = whole(range, "byteStride", item);
+  const std::uint64_t range_start = whole(range, "byteOffset", 0);
+  const std::uint64_t range_bytes = whole(range, "byteLength");
+  const std::uint64_t start = whole(owner, "byteOffset", 0);
+  const auto range_end = checked_sum(range_start, range_bytes);
+  const auto span = checked_product(view.count == 0 ? std::uint64_t{0} : view.count - 1, view.stride);
+  const auto needed = span ? checked_sum(start, *span, view.count == 0 ? std::uint64_t{0} : item) : std::nullopt;
+  if (!range_end || *range_end > buffers_[buffer].size() || !needed || *needed > range_bytes || view.stride < item) {
+    throw DamagedMesh(
+        fmt::format("expected {} values within a buffer of {} bytes, found the view {} and the accessor {}", view.count,
+                    buffers_[buffer].size(), shown(range), shown(owner)));
+  }
+  view.first = buffers_[buffer].data() + range_start + start;
+}
+
+// glTF 2.0, 3.6.2.3: values of their own at some indices, which rise; the others are those of the buffer view, or zeros
+// where there is none.
+GltfView GltfData::with_sparse(const GltfView& dense, const json& sparse, std::uint64_t item) {
+  if (!sparse.is_object()) {
+    throw DamagedMesh(fmt::format("expected an object as 'sparse' of an accessor, found {}", shown(sparse)));
+  }
+  GltfView values;
+  values.count = whole(sparse, "count");
+  GltfView indices = values;
+  const json& index_part = part_of(sparse, "indices");
+  indices.component = static_cast<int>(whole(index_part, "componentType"));
+  if (!indices.has_whole_numbers()) {
+    throw DamagedMesh(fmt::format("expected indices of an unsigned type, found component type {}", indices.component));
+  }
+  place(indices, index_part, size_of(indices.component));
+  place(values, part_of(sparse, "values"), item);
+
+  const auto bytes = checked_product(dense.count, item);
+  if (!bytes) throw DamagedMesh(fmt::format("expected values that fit into memory, found {} of them", dense.count));
+  std::vector<std::byte>& whole_values = owned_.emplace_back();
+  source_.memory.make_room(whole_values, *bytes);
+  whole_values.resize(*bytes);
+  for (std::uint64_t i = 0; dense.first != nullptr && i < dense.count; ++i) {
+    std::memcpy(whole_values.data() + i * item, dense.first + i * dense.stride, item);
+  }
+  std::uint64_t least = 0;
+  for (std::uint64_t i = 0; i < values.count; ++i) {
+    const std::uint64_t index = indices.whole_number(i);
+    if (index < least || index >= dense.count) {
+      throw DamagedMesh(fmt::format("expected rising indices below {} of sparse values, found {} as number {}",
+                                    dense.count, index, i));
+    }
+    std::memcpy(whole_values.data() + index * item, values.first + i * values.stride, item);
+    least = index + 1;
+  }
+  GltfView view = dense;
+  view.first = whole_values.data();
+  view.stride = item;
+  return view;
+}
+
+}  // namespace isoextract::meshes

@@ -1,0 +1,73 @@
+// The numbers of a glTF file: its buffers, and accessors as views of them; glTF 2.0, 3.6. Whatever is not as it should
+// be is a DamagedMesh.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <glm/glm.hpp>
+#include <nlohmann/json.hpp>
+
+#include "mesh/attributes.hpp"
+#include "meshes/read/mesh_format_readers.hpp"
+
+namespace isoextract::meshes {
+
+// Component types as glTF numbers them.
+inline constexpr int kGltfByte = 5120;
+inline constexpr int kGltfUnsignedByte = 5121;
+inline constexpr int kGltfShort = 5122;
+inline constexpr int kGltfUnsignedShort = 5123;
+inline constexpr int kGltfUnsignedInt = 5125;
+inline constexpr int kGltfFloat = 5126;
+
+[[nodiscard]] std::optional<mesh::ComponentType> gltf_component(int code);
+
+// Values that lie in memory, each a stride behind the one before.
+struct GltfView {
+  const std::byte* first = nullptr;
+  std::uint64_t count = 0;
+  std::uint64_t stride = 0;
+  int component = 0;
+  bool normalised = false;  // integers that stand for 0 .. 1, or -1 .. 1 where they are signed
+
+  // Of a view of VEC3: floats as they are, integers of at most 16 bits as what they stand for.
+  [[nodiscard]] glm::dvec3 point(std::uint64_t index) const;
+  // Of a view of SCALAR of an unsigned type.
+  [[nodiscard]] std::uint32_t whole_number(std::uint64_t index) const;
+  [[nodiscard]] bool has_whole_numbers() const {
+    return component == kGltfUnsignedByte || component == kGltfUnsignedShort || component == kGltfUnsignedInt;
+  }
+};
+
+class GltfData {
+ public:
+  // Loads the buffers: `binary` is that of a .glb, the others lie beside the file or in the model's text. `model` has
+  // to stay.
+  GltfData(const MeshSource& source, const nlohmann::json& model, std::span<const std::byte> binary);
+
+  // An accessor of `type` ("VEC3") with so many components, all of whose values are there. Those of a sparse one are
+  // put together here, once.
+  [[nodiscard]] GltfView view(std::uint64_t accessor, std::string_view type, std::uint64_t components);
+
+ private:
+  void load_buffer(const nlohmann::json& buffer, std::uint64_t index, std::span<const std::byte> binary);
+  [[nodiscard]] std::vector<std::byte> load_file(const std::string& name) const;
+  // Places `view`, of values of `item` bytes, in the buffer view that `owner` names: an accessor or a part of one.
+  void place(GltfView& view, const nlohmann::json& owner, std::uint64_t item) const;
+  [[nodiscard]] GltfView with_sparse(const GltfView& dense, const nlohmann::json& sparse, std::uint64_t item);
+
+  const MeshSource& source_;
+  const nlohmann::json& model_;
+  std::vector<std::vector<std::byte>> owned_;
+  std::vector<std::span<const std::byte>> buffers_;
+  std::map<std::uint64_t, GltfView> sparse_views_;  // by accessor
+};
+
+}  // namespace isoextract::meshes
