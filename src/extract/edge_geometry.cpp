@@ -48,8 +48,8 @@ OutputFrame::OutputFrame(const field::Affine& output_from_index, const field::In
   double shortest = std::numeric_limits<double>::infinity();
   for (int axis = 0; axis < 3; ++axis) shortest = std::min(shortest, glm::length(local_from_index_.linear[axis]));
   constexpr double kRoundingEats = 16;  // times the largest margin: then rounding is of the margin's size
-  fits_float32_ = farthest < std::numeric_limits<float>::max() && margin <= kRoundingEats * kLargestMargin &&
-                  shortest * margin_ > std::numeric_limits<float>::min();
+  in_range_ = farthest < std::numeric_limits<float>::max() && shortest * margin_ > std::numeric_limits<float>::min();
+  reaches_too_far_ = !(margin <= kRoundingEats * kLargestMargin);
 }
 
 glm::vec3 OutputFrame::normal(const glm::dvec3& gradient, const glm::dvec3& out) const {
@@ -62,6 +62,12 @@ glm::vec3 OutputFrame::normal(const glm::dvec3& gradient, const glm::dvec3& out)
     if (std::isfinite(length) && length > 0) return scaled / length;
   }
   return glm::normalize(local_from_index_.linear * out);
+}
+
+OutputFrame output_frame(const field::ScalarField& field, const field::Affine& output_from_index,
+                         const field::IndexBox& stored, const field::IndexBox& region) {
+  const OutputFrame whole(output_from_index, stored, field.kind, field.scale);
+  return whole.reaches_too_far() ? OutputFrame(output_from_index, region, field.kind, field.scale) : whole;
 }
 
 }  // namespace isoextract::extract
