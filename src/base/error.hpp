@@ -22,6 +22,13 @@ enum class ErrorKind {
   cancelled = 130,   // somebody asked for the end (128 + SIGINT)
 };
 
+// Why there is no mesh although the input was read and is sound, for programs: to them that may be no error.
+enum class Reason {
+  other,
+  empty_grid,  // the grid has no voxels
+  no_surface,  // the values do not pass the iso value
+};
+
 // What helps. A code with a list behind it expects that in Hint::text, as a clause of its own.
 enum class Remedy {
   none,
@@ -56,6 +63,7 @@ enum class Remedy {
   other_iso,             // text: another value
   leave_out_coarsest,    // of several resolutions, or another value
   no_surface_or_skip,    // no value has a surface worth suggesting; or an empty surface is no error
+  allow_empty,           // an empty surface is no error, or is written
   list_demo_fields,      // their names and keys
   list_gpus,             // their numbers and names
   report_gpu,            // what the GPU did is a fault of it or of ours; the CPU backend needs none
@@ -81,6 +89,7 @@ struct Error {
   ErrorKind kind;
   std::string message;  // names the file, what was expected and what was found; no trailing full stop or newline
   Hint hint;            // the step that helps; may be empty
+  Reason reason = Reason::other;
 };
 
 template <class T>

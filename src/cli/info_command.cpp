@@ -55,9 +55,13 @@ InputReport look_at(const InfoPlan& plan, const std::string& input, const Messag
     return report;
   }
   report.grids = std::move(*grids);
-  const auto scalars = std::count_if(report.grids.begin(), report.grids.end(),
-                                     [](const volumes::GridInfo& grid) { return grid.scalar; });
-  if (scalars != 1 && !plan.read.grid && !report.grids.empty()) return report;
+  if (!plan.read.grid && !report.grids.empty()) {
+    const auto scalars = std::ranges::count(report.grids, true, &volumes::GridInfo::scalar);
+    if (scalars != 1) return report;
+    // That its place cannot be used is told in the list.
+    const auto only = std::ranges::find(report.grids, true, &volumes::GridInfo::scalar);
+    if (!only->frame_problem.empty() && !plan.read.spacing) return report;
+  }
   auto field = measure(plan, input, messages);
   if (field) {
     report.field = std::move(*field);

@@ -7,10 +7,10 @@
 #include <fmt/format.h>
 
 #include "base/byte_size.hpp"
+#include "base/printable.hpp"
 #include "cli/layout.hpp"
 #include "cli/remedies.hpp"
 #include "convert/placement.hpp"
-#include "files/file_bytes.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -18,15 +18,7 @@ namespace {
 constexpr std::array kPercentiles{1, 5, 25, 50, 75, 95, 99};
 constexpr std::size_t kHistogramRows = 16;
 constexpr std::size_t kBarWidth = 40;
-
-std::string grid_name(const volumes::GridInfo& grid) {
-  return grid.name_repeats ? fmt::format("{}[{}]", grid.name, grid.index_of_name) : grid.name;
-}
-
-// Names in files are not to be trusted with a terminal.
-std::string printable_name(const std::string& name) { return files::printable(std::string_view(name), 200); }
-
-std::string grid_label(const volumes::GridInfo& grid) { return printable_name(grid_name(grid)); }
+constexpr std::size_t kMaxName = 200;  // bytes of a name that are shown
 
 std::string dims_text(const field::IndexBox& box) {
   if (box.empty()) return "no active voxels";
@@ -52,19 +44,21 @@ void add_grids(NamedLines& lines, const InputReport& report) {
   if (report.grids.size() == 1 && report.field) return;
   lines.add("grids", fmt::format("{}", report.grids.size()));
   std::size_t name_width = 4;
-  for (const volumes::GridInfo& grid : report.grids) name_width = std::max(name_width, grid_label(grid).size());
+  for (const volumes::GridInfo& grid : report.grids) name_width = std::max(name_width, grid.label.size());
   for (const volumes::GridInfo& grid : report.grids) {
-    lines.plain(fmt::format("    {:<{}}  {:<8}  {:<18}  {} active voxels{}{}", grid_label(grid), name_width, grid.type,
-                            dims_text(grid.box), grid.voxels,
+    lines.plain(fmt::format("    {:<{}}  {:<8}  {:<18}  {}{}{}{}", grid.label, name_width, grid.type,
+                            grid.voxels ? dims_text(grid.box) : "unknown size",
+                            grid.voxels ? fmt::format("{} active voxels", *grid.voxels) : "voxels not counted",
                             grid.kind ? fmt::format(", {}", convert::kind_name(*grid.kind)) : "",
-                            grid.scalar ? "" : "; no surface can be extracted from this type"));
+                            grid.scalar ? "" : "; no surface can be extracted from this type",
+                            grid.frame_problem.empty() ? "" : "; its place cannot be used: " + grid.frame_problem));
   }
 }
 
 void add_shape(NamedLines& lines, const FieldReport& report) {
   const field::ScalarField& field = report.field;
   lines.add("format", field.format);
-  if (!field.name.empty()) lines.add("name", printable_name(field.name));
+  if (!field.name.empty()) lines.add("name", printable(field.name, kMaxName));
   lines.add("kind", fmt::format("{}: {} the iso value is inside", convert::kind_name(field.kind), word_of(field.kind)));
   const field::IndexBox box = field.extents();
   if (const auto* sparse = std::get_if<field::SparseSamples>(&field.samples)) {
@@ -91,7 +85,7 @@ void add_shape(NamedLines& lines, const FieldReport& report) {
   }
   lines.add("origin", vector_text(field.index_to_world.offset));
   if (!box.empty()) lines.add("world box", convert::box_text(convert::world_bounds(field)));
-  if (!field.world_space.empty()) lines.add("world space", field.world_space);
+  if (!field.world_space.empty()) lines.add("world space", printable(field.world_space, kMaxName));
 }
 
 void add_histogram(NamedLines& lines, const field::FieldStatistics& statistics) {
@@ -135,14 +129,15 @@ void add_advice(NamedLines& lines, const FieldReport& report) {
   lines.add("suggestion", fmt::format("--iso {}: {}", report.suggestion.iso, report.suggestion.method));
   lines.add("", fmt::format("about {} triangles; converting takes about {} of memory",
                             estimated_triangles(report.vertices), format_byte_size(report.conversion_bytes)));
-  lines.plain(fmt::format("\n  {}", report.command));
+  lines.plain(fmt::format("\n  {}", printable(report.command)));
 }
 
 convert::Json json_of(const volumes::GridInfo& grid) {
-  convert::Json json{{"name", grid_name(grid)}, {"type", grid.type}, {"scalar", grid.scalar}};
+  convert::Json json{{"name", grid.label}, {"type", grid.type}, {"scalar", grid.scalar}};
   json["kind"] = grid.kind ? convert::Json(convert::kind_name(*grid.kind)) : nullptr;
   json["box"] = convert::json_of(grid.box);
-  json["voxels"] = grid.voxels;
+  json["voxels"] = grid.voxels ? convert::Json(*grid.voxels) : nullptr;
+  json["problem"] = grid.frame_problem.empty() ? convert::Json(nullptr) : convert::Json(grid.frame_problem);
   return json;
 }
 
@@ -199,14 +194,13 @@ std::uint64_t estimated_conversion_bytes(std::uint64_t sample_bytes, std::uint64
 
 std::string text_of(const InputReport& report) {
   NamedLines lines;
-  lines.plain(report.input);
+  lines.plain(printable(report.input));
   add_grids(lines, report);
   if (report.field) {
     add_shape(lines, *report.field);
     add_values(lines, *report.field);
     add_advice(lines, *report.field);
-  } else if (std::any_of(report.grids.begin(), report.grids.end(),
-                         [](const volumes::GridInfo& grid) { return grid.scalar; })) {
+  } else if (std::ranges::count(report.grids, true, &volumes::GridInfo::scalar) > 1) {
     lines.plain("  --grid NAME chooses one of them");
   }
   return lines.take();

@@ -28,7 +28,7 @@ struct FieldReport {
 struct InputReport {
   std::string input;
   std::vector<volumes::GridInfo> grids;
-  std::optional<FieldReport> field;  // not there if a choice of grid is missing, or on an error
+  std::optional<FieldReport> field;  // not there if a choice of grid or a place for it is missing, or on an error
   std::optional<Error> error;
 };
 

@@ -3,6 +3,7 @@
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include "base/printable.hpp"
 #include "cli/remedies.hpp"
 #include "files/output_file.hpp"
 
@@ -18,6 +19,18 @@ spdlog::level::level_enum level_of(Verbosity verbosity) {
   return spdlog::level::debug;
 }
 
+// Of text with lines of its own: names in it have none, for who puts them there shows them printable.
+std::string printable_lines(std::string_view text) {
+  std::string shown;
+  while (true) {
+    const std::size_t end = text.find('\n');
+    shown += printable(text.substr(0, end));
+    if (end == std::string_view::npos) return shown;
+    shown += '\n';
+    text.remove_prefix(end + 1);
+  }
+}
+
 }  // namespace
 
 Messages::Messages(Verbosity verbosity)
@@ -28,14 +41,14 @@ Messages::Messages(Verbosity verbosity)
 }
 
 void Messages::error(const Error& error) const {
-  log_->error("isoextract: error: {}", error.message);
-  if (!error.hint.empty()) log_->error("  hint: {}", words_of(error.hint));
+  log_->error("isoextract: error: {}", printable(error.message));
+  if (!error.hint.empty()) log_->error("  hint: {}", printable_lines(words_of(error.hint)));
 }
 
-void Messages::note(std::string_view text) const { log_->warn("isoextract: note: {}", text); }
-void Messages::summary(std::string_view text) const { log_->info("{}", text); }
-void Messages::explanation(std::string_view text) const { log_->info("{}", text); }
-void Messages::detail(std::string_view text) const { log_->debug("{}", text); }
+void Messages::note(std::string_view text) const { log_->warn("isoextract: note: {}", printable(text)); }
+void Messages::summary(std::string_view text) const { log_->info("{}", printable(text)); }
+void Messages::explanation(std::string_view text) const { log_->info("{}", printable(text)); }
+void Messages::detail(std::string_view text) const { log_->debug("{}", printable(text)); }
 
 Result<void> print_to_stdout(std::string_view text) {
   auto out = files::OutputFile::create("-");

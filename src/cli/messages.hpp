@@ -1,4 +1,5 @@
-// What the program says of its work: on stderr, one line each. stdout carries data only.
+// What the program says of its work: on stderr, one line each, hints apart, which can have a list. Whatever came into
+// the text from a file or a path, it is printable (base/printable.hpp). stdout carries data only.
 #pragma once
 
 #include <memory>

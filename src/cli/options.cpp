@@ -138,7 +138,7 @@ void declare_input(CLI::App& app, InputFlags& flags, const std::string& metavar,
                                         "like a command is written ./NAME.",
                                         what));
   group.value<std::string>("--grid", "NAME", flags.grid, parse_text,
-                           "Grid of a VDB file. NAME[k] is the k-th of that name, counted from 0.");
+                           "Grid of a VDB file, as 'isoextract info' lists it: NAME, or NAME[k] where names repeat.");
   group.choice("--input-format", flags.format, input_formats(),
                "Format of the input (default: by content, then by extension).");
   group.value("--dims", "NX,NY,NZ", flags.dims, parse_dims,

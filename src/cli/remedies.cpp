@@ -49,6 +49,7 @@ std::string words_of(const Hint& hint) {
       return "leave out the coarsest with --sizes (demo fields) or --coarser (files), or choose another --iso";
     case Remedy::no_surface_or_skip:
       return "try another input: this one has no surface worth suggesting; --empty skip makes this no error";
+    case Remedy::allow_empty: return "--empty skip makes this no error, --empty write writes a mesh without triangles";
     case Remedy::list_demo_fields: return "isoextract help demo lists the demo fields and their keys";
     case Remedy::list_gpus: return "'isoextract devices' lists them";
     case Remedy::report_gpu: return "please report it with 'isoextract devices'; --backend cpu needs no GPU";

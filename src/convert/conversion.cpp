@@ -165,12 +165,20 @@ class Conversion {
   }
 
   Error no_surface(double iso) {
+    if (source_.empty) {
+      return {ErrorKind::input, fmt::format("{}: the grid is empty: it has no voxels", source_.label),
+              Remedy::allow_empty, Reason::empty_grid};
+    }
     const Stopwatch watch;
     const field::FieldStatistics statistics = field::measure_statistics(source_.field);
     outcome_.stages.push_back({"statistics", std::nullopt, watch.elapsed()});
     if (statistics.samples == 0) {
-      return {
-          ErrorKind::input, fmt::format("{}: there is no surface: no sample is a finite number", source_.label), {}};
+      // Active voxels of the background's value are not stored.
+      const bool all_alike = statistics.nan == 0 && statistics.infinite == 0;
+      return {ErrorKind::input,
+              fmt::format("{}: there is no surface: {}", source_.label,
+                          all_alike ? "every voxel has the background's value" : "no sample is a finite number"),
+              Remedy::allow_empty, Reason::no_surface};
     }
     const bool region_hides_it = source_.region && statistics.min <= iso && iso <= statistics.max;
     const field::IsoSuggestion suggestion = field::suggest_iso(source_.field, statistics);
@@ -182,7 +190,7 @@ class Conversion {
                         source_.region ? " in the region" : "",
                         job_.source.resolution ? " on the grid of another resolution" : "",
                         source_.region ? "of the whole field " : "", statistics.min, statistics.max),
-            region_hides_it ? Hint(Remedy::widen_region_or_skip) : other};
+            region_hides_it ? Hint(Remedy::widen_region_or_skip) : other, Reason::no_surface};
   }
 
   Result<void> add(Surface surface, OutputFile& file) {

@@ -15,6 +15,15 @@ std::string_view kind_name(ErrorKind kind) {
   return "cancelled";
 }
 
+Json reason_name(Reason reason) {
+  switch (reason) {
+    case Reason::empty_grid: return "empty_grid";
+    case Reason::no_surface: return "no_surface";
+    case Reason::other: break;
+  }
+  return nullptr;
+}
+
 }  // namespace
 
 std::string_view kind_name(field::FieldKind kind) {
@@ -40,6 +49,7 @@ Json json_of(const field::Affine& map) {
 Json json_of(const Error& error) {
   return {{"kind", kind_name(error.kind)},
           {"exit_code", static_cast<int>(error.kind)},
+          {"reason", reason_name(error.reason)},
           {"message", error.message},
           {"hint", error.hint.text}};
 }

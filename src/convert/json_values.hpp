@@ -22,7 +22,7 @@ using Json = nlohmann::ordered_json;
 [[nodiscard]] Json json_of(const field::Box& box);       // {"min": [x, y, z], "max": [x, y, z]}
 [[nodiscard]] Json json_of(const field::IndexBox& box);  // likewise; null if it is empty
 [[nodiscard]] Json json_of(const field::Affine& map);    // three rows of four numbers: the matrix, then the offset
-[[nodiscard]] Json json_of(const Error& error);          // kind, exit_code, message, hint
+[[nodiscard]] Json json_of(const Error& error);          // kind, exit_code, reason (or null), message, hint
 [[nodiscard]] Json json_of(const StageTime& time);       // wall_seconds, cpu_seconds
 // What connectivity and size tell of a mesh; genus and volume are null unless it is closed.
 [[nodiscard]] Json json_of(const mesh::Topology& topology, const mesh::MeshSize& size);

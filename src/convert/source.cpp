@@ -53,6 +53,8 @@ Result<Source> open_source(const SourceOptions& options, bool keep_data, const C
   if (!field) return tl::unexpected(std::move(field.error()));
   Source source;
   source.label = field_label(*field);
+  const auto* sparse = std::get_if<field::SparseSamples>(&field->samples);
+  source.empty = sparse != nullptr && sparse->blocks.empty() && sparse->tiles.empty() && sparse->active_voxels == 0;
   source.field = std::move(*field);
   for (const WorkFact& fact : reading_facts(source.field)) events.worked(fact);
   if (options.resolution) {

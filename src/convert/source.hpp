@@ -20,7 +20,8 @@ struct Source {
   std::optional<field::ScalarField> data;  // what was read, where `field` is another grid and the data were asked for
   field::Affine output_from_index;
   std::optional<field::IndexBox> region;
-  std::string label;  // what messages call it
+  std::string label;   // what messages call it
+  bool empty = false;  // what was read has no voxels
 
   // How a surface of it is extracted.
   [[nodiscard]] extract::ExtractOptions extract_options(const SurfaceOptions& surface, double iso) const;

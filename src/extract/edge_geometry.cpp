@@ -10,18 +10,16 @@ namespace {
 double max_component(const glm::dvec3& v) { return std::max({v.x, v.y, v.z}); }
 
 constexpr double kLargestMargin = 0x1p-6;
-// Above that, of a grid of more than about 512 samples a side, a region has a frame of its own.
-constexpr double kSharedMargin = 0x1p-12;
 
 // Eight times what float32 rounds by, as a fraction of the shortest grid step that the rounding can act against. At 512
 // samples a side this is 0.0002 of an edge.
-double wanted_margin(const field::Affine& output_from_index, const field::Box& local) {
+double wanted_margin(const field::Affine& local_from_index, const field::Box& local) {
   constexpr double kRounding = 0x1p-24;  // half a unit in the last place of 1
   constexpr double kFactor = 8;
   const glm::dvec3 farthest = glm::max(glm::abs(local.min), glm::abs(local.max));
   double margin = 0;
   for (int axis = 0; axis < 3; ++axis) {
-    const glm::dvec3 step = output_from_index.linear[axis];
+    const glm::dvec3 step = local_from_index.linear[axis];
     const double length = glm::length(step);
     for (int component = 0; component < 3; ++component) {
       if (std::abs(step[component]) <= 1e-9 * length) continue;
@@ -31,52 +29,27 @@ double wanted_margin(const field::Affine& output_from_index, const field::Box& l
   return margin;
 }
 
-// The float32 coordinates of a box of samples.
-struct Window {
-  glm::dvec3 origin;
-  field::Box local;
-  double margin;
-
-  Window(const field::Affine& output_from_index, const field::IndexBox& box) {
-    const field::Box output = field::image_of(output_from_index, {glm::dvec3(box.min), glm::dvec3(box.max)});
-    origin = mesh::choose_local_origin(output.min, output.max);
-    local = {output.min - origin, output.max - origin};
-    margin = wanted_margin(output_from_index, local);
-  }
-};
-
-Window choose_window(const field::Affine& output_from_index, const field::IndexBox& box,
-                     const std::optional<field::IndexBox>& region) {
-  const Window whole(output_from_index, box);
-  if (!region || whole.margin <= kSharedMargin) return whole;
-  const field::IndexBox part{glm::max(region->min, box.min), glm::min(region->max, box.max)};
-  if (glm::any(glm::greaterThan(part.min, part.max))) return whole;
-  Window window(output_from_index, part);
-  // One for regions of about one size: where they meet, samples that tie with iso put their vertices in one place.
-  window.margin = std::exp2(std::ceil(std::log2(window.margin)));
-  return window;
-}
-
 }  // namespace
 
-OutputFrame::OutputFrame(const field::Affine& output_from_index, const field::IndexBox& box,
-                         const std::optional<field::IndexBox>& region, field::FieldKind kind,
+OutputFrame::OutputFrame(const field::Affine& output_from_index, const field::IndexBox& box, field::FieldKind kind,
                          const field::ValueScale& scale)
     : local_from_index_(output_from_index),
       covector_map_(glm::transpose(glm::inverse(output_from_index.linear))),
       outward_((kind == field::FieldKind::level_set) == (scale.slope > 0) ? 1 : -1),
       mirrored_(output_from_index.determinant() < 0) {
-  const Window window = choose_window(output_from_index, box, region);
-  origin_ = window.origin;
+  const field::Box world = field::image_of(output_from_index, {glm::dvec3(box.min), glm::dvec3(box.max)});
+  origin_ = mesh::choose_local_origin(world.min, world.max);
   local_from_index_.offset -= origin_;
-  margin_ = std::min(window.margin, kLargestMargin);
+  const field::Box local{world.min - origin_, world.max - origin_};
+  const double margin = wanted_margin(local_from_index_, local);
+  margin_ = std::min(margin, kLargestMargin);
 
-  const double farthest = max_component(glm::max(glm::abs(window.local.min), glm::abs(window.local.max)));
+  const double farthest = max_component(glm::max(glm::abs(local.min), glm::abs(local.max)));
   double shortest = std::numeric_limits<double>::infinity();
   for (int axis = 0; axis < 3; ++axis) shortest = std::min(shortest, glm::length(local_from_index_.linear[axis]));
   constexpr double kRoundingEats = 16;  // times the largest margin: then rounding is of the margin's size
-  fits_float32_ = farthest < std::numeric_limits<float>::max() && window.margin <= kRoundingEats * kLargestMargin &&
-                  shortest * margin_ > std::numeric_limits<float>::min();
+  in_range_ = farthest < std::numeric_limits<float>::max() && shortest * margin_ > std::numeric_limits<float>::min();
+  reaches_too_far_ = !(margin <= kRoundingEats * kLargestMargin);
 }
 
 glm::vec3 OutputFrame::normal(const glm::dvec3& gradient, const glm::dvec3& out) const {
@@ -89,6 +62,16 @@ glm::vec3 OutputFrame::normal(const glm::dvec3& gradient, const glm::dvec3& out)
     if (std::isfinite(length) && length > 0) return scaled / length;
   }
   return glm::normalize(local_from_index_.linear * out);
+}
+
+OutputFrame output_frame(const field::ScalarField& field, const field::Affine& output_from_index,
+                         const field::IndexBox& stored, const field::IndexBox& region) {
+  const OutputFrame whole(output_from_index, stored, field.kind, field.scale);
+  constexpr double kSharedMargin = 0x1p-12;  // that of about 512 samples a side
+  const bool all =
+      glm::all(glm::lessThanEqual(region.min, stored.min)) && glm::all(glm::greaterThanEqual(region.max, stored.max));
+  if (all || whole.margin() <= kSharedMargin) return whole;
+  return {output_from_index, region, field.kind, field.scale};
 }
 
 }  // namespace isoextract::extract

@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <limits>
-#include <optional>
 
 #include <glm/glm.hpp>
 
@@ -39,17 +38,17 @@ namespace isoextract::extract {
 // From index space to the float32 positions of a mesh.
 class OutputFrame {
  public:
-  // `box` holds every sample of the field. A region changes no position, but for fields so large (more than about 512
-  // samples a side) that the margin can be seen: there positions are relative to the region, and the margin is that of
-  // a field of the region's size. Two such regions agree where they meet as far as float32 goes, not bit for bit.
-  OutputFrame(const field::Affine& output_from_index, const field::IndexBox& box,
-              const std::optional<field::IndexBox>& region, field::FieldKind kind, const field::ValueScale& scale);
+  // `box` holds every sample that vertices may lie at.
+  OutputFrame(const field::Affine& output_from_index, const field::IndexBox& box, field::FieldKind kind,
+              const field::ValueScale& scale);
 
   [[nodiscard]] const glm::dvec3& origin() const { return origin_; }
   [[nodiscard]] double margin() const { return margin_; }
-  // False if float32 cannot hold the positions apart: coordinates or steps leave its range, or the samples (those of
-  // the region) reach so far (more than about 2^19 steps) that rounding eats the margin.
-  [[nodiscard]] bool fits_float32() const { return fits_float32_; }
+  // False if float32 cannot hold the positions apart: coordinates or steps leave its range, or the samples reach too
+  // far.
+  [[nodiscard]] bool fits_float32() const { return in_range_ && !reaches_too_far_; }
+  // True if samples lie so far (more than about 2^19 steps) from the origin that rounding eats the margin.
+  [[nodiscard]] bool reaches_too_far() const { return reaches_too_far_; }
   // True if triangles must be turned over, because the transform mirrors.
   [[nodiscard]] bool mirrored() const { return mirrored_; }
 
@@ -78,8 +77,15 @@ class OutputFrame {
   double outward_;           // +1 if values grow outward in stored samples
   double margin_;
   bool mirrored_;
-  bool fits_float32_;
+  bool in_range_;
+  bool reaches_too_far_;
 };
+
+// The frame for the samples of `field` in `region`, of all those in `stored`. It is that of all samples, so that a
+// region changes no position, unless they reach so far (more than about 512 steps) that their margin can be seen: then
+// it is the region's own, and two regions agree where they meet as far as float32 goes, not bit for bit.
+[[nodiscard]] OutputFrame output_frame(const field::ScalarField& field, const field::Affine& output_from_index,
+                                       const field::IndexBox& stored, const field::IndexBox& region);
 
 // The step of a direction's axis bits, see cell_tables.hpp.
 [[nodiscard]] inline glm::ivec3 direction_step(int direction) {

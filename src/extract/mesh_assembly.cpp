@@ -40,6 +40,13 @@ Result<field::IndexBox> clip_region(const field::ScalarField& field, const field
 
 Result<void> check_placement(const field::ScalarField& field, const OutputFrame& placement) {
   if (placement.fits_float32()) return {};
+  if (placement.reaches_too_far()) {
+    return fail(ErrorKind::input,
+                fmt::format("{}: its samples reach too far, more than about 2^20 of them along an axis, for float32 "
+                            "positions to hold them apart",
+                            field.source),
+                Remedy::extract_part);
+  }
   return fail(ErrorKind::input,
               fmt::format("{}: its placed coordinates leave what float32 positions can hold apart", field.source),
               Remedy::rescale);

@@ -136,16 +136,4 @@ Result<std::filesystem::path> resolve_beside(const std::filesystem::path& header
   return resolved;
 }
 
-std::string printable(std::string_view text, std::size_t max_length) {
-  std::string shown(text.substr(0, max_length));
-  std::ranges::replace_if(
-      shown, [](char c) { return c < 0x20 || c > 0x7e; }, '?');
-  if (text.size() > max_length) shown += "...";
-  return shown;
-}
-
-std::string printable(std::span<const std::byte> bytes, std::size_t max_length) {
-  return printable(std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()), max_length);
-}
-
 }  // namespace isoextract::files

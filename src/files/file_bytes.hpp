@@ -10,6 +10,7 @@
 
 #include "base/context.hpp"
 #include "base/error.hpp"
+#include "base/printable.hpp"
 
 namespace isoextract::files {
 
@@ -55,8 +56,6 @@ class InputFile {
 [[nodiscard]] Result<std::filesystem::path> resolve_beside(const std::filesystem::path& header,
                                                            const std::string& data_file);
 
-// For messages: printable ASCII as it is, the rest as '?'; at most `max_length` characters.
-[[nodiscard]] std::string printable(std::span<const std::byte> bytes, std::size_t max_length);
-[[nodiscard]] std::string printable(std::string_view text, std::size_t max_length);
+using isoextract::printable;  // what is shown of a file's bytes
 
 }  // namespace isoextract::files

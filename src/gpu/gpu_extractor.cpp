@@ -28,7 +28,7 @@ class DenseSurface final : public DrawnSurface {
   DenseSurface(const field::ScalarField& field, const field::DenseSamples& samples, const field::IndexBox& region,
                extract::DenseMasks masks, const extract::ExtractOptions& options, const DrawingTools& tools,
                const Context& context)
-      : DrawnSurface(field, options, tools, {glm::ivec3(0), samples.dims - 1}, context),
+      : DrawnSurface(field, options, tools, {glm::ivec3(0), samples.dims - 1}, region, context),
         samples_(samples),
         whole_(extract::dense_view<T>(samples)),
         region_(region),
@@ -82,7 +82,7 @@ class SparseSurface final : public DrawnSurface {
  public:
   SparseSurface(const field::ScalarField& field, const field::SparseSamples& samples, const field::IndexBox& region,
                 const extract::ExtractOptions& options, const DrawingTools& tools, const Context& context)
-      : DrawnSurface(field, options, tools, extract::stored_box(samples), context),
+      : DrawnSurface(field, options, tools, extract::stored_box(samples), region, context),
         samples_(samples),
         region_(region),
         leaves_(field, samples, region, options, context) {}

@@ -30,9 +30,9 @@ class Checker {
         options_(options),
         traits_(traits),
         index_from_output_(glm::inverse(options.output_from_index.linear)),
-        margin_(extract::OutputFrame(options.output_from_index, {glm::ivec3(0), samples_.dims - 1}, options.region,
-                                     field.kind, field.scale)
-                    .margin()),
+        margin_(
+            extract::OutputFrame(options.output_from_index, {glm::ivec3(0), samples_.dims - 1}, field.kind, field.scale)
+                .margin()),
         whole_(0) {
     for (const glm::vec3& p : mesh.positions) {
       if (is_finite(p)) largest_ = glm::max(largest_, glm::abs(glm::dvec3(p)));

@@ -34,11 +34,11 @@ struct RawLayout {
 
 // What is to be read, as plain values.
 struct ReadOptions {
-  std::optional<std::string> format;  // the id of one; default: by content, then by extension
-  std::optional<std::string> grid;    // NAME or NAME[k], k counts grids of that name from 0; where formats have grids
-  std::optional<RawLayout> raw;       // raw files need it; for others it is an error
-  std::optional<glm::dvec3> spacing;  // replaces what the file says; raw and NPY have 1
-  std::optional<glm::dvec3> origin;   // world position of index (0, 0, 0); likewise
+  std::optional<std::string> format;     // the id of one; default: by content, then by extension
+  std::optional<std::string> grid;       // a grid's label or name (GridInfo), where formats have grids
+  std::optional<RawLayout> raw;          // raw files need it; for others it is an error
+  std::optional<glm::dvec3> spacing;     // replaces what the file says; raw and NPY have 1
+  std::optional<glm::dvec3> origin;      // world position of index (0, 0, 0); likewise
   std::optional<field::FieldKind> kind;  // replaces what the file says
 
   friend bool operator==(const ReadOptions&, const ReadOptions&) = default;
@@ -46,14 +46,14 @@ struct ReadOptions {
 
 // One grid of a file as its header tells, without reading samples.
 struct GridInfo {
-  std::string name;
-  int index_of_name = 0;                 // k of NAME[k]
-  bool name_repeats = false;             // true if NAME alone would not be enough
-  std::string type;                      // "float", "vec3s", ...
-  bool scalar = false;                   // a surface can be extracted from it
+  std::string name;     // as the file has it, which may be any bytes
+  std::string label;    // printable, and of no other grid of the file: NAME, or NAME[k] where it repeats
+  std::string type;     // "float", "vec3s", ...
+  bool scalar = false;  // a surface can be extracted from it
   std::optional<field::FieldKind> kind;  // where the file says so
-  field::IndexBox box;                   // active voxels, or all samples; may be empty
-  std::uint64_t voxels = 0;              // active voxels, or all samples
+  field::IndexBox box;                   // active voxels, or all samples; empty as well if they were not counted
+  std::optional<std::uint64_t> voxels;   // active voxels, or all samples; none if they were not counted
+  std::string frame_problem;             // why the place that the file gives it cannot be used; empty if it can
 };
 
 // What a format says of itself without looking at a file.

@@ -8,6 +8,7 @@ import sys
 import time
 
 from support import DATA, INSTALL, SOURCE, SPHERE, ProgramTest, main, needs_data, read_glb, read_ply
+from vdb_files import grid, vdb
 
 try:
     import jsonschema
@@ -194,15 +195,21 @@ class ReportTest(ProgramTest):
     def test_a_failure_is_reported_with_its_reason(self):
         report, run = self.report("missing.vdb", "--iso", "0", code=2)
         self.assertEqual((report["error"]["kind"], report["error"]["exit_code"]), ("input", 2))
+        self.assertIsNone(report["error"]["reason"])
         self.assertIn(report["error"]["message"], run.err)
         self.assertIsNone(report["input"])
 
         report, run = self.report(SPHERE, "--iso", "9", "-o", "a.glb", code=2)
         self.assertIn("no surface at iso 9", report["error"]["message"])
+        self.assertEqual(report["error"]["reason"], "no_surface")
         self.assertIn(report["error"]["hint"], run.err)
         self.assertEqual((report["meshes"], report["files"]), ([], []))
         self.assertEqual([stage["stage"] for stage in report["stages"]],
                          ["read", "classify", "count", "emit", "statistics"])
+
+        (self.folder / "empty.vdb").write_bytes(vdb(grid("nothing")))
+        report, _ = self.report("empty.vdb", "--iso", "0.5", code=2)
+        self.assertEqual((report["error"]["reason"], report["input"]["samples"]), ("empty_grid", 0))
 
         report, run = self.report(SPHERE, "--iso", "0", "-o", "nowhere/a.glb", code=4)
         self.assertEqual(report["error"]["kind"], "output")

@@ -58,7 +58,7 @@ void read_one(const std::uint8_t* data, std::size_t size) {
   if (grids && grids->size() > 1) {
     const auto scalar =
         std::find_if(grids->begin(), grids->end(), [](const volumes::GridInfo& grid) { return grid.scalar; });
-    if (scalar != grids->end()) options.grid = scalar->name + "[" + std::to_string(scalar->index_of_name) + "]";
+    if (scalar != grids->end()) options.grid = scalar->label;
   }
   const auto field = volumes::read_volume(input, options, context);
   if (!field) {

@@ -45,6 +45,16 @@ void write_nrrd(const fs::path& folder) {
   seed("text", "type: float\nencoding: ascii\n", "1 2 3 4.5 nan\n");
   seed("detached", "type: uint8\nencoding: raw\ndata file: volume.nrrd\nbyte skip: -1\n", ramp_bytes<std::uint8_t>());
   seed("list", "type: uint8\nencoding: raw\ndata file: slice%02d.raw 1 3 1 2\n", "");
+  // Around the lengths and numbers that teem has room for.
+  const std::string many(1100, 'x');
+  seed("long_texts", fmt::format("# {0}\nkey:={0}\ncontent: {0}\ntype: uint8\nencoding: raw\n", many),
+       ramp_bytes<std::uint8_t>());
+  seed("long_field", fmt::format("kinds: {}\ntype: uint8\nencoding: raw\n", many), "");
+  seed("long_name", fmt::format("{}: 1\ntype: uint8\nencoding: raw\n", many), "");
+  seed("longest_field", fmt::format("space: {}\ntype: uint8\nencoding: raw\n", many.substr(0, 760)), "");
+  std::string ones = "1";
+  for (int i = 0; i < 16; ++i) ones += " 1";
+  write_bytes(folder / "many_values", fmt::format("NRRD0005\ndimension: 16\nsizes: {}\n\n", ones));
 }
 
 template <class Header>
@@ -151,6 +161,16 @@ void write_vdbs(const fs::path& folder) {
   velocity->setName("velocity");
   write_vdb(folder / "half", {fog});
   write_vdb(folder / "several", {fog, counts, precise, velocity});
+  const auto flags = openvdb::BoolGrid::create();
+  flags->fill({{0, 0, 0}, {1, 1, 1}}, true);
+  const auto places = openvdb::MaskGrid::create();
+  places->fill({{0, 0, 0}, {2, 2, 2}}, true);
+  const auto instance = openvdb::FloatGrid::create(fog->treePtr());
+  instance->setSaveFloatAsHalf(true);
+  velocity->fill({{0, 0, 0}, {1, 2, 3}}, openvdb::Vec3s(1, 2, 3));
+  write_vdb_stream(folder / "stream", {fog, instance});
+  write_vdb_stream(folder / "stream_several", {velocity, flags, places, counts}, openvdb::io::COMPRESS_ZIP);
+  write_vdb_stream(folder / "stream_blosc", {precise, fog}, openvdb::io::COMPRESS_BLOSC, false);
 }
 
 mesh::Mesh coloured(mesh::ComponentType type, std::size_t components) {

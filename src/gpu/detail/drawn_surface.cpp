@@ -9,14 +9,15 @@
 namespace isoextract::gpu {
 
 DrawnSurface::DrawnSurface(const field::ScalarField& field, const extract::ExtractOptions& options,
-                           const DrawingTools& tools, const field::IndexBox& stored, const Context& context)
+                           const DrawingTools& tools, const field::IndexBox& stored, const field::IndexBox& region,
+                           const Context& context)
     : field_(field),
       options_(options),
       tools_(tools),
       context_(context),
       pipeline_(pipeline_of(options.method, tools.options).value()),
       table_(extract::case_table(options.method)),
-      placement_(options.output_from_index, stored, options.region, field.kind, field.scale) {}
+      placement_(extract::output_frame(field, options.output_from_index, stored, region)) {}
 
 void DrawnSurface::found(const SurfacePlace& place, std::unique_ptr<FieldSource> source) {
   place_ = place;

@@ -49,10 +49,10 @@ struct SurfacePlace {
 // welded before the next: so `count` draws all of it, and `emit` only puts together what is there.
 class DrawnSurface {
  public:
-  // All arguments must outlive it; `stored` is the box of the samples that the mesh's frame reaches around. There
-  // is a pipeline for the method.
+  // All arguments but the boxes must outlive it; `region` of the samples in `stored` is drawn. There is a pipeline for
+  // the method.
   DrawnSurface(const field::ScalarField& field, const extract::ExtractOptions& options, const DrawingTools& tools,
-               const field::IndexBox& stored, const Context& context);
+               const field::IndexBox& stored, const field::IndexBox& region, const Context& context);
   virtual ~DrawnSurface() = default;
 
   [[nodiscard]] const extract::OutputFrame& placement() const { return placement_; }

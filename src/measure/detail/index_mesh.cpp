@@ -15,9 +15,12 @@ IndexMesh::IndexMesh(const mesh::Mesh& mesh, const field::ScalarField& field, co
   local_offset_ = mesh.origin - output_from_index_.offset;
   const auto* sparse = std::get_if<field::SparseSamples>(&field.samples);
   const field::IndexBox samples = sparse != nullptr ? extract::stored_box(*sparse) : field.extents();
+  field::IndexBox region = samples;
+  if (extracted.region && grid == nullptr) {
+    region = {glm::max(samples.min - 1, extracted.region->min), glm::min(samples.max + 1, extracted.region->max)};
+  }
   // Half of what keeps vertices off the ends of their edges: closer than that only rounding brings them.
-  const auto region = grid == nullptr ? extracted.region : std::nullopt;  // of a grid it counts other steps
-  tolerance_ = extract::OutputFrame(output_from_index_, samples, region, field.kind, field.scale).margin() / 2;
+  tolerance_ = extract::output_frame(field, output_from_index_, samples, region).margin() / 2;
   if (!extracted.cap) return;
   std::optional<field::IndexBox> cap = extracted.region;
   // Unbounded samples have no other border.

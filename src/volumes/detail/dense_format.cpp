@@ -6,7 +6,9 @@
 #include <fmt/format.h>
 
 #include "base/checked.hpp"
+#include "base/printable.hpp"
 #include "base/reserved_buffer.hpp"
+#include "volumes/detail/grid_choice.hpp"
 
 namespace isoextract::volumes {
 namespace {
@@ -121,6 +123,7 @@ std::string describe_samples(const glm::ivec3& dims, field::SampleType type) {
 
 GridInfo dense_grid(std::string name, const glm::ivec3& dims, field::SampleType type) {
   GridInfo info;
+  info.label = printable(name, kMaxLabel);
   info.name = std::move(name);
   info.type = field::sample_type_name(type);
   info.scalar = true;

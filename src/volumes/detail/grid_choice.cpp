@@ -6,32 +6,58 @@
 
 #include <fmt/format.h>
 
-#include "files/file_bytes.hpp"
+#include "base/printable.hpp"
 
 namespace isoextract::volumes {
 namespace {
 
 std::string describe_grid(const GridInfo& grid) {
   if (!grid.scalar) return "not scalar";
-  const char* kind = "";
-  if (grid.kind) kind = *grid.kind == field::FieldKind::level_set ? ", level set" : ", fog volume";
-  if (grid.voxels == 0) return fmt::format("empty{}", kind);
-  const field::IndexBox& box = grid.box;
-  return fmt::format("{} active voxels in [{},{},{}]..[{},{},{}]{}", grid.voxels, box.min.x, box.min.y, box.min.z,
-                     box.max.x, box.max.y, box.max.z, kind);
+  std::string text = "not counted";
+  if (grid.voxels) {
+    const field::IndexBox& box = grid.box;
+    text = *grid.voxels == 0 ? "empty"
+                             : fmt::format("{} active voxels in [{},{},{}]..[{},{},{}]", *grid.voxels, box.min.x,
+                                           box.min.y, box.min.z, box.max.x, box.max.y, box.max.z);
+  }
+  if (grid.kind) text += *grid.kind == field::FieldKind::level_set ? ", level set" : ", fog volume";
+  if (!grid.frame_problem.empty()) text += "; its place cannot be used: " + grid.frame_problem;
+  return text;
+}
+
+template <class F>
+std::vector<std::size_t> indices_where(std::span<const GridInfo> grids, const F& is_meant) {
+  std::vector<std::size_t> found;
+  for (std::size_t i = 0; i < grids.size(); ++i) {
+    if (is_meant(grids[i])) found.push_back(i);
+  }
+  return found;
+}
+
+// The one of a label; where there is none, those of a name, as the file has it or as it is shown.
+std::vector<std::size_t> grids_called(std::span<const GridInfo> grids, const std::string& wanted) {
+  auto found = indices_where(grids, [&](const GridInfo& grid) { return grid.label == wanted; });
+  if (!found.empty()) return found;
+  return indices_where(
+      grids, [&](const GridInfo& grid) { return grid.name == wanted || printable(grid.name, kMaxLabel) == wanted; });
 }
 
 }  // namespace
 
-void number_repeated_names(std::span<GridInfo> grids) {
-  std::map<std::string, int> counts;
-  for (GridInfo& info : grids) info.index_of_name = counts[info.name]++;
-  for (GridInfo& info : grids) info.name_repeats = counts[info.name] > 1;
-}
-
-std::string grid_label(const GridInfo& grid) {
-  const std::string name = files::printable(std::string_view(grid.name), 200);
-  return grid.name_repeats ? fmt::format("{}[{}]", name, grid.index_of_name) : name;
+void label_grids(std::span<GridInfo> grids) {
+  std::map<std::string, int> names;  // as they are shown, and how many grids have them
+  for (GridInfo& grid : grids) {
+    grid.label = printable(grid.name, kMaxLabel);
+    ++names[grid.label];
+  }
+  std::map<std::string, int> next;
+  for (GridInfo& grid : grids) {
+    const std::string name = grid.label;
+    if (names[name] == 1) continue;
+    do {
+      grid.label = fmt::format("{}[{}]", name, next[name]++);
+    } while (names.contains(grid.label));
+  }
 }
 
 std::string grid_table(std::span<const GridInfo> grids) {
@@ -40,12 +66,12 @@ std::string grid_table(std::span<const GridInfo> grids) {
   std::size_t label_width = 0;
   std::size_t type_width = 0;
   for (const GridInfo& grid : shown) {
-    label_width = std::max(label_width, grid_label(grid).size());
+    label_width = std::max(label_width, grid.label.size());
     type_width = std::max(type_width, grid.type.size());
   }
   std::string table;
   for (const GridInfo& grid : shown) {
-    table += fmt::format("{}  {:<{}}  {:<{}}  {}", table.empty() ? "" : "\n", grid_label(grid), label_width, grid.type,
+    table += fmt::format("{}  {:<{}}  {:<{}}  {}", table.empty() ? "" : "\n", grid.label, label_width, grid.type,
                          type_width, describe_grid(grid));
   }
   if (shown.size() < grids.size()) table += fmt::format("\n  ... and {} more", grids.size() - shown.size());
@@ -56,11 +82,8 @@ Result<std::size_t> choose_grid(const std::string& file, std::span<const GridInf
                                 const std::optional<std::string>& wanted) {
   const auto listed = [&](Remedy remedy) { return Hint(remedy, "\n" + grid_table(grids)); };
   if (grids.empty()) return fail(ErrorKind::input, file + ": there is no grid in the file");
-  std::vector<std::size_t> found;
-  for (std::size_t i = 0; i < grids.size(); ++i) {
-    const bool match = wanted ? grids[i].name == *wanted || grid_label(grids[i]) == *wanted : grids[i].scalar;
-    if (match) found.push_back(i);
-  }
+  const auto found =
+      wanted ? grids_called(grids, *wanted) : indices_where(grids, [](const GridInfo& grid) { return grid.scalar; });
   if (!wanted) {
     if (found.size() == 1) return found.front();
     const auto message = found.empty() ? fmt::format("{}: expected a grid of float, double or int32, found none", file)
@@ -69,18 +92,18 @@ Result<std::size_t> choose_grid(const std::string& file, std::span<const GridInf
                 found.empty() ? Hint("its grids are\n" + grid_table(grids)) : listed(Remedy::choose_grid));
   }
   if (found.empty()) {
-    return fail(ErrorKind::input,
-                fmt::format("{}: there is no grid '{}'", file, files::printable(std::string_view(*wanted), 200)),
+    return fail(ErrorKind::input, fmt::format("{}: there is no grid '{}'", file, printable(*wanted, kMaxLabel)),
                 listed(Remedy::choose_grid));
   }
   if (found.size() > 1) {
-    return fail(ErrorKind::input, fmt::format("{}: {} grids are named '{}'", file, found.size(), *wanted),
+    return fail(ErrorKind::input,
+                fmt::format("{}: {} grids are named '{}'", file, found.size(), printable(*wanted, kMaxLabel)),
                 listed(Remedy::choose_grid_number));
   }
   if (!grids[found.front()].scalar) {
     return fail(ErrorKind::input,
-                fmt::format("{}: expected a grid of float, double or int32, '{}' holds {}", file, *wanted,
-                            grids[found.front()].type),
+                fmt::format("{}: expected a grid of float, double or int32, '{}' holds {}", file,
+                            grids[found.front()].label, grids[found.front()].type),
                 listed(Remedy::choose_grid));
   }
   return found.front();

@@ -10,16 +10,17 @@
 
 namespace isoextract::volumes {
 
-// Sets GridInfo::index_of_name and name_repeats from the names.
-void number_repeated_names(std::span<GridInfo> grids);
+inline constexpr std::size_t kMaxLabel = 200;  // bytes of a name that are shown
 
-// NAME, or NAME[k] where names repeat.
-[[nodiscard]] std::string grid_label(const GridInfo& grid);
+// Sets GridInfo::label from the names: where they look alike, k of NAME[k] counts up in the order of the file, from 0
+// on and without those that make the name of another grid.
+void label_grids(std::span<GridInfo> grids);
 
 // One line a grid: label, type, class, active voxels, box. At most 100 of them.
 [[nodiscard]] std::string grid_table(std::span<const GridInfo> grids);
 
-// The index of the wanted grid or, where none is named, of the only scalar one. The hint of a failure lists them.
+// The index of the wanted grid, by its label or else by its name, or, where none is named, of the only scalar one. The
+// hint of a failure lists them.
 [[nodiscard]] Result<std::size_t> choose_grid(const std::string& file, std::span<const GridInfo> grids,
                                               const std::optional<std::string>& wanted);
 

@@ -14,6 +14,7 @@
 #include <fmt/ranges.h>
 
 #include <volume_plugin.h>
+#include "base/printable.hpp"
 #include "volumes/detail/dense_format.hpp"
 #include "volumes/detail/file_start.hpp"
 #include "volumes/detail/grid_choice.hpp"
@@ -143,7 +144,7 @@ class PluginFormat final : public VolumeFormat {
     if (auto read = file->read_at(0, start); !read) return tl::unexpected(read.error());
     if ((*plugin)->probe(reinterpret_cast<const unsigned char*>(start.data()), start.size(), input.c_str()) == 0) {
       return fail(ErrorKind::input, fmt::format("{}: not a file of the format {}; it starts with '{}'", input,
-                                                about().id, files::printable(start, 16)));
+                                                about().id, printable(start, 16)));
     }
     return plugin;
   }
@@ -217,10 +218,10 @@ class PluginFormat final : public VolumeFormat {
       } else if (grid.sample_type != ISOEXTRACT_NOT_SCALAR) {
         return refused(input, fmt::format("samples of an unknown type ({})", grid.sample_type));
       }
-      info.type = files::printable(std::string_view(text_of(grid.type_name)), 80);
+      info.type = printable(text_of(grid.type_name), 80);
       grids.push_back(std::move(info));
     }
-    number_repeated_names(grids);
+    label_grids(grids);
     return grids;
   }
 
@@ -266,7 +267,7 @@ FormatDescription read_table(const std::string& id, const fs::path& path) {
     if (colon == std::string::npos) continue;
     const std::string key = line.substr(0, colon);
     const std::string value = line.substr(colon + 2);
-    if (key == "title") about.title = files::printable(std::string_view(value), 200);
+    if (key == "title") about.title = printable(value, 200);
     if (key != "extensions") continue;
     std::istringstream words(value);
     for (std::string word; words >> word;) {

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/printable.hpp"
 #include "files/file_bytes.hpp"
 #include "volumes/detail/formats.hpp"
 
@@ -47,7 +48,7 @@ tl::unexpected<Error> fail_unknown(const files::InputFile& file, std::span<const
   }
   return fail(ErrorKind::input,
               fmt::format("{}: not a volume format that isoextract reads; it starts with '{}'", file.name(),
-                          files::printable(content, 16)),
+                          printable(content, 16)),
               Hint(hint));
 }
 

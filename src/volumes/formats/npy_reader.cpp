@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/printable.hpp"
 #include "volumes/detail/dense_format.hpp"
 #include "volumes/detail/file_start.hpp"
 #include "volumes/detail/formats.hpp"
@@ -188,13 +189,13 @@ Result<DenseFile> open_npy(const files::InputFile& file) {
   if (!header) {
     return fail(ErrorKind::input,
                 fmt::format("{}: expected a header with 'descr', 'fortran_order' and 'shape', found {}", file.name(),
-                            files::printable(std::string_view(preamble->text), 120)));
+                            printable(preamble->text, 120)));
   }
   const auto type = parse_descr(*header->descr);
   if (!type) {
     return fail(ErrorKind::input,
                 fmt::format("{}: expected numbers of type u1, i1, u2, i2, u4, i4, f2, f4 or f8, found {}", file.name(),
-                            files::printable(std::string_view(*header->descr), 40)),
+                            printable(*header->descr, 40)),
                 "convert the array in NumPy, for example with a.astype('f4')");
   }
 

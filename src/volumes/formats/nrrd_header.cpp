@@ -5,11 +5,18 @@
 #include <charconv>
 
 #include <fmt/format.h>
+#include <teem/nrrd.h>
+
+#include "base/printable.hpp"
 
 namespace isoextract::volumes {
 namespace {
 
 constexpr std::size_t kMaxHeader = std::size_t{16} << 20;
+// teem 1.12 writes each message into AIR_STRLEN_HUGE bytes without looking: what it says itself, less than 200 bytes,
+// and one line of the header or a part of it.
+constexpr std::size_t kMaxLine = 768;
+static_assert(kMaxLine + 200 < AIR_STRLEN_HUGE);
 
 std::string_view trim(std::string_view text) {
   const std::size_t begin = std::min(text.find_first_not_of(" \t"), text.size());
@@ -37,6 +44,7 @@ class HeaderLines {
     const std::size_t stop = std::min(end, text_.size());
     std::string line = text_.substr(begin_, stop - begin_);
     begin_ = std::min(stop + 1, text_.size());
+    ++number_;
     if (line.ends_with('\r')) line.pop_back();
     if (line.find('\0') != std::string::npos) {
       return fail(ErrorKind::input, file_.name() + ": expected a header of text, found binary data");
@@ -45,6 +53,7 @@ class HeaderLines {
   }
 
   [[nodiscard]] std::uint64_t position() const { return begin_; }
+  [[nodiscard]] std::uint64_t number() const { return number_; }  // of the line that came last, from 1
 
  private:
   Result<void> grow() {
@@ -57,7 +66,50 @@ class HeaderLines {
   const files::InputFile& file_;
   std::string text_;
   std::size_t begin_ = 0;
+  std::uint64_t number_ = 0;
 };
+
+// The field that a line is to teem, which takes ": " for the end of a name; nrrdField_unknown for lines without one.
+int field_of(const std::string& line) {
+  const std::size_t colon = line.find(": ");
+  if (colon == std::string::npos) return nrrdField_unknown;
+  return ::airEnumVal(nrrdField, line.substr(0, colon).c_str());
+}
+
+// Comments, key/value pairs and what the volume is about: any text, of any length, that says nothing of the samples.
+bool is_free_text(const std::string& line) {
+  if (line.starts_with('#')) return true;
+  const int field = field_of(line);
+  return field == nrrdField_content || (field == nrrdField_unknown && line.find(":=") != std::string::npos);
+}
+
+// teem looks for one value more than there are axes, in an array for as many as there can be.
+bool has_value_per_axis(int field) {
+  return field == nrrdField_sizes || field == nrrdField_spacings || field == nrrdField_thicknesses ||
+         field == nrrdField_axis_mins || field == nrrdField_axis_maxs;
+}
+
+std::size_t count_words(std::string_view text) {
+  std::size_t count = 0;
+  for (text = trim(text); !text.empty(); ++count) {
+    text.remove_prefix(std::min(text.find_first_of(" \t"), text.size()));
+    text = trim(text);
+  }
+  return count;
+}
+
+// Fails for lines that would overrun a buffer of teem.
+Result<void> check_line(const files::InputFile& file, std::uint64_t number, const std::string& line) {
+  if (line.size() > kMaxLine) {
+    return fail(ErrorKind::input, fmt::format("{}: line {} of the header has {} bytes, the limit is {}: '{}'",
+                                              file.name(), number, line.size(), kMaxLine, printable(line, 40)));
+  }
+  if (!has_value_per_axis(field_of(line))) return {};
+  const std::size_t values = count_words(std::string_view(line).substr(line.find(": ") + 1));
+  if (values <= NRRD_DIM_MAX) return {};
+  return fail(ErrorKind::input, fmt::format("{}: line {} of the header has {} values, a NRRD has at most {} axes: '{}'",
+                                            file.name(), number, values, NRRD_DIM_MAX, printable(line, 40)));
+}
 
 template <class T>
 std::optional<T> parse_number(std::string_view& text) {
@@ -174,6 +226,8 @@ Result<NrrdHeaderText> read_nrrd_header(const files::InputFile& file) {
     }
     std::string_view value;
     if (!is_data_file_field(line, value)) {
+      if (line.size() > kMaxLine && is_free_text(line)) continue;
+      if (auto fine = check_line(file, lines.number(), line); !fine) return tl::unexpected(fine.error());
       header.fields += line + '\n';
       continue;
     }

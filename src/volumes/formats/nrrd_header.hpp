@@ -1,5 +1,5 @@
 // The text of a NRRD header, split before the library sees it: where the samples are is read here, so that no file is
-// opened on a header's word. Private to the NRRD reader.
+// opened on a header's word, and lines that the library is not made for are found. Private to the NRRD reader.
 #pragma once
 
 #include <cstdint>
@@ -38,13 +38,15 @@ struct NrrdDataFiles {
 };
 
 struct NrrdHeaderText {
-  std::string fields;                     // all lines but those of "data file", for the library
+  // For the library: all lines but those of "data file", and without texts that are too long for it and say nothing of
+  // the samples (comments, key/value pairs, the content).
+  std::string fields;
   std::optional<NrrdDataFiles> detached;  // empty: the samples follow the header
   std::uint64_t data_offset = 0;          // of an attached file: behind the empty line
 };
 
-// Fails with ErrorKind::input where the text does not end, is binary or names its data files in a way that is not
-// understood.
+// Fails with ErrorKind::input where the text does not end, is binary, has a line that the library has no room for, or
+// names its data files in a way that is not understood.
 [[nodiscard]] Result<NrrdHeaderText> read_nrrd_header(const files::InputFile& file);
 
 }  // namespace isoextract::volumes

@@ -9,6 +9,7 @@
 #include <teem/nrrd.h>
 
 #include "base/checked.hpp"
+#include "base/printable.hpp"
 #include "volumes/detail/dense_format.hpp"
 #include "volumes/detail/file_start.hpp"
 #include "volumes/detail/formats.hpp"
@@ -46,7 +47,7 @@ std::string innermost_message(std::string messages) {
   const std::size_t names = messages.rfind("Parse_");
   const std::size_t colon = messages.find(": ", names == std::string::npos ? 0 : names);
   if (colon != std::string::npos) messages.erase(0, colon + 2);
-  return files::printable(std::string_view(messages), 300);
+  return printable(messages, 300);
 }
 
 Result<void> check_fields(const std::string& file, const ParsedNrrd& parsed) {

@@ -58,7 +58,13 @@ std::string VdbCursor::read_text(std::uint64_t length) {
 std::string VdbCursor::read_name() {
   constexpr std::uint32_t kMaxLength = 64 << 10;
   const auto length = read_value<std::uint32_t>();
-  if (length > kMaxLength) throw VdbDamaged(fmt::format("a name is said to be {} characters long", length));
+  if (length > end_ - position()) {
+    throw VdbDamaged(
+        fmt::format("a name is said to be {} characters long, the {} has {}", length, what_ends(), end_ - position()));
+  }
+  if (length > kMaxLength) {
+    throw VdbUnsupported(fmt::format("a name is {} characters long, the limit is {}", length, kMaxLength));
+  }
   return read_text(length);
 }
 

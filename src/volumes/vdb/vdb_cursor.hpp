@@ -22,6 +22,12 @@ class VdbDamaged : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// Likewise: what may be right, but is not read here.
+class VdbUnsupported : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
 // Likewise: why the work ends although the file may be sound.
 class VdbRefused : public std::runtime_error {
  public:
@@ -58,7 +64,7 @@ class VdbCursor {
     std::memcpy(&value, take(sizeof value).data(), sizeof value);
     return value;
   }
-  // A length and that many characters. Lengths beyond any name's are damage.
+  // A length and that many characters. Throws VdbUnsupported for names that are longer than any should be.
   [[nodiscard]] std::string read_name();
   [[nodiscard]] std::string read_text(std::uint64_t length);
 

@@ -5,6 +5,10 @@
 
 #include <fmt/format.h>
 
+#include "base/printable.hpp"
+#include "volumes/vdb/vdb_skip.hpp"
+#include "volumes/vdb/vdb_transform.hpp"
+
 namespace isoextract::volumes {
 namespace {
 
@@ -60,14 +64,54 @@ void read_grid_metadata(VdbCursor& cursor, VdbGridRecord& grid) {
   if (grid.box->empty()) grid.box = field::IndexBox{};
 }
 
-// "Tree_float_5_4_3" -> "float"; other names as they are.
+// "Tree_float_5_4_3" -> "float", "Tree_float_4_3" -> "float (tree 4_3)"; other names as they are.
 std::string value_type_of(const std::string& tree_type) {
   constexpr std::string_view kPrefix = "Tree_";
-  if (!tree_type.starts_with(kPrefix)) return tree_type;
-  return tree_type.substr(kPrefix.size(), tree_type.find('_', kPrefix.size()) - kPrefix.size());
+  constexpr std::string_view kUsualShape = "5_4_3";
+  const std::size_t end = tree_type.find('_', kPrefix.size());
+  if (!tree_type.starts_with(kPrefix) || end == std::string::npos) return tree_type;
+  const std::string value = tree_type.substr(kPrefix.size(), end - kPrefix.size());
+  const std::string shape = tree_type.substr(end + 1);
+  return shape == kUsualShape ? value : fmt::format("{} (tree {})", value, shape);
 }
 
-VdbGridRecord read_descriptor(VdbCursor& cursor) {
+// Leaves the cursor behind the transform. False where nobody knows where that is.
+bool read_frame(VdbCursor& cursor, VdbGridRecord& grid) {
+  try {
+    grid.frame_problem = read_vdb_transform(cursor).problem;
+    return true;
+  } catch (const VdbUnsupported& unknown) {
+    grid.frame_problem = unknown.what();
+    return false;
+  }
+}
+
+// From the grid's compression flags to its transform.
+bool read_grid_head(VdbCursor& cursor, VdbGridRecord& grid) {
+  grid.compression = cursor.read_value<std::uint32_t>();
+  read_grid_metadata(cursor, grid);
+  grid.transform_position = cursor.position();
+  return read_frame(cursor, grid);
+}
+
+// The same, and on to the grid's end, in a file that does not say where that is. Nobody needs that of the last grid.
+void read_streamed_grid(VdbCursor& cursor, VdbGridRecord& grid, bool last) {
+  const bool known = read_grid_head(cursor, grid);
+  grid.end_position = cursor.size();
+  try {
+    if (!known) throw VdbUnsupported(grid.frame_problem);
+    if (grid.instance_parent.empty()) skip_vdb_tree(cursor, grid);
+    grid.end_position = cursor.position();
+  } catch (const VdbUnsupported& unknown) {
+    if (last) return;
+    throw VdbUnsupported(fmt::format(
+        "grid '{}': {}; the file was written as a stream, so the grids behind this one cannot be found: load and save "
+        "it with OpenVDB",
+        printable(grid.name, 80), unknown.what()));
+  }
+}
+
+VdbGridRecord read_descriptor(VdbCursor& cursor, bool streamed, bool last) {
   VdbGridRecord grid;
   grid.unique_name = cursor.read_name();
   grid.name = grid.unique_name.substr(0, grid.unique_name.find(kNameSeparator));
@@ -79,19 +123,20 @@ VdbGridRecord read_descriptor(VdbCursor& cursor) {
   const auto grid_position = cursor.read_value<std::int64_t>();
   static_cast<void>(cursor.read_value<std::int64_t>());  // of its values: they follow the tree's nodes
   const auto end_position = cursor.read_value<std::int64_t>();
+  if (streamed) {
+    read_streamed_grid(cursor, grid, last);
+    return grid;
+  }
   if (grid_position < static_cast<std::int64_t>(cursor.position()) || end_position < grid_position ||
       static_cast<std::uint64_t>(end_position) > cursor.size()) {
-    throw VdbDamaged(fmt::format("grid '{}' is said to be at bytes {} to {} of {}",
-                                 files::printable(std::string_view(grid.name), 80), grid_position, end_position,
-                                 cursor.size()));
+    throw VdbDamaged(fmt::format("grid '{}' is said to be at bytes {} to {} of {}", printable(grid.name, 80),
+                                 grid_position, end_position, cursor.size()));
   }
   // Grids do not overlap where each stays within its end: then all of them together take no longer than the file is.
   grid.end_position = static_cast<std::uint64_t>(end_position);
   cursor.seek(static_cast<std::uint64_t>(grid_position));
   cursor.set_end(grid.end_position);
-  grid.compression = cursor.read_value<std::uint32_t>();
-  read_grid_metadata(cursor, grid);
-  grid.transform_position = cursor.position();
+  read_grid_head(cursor, grid);
   cursor.set_end(cursor.size());
   cursor.seek(grid.end_position);
   return grid;
@@ -99,23 +144,33 @@ VdbGridRecord read_descriptor(VdbCursor& cursor) {
 
 }  // namespace
 
+VdbValueLayout value_layout(const VdbGridRecord& grid, std::size_t value_size, std::size_t half_size) {
+  constexpr std::uint32_t kKnown = kVdbZip | kVdbActiveMask | kVdbBlosc;
+  if ((grid.compression & ~kKnown) != 0) {
+    throw VdbUnsupported(
+        fmt::format("grid '{}' is compressed in an unknown way ({})", printable(grid.name, 80), grid.compression));
+  }
+  return {value_size, grid.half ? half_size : value_size, grid.compression};
+}
+
 VdbHeader read_vdb_header(VdbCursor& cursor) {
   VdbHeader header;
   if (cursor.read_value<std::int64_t>() != kVdbMagic) throw VdbDamaged("expected 'VDB' at the start");
   header.file_version = cursor.read_value<std::uint32_t>();
   if (header.file_version < kOldestVersion) {
-    throw VdbDamaged(fmt::format("expected file version {} or later, found {}: load and save it with a newer OpenVDB",
-                                 kOldestVersion, header.file_version));
+    throw VdbUnsupported(
+        fmt::format("expected file version {} or later, found {}: load and save it with a newer OpenVDB",
+                    kOldestVersion, header.file_version));
   }
-  static_cast<void>(cursor.take(2 * sizeof(std::uint32_t)));  // the library's version
-  if (cursor.read_value<std::uint8_t>() == 0) {
-    throw VdbDamaged("written as a stream, without the places of its grids: load and save it with OpenVDB");
-  }
+  static_cast<void>(cursor.take(2 * sizeof(std::uint32_t)));     // the library's version
+  const bool streamed = cursor.read_value<std::uint8_t>() == 0;  // without the places of its grids
   cursor.seek(cursor.position() + kUuidLength);
   read_metadata(cursor, [](const std::string&, const std::string&, const std::string&) {});
   const auto count = cursor.read_value<std::int32_t>();
   if (count < 0) throw VdbDamaged(fmt::format("said to hold {} grids", count));
-  for (std::int32_t i = 0; i < count; ++i) header.grids.push_back(read_descriptor(cursor));
+  for (std::int32_t i = 0; i < count; ++i) {
+    header.grids.push_back(read_descriptor(cursor, streamed, i + 1 == count));
+  }
   return header;
 }
 

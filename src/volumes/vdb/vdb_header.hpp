@@ -9,6 +9,7 @@
 
 #include "field/samples.hpp"
 #include "volumes/vdb/vdb_cursor.hpp"
+#include "volumes/vdb/vdb_values.hpp"
 
 namespace isoextract::volumes {
 
@@ -16,7 +17,7 @@ struct VdbGridRecord {
   std::string unique_name;  // as stored: the name, and a suffix where it repeats
   std::string name;
   std::string tree_type;                // "Tree_float_5_4_3"
-  std::string value_type;               // "float"
+  std::string value_type;               // "float"; the tree's shape as well if it is not the usual one
   std::string instance_parent;          // unique name of the grid whose tree this one shares; may be empty
   bool half = false;                    // floats are stored as half
   std::string grid_class;               // "level set", "fog volume", ...; may be empty
@@ -24,8 +25,13 @@ struct VdbGridRecord {
   std::optional<field::IndexBox> box;   // of the active voxels, likewise
   std::uint32_t compression = 0;
   std::uint64_t transform_position = 0;  // in the file; the tree follows the transform
+  std::string frame_problem;             // why the transform cannot be used; empty if it can
   std::uint64_t end_position = 0;        // of the grid, at which the next one's description begins
 };
+
+// How values of `value_size` bytes are stored in the grid; of `half_size` where it is saved as half. Throws
+// VdbUnsupported for compressions that are not known.
+[[nodiscard]] VdbValueLayout value_layout(const VdbGridRecord& grid, std::size_t value_size, std::size_t half_size);
 
 // What OpenVDB 10 writes. Later ones have been readable so far.
 inline constexpr std::uint32_t kNewestVdbVersion = 224;
@@ -35,7 +41,8 @@ struct VdbHeader {
   std::vector<VdbGridRecord> grids;  // in the order of the file
 };
 
-// Throws VdbDamaged.
+// Of a file that was written as a stream, which has no places of grids, this reads all there is: a grid's end is found
+// by passing over its tree. Throws VdbDamaged and VdbUnsupported.
 [[nodiscard]] VdbHeader read_vdb_header(VdbCursor& cursor);
 
 }  // namespace isoextract::volumes

@@ -1,9 +1,11 @@
 // OpenVDB's files: which grid, where it is, and its tree into sparse samples.
 #include <algorithm>
+#include <optional>
 #include <unordered_map>
 
 #include <fmt/format.h>
 
+#include "base/printable.hpp"
 #include "volumes/detail/file_start.hpp"
 #include "volumes/detail/formats.hpp"
 #include "volumes/detail/grid_choice.hpp"
@@ -36,13 +38,7 @@ bool visit_scalar_tree(const std::string& tree_type, F&& use) {
 
 template <class Value>
 VdbValueLayout layout_of(const VdbGridRecord& record) {
-  constexpr std::uint32_t kKnown = kVdbZip | kVdbActiveMask | kVdbBlosc;
-  if ((record.compression & ~kKnown) != 0) {
-    throw VdbDamaged(fmt::format("grid '{}' is compressed in an unknown way ({})", files::printable(record.name, 80),
-                                 record.compression));
-  }
-  const bool half = record.half && std::is_floating_point_v<Value>;
-  return {sizeof(Value), half ? sizeof(field::Half) : sizeof(Value), record.compression};
+  return value_layout(record, sizeof(Value), std::is_floating_point_v<Value> ? sizeof(field::Half) : sizeof(Value));
 }
 
 // Leaves the cursor at the grid's tree, beyond whose end it does not go.
@@ -66,7 +62,7 @@ class GridsByName {
     if (parent == records_.end() || !parent->second->instance_parent.empty() ||
         parent->second->tree_type != record.tree_type) {
       throw VdbDamaged(
-          fmt::format("grid '{}' shares the tree of a grid that is not there", files::printable(record.name, 80)));
+          fmt::format("grid '{}' shares the tree of a grid that is not there", printable(record.name, 80)));
     }
     return *parent->second;
   }
@@ -81,33 +77,35 @@ struct VoxelCount {
 };
 
 // For files whose writer did not store these counts. Each tree is read once, however many grids share it; a tree that
-// cannot be read has none.
+// cannot be read is not counted.
 class VoxelCounter {
  public:
   VoxelCounter(VdbCursor& cursor, const files::InputFile& file, const VdbHeader& header)
       : cursor_(cursor), file_(file), grids_(header) {}
 
-  VoxelCount count(const VdbGridRecord& record) {
+  std::optional<VoxelCount> count(const VdbGridRecord& record) {
     try {
       const VdbGridRecord& owner = grids_.tree_owner(record);
       const auto [known, is_new] = counts_.try_emplace(owner.transform_position);
       if (is_new) known->second = count_tree(owner);
       return known->second;
     } catch (const VdbDamaged&) {
-      return {};
+      return std::nullopt;
+    } catch (const VdbUnsupported&) {
+      return std::nullopt;
     } catch (const VdbRefused&) {
-      return {};
+      return std::nullopt;
     }
   }
 
  private:
-  VoxelCount count_tree(const VdbGridRecord& owner) {
-    VoxelCount count;
+  std::optional<VoxelCount> count_tree(const VdbGridRecord& owner) {
+    std::optional<VoxelCount> count;
     visit_scalar_tree(owner.tree_type, [&]<class Value>(std::type_identity<Value>) {
       static_cast<void>(read_transform_of(cursor_, owner));
-      const VdbTreeLimits limits{file_.context(), file_.name(), files::printable(owner.name, 80)};
+      const VdbTreeLimits limits{file_.context(), file_.name(), printable(owner.name, 80)};
       const VdbTopology topology = read_vdb_topology<Value>(cursor_, layout_of<Value>(owner), limits);
-      count = {topology.samples.active_voxels, topology.samples.active_box};
+      count = VoxelCount{topology.samples.active_voxels, topology.samples.active_box};
     });
     return count;
   }
@@ -115,7 +113,7 @@ class VoxelCounter {
   VdbCursor& cursor_;
   const files::InputFile& file_;
   GridsByName grids_;
-  std::unordered_map<std::uint64_t, VoxelCount> counts_;  // by the place of the owner's transform
+  std::unordered_map<std::uint64_t, std::optional<VoxelCount>> counts_;  // by the place of the owner's transform
 };
 
 std::vector<GridInfo> describe_grids(VdbCursor& cursor, const files::InputFile& file, const VdbHeader& header) {
@@ -123,18 +121,21 @@ std::vector<GridInfo> describe_grids(VdbCursor& cursor, const files::InputFile& 
   std::vector<GridInfo> grids;
   for (const VdbGridRecord& record : header.grids) {
     const bool counted = record.voxels && record.box;
-    const VoxelCount count = counted ? VoxelCount{*record.voxels, *record.box} : counter.count(record);
+    const auto count = counted ? std::optional(VoxelCount{*record.voxels, *record.box}) : counter.count(record);
     GridInfo info;
     info.name = record.name;
-    info.type = files::printable(record.value_type, 80);
+    info.type = printable(record.value_type, 80);
     info.scalar = visit_scalar_tree(record.tree_type, [](auto) {});
     if (record.grid_class == kLevelSetClass) info.kind = field::FieldKind::level_set;
     if (record.grid_class == kFogClass) info.kind = field::FieldKind::density;
-    info.box = count.box;
-    info.voxels = count.voxels;
+    info.frame_problem = printable(record.frame_problem, 300);
+    if (count) {
+      info.box = count->box;
+      info.voxels = count->voxels;
+    }
     grids.push_back(std::move(info));
   }
-  number_repeated_names(grids);
+  label_grids(grids);
   return grids;
 }
 
@@ -151,7 +152,7 @@ Result<field::ScalarField> read_grid(const files::InputFile& file, VdbCursor& cu
   if (auto placed = set_frame(field, frame, options); !placed) return tl::unexpected(placed.error());
   const VdbGridRecord& owner = GridsByName(header).tree_owner(record);
   if (&owner != &record) static_cast<void>(read_transform_of(cursor, owner));
-  const VdbTreeLimits limits{file.context(), file.name(), files::printable(record.name, 80)};
+  const VdbTreeLimits limits{file.context(), file.name(), printable(record.name, 80)};
   visit_scalar_tree(record.tree_type, [&]<class Value>(std::type_identity<Value>) {
     const auto layout = layout_of<Value>(owner);
     VdbTopology topology = read_vdb_topology<Value>(cursor, layout, limits);
@@ -166,13 +167,18 @@ auto with_messages(const files::InputFile& file, F&& work) -> decltype(work()) {
   if (!starts_with(files::first_bytes(file, kStartBytes).value_or(std::vector<std::byte>{}), kVdbStart)) {
     return fail_magic(file, "a VDB file", "' BDV'");
   }
+  const auto is = [&](const char* what, const std::exception& why) {
+    return fail(ErrorKind::input,
+                fmt::format("{}: the VDB file is {}: {}", file.name(), what, printable(why.what(), 300)));
+  };
   try {
     return work();
   } catch (const VdbRefused& refused) {
     return tl::unexpected(refused.error);
   } catch (const VdbDamaged& damage) {
-    return fail(ErrorKind::input, fmt::format("{}: the VDB file is damaged or not supported: {}", file.name(),
-                                              files::printable(std::string_view(damage.what()), 300)));
+    return is("damaged", damage);
+  } catch (const VdbUnsupported& unknown) {
+    return is("not supported", unknown);
   }
 }
 
@@ -195,8 +201,8 @@ Result<field::ScalarField> read_vdb(const files::InputFile& file, const ReadOpti
     auto field = read_grid(file, cursor, header, header.grids[*chosen], options);
     if (!field) return field;
     if (!options.grid && grids.size() > 1) {
-      field->notes.push_back(fmt::format("grid '{}' of {} was chosen: it is the only scalar one",
-                                         grid_label(grids[*chosen]), grids.size()));
+      field->notes.push_back(
+          fmt::format("grid '{}' of {} was chosen: it is the only scalar one", grids[*chosen].label, grids.size()));
     }
     if (header.file_version > kNewestVdbVersion) {
       field->notes.push_back(fmt::format("the file's version {} is newer than {}, the latest that is known",

@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "base/printable.hpp"
+
 namespace isoextract::volumes {
 namespace {
 
@@ -36,8 +38,7 @@ Frame read_linear_map(VdbCursor& cursor, const std::string& name) {
   Frame frame;
   const bool scales = name == "ScaleTranslateMap" || name == "UniformScaleTranslateMap";
   if (!scales && name != "TranslationMap") {
-    throw VdbDamaged(
-        fmt::format("expected a linear transform, found '{}'", files::printable(std::string_view(name), 80)));
+    throw VdbUnsupported(fmt::format("expected a linear transform, found '{}'", printable(name, 80)));
   }
   const auto offset = cursor.read_value<glm::dvec3>();
   if (scales) frame = read_scale(cursor);

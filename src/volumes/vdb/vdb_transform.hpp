@@ -7,7 +7,8 @@
 namespace isoextract::volumes {
 
 // Leaves the cursor behind the transform, where the grid's tree begins. Frustums and matrices without an inverse are
-// the frame's `problem`. Throws VdbDamaged; also for transforms of an unknown name, for nobody knows where those end.
+// the frame's `problem`. Throws VdbDamaged, and VdbUnsupported for transforms of an unknown name: nobody knows where
+// those end.
 [[nodiscard]] Frame read_vdb_transform(VdbCursor& cursor);
 
 }  // namespace isoextract::volumes

@@ -33,13 +33,6 @@ bool has_selection(std::uint8_t code) {
   return code == kBothBackgrounds || code == kOneValueOrBackground || code == kTwoValues;
 }
 
-std::uint32_t count_bits(std::span<const std::byte> mask) {
-  int on = 0;
-  for (std::size_t word = 0; word < mask.size() / sizeof(std::uint64_t); ++word)
-    on += std::popcount(mask_word(mask, word));
-  return static_cast<std::uint32_t>(on);
-}
-
 // OpenVDB's own compression never makes a chunk longer than this.
 std::uint64_t max_chunk(std::uint64_t bytes) { return 2 * bytes + 512; }
 
@@ -157,6 +150,13 @@ void spread(const VdbPackedValues& packed, std::size_t stored_size, const std::b
 }
 
 }  // namespace
+
+std::uint32_t count_bits(std::span<const std::byte> mask) {
+  int on = 0;
+  for (std::size_t word = 0; word < mask.size() / sizeof(std::uint64_t); ++word)
+    on += std::popcount(mask_word(mask, word));
+  return static_cast<std::uint32_t>(on);
+}
 
 VdbPackedValues take_values(VdbCursor& cursor, std::span<const std::byte> active, const VdbValueLayout& layout) {
   VdbPackedValues packed;

@@ -29,6 +29,9 @@ struct VdbValueLayout {
   return bits;
 }
 
+// The number of bits that are on.
+[[nodiscard]] std::uint32_t count_bits(std::span<const std::byte> mask);
+
 // One node's values, still packed. The parts lie in the window of the cursor that took them.
 struct VdbPackedValues {
   std::uint64_t position = 0;            // in the file, for messages

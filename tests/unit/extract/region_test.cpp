@@ -90,6 +90,33 @@ TEST_P(Region, OutsideTheDataIsAnError) {
   }
 }
 
+// Of voxels farther apart than float32 positions can be, each on its own has the surface that it would have alone.
+TEST_P(Region, OfSamplesThatReachTooFarForFloat32) {
+  constexpr int kFar = 1 << 27;
+  field::ScalarField field = test::sparse_copy<float>(field::make_demo_field("demo:sphere?size=16").value(), -1);
+  ExtractOptions options;
+  options.method = GetParam();
+  options.iso = 0.1;
+  options.smooth_normals = true;
+  const auto alone = test::triangle_set(test::extract(field, options).mesh);
+  auto& samples = std::get<field::SparseSamples>(field.samples);
+  const std::size_t count = samples.blocks.size();
+  for (std::size_t b = 0; b < count; ++b) {
+    samples.blocks.push_back({samples.blocks[b].origin + kFar, samples.blocks[b].values});
+  }
+
+  const auto whole = make_cpu_extractor()->extract(field, options);
+  ASSERT_FALSE(whole);
+  EXPECT_EQ(whole.error().hint.remedy, Remedy::extract_part);
+  options.region = field::IndexBox{glm::ivec3(-2), glm::ivec3(20)};
+  EXPECT_EQ(test::triangle_set(test::extract(field, options).mesh), alone);
+  options.region = field::IndexBox{glm::ivec3(kFar - 2), glm::ivec3(kFar + 20)};
+  const mesh::Mesh far = test::extract(field, options).mesh;
+  test::expect_sound(far, true);
+  EXPECT_EQ(far.triangles.size(), alone.size());
+  EXPECT_NEAR(glm::length(far.origin - glm::dvec3(kFar)), 0, 40);
+}
+
 TEST(Samples, NeedACell) {
   const auto result = make_cpu_extractor()->extract(test::random_field<float>({10, 1, 10}, 1, 9), {});
   ASSERT_FALSE(result);

@@ -116,7 +116,7 @@ class VertexBatches : public testing::TestWithParam<int> {
 TEST_P(VertexBatches, AreWhatOneVertexAtATimeGives) {
   const field::ValueScale scale = GetParam() % 2 == 0 ? field::ValueScale{} : field::ValueScale{-0.37, 11};
   const InsideRule rule{field::FieldKind::density, scale(0.1)};
-  const OutputFrame placement(frame_, {glm::ivec3(-1000), glm::ivec3(1001)}, {}, rule.kind, scale);
+  const OutputFrame placement(frame_, {glm::ivec3(-1000), glm::ivec3(1001)}, rule.kind, scale);
   const auto size = static_cast<std::size_t>(batch_.count);
   std::vector<glm::vec3> positions;
   std::vector<glm::vec3> normals;

@@ -349,6 +349,97 @@ TEST(NrrdReaderBad, MalformedFilesAreRefused) {
        {"gzip skip too far", nrrd("encoding: gzip\nbyte skip: 50\n", packed), "holds 60 bytes"}});
 }
 
+// teem writes its messages, which repeat the line, into a buffer of 1025 bytes.
+TEST(NrrdReaderBad, LinesThatAreTooLongForTheLibraryAreRefusedBeforeItSeesThem) {
+  const std::string many(2000, 'x');
+  std::vector<BadFile> files{
+      {"no field", nrrd(many + "\n", kSamples), "line 6 of the header has 2000 bytes, the limit is 768"},
+      {"first line", "NRRD0004" + many + "\n\n", "line 1 of the header has 2008 bytes"}};
+  std::vector<std::string> fields{
+      "type: ",    "space: ",     "endian: ",           "centers: ",         "kinds: ",
+      "units: ",   "labels: ",    "space directions: ", "space dimension: ", "no field: ",
+      "old min: ", "line skip: ", "spacings: ",         "sizes: ",           "block size: "};
+  for (const std::string& field : fields) {
+    files.push_back({field.c_str(), nrrd(field + many + "\n", kSamples), "'" + field + "xxx"});
+  }
+  expect_all_refused("v.nrrd", files);
+  expect_all_refused("v.vdb", {{"found by its content", nrrd("kinds: " + many + "\n", kSamples), "2007 bytes"}});
+}
+
+TEST(NrrdReaderBad, TheLongestLinesThatTheLibrarySeesLeaveRoomForWhatItSays) {
+  const std::vector<std::string> fields{"",
+                                        "type: ",
+                                        "space: ",
+                                        "endian: ",
+                                        "encoding: ",
+                                        "centers: ",
+                                        "kinds: ",
+                                        "units: \"",
+                                        "labels: \"",
+                                        "spacings: ",
+                                        "thicknesses: ",
+                                        "axis mins: ",
+                                        "axis maxs: ",
+                                        "space dimension: ",
+                                        "space directions: ",
+                                        "space directions: (",
+                                        "space directions: none",
+                                        "space origin: (",
+                                        "measurement frame: (",
+                                        "space units: \"",
+                                        "old min: ",
+                                        "old max: ",
+                                        "line skip: ",
+                                        "byte skip: ",
+                                        "block size: ",
+                                        "sizes: ",
+                                        "dimension: ",
+                                        "no such field: ",
+                                        std::string(700, 'x') + ": "};
+  for (const std::string& field : fields) {
+    SCOPED_TRACE(field);
+    const TempFolder folder;
+    const std::string line = field + std::string(768 - field.size(), 'x') + "\n";
+    // Most look at their values only where the dimensions are known; those two may be there once.
+    const bool is_first = field.starts_with("space: ") || field.find("dimension") != std::string::npos;
+    write_bytes(folder / "v.nrrd", (is_first ? "NRRD0005\n" : "NRRD0005\nspace: LPS\ndimension: 3\n") + line + "\n");
+    const Error error = refusal(folder / "v.nrrd");
+    EXPECT_EQ(error.message.find("the limit is"), std::string::npos) << error.message;
+    EXPECT_EQ(error.kind, ErrorKind::input);
+  }
+}
+
+TEST(NrrdReaderBad, MoreValuesThanTheLibraryHasRoomFor) {
+  const auto ones = [](int count) {
+    std::string text;
+    for (int i = 0; i < count; ++i) text += i % 2 == 0 ? " 1" : "\t1";
+    return text;
+  };
+  std::vector<BadFile> files;
+  for (const char* field : {"spacings:", "thicknesses:", "axis mins:", "Axis Maxs:"}) {
+    files.push_back({field, nrrd("dimension: 16\nsizes: 3 4 5" + ones(13) + "\n" + field + ones(17) + "\n", kSamples),
+                     "line 6 of the header has 17 values, a NRRD has at most 16 axes"});
+  }
+  files.push_back({"sizes", nrrd("dimension: 16\nsizes: 3 4 5" + ones(14) + "\n", kSamples), "line 5 of the header"});
+  expect_all_refused("v.nrrd", files);
+  expect_ramp<std::uint8_t>(
+      read_nrrd(nrrd("dimension: 16\nsizes: 3 4 5" + ones(13) + "\nspacings:" + ones(16) + "\n", kSamples)));
+}
+
+TEST(NrrdReaderData, LongTextsThatSayNothingOfTheSamplesAreRead) {
+  const std::string many(5000, 'x');
+  for (const std::string& line :
+       {"# " + many, "key:=" + many, many + ":=value", "key: with a colon:=" + many, "key:=" + many + ": " + many,
+        "content: " + many, "Content: a:=" + many, "key:=" + many + "\n# " + many + "\ncontent: " + many}) {
+    SCOPED_TRACE(line.substr(0, 20));
+    expect_ramp<std::uint8_t>(read_nrrd(nrrd(line + "\nspacings: 1 2 3\n", kSamples)));
+  }
+  const TempFolder folder;
+  write_bytes(folder / "data.raw", kSamples);
+  write_bytes(folder / "v.nhdr", nrrd("key:=" + many + "\ndata file: data.raw\n", ""));
+  expect_ramp<std::uint8_t>(must_read(folder / "v.nhdr"));
+}
+
 TEST(NrrdReaderBad, NothingIsPrinted) {
   const TempFolder folder;
   const std::string good = nrrd(

@@ -13,7 +13,7 @@ namespace {
 
 // Small, with leaves, tiles, inactive values of two kinds and noise that does not compress.
 template <class Grid>
-std::string small_file(std::uint32_t compression, bool half, const std::string& name = "v") {
+std::string small_file(std::uint32_t compression, bool half, const std::string& name = "v", bool stream = false) {
   using Value = typename Grid::ValueType;
   openvdb::initialize();
   auto grid = Grid::create(Value(3));
@@ -31,7 +31,15 @@ std::string small_file(std::uint32_t compression, bool half, const std::string& 
   grid->setSaveFloatAsHalf(half);
   grid->insertMeta("note", openvdb::StringMetadata("some text"));
   const TempFolder folder;
-  write_vdb(folder / "v.vdb", {grid}, compression);
+  if (stream) {
+    const auto velocity = openvdb::Vec3SGrid::create();
+    velocity->tree().setValue({1, 2, 3}, openvdb::Vec3s(1, 2, 3));
+    velocity->tree().addTile(1, {64, 0, 0}, openvdb::Vec3s(4, 5, 6), true);
+    velocity->setSaveFloatAsHalf(half);
+    write_vdb_stream(folder / "v.vdb", {velocity, grid}, compression);
+  } else {
+    write_vdb(folder / "v.vdb", {grid}, compression);
+  }
   return read_bytes(folder / "v.vdb");
 }
 
@@ -79,11 +87,29 @@ TEST(VdbDamage, TruncationsAreErrors) {
   }
 }
 
+// Of a stream nothing can be told but by going through it.
+TEST(VdbDamage, TruncationsOfStreamsAreErrors) {
+  for (const Layout& layout : kLayouts) {
+    const std::string good = small_file<openvdb::FloatGrid>(layout.compression, layout.half, "v", true);
+    const TempFolder folder;
+    write_bytes(folder / "v.vdb", good);
+    must_read(folder / "v.vdb");
+    const std::size_t step = std::max<std::size_t>(1, good.size() / 100);
+    for (std::size_t length = 1; length < good.size(); length += length < 700 ? 5 : step) {
+      write_bytes(folder / "v.vdb", good.substr(0, length));
+      EXPECT_EQ(refusal(folder / "v.vdb").kind, ErrorKind::input);
+      EXPECT_FALSE(volumes::list_grids((folder / "v.vdb").string(), {})) << length;
+    }
+    write_bytes(folder / "v.vdb", good.substr(0, good.size() - 1));
+    expect_in(refusal(folder / "v.vdb").message, "the VDB file is damaged: expected");
+  }
+}
+
 template <class Grid>
-void flip_bits(unsigned seed, int count) {
+void flip_bits(unsigned seed, int count, bool stream = false) {
   testing::internal::CaptureStderr();
   for (const Layout& layout : kLayouts) {
-    const std::string good = small_file<Grid>(layout.compression, layout.half);
+    const std::string good = small_file<Grid>(layout.compression, layout.half, "v", stream);
     // The places that are not values or long runs of zeros are few: most flips go there.
     const std::size_t head = 700;
     const std::size_t tail = std::min<std::size_t>(good.size() / 2, 3000);
@@ -108,6 +134,7 @@ void flip_bits(unsigned seed, int count) {
 TEST(VdbDamage, FlippedBitsInFloats) { flip_bits<openvdb::FloatGrid>(1, 200); }
 TEST(VdbDamage, FlippedBitsInDoubles) { flip_bits<openvdb::DoubleGrid>(2, 60); }
 TEST(VdbDamage, FlippedBitsInIntegers) { flip_bits<openvdb::Int32Grid>(3, 60); }
+TEST(VdbDamage, FlippedBitsInStreams) { flip_bits<openvdb::FloatGrid>(4, 100, true); }
 
 TEST(VdbDamage, EveryByteOfTheHeader) {
   const std::string good = small_file<openvdb::FloatGrid>(COMPRESS_BLOSC | COMPRESS_ACTIVE_MASK, false);
@@ -161,23 +188,23 @@ TEST(VdbDamage, MalformedFilesAreRefused) {
   unknown_type.replace(type, 10, "Tree_flort");
   std::string unknown_map = good;
   unknown_map[map] = 'X';
-  expect_all_refused("v.vdb",
-                     {{"empty file", "", "empty"},
-                      {"text", "this is some text\n", "not a VDB file"},
-                      {"magic only", good.substr(0, 8), "damaged"},
-                      {"old version", with(8, std::uint32_t{210}), "file version 222 or later, found 210"},
-                      {"no offsets", with(20, char{0}), "written as a stream"},
-                      {"count of metadata", with(57, std::uint32_t{0xffffffff}), "damaged"},
-                      {"negative count of grids", with(61, std::int32_t{-1}), "said to hold -1 grids"},
-                      {"huge count of grids", with(61, std::int32_t{0x7fffffff}), "damaged"},
-                      {"length of the name", with(name - 4, std::uint32_t{0xffffffff}), "4294967295 characters"},
-                      {"unknown type", unknown_type, "found none"},
-                      {"grid before the header", with(offsets, std::int64_t{8}), "is said to be at bytes 8"},
-                      {"grid behind the file", with(offsets + 16, std::int64_t{1} << 40), "is said to be at"},
-                      {"negative position", with(offsets, std::int64_t{-5}), "is said to be at"},
-                      {"unknown transform", unknown_map, "damaged"},
-                      {"NaN in the transform", with(map + 15, std::nan("")), "transform with an inverse"},
-                      {"zero scale", with(map + 15, 0.0), "transform with an inverse"}});
+  expect_all_refused(
+      "v.vdb",
+      {{"empty file", "", "empty"},
+       {"text", "this is some text\n", "not a VDB file"},
+       {"magic only", good.substr(0, 8), "damaged"},
+       {"old version", with(8, std::uint32_t{210}), "is not supported: expected file version 222 or later, found 210"},
+       {"count of metadata", with(57, std::uint32_t{0xffffffff}), "damaged"},
+       {"negative count of grids", with(61, std::int32_t{-1}), "said to hold -1 grids"},
+       {"huge count of grids", with(61, std::int32_t{0x7fffffff}), "damaged"},
+       {"length of the name", with(name - 4, std::uint32_t{0xffffffff}), "4294967295 characters"},
+       {"unknown type", unknown_type, "found none"},
+       {"grid before the header", with(offsets, std::int64_t{8}), "is said to be at bytes 8"},
+       {"grid behind the file", with(offsets + 16, std::int64_t{1} << 40), "is said to be at"},
+       {"negative position", with(offsets, std::int64_t{-5}), "is said to be at"},
+       {"unknown transform", unknown_map, "is not supported: expected a linear transform, found 'X"},
+       {"NaN in the transform", with(map + 15, std::nan("")), "transform with an inverse"},
+       {"zero scale", with(map + 15, 0.0), "transform with an inverse"}});
 }
 
 // One leaf and one tile, uncompressed but for the masks: where everything lies in the file can be counted from its end.
@@ -275,6 +302,22 @@ TEST(VdbDamage, MetadataPastTheEndOfTheirGrid) {
   put(jump, size, std::uint32_t{300});
   put(jump, file.offsets + 16, static_cast<std::int64_t>(size + 100));
   expect_all_refused("v.vdb", {{"passed over", jump, "the grid ends at"}});
+}
+
+// Whether there are places of grids is told by one byte of the header; what a stream has in their stead counts for
+// nothing.
+TEST(VdbDamage, PlacesOfAStreamsGridsAreNotLookedAt) {
+  const OneLeafFile file;
+  std::string stream = with(file.bytes, 20, char{0});
+  for (std::size_t at = file.offsets; at < file.offsets + 24; at += 8) put(stream, at, std::int64_t{-1});
+  const TempFolder folder;
+  write_bytes(folder / "v.vdb", stream);
+  const auto samples = std::get<field::SparseSamples>(must_read(folder / "v.vdb").samples);
+  EXPECT_EQ(sparse_value<float>(samples, {1, 2, 3}), 8);
+  expect_all_refused("v.vdb", {{"buffers", with(stream, file.tile - 16, 2), "expected one buffer in a tree, found 2"},
+                               {"code of a leaf", with(stream, file.code, '\x80'), "code 128"},
+                               {"children", with(stream, file.tile - 4, 1000), "is damaged: "},
+                               {"tiles", with(stream, file.tile - 8, 0x7fffffff), "is damaged: refers to byte"}});
 }
 
 TEST(VdbDamage, OnlyTheMetadataTellHalves) {

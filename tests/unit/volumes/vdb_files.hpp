@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <tuple>
 
+#include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 
 #include "field/scalar_field.hpp"
@@ -19,6 +21,17 @@ inline void write_vdb(const std::filesystem::path& path, const openvdb::GridCPtr
   file.setGridStatsMetadataEnabled(with_counts);
   file.write(grids);
   file.close();
+}
+
+// Without the places of the grids, as a pipe gets it.
+inline void write_vdb_stream(const std::filesystem::path& path, const openvdb::GridCPtrVec& grids,
+                             std::uint32_t compression = openvdb::io::COMPRESS_ACTIVE_MASK, bool with_counts = true) {
+  openvdb::initialize();
+  std::ofstream file(path, std::ios::binary);
+  openvdb::io::Stream stream(file);
+  stream.setCompression(compression);
+  stream.setGridStatsMetadataEnabled(with_counts);
+  stream.write(grids);
 }
 
 // What an extractor would see at an index: block, tile or background, in the contract's layout.

@@ -1,6 +1,7 @@
 // What the reader makes of a tree, against OpenVDB's own reading of the same file: every bit of every leaf and tile.
 #include <bit>
 #include <cstring>
+#include <fstream>
 #include <map>
 #include <random>
 #include <set>
@@ -144,12 +145,27 @@ void expect_same_tiles(const Tree& tree, const field::SparseSamples& samples) {
   EXPECT_TRUE(found == expected) << found.size() << " tiles, expected " << expected.size();
 }
 
-// Reads a grid of the file with OpenVDB and with the reader.
+// As OpenVDB reads it.
 template <class Grid>
-void expect_same_tree(const std::filesystem::path& path, const std::string& name) {
+typename Grid::Ptr grid_of_file(const std::filesystem::path& path, const std::string& name) {
   openvdb::io::File file(path.string());
   file.open(false);
-  const auto grid = openvdb::gridPtrCast<Grid>(file.readGrid(name));
+  return openvdb::gridPtrCast<Grid>(file.readGrid(name));
+}
+
+template <class Grid>
+typename Grid::Ptr grid_of_stream(const std::filesystem::path& path, const std::string& name) {
+  std::ifstream file(path, std::ios::binary);
+  openvdb::io::Stream stream(file, false);
+  for (const auto& grid : *stream.getGrids()) {
+    if (grid->getName() == name) return openvdb::gridPtrCast<Grid>(grid);
+  }
+  throw std::runtime_error("no grid " + name);
+}
+
+// The grid of that name, as the reader reads it.
+template <class Grid>
+void expect_same_tree(const typename Grid::Ptr& grid, const std::filesystem::path& path, const std::string& name) {
   volumes::ReadOptions options;
   options.grid = name;
   const auto samples = std::get<field::SparseSamples>(must_read(path, options).samples);
@@ -160,6 +176,11 @@ void expect_same_tree(const std::filesystem::path& path, const std::string& name
   EXPECT_EQ(samples.active_box, (field::IndexBox{to_glm(box.min()), to_glm(box.max())}));
   expect_same_leaves(grid->tree(), samples);
   expect_same_tiles(grid->tree(), samples);
+}
+
+template <class Grid>
+void expect_same_tree(const std::filesystem::path& path, const std::string& name) {
+  expect_same_tree<Grid>(grid_of_file<Grid>(path, name), path, name);
 }
 
 using namespace openvdb::io;
@@ -279,6 +300,86 @@ TEST(VdbTreeFiles, LevelSetsFogsAndInstancesInOneFile) {
     expect_same_tree<openvdb::DoubleGrid>(path, "precise");
     expect_same_tree<openvdb::Int32Grid>(path, "numbers");
   }
+}
+
+// With leaves, tiles of all sizes and inactive values.
+template <class Grid>
+openvdb::GridBase::Ptr other_grid(const std::string& name, const typename Grid::ValueType& value, bool half) {
+  const auto grid = Grid::create();
+  grid->setName(name);
+  grid->setSaveFloatAsHalf(half);
+  for (int i = 0; i < 60; ++i) {
+    grid->tree().setValueOn({i * 7 % 50, i * 11 % 40, -i}, value);
+    if (i % 4 == 0) grid->tree().setValueOff({i * 7 % 50, i * 11 % 40, -i}, value);
+  }
+  for (const int level : {1, 2, 3}) {
+    grid->tree().addTile(static_cast<unsigned>(level), {8192 * level, 0, -8192}, value, level % 2 == 0);
+  }
+  return grid;
+}
+
+// A stream does not say where its grids are: the way to one leads through those before it, whatever they hold.
+TYPED_TEST(VdbTree, StreamsHaveTheSameTreesBehindGridsOfAllTypes) {
+  openvdb::initialize();
+  for (const std::uint32_t compression : kCompressions) {
+    for (const bool half : {false, true}) {
+      SCOPED_TRACE(testing::Message() << "compression " << compression << ", half " << half);
+      const auto first = random_grid<TypeParam>(1);
+      first->setName("first");
+      const auto last = random_grid<TypeParam>(half ? 2 : 3);
+      last->setName("last");
+      last->setSaveFloatAsHalf(half);
+      last->setTransform(openvdb::math::Transform::createLinearTransform(0.5));
+      const auto instance = TypeParam::create(last->treePtr());
+      instance->setName("instance");
+      instance->setSaveFloatAsHalf(half);
+      const openvdb::GridCPtrVec grids{first,
+                                       other_grid<openvdb::Vec3SGrid>("vec3s", openvdb::Vec3s(1, -2, 3), half),
+                                       other_grid<openvdb::Vec3DGrid>("vec3d", openvdb::Vec3d(1, -2, 3), half),
+                                       other_grid<openvdb::Vec3IGrid>("vec3i", openvdb::Vec3i(1, -2, 3), half),
+                                       other_grid<openvdb::Int64Grid>("int64", 7, half),
+                                       other_grid<openvdb::BoolGrid>("bool", true, half),
+                                       other_grid<openvdb::MaskGrid>("mask", true, half),
+                                       TypeParam::create(5),
+                                       last,
+                                       instance};
+      const TempFolder folder;
+      const auto path = folder / "v.vdb";
+      write_vdb_stream(path, grids, compression, !half);
+      const auto listed = volumes::list_grids(path.string(), {});
+      ASSERT_TRUE(listed) << listed.error().message;
+      ASSERT_EQ(listed->size(), grids.size());
+      for (std::size_t i = 0; i < grids.size(); ++i) EXPECT_EQ(listed->at(i).name, grids[i]->getName());
+      EXPECT_EQ(listed->at(8).voxels, last->activeVoxelCount());
+      for (const std::string name : {"first", "last", "instance"}) {
+        expect_same_tree<TypeParam>(grid_of_stream<TypeParam>(path, name), path, name);
+      }
+      volumes::ReadOptions options;
+      options.grid = "last";
+      expect_near(must_read(path, options).index_to_world({2, 4, 6}), {1, 2, 3});
+    }
+  }
+}
+
+TEST(VdbTreeFiles, AStreamEndsForTheReaderAtATreeThatItCannotPassOver) {
+  openvdb::initialize();
+  const auto good = random_grid<openvdb::FloatGrid>(4);
+  good->setName("good");
+  const TempFolder folder;
+  const auto write_strange = [&](const openvdb::GridCPtrVec& grids) {
+    write_vdb_stream(folder / "v.vdb", grids);
+    std::string bytes = read_bytes(folder / "v.vdb");
+    bytes.replace(bytes.find("Tree_int64_5_4_3"), 16, "Tree_int65_5_4_3");
+    write_bytes(folder / "v.vdb", bytes);
+  };
+  const auto strange = other_grid<openvdb::Int64Grid>("strange", 7, false);
+  write_strange({strange, good});
+  const Error error = refusal(folder / "v.vdb");
+  expect_in(error.message, "is not supported: grid 'strange': nobody knows where a tree of Tree_int65_5_4_3 ends");
+  expect_in(error.message, "written as a stream");
+  // Behind the last one nothing is looked for.
+  write_strange({good, strange});
+  expect_same_tree<openvdb::FloatGrid>(good, folder / "v.vdb", "good");
 }
 
 TEST(VdbTreeFiles, AreReadOnce) {

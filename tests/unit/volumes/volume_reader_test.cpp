@@ -46,7 +46,7 @@ TEST(VolumeReader, UnknownContentListsTheFormats) {
   write_bytes(folder / "v.txt", "x,y,z\n1,2,3\n");
   const Error error = refusal(folder / "v.txt");
   EXPECT_EQ(error.kind, ErrorKind::input);
-  expect_in(error.message, "not a volume format that isoextract reads; it starts with 'x,y,z?1,2,3?'");
+  expect_in(error.message, "not a volume format that isoextract reads; it starts with 'x,y,z\\n1,2,3\\n'");
   for (const char* format : {"vdb", "nrrd", "nifti", "npy", "raw", ".nhdr"}) expect_in(error.hint.text, format);
   write_bytes(folder / "v.gz", gzip(kNrrd));
   expect_in(refusal(folder / "v.gz").message, "not a volume format");
