@@ -55,7 +55,7 @@ class Bench {
         if (auto checked = convert::check_output_file(*file, input); !checked) return checked;
       }
       for (const std::string& other : files) {
-        if (!convert::same_file(*file, other)) continue;
+        if (!files::same_place(*file, other)) continue;
         return fail(ErrorKind::usage, fmt::format("{}: this is the name of two files to write", *file),
                     "choose another name for one");
       }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <span>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -23,11 +24,32 @@ std::string help_hint(const CLI::App& command) {
   return fmt::format("'isoextract {} --help' lists the options", command.get_name());
 }
 
+// "-o=a.ply", which CLI11 takes as a file "=a.ply". Of letters in one word, the first that takes a value ends them.
+Result<void> check_short_option(const CLI::App& command, const std::string& argument) {
+  for (std::size_t at = 1; at < argument.size(); ++at) {
+    const std::string name = fmt::format("-{}", argument[at]);
+    const CLI::Option* option = command.get_option_no_throw(name);
+    if (option == nullptr) return {};
+    const bool has_equals = at + 1 < argument.size() && argument[at + 1] == '=';
+    if (!takes_value(*option) && has_equals) return fail(ErrorKind::usage, fmt::format("{} takes no value", name));
+    if (takes_value(*option) && has_equals) {
+      const std::string value = argument.substr(at + 2);
+      return fail(ErrorKind::usage, fmt::format("{}: {} takes no '='", argument, name),
+                  fmt::format("write {} {} or {}={}", name, value, option->get_name(), value));
+    }
+    if (takes_value(*option)) return {};
+  }
+  return {};
+}
+
 // "--name=..." where the option takes no value, and "--name=" where it takes one: CLI11 would take the former as a
 // truth value, and the next word as the value of the latter.
 Result<void> check_equals_signs(const CLI::App& command, const std::vector<std::string>& arguments) {
   for (const std::string& argument : arguments) {
     if (argument == "--") break;
+    if (argument.starts_with('-') && !argument.starts_with("--")) {
+      if (auto checked = check_short_option(command, argument); !checked) return checked;
+    }
     const std::size_t equals = argument.find('=');
     if (!argument.starts_with("--") || equals == std::string::npos) continue;
     const std::string name = argument.substr(0, equals);
@@ -51,6 +73,23 @@ void fill_in_optional_values(const CLI::App& command, std::vector<std::string>& 
   }
 }
 
+bool takes_inputs(const CommandLine& line, const CLI::App& command) {
+  return &command == line.convert || &command == line.info || &command == line.compare || &command == line.bench ||
+         &command == line.verify;
+}
+
+// The volume, then the mesh.
+bool take_verify_input(VerifyFlags& flags, const std::string& word) {
+  if (flags.input.inputs.empty()) {
+    flags.input.inputs.push_back(word);
+  } else if (!flags.mesh) {
+    flags.mesh = word;
+  } else {
+    return false;
+  }
+  return true;
+}
+
 // CLI11 hands over one INPUT and leaves the others, as it splits the words of lists: "[a,b]" would be two files.
 // Returns whether the command takes `word`.
 bool take_input(CommandLine& line, const CLI::App* command, const std::string& word) {
@@ -58,13 +97,32 @@ bool take_input(CommandLine& line, const CLI::App* command, const std::string& w
   if (command == line.info) line.info_flags.input.inputs.push_back(word);
   if (command == line.compare) line.compare_flags.meshes.push_back(word);
   if (command == line.bench) line.bench_flags.input.inputs.push_back(word);
-  return command == line.convert || command == line.info || command == line.compare || command == line.bench;
+  if (command == line.verify) return take_verify_input(line.verify_flags, word);
+  return takes_inputs(line, *command);
+}
+
+// What follows "--" are inputs, whatever they look like. A word that is an option, and no file of that name, was meant
+// as one.
+Result<void> take_trailing(CommandLine& line, const CLI::App& command, std::span<const std::string> words) {
+  for (const std::string& word : words) {
+    const std::string name = word.substr(0, word.find('='));
+    std::error_code unknown;
+    if (name.starts_with('-') && command.get_option_no_throw(name) != nullptr &&
+        !std::filesystem::exists(word, unknown)) {
+      return fail(ErrorKind::usage, fmt::format("'{}' comes after '--', where all words are names of files", word),
+                  "options come before '--'");
+    }
+    if (!take_input(line, &command, word)) {
+      return fail(ErrorKind::usage, fmt::format("unexpected argument '{}'", word), help_hint(command));
+    }
+  }
+  return {};
 }
 
 // What CLI11 left over: further inputs, and words that nobody knows.
 Result<void> take_remaining(CommandLine& line, const CLI::App& command) {
   for (const std::string& word : command.remaining()) {
-    if (word == "--") continue;  // CLI11 keeps it although it has done its work
+    if (word == "--") continue;  // of a command without inputs: CLI11 keeps it although it has done its work
     if (!word.starts_with('-')) {
       if (take_input(line, &command, word)) continue;
       return fail(ErrorKind::usage, fmt::format("unexpected argument '{}'", word), help_hint(command));
@@ -77,8 +135,12 @@ Result<void> take_remaining(CommandLine& line, const CLI::App& command) {
       }
     }
     const std::string near = name.starts_with("--") ? nearest_name(name, known) : "";
+    std::error_code none;
+    const bool is_file = takes_inputs(line, command) && std::filesystem::exists(word, none);
     return fail(ErrorKind::usage, fmt::format("unknown option '{}' for '{}'", name, command.get_name()),
-                near.empty() ? help_hint(command) : fmt::format("did you mean '{}'?", near));
+                is_file         ? fmt::format("the file of that name is written ./{}", word)
+                : !near.empty() ? fmt::format("did you mean '{}'?", near)
+                                : help_hint(command));
   }
   return {};
 }
@@ -123,6 +185,12 @@ Result<Parsed> parse_command_line(CommandLine& line, std::vector<std::string> ar
 
   if (auto checked = check_equals_signs(*command, arguments); !checked) return tl::unexpected(checked.error());
   fill_in_optional_values(*command, arguments);
+  std::vector<std::string> trailing;
+  if (const auto dashes = std::ranges::find(arguments, "--");
+      takes_inputs(line, *command) && dashes != arguments.end()) {
+    trailing.assign(dashes + 1, arguments.end());
+    arguments.erase(dashes, arguments.end());
+  }
   try {
     std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());  // as CLI11 wants them
     line.app.parse(reversed);
@@ -135,6 +203,7 @@ Result<Parsed> parse_command_line(CommandLine& line, std::vector<std::string> ar
     return explain(error, *command, arguments.back());
   }
   if (auto checked = take_remaining(line, *command); !checked) return tl::unexpected(checked.error());
+  if (auto checked = take_trailing(line, *command, trailing); !checked) return tl::unexpected(checked.error());
 
   // A misspelt command looks like a second input.
   const std::vector<std::string>& inputs = line.convert_flags.input.inputs;

@@ -3,16 +3,15 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <exception>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
-#include <tbb/global_control.h>
 
 #include "base/version.hpp"
 #include "cli/bench_command.hpp"
@@ -26,6 +25,7 @@
 #include "cli/messages.hpp"
 #include "cli/plan.hpp"
 #include "cli/stability_command.hpp"
+#include "cli/threads.hpp"
 #include "cli/verify_command.hpp"
 #include "files/output_file.hpp"
 
@@ -54,33 +54,12 @@ void keep_standard_streams() {
   }
 }
 
-// Keeps oneTBB to --threads while it lives.
-class ThreadLimit {
- public:
-  explicit ThreadLimit(const std::optional<int>& threads) {
-    if (threads) control_.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(*threads));
-  }
-
- private:
-  std::optional<tbb::global_control> control_;
-};
-
-int run_convert_command(const ConvertFlags& flags, std::vector<std::string> arguments) {
-  const auto verbosity = plan_verbosity(flags.run);
-  if (!verbosity) return report(verbosity.error());
-  auto plan = plan_convert(flags);
-  if (!plan) return report(plan.error());
-  plan->arguments = std::move(arguments);
-  const ThreadLimit limit(flags.run.threads);
-  return done_or_reported(run_convert(*plan, Messages(*verbosity)));
-}
-
 int run_info_command(const InfoFlags& flags, const CLI::App& command) {
   const auto verbosity = plan_verbosity(flags.run);
   if (!verbosity) return report(verbosity.error());
   const auto plan = plan_info(flags, command);
   if (!plan) return report(plan.error());
-  const ThreadLimit limit(flags.run.threads);
+  if (auto limited = limit_threads(flags.run.threads); !limited) return report(limited.error());
   const auto failure = run_info(*plan, Messages(*verbosity));
   return failure ? exit_code(*failure) : kDone;
 }
@@ -90,7 +69,7 @@ int run_verify_command(const VerifyFlags& flags) {
   if (!verbosity) return report(verbosity.error());
   const auto plan = plan_verify(flags);
   if (!plan) return report(plan.error());
-  const ThreadLimit limit(flags.run.threads);
+  if (auto limited = limit_threads(flags.run.threads); !limited) return report(limited.error());
   return done_or_reported(run_verify(*plan, Messages(*verbosity)));
 }
 
@@ -99,7 +78,7 @@ int run_compare_command(const CompareFlags& flags) {
   if (!verbosity) return report(verbosity.error());
   const auto plan = plan_compare(flags);
   if (!plan) return report(plan.error());
-  const ThreadLimit limit(flags.run.threads);
+  if (auto limited = limit_threads(flags.run.threads); !limited) return report(limited.error());
   return done_or_reported(run_compare(*plan, Messages(*verbosity)));
 }
 
@@ -108,13 +87,18 @@ int run_bench_command(const BenchFlags& flags) {
   if (!verbosity) return report(verbosity.error());
   const auto plan = plan_bench(flags);
   if (!plan) return report(plan.error());
+  if (!plan->gpu_threads) {
+    // To the most that are compared: more of them would start where a comparison of fewer ends.
+    auto limited = limit_threads(std::ranges::max(plan->options.threads));
+    if (!limited) return report(limited.error());
+  }
   return done_or_reported(run_bench(*plan, Messages(*verbosity)));
 }
 
 int run_stability_command(const StabilityFlags& flags) {
   const auto verbosity = plan_verbosity(flags.run);
   if (!verbosity) return report(verbosity.error());
-  const ThreadLimit limit(flags.run.threads);
+  if (auto limited = limit_threads(flags.run.threads); !limited) return report(limited.error());
   return done_or_reported(run_stability(flags, Messages(*verbosity)));
 }
 
@@ -145,7 +129,7 @@ int run_arguments(std::vector<std::string> arguments) {
     case Request::stability: return run_stability_command(line->stability_flags);
     case Request::convert: break;
   }
-  return run_convert_command(line->convert_flags, std::move(arguments));
+  return done_or_reported(run_convert(line->convert_flags, arguments));
 }
 
 // Ends the process as the signal would have, but leaves no unfinished file.
@@ -172,10 +156,8 @@ int run(int argc, char** argv) {
   leave_nothing_when_interrupted();
   try {
     return run_arguments(std::vector<std::string>(argv + (argc > 0 ? 1 : 0), argv + argc));
-  } catch (const std::bad_alloc&) {
-    return report({ErrorKind::input, "not enough memory", "convert a part with --roi"});
-  } catch (const std::exception& error) {
-    return report({ErrorKind::input, fmt::format("unexpected: {}", error.what()), ""});
+  } catch (const std::exception&) {
+    return report(error_of_exception());
   }
 }
 

@@ -1,6 +1,8 @@
 #include "cli/convert_command.hpp"
 
 #include <algorithm>
+#include <exception>
+#include <type_traits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -11,9 +13,12 @@
 #include "base/machine.hpp"
 #include "base/stopwatch.hpp"
 #include "cli/mesh_error_text.hpp"
+#include "cli/messages.hpp"
+#include "cli/plan.hpp"
 #include "cli/progress_bar.hpp"
 #include "cli/remedies.hpp"
 #include "cli/simplify_text.hpp"
+#include "cli/threads.hpp"
 #include "cli/verification_text.hpp"
 #include "convert/conversion.hpp"
 #include "convert/field_label.hpp"
@@ -44,6 +49,34 @@ std::string_view option_for(const convert::WorkFact& fact) {
   return "";
 }
 
+// How a surface ends: known from its extraction, without a look at the mesh.
+struct SurfaceEnd {
+  double iso = 0;
+  bool open = false;  // at the border of the data
+  std::uint64_t hole_cells = 0;
+};
+
+// "closed", or where the surfaces of a file end, and what helps.
+std::string ends_text(const std::vector<SurfaceEnd>& ends, const ConvertPlan& plan) {
+  std::vector<double> open;
+  std::uint64_t hole_cells = 0;
+  for (const SurfaceEnd& end : ends) {
+    if (end.open) open.push_back(end.iso);
+    hole_cells += end.hole_cells;
+  }
+  std::string text;
+  if (!open.empty()) {
+    text = fmt::format("open at the border of the {}", plan.job.source.roi ? "--roi" : "data");
+    if (open.size() < ends.size()) text += fmt::format(" at iso {}", fmt::join(open, ", "));
+    text += " (--cap closes it)";
+  }
+  if (hole_cells > 0) {
+    text += fmt::format("{}without {} cells around samples that are not numbers", text.empty() ? "" : "; ", hole_cells);
+  }
+  if (!text.empty()) return text;
+  return ends.empty() ? "empty" : "closed";
+}
+
 std::string shown_path(const std::string& path) { return path == "-" ? "stdout" : path; }
 
 // Says on stderr what a conversion does: notes and summaries as they come, stages where --explain or --verbose asks.
@@ -70,6 +103,9 @@ class Narrator final : public convert::Events {
 
   void extracted(const convert::ExtractedSurface& surface) override {
     const extract::ExtractStats& stats = surface.stats;
+    if (surface.triangles > 0) {
+      ends_.push_back({surface.iso, stats.meets_border && !plan_.job.surface.cap, stats.hole_cells});
+    }
     tell_stage(
         fmt::format("{} iso {}: extracted in {}: {:.3f} s to compare samples, {:.3f} s to count, {:.3f} s "
                     "to make the mesh",
@@ -114,10 +150,10 @@ class Narrator final : public convert::Events {
     std::uint64_t bytes = 0;
     for (const meshes::WrittenFile& file : output.files) bytes += file.bytes;
     bar_.above([&] {
-      messages_.summary(fmt::format("{} iso {} -> {}: {} triangles, {} vertices, {}; {}; {:.2f} s", label_,
+      messages_.summary(fmt::format("{} iso {} -> {}: {} triangles, {} vertices, {}; {}; {}; {:.2f} s", label_,
                                     fmt::join(output.isos, ", "), path, output.triangles, output.vertices,
-                                    format_byte_size(bytes), describe(plan_.job.source.placement),
-                                    watch_.elapsed().wall_seconds));
+                                    format_byte_size(bytes), ends_text(ends_, plan_),
+                                    describe(plan_.job.source.placement), watch_.elapsed().wall_seconds));
       for (const std::string& line : simplified_) messages_.summary("  " + line);
       for (const convert::MeshError& error : errors_) tell_error(error);
       for (const std::string& line : verified_) messages_.summary("  " + line);
@@ -143,6 +179,7 @@ class Narrator final : public convert::Events {
 
   // What was about the file that is done.
   void forget() {
+    ends_.clear();
     verified_.clear();
     simplified_.clear();
     errors_.clear();
@@ -154,6 +191,7 @@ class Narrator final : public convert::Events {
   ProgressBar& bar_;
   Stopwatch watch_;  // since the start, or since the last file
   std::string label_;
+  std::vector<SurfaceEnd> ends_;
   std::vector<std::string> verified_;
   std::vector<std::string> simplified_;
   std::vector<convert::MeshError> errors_;
@@ -168,42 +206,84 @@ Result<void> check_stdout(const convert::ConversionJob& job) {
               "redirect it to a file or a pipe");
 }
 
-Result<void> check_report_file(const ConvertPlan& plan) {
-  if (!plan.report) return {};
-  auto checked = convert::check_other_file(*plan.report, plan.job);
+// What `step` gives; what it throws is an error as well.
+template <class Step>
+std::invoke_result_t<Step> attempt(const Step& step) {
+  try {
+    return step();
+  } catch (const std::exception&) {
+    return tl::unexpected(error_of_exception());
+  }
+}
+
+Result<void> check_report_file(const std::string& report, const convert::ConversionJob& job) {
+  auto checked = convert::check_other_file(report, job);
   if (!checked && checked.error().kind == ErrorKind::usage) checked.error().hint = "choose another name with --report";
   return checked;
 }
 
-Result<void> write_report(const ConvertPlan& plan, const convert::Outcome& outcome) {
+// `job` as convert::report_of() has it.
+Result<void> write_report(const std::string& path, const convert::ConversionJob* job, const convert::Outcome& outcome,
+                          const std::vector<std::string>& arguments, std::uint64_t memory_limit) {
   const std::string hint = outcome.error ? words_of(outcome.error->hint) : "";
-  auto file = files::OutputFile::create(*plan.report);
+  auto file = files::OutputFile::create(path);
   if (!file) return tl::unexpected(file.error());
-  const std::string text =
-      convert::json_text(convert::report_of(plan.job, outcome, plan.arguments, plan.memory.limit(), hint));
+  const std::string text = convert::json_text(convert::report_of(job, outcome, arguments, memory_limit, hint));
   if (auto written = file->write(text); !written) return written;
   return file->commit();
 }
 
-}  // namespace
-
-Result<void> run_convert(const ConvertPlan& plan, const Messages& messages) {
-  if (auto checked = check_report_file(plan); !checked) return checked;
+convert::Outcome failed(const Error& error) {
   convert::Outcome outcome;
-  for (const std::string& text : plan.notes) messages.note(text);
-  if (auto checked = check_stdout(plan.job); checked) {
+  outcome.error = error;
+  outcome.peak_memory = peak_memory();
+  return outcome;
+}
+
+// The options make no conversion, and the report says so, unless it would overwrite what they name.
+Result<void> report_no_plan(const ConvertFlags& flags, const std::vector<std::string>& arguments, const Error& error) {
+  if (!flags.report || flags.report->empty() || *flags.report == "-") return {};
+  for (const convert::ConversionJob& job : plan_files(flags)) {
+    if (auto checked = check_report_file(*flags.report, job); !checked) return checked;
+  }
+  return write_report(*flags.report, nullptr, failed(error), arguments, 0);
+}
+
+convert::Outcome convert_as_planned(const ConvertPlan& plan, const Messages& messages) {
+  convert::Outcome outcome;
+  const Result<void> begun = attempt([&]() -> Result<void> {
+    if (auto checked = check_stdout(plan.job); !checked) return checked;
+    if (auto limited = limit_threads(plan.threads); !limited) return limited;
     const Context context{plan.memory};
     ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
     Narrator narrator(plan, messages, bar);
     outcome = convert::run(plan.job, context, narrator, {plan.report.has_value()});
-  } else {
-    outcome.error = std::move(checked.error());
+    return {};
+  });
+  return begun ? outcome : failed(begun.error());
+}
+
+}  // namespace
+
+Result<void> run_convert(const ConvertFlags& flags, const std::vector<std::string>& arguments) {
+  const auto plan = attempt([&] { return plan_convert(flags); });
+  const Messages messages(plan ? plan->verbosity : Verbosity::normal);
+  if (!plan) {
+    const auto reported = attempt([&] { return report_no_plan(flags, arguments, plan.error()); });
+    if (!reported) messages.error(reported.error());
+    return tl::unexpected(plan.error());
   }
-  outcome.notes.insert(outcome.notes.begin(), plan.notes.begin(), plan.notes.end());
+  if (plan->report) {
+    if (auto checked = check_report_file(*plan->report, plan->job); !checked) return checked;
+  }
+  for (const std::string& text : plan->notes) messages.note(text);
+  convert::Outcome outcome = convert_as_planned(*plan, messages);
+  outcome.notes.insert(outcome.notes.begin(), plan->notes.begin(), plan->notes.end());
   if (outcome.done()) messages.detail(fmt::format("peak memory {}", format_byte_size(outcome.peak_memory)));
   const Result<void> done = outcome.error ? tl::unexpected(*outcome.error) : Result<void>();
-  if (!plan.report) return done;
-  auto reported = write_report(plan, outcome);
+  if (!plan->report) return done;
+  auto reported =
+      attempt([&] { return write_report(*plan->report, &plan->job, outcome, arguments, plan->memory.limit()); });
   if (done) return reported;
   if (!reported) messages.error(reported.error());
   return done;

@@ -1,12 +1,16 @@
 // `isoextract convert`: a volume in, meshes out.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "base/error.hpp"
-#include "cli/messages.hpp"
-#include "cli/plan.hpp"
+#include "cli/options.hpp"
 
 namespace isoextract::cli {
 
-[[nodiscard]] Result<void> run_convert(const ConvertPlan& plan, const Messages& messages);
+// From the options to the report, which is written however the conversion ends: also where the options make none.
+// `arguments` are the words of the command line, for the report.
+[[nodiscard]] Result<void> run_convert(const ConvertFlags& flags, const std::vector<std::string>& arguments);
 
 }  // namespace isoextract::cli

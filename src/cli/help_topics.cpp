@@ -26,7 +26,7 @@ constexpr std::array kExamples{
     Example{"isoextract head.raw --dims 48,62,42 --spacing 4 --iso 60 -o head.ply", "A file without a header."},
     Example{"isoextract verify smoke.vdb --iso 0.5 smoke.glb", "Whether a mesh is what its volume gives."},
     Example{"isoextract compare a.glb b.ply --max-distance 0.1", "Whether two meshes are the same surface, to 0.1."},
-    Example{"isoextract demo:gyroid?size=128 --iso 0 --format ply -o - > gyroid.ply", "No file at all, and a pipe."},
+    Example{"isoextract 'demo:gyroid?size=128' --iso 0 --format ply -o - > gyroid.ply", "No file at all, and a pipe."},
 };
 
 HelpTopic formats_topic() {
@@ -58,8 +58,8 @@ HelpTopic demo_topic() {
   HelpTopic topic{"demo", "Demo fields", "Inputs that need no file.", {}};
   HelpBlock block{
       "demo:NAME is an input like any other, computed from a formula on the cube from -1 to 1. "
-      "demo:NAME?size=N has N samples along each axis (2 to 2048, default 64). Inside is above the iso "
-      "value.",
+      "demo:NAME?size=N has N samples along each axis (2 to 2048, default 64); quote it, as in "
+      "'demo:torus?size=200', for a shell may take the question mark for a pattern. Inside is above the iso value.",
       {}};
   for (const field::DemoDescription& demo : field::demo_fields()) {
     block.rows.push_back({fmt::format("demo:{}", demo.name), fmt::format("{} (iso {})", demo.formula, demo.iso)});
@@ -102,7 +102,7 @@ HelpTopic exit_codes_topic() {
             {{"0", "done"},
              {"1", "usage: the options or their combination make no sense"},
              {"2", "the input cannot be read, or does not hold what was asked for"},
-             {"3", "a feature that was asked for is not available"},
+             {"3", "a feature or device that was asked for, or a thread, is not available"},
              {"4", "the result cannot be written"},
              {"6", "what was to be verified does not hold"}}}}};
 }

@@ -11,14 +11,28 @@
 #include "cli/info_report.hpp"
 #include "cli/progress_bar.hpp"
 #include "convert/source.hpp"
+#include "field/sparse_lookup.hpp"
+#include "field/surface_estimate.hpp"
 
 namespace isoextract::cli {
 namespace {
 
-std::uint64_t stored_samples(const field::Samples& samples) {
-  if (const auto* dense = std::get_if<field::DenseSamples>(&samples)) return dense->count();
-  return std::get<field::SparseSamples>(samples).blocks.size() * field::SparseBlock::kSize * field::SparseBlock::kSize *
-         field::SparseBlock::kSize;
+ConversionSize size_of(const field::ScalarField& field, const field::IsoSuggestion& suggestion) {
+  ConversionSize size;
+  if (const auto* dense = std::get_if<field::DenseSamples>(&field.samples)) {
+    size.samples = dense->count();
+  } else {
+    const auto& sparse = std::get<field::SparseSamples>(field.samples);
+    constexpr std::uint64_t kBlockSamples =
+        std::uint64_t{field::SparseBlock::kSize} * field::SparseBlock::kSize * field::SparseBlock::kSize;
+    size.samples = sparse.blocks.size() * kBlockSamples;
+    size.lookup_bytes = field::SparseLookup::node_origins(sparse).size() * sizeof(field::SparseLookup::Node);
+  }
+  size.sample_bytes = size.samples * field::sample_size(field.type());
+  if (!suggestion.separates) return size;
+  size.vertices = field::estimate_vertices(field, suggestion.iso);
+  size.places = field::estimate_places(field, suggestion.iso);
+  return size;
 }
 
 std::string example_command(const InfoPlan& plan, const std::string& input, double iso) {
@@ -38,11 +52,8 @@ Result<FieldReport> measure(const InfoPlan& plan, const std::string& input, cons
   report.field = std::move(*field);
   report.statistics = field::measure_statistics(report.field, &context.progress());
   report.suggestion = field::suggest_iso(report.field, report.statistics);
-  report.vertices = field::estimate_vertices(report.field, report.suggestion.iso);
-  const std::uint64_t samples = stored_samples(report.field.samples);
-  report.sample_bytes = samples * field::sample_size(report.field.type());
-  report.conversion_bytes = estimated_conversion_bytes(report.sample_bytes, samples, report.vertices);
-  report.command = example_command(plan, input, report.suggestion.iso);
+  report.size = size_of(report.field, report.suggestion);
+  if (report.suggestion.separates) report.command = example_command(plan, input, report.suggestion.iso);
   return report;
 }
 

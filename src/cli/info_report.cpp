@@ -15,7 +15,6 @@
 namespace isoextract::cli {
 namespace {
 
-constexpr std::array kPercentiles{1, 5, 25, 50, 75, 95, 99};
 constexpr std::size_t kHistogramRows = 16;
 constexpr std::size_t kBarWidth = 40;
 constexpr std::size_t kMaxName = 200;  // bytes of a name that are shown
@@ -30,14 +29,6 @@ std::string vector_text(const glm::dvec3& v) { return fmt::format("{:.6g}, {:.6g
 
 glm::dvec3 spacing_of(const field::Affine& map) {
   return {glm::length(map.linear[0]), glm::length(map.linear[1]), glm::length(map.linear[2])};
-}
-
-// Samples that are whole numbers have percentiles that are whole numbers.
-double percentile_of(const FieldReport& report, int percent) {
-  const double value = report.statistics.percentile(percent / 100.0);
-  const bool whole = visit_sample_type(report.field.type(),
-                                       []<class T>(std::type_identity<T>) { return !field::is_floating_sample<T>; });
-  return whole && report.field.scale.is_identity() ? std::round(value) : value;
 }
 
 void add_grids(NamedLines& lines, const InputReport& report) {
@@ -110,9 +101,9 @@ void add_values(NamedLines& lines, const FieldReport& report) {
   if (statistics.samples > 0) {
     lines.add("values", fmt::format("{:.6g} .. {:.6g}, mean {:.6g}", statistics.min, statistics.max, statistics.mean));
     std::array<std::string, 2> percentiles;  // two lines
-    for (std::size_t i = 0; i < kPercentiles.size(); ++i) {
-      percentiles[i / 4] += fmt::format("{}{} %: {:.4g}", i % 4 == 0 ? "" : "   ", kPercentiles[i],
-                                        percentile_of(report, kPercentiles[i]));
+    for (std::size_t i = 0; i < statistics.percentiles.size(); ++i) {
+      percentiles[i / 4] += fmt::format("{}{} %: {:.4g}", i % 4 == 0 ? "" : "   ", field::FieldStatistics::kPercents[i],
+                                        statistics.percentiles[i]);
     }
     lines.add("percentiles", percentiles[0]);
     lines.add("", percentiles[1]);
@@ -124,11 +115,18 @@ void add_values(NamedLines& lines, const FieldReport& report) {
 }
 
 void add_advice(NamedLines& lines, const FieldReport& report) {
-  lines.add("memory", fmt::format("{} of samples", format_byte_size(report.sample_bytes)));
+  lines.add("memory", fmt::format("{} of samples", format_byte_size(report.size.sample_bytes)));
   if (report.statistics.samples == 0) return;
-  lines.add("suggestion", fmt::format("--iso {}: {}", report.suggestion.iso, report.suggestion.method));
-  lines.add("", fmt::format("about {} triangles; converting takes about {} of memory",
-                            estimated_triangles(report.vertices), format_byte_size(report.conversion_bytes)));
+  const field::IsoSuggestion& suggestion = report.suggestion;
+  if (!suggestion.separates) {
+    const bool constant = report.statistics.min == report.statistics.max;
+    lines.add("suggestion", constant ? std::string("none: the field is constant, and has no surface")
+                                     : fmt::format("none: no surface at {}, {}", suggestion.iso, suggestion.method));
+    return;
+  }
+  lines.add("suggestion", fmt::format("--iso {}: {}", suggestion.iso, suggestion.method));
+  lines.add("", fmt::format("about {} triangles; converting takes about {} of memory", estimated_triangles(report.size),
+                            format_byte_size(estimated_bytes(report.size))));
   lines.plain(fmt::format("\n  {}", printable(report.command)));
 }
 
@@ -148,7 +146,9 @@ convert::Json json_of_values(const FieldReport& report) {
   json["min"] = statistics.min;
   json["max"] = statistics.max;
   json["mean"] = statistics.mean;
-  for (const int percent : kPercentiles) json["percentiles"][std::to_string(percent)] = percentile_of(report, percent);
+  for (std::size_t i = 0; i < statistics.percentiles.size(); ++i) {
+    json["percentiles"][std::to_string(field::FieldStatistics::kPercents[i])] = statistics.percentiles[i];
+  }
   json["histogram"] = statistics.histogram;
   return json;
 }
@@ -172,24 +172,28 @@ convert::Json json_of(const FieldReport& report) {
   json["world_box"] = field.extents().empty() ? convert::Json(nullptr) : convert::json_of(convert::world_bounds(field));
   json["world_space"] = field.world_space;
   json["values"] = json_of_values(report);
-  json["suggestion"] = {{"iso", report.suggestion.iso},
-                        {"method", report.suggestion.method},
-                        {"triangles", estimated_triangles(report.vertices)},
-                        {"command", report.command}};
-  json["memory"] = {{"samples", report.sample_bytes}, {"conversion", report.conversion_bytes}};
+  json["suggestion"] = nullptr;
+  if (report.suggestion.separates) {
+    json["suggestion"] = {{"iso", report.suggestion.iso},
+                          {"method", report.suggestion.method},
+                          {"triangles", estimated_triangles(report.size)},
+                          {"command", report.command}};
+  }
+  json["memory"] = {{"samples", report.size.sample_bytes}, {"conversion", estimated_bytes(report.size)}};
   json["notes"] = field.notes;
   return json;
 }
 
 }  // namespace
 
-std::uint64_t estimated_triangles(std::uint64_t vertices) { return 2 * vertices; }
+std::uint64_t estimated_triangles(const ConversionSize& size) { return 2 * size.vertices; }
 
-std::uint64_t estimated_conversion_bytes(std::uint64_t sample_bytes, std::uint64_t samples, std::uint64_t vertices) {
+std::uint64_t estimated_bytes(const ConversionSize& size) {
   constexpr std::uint64_t kVertexBytes = 2 * sizeof(glm::vec3);  // position and normal
   constexpr std::uint64_t kProgramBytes = std::uint64_t{40} << 20U;
-  return kProgramBytes + sample_bytes + samples / 4 + vertices * kVertexBytes +
-         estimated_triangles(vertices) * sizeof(glm::uvec3);
+  constexpr std::uint64_t kPlaceBytes = 400;  // how to find it, and the numbers of its vertices
+  return kProgramBytes + size.sample_bytes + size.samples / 4 + size.lookup_bytes + size.places * kPlaceBytes +
+         size.vertices * kVertexBytes + estimated_triangles(size) * sizeof(glm::uvec3);
 }
 
 std::string text_of(const InputReport& report) {

@@ -14,15 +14,22 @@
 
 namespace isoextract::cli {
 
+// What a conversion at the suggested iso value has to do with; estimated but for the samples.
+struct ConversionSize {
+  std::uint64_t samples = 0;  // that are stored
+  std::uint64_t sample_bytes = 0;
+  std::uint64_t lookup_bytes = 0;  // to find sparse blocks by their place
+  std::uint64_t places = 0;        // of sparse samples that the surface passes
+  std::uint64_t vertices = 0;
+};
+
 // Of the one field that was read.
 struct FieldReport {
   field::ScalarField field;
   field::FieldStatistics statistics;
   field::IsoSuggestion suggestion;
-  std::uint64_t sample_bytes = 0;
-  std::uint64_t vertices = 0;          // estimated, of the surface at the suggested iso value
-  std::uint64_t conversion_bytes = 0;  // estimated peak of memory of that conversion
-  std::string command;                 // line that makes it
+  ConversionSize size;
+  std::string command;  // line that extracts it; empty where the suggestion separates nothing
 };
 
 struct InputReport {
@@ -32,12 +39,11 @@ struct InputReport {
   std::optional<Error> error;
 };
 
-// The program itself, the samples, two bits of marks for each, and the mesh with normals: within a tenth of what large
-// conversions take.
-[[nodiscard]] std::uint64_t estimated_conversion_bytes(std::uint64_t sample_bytes, std::uint64_t samples,
-                                                       std::uint64_t vertices);
-// A closed surface has about twice as many.
-[[nodiscard]] std::uint64_t estimated_triangles(std::uint64_t vertices);
+// The peak of memory: the program itself, the samples, two bits of marks for each, what finds its way among sparse
+// blocks, and the mesh with normals. Within a tenth of what large conversions take, for blocks far apart a fifth.
+[[nodiscard]] std::uint64_t estimated_bytes(const ConversionSize& size);
+// A closed surface has about twice as many as vertices.
+[[nodiscard]] std::uint64_t estimated_triangles(const ConversionSize& size);
 
 [[nodiscard]] std::string text_of(const InputReport& report);
 [[nodiscard]] convert::Json json_of(const InputReport& report);

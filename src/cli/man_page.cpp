@@ -12,7 +12,7 @@
 namespace isoextract::cli {
 namespace {
 
-constexpr std::string_view kDate = "November 21, 2026";  // of the last change to the texts
+constexpr std::string_view kDate = "November 22, 2026";  // of the last change to the texts
 constexpr std::size_t kLineWidth = 72;                   // before escapes
 
 // Text that roff prints as it is.

@@ -1,5 +1,9 @@
 #include "cli/messages.hpp"
 
+#include <exception>
+#include <new>
+
+#include <fmt/format.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
@@ -49,6 +53,16 @@ void Messages::note(std::string_view text) const { log_->warn("isoextract: note:
 void Messages::summary(std::string_view text) const { log_->info("{}", printable(text)); }
 void Messages::explanation(std::string_view text) const { log_->info("{}", printable(text)); }
 void Messages::detail(std::string_view text) const { log_->debug("{}", printable(text)); }
+
+Error error_of_exception() {
+  try {
+    throw;
+  } catch (const std::bad_alloc&) {
+    return {ErrorKind::input, "not enough memory", "convert a part with --roi"};
+  } catch (const std::exception& error) {
+    return {ErrorKind::input, fmt::format("unexpected: {}", error.what()), ""};
+  }
+}
 
 Result<void> print_to_stdout(std::string_view text) {
   auto out = files::OutputFile::create("-");

@@ -157,9 +157,11 @@ void declare_input(CLI::App& app, InputFlags& flags, const std::string& metavar,
   group.value("--memory-limit", "SIZE", flags.memory_limit, parse_size, kMemoryLimitText);
 }
 
+constexpr const char* kQuietText = "Say nothing but errors and, on stdout, results.";
+
 // Last of a command's options.
 void declare_verbosity(const Group& group, RunFlags& flags) {
-  group.flag("-q,--quiet", flags.quiet, "Say nothing but errors.");
+  group.flag("-q,--quiet", flags.quiet, kQuietText);
   group.flag("-v,--verbose", flags.verbose, "Say also what each stage took, and the peak of memory.");
   group.help_flag();
 }
@@ -167,7 +169,7 @@ void declare_verbosity(const Group& group, RunFlags& flags) {
 void declare_run(CLI::App& app, RunFlags& flags) {
   const Group group(app, "Run");
   group.value("--threads", "N", flags.threads, parse_thread_count,
-              "Threads to use (default: all). The output does not depend on it.");
+              "Threads to use (default: all). The output does not depend on it. With 1 no other is started.");
   declare_verbosity(group, flags);
 }
 
@@ -234,7 +236,8 @@ void declare_convert_surface(CLI::App& app, ConvertFlags& flags) {
               "borders keep their vertices.");
   group.choice("--empty", flags.empty,
 
-               "What to do where there is no surface: fail, write no file, or write an empty one (default: error).");
+               "What to do where there is no surface: fail, write no file and remove an old one of that name, or write "
+               "an empty one (default: error).");
 }
 
 void declare_placement(CLI::App& app, PlacementFlags& flags) {
@@ -259,7 +262,8 @@ void declare_output(CLI::App& app, ConvertFlags& flags) {
   group.choice("--format", flags.format, "Format of the mesh, whatever the extension.");
   group.value<std::string>("--report", "FILE", flags.report, parse_text,
                            "Write a JSON report of the conversion: options, input, stages with time and memory, what "
-                           "was left out, and the facts of each mesh. Of a conversion that fails, it says why.");
+                           "was left out, and the facts of each mesh, which take time and memory of their own. Of a "
+                           "conversion that fails, it says why.");
   group.flag("--ascii", flags.ascii, "Write ply or stl as text instead of binary.");
 }
 
@@ -270,7 +274,8 @@ void declare_verify(CLI::App& app, VerifyFlags& flags) {
                           "A mesh that was written from it: .glb, .gltf, .ply, .obj or .stl; its extension says how it "
                           "was placed unless options do. Without one the backends are compared with each other.");
   const Group surface(app, "Surface");
-  surface.value("--iso", "V", flags.iso, parse_number, "The value whose surface is verified. Required.");
+  surface.values("--iso", "V", flags.isos, parse_number,
+                 "The value whose surface is verified. Required; several times for the several surfaces of a mesh.");
   declare_surface(surface, flags.surface);
   declare_placement(app, flags.placement);
   Group(app, "Output").flag("--json", flags.json, "Report as JSON.");
@@ -342,9 +347,16 @@ void declare_stability(CLI::App& app, StabilityFlags& flags) {
   declare_run(app, flags.run);
 }
 
+// Of a command that says nothing but its results and errors.
+void declare_quiet(CLI::App& app, bool& quiet) {
+  const Group run(app, "Run");
+  run.flag("-q,--quiet", quiet, kQuietText);
+  run.help_flag();
+}
+
 void declare_devices(CLI::App& app, DevicesFlags& flags) {
   Group(app, "Output").flag("--json", flags.json, "Report as JSON, an array with one entry a device.");
-  Group(app, "Run").help_flag();
+  declare_quiet(app, flags.quiet);
 }
 
 CLI::App* add_command(CLI::App& app, const std::string& name, const std::string& description) {
@@ -415,14 +427,14 @@ std::unique_ptr<CommandLine> declare_command_line() {
   std::vector<Choice<std::string>> topics;
   for (const std::string& name : help_names()) topics.push_back({name, name});
   Group(*line->help, "Input").choice("TOPIC", line->help_topic, topics, "A command, a group of options, or a subject.");
-  Group(*line->help, "Run").help_flag();
+  declare_quiet(*line->help, line->quiet);
 
   line->generate = add_command(app, "generate", "Write the man page or a shell completion to stdout.");
   Group(*line->generate, "Input")
       .choice("DOCUMENT", line->document,
               {{"man", Document::man}, {"bash", Document::bash}, {"zsh", Document::zsh}, {"fish", Document::fish}},
               "The man page, or the completion script of a shell.");
-  Group(*line->generate, "Run").help_flag();
+  declare_quiet(*line->generate, line->quiet);
   return line;
 }
 
@@ -433,7 +445,7 @@ std::string synopsis(const CLI::App& command) {
   if (name == "verify") return "isoextract verify INPUT --iso V [MESH] [options]";
   if (name == "compare") return "isoextract compare A B [options]";
   if (name == "bench") return "isoextract bench [INPUT...] [options]";
-  if (name == "devices") return "isoextract devices [--json]";
+  if (name == "devices") return "isoextract devices [options]";
   if (name == "stability") return "isoextract stability [options]";
   if (name == "help") return "isoextract help [TOPIC]";
   return "isoextract generate man|bash|zsh|fish";

@@ -99,7 +99,7 @@ struct InfoFlags {
 struct VerifyFlags {
   InputFlags input;
   std::optional<std::string> mesh;
-  std::optional<double> iso;
+  std::vector<double> isos;
   SurfaceFlags surface;
   PlacementFlags placement;
   DeviceFlags device;
@@ -135,6 +135,7 @@ struct BenchFlags {
 
 struct DevicesFlags {
   bool json = false;
+  bool quiet = false;  // says nothing but its results anyway
 };
 
 struct StabilityFlags {
@@ -167,6 +168,7 @@ struct CommandLine {
   DevicesFlags devices_flags;
   std::optional<std::string> help_topic;
   std::optional<Document> document;
+  bool quiet = false;  // of help and generate, which say nothing else anyway
 };
 
 [[nodiscard]] std::unique_ptr<CommandLine> declare_command_line();

@@ -127,20 +127,26 @@ std::string with_iso(std::string path, double iso) {
   return path;
 }
 
-Error no_iso(const std::string& input) {
-  return {ErrorKind::usage, "--iso V is missing: the value whose surface is extracted",
-          fmt::format("'isoextract info {}' shows the values and suggests one", shell_quoted(input))};
+// Some, and each once.
+Result<void> check_isos(const std::vector<double>& isos, const std::string& input) {
+  if (isos.empty()) {
+    return usage("--iso V is missing: the value whose surface is extracted",
+                 fmt::format("'isoextract info {}' shows the values and suggests one", shell_quoted(input)));
+  }
+  std::vector<double> sorted = isos;
+  std::sort(sorted.begin(), sorted.end());
+  const auto repeated = std::adjacent_find(sorted.begin(), sorted.end());
+  if (repeated != sorted.end()) return usage(fmt::format("--iso {} was given twice", *repeated));
+  return {};
+}
+
+std::string output_path(const ConvertFlags& flags, const std::string& input, const meshes::MeshFormatInfo& format) {
+  return flags.output ? *flags.output : fmt::format("{}.{}", input_stem(input), format.name);
 }
 
 Result<std::vector<convert::OutputFileJob>> plan_outputs(const ConvertFlags& flags,
                                                          const meshes::MeshFormatInfo& format) {
-  std::vector<double> sorted = flags.isos;
-  std::sort(sorted.begin(), sorted.end());
-  const auto repeated = std::adjacent_find(sorted.begin(), sorted.end());
-  if (repeated != sorted.end()) return usage(fmt::format("--iso {} was given twice", *repeated));
-
-  const std::string path =
-      flags.output ? *flags.output : fmt::format("{}.{}", input_stem(flags.input.inputs.front()), format.name);
+  const std::string path = output_path(flags, flags.input.inputs.front(), format);
   if (path.empty()) return usage("-o needs the name of a file");
   if (path == "-" && !format.can_stream) {
     return usage(fmt::format("{} cannot be written to stdout", format.name), format.format == meshes::MeshFormat::gltf
@@ -184,15 +190,22 @@ Result<Verbosity> plan_verbosity(const RunFlags& flags) {
 }
 
 Result<ConvertPlan> plan_convert(const ConvertFlags& flags) {
+  if (flags.report && (flags.report->empty() || *flags.report == "-")) {
+    return usage(fmt::format("--report needs the name of a file, found '{}'", *flags.report));
+  }
   const std::vector<std::string>& inputs = flags.input.inputs;
   if (inputs.empty()) return usage("no INPUT was given", "isoextract INPUT --iso V -o OUT.glb");
   if (inputs.size() > 1) {
     return usage(fmt::format("convert takes one input, and {} were given: {}", inputs.size(), fmt::join(inputs, ", ")));
   }
-  if (flags.isos.empty()) return tl::unexpected(no_iso(inputs.front()));
+  if (auto checked = check_isos(flags.isos, inputs.front()); !checked) return tl::unexpected(checked.error());
+  const auto verbosity = plan_verbosity(flags.run);
+  if (!verbosity) return tl::unexpected(verbosity.error());
   if (flags.explain && flags.run.quiet) return usage("--quiet and --explain exclude each other");
 
   ConvertPlan plan;
+  plan.verbosity = *verbosity;
+  plan.threads = flags.run.threads;
   convert::ConversionJob& job = plan.job;
   job.source.input = inputs.front();
   auto read = plan_read(flags.input);
@@ -237,11 +250,26 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& flags) {
   job.empty = flags.empty.value_or(job.empty);
   job.error = flags.error;
   plan.explain = flags.explain;
-  if (flags.report && (flags.report->empty() || *flags.report == "-")) {
-    return usage(fmt::format("--report needs the name of a file, found '{}'", *flags.report));
-  }
   plan.report = flags.report;
   return plan;
+}
+
+std::vector<convert::ConversionJob> plan_files(const ConvertFlags& flags) {
+  std::vector<std::string> inputs = flags.input.inputs;
+  if (inputs.empty()) inputs.emplace_back();
+  const auto by_name = flags.output ? meshes::mesh_format_by_path(*flags.output) : std::nullopt;
+  const meshes::MeshFormat format = flags.format.value_or(by_name.value_or(meshes::MeshFormat::glb));
+  std::vector<convert::ConversionJob> jobs;
+  for (const std::string& input : inputs) {
+    convert::ConversionJob& job = jobs.emplace_back();
+    job.source.input = input;
+    job.source.read = plan_read(flags.input).value_or(volumes::ReadOptions{});
+    job.format = format;
+    const std::string path = output_path(flags, input, meshes::mesh_format_info(format));
+    job.outputs.push_back({path, {}});
+    for (const double iso : flags.isos) job.outputs.push_back({with_iso(path, iso), {iso}});
+  }
+  return jobs;
 }
 
 Result<InfoPlan> plan_info(const InfoFlags& flags, const CLI::App& command) {
@@ -266,8 +294,8 @@ Result<VerifyPlan> plan_verify(const VerifyFlags& flags) {
   VerifyPlan plan;
   plan.source.input = flags.input.inputs.front();
   plan.mesh = flags.mesh;
-  if (!flags.iso) return tl::unexpected(no_iso(plan.source.input));
-  plan.iso = *flags.iso;
+  if (auto checked = check_isos(flags.isos, plan.source.input); !checked) return tl::unexpected(checked.error());
+  plan.isos = flags.isos;
   auto read = plan_read(flags.input);
   if (!read) return tl::unexpected(read.error());
   plan.source.read = std::move(*read);

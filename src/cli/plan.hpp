@@ -20,10 +20,11 @@ namespace isoextract::cli {
 struct ConvertPlan {
   convert::ConversionJob job;
   MemoryBudget memory;
+  std::optional<int> threads;
+  Verbosity verbosity = Verbosity::normal;
   bool explain = false;
-  std::optional<std::string> report;   // the path of the JSON report
-  std::vector<std::string> arguments;  // the words of the command line, for the report
-  std::vector<std::string> notes;      // what was asked for and changes nothing, one sentence each
+  std::optional<std::string> report;  // the path of the JSON report
+  std::vector<std::string> notes;     // what was asked for and changes nothing, one sentence each
 };
 
 struct InfoPlan {
@@ -38,7 +39,7 @@ struct VerifyPlan {
   MemoryBudget memory;
   convert::SourceOptions source;
   convert::SurfaceOptions surface;
-  double iso = 0;
+  std::vector<double> isos;
   std::optional<std::string> mesh;  // none: the backends are compared
   gpu::GpuChoice gpu;
   bool float32_world = false;  // the mesh's format has float32 world coordinates only
@@ -77,6 +78,9 @@ struct BenchPlan {
 [[nodiscard]] std::vector<NamedBackend> plan_backends(std::vector<NamedBackend> backends, const DeviceFlags& flags);
 [[nodiscard]] Result<Verbosity> plan_verbosity(const RunFlags& flags);
 [[nodiscard]] Result<ConvertPlan> plan_convert(const ConvertFlags& flags);
+// Of options that make no plan: what they name all the same, as a job an input with its files and nothing else. There
+// is one at least.
+[[nodiscard]] std::vector<convert::ConversionJob> plan_files(const ConvertFlags& flags);
 [[nodiscard]] Result<BenchPlan> plan_bench(const BenchFlags& flags);
 [[nodiscard]] Result<InfoPlan> plan_info(const InfoFlags& flags, const CLI::App& command);
 [[nodiscard]] Result<VerifyPlan> plan_verify(const VerifyFlags& flags);

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <string>
 #include <string_view>
+#include <system_error>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -42,7 +43,11 @@ void write_to_stderr(std::string_view text) {
 }  // namespace
 
 ProgressBar::ProgressBar(const Progress& progress, bool wanted) : progress_(progress) {
-  if (wanted && stderr_is_terminal()) thread_ = std::thread([this] { draw_until_done(); });
+  if (!wanted || !stderr_is_terminal()) return;
+  try {
+    thread_ = std::thread([this] { draw_until_done(); });
+  } catch (const std::system_error&) {  // the work does not need it
+  }
 }
 
 ProgressBar::~ProgressBar() {

@@ -1,4 +1,5 @@
-// A bar on stderr for work that takes over a second, where stderr is a terminal; otherwise nothing at all.
+// A bar on stderr for work that takes over a second, where stderr is a terminal and a thread can be had to draw it;
+// otherwise nothing at all.
 #pragma once
 
 #include <condition_variable>

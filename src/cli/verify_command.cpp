@@ -13,6 +13,7 @@
 #include "cli/verification_text.hpp"
 #include "convert/source.hpp"
 #include "measure/mesh_match.hpp"
+#include "mesh/joined.hpp"
 #include "meshes/mesh_reader.hpp"
 
 namespace isoextract::cli {
@@ -31,11 +32,32 @@ class Notes final : public convert::Events {
   ProgressBar& bar_;
 };
 
+// Of one surface.
+Result<convert::VerificationRecord> compare_surface(const VerifyPlan& plan, double iso, const convert::Source& source,
+                                                    extract::Extractor& first, extract::Extractor& second,
+                                                    const Context& context) {
+  extract::ExtractOptions options = source.extract_options(plan.surface, iso);
+  const extract::MethodInfo& method = extract::method_info(options.method);
+  options.smooth_normals = method.traits.gradient_normals;
+  options.edge_keys = method.traits.vertices_on_edges;
+  const auto extraction = first.extract(source.field, options, context);
+  if (!extraction) return tl::unexpected(extraction.error());
+  return convert::compare_backends(source.field, options, method, extraction->mesh, first, second, context);
+}
+
+// One surface as an object, several as an array of them.
+std::string records_json(const std::vector<convert::VerificationRecord>& records) {
+  if (records.size() == 1) return convert::json_text(convert::json_of(records.front()));
+  convert::Json array = convert::Json::array();
+  for (const convert::VerificationRecord& record : records) array.push_back(convert::json_of(record));
+  return convert::json_text(array);
+}
+
 Result<void> verify_backends(const VerifyPlan& plan, const Messages& messages, const Context& context) {
   const std::unique_ptr<extract::Extractor> first = extract::make_cpu_extractor();
   const auto second = convert::open_backend(convert::Backend::gpu, {plan.gpu});
   if (!second) return tl::unexpected(second.error());
-  convert::VerificationRecord record;
+  std::vector<convert::VerificationRecord> records;
   std::string label;
   {
     ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
@@ -43,20 +65,28 @@ Result<void> verify_backends(const VerifyPlan& plan, const Messages& messages, c
     const auto source = convert::open_source(plan.source, false, context, notes);
     if (!source) return tl::unexpected(source.error());
     label = source->label;
-    extract::ExtractOptions options = source->extract_options(plan.surface, plan.iso);
-    const extract::MethodInfo& method = extract::method_info(options.method);
-    options.smooth_normals = method.traits.gradient_normals;
-    options.edge_keys = method.traits.vertices_on_edges;
-    const auto extraction = first->extract(source->field, options, context);
-    if (!extraction) return tl::unexpected(extraction.error());
-    auto compared = convert::compare_backends(source->field, options, method, extraction->mesh, *first,
-                                              *second->extractor, context);
-    if (!compared) return tl::unexpected(std::move(compared.error()));
-    record = std::move(*compared);
+    for (const double iso : plan.isos) {
+      auto record = compare_surface(plan, iso, *source, *first, *second->extractor, context);
+      if (!record) return tl::unexpected(std::move(record.error()));
+      records.push_back(std::move(*record));
+    }
   }
-  const std::string text = plan.json ? convert::json_text(convert::json_of(record)) : verification_table(label, record);
-  if (auto printed = print_to_stdout(text); !printed) return printed;
-  return convert::check_verification(label, record);
+  std::string text;
+  for (const convert::VerificationRecord& record : records) {
+    text += (text.empty() ? "" : "\n") + verification_table(label, record);
+  }
+  if (auto printed = print_to_stdout(plan.json ? records_json(records) : text); !printed) return printed;
+  for (const convert::VerificationRecord& record : records) {
+    if (auto same = convert::check_verification(label, record); !same) return same;
+  }
+  return {};
+}
+
+std::string distance_text(const measure::MeshMatch& match) {
+  if (match.matched == 0) return "none is at the same place in both";
+  if (match.distance == glm::dvec3(0)) return "the very same numbers";
+  return fmt::format("at most {} apart, at {}", measure::point_text(match.distance),
+                     measure::point_text(match.farthest));
 }
 
 std::string match_table(const std::string& path, const std::string& surface, const measure::MeshMatch& match) {
@@ -68,10 +98,7 @@ std::string match_table(const std::string& path, const std::string& surface, con
   };
   counts("triangles", match.triangles.total, match.triangles.only, "in one");
   counts("vertices", match.vertices, match.vertices_only, "places in one");
-  const bool exact = match.distance == glm::dvec3(0);
-  lines.add("positions", exact ? std::string("the very same numbers")
-                               : fmt::format("at most {} apart, at {}", measure::point_text(match.distance),
-                                             measure::point_text(match.farthest)));
+  lines.add("positions", distance_text(match));
   lines.add("allowed", measure::point_text(match.allowed));
   const bool same =
       match.vertices_only == std::array<std::uint64_t, 2>{} && match.triangles.only == std::array<std::uint64_t, 2>{};
@@ -86,14 +113,29 @@ std::string hint_for(const measure::MeshMatch& match) {
     return "it looks simplified: 'isoextract compare' measures how far it is from a mesh that was written without "
            "--simplify";
   }
+  if (match.matched > 0 && match.vertices_only[0] > 0 && match.vertices_only[1] == 0) {
+    return "it holds more than that: give every --iso that it was written with";
+  }
   if (match.vertices_only[0] > match.vertices[0] / 2) {
     return "give the --iso, --method, --roi and placement options that it was written with";
   }
   return "";
 }
 
-Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages, const Context& context) {
+// All surfaces that were asked for.
+Result<mesh::Mesh> extract_all(const VerifyPlan& plan, const convert::Source& source, const Context& context) {
   const std::unique_ptr<extract::Extractor> extractor = extract::make_cpu_extractor();
+  std::vector<mesh::Mesh> meshes;
+  for (const double iso : plan.isos) {
+    auto extraction = extractor->extract(source.field, source.extract_options(plan.surface, iso), context);
+    if (!extraction) return tl::unexpected(std::move(extraction.error()));
+    meshes.push_back(std::move(extraction->mesh));
+  }
+  if (meshes.size() == 1) return std::move(meshes.front());
+  return mesh::join_meshes(meshes, context);
+}
+
+Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages, const Context& context) {
   measure::MeshMatch match;
   std::string surface;
   {
@@ -105,10 +147,10 @@ Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages, const
     for (const std::string& text : file->notes) notes.note(text);
     const auto source = convert::open_source(plan.source, false, context, notes);
     if (!source) return tl::unexpected(source.error());
-    surface = fmt::format("{} iso {}", source->label, plan.iso);
-    const auto extraction = extractor->extract(source->field, source->extract_options(plan.surface, plan.iso), context);
-    if (!extraction) return tl::unexpected(extraction.error());
-    const auto matched = measure::match_meshes(file->mesh, extraction->mesh, plan.float32_world, context);
+    surface = fmt::format("{} iso {}", source->label, fmt::join(plan.isos, ", "));
+    const auto extracted = extract_all(plan, *source, context);
+    if (!extracted) return tl::unexpected(extracted.error());
+    const auto matched = measure::match_meshes(file->mesh, *extracted, plan.float32_world, context);
     if (!matched) return tl::unexpected(matched.error());
     match = *matched;
   }

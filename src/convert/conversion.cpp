@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <filesystem>
 #include <memory>
 #include <new>
 #include <utility>
@@ -17,6 +18,7 @@
 #include "convert/output_checks.hpp"
 #include "convert/source.hpp"
 #include "field/statistics.hpp"
+#include "files/output_file.hpp"
 
 namespace isoextract::convert {
 namespace {
@@ -119,6 +121,7 @@ class Conversion {
       const field::ScalarField& data = source_.data ? *source_.data : source_.field;
       surface.error = measure_mesh_error(surface.mesh, data, extract_options(iso), *job_.error,
                                          source_.data ? &source_.field : nullptr, context_);
+      if (auto whole = volumes::check_not_lost(data); !whole) return tl::unexpected(std::move(whole.error()));
       events_.measured(*surface.error, watch.elapsed());
     }
     return surface;
@@ -147,6 +150,7 @@ class Conversion {
       auto record = compare_backends(source_.field, options, method(), extraction->mesh, *extractor_, *other_extractor_,
                                      context_);
       if (!record) return tl::unexpected(std::move(record.error()));
+      if (auto whole = volumes::check_not_lost(source_.field); !whole) return tl::unexpected(std::move(whole.error()));
       extraction->mesh.edges = {};  // they have done their work
       events_.verified(*record);
       if (auto same = check_verification(source_.label, *record); !same) return tl::unexpected(std::move(same.error()));
@@ -182,9 +186,9 @@ class Conversion {
     }
     const bool region_hides_it = source_.region && statistics.min <= iso && iso <= statistics.max;
     const field::IsoSuggestion suggestion = field::suggest_iso(source_.field, statistics);
-    const bool helps = statistics.min < suggestion.iso && suggestion.iso < statistics.max;
-    const Hint other = helps ? Hint(Remedy::try_iso, fmt::format("{} ({})", suggestion.iso, suggestion.method))
-                             : Hint(Remedy::no_surface_or_skip);
+    const Hint other = suggestion.separates
+                           ? Hint(Remedy::try_iso, fmt::format("{} ({})", suggestion.iso, suggestion.method))
+                           : Hint(Remedy::no_surface_or_skip);
     return {ErrorKind::input,
             fmt::format("{}: no surface at iso {}{}{}; the values {}run from {:.6g} to {:.6g}", source_.label, iso,
                         source_.region ? " in the region" : "",
@@ -216,18 +220,27 @@ class Conversion {
     file.written.time += watch.elapsed();
     if (extras_.mesh_facts) events_.recorded(file.records, file.recording);
     for (const std::string& text : result->notes) events_.note(text);
-    tell_skipped(file.written.job, file.written.isos);
+    tell_skipped(file.written.job, file.written.isos, "");
     events_.written(file.written);
     return {};
   }
 
+  // An old file of that name would pass for what this run made, among the frames of a sequence for example.
   Result<void> leave_out(const OutputFileJob& output) {
-    tell_skipped(output, {});
+    std::vector<std::string> removed;
+    for (const std::filesystem::path& file : mesh_files(output, job_.format)) {
+      auto gone = files::remove_old_file(file);
+      if (!gone) return tl::unexpected(std::move(gone.error()));
+      if (!*gone) break;  // a .bin without its model may be anybody's
+      removed.push_back(file.string());
+    }
+    tell_skipped(output, {},
+                 removed.empty() ? "" : fmt::format("; the old {} was removed", fmt::join(removed, " and ")));
     events_.written({output, {}, 0, 0, {}, {}});
     return {};
   }
 
-  // What only a report asks for: finding components and open edges takes about as long as writing.
+  // What only a report asks for: finding components and open edges takes longer than to extract the mesh.
   Result<void> record(const Surface& surface, OutputFile& file) {
     const Stopwatch watch;
     context_.progress().begin("measuring", 0);
@@ -239,15 +252,15 @@ class Conversion {
     return {};
   }
 
-  void tell_skipped(const OutputFileJob& output, const std::vector<double>& isos) {
+  void tell_skipped(const OutputFileJob& output, const std::vector<double>& isos, const std::string& besides) {
     std::vector<double> skipped;
     for (const double iso : output.isos) {
       if (std::ranges::find(isos, iso) == isos.end()) skipped.push_back(iso);
     }
     if (skipped.empty()) return;
     const std::string path = output.path == "-" ? "stdout" : output.path;
-    events_.note(fmt::format("{}: no surface at iso {}; {}", source_.label, fmt::join(skipped, ", "),
-                             isos.empty() ? path + " was not written" : path + " is without it"));
+    events_.note(fmt::format("{}: no surface at iso {}; {}{}", source_.label, fmt::join(skipped, ", "),
+                             isos.empty() ? path + " was not written" : path + " is without it", besides));
   }
 
   const ConversionJob& job_;

@@ -11,7 +11,8 @@ namespace isoextract::convert {
 
 // What is found out only for who asks, because it takes time.
 struct OutcomeExtras {
-  bool mesh_facts = false;  // Outcome::meshes: components, open edges, sizes; about as long as writing
+  bool mesh_facts =
+      false;  // Outcome::meshes: components, open edges, sizes; longer than the extraction, see reports.md
 };
 
 // Runs the job's stages: open a backend, read, and for each file extract, verify, simplify, measure, write. A surface

@@ -29,7 +29,7 @@ constexpr auto words_of(Normals /*type*/) {
 // What becomes of a surface without triangles.
 enum class EmptyPolicy {
   error,  // ErrorKind::input
-  skip,   // it is left out, and a file without any surface is not written
+  skip,   // it is left out; a file without any surface is not written, and an old one of its name is removed
   write,  // an empty mesh
 };
 constexpr auto words_of(EmptyPolicy /*type*/) {

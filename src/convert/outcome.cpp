@@ -29,6 +29,13 @@ Json options_of(const ConversionJob& job, std::uint64_t memory_limit) {
   return json;
 }
 
+Json device_of(const Outcome& outcome) {
+  if (outcome.backend.empty()) return nullptr;
+  return {{"backend", outcome.backend},
+          {"name", outcome.device.empty() ? Json(nullptr) : Json(outcome.device)},
+          {"threads", outcome.threads}};
+}
+
 Json json_of(const InputFacts& input) {
   Json json{{"path", input.path},       {"format", input.format},
             {"name", input.name},       {"file_bytes", optional_json(input.file_bytes)},
@@ -146,7 +153,7 @@ Result<MeshRecord> mesh_record(double iso, const std::string& file, const mesh::
                     std::nullopt};
 }
 
-Json report_of(const ConversionJob& job, const Outcome& report, const std::vector<std::string>& arguments,
+Json report_of(const ConversionJob* job, const Outcome& report, const std::vector<std::string>& arguments,
                std::uint64_t memory_limit, const std::string& hint) {
   Json json{{"schema_version", kReportSchemaVersion},
             {"program", {{"name", "isoextract"}, {"version", version()}}},
@@ -156,8 +163,8 @@ Json report_of(const ConversionJob& job, const Outcome& report, const std::vecto
     json["error"]["hint"] = hint;
   }
   json["arguments"] = arguments;
-  json["options"] = options_of(job, memory_limit);
-  json["device"] = {{"backend", report.backend}, {"name", report.device}, {"threads", report.threads}};
+  json["options"] = job != nullptr ? options_of(*job, memory_limit) : Json(nullptr);
+  json["device"] = device_of(report);
   json["input"] = report.input ? json_of(*report.input) : Json(nullptr);
   json["output_from_index"] = report.output_from_index ? json_of(*report.output_from_index) : Json(nullptr);
   json["region"] = report.region ? json_of(*report.region) : Json(nullptr);
@@ -171,7 +178,7 @@ Json report_of(const ConversionJob& job, const Outcome& report, const std::vecto
   json["reserved_memory_bytes"] = report.reserved_memory;
   json["work"] = array_of(report.work);
   json["extractions"] = array_of(report.extractions);
-  if (job.verify) json["verification"] = array_of(report.verifications);
+  if (job != nullptr && job->verify) json["verification"] = array_of(report.verifications);
   json["simplifications"] = array_of(report.simplifications);
   json["meshes"] = array_of(report.meshes);
   json["files"] = array_of(report.files);

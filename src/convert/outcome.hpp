@@ -75,8 +75,8 @@ struct MeshRecord {
 
 // What a conversion did, or how far it came before it failed.
 struct Outcome {
-  std::string backend;  // "cpu" or "gpu"; if it could not be opened, what was asked for
-  std::string device;   // the processor's or the GPU's name
+  std::string backend;  // "cpu" or "gpu"; if it could not be opened, what was asked for; empty if that was not tried
+  std::string device;   // the processor's or the GPU's name; empty if it could not be opened
   int threads = 0;
   std::optional<InputFacts> input;                 // absent if it could not be read
   std::optional<field::Affine> output_from_index;  // what placed the meshes
@@ -99,9 +99,10 @@ struct Outcome {
   [[nodiscard]] bool done() const { return !error; }
 };
 
-// The report's document. `arguments` are the words of the command line without the program, `memory_limit` the
-// budget's; `hint` is the outcome's hint in words, which only the command line has.
-[[nodiscard]] Json report_of(const ConversionJob& job, const Outcome& outcome,
+// The report's document. `job` is null where the options gave none, which is why the outcome failed. `arguments` are
+// the words of the command line without the program, `memory_limit` the budget's; `hint` is the outcome's hint in
+// words, which only the command line has.
+[[nodiscard]] Json report_of(const ConversionJob* job, const Outcome& outcome,
                              const std::vector<std::string>& arguments, std::uint64_t memory_limit,
                              const std::string& hint);
 

@@ -12,13 +12,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The files that a job writes: glTF is two.
-std::vector<fs::path> files_of(const OutputFileJob& output, meshes::MeshFormat format) {
-  std::vector<fs::path> files{output.path};
-  if (format == meshes::MeshFormat::gltf) files.push_back(fs::path(output.path).replace_extension(".bin"));
-  return files;
-}
-
 // Where the input's header is a file of its own, those that hold the samples. What cannot be told is an error when the
 // input is read.
 Result<void> check_data_files(const fs::path& output, const ConversionJob& job) {
@@ -36,6 +29,12 @@ Result<void> check_data_files(const fs::path& output, const ConversionJob& job) 
 
 }  // namespace
 
+std::vector<fs::path> mesh_files(const OutputFileJob& output, meshes::MeshFormat format) {
+  std::vector<fs::path> files{output.path};
+  if (format == meshes::MeshFormat::gltf) files.push_back(fs::path(output.path).replace_extension(".bin"));
+  return files;
+}
+
 // Devices and pipes are left alone: opening a pipe twice would end it for its reader.
 Result<void> check_output_file(const fs::path& path, const std::string& input) {
   std::error_code none;
@@ -50,18 +49,13 @@ Result<void> check_output_file(const fs::path& path, const std::string& input) {
   return {};
 }
 
-bool same_file(const fs::path& a, const fs::path& b) {
-  std::error_code none;
-  if (fs::equivalent(a, b, none)) return true;
-  return fs::weakly_canonical(fs::absolute(a, none), none) == fs::weakly_canonical(fs::absolute(b, none), none);
-}
-
 Result<void> check_other_file(const fs::path& file, const ConversionJob& job) {
   for (const OutputFileJob& output : job.outputs) {
-    if (output.path == "-") continue;
-    for (const fs::path& mesh : files_of(output, job.format)) {
-      if (!same_file(file, mesh)) continue;
-      return fail(ErrorKind::usage, fmt::format("{}: this is the mesh as well as the report", file.string()),
+    for (const fs::path& mesh : mesh_files(output, job.format)) {
+      if (!files::same_place(file, mesh)) continue;
+      return fail(ErrorKind::usage,
+                  fmt::format("{}: this is {} as well as the report", file.string(),
+                              mesh == "-" ? "standard output, where the mesh goes," : "the mesh"),
                   Remedy::other_output_name);
     }
   }
@@ -72,7 +66,7 @@ Result<void> check_other_file(const fs::path& file, const ConversionJob& job) {
 Result<void> check_mesh_files(const ConversionJob& job) {
   for (const OutputFileJob& output : job.outputs) {
     if (output.path == "-") continue;
-    for (const fs::path& file : files_of(output, job.format)) {
+    for (const fs::path& file : mesh_files(output, job.format)) {
       if (auto checked = check_output_file(file, job.source.input); !checked) return checked;
       if (auto checked = check_data_files(file, job); !checked) return checked;
     }

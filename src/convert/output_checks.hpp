@@ -3,13 +3,18 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "base/error.hpp"
 #include "convert/conversion_job.hpp"
 
 namespace isoextract::convert {
 
-// Another file that goes with the job, its report for example: writable, and neither the input nor a mesh of the job.
+// The files that a job writes for one of its outputs: glTF is two, the model first.
+[[nodiscard]] std::vector<std::filesystem::path> mesh_files(const OutputFileJob& output, meshes::MeshFormat format);
+
+// Another file that goes with the job, its report for example: writable, and neither the input nor a mesh of the job,
+// nor where that goes.
 [[nodiscard]] Result<void> check_other_file(const std::filesystem::path& file, const ConversionJob& job);
 
 // The meshes' files, standard output apart.
@@ -17,8 +22,5 @@ namespace isoextract::convert {
 
 // A file that is written at the end: writable, and not the input.
 [[nodiscard]] Result<void> check_output_file(const std::filesystem::path& path, const std::string& input);
-
-// Whether two paths name one file, whether it exists or not.
-[[nodiscard]] bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
 
 }  // namespace isoextract::convert

@@ -39,7 +39,7 @@ Json json_of(const VerificationRecord& record) {
 
 Json json_of(const measure::MeshMatch& match, const std::vector<std::string>& differences) {
   Json json = counts(match.triangles, match.vertices, match.vertices_only, differences);
-  json["distance"] = json_of(match.distance);
+  json["distance"] = match.matched > 0 ? json_of(match.distance) : Json(nullptr);
   json["distance_allowed"] = json_of(match.allowed);
   return json;
 }

@@ -44,7 +44,7 @@ struct VerificationRecord {
 // Fails with ErrorKind::verification if the record says that something differs. `label` names the field.
 [[nodiscard]] Result<void> check_verification(const std::string& label, const VerificationRecord& record);
 
-// Of a written mesh against what its volume gives.
+// Of a written mesh against what its volume gives. The distance is null where no vertex matched.
 [[nodiscard]] Json json_of(const measure::MeshMatch& match, const std::vector<std::string>& differences);
 
 }  // namespace isoextract::convert

@@ -90,8 +90,10 @@ std::vector<WorkFact> extraction_facts(const extract::ExtractStats& stats, const
   if (!asked.error) {
     facts.push_back({"error", "left out", std::nullopt, std::nullopt, "the error of the mesh"});
   }
-  if (!options.cap) {
-    facts.push_back({"caps", "left out", std::nullopt, std::nullopt, "caps where the surface leaves the data"});
+  if (!options.cap && stats.inside_at_border) {
+    facts.push_back({"caps", "left out", std::nullopt, std::nullopt,
+                     stats.meets_border ? "caps where the surface leaves the data"
+                                        : "caps around the data, all of whose border is inside"});
   }
   return facts;
 }

@@ -42,6 +42,34 @@ struct BoxFace {
   }
 };
 
+// visit(face, box face, sample), face by face; a sample on several faces comes several times.
+template <class Visit>
+void for_each_border_sample(const field::IndexBox& box, const Visit& visit) {
+  for (int face = 0; face < 6; ++face) {
+    const BoxFace f = BoxFace::of(face);
+    glm::ivec3 p;
+    p[f.axis] = f.at_max ? box.max[f.axis] : box.min[f.axis];
+    for (p[f.v] = box.min[f.v]; p[f.v] <= box.max[f.v]; ++p[f.v]) {
+      for (p[f.u] = box.min[f.u]; p[f.u] <= box.max[f.u]; ++p[f.u]) visit(face, f, p);
+    }
+  }
+}
+
+using Square = std::array<glm::ivec3, 4>;  // samples, counter-clockwise seen from outside
+
+// visit(box face, square) for every border square.
+template <class Visit>
+void for_each_border_square(const field::IndexBox& box, const Visit& visit) {
+  for_each_border_sample(box, [&](int, const BoxFace& f, const glm::ivec3& p) {
+    if (p[f.u] == box.max[f.u] || p[f.v] == box.max[f.v]) return;
+    glm::ivec3 du(0);
+    glm::ivec3 dv(0);
+    du[f.u] = 1;
+    dv[f.v] = 1;
+    visit(f, Square{p, p + du, p + du + dv, p + dv});
+  });
+}
+
 // Numbers of the cap vertices. A sample on several faces belongs to the first of them.
 class CapNumbers {
  public:
@@ -127,29 +155,12 @@ BorderCap make_border_cap(const field::IndexBox& box, bool whole_squares, std::u
     }
   };
 
-  const auto each_face = [&](const auto& visit) {
-    for (int face = 0; face < 6; ++face) {
-      const detail::BoxFace f = detail::BoxFace::of(face);
-      glm::ivec3 p;
-      p[f.axis] = f.at_max ? box.max[f.axis] : box.min[f.axis];
-      for (p[f.v] = box.min[f.v]; p[f.v] <= box.max[f.v]; ++p[f.v]) {
-        for (p[f.u] = box.min[f.u]; p[f.u] <= box.max[f.u]; ++p[f.u]) visit(face, f, p);
-      }
-    }
-  };
-
-  each_face([&](int face, const detail::BoxFace&, const glm::ivec3& p) {
+  detail::for_each_border_sample(box, [&](int face, const detail::BoxFace&, const glm::ivec3& p) {
     if (numbers.first_face(p) != face || !inside(p)) return;
     numbers.of(p) = first_number + static_cast<std::uint32_t>(cap.samples.size());
     cap.samples.push_back(p);
   });
-  each_face([&](int, const detail::BoxFace& f, const glm::ivec3& p) {
-    if (p[f.u] == box.max[f.u] || p[f.v] == box.max[f.v]) return;
-    glm::ivec3 du(0);
-    glm::ivec3 dv(0);
-    du[f.u] = 1;
-    dv[f.v] = 1;
-    const std::array square{p, p + du, p + du + dv, p + dv};  // counter-clockwise seen from outside
+  detail::for_each_border_square(box, [&](const detail::BoxFace&, const detail::Square& square) {
     if (std::any_of(square.begin(), square.end(), missing)) return;
     if (whole_squares) {
       fill(square);
@@ -159,6 +170,22 @@ BorderCap make_border_cap(const field::IndexBox& box, bool whole_squares, std::u
     }
   });
   return cap;
+}
+
+// Whether a cell at the border of the box draws something there, where cells with a `missing(p)` sample draw nothing:
+// whether a square whose corners are on both sides has no such sample in the cell behind it.
+template <class Inside, class Missing>
+[[nodiscard]] bool draws_at_border(const field::IndexBox& box, const Inside& inside, const Missing& missing) {
+  bool found = false;
+  detail::for_each_border_square(box, [&](const detail::BoxFace& f, const detail::Square& square) {
+    if (found) return;
+    const auto in = std::ranges::count_if(square, inside);
+    if (in == 0 || in == std::ssize(square)) return;
+    glm::ivec3 inward(0);
+    inward[f.axis] = f.at_max ? -1 : 1;
+    found = std::ranges::none_of(square, [&](const glm::ivec3& p) { return missing(p) || missing(p + inward); });
+  });
+  return found;
 }
 
 // The sum of the outward axes of the faces that a border sample lies on, as an index-space covector.

@@ -58,6 +58,13 @@ class DenseMasks {
 
   [[nodiscard]] bool inside(const glm::ivec3& p) const { return (row(p.y, p.z)[p.x / 64] >> (p.x % 64) & 1) != 0; }
 
+  // Of the outermost samples; known once all were classified.
+  [[nodiscard]] const BorderSides& border() const { return border_; }
+  void set_border(const BorderSides& border) { border_ = border; }
+
+  // Of those that row (j, k) has at the border.
+  [[nodiscard]] BorderSides border_of_row(int j, int k) const;
+
  private:
   [[nodiscard]] std::size_t offset(int j, int k) const {
     return static_cast<std::size_t>(words_ + 1) *
@@ -68,6 +75,7 @@ class DenseMasks {
   int words_;
   Reservation memory_;
   Buffer<std::uint64_t> bits_;
+  BorderSides border_;
 };
 
 // Where the first NaN of a view is; there must be one.
@@ -85,7 +93,7 @@ template <class T>
   return glm::ivec3(0);
 }
 
-// Reads every sample once, in parallel. Returns the number of NaN.
+// Reads every sample once, in parallel, and fills the masks. Returns the number of NaN.
 template <class T>
 std::uint64_t classify(const DenseView<T>& view, const InsideThreshold<T>& threshold, DenseMasks& masks,
                        Progress* progress);

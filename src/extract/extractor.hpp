@@ -71,6 +71,11 @@ struct ExtractStats {
   std::uint64_t samples_classified = 0;  // compared with iso, each once
   std::uint64_t nan_samples = 0;
   std::uint64_t hole_cells = 0;  // NanPolicy::hole: left out, though they have an inside corner
+  // Of the border of the data, or of the region: some of its samples are inside, which is what a cap stands on; and
+  // others are not, so that the surface meets the border, where it is open without a cap. Neither for sparse data
+  // without a region, which the background surrounds.
+  bool inside_at_border = false;
+  bool meets_border = false;
   StageTime classify;
   StageTime count;
   StageTime emit;

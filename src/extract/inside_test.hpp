@@ -145,4 +145,10 @@ class InsideClassifier {
   bool above_;
 };
 
+// The sides that the samples of a box's border are on.
+struct BorderSides {
+  bool inside = false;
+  bool outside = false;
+};
+
 }  // namespace isoextract::extract

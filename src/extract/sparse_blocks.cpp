@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <tuple>
 
 #include <tbb/parallel_for.h>
@@ -45,6 +46,20 @@ std::uint64_t tile_skin_bytes(const field::SparseSamples& samples, const InsideR
     places += (blocks + 1) * (blocks + 1) * (blocks + 1) - (blocks - 1) * (blocks - 1) * (blocks - 1);
   }
   return places * kBytesAPlace;
+}
+
+std::uint64_t unstored_places_bytes(const field::SparseSamples& samples, std::size_t nodes) {
+  constexpr std::uint64_t kBytesAPlace = 3 * sizeof(glm::ivec3);  // in a list that grows, and then in one of all
+  constexpr std::uint64_t kBefore = 7;  // places before a stored one, of which a cell has both
+  constexpr std::uint64_t kNodePlaces = (field::SparseLookup::Node::kPlaces + 1) *
+                                        (field::SparseLookup::Node::kPlaces + 1) *
+                                        (field::SparseLookup::Node::kPlaces + 1);
+  std::uint64_t stored = samples.blocks.size();
+  for (const field::SparseTile& tile : samples.tiles) {
+    const auto side = static_cast<std::uint64_t>(tile.size / kBlockSize);
+    if (tile.size < field::SparseLookup::Node::kSize) stored += side * side * side;
+  }
+  return std::min(kBefore * stored, kNodePlaces * nodes) * kBytesAPlace;
 }
 
 std::vector<glm::ivec3> unstored_places(const field::SparseSamples& samples, const field::SparseLookup& lookup,
@@ -122,6 +137,8 @@ std::vector<glm::ivec3> unstored_places(const field::SparseSamples& samples, con
   std::erase_if(skins, [&](const glm::ivec3& p) { return lookup.block(p) >= 0; });
 
   std::vector<glm::ivec3> places;
+  places.reserve(std::accumulate(found.begin(), found.end(), std::size_t{0},
+                                 [](std::size_t sum, const auto& part) { return sum + part.size(); }));
   for (const auto& part : found) places.insert(places.end(), part.begin(), part.end());
   std::ranges::sort(places, {}, [](const glm::ivec3& p) { return std::tuple(p.x, p.y, p.z); });
   places.erase(std::unique(places.begin(), places.end()), places.end());

@@ -56,6 +56,9 @@ struct ConstantSides {
   }
 };
 
+// What unstored_places() needs at most for places beside blocks and small tiles, those on skins apart.
+[[nodiscard]] std::uint64_t unstored_places_bytes(const field::SparseSamples& samples, std::size_t nodes);
+
 // Places without a stored block around which both sides may occur: those that share a cell with a stored block, and the
 // skins of tiles that are not on the background's side. Sorted; a place may be named that turns out to be one-sided.
 [[nodiscard]] std::vector<glm::ivec3> unstored_places(const field::SparseSamples& samples,

@@ -10,6 +10,7 @@
 #include "extract/cell_tables.hpp"
 #include "extract/detail/classify_samples.hpp"
 #include "extract/mesh_assembly.hpp"
+#include "extract/row_bits.hpp"
 
 namespace isoextract::extract {
 namespace {
@@ -211,6 +212,36 @@ BlockBits SparseSites::crossed_edges_at(const glm::ivec3& origin, const SitePlan
   return crossed;
 }
 
+bool SparseSites::has_crossed_border_edge(std::size_t site) const {
+  const glm::ivec3& origin = sites_[site];
+  const bool within = glm::all(glm::greaterThan(origin, region_.min)) &&
+                      glm::all(glm::lessThan(origin + (kBlockSize - 1), region_.max));
+  if (within) return false;
+  const SitePlanes planes = planes_of(groups_[site]);
+  bool found = false;
+  for (int axis = 0; axis < 3; ++axis) {
+    const BlockBits crossed = crossed_edges_at(origin, planes, 1 << axis);
+    for (int x = 0; x < kBlockSize; ++x) {
+      for_each_bit(crossed[x], [&](int bit) {
+        const glm::ivec3 p = origin + glm::ivec3(x, bit >> 3, bit & 7);
+        for (int across = 0; across < 3; ++across) {  // an edge that only ends at the border is not in it
+          found = found || (across != axis && (p[across] == region_.min[across] || p[across] == region_.max[across]));
+        }
+      });
+    }
+  }
+  return found;
+}
+
+BorderSides SparseSites::border() const {
+  if (!options_.region) return {};
+  for (std::size_t site = 0; site < sites_.size(); ++site) {
+    if (has_crossed_border_edge(site)) return {true, true};
+  }
+  const bool all_inside = inside(region_.min);
+  return {all_inside, !all_inside};
+}
+
 bool SparseSites::owns_crossed_edge(const glm::ivec3& origin, const field::SparseLookup::Group& group) const {
   // Most places are decided by whether their own samples are on both sides, or all around on one.
   const auto sides = [](const BlockBits& bits) {
@@ -236,8 +267,12 @@ bool SparseSites::owns_crossed_edge(const glm::ivec3& origin, const field::Spars
 }
 
 Result<void> SparseSites::list_sites() {
-  const std::vector<glm::ivec3> unstored = unstored_places(samples_, *lookup_, sides_);
   const std::size_t blocks = samples_.blocks.size();
+  auto listing = context_.reserve(unstored_places_bytes(samples_, lookup_->nodes().size()),
+                                  fmt::format("{}: listing what lies beside its {} blocks", field_.source, blocks));
+  if (!listing) return tl::unexpected(listing.error());
+  const std::vector<glm::ivec3> unstored = unstored_places(samples_, *lookup_, sides_);
+  listing->release();
   const auto place = [&](std::size_t p) { return p < blocks ? samples_.blocks[p].origin : unstored[p - blocks]; };
   const auto looking = context_.reserve(
       (blocks + unstored.size()) * (sizeof(field::SparseLookup::Group) + sizeof(glm::ivec3) + 1),

@@ -72,6 +72,9 @@ class SparseSites {
   // The cells whose lowest samples are the site's, that the surface passes and that lie in the region.
   [[nodiscard]] BlockBits active_cells(std::size_t site, const SitePlanes& planes) const;
 
+  // The sides that the border of options.region has, by its crossed edges; neither side without a region.
+  [[nodiscard]] BorderSides border() const;
+
   // Runs f(i) for 0 <= i < count in parallel.
   template <class F>
   void for_each(const char* stage, std::size_t count, const F& f) const {
@@ -95,6 +98,7 @@ class SparseSites {
   [[nodiscard]] BlockBits crossed_edges_at(const glm::ivec3& origin, const SitePlanes& planes, int direction) const;
   [[nodiscard]] std::uint64_t region_bits(const glm::ivec3& origin, const glm::ivec3& step, int x) const;
   [[nodiscard]] bool wholly_in_region(const glm::ivec3& origin) const;
+  [[nodiscard]] bool has_crossed_border_edge(std::size_t site) const;
 
   const field::ScalarField& field_;
   const field::SparseSamples& samples_;

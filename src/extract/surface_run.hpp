@@ -30,13 +30,25 @@ concept SurfacePasses = requires(S& surface, const S& seen, ExtractStats& stats,
   // Writes the first vertices and triangles of a mesh that has room for as many as were counted.
   { surface.emit(mesh) } -> std::same_as<Result<void>>;
 
-  // Known once it was counted. The box whose border a cap closes; nothing where nothing leaves it.
+  // Known once it was counted. The box whose border a cap closes, and the sides of its samples there; nothing where
+  // nothing leaves it.
   { seen.cap_box() } -> std::same_as<std::optional<field::IndexBox>>;
+  { seen.border() } -> std::same_as<BorderSides>;
   { seen.has_holes() } -> std::same_as<bool>;  // some samples are NaN, and NanPolicy::hole
   { seen.inside(p) } -> std::same_as<bool>;
   { seen.value(p) } -> std::same_as<double>;
   { seen.edge_vertex(p, direction) } -> std::same_as<std::uint32_t>;  // on the crossed edge from `p`
 };
+
+// Whether the surface has triangles at the border of the box.
+template <SurfacePasses Surface>
+[[nodiscard]] bool meets_border(const Surface& surface, const field::IndexBox& box, const BorderSides& sides) {
+  if (!sides.inside || !sides.outside) return false;
+  if (!surface.has_holes()) return true;
+  return draws_at_border(
+      box, [&](const glm::ivec3& p) { return surface.inside(p); },
+      [&](const glm::ivec3& p) { return std::isnan(surface.value(p)); });
+}
 
 // What is the same wherever the surface comes from: its frame fits float32, its size fits the context's memory, the cap
 // is made of what the surface has at the border and stands behind it, and where cells were left out each fan of
@@ -61,8 +73,14 @@ template <SurfacePasses Surface>
   Stopwatch watch;
   BorderCap cap;
   Reservation cap_memory;
-  const std::optional<field::IndexBox> box = options.cap ? surface.cap_box() : std::nullopt;
+  const std::optional<field::IndexBox> box = surface.cap_box();
   if (box) {
+    const BorderSides sides = surface.border();
+    result.stats.inside_at_border = sides.inside;
+    result.stats.meets_border = meets_border(surface, *box, sides);
+  }
+  const bool capped = box && options.cap;
+  if (capped) {
     auto numbers = reserve_cap_numbers(field, *box, context);
     if (!numbers) return tl::unexpected(numbers.error());
     const InsideRule rule{field.kind, options.iso};
@@ -85,7 +103,7 @@ template <SurfacePasses Surface>
   watch.restart();
   allocate_mesh(result.mesh, *sizes, cap, options);
   if (auto done = surface.emit(result.mesh); !done) return tl::unexpected(done.error());
-  if (box) append_cap(result.mesh, *sizes, cap, *box, placement);
+  if (capped) append_cap(result.mesh, *sizes, cap, *box, placement);
   cap = {};
   cap_memory.release();
   if (surface.has_holes()) {

@@ -2,66 +2,22 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <functional>
 #include <limits>
 #include <span>
 #include <type_traits>
-
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
+#include <utility>
 
 #include "field/demo_field.hpp"
+#include "field/detail/sample_passes.hpp"
 
 namespace isoextract::field {
 namespace {
 
 constexpr std::size_t kBins = 1024;
-constexpr std::size_t kLanes = 8;          // independent accumulators, so that the loops vectorise
-constexpr std::size_t kGrain = 1U << 16U;  // samples a task; fixed, so that sums do not depend on the thread count
-
-// Reduces `body(partial, values)` over all stored samples. Deterministic: always the same tree of joins.
-template <class T, class Partial, class Body, class Join>
-Partial reduce_samples(const Samples& samples, const Partial& identity, const Body& body, const Join& join,
-                       Progress* progress) {
-  if (const auto* dense = std::get_if<DenseSamples>(&samples)) {
-    const std::span<const T> all(static_cast<const T*>(dense->data), dense->count());
-    if (progress != nullptr) progress->begin("measuring", all.size());
-    return tbb::parallel_deterministic_reduce(
-        tbb::blocked_range<std::size_t>(0, all.size(), kGrain), identity,
-        [&](const tbb::blocked_range<std::size_t>& range, Partial partial) {
-          body(partial, all.subspan(range.begin(), range.size()));
-          if (progress != nullptr) progress->advance(range.size());
-          return partial;
-        },
-        join);
-  }
-  constexpr std::size_t kBlockSamples = std::size_t{SparseBlock::kSize} * SparseBlock::kSize * SparseBlock::kSize;
-  const auto& blocks = std::get<SparseSamples>(samples).blocks;
-  if (progress != nullptr) progress->begin("measuring", blocks.size());
-  return tbb::parallel_deterministic_reduce(
-      tbb::blocked_range<std::size_t>(0, blocks.size(), kGrain / kBlockSamples), identity,
-      [&](const tbb::blocked_range<std::size_t>& range, Partial partial) {
-        for (std::size_t b = range.begin(); b != range.end(); ++b) {
-          body(partial, std::span<const T>(static_cast<const T*>(blocks[b].values), kBlockSamples));
-        }
-        if (progress != nullptr) progress->advance(range.size());
-        return partial;
-      },
-      join);
-}
-
-std::uint64_t tile_voxels(const SparseTile& tile) {
-  const auto side = static_cast<std::uint64_t>(tile.size);
-  return side * side * side;
-}
-
-template <class Function>
-void for_each_tile(const Samples& samples, const Function& function) {
-  if (const auto* sparse = std::get_if<SparseSamples>(&samples)) {
-    for (const SparseTile& tile : sparse->tiles) function(tile.value, tile_voxels(tile));
-  }
-}
+constexpr std::size_t kLanes = 8;  // independent accumulators, so that the loops vectorise
 
 // First pass: range and counts of what is not finite.
 struct Range {
@@ -147,11 +103,6 @@ Range measure_range(const ScalarField& field, Progress* progress) {
 
 // Second pass: where in the range the values lie. Positions are in [0, 1], so nothing overflows however wide the
 // range is, and the mean is taken of them.
-struct Histogram {
-  std::array<std::uint64_t, kBins> bins{};
-  double position_sum = 0;
-};
-
 class RangeMap {
  public:
   RangeMap(double min, double max)
@@ -169,6 +120,16 @@ class RangeMap {
 std::size_t bin_of(double position) {
   return std::min(kBins - 1, static_cast<std::size_t>(position * static_cast<double>(kBins)));
 }
+
+struct Histogram {
+  std::array<std::uint64_t, kBins> bins{};
+  double position_sum = 0;
+
+  void add(double position, std::uint64_t times) {
+    bins[bin_of(position)] += times;
+    position_sum += position * static_cast<double>(times);
+  }
+};
 
 void join_histograms(Histogram& into, const Histogram& from) {
   for (std::size_t i = 0; i < kBins; ++i) into.bins[i] += from.bins[i];
@@ -200,14 +161,171 @@ Histogram measure_histogram(const ScalarField& field, const Range& range, Progre
   for_each_tile(field.samples, [&](double stored, std::uint64_t voxels) {
     const double value = scale(stored);
     if (!std::isfinite(value)) return;
-    const double position = position_of(value);
-    histogram.bins[bin_of(position)] += voxels;
-    histogram.position_sum += position * static_cast<double>(voxels);
+    histogram.add(position_of(value), voxels);
   });
   return histogram;
 }
 
 double interpolate(double min, double max, double position) { return min * (1 - position) + max * position; }
+
+void describe(const Range& range, const Histogram& histogram, FieldStatistics& statistics) {
+  statistics.min = range.min;
+  statistics.max = range.max;
+  statistics.mean = interpolate(range.min, range.max, histogram.position_sum / static_cast<double>(range.finite));
+  statistics.histogram.assign(histogram.bins.begin(), histogram.bins.end());
+}
+
+// How many samples come before the one that a percentile is.
+std::uint64_t rank_of(int percent, std::uint64_t samples) {
+  const std::uint64_t hundredths = samples % 100 * static_cast<std::uint64_t>(percent);
+  return samples / 100 * static_cast<std::uint64_t>(percent) + (hundredths + 99) / 100 - 1;
+}
+
+// Where in its bin a sample lies is not known: as if those in a bin were evenly spread.
+std::array<double, FieldStatistics::kPercents.size()> percentiles_in_bins(const FieldStatistics& statistics) {
+  std::array<double, FieldStatistics::kPercents.size()> found{};
+  found.fill(statistics.min);
+  if (statistics.min == statistics.max) return found;
+  for (std::size_t p = 0; p < found.size(); ++p) {
+    const double wanted = FieldStatistics::kPercents[p] / 100.0 * static_cast<double>(statistics.samples);
+    double below = 0;
+    std::size_t bin = 0;
+    while (bin + 1 < kBins && below + static_cast<double>(statistics.histogram[bin]) <= wanted) {
+      below += static_cast<double>(statistics.histogram[bin++]);
+    }
+    const auto here = static_cast<double>(statistics.histogram[bin]);
+    const double within = here > 0 ? std::min(1.0, (wanted - below) / here) : 1;
+    found[p] = interpolate(statistics.min, statistics.max, (static_cast<double>(bin) + within) / kBins);
+  }
+  return found;
+}
+
+// Types whose numbers are few enough to count how often each occurs.
+template <class T>
+inline constexpr bool kCountable = sizeof(T) <= 2;
+
+// How often each number of a small type occurs.
+template <class T>
+class Tally {
+ public:
+  Tally(const Samples& samples, Progress* progress) {
+    counts_ = count_samples<T>(
+        samples, kNumbers,
+        [](std::vector<std::uint64_t>& counts, std::span<const T> values) {
+          for (const T value : values) ++counts[std::bit_cast<Bits>(value)];
+        },
+        progress);
+    for_each_tile(samples, [&](double value, std::uint64_t voxels) {
+      counts_[std::bit_cast<Bits>(static_cast<T>(static_cast<WorkOf>(value)))] += voxels;
+    });
+  }
+
+  // Each value that occurs, scaled, and how often.
+  [[nodiscard]] std::vector<std::pair<double, std::uint64_t>> values(const ValueScale& scale) const {
+    std::vector<std::pair<double, std::uint64_t>> values;
+    for (std::size_t bits = 0; bits < kNumbers; ++bits) {
+      if (counts_[bits] == 0) continue;
+      const auto stored = static_cast<double>(std::bit_cast<T>(static_cast<Bits>(bits)));
+      values.emplace_back(scale(stored), counts_[bits]);
+    }
+    return values;
+  }
+
+ private:
+  using Bits = std::conditional_t<sizeof(T) == 1, std::uint8_t, std::uint16_t>;
+  using WorkOf = std::conditional_t<std::is_integral_v<T>, T, float>;
+  static constexpr std::size_t kNumbers = std::size_t{1} << (8 * sizeof(T));
+  std::vector<std::uint64_t> counts_;
+};
+
+FieldStatistics statistics_of(std::vector<std::pair<double, std::uint64_t>> values) {
+  FieldStatistics statistics;
+  Range range;
+  for (const auto& [value, count] : values) range.add(value, count);
+  statistics.samples = range.finite;
+  statistics.nan = range.nan;
+  statistics.infinite = range.infinite;
+  if (range.finite == 0) return statistics;
+  std::erase_if(values, [](const auto& value) { return !std::isfinite(value.first); });
+  std::ranges::sort(values);
+  const RangeMap position_of(range.min, range.max);
+  Histogram histogram;
+  for (const auto& [value, count] : values) histogram.add(position_of(value), count);
+  describe(range, histogram, statistics);
+  auto value = values.begin();
+  std::uint64_t upto = value->second;
+  for (std::size_t p = 0; p < statistics.percentiles.size(); ++p) {
+    const std::uint64_t rank = rank_of(FieldStatistics::kPercents[p], range.finite);
+    while (upto <= rank) upto += (++value)->second;
+    statistics.percentiles[p] = value->first;
+  }
+  return statistics;
+}
+
+// The samples of some ranks, found half a number at a time: first by its upper 16 bits, in the order of the scaled
+// values, then by the lower ones among those whose upper half is the one.
+template <class T>
+std::array<double, FieldStatistics::kPercents.size()> exact_percentiles(const ScalarField& field, std::uint64_t finite,
+                                                                        Progress* progress) {
+  static_assert(sizeof(T) == 4);
+  constexpr std::size_t kPercents = FieldStatistics::kPercents.size();
+  constexpr std::size_t kHalf = std::size_t{1} << 16;
+  const ValueScale scale = field.scale;
+  const bool falling = scale.slope < 0;
+  const std::uint32_t sign = std::is_signed_v<T> ? std::uint32_t{1} << 31 : 0;
+  const auto key_of = [&](T stored) {
+    const std::uint32_t key = static_cast<std::uint32_t>(stored) ^ sign;
+    return falling ? ~key : key;
+  };
+  const auto tally = [&](std::size_t size, const auto& add) {
+    std::vector<std::uint64_t> counts = count_samples<T>(
+        field.samples, size,
+        [&](std::vector<std::uint64_t>& part, std::span<const T> values) {
+          for (const T stored : values) {
+            if (std::isfinite(scale(static_cast<double>(stored)))) add(part, key_of(stored), 1);
+          }
+        },
+        progress);
+    for_each_tile(field.samples, [&](double stored, std::uint64_t voxels) {
+      if (std::isfinite(scale(stored))) add(counts, key_of(static_cast<T>(stored)), voxels);
+    });
+    return counts;
+  };
+  // The first of `counts` with which more than `rank` are there; takes off `rank` what comes before it. Samples of a
+  // file that somebody writes to may have become others since they were counted.
+  const auto find = [](std::span<const std::uint64_t> counts, std::uint64_t& rank) {
+    std::uint32_t at = 0;
+    for (; at + 1 < counts.size() && rank >= counts[at]; ++at) rank -= counts[at];
+    return at;
+  };
+
+  const std::vector<std::uint64_t> upper =
+      tally(kHalf, [](auto& counts, std::uint32_t key, std::uint64_t times) { counts[key >> 16] += times; });
+  std::array<std::uint64_t, kPercents> ranks{};
+  std::array<std::uint32_t, kPercents> upper_half{};
+  std::array<std::size_t, kPercents> slot_of_percent{};
+  std::vector<std::uint8_t> slot_of(kHalf, kPercents);  // by upper half; kPercents for those that are not wanted
+  std::uint8_t slots = 0;
+  for (std::size_t p = 0; p < kPercents; ++p) {
+    ranks[p] = rank_of(FieldStatistics::kPercents[p], finite);
+    upper_half[p] = find(upper, ranks[p]);
+    std::uint8_t& slot = slot_of[upper_half[p]];
+    if (slot == kPercents) slot = slots++;
+    slot_of_percent[p] = slot;
+  }
+  const std::vector<std::uint64_t> lower =
+      tally(slots * kHalf, [&](auto& counts, std::uint32_t key, std::uint64_t times) {
+        const std::uint8_t slot = slot_of[key >> 16];
+        if (slot != kPercents) counts[slot * kHalf + (key & (kHalf - 1))] += times;
+      });
+  std::array<double, kPercents> percentiles{};
+  for (std::size_t p = 0; p < kPercents; ++p) {
+    const std::span<const std::uint64_t> counts(lower.data() + slot_of_percent[p] * kHalf, kHalf);
+    const std::uint32_t key = upper_half[p] << 16 | find(counts, ranks[p]);
+    percentiles[p] = scale(static_cast<double>(static_cast<T>((falling ? ~key : key) ^ sign)));
+  }
+  return percentiles;
+}
 
 // Between which two bins Otsu's criterion, the variance between the classes, is largest: in (0, 1) of the range.
 // Where an empty gap makes several thresholds equally good, the middle of them.
@@ -248,95 +366,63 @@ double rounded_to_bin(double value, double bin_width) {
   return std::isfinite(rounded) ? rounded : value;
 }
 
-template <class T>
-std::uint64_t count_crossings(std::span<const T> row, const ScalarField& field, double iso) {
-  const bool below_is_inside = field.kind == FieldKind::level_set;
-  const auto is_inside = [&](T stored) {
-    const double value = field.scale(static_cast<double>(stored));
-    return below_is_inside ? value < iso : value > iso;
-  };
-  std::uint64_t crossings = 0;
-  bool previous = is_inside(row.front());
-  for (const T stored : row.subspan(1)) {
-    const bool inside = is_inside(stored);
-    crossings += inside != previous ? 1 : 0;
-    previous = inside;
+// With the background of a sparse field, which is no part of the statistics but surrounds what is.
+Range whole_range(const ScalarField& field, const FieldStatistics& statistics) {
+  Range range;
+  if (statistics.samples > 0) {
+    range.add(statistics.min, 1);
+    range.add(statistics.max, 1);
   }
-  return crossings;
+  if (const auto* sparse = std::get_if<SparseSamples>(&field.samples)) range.add(field.scale(sparse->background), 1);
+  return range;
 }
 
 }  // namespace
 
-double FieldStatistics::percentile(double fraction) const {
-  if (samples == 0 || min == max) return min;
-  const double wanted = std::clamp(fraction, 0.0, 1.0) * static_cast<double>(samples);
-  if (wanted >= static_cast<double>(samples)) return max;
-  double below = 0;
-  for (std::size_t i = 0; i < histogram.size(); ++i) {
-    const auto here = static_cast<double>(histogram[i]);
-    if (below + here > wanted) {
-      const double within = (wanted - below) / here;
-      return interpolate(min, max, (static_cast<double>(i) + within) / static_cast<double>(histogram.size()));
-    }
-    below += here;
-  }
-  return max;
-}
-
 FieldStatistics measure_statistics(const ScalarField& field, Progress* progress) {
   return visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) {
-    FieldStatistics statistics;
-    const Range range = measure_range<T>(field, progress);
-    statistics.samples = range.finite;
-    statistics.nan = range.nan;
-    statistics.infinite = range.infinite;
-    if (range.finite == 0) return statistics;
-    const Histogram histogram = measure_histogram<T>(field, range, progress);
-    statistics.min = range.min;
-    statistics.max = range.max;
-    statistics.mean = interpolate(range.min, range.max, histogram.position_sum / static_cast<double>(range.finite));
-    statistics.histogram.assign(histogram.bins.begin(), histogram.bins.end());
-    return statistics;
+    if constexpr (kCountable<T>) {
+      return statistics_of(Tally<T>(field.samples, progress).values(field.scale));
+    } else {
+      FieldStatistics statistics;
+      const Range range = measure_range<T>(field, progress);
+      statistics.samples = range.finite;
+      statistics.nan = range.nan;
+      statistics.infinite = range.infinite;
+      if (range.finite == 0) return statistics;
+      const Histogram histogram = measure_histogram<T>(field, range, progress);
+      describe(range, histogram, statistics);
+      if constexpr (std::is_integral_v<T>) {
+        statistics.percentiles = exact_percentiles<T>(field, statistics.samples, progress);
+      } else {
+        statistics.percentiles = percentiles_in_bins(statistics);
+      }
+      return statistics;
+    }
   });
 }
 
 IsoSuggestion suggest_iso(const ScalarField& field, const FieldStatistics& statistics) {
-  if (field.kind == FieldKind::level_set) return {0, "the zero of the level set"};
+  const Range range = whole_range(field, statistics);
+  const auto suggestion = [&](double iso, std::string method) {
+    const bool level_set = field.kind == FieldKind::level_set;  // a value equal to iso is outside
+    const bool separates = level_set ? range.min < iso && iso <= range.max : range.min <= iso && iso < range.max;
+    return IsoSuggestion{iso, std::move(method), separates};
+  };
+  if (field.kind == FieldKind::level_set) return suggestion(0, "the zero of the level set");
   for (const DemoDescription& demo : demo_fields()) {
-    if (field.source.starts_with(kDemoPrefix) && field.name == demo.name) return {demo.iso, "the demo field's own"};
+    if (field.source.starts_with(kDemoPrefix) && field.name == demo.name) {
+      return suggestion(demo.iso, "the demo field's own");
+    }
   }
-  if (statistics.samples == 0) return {0, "no finite sample to go by"};
-  if (statistics.min == statistics.max) return {statistics.min, "the only value of a constant field"};
+  if (statistics.samples == 0) return suggestion(0, "no finite sample to go by");
+  if (statistics.min == statistics.max && range.min < range.max) {
+    return suggestion(interpolate(range.min, range.max, 0.5), "halfway between the only value and the background");
+  }
+  if (statistics.min == statistics.max) return suggestion(statistics.min, "the only value of a constant field");
   const double iso = interpolate(statistics.min, statistics.max, otsu_position(statistics.histogram));
   const double bin_width = (statistics.max / kBins - statistics.min / kBins);
-  return {rounded_to_bin(iso, bin_width), "Otsu's threshold (1979) of the histogram"};
-}
-
-std::uint64_t estimate_vertices(const ScalarField& field, double iso) {
-  return visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) -> std::uint64_t {
-    if (const auto* dense = std::get_if<DenseSamples>(&field.samples)) {
-      const auto row_length = static_cast<std::size_t>(dense->dims.x);
-      const std::span<const T> all(static_cast<const T*>(dense->data), dense->count());
-      return 3 * tbb::parallel_deterministic_reduce(
-                     tbb::blocked_range<std::size_t>(0, all.size() / row_length, 64), std::uint64_t{0},
-                     [&](const tbb::blocked_range<std::size_t>& rows, std::uint64_t crossings) {
-                       for (std::size_t row = rows.begin(); row != rows.end(); ++row) {
-                         crossings += count_crossings(all.subspan(row * row_length, row_length), field, iso);
-                       }
-                       return crossings;
-                     },
-                     std::plus<>{});
-    }
-    constexpr std::size_t kRow = SparseBlock::kSize;
-    const std::uint64_t crossings = reduce_samples<T>(
-        field.samples, std::uint64_t{0},
-        [&](std::uint64_t& partial, std::span<const T> block) {
-          for (std::size_t i = 0; i < block.size(); i += kRow)
-            partial += count_crossings(block.subspan(i, kRow), field, iso);
-        },
-        std::plus<>{}, nullptr);
-    return 3 * crossings * kRow / (kRow - 1);  // one edge in eight leaves its block
-  });
+  return suggestion(rounded_to_bin(iso, bin_width), "Otsu's threshold (1979) of the histogram");
 }
 
 }  // namespace isoextract::field

@@ -1,6 +1,7 @@
 // What `info` tells of a field's values: range, percentiles, histogram, a suggested iso value.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -21,23 +22,22 @@ struct FieldStatistics {
   double mean = 0;
   std::vector<std::uint64_t> histogram;  // 1024 equal bins over [min, max]; empty if there is no finite sample
 
-  // The value below which `fraction` (0..1) of the samples lie, to the width of a bin.
-  [[nodiscard]] double percentile(double fraction) const;
+  // By kPercents: the least value that so many percent of the samples do not exceed. It is one of the samples where
+  // they are integers or halves; floats and doubles are only told apart to the width of a bin.
+  static constexpr std::array kPercents{1, 5, 25, 50, 75, 95, 99};
+  std::array<double, kPercents.size()> percentiles{};
 };
 
 [[nodiscard]] FieldStatistics measure_statistics(const ScalarField& field, Progress* progress = nullptr);
 
 struct IsoSuggestion {
   double iso;
-  std::string method;  // "the zero of the level set", "Otsu's threshold (1979) of the histogram"
+  std::string method;      // "the zero of the level set", "Otsu's threshold (1979) of the histogram"
+  bool separates = false;  // there are samples inside and outside, and so a surface
 };
 
-// A value that separates the field in two; for level sets 0, for demo fields their own. `statistics` must be of
-// `field`.
+// A value that separates the field in two, if there is one; for level sets 0, for demo fields their own. `statistics`
+// must be of `field`.
 [[nodiscard]] IsoSuggestion suggest_iso(const ScalarField& field, const FieldStatistics& statistics);
-
-// About how many vertices the surface at `iso` has: three times its crossings along one axis of the grid, as if it
-// faced every axis alike.
-[[nodiscard]] std::uint64_t estimate_vertices(const ScalarField& field, double iso);
 
 }  // namespace isoextract::field

@@ -56,6 +56,13 @@ fs::path follow_links(fs::path path) {
   return path;
 }
 
+// A rename or a removal would not ask about a write-protected file.
+bool may_replace(const fs::path& target) { return ::faccessat(AT_FDCWD, target.c_str(), W_OK, AT_EACCESS) == 0; }
+
+bool status_of(const fs::path& path, struct stat& status) {
+  return (path == "-" ? ::fstat(STDOUT_FILENO, &status) : ::stat(path.c_str(), &status)) == 0;
+}
+
 std::string descriptor_link(int fd) { return fmt::format("/proc/self/fd/{}", fd); }
 
 }  // namespace
@@ -115,10 +122,7 @@ Result<void> OutputFile::State::open_file(const fs::path& path, const std::optio
                 fmt::format("make it (mkdir -p) or {}", kAnotherPlace));
   }
   replaces = old_mode.has_value();
-  // A rename would replace a write-protected file without asking.
-  if (replaces && ::faccessat(AT_FDCWD, target.c_str(), W_OK, AT_EACCESS) != 0) {
-    return failed("replace it", errno);
-  }
+  if (replaces && !may_replace(target)) return failed("replace it", errno);
   constexpr mode_t kNewFile = 0666;  // less what the umask takes away
   const std::string action = fmt::format("make a file in {}", folder.string());
   fd = retry_interrupted([&] { return ::open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, kNewFile); });
@@ -175,6 +179,23 @@ Result<void> OutputFile::State::publish() {
   if (kind != Kind::file) return {};
   if (!temporary.rename_to(target)) return failed("name it", errno);
   return {};
+}
+
+Result<bool> remove_old_file(const fs::path& path) {
+  struct stat old {};
+  if (path == "-" || ::stat(path.c_str(), &old) != 0 || !S_ISREG(old.st_mode)) return false;
+  const fs::path target = follow_links(path);
+  if (may_replace(target) && ::unlink(target.c_str()) == 0) return true;
+  return tl::unexpected<Error>(system_error(path.string(), "remove the old file of that name", errno));
+}
+
+bool same_place(const fs::path& a, const fs::path& b) {
+  struct stat one {};
+  struct stat other {};
+  if (status_of(a, one) && status_of(b, other)) return one.st_dev == other.st_dev && one.st_ino == other.st_ino;
+  if (a == "-" || b == "-") return a == b;
+  std::error_code none;
+  return fs::weakly_canonical(fs::absolute(a, none), none) == fs::weakly_canonical(fs::absolute(b, none), none);
 }
 
 Result<OutputFile> OutputFile::create(const fs::path& path) {

@@ -21,6 +21,14 @@
 
 namespace isoextract::files {
 
+// Takes away the regular file that an OutputFile of this name would replace, through symbolic links. False where there
+// is none: nothing, a folder, a device or a pipe, standard output. Fails with ErrorKind::output.
+[[nodiscard]] Result<bool> remove_old_file(const std::filesystem::path& path);
+
+// Whether what is written to both would come to one place, be it a file, a pipe or a device, by whatever names ("-" is
+// standard output). Files that do not exist are compared by their names.
+[[nodiscard]] bool same_place(const std::filesystem::path& a, const std::filesystem::path& b);
+
 class OutputFile {
  public:
   // `path` may name a regular file (replaced on commit, through symbolic links, with its permission bits), something

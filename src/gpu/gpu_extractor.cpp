@@ -61,6 +61,7 @@ class DenseSurface final : public DrawnSurface {
   }
 
   [[nodiscard]] std::optional<field::IndexBox> cap_box() const override { return region_; }
+  [[nodiscard]] extract::BorderSides border() const override { return masks_.border(); }
   [[nodiscard]] bool inside(const glm::ivec3& p) const override { return masks_.inside(p - region_.min); }
   [[nodiscard]] double value(const glm::ivec3& p) const override {
     return field().scale(static_cast<double>(whole_.row(p.y, p.z)[p.x]));
@@ -110,6 +111,7 @@ class SparseSurface final : public DrawnSurface {
   [[nodiscard]] std::optional<field::IndexBox> cap_box() const override {
     return extract::sparse_cap_box(region_, options());
   }
+  [[nodiscard]] extract::BorderSides border() const override { return leaves_.border(); }
   [[nodiscard]] bool inside(const glm::ivec3& p) const override { return leaves_.inside(p); }
   [[nodiscard]] double value(const glm::ivec3& p) const override { return leaves_.value(p); }
 

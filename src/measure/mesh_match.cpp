@@ -220,7 +220,10 @@ Result<MeshMatch> match_meshes(const mesh::Mesh& written, const mesh::Mesh& extr
     if (their_names[v] != v) continue;
     if (nearest[v].vertex == kNoName) {
       add_only(0, written.position(v));
-    } else if (nearest[v].share > greatest_share) {
+      continue;
+    }
+    ++result.matched;
+    if (nearest[v].share > greatest_share) {
       greatest_share = nearest[v].share;
       result.farthest = written.position(v);
       result.distance = glm::abs(ours.place(ours.stored(nearest[v].vertex)) - result.farthest);

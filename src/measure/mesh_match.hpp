@@ -35,6 +35,7 @@ namespace isoextract::measure {
 struct MeshMatch {
   // Of the written and of the extracted mesh.
   std::array<std::uint64_t, 2> vertices{};
+  std::uint64_t matched = 0;                     // places that both have a vertex at
   std::array<std::uint64_t, 2> vertices_only{};  // places that only this mesh has a vertex at
   std::array<std::optional<glm::dvec3>, 2> vertex_example{};
   TriangleDifference triangles;

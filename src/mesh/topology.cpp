@@ -1,5 +1,8 @@
 #include "mesh/topology.hpp"
 
+#include <algorithm>
+#include <array>
+#include <limits>
 #include <new>
 #include <string>
 #include <vector>
@@ -14,18 +17,134 @@
 namespace isoextract::mesh {
 namespace {
 
+constexpr std::size_t kGrain = 1 << 10;
+
+// The vertices in up to eight ranges, and the corners at those of one of them: at all vertices at once they would take
+// more than the mesh. Triangles are passed over by blocks, most of which use the vertices of few ranges: vertices and
+// triangles of a surface are numbered along the same way.
+class VertexRanges {
+ public:
+  VertexRanges(std::span<const glm::uvec3> triangles, std::size_t vertices)
+      : triangles_(triangles),
+        vertices_(vertices),
+        size_(range_size(vertices)),
+        blocks_((triangles.size() + kBlock - 1) / kBlock) {
+    tbb::enumerable_thread_specific<std::array<std::uint64_t, kMost>> parts(std::array<std::uint64_t, kMost>{});
+    tbb::parallel_for(std::size_t{0}, blocks_.size(), [&](std::size_t b) {
+      auto& counts = parts.local();
+      Block& block = blocks_[b];
+      for (const glm::uvec3& t : triangles.subspan(b * kBlock, std::min(kBlock, triangles.size() - b * kBlock))) {
+        for (int c = 0; c < 3; ++c) {
+          block.least = std::min(block.least, t[c]);
+          block.most = std::max(block.most, t[c]);
+          ++counts[t[c] / size_];
+        }
+      }
+    });
+    for (const auto& part : parts) {
+      for (std::size_t range = 0; range < kMost; ++range) corners_[range] += part[range];
+    }
+  }
+
+  [[nodiscard]] std::size_t count() const { return (vertices_ + size_ - 1) / size_; }
+  [[nodiscard]] std::size_t first(std::size_t range) const { return range * size_; }
+  [[nodiscard]] std::size_t end(std::size_t range) const { return std::min(vertices_, first(range) + size_); }
+
+  // What the corners at the vertices of a range take; buckets are numbered from its first vertex on. Throws
+  // std::bad_alloc.
+  [[nodiscard]] Buckets<Corner> corners(std::size_t range) const {
+    const std::size_t from = first(range);
+    const std::size_t to = end(range);
+    std::vector<std::size_t> blocks;
+    for (std::size_t b = 0; b < blocks_.size(); ++b) {
+      if (blocks_[b].least < to && blocks_[b].most >= from) blocks.push_back(b);
+    }
+    return {blocks.size() * kBlock, to - from, [&](std::size_t i, const auto& put) {
+              const std::size_t t = blocks[i / kBlock] * kBlock + i % kBlock;
+              if (t >= triangles_.size()) return;
+              for (int c = 0; c < 3; ++c) {
+                const std::size_t vertex = triangles_[t][c];
+                if (vertex >= from && vertex < to) put(vertex - from, 3 * Corner{t} + static_cast<Corner>(c));
+              }
+            }};
+  }
+
+  // Of the largest.
+  [[nodiscard]] std::uint64_t bytes() const {
+    return Buckets<Corner>::bytes(*std::ranges::max_element(corners_), std::min(size_, vertices_)) +
+           blocks_.size() * sizeof(std::size_t);
+  }
+
+ private:
+  static constexpr std::size_t kMost = 8;
+  static constexpr std::size_t kLeastSize = std::size_t{1} << 17;
+  static constexpr std::size_t kBlock = 1 << 12;
+  struct Block {
+    std::uint32_t least = std::numeric_limits<std::uint32_t>::max();
+    std::uint32_t most = 0;
+  };
+
+  // All ranges but the last have it; it differs by little.
+  static std::size_t range_size(std::size_t vertices) {
+    const std::size_t count = std::clamp(vertices / kLeastSize, std::size_t{1}, kMost);
+    return std::max<std::size_t>(1, (vertices + count - 1) / count);
+  }
+
+  std::span<const glm::uvec3> triangles_;
+  std::size_t vertices_;
+  std::size_t size_;
+  std::vector<Block> blocks_;
+  std::array<std::uint64_t, kMost> corners_{};
+};
+
 // What one thread found out, at one vertex after the other. An edge counts at the lower of its ends.
 class Part {
  public:
   void look_at(std::uint32_t vertex, std::span<const Corner> corners, std::span<const glm::uvec3> triangles) {
     sound_.clear();
+    ways_.clear();
     for (const Corner corner : corners) {
-      if (!repeats_index(triangles[triangle_of(corner)])) sound_.push_back(corner);
+      const glm::uvec3& t = triangles[triangle_of(corner)];
+      if (repeats_index(t)) continue;
+      const auto c = static_cast<int>(corner % 3);
+      sound_.push_back(corner);
+      ways_.push_back({t[(c + 1) % 3], t[(c + 2) % 3]});
     }
     if (sound_.empty()) {
       ++facts_.unused_vertices;
-      return;
+    } else if (goes_round_once()) {
+      for (const Way& way : ways_) facts_.edges += way.to > vertex ? 1 : 0;
+    } else {
+      look_at_edges(vertex, triangles);
     }
+  }
+
+  [[nodiscard]] const Topology& facts() const { return facts_; }
+
+ private:
+  // Through a triangle: along which edge it leaves the vertex, along which it comes back.
+  struct Way {
+    std::uint32_t to;
+    std::uint32_t from;
+  };
+
+  // Whether each triangle is followed by the one that leaves along the edge by which it comes back, until the first
+  // comes again when all have been met. Then every edge has two triangles, which run along it in opposite directions.
+  // Almost every vertex is like this, and is told with few comparisons.
+  [[nodiscard]] bool goes_round_once() const {
+    constexpr std::size_t kMany = 32;  // others do better to sort
+    if (ways_.size() > kMany) return false;
+    std::size_t at = 0;
+    for (std::size_t met = 1;; ++met) {
+      std::size_t next = 0;
+      while (next < ways_.size() && ways_[next].to != ways_[at].from) ++next;
+      if (next == ways_.size() || met > ways_.size()) return false;
+      if (next == 0) return met == ways_.size();
+      at = next;
+    }
+  }
+
+  void look_at_edges(std::uint32_t vertex, std::span<const glm::uvec3> triangles) {
     star_.look_at(sound_, triangles);
     if (star_.fans() > 1) ++facts_.nonmanifold_vertices;
     const auto sides = star_.sides();
@@ -37,9 +156,6 @@ class Part {
     }
   }
 
-  [[nodiscard]] const Topology& facts() const { return facts_; }
-
- private:
   void add_edge(std::span<const VertexStar::Side> sides) {
     ++facts_.edges;
     if (sides.size() == 1) ++facts_.open_edges;
@@ -50,22 +166,21 @@ class Part {
   Topology facts_;
   VertexStar star_;
   std::vector<Corner> sound_;
+  std::vector<Way> ways_;  // of `sound_`
 };
 
-}  // namespace
-
-Topology measure_topology(const Mesh& mesh) {
-  const auto triangles = mesh.triangles.span();
-  const std::size_t vertices = mesh.positions.size();
-  const Adjacency adjacency(triangles, vertices);
-  constexpr std::size_t kGrain = 1 << 10;
+Topology look_at_vertices(std::span<const glm::uvec3> triangles, const VertexRanges& ranges) {
   tbb::enumerable_thread_specific<Part> parts;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertices, kGrain), [&](const auto& range) {
-    Part& part = parts.local();
-    for (std::size_t v = range.begin(); v != range.end(); ++v) {
-      part.look_at(static_cast<std::uint32_t>(v), adjacency.corners(v), triangles);
-    }
-  });
+  for (std::size_t range = 0; range < ranges.count(); ++range) {
+    const Buckets<Corner> corners = ranges.corners(range);
+    const std::size_t first = ranges.first(range);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(first, ranges.end(range), kGrain), [&](const auto& vertices) {
+      Part& part = parts.local();
+      for (std::size_t v = vertices.begin(); v != vertices.end(); ++v) {
+        part.look_at(static_cast<std::uint32_t>(v), corners.at(v - first), triangles);
+      }
+    });
+  }
   Topology result;
   for (const Part& part : parts) {
     result.edges += part.facts().edges;
@@ -75,6 +190,13 @@ Topology measure_topology(const Mesh& mesh) {
     result.nonmanifold_vertices += part.facts().nonmanifold_vertices;
     result.unused_vertices += part.facts().unused_vertices;
   }
+  return result;
+}
+
+Topology measure(const Mesh& mesh, const VertexRanges& ranges) {
+  const auto triangles = mesh.triangles.span();
+  const std::size_t vertices = mesh.positions.size();
+  Topology result = look_at_vertices(triangles, ranges);
   for (const glm::uvec3& t : triangles) result.repeated_index_triangles += repeats_index(t) ? 1 : 0;
   result.components = Components(triangles, vertices).count();
   result.euler = static_cast<std::int64_t>(vertices - result.unused_vertices) -
@@ -83,14 +205,20 @@ Topology measure_topology(const Mesh& mesh) {
   return result;
 }
 
+}  // namespace
+
+Topology measure_topology(const Mesh& mesh) {
+  return measure(mesh, VertexRanges(mesh.triangles.span(), mesh.positions.size()));
+}
+
 Result<Topology> measure_topology(const Mesh& mesh, const Context& context) {
   const std::string what = mesh.name + ": the edges of its triangles";
   const std::uint64_t vertices = mesh.positions.size();
-  const auto memory =
-      context.reserve(Adjacency::bytes(mesh.triangles.size(), vertices) + Components::bytes(vertices), what);
-  if (!memory) return tl::unexpected(memory.error());
   try {
-    return measure_topology(mesh);
+    const VertexRanges ranges(mesh.triangles.span(), vertices);
+    const auto memory = context.reserve(std::max(ranges.bytes(), Components::bytes(vertices)), what);
+    if (!memory) return tl::unexpected(memory.error());
+    return measure(mesh, ranges);
   } catch (const std::bad_alloc&) {
     return fail(ErrorKind::input, what + " need more memory than there is");
   }

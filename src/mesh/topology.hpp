@@ -31,7 +31,8 @@ struct Topology {
 // Throws std::bad_alloc.
 [[nodiscard]] Topology measure_topology(const Mesh& mesh);
 
-// Fails where its working memory, some 30 bytes a triangle, is more than is left.
+// Fails where its working memory is more than is left: for large meshes some four bytes a triangle, a quarter of the
+// mesh; for smaller ones up to 28.
 [[nodiscard]] Result<Topology> measure_topology(const Mesh& mesh, const Context& context);
 
 }  // namespace isoextract::mesh

@@ -56,6 +56,19 @@ class DocumentsTest(ProgramTest):
             self.assertRegex(formats, rf"\n  {name} ")
         self.assertIn("demo:gyroid", self.text("help", "demo"))
 
+    def test_question_marks_of_examples_are_quoted(self):
+        """A shell may take them for patterns, and zsh ends there."""
+        man = self.text("generate", "man").replace("\\(aq", "'")
+        pages = [(SOURCE / page).read_text() for page in ("README.md", *sorted((SOURCE / "docs").rglob("*.md")))]
+        examples = 0
+        for text in (man, self.text("help"), self.text("convert", "--help"), *pages):
+            for line in text.splitlines():
+                if not re.search(r"isoextract |--iso ", line):
+                    continue
+                examples += len(re.findall(r"'demo:[a-z-]+\?", line))
+                self.assertNotRegex(line, r"(?<!')demo:[a-z-]+\?")
+        self.assertGreater(examples, 8)
+
     def test_help_fits_a_terminal(self):
         for arguments in (("help",), ("convert", "--help"), ("info", "--help"), ("help", "formats"), ("help", "placement")):
             for line in self.text(*arguments).splitlines():

@@ -66,6 +66,31 @@ class InfoTest(ProgramTest):
         self.assertNotIn("suggestion", text)
         self.json("nan.raw", *RAMP[1:])
 
+    def test_a_constant_volume_has_no_suggestion(self):
+        self.write_raw("flat.raw", (4, 5, 6), lambda x, y, z: 3.0)
+        text = self.info("flat.raw", *RAMP[1:])
+        self.assertIn("suggestion    none: the field is constant, and has no surface\n", text)
+        self.assertNotIn("--iso", text)
+        (report,) = self.json("flat.raw", *RAMP[1:])
+        self.assertIsNone(report["field"]["suggestion"])
+        self.assertEqual(set(report["field"]["values"]["percentiles"].values()), {3})
+        text = self.info("flat.raw", *RAMP[1:], "--inside", "below")
+        self.assertIn("suggestion    none: ", text)
+
+    def test_a_level_set_that_does_not_pass_zero_has_no_suggestion(self):
+        text = self.info(*RAMP, "--inside", "below", "--origin", "0,0,0")
+        self.assertIn("suggestion    none: no surface at 0, the zero of the level set\n", text)
+
+    def test_percentiles_of_integers_are_those_of_the_samples(self):
+        for dtype, code, low, high in (("u8", "B", 0, 255), ("i16", "h", -3000, 3000), ("i32", "i", -(2**31), 2**31 - 1),
+                                       ("u32", "I", 0, 2**32 - 1)):
+            values = [low if n % 10 < 6 else low + (n * n * 7919 + n) % (high - low + 1) for n in range(120)]
+            self.write_raw("a.raw", (4, 5, 6), lambda x, y, z, v=values: v[x + 4 * (y + 5 * z)], code)
+            (report,) = self.json("a.raw", "--dims", "4,5,6", "--dtype", dtype)
+            order = sorted(values)
+            for percent, found in report["field"]["values"]["percentiles"].items():
+                self.assertEqual(found, order[math.ceil(int(percent) * 120 / 100) - 1], (dtype, percent))
+
     def test_the_suggested_command_works(self):
         (report,) = self.json(*RAMP, "--spacing", "2,3,4", "--inside", "above")
         command = report["field"]["suggestion"]["command"]
@@ -126,6 +151,11 @@ class InfoTest(ProgramTest):
     def test_scaled_values(self):
         (report,) = self.json(DATA / "med/MR.nii.gz")
         self.assertAlmostEqual(report["field"]["values"]["max"], 512, delta=0.01)
+        # Stored as whole numbers, scaled: nearly half of them are 0.
+        percentiles = report["field"]["values"]["percentiles"]
+        self.assertEqual([percentiles[percent] for percent in ("1", "5", "25")], [0, 0, 0])
+        stored = percentiles["50"] / (512 / 255)
+        self.assertAlmostEqual(stored, round(stored), delta=1e-4)
         for got, wanted in zip(report["field"]["spacing"], (1, 0.898, 0.898)):
             self.assertAlmostEqual(got, wanted, delta=0.001)
 

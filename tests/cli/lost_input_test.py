@@ -1,5 +1,6 @@
 """An input that is cut off while its samples are in use: a message and an exit code, and no output that looks whole."""
 
+import json
 import os
 import select
 import signal
@@ -30,7 +31,7 @@ class LostInputTest(ProgramTest):
         self.write_raw("a.raw", (SIZE, SIZE, SIZE), lambda x, y, z: (x * 7 + y * 11 + z * 13) % 64)
         with self.open_pipe("a1.5.ply") as pipe:
             with self.start("a.raw", "--dims", f"{SIZE},{SIZE},{SIZE}", "--dtype", "f32", "--iso", "1.5",
-                            "--iso", "40.5", "-o", "a{iso}.ply") as process:
+                            "--iso", "40.5", "-o", "a{iso}.ply", "--report", "a.json") as process:
                 self.wait_for_bytes(pipe)
                 os.truncate(self.folder / "a.raw", 4096)
                 mesh = read_ply(pipe.read())
@@ -40,7 +41,11 @@ class LostInputTest(ProgramTest):
         last = err.decode().splitlines()[-2:]
         self.assertTrue(last[0].startswith("isoextract: error: the input became shorter"), err)
         self.assertTrue(last[1].startswith("  hint: "), err)
-        self.assertEqual(self.files(), ["a.raw", "a1.5.ply"])
+        self.assertEqual(self.files(), ["a.json", "a.raw", "a1.5.ply"])
+        report = json.loads((self.folder / "a.json").read_text())
+        self.assertEqual((report["status"], report["error"]["exit_code"]), ("failed", 2))
+        self.assertIn(report["error"]["message"], last[0])
+        self.assertEqual([entry["path"] for entry in report["files"]], ["a1.5.ply"])
 
     def test_another_bus_error_ends_the_program_as_always(self):
         with self.open_pipe("a.ply") as pipe:

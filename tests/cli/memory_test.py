@@ -5,6 +5,7 @@ import json
 import struct
 
 from support import DATA, ProgramTest, main, needs_data
+from vdb_files import grid, vdb
 
 MIB = 1 << 20
 # The program and its libraries, the stacks of its threads, and small things that nobody reserves.
@@ -40,12 +41,13 @@ class MemoryTest(ProgramTest):
         run, report = self.report(*arguments, "--memory-limit", str(needed + MIB))
         self.assertEqual(run.code, 0, run.err)
         self.assertLess(report["peak_memory_bytes"], needed + MIB + allowed)
-        for name in set(self.files()) - {"waves.nrrd", "report.json"}:
+        kept = {"waves.nrrd", "leaves.vdb", "report.json"}
+        for name in set(self.files()) - kept:
             (self.folder / name).unlink()
         run, report = self.report(*arguments, "--memory-limit", str(needed // 2))
         self.assert_fails(2, run, "memory", "--memory-limit")
         self.assertLess(report["peak_memory_bytes"], needed // 2 + allowed)
-        self.assertEqual(set(self.files()), set(before) & {"waves.nrrd", "report.json"})
+        self.assertEqual(set(self.files()), set(before) & kept)
 
     def test_dense_samples(self):
         self.check(GYROID, "--iso", "0", "-o", "a.ply")
@@ -62,6 +64,27 @@ class MemoryTest(ProgramTest):
     @needs_data("vdb/smoke.vdb")
     def test_sparse_samples(self):
         self.check(DATA / "vdb/smoke.vdb", "--iso", "0.1", "-o", "a.ply", peak_at_least=12 * MIB)
+
+    def write_scattered(self, side, step):
+        """side^3 leaf nodes, one every `step` voxels, each with one voxel that is inside, at its corner."""
+        places = [(step * x, step * y, step * z) for x in range(side) for y in range(side) for z in range(side)]
+        (self.folder / "leaves.vdb").write_bytes(vdb(grid(voxels=dict.fromkeys(places, 1.0))))
+        return "leaves.vdb"
+
+    def test_leaves_in_nodes_of_their_own(self):
+        """What finds them takes many times what they do."""
+        self.check(self.write_scattered(16, 128), "--iso", "0.5", "-o", "a.ply")
+        (told,) = json.loads(self.convert("info", "leaves.vdb", "--json").text)
+        run, report = self.report("leaves.vdb", "--iso", "0.5", "-o", "a.glb")
+        self.assertEqual(run.code, 0, run.err)
+        self.assertAlmostEqual(told["field"]["memory"]["conversion"] / report["peak_memory_bytes"], 1, delta=0.3)
+
+    def test_leaves_beside_nothing(self):
+        """What lies beside them is listed before it is known how much that is."""
+        limit = 500 * MIB
+        run, report = self.report(self.write_scattered(60, 24), "--iso", "0.5", "-o", "a.ply", "--memory-limit", str(limit))
+        self.assert_fails(2, run, "216000 blocks", "--memory-limit")
+        self.assertLess(report["peak_memory_bytes"], limit + OVERHEAD // 2)
 
     def test_a_mesh_in_stl(self):
         self.check(GYROID, "--iso", "0.3", "-o", "a.stl")

@@ -3,6 +3,7 @@
 import json
 import math
 import os
+import re
 import struct
 import sys
 import time
@@ -215,6 +216,53 @@ class ReportTest(ProgramTest):
         self.assertEqual(report["error"]["kind"], "output")
         self.assertIsNone(report["input"], "the output is checked before anything is read")
 
+    def test_options_that_make_no_conversion_are_reported(self):
+        for arguments, message in (
+                ((SPHERE,), "--iso V is missing"),
+                ((SPHERE, "--iso", "0", "--iso", "0.0"), "--iso 0 was given twice"),
+                ((SPHERE, "missing.vdb", "--iso", "0"), "convert takes one input"),
+                (("--iso", "0"), "no INPUT"),
+                ((SPHERE, "--iso", "0", "-o", "a.xyz"), "a.xyz: expected an extension"),
+                ((SPHERE, "--iso", "0", "-q", "-v"), "--quiet and --verbose"),
+                ((SPHERE, "--iso", "0", "--scale", "2", "--unit", "mm"), "--scale and --unit"),
+                ((SPHERE, "--iso", "0", "--dtype", "u8", "-o", "a{iso}.ply"), "--dims")):
+            report, run = self.report(*arguments, code=1)
+            self.assertIn(message, report["error"]["message"])
+            self.assertIn(report["error"]["message"], run.err)
+            self.assertEqual((report["error"]["kind"], report["error"]["exit_code"]), ("usage", 1))
+            self.assertEqual((report["options"], report["device"], report["input"]), (None, None, None))
+            self.assertEqual(report["arguments"], [*arguments, "--report", "report.json"])
+            (self.folder / "report.json").unlink()
+
+    def test_a_demo_field_that_there_is_none_of(self):
+        report, _ = self.report("demo:spere", "--iso", "0", code=1)
+        self.assertIn("no demo field 'spere'", report["error"]["message"])
+        self.assertEqual(report["options"]["input"], "demo:spere")
+
+    def test_a_device_that_is_not_there_is_reported(self):
+        report, _ = self.report(SPHERE, "--iso", "0", "--backend", "gpu", "--device", "99", "-o", "a.ply", code=3)
+        self.assertEqual((report["device"]["backend"], report["device"]["name"]), ("gpu", None))
+
+    def test_a_command_line_that_cannot_be_read_has_no_report(self):
+        for arguments in ((SPHERE, "--iso", "abc"), (SPHERE, "--iso", "0", "--mehtod", "mc"), (SPHERE, "--iso")):
+            self.assert_fails(1, self.run_program("--report", "r.json", *arguments))
+        self.assertEqual(self.files(), [])
+
+    def test_the_report_of_options_that_make_no_conversion_overwrites_nothing(self):
+        for name in ("a.raw", "a.ply", "a.bin", "b.raw", "b0.5.ply", "a.glb"):
+            (self.folder / name).write_text("precious")
+        (self.folder / "b.nhdr").write_text("NRRD0005\ntype: uchar\ndimension: 3\nsizes: 2 2 2\nencoding: raw\n"
+                                            "data file: b.raw\n\n")
+        before = {name: (self.folder / name).read_bytes() for name in self.files()}
+        for arguments, report in ((("a.raw",), "a.raw"), (("a.raw", SPHERE, "--iso", "0"), "./a.raw"),
+                                  ((SPHERE, "-o", "a.ply"), "a.ply"), ((SPHERE, "-o", "a.gltf"), "a.bin"),
+                                  (("b.nhdr",), "b.raw"), (("a.raw",), "a.glb"),
+                                  ((SPHERE, "--iso", "0.5", "--iso", "0.50", "-o", "b{iso}.ply"), "b0.5.ply")):
+            run = self.run_program(*arguments, "--report", report)
+            self.assert_fails(1, run, "--report")
+            self.assertEqual(run.err.count("isoextract: error: "), 2, run.err)
+            self.assertEqual({name: (self.folder / name).read_bytes() for name in self.files()}, before)
+
     def test_a_failing_stdout_is_reported(self):
         with open("/dev/full", "wb") as full:
             run = self.run_program(SPHERE, "--iso", "0", "-o", "-", "--format", "ply", "--report", "r.json", stdout=full)
@@ -240,6 +288,33 @@ class ReportTest(ProgramTest):
         for name in ("", "-"):
             self.assert_fails(1, self.run_program(*raw, "--report", name), "--report", "file")
         self.assertEqual(self.files(), ["a.raw"])
+
+    def test_mesh_and_report_are_not_one_stream(self):
+        ply = (SPHERE, "--iso", "0", "-o", "-", "--format", "ply", "--report")
+        for name in ("/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"):
+            run = self.run_program(*ply, name)
+            self.assert_fails(1, run, f"{name}: this is standard output, where the mesh goes", "--report")
+        with open(self.folder / "out.ply", "wb") as out:
+            run = self.run_program(*ply, "out.ply", stdout=out)
+        self.assert_fails(1, run, "out.ply: this is standard output, where the mesh goes")
+        self.assertEqual((self.folder / "out.ply").stat().st_size, 0)
+        os.mkfifo(self.folder / "pipe")
+        os.link(self.folder / "pipe", self.folder / "twin")
+        run = self.run_program(*ply[:3], "pipe", "--format", "ply", "--report", "twin")
+        self.assert_fails(1, run, "twin: this is the mesh as well as the report")
+        # The mesh in a file, the report to stdout.
+        run = self.convert(SPHERE, "--iso", "0", "-o", "a.ply", "--report", "/dev/stdout")
+        self.assertEqual(json.loads(run.text)["status"], "done")
+
+    def test_a_report_of_the_gpu_fits_the_schema(self):
+        report, _ = self.report("demo:gyroid?size=24", "--iso", "0", "--backend", "gpu", "--verify", "-o", "a.ply")
+        self.assertEqual(self.fact(report["extractions"][0]["work"], "uploads")["done"], "uploaded")
+
+    def test_the_facts_of_a_mesh_take_little_memory(self):
+        run = self.run_program("demo:gyroid?size=224", "--iso", "0", "-o", "a.ply", "-v")
+        report, _ = self.report("demo:gyroid?size=224", "--iso", "0", "-o", "a.ply")
+        without = float(re.search(r"peak memory ([\d.]+) MiB", run.err).group(1)) * 2**20
+        self.assertLess(report["peak_memory_bytes"], without + 0.5 * report["files"][0]["bytes"])
 
     def test_samples_that_stay_in_their_file(self):
         # One plane, so that the mesh and its facts need less than the volume.

@@ -86,13 +86,48 @@ class StreamsTest(ProgramTest):
     def test_a_conversion_tells_one_line_a_file(self):
         run = self.convert(SPHERE, "--iso", "0", "-o", "out.glb")
         self.assertEqual(run.out, b"")
-        self.assertRegex(run.err, r"^demo:sphere\?size=24 iso 0 -> out\.glb: \d+ triangles, \d+ vertices, [\d.]+ KiB; "
+        self.assertRegex(run.err, r"^demo:sphere\?size=24 iso 0 -> out\.glb: \d+ triangles, \d+ vertices, [\d.]+ KiB; closed; "
                                   r"world coordinates, turned from z up to y up; \d+\.\d\d s\n$")
+
+    def test_the_line_of_a_file_says_whether_the_mesh_is_closed(self):
+        gyroid = "demo:gyroid?size=24"
+        half = ("--roi", "-1,-1,-1,0,1,1")
+        for arguments, told in (((SPHERE, "--iso", "0"), "; closed; "),
+                                ((gyroid, "--iso", "0"), "; open at the border of the data (--cap closes it); "),
+                                ((gyroid, "--iso", "0", "--cap"), "; closed; "),
+                                ((SPHERE, "--iso", "0", *half), "; open at the border of the --roi (--cap closes it); "),
+                                ((SPHERE, "--iso", "0", *half, "--cap"), "; closed; "),
+                                ((SPHERE, "--iso", "0", "--iso", "-0.9", "--iso", "0.2"),
+                                 "; open at the border of the data at iso -0.9 (--cap closes it); "),
+                                ((SPHERE, "--iso", "9", "--empty", "write"), "; empty; ")):
+            self.assertIn(told, self.convert(*arguments, "-o", "out.glb").err)
+        self.write_raw("nan.raw", (6, 6, 6), lambda x, y, z: float("nan") if (x, y, z) == (3, 2, 2) else float(x))
+        raw = ("nan.raw", "--dims", "6,6,6", "--dtype", "f32", "--iso", "2.5", "--nan", "hole", "-o", "out.ply")
+        self.assertIn("; open at the border of the data (--cap closes it); without 8 cells around samples that are not "
+                      "numbers; ", self.convert(*raw).err)
+        self.assertIn("; without 8 cells around samples", self.convert(*raw, "--cap").err)
+
+    def test_explain_tells_of_caps_where_there_is_something_to_cap(self):
+        for arguments, told in (((SPHERE, "--iso", "0"), None), ((SPHERE, "--iso", "0", "--cap"), None),
+                                (("demo:gyroid?size=24", "--iso", "0"), "caps where the surface leaves the data"),
+                                ((SPHERE, "--iso", "0", "--inside", "below"), "caps around the data")):
+            err = self.convert(*arguments, "--explain", "-o", "out.ply").err
+            self.assertEqual("; --cap makes them" in err, told is not None, err)
+            self.assertIn(told or "", err)
 
     def test_quiet_is_silent(self):
         for arguments in ((SPHERE, "--iso", "0"), (SPHERE, "--iso", "9", "--empty", "skip"),
                           (SPHERE, "--iso", "0", "--up", "y", "-o", "out.ply")):
             self.assertEqual(self.convert(*arguments, "-q").err, "")
+
+    def test_every_command_can_be_quiet(self):
+        self.convert(SPHERE, "--iso", "0", "-q", "-o", "out.ply")
+        for arguments in (("info", SPHERE), ("verify", SPHERE, "--iso", "0", "out.ply"), ("compare", "out.ply", "out.ply"),
+                          ("bench", "demo:sphere", "--sizes", "8,16", "--repeats", "1", "--json", "bench.json"),
+                          ("stability", "--list"), ("devices",), ("help", "exit-codes"), ("generate", "man")):
+            run = self.run_program(*arguments, "-q")
+            self.assertEqual((run.code, run.err), (0, ""), arguments)
+            self.assertNotEqual(run.out, b"")
 
     def test_quiet_still_tells_errors(self):
         self.assert_fails(2, self.run_program(SPHERE, "--iso", "9", "-q"), "no surface")

@@ -1,6 +1,7 @@
 """Which surface is extracted: iso values, methods, normals, regions, caps, bad samples, empty surfaces."""
 
 import math
+import os
 
 from support import SPHERE, ProgramTest, main, read_glb, read_obj, read_ply, read_stl
 
@@ -114,8 +115,41 @@ class SurfaceTest(ProgramTest):
         self.assertEqual(self.files(), [])
         self.assertIn("note: ", run.err)
         self.assertIn("out.ply was not written", run.err)
+        self.assertNotIn("removed", run.err)
         self.convert(SPHERE, "--iso", "9", "--iso", "0", "--empty", "skip", "-o", "out.glb")
         self.assertEqual(len(read_glb((self.folder / "out.glb").read_bytes())), 1)
+
+    def test_what_is_skipped_leaves_no_old_file_behind(self):
+        skip = (SPHERE, "--iso", "9", "--empty", "skip", "-o")
+        for form in ("ply", "obj", "gltf"):
+            self.convert(SPHERE, "--iso", "0", "-o", f"out.{form}")
+            (self.folder / "out.txt").touch()
+            run = self.convert(*skip, f"out.{form}")
+            removed = "out.gltf and out.bin" if form == "gltf" else f"out.{form}"
+            self.assertIn(f"out.{form} was not written; the old {removed} was removed\n", run.err)
+            self.assertEqual(self.files(), ["out.txt"])
+        (self.folder / "out.bin").write_text("of another program")
+        self.convert(*skip, "out.gltf")
+        self.assertEqual(self.files(), ["out.bin", "out.txt"])
+        # One of several frames; through a link the file goes that would have been replaced.
+        self.convert(SPHERE, "--iso", "0", "-o", "frame.ply")
+        (self.folder / "s_9.ply").symlink_to("frame.ply")
+        run = self.convert(*skip[:-1], "--iso", "0", "-o", "s_{iso}.ply")
+        self.assertIn("the old s_9.ply was removed", run.err)
+        self.assertFalse((self.folder / "frame.ply").exists())
+        self.assertTrue((self.folder / "s_0.ply").exists())
+
+    def test_what_is_skipped_takes_away_files_only(self):
+        skip = (SPHERE, "--iso", "9", "--empty", "skip", "-o")
+        os.mkfifo(self.folder / "pipe.ply")
+        for name in ("pipe.ply", "/dev/null"):
+            self.assertNotIn("removed", self.convert(*skip, name, "--format", "ply").err)
+        self.assertTrue((self.folder / "pipe.ply").exists())
+        self.convert(*skip, "-", "--format", "ply")
+        # A failure leaves the old file, and so does a file that may not be replaced.
+        (self.folder / "old.ply").write_text("old")
+        self.assertEqual(self.run_program(SPHERE, "--iso", "9", "-o", "old.ply").code, 2)
+        self.assertEqual((self.folder / "old.ply").read_text(), "old")
 
     def test_an_empty_surface_can_be_written(self):
         for name, read in (("out.ply", read_ply), ("out.obj", read_obj), ("out.stl", read_stl)):

@@ -1,5 +1,7 @@
 """What is refused before anything is opened: exit code 1, a message that names the option, a hint that helps."""
 
+import json
+
 from support import SPHERE, ProgramTest, main
 
 
@@ -138,9 +140,36 @@ class UsageTest(ProgramTest):
         run = self.run_program("x.vdb", "--iso", "0", "info")  # not the command: it is not the first word
         self.assert_fails(1, run, "convert takes one input")
 
+    def test_options_come_before_two_dashes(self):
+        err = self.refused("--", "-f.vdb", "--iso", "0.5")
+        self.assertIn("'--iso' comes after '--', where all words are names of files", err)
+        self.assertIn("hint: options come before '--'", err)
+        self.assertIn("'--iso=0.5' comes after '--'", self.refused("--", "-f.vdb", "--iso=0.5"))
+        self.assertIn("unexpected argument 'c'", self.refused("verify", "--iso", "0", "--", "a", "b", "c"))
+        self.assertIn("convert takes one input, and 2 were given: -a, -b", self.refused("--iso", "0", "--", "-a", "-b"))
+
+    def test_a_file_named_like_an_option_is_told_how_it_is_written(self):
+        self.write_raw("-f.raw", (2, 2, 2), lambda x, y, z: x)
+        run = self.run_program("-f.raw", "--dims", "2,2,2", "--dtype", "f32", "--iso", "0.5")
+        self.assert_fails(1, run, "unknown option '-f.raw'", "./-f.raw")
+
+    def test_short_options_take_no_equals_sign(self):
+        for given in ("-o=x.ply", "-qo=x.ply"):
+            err = self.refused(SPHERE, "--iso", "0", given)
+            self.assertIn(f"error: {given}: -o takes no '='", err)
+            self.assertIn("write -o x.ply or --output=x.ply", err)
+        self.assertIn("-q takes no value", self.refused(SPHERE, "--iso", "0", "-q=yes"))
+        self.convert(SPHERE, "--iso", "0", "-oa=b.ply")
+        self.assertEqual(self.files(), ["a=b.ply"])
+
     def test_words_after_two_dashes_are_inputs(self):
         self.write_raw("--odd", (2, 2, 2), lambda x, y, z: x)
-        self.convert("--dims", "2,2,2", "--dtype", "f32", "--iso", "0.5", "-o", "a.ply", "--", "--odd")
+        raw = ("--dims", "2,2,2", "--dtype", "f32", "--iso", "0.5")
+        self.convert(*raw, "-o", "a.ply", "--", "--odd")
+        self.convert("verify", *raw, "--", "--odd", "a.ply")
+        self.write_raw("--cap", (2, 2, 2), lambda x, y, z: x)  # an option's name, and a file's
+        self.convert(*raw, "-o", "a.ply", "--", "--cap")
+        self.assertEqual(len(json.loads(self.convert("info", "--json", *raw[:4], "--", "--odd", "--cap").text)), 2)
 
 
 if __name__ == "__main__":

@@ -77,6 +77,40 @@ class VerifyTest(ProgramTest):
         self.assertEqual(run.code, 6)
         self.assertIn("same          no", run.text)
 
+    def test_where_nothing_matches_no_distance_is_told(self):
+        self.write("a.glb", SPHERE, "--iso", 0)
+        for iso in ("0.1", "9"):
+            run = self.run_program("verify", SPHERE, "--iso", iso, "a.glb")
+            self.assertEqual(run.code, 6)
+            self.assertNotIn("the very same numbers", run.text)
+            self.assertRegex(run.text, r"positions +none is at the same place in both\n")
+            self.assertIsNone(self.verify("a.glb", SPHERE, "--iso", iso, code=6)[0]["distance"])
+
+    def test_several_surfaces(self):
+        isos = ("--iso", "0", "--iso", "0.2", "--iso", "-0.1")
+        for end in ("glb", "gltf", "obj"):
+            self.write(f"a.{end}", SPHERE, *isos)
+            report, run = self.verify(f"a.{end}", SPHERE, *isos)
+            self.assertEqual((report["vertices_only"], report["distance"]), ([0, 0], [0, 0, 0]))
+            self.verify(f"a.{end}", SPHERE, *isos[4:], *isos[:4])
+            run = self.convert("verify", SPHERE, *isos, f"a.{end}")
+            self.assertIn("demo:sphere?size=24 iso 0, 0.2, -0.1\n", run.text)
+            report, run = self.verify(f"a.{end}", SPHERE, *isos[:4], code=6)
+            self.assertEqual(report["vertices_only"][1], 0)
+            self.assertIn("hint: it holds more than that: give every --iso", run.err)
+            report, _ = self.verify(f"a.{end}", SPHERE, *isos, "--iso", "0.3", code=6)
+            self.assertEqual(report["vertices_only"][0], 0)
+        self.write("b.glb", SPHERE, *isos, "--iso", "9", "--empty", "skip")
+        self.verify("b.glb", SPHERE, *isos, "--iso", "9")
+
+    def test_several_surfaces_of_two_backends(self):
+        run = self.run_program("verify", SPHERE, "--iso", "0", "--iso", "0.2", "--json")
+        self.assertEqual(run.code, 0, run.err)
+        self.assertEqual([(record["iso"], record["passed"]) for record in json.loads(run.text)], [(0, True), (0.2, True)])
+        text = self.convert("verify", SPHERE, "--iso", "0", "--iso", "0.2").text
+        self.assertEqual(text.count("same          yes"), 2)
+        self.assertIn("passed", json.loads(self.convert("verify", SPHERE, "--iso", "0", "--json").text))
+
     def test_another_iso(self):
         self.write("a.glb", SPHERE, "--iso", 0)
         report, run = self.verify("a.glb", SPHERE, "--iso", "0.01", code=6)
@@ -141,7 +175,7 @@ class VerifyTest(ProgramTest):
         self.assert_fails(1, self.run_program("verify", SPHERE), "--iso V is missing")
         self.assert_fails(1, self.run_program("verify", SPHERE, "--iso", "0", "a.xyz"), "a.xyz: expected an extension")
         self.assert_fails(1, self.run_program("verify", SPHERE, "--iso", "0", "a.glb", "b.glb"), "'b.glb'")
-        self.assert_fails(1, self.run_program("verify", SPHERE, "--iso", "0", "--iso", "1", "a.glb"), "2 times")
+        self.assert_fails(1, self.run_program("verify", SPHERE, "--iso", "0", "--iso", "0.0", "a.glb"), "--iso 0", "twice")
         self.assert_fails(1, self.run_program("verify", SPHERE, "--iso", "0", "a.glb", "--space", "index", "--scale", "2"),
                           "--space index")
         self.assert_fails(2, self.run_program("verify", SPHERE, "--iso", "0", "missing.glb"), "missing.glb")

@@ -132,6 +132,7 @@ class DenseExtraction final : private CellDecider {
   }
 
   [[nodiscard]] std::optional<field::IndexBox> cap_box() const { return region_; }
+  [[nodiscard]] BorderSides border() const { return masks_.border(); }
   [[nodiscard]] bool has_holes() const { return has_holes_; }
   [[nodiscard]] bool inside(const glm::ivec3& p) const { return masks_.inside(p - region_.min); }
   [[nodiscard]] double value(const glm::ivec3& p) const {

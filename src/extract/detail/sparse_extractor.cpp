@@ -101,6 +101,7 @@ class SparseExtraction final : private CellDecider {
   }
 
   [[nodiscard]] std::optional<field::IndexBox> cap_box() const { return sparse_cap_box(region_, options_); }
+  [[nodiscard]] BorderSides border() const { return sites_.border(); }
   [[nodiscard]] bool has_holes() const { return sites_.has_holes(); }
   [[nodiscard]] bool inside(const glm::ivec3& p) const { return sites_.inside(p); }
   [[nodiscard]] double value(const glm::ivec3& p) const { return sites_.value(p); }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <new>
+#include <set>
 #include <string>
 #include <thread>
 #include <utility>
@@ -132,6 +133,31 @@ TEST_F(ConversionTest, SkippedSurfacesAreTold) {
   EXPECT_FALSE(fs::exists(folder_ / "b.glb"));
   EXPECT_EQ(log_.lines.back(), "written 0 of 1");
   EXPECT_NE(outcome.notes.at(0).find("was not written"), std::string::npos);
+}
+
+TEST_F(ConversionTest, ASkippedOutputLeavesNoOldFile) {
+  ConversionJob one = job("demo:sphere?size=16", 0, "a.gltf");
+  one.format = meshes::MeshFormat::gltf;
+  one.empty = EmptyPolicy::skip;
+  ASSERT_TRUE(run(one).done());
+  ASSERT_EQ(folder_.names(), (std::set<std::string>{"a.bin", "a.gltf"}));
+  one.outputs[0].isos = {9};
+  const Outcome outcome = run(one);
+  ASSERT_TRUE(outcome.done());
+  EXPECT_TRUE(folder_.names().empty());
+  EXPECT_NE(outcome.notes.at(0).find("a.bin was removed"), std::string::npos) << outcome.notes.at(0);
+}
+
+TEST_F(ConversionTest, CapsAreLeftOutWhereThereIsSomethingToCap) {
+  const auto tells_of_caps = [&](const std::string& input, bool cap) {
+    ConversionJob one = job(input, 0, "a.ply");
+    one.surface.cap = cap;
+    const std::vector<WorkFact> work = run(one).extractions.at(0).work;
+    return std::ranges::any_of(work, [](const WorkFact& fact) { return fact.what == "caps"; });
+  };
+  EXPECT_FALSE(tells_of_caps("demo:sphere?size=16", false));
+  EXPECT_TRUE(tells_of_caps("demo:gyroid?size=16", false));
+  EXPECT_FALSE(tells_of_caps("demo:gyroid?size=16", true));
 }
 
 // Where the format allows, the next surface is made when the one before is written and gone.

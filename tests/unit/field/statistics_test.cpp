@@ -1,9 +1,11 @@
 #include "field/statistics.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
 #include <numeric>
+#include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -89,7 +91,7 @@ TEST(Statistics, AllNanHasNoHistogram) {
   EXPECT_EQ(statistics.samples, 0U);
   EXPECT_EQ(statistics.nan, 20U);
   EXPECT_TRUE(statistics.histogram.empty());
-  EXPECT_TRUE(std::isfinite(suggest_iso(field, statistics).iso));
+  EXPECT_FALSE(suggest_iso(field, statistics).separates);
 }
 
 TEST(Statistics, ConstantField) {
@@ -98,9 +100,10 @@ TEST(Statistics, ConstantField) {
   EXPECT_EQ(statistics.min, 7.25);
   EXPECT_EQ(statistics.max, 7.25);
   EXPECT_EQ(statistics.mean, 7.25);
-  EXPECT_EQ(statistics.percentile(0.5), 7.25);
+  for (const double percentile : statistics.percentiles) EXPECT_EQ(percentile, 7.25);
   EXPECT_EQ(histogram_sum(statistics), 20U);
   EXPECT_EQ(suggest_iso(field, statistics).iso, 7.25);
+  EXPECT_FALSE(suggest_iso(field, statistics).separates);
 }
 
 TEST(Statistics, TheWidestRangesDoNotOverflow) {
@@ -112,7 +115,7 @@ TEST(Statistics, TheWidestRangesDoNotOverflow) {
   EXPECT_EQ(histogram_sum(statistics), 6U);
   EXPECT_EQ(statistics.histogram.front(), 2U);
   EXPECT_EQ(statistics.histogram.back(), 2U);
-  EXPECT_TRUE(std::isfinite(statistics.percentile(0.3)));
+  for (const double percentile : statistics.percentiles) EXPECT_TRUE(std::isfinite(percentile));
   const double iso = suggest_iso(field, statistics).iso;
   EXPECT_GT(iso, -1.6e308);
   EXPECT_LT(iso, 1.6e308);
@@ -133,11 +136,92 @@ TEST(Statistics, PercentilesAreRightToABin) {
   for (int i = 0; i < 10000; ++i) values.push_back(static_cast<float>((i * 7919) % 10000));
   const FieldStatistics statistics = statistics_of(values);
   const double bin = 10000.0 / 1024;
-  for (const double fraction : {0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99}) {
-    EXPECT_NEAR(statistics.percentile(fraction), fraction * 10000, bin);
+  for (std::size_t p = 0; p < FieldStatistics::kPercents.size(); ++p) {
+    EXPECT_NEAR(statistics.percentiles[p], FieldStatistics::kPercents[p] * 100.0, bin);
   }
-  EXPECT_EQ(statistics.percentile(0), 0);
-  EXPECT_EQ(statistics.percentile(1), 9999);
+}
+
+// The scaled values in order; nothing for those that are not finite.
+template <class T>
+std::vector<double> in_order(const std::vector<T>& stored, const ValueScale& scale) {
+  std::vector<double> values;
+  for (const T one : stored) {
+    const double value = scale(static_cast<double>(one));
+    if (std::isfinite(value)) values.push_back(value);
+  }
+  std::ranges::sort(values);
+  return values;
+}
+
+template <class T>
+void expect_exact_percentiles(const ScalarField& field, const std::vector<double>& ordered) {
+  const FieldStatistics statistics = measure_statistics(field);
+  ASSERT_EQ(statistics.samples, ordered.size());
+  for (std::size_t p = 0; p < FieldStatistics::kPercents.size(); ++p) {
+    const auto percent = static_cast<std::size_t>(FieldStatistics::kPercents[p]);
+    const std::size_t rank = (percent * ordered.size() + 99) / 100 - 1;
+    EXPECT_EQ(statistics.percentiles[p], ordered[rank])
+        << sample_type_name(sample_type_of<T>()) << ", " << percent << " % of " << ordered.size();
+  }
+}
+
+template <class T>
+class ExactPercentiles : public testing::Test {};
+using DiscreteTypes =
+    testing::Types<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::uint32_t, std::int32_t, Half>;
+TYPED_TEST_SUITE(ExactPercentiles, DiscreteTypes);
+
+// Half of the samples are one number; the others are all over the type, its ends among them.
+TYPED_TEST(ExactPercentiles, AreThoseOfTheSamples) {
+  using T = TypeParam;
+  std::mt19937 engine(5);
+  for (const std::size_t count : {1U, 2U, 7U, 99U, 100U, 101U, 20011U, 200000U}) {
+    std::vector<T> stored(count);
+    for (T& one : stored) {
+      const auto any = static_cast<std::uint32_t>(engine());
+      const bool common = engine() % 2 == 0;
+      if constexpr (std::is_same_v<T, Half>) {
+        one.setBits(static_cast<std::uint16_t>(common ? 0x3C00U : any));  // 1 is common
+      } else {
+        one = common ? T{3} : static_cast<T>(any);
+      }
+    }
+    if constexpr (!std::is_same_v<T, Half>) {
+      stored.front() = std::numeric_limits<T>::max();
+      stored.back() = std::numeric_limits<T>::min();
+    }
+    for (const ValueScale scale : {ValueScale{}, ValueScale{0.25, -3}, ValueScale{-2, 5}}) {
+      ScalarField field = dense_field(stored);
+      field.scale = scale;
+      const std::vector<double> ordered = in_order(stored, scale);
+      if (!ordered.empty()) expect_exact_percentiles<T>(field, ordered);
+    }
+  }
+}
+
+// A scale that takes large numbers beyond what a double holds.
+TEST(Statistics, PercentilesOfIntegersLeaveOutWhatIsNotFinite) {
+  const std::vector<std::int32_t> stored{1, 2, 3, 2000000000, -2000000000, 4};
+  ScalarField field = dense_field(stored);
+  field.scale = {1e300, 0};
+  const FieldStatistics statistics = measure_statistics(field);
+  EXPECT_EQ(statistics.infinite, 2U);
+  EXPECT_EQ(statistics.percentiles.front(), 1e300);
+  EXPECT_EQ(statistics.percentiles.back(), 4e300);
+}
+
+TEST(Statistics, PercentilesOfIntegersCountTiles) {
+  auto block = std::make_shared<std::vector<std::int32_t>>(512, 70000);
+  SparseSamples sparse;
+  sparse.type = SampleType::i32;
+  sparse.blocks = {SparseBlock{glm::ivec3(0), block->data()}};
+  sparse.tiles = {SparseTile{glm::ivec3(8, 0, 0), 8, -70000.0}, SparseTile{glm::ivec3(16, 0, 0), 8, -70000.0}};
+  sparse.owner = block;
+  ScalarField field;
+  field.samples = sparse;
+  const FieldStatistics statistics = measure_statistics(field);
+  EXPECT_EQ(statistics.percentiles[3], -70000);
+  EXPECT_EQ(statistics.percentiles[4], 70000);
 }
 
 TEST(Statistics, SparseCountsBlocksAndTilesButNotTheBackground) {
@@ -196,35 +280,34 @@ TEST(SuggestIso, LevelSetsHaveTheirZero) {
   const IsoSuggestion suggestion = suggest_iso(field, measure_statistics(field));
   EXPECT_EQ(suggestion.iso, 0);
   EXPECT_NE(suggestion.method.find("level set"), std::string::npos);
+  EXPECT_TRUE(suggestion.separates);
+  for (const std::vector<float>& without : {std::vector<float>{0.5F, 3}, std::vector<float>{-2, -0.5F}}) {
+    field.samples = dense_field<float>(without).samples;
+    EXPECT_FALSE(suggest_iso(field, measure_statistics(field)).separates);
+  }
+}
+
+// The statistics leave the background out, the surface does not.
+TEST(SuggestIso, OneValueIsSeparatedFromAnotherBackground) {
+  auto block = std::make_shared<std::vector<float>>(512, 2.0F);
+  SparseSamples sparse;
+  sparse.type = SampleType::f32;
+  sparse.blocks = {SparseBlock{glm::ivec3(0), block->data()}};
+  sparse.owner = block;
+  ScalarField field;
+  for (const double background : {0.0, 8.0, 2.0}) {
+    sparse.background = background;
+    field.samples = sparse;
+    const IsoSuggestion suggestion = suggest_iso(field, measure_statistics(field));
+    EXPECT_EQ(suggestion.iso, (2 + background) / 2);
+    EXPECT_EQ(suggestion.separates, background != 2);
+  }
 }
 
 TEST(SuggestIso, DemoFieldsHaveTheirOwn) {
   const auto field = make_demo_field("demo:marschner-lobb?size=16");
   ASSERT_TRUE(field.has_value());
   EXPECT_EQ(suggest_iso(*field, measure_statistics(*field)).iso, 0.5);
-}
-
-TEST(EstimateVertices, CountsCrossingsWithinRowsOnly) {
-  // Two rows of four: inside runs end at the rows' borders, which is no crossing.
-  const ScalarField field = dense_field<float>({0, 0, 1, 1, 0, 1, 1, 0}, {4, 2, 1});
-  EXPECT_EQ(estimate_vertices(field, 0.5), 3U * 3U);
-  EXPECT_EQ(estimate_vertices(field, 1), 0U);  // a value equal to iso is outside
-}
-
-TEST(EstimateVertices, IsCloseForABall) {
-  constexpr int kSize = 48;
-  std::vector<float> values;
-  for (int z = 0; z < kSize; ++z) {
-    for (int y = 0; y < kSize; ++y) {
-      for (int x = 0; x < kSize; ++x) {
-        values.push_back(20.0F - std::hypot(static_cast<float>(x) - 23.5F, static_cast<float>(y) - 23.5F,
-                                            static_cast<float>(z) - 23.5F));
-      }
-    }
-  }
-  // Every line along an axis that meets the ball crosses it twice: 3 * 2 * pi * r^2.
-  EXPECT_NEAR(static_cast<double>(estimate_vertices(dense_field(values, glm::ivec3(kSize)), 0)), 6 * 3.14159 * 400,
-              6 * 3.14159 * 400 * 0.02);
 }
 
 }  // namespace

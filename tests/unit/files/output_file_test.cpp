@@ -464,5 +464,51 @@ TEST_F(OutputFilePair, IfTheFirstFailsTheLastIsUntouched) {
   EXPECT_EQ(folder_.names(), (Names{"a.bin", "a.gltf"}));
 }
 
+TEST(RemoveOldFile, TakesAwayWhatWouldBeReplaced) {
+  const TempFolder folder;
+  write_bytes(folder / "old", "old");
+  fs::create_symlink("old", folder / "link");
+  EXPECT_TRUE(remove_old_file(folder / "link").value());
+  EXPECT_EQ(folder.names(), Names{"link"}) << "as a file that is written would have taken its place";
+  EXPECT_FALSE(remove_old_file(folder / "link").value());
+  write_bytes(folder / "old", "old");
+  EXPECT_TRUE(remove_old_file(folder / "old").value());
+  EXPECT_FALSE(remove_old_file(folder / "old").value());
+}
+
+TEST(RemoveOldFile, LeavesEverythingElse) {
+  const TempFolder folder;
+  fs::create_directory(folder / "folder");
+  ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+  for (const fs::path& path :
+       {folder / "folder", folder / "pipe", fs::path("/dev/null"), fs::path("-"), fs::path("")}) {
+    const auto removed = remove_old_file(path);
+    ASSERT_TRUE(removed) << removed.error().message;
+    EXPECT_FALSE(*removed) << path;
+  }
+  EXPECT_EQ(folder.names(), (Names{"folder", "pipe"}));
+}
+
+TEST(SamePlace, IsToldByWhatIsThere) {
+  const TempFolder folder;
+  write_bytes(folder / "a", "");
+  write_bytes(folder / "b", "");
+  fs::create_symlink("a", folder / "link");
+  fs::create_hard_link(folder / "a", folder / "hard");
+  ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+  fs::create_hard_link(folder / "pipe", folder / "twin");
+  EXPECT_TRUE(same_place(folder / "a", folder / "link"));
+  EXPECT_TRUE(same_place(folder / "hard", folder / "a"));
+  EXPECT_TRUE(same_place(folder / "pipe", folder / "twin"));
+  EXPECT_FALSE(same_place(folder / "a", folder / "b"));
+  EXPECT_FALSE(same_place(folder / "a", folder / "pipe"));
+  EXPECT_FALSE(same_place(folder / "a", folder / "c"));
+  EXPECT_TRUE(same_place(folder / "c", folder / "." / "c")) << "neither is there";
+  EXPECT_TRUE(same_place("-", "/dev/stdout"));
+  EXPECT_TRUE(same_place("/proc/self/fd/1", "-"));
+  EXPECT_FALSE(same_place("-", folder / "a"));
+  EXPECT_FALSE(same_place("-", folder / "c"));
+}
+
 }  // namespace
 }  // namespace isoextract::files

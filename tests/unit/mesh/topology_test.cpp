@@ -116,6 +116,40 @@ TEST(Topology, CountsEdgesAsPlainLoopsDoForAnyNumberOfThreads) {
   }
 }
 
+// A square of `side` x `side` vertices, numbered along the rows, or far from their neighbours.
+Mesh square(std::uint32_t side, bool near) {
+  const std::uint32_t vertices = side * side;
+  const auto name = [&](std::uint32_t v) {
+    constexpr std::uint64_t kPrime = 1'000'003;
+    return near ? v : static_cast<std::uint32_t>(v * kPrime % vertices);
+  };
+  std::vector<glm::uvec3> triangles;
+  for (std::uint32_t y = 0; y + 1 < side; ++y) {
+    for (std::uint32_t x = 0; x + 1 < side; ++x) {
+      const std::uint32_t v = y * side + x;
+      triangles.push_back({name(v), name(v + 1), name(v + side + 1)});
+      triangles.push_back({name(v), name(v + side + 1), name(v + side)});
+    }
+  }
+  return make_mesh(std::vector<glm::vec3>(vertices), triangles);
+}
+
+TEST(Topology, OfALargeMeshTakesLessMemoryThanTheMesh) {
+  constexpr std::uint32_t kSide = 700;
+  for (const bool near : {true, false}) {
+    const Mesh mesh = square(kSide, near);
+    const Context context;
+    const auto t = measure_topology(mesh, context);
+    ASSERT_TRUE(t);
+    EXPECT_EQ(t->open_edges, 4U * (kSide - 1));
+    EXPECT_EQ(t->edges, 2U * kSide * (kSide - 1) + (kSide - 1) * (kSide - 1));
+    EXPECT_EQ(t->euler, 1);
+    EXPECT_EQ(t->components, 1U);
+    EXPECT_EQ(t->nonmanifold_edges + t->misoriented_edges + t->nonmanifold_vertices, 0U);
+    EXPECT_LT(context.memory().peak(), 3 * (mesh.positions.size_bytes() + mesh.triangles.size_bytes()) / 4);
+  }
+}
+
 TEST(Topology, ReservesItsMemory) {
   const Mesh mesh = test::tetrahedron();
   const Context context;

@@ -1,0 +1,78 @@
+// Walking over all stored samples of a field, dense or sparse, in parallel.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <variant>
+#include <vector>
+
+#include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_reduce.h>
+
+#include "base/progress.hpp"
+#include "field/samples.hpp"
+
+namespace isoextract::field {
+
+// Reduces `body(partial, values)` over all stored samples. Deterministic: always the same tree of joins.
+template <class T, class Partial, class Body, class Join>
+[[nodiscard]] Partial reduce_samples(const Samples& samples, const Partial& identity, const Body& body,
+                                     const Join& join, Progress* progress) {
+  constexpr std::size_t kGrain = 1U << 16U;  // samples a task; fixed, so that sums do not depend on the thread count
+  if (const auto* dense = std::get_if<DenseSamples>(&samples)) {
+    const std::span<const T> all(static_cast<const T*>(dense->data), dense->count());
+    if (progress != nullptr) progress->begin("measuring", all.size());
+    return tbb::parallel_deterministic_reduce(
+        tbb::blocked_range<std::size_t>(0, all.size(), kGrain), identity,
+        [&](const tbb::blocked_range<std::size_t>& range, Partial partial) {
+          body(partial, all.subspan(range.begin(), range.size()));
+          if (progress != nullptr) progress->advance(range.size());
+          return partial;
+        },
+        join);
+  }
+  constexpr std::size_t kBlockSamples = std::size_t{SparseBlock::kSize} * SparseBlock::kSize * SparseBlock::kSize;
+  const auto& blocks = std::get<SparseSamples>(samples).blocks;
+  if (progress != nullptr) progress->begin("measuring", blocks.size());
+  return tbb::parallel_deterministic_reduce(
+      tbb::blocked_range<std::size_t>(0, blocks.size(), kGrain / kBlockSamples), identity,
+      [&](const tbb::blocked_range<std::size_t>& range, Partial partial) {
+        for (std::size_t b = range.begin(); b != range.end(); ++b) {
+          body(partial, std::span<const T>(static_cast<const T*>(blocks[b].values), kBlockSamples));
+        }
+        if (progress != nullptr) progress->advance(range.size());
+        return partial;
+      },
+      join);
+}
+
+inline std::uint64_t tile_voxels(const SparseTile& tile) {
+  const auto side = static_cast<std::uint64_t>(tile.size);
+  return side * side * side;
+}
+
+template <class Function>
+void for_each_tile(const Samples& samples, const Function& function) {
+  if (const auto* sparse = std::get_if<SparseSamples>(&samples)) {
+    for (const SparseTile& tile : sparse->tiles) function(tile.value, tile_voxels(tile));
+  }
+}
+
+// Runs body(counts, values) over all stored samples, with counts of its own for each thread: vectors of `size` zeros at
+// first. Returns their sums.
+template <class T, class Body>
+[[nodiscard]] std::vector<std::uint64_t> count_samples(const Samples& samples, std::size_t size, const Body& body,
+                                                       Progress* progress) {
+  tbb::enumerable_thread_specific<std::vector<std::uint64_t>> parts([&] { return std::vector<std::uint64_t>(size); });
+  static_cast<void>(reduce_samples<T>(
+      samples, std::uint64_t{0}, [&](std::uint64_t&, std::span<const T> values) { body(parts.local(), values); },
+      std::plus<>{}, progress));
+  std::vector<std::uint64_t> sums(size);
+  for (const auto& part : parts) std::ranges::transform(part, sums, sums.begin(), std::plus<>{});
+  return sums;
+}
+
+}  // namespace isoextract::field

@@ -1,0 +1,122 @@
+#include "field/surface_estimate.hpp"
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <span>
+#include <tuple>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
+#include "field/detail/sample_passes.hpp"
+
+namespace isoextract::field {
+namespace {
+
+bool is_inside(const ScalarField& field, double iso, double stored) {
+  const double value = field.scale(stored);
+  return field.kind == FieldKind::level_set ? value < iso : value > iso;
+}
+
+template <class T>
+std::uint64_t count_crossings(std::span<const T> row, const ScalarField& field, double iso) {
+  std::uint64_t crossings = 0;
+  bool previous = is_inside(field, iso, static_cast<double>(row.front()));
+  for (const T stored : row.subspan(1)) {
+    const bool inside = is_inside(field, iso, static_cast<double>(stored));
+    crossings += inside != previous ? 1 : 0;
+    previous = inside;
+  }
+  return crossings;
+}
+
+// Of a block: bit y << 3 | z of word x is a sample that is not on the background's side.
+template <class T>
+std::array<std::uint64_t, 8> off_background(const SparseBlock& block, const ScalarField& field, double iso,
+                                            bool background) {
+  const auto* values = static_cast<const T*>(block.values);
+  std::array<std::uint64_t, 8> bits{};
+  for (std::size_t v = 0; v < 512; ++v) {
+    if (is_inside(field, iso, static_cast<double>(values[v])) != background)
+      bits[v >> 6] |= std::uint64_t{1} << (v & 63);
+  }
+  return bits;
+}
+
+bool is_stored(const SparseSamples& samples, const glm::ivec3& origin) {
+  const auto order = [](const glm::ivec3& p) { return std::tuple(p.x, p.y, p.z); };
+  return std::ranges::binary_search(samples.blocks, order(origin), {},
+                                    [&](const SparseBlock& block) { return order(block.origin); });
+}
+
+// What a block adds: itself, and the places before it that its samples at their side have an edge to. Where it is
+// wholly off the background's side, the surface passes it only if nothing is stored beside it.
+template <class T>
+std::uint64_t places_at(const SparseBlock& block, const SparseSamples& samples, const ScalarField& field, double iso,
+                        bool background) {
+  constexpr std::uint64_t kFirstAlongY = 0xFF;
+  constexpr std::uint64_t kFirstAlongZ = 0x0101010101010101ULL;
+  const auto off = off_background<T>(block, field, iso, background);
+  if (std::ranges::all_of(off, [](std::uint64_t word) { return word == 0; })) return 0;
+  bool passes = std::ranges::any_of(off, [](std::uint64_t word) { return ~word != 0; });
+  std::uint64_t places = 0;
+  for (int c = 1; c < 8; ++c) {
+    const glm::ivec3 away = SparseBlock::kSize * glm::ivec3(c & 1, c >> 1 & 1, c >> 2);
+    passes = passes || !is_stored(samples, block.origin + away);
+    std::uint64_t facing = 0;
+    for (std::size_t x = 0; x < ((c & 1) != 0 ? 1U : off.size()); ++x) facing |= off[x];
+    if ((c & 2) != 0) facing &= kFirstAlongY;
+    if ((c & 4) != 0) facing &= kFirstAlongZ;
+    if (facing != 0 && !is_stored(samples, block.origin - away)) ++places;
+  }
+  return places + (passes ? 1 : 0);
+}
+
+}  // namespace
+
+std::uint64_t estimate_vertices(const ScalarField& field, double iso) {
+  return visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) -> std::uint64_t {
+    if (const auto* dense = std::get_if<DenseSamples>(&field.samples)) {
+      const auto row_length = static_cast<std::size_t>(dense->dims.x);
+      const std::span<const T> all(static_cast<const T*>(dense->data), dense->count());
+      return 3 * tbb::parallel_deterministic_reduce(
+                     tbb::blocked_range<std::size_t>(0, all.size() / row_length, 64), std::uint64_t{0},
+                     [&](const tbb::blocked_range<std::size_t>& rows, std::uint64_t crossings) {
+                       for (std::size_t row = rows.begin(); row != rows.end(); ++row) {
+                         crossings += count_crossings(all.subspan(row * row_length, row_length), field, iso);
+                       }
+                       return crossings;
+                     },
+                     std::plus<>{});
+    }
+    constexpr std::size_t kRow = SparseBlock::kSize;
+    const std::uint64_t crossings = reduce_samples<T>(
+        field.samples, std::uint64_t{0},
+        [&](std::uint64_t& partial, std::span<const T> block) {
+          for (std::size_t i = 0; i < block.size(); i += kRow)
+            partial += count_crossings(block.subspan(i, kRow), field, iso);
+        },
+        std::plus<>{}, nullptr);
+    return 3 * crossings * kRow / (kRow - 1);  // one edge in eight leaves its block
+  });
+}
+
+std::uint64_t estimate_places(const ScalarField& field, double iso) {
+  const auto* sparse = std::get_if<SparseSamples>(&field.samples);
+  if (sparse == nullptr) return 0;
+  const bool background = is_inside(field, iso, sparse->background);
+  return visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) -> std::uint64_t {
+    return tbb::parallel_deterministic_reduce(
+        tbb::blocked_range<std::size_t>(0, sparse->blocks.size(), 64), std::uint64_t{0},
+        [&](const tbb::blocked_range<std::size_t>& range, std::uint64_t places) {
+          for (std::size_t b = range.begin(); b != range.end(); ++b) {
+            places += places_at<T>(sparse->blocks[b], *sparse, field, iso, background);
+          }
+          return places;
+        },
+        std::plus<>{});
+  });
+}
+
+}  // namespace isoextract::field

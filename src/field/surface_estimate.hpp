@@ -1,0 +1,18 @@
+// How large a surface will be, without extracting it.
+#pragma once
+
+#include <cstdint>
+
+#include "field/scalar_field.hpp"
+
+namespace isoextract::field {
+
+// About how many vertices the surface at `iso` has: three times its crossings along one axis of the grid, as if it
+// faced every axis alike.
+[[nodiscard]] std::uint64_t estimate_vertices(const ScalarField& field, double iso);
+
+// About how many places of block size the surface at `iso` passes: stored blocks, and places beside them that are not
+// stored. A place that several blocks lie beside counts for each. None for dense samples.
+[[nodiscard]] std::uint64_t estimate_places(const ScalarField& field, double iso);
+
+}  // namespace isoextract::field

@@ -1,0 +1,130 @@
+// Whether the surface meets the border of the data is told without looking at the mesh; here the mesh is looked at.
+#include <algorithm>
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "support/fields.hpp"
+#include "support/meshes.hpp"
+
+namespace isoextract::extract {
+namespace {
+
+constexpr glm::ivec3 kDims(72, 24, 16);
+const field::IndexBox kAll{glm::ivec3(0), kDims - 1};
+
+class Border : public testing::TestWithParam<Method> {
+ protected:
+  [[nodiscard]] static ExtractOptions at(double iso) {
+    ExtractOptions options;
+    options.method = GetParam();
+    options.iso = iso;
+    return options;
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Methods, Border, testing::Values(Method::mc, Method::mt), test::method_name);
+
+// Inside a ball; its complement where `turned`.
+field::ScalarField ball(const glm::dvec3& centre, double radius, bool turned) {
+  return test::dense_field<float>(kDims, [&](int i, int j, int k) {
+    const double value = radius - glm::length(glm::dvec3(i, j, k) - centre);
+    return turned ? -value : value;
+  });
+}
+
+// Edges of one triangle that lie in a face of the box.
+bool is_open_at(const mesh::Mesh& mesh, const field::IndexBox& box) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+  for (const glm::uvec3& t : mesh.triangles) {
+    for (int c = 0; c < 3; ++c) ++edges[std::minmax(t[c], t[(c + 1) % 3])];
+  }
+  return std::ranges::any_of(edges, [&](const auto& edge) {
+    const glm::dvec3 a = mesh.position(edge.first.first);
+    const glm::dvec3 b = mesh.position(edge.first.second);
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const int side : {box.min[axis], box.max[axis]}) {
+        if (edge.second == 1 && a[axis] == side && b[axis] == side) return true;
+      }
+    }
+    return false;
+  });
+}
+
+// Returns whether the surface meets the border.
+bool expect_told(const field::ScalarField& field, ExtractOptions options, const field::IndexBox& box) {
+  options.cap = false;
+  const Extraction open = test::extract(field, options);
+  EXPECT_EQ(open.stats.meets_border, is_open_at(open.mesh, box));
+  options.cap = true;
+  const Extraction capped = test::extract(field, options);
+  EXPECT_EQ(capped.stats.meets_border, open.stats.meets_border);
+  EXPECT_EQ(capped.stats.inside_at_border, open.stats.inside_at_border);
+  EXPECT_EQ(capped.stats.inside_at_border, capped.mesh.triangles.size() > open.mesh.triangles.size());
+  return open.stats.meets_border;
+}
+
+TEST_P(Border, OfBallsHereAndThere) {
+  int met = 0;
+  int missed = 0;
+  for (const bool turned : {false, true}) {
+    // Within, at a face, at an edge, at a corner, beside the words and blocks that samples are looked at by.
+    for (const glm::dvec3 centre :
+         {glm::dvec3(36, 12, 8), glm::dvec3(0, 12, 8), glm::dvec3(71, 12, 8), glm::dvec3(36, 0, 0),
+          glm::dvec3(71, 23, 15), glm::dvec3(63.5, 12, 8), glm::dvec3(36, 20.7, 8)}) {
+      for (const double radius : {2.2, 5.0}) {
+        SCOPED_TRACE(testing::Message() << centre.x << ", " << centre.y << ", " << centre.z << " radius " << radius);
+        const field::ScalarField field = ball(centre, radius, turned);
+        (expect_told(field, at(0), kAll) ? met : missed) += 1;
+        // Background all round, on the ball's outer side, closes the surface; a region cuts it again.
+        const field::ScalarField sparse = test::sparse_copy<float>(field, turned ? 100 : -100);
+        EXPECT_FALSE(test::extract(sparse, at(0)).stats.meets_border);
+        EXPECT_FALSE(test::extract(sparse, at(0)).stats.inside_at_border);
+        ExtractOptions options = at(0);
+        for (const field::IndexBox& region : {kAll, field::IndexBox{{3, 2, 1}, {69, 21, 14}}}) {
+          options.region = region;
+          expect_told(field, options, region);
+          expect_told(sparse, options, region);
+        }
+      }
+    }
+  }
+  EXPECT_GT(met, 5);
+  EXPECT_GT(missed, 5);
+}
+
+TEST_P(Border, OfOneSample) {
+  for (const glm::ivec3 at_one :
+       {glm::ivec3(0, 5, 5), glm::ivec3(71, 23, 5), glm::ivec3(70, 5, 5), glm::ivec3(5, 0, 14)}) {
+    for (const double sign : {1.0, -1.0}) {
+      const field::ScalarField field = test::dense_field<float>(
+          kDims, [&](int i, int j, int k) { return glm::ivec3(i, j, k) == at_one ? sign : -sign; });
+      EXPECT_EQ(expect_told(field, at(0), kAll), at_one.x != 70);
+    }
+  }
+}
+
+// Where every cell at the border that the surface passes is left out, it meets the holes and not the border.
+TEST_P(Border, OfHoles) {
+  ExtractOptions options = at(0);
+  options.nan = NanPolicy::hole;
+  int met = 0;
+  for (const int first : {0, 36, 72}) {  // from here on along x, the samples at y = 1 are missing
+    const field::ScalarField whole = ball({36, 0, 8}, 5, false);
+    const auto& samples = std::get<field::DenseSamples>(whole.samples);
+    const auto* values = static_cast<const float*>(samples.data);
+    const field::ScalarField field = test::dense_field<float>(kDims, [&](int i, int j, int k) {
+      return j == 1 && i >= first ? test::kNaN : static_cast<double>(values[i + kDims.x * (j + kDims.y * k)]);
+    });
+    const Extraction result = test::extract(field, options);
+    EXPECT_EQ(result.stats.meets_border, is_open_at(result.mesh, kAll)) << first;
+    met += result.stats.meets_border ? 1 : 0;
+    ExtractOptions within = options;
+    within.region = kAll;
+    EXPECT_EQ(test::extract(test::sparse_copy<float>(field, -100), within).stats.meets_border,
+              result.stats.meets_border);
+  }
+  EXPECT_EQ(met, 2);
+}
+
+}  // namespace
+}  // namespace isoextract::extract

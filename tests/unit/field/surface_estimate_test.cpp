@@ -1,0 +1,72 @@
+#include "field/surface_estimate.hpp"
+
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace isoextract::field {
+namespace {
+
+ScalarField dense_field(std::vector<float> values, glm::ivec3 dims) {
+  auto owner = std::make_shared<std::vector<float>>(std::move(values));
+  ScalarField field;
+  field.samples = DenseSamples{SampleType::f32, dims, owner, owner->data()};
+  return field;
+}
+
+TEST(EstimateVertices, CountsCrossingsWithinRowsOnly) {
+  // Two rows of four: inside runs end at the rows' borders, which is no crossing.
+  const ScalarField field = dense_field({0, 0, 1, 1, 0, 1, 1, 0}, {4, 2, 1});
+  EXPECT_EQ(estimate_vertices(field, 0.5), 3U * 3U);
+  EXPECT_EQ(estimate_vertices(field, 1), 0U);  // a value equal to iso is outside
+}
+
+TEST(EstimateVertices, IsCloseForABall) {
+  constexpr int kSize = 48;
+  std::vector<float> values;
+  for (int z = 0; z < kSize; ++z) {
+    for (int y = 0; y < kSize; ++y) {
+      for (int x = 0; x < kSize; ++x) {
+        values.push_back(20.0F - std::hypot(static_cast<float>(x) - 23.5F, static_cast<float>(y) - 23.5F,
+                                            static_cast<float>(z) - 23.5F));
+      }
+    }
+  }
+  // Every line along an axis that meets the ball crosses it twice: 3 * 2 * pi * r^2.
+  EXPECT_NEAR(static_cast<double>(estimate_vertices(dense_field(values, glm::ivec3(kSize)), 0)), 6 * 3.14159 * 400,
+              6 * 3.14159 * 400 * 0.02);
+}
+
+// Blocks of zeros but for some samples that are 1; the background is 0.
+ScalarField blocks_with(const std::vector<std::pair<glm::ivec3, std::vector<glm::ivec3>>>& ones) {
+  auto values = std::make_shared<std::vector<float>>(512 * ones.size(), 0.0F);
+  SparseSamples sparse;
+  sparse.type = SampleType::f32;
+  sparse.owner = values;
+  for (std::size_t b = 0; b < ones.size(); ++b) {
+    sparse.blocks.push_back({ones[b].first, values->data() + 512 * b});
+    for (const glm::ivec3& p : ones[b].second) {
+      (*values)[512 * b + static_cast<std::size_t>(p.x << 6 | p.y << 3 | p.z)] = 1;
+    }
+  }
+  ScalarField field;
+  field.samples = std::move(sparse);
+  return field;
+}
+
+TEST(EstimatePlaces, CountsBlocksAndWhatLiesBesideThem) {
+  EXPECT_EQ(estimate_places(dense_field({0, 1}, {2, 1, 1}), 0.5), 0U);
+  EXPECT_EQ(estimate_places(blocks_with({{glm::ivec3(0), {}}}), 0.5), 0U);
+  EXPECT_EQ(estimate_places(blocks_with({{glm::ivec3(0), {glm::ivec3(3)}}}), 0.5), 1U);
+  EXPECT_EQ(estimate_places(blocks_with({{glm::ivec3(0), {{0, 3, 3}}}}), 0.5), 2U) << "itself, and one before along x";
+  EXPECT_EQ(estimate_places(blocks_with({{glm::ivec3(0), {{3, 0, 0}}}}), 0.5), 4U);
+  EXPECT_EQ(estimate_places(blocks_with({{glm::ivec3(0), {glm::ivec3(0)}}}), 0.5), 8U);
+  EXPECT_EQ(estimate_places(blocks_with({{glm::ivec3(0), {}}, {glm::ivec3(8, 0, 0), {{0, 3, 3}}}}), 0.5), 1U)
+      << "what lies before is stored, and has nothing of its own";
+  EXPECT_EQ(estimate_places(blocks_with({{glm::ivec3(0), {glm::ivec3(3)}}}), 5), 0U);
+}
+
+}  // namespace
+}  // namespace isoextract::field
