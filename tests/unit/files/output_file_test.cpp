@@ -1,26 +1,18 @@
 #include "files/output_file.hpp"
 
 #include <fcntl.h>
-#include <linux/audit.h>
-#include <linux/filter.h>
-#include <linux/seccomp.h>
-#include <sys/file.h>
-#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
-#include <sys/syscall.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <csignal>
-#include <cstddef>
-#include <functional>
 #include <thread>
 
 #include <gtest/gtest.h>
 
 #include "support/temp_folder.hpp"
+#include "unit/files/output_process.hpp"
 
 namespace isoextract::files {
 namespace {
@@ -33,50 +25,10 @@ using testing::Test;
 
 using Names = std::set<std::string>;
 
-OutputFile must_create(const fs::path& path) {
-  auto file = OutputFile::create(path);
-  if (!file) throw std::runtime_error(file.error().message);
-  return std::move(*file);
-}
-
 mode_t permissions(const fs::path& path) {
   struct stat found {};
   EXPECT_EQ(::stat(path.c_str(), &found), 0);
   return found.st_mode & 07777;
-}
-
-// Runs `body` in a process of its own and returns its exit code: for what changes the whole process.
-int in_child(const std::function<int()>& body) {
-  const pid_t child = ::fork();
-  if (child == 0) {
-    int code = 100;
-    try {
-      code = body();
-    } catch (const std::exception& error) {
-      std::fputs(error.what(), stderr);
-    }
-    ::_exit(code);
-  }
-  int status = 0;
-  ::waitpid(child, &status, 0);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-}
-
-// From now on this process finds no file system with unnamed files.
-bool forbid_unnamed_files() {
-  constexpr unsigned kTmpfileBit = static_cast<unsigned>(O_TMPFILE) & ~static_cast<unsigned>(O_DIRECTORY);
-  constexpr unsigned kAllow = SECCOMP_RET_ALLOW;
-  constexpr unsigned kDeny = SECCOMP_RET_ERRNO | EOPNOTSUPP;
-  sock_filter rules[] = {
-      BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr)),
-      BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, SYS_openat, 0, 3),
-      BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, args[2])),
-      BPF_JUMP(BPF_JMP | BPF_JSET | BPF_K, kTmpfileBit, 0, 1),
-      BPF_STMT(BPF_RET | BPF_K, kDeny),
-      BPF_STMT(BPF_RET | BPF_K, kAllow),
-  };
-  const sock_fprog program{sizeof(rules) / sizeof(rules[0]), rules};
-  return ::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 && ::prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program) == 0;
 }
 
 TEST(OutputFile, CommitGivesTheFileItsNameAndItsBytes) {
@@ -200,72 +152,6 @@ TEST(OutputFile, WorksWithoutUnnamedFiles) {
   EXPECT_EQ(read_bytes(folder / "kept.bin"), "kept");
   EXPECT_EQ(permissions(folder / "made.bin"), 0640U);
   EXPECT_EQ(permissions(folder / "kept.bin"), 0604U);
-}
-
-// Writes out.bin in a process that finds no unnamed files; `before_commit` may end it.
-int write_named_first(const fs::path& folder, const std::function<void()>& before_commit) {
-  return in_child([&] {
-    if (!forbid_unnamed_files()) return 77;
-    auto file = must_create(folder / "out.bin");
-    if (!file.write(std::string(1 << 21, 'x'))) return 2;
-    before_commit();
-    return file.commit() ? 0 : 3;
-  });
-}
-
-// What a process of this machine that is gone has left behind.
-std::string leave_one_behind(const TempFolder& folder) {
-  write_named_first(folder.path(), [] { ::raise(SIGKILL); });
-  const Names names = folder.names();
-  return names.size() == 1 ? *names.begin() : std::string();
-}
-
-TEST(OutputFile, WithoutUnnamedFilesTheNextProcessRemovesWhatAKilledOneLeft) {
-  const TempFolder folder;
-  const std::string left = leave_one_behind(folder);
-  if (left.empty()) GTEST_SKIP() << "this system does not let a process filter its system calls";
-  EXPECT_TRUE(left.starts_with(".isoextract-"));
-  EXPECT_EQ(write_named_first(folder.path(), [] {}), 0);
-  EXPECT_EQ(folder.names(), Names{"out.bin"});
-}
-
-TEST(OutputFile, WhatHasAnOwnerOrIsOfAnotherMachineStays) {
-  const TempFolder folder;
-  const std::string left = leave_one_behind(folder);
-  if (left.empty()) GTEST_SKIP() << "this system does not let a process filter its system calls";
-  // Another process has the lock: it may be one whose number is not seen from here.
-  const int owner = ::open((folder / left).c_str(), O_RDWR | O_CLOEXEC);
-  ASSERT_EQ(::flock(owner, LOCK_EX | LOCK_NB), 0);
-  std::string elsewhere = left;
-  elsewhere.insert(elsewhere.find('-') + 1, "elsewhere.");
-  write_bytes(folder / elsewhere, "of another machine");
-  write_bytes(folder / ".isoextract-notes", "of somebody else");
-  const Names kept{left, elsewhere, ".isoextract-notes"};
-
-  Names with_output = kept;
-  with_output.insert("out.bin");
-  EXPECT_EQ(write_named_first(folder.path(),
-                              [&] {
-                                // A process beside the owner of an unfinished file; what the first one writes is still
-                                // there to be named.
-                                if (write_named_first(folder.path(), [] {}) != 0) ::_exit(5);
-                              }),
-            0);
-  EXPECT_EQ(folder.names(), with_output);
-  ::close(owner);
-}
-
-TEST(OutputFile, WithoutUnnamedFilesASignalsHandlerRemovesWhatIsUnfinished) {
-  const TempFolder folder;
-  const int code = write_named_first(folder.path(), [&] {
-    if (folder.names().size() != 1) ::_exit(5);
-    OutputFile::remove_unfinished();
-    if (!folder.names().empty()) ::_exit(6);
-    if (OutputFile::create(folder / "late.bin")) ::_exit(7);  // nothing new while the process ends
-  });
-  if (code == 77) GTEST_SKIP() << "this system does not let a process filter its system calls";
-  EXPECT_EQ(code, 3);  // there is nothing left to be committed
-  EXPECT_EQ(folder.names(), Names{});
 }
 
 TEST(OutputFile, DevicesAreWrittenDirectly) {

@@ -1,0 +1,86 @@
+#include <sys/file.h>
+
+#include <csignal>
+
+#include <gtest/gtest.h>
+
+#include "support/temp_folder.hpp"
+#include "unit/files/output_process.hpp"
+
+namespace isoextract::files {
+namespace {
+
+namespace fs = std::filesystem;
+using test::TempFolder;
+using test::write_bytes;
+
+using Names = std::set<std::string>;
+
+// Writes out.bin in a process that finds no unnamed files; `before_commit` may end it.
+int write_without_unnamed_files(const fs::path& folder, const std::function<void()>& before_commit) {
+  return in_child([&] {
+    if (!forbid_unnamed_files()) return 77;
+    auto file = must_create(folder / "out.bin");
+    if (!file.write(std::string(1 << 21, 'x'))) return 2;
+    before_commit();
+    return file.commit() ? 0 : 3;
+  });
+}
+
+// What a process of this machine that is gone has left behind.
+std::string leave_one_behind(const TempFolder& folder) {
+  write_without_unnamed_files(folder.path(), [] { ::raise(SIGKILL); });
+  const Names names = folder.names();
+  return names.size() == 1 ? *names.begin() : std::string();
+}
+
+TEST(TemporaryName, WithoutUnnamedFilesTheNextProcessRemovesWhatAKilledOneLeft) {
+  const TempFolder folder;
+  const std::string left = leave_one_behind(folder);
+  if (left.empty()) GTEST_SKIP() << "this system does not let a process filter its system calls";
+  EXPECT_TRUE(left.starts_with(".isoextract-"));
+  EXPECT_EQ(write_without_unnamed_files(folder.path(), [] {}), 0);
+  EXPECT_EQ(folder.names(), Names{"out.bin"});
+}
+
+TEST(TemporaryName, WhatHasAnOwnerOrIsOfAnotherMachineStays) {
+  const TempFolder folder;
+  const std::string left = leave_one_behind(folder);
+  if (left.empty()) GTEST_SKIP() << "this system does not let a process filter its system calls";
+  // Another process has the lock: it may be one whose number is not seen from here.
+  const int owner = ::open((folder / left).c_str(), O_RDWR | O_CLOEXEC);
+  ASSERT_EQ(::flock(owner, LOCK_EX | LOCK_NB), 0);
+  std::string elsewhere = left;
+  elsewhere.insert(elsewhere.find('-') + 1, "elsewhere.");
+  write_bytes(folder / elsewhere, "of another machine");
+  write_bytes(folder / ".isoextract-notes", "of somebody else");
+  const Names kept{left, elsewhere, ".isoextract-notes"};
+
+  Names with_output = kept;
+  with_output.insert("out.bin");
+  EXPECT_EQ(write_without_unnamed_files(folder.path(),
+                                        [&] {
+                                          // A process beside the owner of an unfinished file; what the first one writes
+                                          // is still there to be named.
+                                          if (write_without_unnamed_files(folder.path(), [] {}) != 0) ::_exit(5);
+                                        }),
+            0);
+  EXPECT_EQ(folder.names(), with_output);
+  ::close(owner);
+}
+
+TEST(TemporaryName, WithoutUnnamedFilesASignalsHandlerRemovesWhatIsUnfinished) {
+  const TempFolder folder;
+  const int code = write_without_unnamed_files(folder.path(), [&] {
+    if (folder.names().size() != 1) ::_exit(5);
+    OutputFile::remove_unfinished();
+    if (!folder.names().empty()) ::_exit(6);
+    if (OutputFile::create(folder / "late.bin")) ::_exit(7);  // nothing new while the process ends
+  });
+  if (code == 77) GTEST_SKIP() << "this system does not let a process filter its system calls";
+  EXPECT_EQ(code, 3);  // there is nothing left to be committed
+  EXPECT_EQ(folder.names(), Names{});
+}
+
+}  // namespace
+}  // namespace isoextract::files
