@@ -40,6 +40,18 @@ Reader reader_of(const MeshSource& source) {
                                 files::printable(text, 16)));
 }
 
+// Numbers that float32 holds are not rounded: the origin is one that leaves them as they are, zero at the worst.
+glm::dvec3 choose_origin(std::span<const glm::dvec3> positions, const glm::dvec3& low, const glm::dvec3& high) {
+  const glm::dvec3 wanted = mesh::choose_local_origin(low, high);
+  const auto are_floats = [&](const glm::dvec3& origin) {
+    return std::ranges::all_of(positions,
+                               [&](const glm::dvec3& p) { return glm::dvec3(glm::vec3(p - origin)) == p - origin; });
+  };
+  if (!are_floats(glm::dvec3(0))) return wanted;
+  const auto rounded = glm::dvec3(glm::vec3(wanted));
+  return are_floats(rounded) ? rounded : glm::dvec3(0);
+}
+
 mesh::Mesh mesh_of(const FileSurface& surface, const Context& context) {
   MemoryUse memory(context);
   memory.take(surface.positions.capacity() * sizeof(glm::dvec3) + surface.positions.size() * sizeof(glm::vec3));
@@ -74,7 +86,7 @@ mesh::Mesh mesh_of(const FileSurface& surface, const Context& context) {
     low = glm::min(low, p);
     high = glm::max(high, p);
   }
-  mesh.origin = surface.origin ? *surface.origin : mesh::choose_local_origin(low, high);
+  mesh.origin = surface.origin ? *surface.origin : choose_origin(surface.positions, low, high);
   if (!is_finite(mesh.origin)) {
     throw DamagedMesh(fmt::format("expected a finite place of the mesh, found its origin at ({}, {}, {})",
                                   mesh.origin.x, mesh.origin.y, mesh.origin.z));

@@ -122,7 +122,7 @@ class GridsTest(ProgramTest):
             self.assertIn(error["hint"], run.err)
             reasons[name] = error["reason"], error["hint"] != ""
         self.assertEqual(reasons, {"empty": ("empty_grid", True), "cut": (None, False)})
-        run = self.run_program("empty.vdb", "--iso", "0.5", "--resolution", "8")
+        run = self.run_program("empty.vdb", "--iso", "0.5", "--resolution", "8", "-q")
         self.assert_fails(2, run, "empty.vdb[nothing]: the grid is empty: it has no voxels", "--empty skip", "--empty write")
         self.assertIn("was not written", self.convert("empty.vdb", "--iso", "0.5", "--empty", "skip", "-o", "a.ply").err)
         self.assertEqual(self.mesh("empty.vdb", "--iso", "0.5", "--empty", "write").triangles, [])

@@ -300,7 +300,7 @@ class ReportTest(ProgramTest):
         self.assertEqual((self.folder / "out.ply").stat().st_size, 0)
         os.mkfifo(self.folder / "pipe")
         os.link(self.folder / "pipe", self.folder / "twin")
-        run = self.run_program(*ply[:3], "pipe", "--format", "ply", "--report", "twin")
+        run = self.run_program(*ply[:4], "pipe", "--format", "ply", "--report", "twin")
         self.assert_fails(1, run, "twin: this is the mesh as well as the report")
         # The mesh in a file, the report to stdout.
         run = self.convert(SPHERE, "--iso", "0", "-o", "a.ply", "--report", "/dev/stdout")

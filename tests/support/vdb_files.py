@@ -43,20 +43,20 @@ def tree(voxels, background=0.0):
     roots = {}
     for place in voxels:
         roots.setdefault(tuple(c // 4096 * 4096 for c in place), []).append(place)
-    topology = struct.pack("<ifII", 1, background, 0, len(roots))
-    leaves = b""
+    topology = [struct.pack("<ifII", 1, background, 0, len(roots))]
+    leaves = []
     for origin in sorted(roots):
         uppers = children(roots[origin], 128, 32)
-        topology += struct.pack("<3i", *origin) + mask(32, uppers) + bytes(4096) + BACKGROUND
+        topology += [struct.pack("<3i", *origin), mask(32, uppers), bytes(4096), BACKGROUND]
         for in_upper in uppers.values():
             lowers = children(in_upper, 8, 16)
-            topology += mask(16, lowers) + bytes(512) + BACKGROUND
+            topology += [mask(16, lowers), bytes(512), BACKGROUND]
             for in_leaf in lowers.values():
                 active = mask(8, [tuple(c % 8 for c in place) for place in in_leaf])
-                topology += active
+                topology.append(active)
                 values = sorted((tuple(c % 8 for c in place), voxels[place]) for place in in_leaf)
-                leaves += active + BACKGROUND + b"".join(struct.pack("<f", value) for _, value in values)
-    return topology + leaves
+                leaves += [active, BACKGROUND, *(struct.pack("<f", value) for _, value in values)]
+    return b"".join(topology + leaves)
 
 
 def counts(voxels):

@@ -10,6 +10,7 @@
 #include "field/coarsen.hpp"
 #include "field/resample.hpp"
 #include "field/statistics.hpp"
+#include "field/surface_estimate.hpp"
 #include "meshes/mesh_writer.hpp"
 #include "support/meshes.hpp"
 #include "support/temp_folder.hpp"

@@ -19,7 +19,7 @@
 
 namespace isoextract::files {
 
-inline OutputFile must_create(const fs::path& path) {
+inline OutputFile must_create(const std::filesystem::path& path) {
   auto file = OutputFile::create(path);
   if (!file) throw std::runtime_error(file.error().message);
   return std::move(*file);
