@@ -26,6 +26,7 @@ namespace {
 constexpr std::size_t kCacheLine = 64;
 constexpr std::size_t kHugePage = std::size_t{2} << 20;
 constexpr std::size_t kLarge = 2 * kHugePage;  // blocks from this size on have huge pages, and are kept
+constexpr std::size_t kSlack = 2 * kHugePage;  // what rounding up and aligning can add to a block
 
 // Large blocks that were given back. One extraction after another (several iso values, rounds of a benchmark) needs
 // blocks of about the same sizes, and to have the system clear pages for a mesh takes longer than to extract it.
@@ -36,7 +37,7 @@ class KeptBlocks {
     const std::scoped_lock lock(mutex_);
     Block* best = nullptr;
     for (Block& block : blocks_) {
-      if (block.bytes < bytes || block.bytes - bytes > bytes / 2) continue;
+      if (block.bytes < bytes || block.bytes - bytes > bytes / 2 + kSlack) continue;
       if (best == nullptr || block.bytes < best->bytes) best = &block;
     }
     if (best != nullptr) {

@@ -1,5 +1,7 @@
 #include "base/buffer.hpp"
 
+#include <sys/mman.h>
+
 #include <cstdint>
 #include <limits>
 #include <numeric>
@@ -34,6 +36,20 @@ TEST(Buffer, MovesAndLeavesNothingBehind) {
 
 TEST(Buffer, RefusesSizesThatOverflow) {
   EXPECT_THROW(Buffer<double>(std::numeric_limits<std::size_t>::max() / 4), std::bad_alloc);
+}
+
+// How much of a mapping is left behind its first huge page depends on where the system puts it.
+TEST(Buffer, ALargeBlockIsUsedAgainWhereverItLies) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "blocks are not kept below the address sanitizer";
+#endif
+  constexpr std::size_t kShift = std::size_t{128} << 10;
+  for (int i = 0; i < 32; ++i) {
+    detail::keep_blocks_within(0);
+    ASSERT_NE(::mmap(nullptr, kShift, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0), MAP_FAILED);
+    const void* first = Buffer<char>(6'600'000).data();
+    EXPECT_EQ(Buffer<char>(6'630'000).data(), first) << i;
+  }
 }
 
 TEST(Buffer, OfNothingIsEmpty) {
