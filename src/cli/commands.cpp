@@ -102,7 +102,7 @@ int run_stability_command(const StabilityFlags& flags) {
   return done_or_reported(run_stability(flags, Messages(*verbosity)));
 }
 
-int run_arguments(std::vector<std::string> arguments) {
+int run_arguments(const std::vector<std::string>& arguments) {
   const auto line = declare_command_line();
   if (arguments.empty()) {
     fmt::print(stderr, "{}", short_usage(line->app));
