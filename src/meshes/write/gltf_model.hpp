@@ -1,0 +1,47 @@
+// The JSON of a glTF file: TinyGLTF's model, made of the parts whose bytes are written beside it.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include <tiny_gltf.h>
+
+#include "mesh/metrics.hpp"
+#include "meshes/write/gltf_part.hpp"
+#include "meshes/write/mesh_format_writers.hpp"
+
+namespace isoextract::meshes {
+
+// Collects views and accessors in the order in which write_part() writes their bytes.
+class GltfModel {
+ public:
+  // One node and, unless the part is without triangles, its mesh.
+  void add(const GltfPart& part);
+
+  // The JSON text. Its one buffer is described to the library's JSON afterwards, as the library would want its bytes.
+  [[nodiscard]] std::string json(const std::string& uri, int indent, Notes& notes);
+
+ private:
+  // The number of the material of meshes with or without colours, which are multiplied with it.
+  int material(bool colours);
+  // A view of the next `bytes` bytes.
+  int view(std::uint64_t bytes, int target, std::size_t stride = 0);
+  int accessor(int view, std::size_t offset, int component, int type, std::uint64_t count);
+  int vectors(int view, std::size_t offset, std::uint64_t count);
+  int positions(int view, std::uint64_t count, const mesh::LocalBounds& bounds);
+  void attributes(const GltfPart& part, tinygltf::Primitive& primitive);
+  tinygltf::Primitive split(const GltfPart& part);
+  tinygltf::Primitive indexed(const GltfPart& part);
+  tinygltf::Primitive triangles(bool colours);
+
+  tinygltf::Model model_;
+  tinygltf::Scene scene_;
+  std::uint64_t offset_ = 0;
+  std::array<int, 2> materials_{-1, -1};  // without colours, with colours; -1: not made yet
+  bool has_split_ = false;
+  Notes notes_;  // of the meshes' names
+};
+
+}  // namespace isoextract::meshes
