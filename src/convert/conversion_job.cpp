@@ -4,11 +4,8 @@
 
 #include <fmt/format.h>
 
-// The hash is compiled into this file: the library is not needed when the program runs.
-#define XXH_INLINE_ALL
-#include <xxhash.h>
-
 #include "convert/detail/job_json.hpp"
+#include "files/content_hash.hpp"
 
 namespace isoextract::convert {
 
@@ -30,8 +27,7 @@ Result<ConversionJob> job_of(const Json& json) {
 std::string hash_of(const ConversionJob& job) {
   // Not as text, which has no room for paths that are not UTF-8.
   const std::vector<std::uint8_t> bytes = Json::to_cbor(json_of(job));
-  const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
-  return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+  return files::content_hash({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 }  // namespace isoextract::convert

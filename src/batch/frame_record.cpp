@@ -1,0 +1,182 @@
+#include "batch/frame_record.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "field/demo_field.hpp"
+#include "volumes/volume_reader.hpp"
+
+namespace isoextract::batch {
+namespace {
+
+using convert::Json;
+
+Result<std::vector<FileRecord>> states_of(const std::vector<std::string>& paths) {
+  std::vector<FileRecord> records;
+  for (const std::string& path : paths) {
+    auto state = files::state_of_file(path);
+    if (!state) return tl::unexpected(std::move(state.error()));
+    records.push_back({path, std::move(*state)});
+  }
+  return records;
+}
+
+// Which of the files is not what it was, if one is not.
+std::string changed_one(const std::vector<FileRecord>& before, bool with_times) {
+  for (const FileRecord& file : before) {
+    const auto now = files::state_of_file(file.path);
+    if (!now) return fmt::format("{} cannot be read", file.path);
+    const bool same = now->bytes == file.state.bytes && now->hash == file.state.hash;
+    if (!same || (with_times && now->modified != file.state.modified)) return fmt::format("{} has changed", file.path);
+  }
+  return {};
+}
+
+template <class T>
+Json optional_json(const std::optional<T>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+template <class T>
+std::optional<T> optional_of(const Json& json, const char* key) {
+  return json.at(key).is_null() ? std::nullopt : std::optional(json.at(key).get<T>());
+}
+
+// Paths need not be UTF-8, JSON is.
+Json bytes_json(const std::string& text) {
+  Json codes = Json::array();
+  const bool plain = std::ranges::all_of(text, [](char c) { return c >= ' ' && c <= '~'; });
+  if (plain) return text;
+  for (const char c : text) codes.push_back(static_cast<unsigned char>(c));
+  return codes;
+}
+
+std::string bytes_of(const Json& json) {
+  if (json.is_string()) return json.get<std::string>();
+  std::string text;
+  for (const Json& code : json) text += static_cast<char>(code.get<std::uint8_t>());
+  return text;
+}
+
+Json json_of(const std::vector<FileRecord>& files) {
+  Json list = Json::array();
+  for (const FileRecord& file : files) {
+    list.push_back({{"path", bytes_json(file.path)},
+                    {"bytes", file.state.bytes},
+                    {"modified", file.state.modified},
+                    {"hash", file.state.hash}});
+  }
+  return list;
+}
+
+std::vector<FileRecord> files_of(const Json& json) {
+  std::vector<FileRecord> files;
+  for (const Json& file : json) {
+    files.push_back({bytes_of(file.at("path")),
+                     {file.at("bytes").get<std::uint64_t>(), file.at("modified").get<std::int64_t>(),
+                      file.at("hash").get<std::string>()}});
+  }
+  return files;
+}
+
+Json json_of(const FrameFigures& figures) {
+  Json surfaces = Json::array();
+  for (const SurfaceFigures& surface : figures.surfaces) {
+    surfaces.push_back({{"iso", surface.iso},
+                        {"triangles", surface.triangles},
+                        {"vertices", optional_json(surface.vertices)},
+                        {"components", optional_json(surface.components)},
+                        {"closed", optional_json(surface.closed)},
+                        {"area", optional_json(surface.area)},
+                        {"volume", optional_json(surface.volume)}});
+  }
+  return {{"surfaces", std::move(surfaces)},
+          {"bytes", figures.bytes},
+          {"wall_seconds", figures.wall_seconds},
+          {"memory", figures.memory}};
+}
+
+FrameFigures figures_of(const Json& json) {
+  FrameFigures figures;
+  for (const Json& surface : json.at("surfaces")) {
+    figures.surfaces.push_back({surface.at("iso").get<double>(), surface.at("triangles").get<std::uint64_t>(),
+                                optional_of<std::uint64_t>(surface, "vertices"),
+                                optional_of<std::uint64_t>(surface, "components"), optional_of<bool>(surface, "closed"),
+                                optional_of<double>(surface, "area"), optional_of<double>(surface, "volume")});
+  }
+  figures.bytes = json.at("bytes").get<std::uint64_t>();
+  figures.wall_seconds = json.at("wall_seconds").get<double>();
+  figures.memory = json.at("memory").get<std::uint64_t>();
+  return figures;
+}
+
+}  // namespace
+
+FrameFigures figures_of(const convert::Outcome& outcome) {
+  FrameFigures figures;
+  for (const convert::ExtractionRecord& extraction : outcome.extractions) {
+    SurfaceFigures surface{extraction.iso, extraction.triangles, {}, {}, {}, {}, {}};
+    const auto mesh = std::ranges::find(outcome.meshes, extraction.iso, &convert::MeshRecord::iso);
+    if (mesh != outcome.meshes.end()) {
+      surface.triangles = mesh->triangles;  // of the simplified mesh, where it was
+      surface.vertices = mesh->vertices;
+      surface.components = mesh->topology.components;
+      surface.closed = mesh->topology.is_closed_oriented_manifold();
+      surface.area = mesh->size.area;
+      if (*surface.closed) surface.volume = mesh->size.volume;
+    }
+    figures.surfaces.push_back(surface);
+  }
+  for (const meshes::WrittenFile& file : outcome.files) figures.bytes += file.bytes;
+  figures.wall_seconds = outcome.total.wall_seconds;
+  figures.memory = outcome.reserved_memory;
+  return figures;
+}
+
+Result<std::vector<FileRecord>> input_states(const FrameJob& frame) {
+  const convert::SourceOptions& source = frame.job.source;
+  if (source.input.starts_with(field::kDemoPrefix)) return std::vector<FileRecord>();
+  const auto files = volumes::list_input_files(source.input, source.read);
+  if (!files) return tl::unexpected(files.error());
+  std::vector<std::string> paths;
+  for (const std::filesystem::path& file : *files) paths.push_back(file.string());
+  std::ranges::sort(paths);
+  paths.erase(std::ranges::unique(paths).begin(), paths.end());
+  return states_of(paths);
+}
+
+Result<FrameRecord> record_of(const FrameJob& frame, std::vector<FileRecord> inputs, const convert::Outcome& outcome) {
+  std::vector<std::string> paths;
+  for (const meshes::WrittenFile& file : outcome.files) paths.push_back(file.path);
+  auto outputs = states_of(paths);
+  if (!outputs) return tl::unexpected(std::move(outputs.error()));
+  return FrameRecord{frame.number, convert::hash_of(frame.job), std::move(inputs), std::move(*outputs),
+                     figures_of(outcome)};
+}
+
+std::string why_again(const FrameRecord& record, const FrameJob& frame) {
+  if (record.job != convert::hash_of(frame.job)) return "its options have changed";
+  std::string changed = changed_one(record.inputs, true);
+  return changed.empty() ? changed_one(record.outputs, false) : changed;
+}
+
+convert::Json json_of(const FrameRecord& record) {
+  return {{"frame", record.frame},
+          {"job", record.job},
+          {"inputs", json_of(record.inputs)},
+          {"outputs", json_of(record.outputs)},
+          {"figures", json_of(record.figures)}};
+}
+
+std::optional<FrameRecord> record_of(const convert::Json& json) {
+  try {
+    return FrameRecord{json.at("frame").get<std::int64_t>(), json.at("job").get<std::string>(),
+                       files_of(json.at("inputs")), files_of(json.at("outputs")), figures_of(json.at("figures"))};
+  } catch (const Json::exception&) {
+    return std::nullopt;
+  }
+}
+
+}  // namespace isoextract::batch

@@ -1,0 +1,74 @@
+// What is kept of a frame that is done: enough to tell later that its files are still those that it made, and what the
+// table over all frames shows.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "batch/batch_job.hpp"
+#include "convert/json_values.hpp"
+#include "convert/outcome.hpp"
+#include "files/content_hash.hpp"
+
+namespace isoextract::batch {
+
+struct SurfaceFigures {
+  double iso = 0;
+  std::uint64_t triangles = 0;
+  // Where the facts of meshes were asked for.
+  std::optional<std::uint64_t> vertices;
+  std::optional<std::uint64_t> components;
+  std::optional<bool> closed;
+  std::optional<double> area;
+  std::optional<double> volume;  // of a closed mesh
+
+  friend bool operator==(const SurfaceFigures&, const SurfaceFigures&) = default;
+};
+
+struct FrameFigures {
+  std::vector<SurfaceFigures> surfaces;  // in the job's order; those that were extracted
+  std::uint64_t bytes = 0;               // that were written
+  double wall_seconds = 0;
+  std::uint64_t memory = 0;  // the most that was reserved
+
+  friend bool operator==(const FrameFigures&, const FrameFigures&) = default;
+};
+
+[[nodiscard]] FrameFigures figures_of(const convert::Outcome& outcome);
+
+struct FileRecord {
+  std::string path;
+  files::FileState state;
+
+  friend bool operator==(const FileRecord&, const FileRecord&) = default;
+};
+
+struct FrameRecord {
+  std::int64_t frame = 0;
+  std::string job;                  // convert::hash_of()
+  std::vector<FileRecord> inputs;   // with those that hold samples apart; none of a demo field
+  std::vector<FileRecord> outputs;  // none where the surface was empty and skipped
+  FrameFigures figures;
+
+  friend bool operator==(const FrameRecord&, const FrameRecord&) = default;
+};
+
+// The inputs as they are now: to be asked before the frame is converted, so that one that changes meanwhile is not
+// taken for what was read. Fails where one cannot be read.
+[[nodiscard]] Result<std::vector<FileRecord>> input_states(const FrameJob& frame);
+
+// Of a frame that was just done. Fails where what it wrote cannot be read again.
+[[nodiscard]] Result<FrameRecord> record_of(const FrameJob& frame, std::vector<FileRecord> inputs,
+                                            const convert::Outcome& outcome);
+
+// Why the frame has to be done again although there is a record of its job: "in.vdb has changed"; empty where all
+// inputs and outputs are what they were, byte by byte.
+[[nodiscard]] std::string why_again(const FrameRecord& record, const FrameJob& frame);
+
+[[nodiscard]] convert::Json json_of(const FrameRecord& record);
+// The other way; nothing where it is none.
+[[nodiscard]] std::optional<FrameRecord> record_of(const convert::Json& json);
+
+}  // namespace isoextract::batch

@@ -1,0 +1,43 @@
+// The frames of a batch as a table, for spreadsheets and scripts.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/words.hpp"
+#include "batch/frame_record.hpp"
+
+namespace isoextract::batch {
+
+enum class FrameStatus {
+  done,
+  kept,  // from an earlier run
+  failed,
+  not_started,  // a failure, or somebody, has ended the batch before
+};
+constexpr auto words_of(FrameStatus /*type*/) {
+  return std::array{Word{FrameStatus::done, "done"}, Word{FrameStatus::kept, "kept"},
+                    Word{FrameStatus::failed, "failed"}, Word{FrameStatus::not_started, "not started"}};
+}
+
+struct FrameRow {
+  std::int64_t frame = 0;
+  std::string input;
+  FrameStatus status = FrameStatus::not_started;
+  FrameFigures figures;
+  std::vector<std::string> outputs;  // that were written
+  std::string error;                 // why it failed
+};
+
+// RFC 4180, with a header, one row a surface; a frame without any has one row, whose iso is empty. Columns: frame,
+// input, output (the first of its files), status, iso, triangles, vertices, area, volume, closed, components, seconds,
+// memory, bytes, error. Cells of what is not known are empty. Figures of the whole frame stand in each of its rows.
+[[nodiscard]] std::string table_csv(std::span<const FrameRow> rows);
+
+// A list of the frames, each with the list of its surfaces; what is not known is null.
+[[nodiscard]] convert::Json table_json(std::span<const FrameRow> rows);
+
+}  // namespace isoextract::batch

@@ -1,0 +1,222 @@
+#include "batch/manifest.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <fstream>
+#include <iterator>
+#include <string_view>
+#include <system_error>
+#include <unordered_map>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/version.hpp"
+
+namespace isoextract::batch {
+namespace {
+
+namespace fs = std::filesystem;
+using convert::Json;
+
+constexpr int kManifestVersion = 1;
+constexpr std::size_t kHashDigits = 32;
+
+tl::unexpected<Error> output_error(const fs::path& path, std::string_view action, int code) {
+  return fail(ErrorKind::output,
+              fmt::format("{}: cannot {}: {}", path.string(), action, std::generic_category().message(code)));
+}
+
+// JSON that need not be UTF-8 where arguments are not: what is not becomes U+FFFD.
+std::string line_of(const Json& json) {
+  const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return fmt::format("{} {}\n", files::content_hash(text), text);
+}
+
+// The JSON of the next line, which is taken off; nothing where it is torn or not what it was.
+std::optional<Json> take_line(std::string_view& text) {
+  const std::size_t end = text.find('\n');
+  if (end == std::string_view::npos || end <= kHashDigits || text[kHashDigits] != ' ') return std::nullopt;
+  const std::string_view json = text.substr(kHashDigits + 1, end - kHashDigits - 1);
+  if (files::content_hash(json) != text.substr(0, kHashDigits)) return std::nullopt;
+  text.remove_prefix(end + 1);
+  return Json::parse(json, nullptr, false);
+}
+
+Json json_of(const ManifestHeader& header) {
+  return {{"isoextract_manifest", kManifestVersion},
+          {"program", header.program},
+          {"batch", header.batch},
+          {"frames", header.frames},
+          {"shard", {header.shard.number, header.shard.count}},
+          {"arguments", header.arguments}};
+}
+
+std::optional<ManifestHeader> header_of(const Json& json) {
+  try {
+    if (json.at("isoextract_manifest") != kManifestVersion) return std::nullopt;
+    return ManifestHeader{json.at("program").get<std::string>(),
+                          json.at("batch").get<std::string>(),
+                          json.at("frames").get<std::uint64_t>(),
+                          {json.at("shard").at(0).get<int>(), json.at("shard").at(1).get<int>()},
+                          json.at("arguments").get<std::vector<std::string>>()};
+  } catch (const Json::exception&) {
+    return std::nullopt;
+  }
+}
+
+std::optional<ManifestContent> content_of(std::string_view text) {
+  const std::size_t size = text.size();
+  const auto first = take_line(text);
+  auto header = first ? header_of(*first) : std::nullopt;
+  if (!header) return std::nullopt;
+  ManifestContent content{std::move(*header), {}, size - text.size()};
+  std::unordered_map<std::string, std::size_t> place_of;
+  while (const auto line = take_line(text)) {
+    auto record = record_of(*line);
+    if (!record) break;
+    content.believed = size - text.size();
+    const auto [place, is_new] = place_of.try_emplace(record->job, content.records.size());
+    if (is_new) {
+      content.records.push_back(std::move(*record));
+    } else {
+      content.records[place->second] = std::move(*record);
+    }
+  }
+  return content;
+}
+
+Result<std::string> text_of_file(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string text(std::istreambuf_iterator<char>(file), {});
+  if (!file) return fail(ErrorKind::input, fmt::format("{}: cannot be read", path.string()));
+  return text;
+}
+
+}  // namespace
+
+ManifestHeader header_of(const BatchJob& batch, const Shard& shard, const std::vector<std::string>& arguments) {
+  return {generator(), hash_of(batch), batch.frames.size(), shard, arguments};
+}
+
+std::string manifest_name(const Shard& shard) {
+  return shard.is_all() ? "isoextract.manifest"
+                        : fmt::format("isoextract.{}-of-{}.manifest", shard.number, shard.count);
+}
+
+Result<ManifestContent> read_manifest(const fs::path& path) {
+  const auto text = text_of_file(path);
+  if (!text) return tl::unexpected(text.error());
+  auto content = content_of(*text);
+  if (!content) return fail(ErrorKind::input, fmt::format("{}: it is no manifest of a batch", path.string()));
+  return std::move(*content);
+}
+
+struct Manifest::State {
+  fs::path path;
+  int file = -1;
+  int folder = -1;  // locked too
+  std::vector<FrameRecord> records;
+  std::unordered_map<std::string, std::size_t> place_of;
+
+  State() = default;
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+  ~State() {
+    if (file >= 0) ::close(file);
+    if (folder >= 0) ::close(folder);
+  }
+
+  void keep(FrameRecord record) {
+    const auto [place, is_new] = place_of.try_emplace(record.job, records.size());
+    if (is_new) {
+      records.push_back(std::move(record));
+    } else {
+      records[place->second] = std::move(record);
+    }
+  }
+
+  [[nodiscard]] Result<void> append(const std::string& line) const {
+    std::string_view rest = line;
+    while (!rest.empty()) {
+      const ssize_t written = ::write(file, rest.data(), rest.size());
+      if (written < 0 && errno == EINTR) continue;
+      if (written < 0) return output_error(path, "write", errno);
+      rest.remove_prefix(static_cast<std::size_t>(written));
+    }
+    return {};
+  }
+};
+
+Manifest::Manifest(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Manifest::Manifest(Manifest&&) noexcept = default;
+Manifest& Manifest::operator=(Manifest&&) noexcept = default;
+Manifest::~Manifest() = default;
+
+Result<Manifest> Manifest::open(const fs::path& folder, const ManifestHeader& header, bool resume) {
+  auto state = std::make_unique<State>();
+  const auto in_use = [&] {
+    return fail(ErrorKind::output,
+                fmt::format("{}: another run writes into this folder", folder.empty() ? "." : folder.string()),
+                "wait for its end, or choose another folder");
+  };
+  // Shards share the folder among themselves, and with nobody else. Some file systems lock no folders.
+  state->folder = ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (state->folder < 0) return output_error(folder, "open the folder", errno);
+  const int kind = header.shard.is_all() ? LOCK_EX : LOCK_SH;
+  if (::flock(state->folder, kind | LOCK_NB) != 0 && errno == EWOULDBLOCK) return in_use();
+
+  state->path = folder / manifest_name(header.shard);
+  constexpr mode_t kNewFile = 0666;  // less what the umask takes away
+  state->file = ::open(state->path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, kNewFile);
+  if (state->file < 0) return output_error(state->path, "open it for writing", errno);
+  if (::flock(state->file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return in_use();
+
+  const auto text = text_of_file(state->path);
+  if (!text) return output_error(state->path, "read it", EIO);
+  auto old = content_of(*text);
+  if (!old && !text->empty() && !text->starts_with('\0') && text->find("isoextract_manifest") == std::string::npos) {
+    return fail(ErrorKind::output,
+                fmt::format("{}: it is no manifest of a batch; it is not overwritten", state->path.string()),
+                "choose another folder, or move the file away");
+  }
+  const bool trusted = resume && old && old->header.program == header.program && old->header.shard == header.shard;
+  const std::string first = line_of(json_of(header));
+  if (trusted && old->header.batch == header.batch) {
+    if (::ftruncate(state->file, static_cast<off_t>(old->believed)) != 0) {
+      return output_error(state->path, "cut off its last line, which is torn", errno);
+    }
+    for (FrameRecord& record : old->records) state->keep(std::move(record));
+    return Manifest(std::move(state));
+  }
+  // Of another batch: the records of jobs that both have are still good.
+  std::string kept = first;
+  if (trusted) {
+    for (FrameRecord& record : old->records) {
+      kept += line_of(batch::json_of(record));
+      state->keep(std::move(record));
+    }
+  }
+  if (::ftruncate(state->file, 0) != 0) return output_error(state->path, "empty it", errno);
+  if (auto written = state->append(kept); !written) return tl::unexpected(written.error());
+  return Manifest(std::move(state));
+}
+
+const fs::path& Manifest::path() const { return state_->path; }
+
+const FrameRecord* Manifest::find(const std::string& job) const {
+  const auto place = state_->place_of.find(job);
+  return place == state_->place_of.end() ? nullptr : &state_->records[place->second];
+}
+
+Result<void> Manifest::add(const FrameRecord& record) {
+  if (auto written = state_->append(line_of(json_of(record))); !written) return written;
+  state_->keep(record);
+  return {};
+}
+
+}  // namespace isoextract::batch

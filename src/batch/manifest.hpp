@@ -1,0 +1,70 @@
+// What a batch has done so far, in a file beside its outputs, so that a later run can go on where it was ended.
+//
+// A text of lines: a header, then a record for each frame that is done, added when its outputs have their names. Each
+// line is JSON behind the hash of itself, and is written at once; one that a crash has torn is not believed, and ends
+// what is believed. The manifest is locked while its batch runs, by a lock that goes with its process.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/error.hpp"
+#include "batch/frame_record.hpp"
+#include "batch/shard.hpp"
+
+namespace isoextract::batch {
+
+struct ManifestHeader {
+  std::string program;       // and its version: another one's records are not trusted
+  std::string batch;         // hash_of() all frames, of all shards
+  std::uint64_t frames = 0;  // of the batch
+  Shard shard;
+  std::vector<std::string> arguments;  // of the run that began it, for readers
+
+  friend bool operator==(const ManifestHeader&, const ManifestHeader&) = default;
+};
+
+// This program's, for a batch.
+[[nodiscard]] ManifestHeader header_of(const BatchJob& batch, const Shard& shard,
+                                       const std::vector<std::string>& arguments);
+
+struct ManifestContent {
+  ManifestHeader header;
+  std::vector<FrameRecord> records;  // the last of each job, in the order of the file
+  std::uint64_t believed = 0;        // bytes from the start
+};
+
+// Fails with ErrorKind::input where there is no such file, or it is no manifest.
+[[nodiscard]] Result<ManifestContent> read_manifest(const std::filesystem::path& path);
+
+// The file's name in the folder of the outputs: "isoextract.manifest", with the shard's number where there are several.
+[[nodiscard]] std::string manifest_name(const Shard& shard);
+
+class Manifest {
+ public:
+  // Opens or makes the file in `folder` and locks it, and the folder against a run with other shards. With `resume` the
+  // records of an earlier run are kept, without it they are thrown away, as they are where another program wrote them.
+  // Fails with ErrorKind::output where that is not possible, or another run has the lock.
+  [[nodiscard]] static Result<Manifest> open(const std::filesystem::path& folder, const ManifestHeader& header,
+                                             bool resume);
+
+  Manifest(Manifest&&) noexcept;
+  Manifest& operator=(Manifest&&) noexcept;
+  ~Manifest();
+
+  [[nodiscard]] const std::filesystem::path& path() const;
+  // The record of a job by its hash, from this run or, with resume, an earlier one.
+  [[nodiscard]] const FrameRecord* find(const std::string& job) const;
+  // Fails with ErrorKind::output.
+  [[nodiscard]] Result<void> add(const FrameRecord& record);
+
+ private:
+  struct State;
+  explicit Manifest(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace isoextract::batch

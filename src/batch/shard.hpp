@@ -1,0 +1,47 @@
+// A batch on several machines: each takes every N-th frame, so that all have their part of a sequence that grows.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/error.hpp"
+#include "batch/batch_job.hpp"
+
+namespace isoextract::batch {
+
+struct Shard {
+  int number = 1;  // from 1
+  int count = 1;
+
+  [[nodiscard]] bool is_all() const { return count == 1; }
+  friend bool operator==(const Shard&, const Shard&) = default;
+};
+
+// "2/3". Fails with ErrorKind::usage.
+[[nodiscard]] Result<Shard> parse_shard(const std::string& text);
+
+// What a job scheduler says of this process, by the variables of its environment: of an array of Slurm
+// (SLURM_ARRAY_TASK_ID, _MIN, _COUNT, _STEP) or an indexed job of Kubernetes (JOB_COMPLETION_INDEX, with
+// JOB_COMPLETIONS, which its author has to set). None where there is none; fails with ErrorKind::usage where they make
+// no sense. `get` is std::getenv.
+[[nodiscard]] Result<std::optional<Shard>> shard_of_environment(const std::function<const char*(const char*)>& get);
+
+// The shard's frames, by index, in their order.
+[[nodiscard]] std::vector<std::size_t> frames_of(const BatchJob& batch, const Shard& shard);
+
+struct MergedShards {
+  std::filesystem::path manifest;
+  int shards = 0;
+  std::uint64_t frames = 0;
+};
+
+// Joins the manifests of all shards in `folder` to one, as a run of one process would have written it. Fails with
+// ErrorKind::input where a shard or a frame is missing or there twice, where they are not of one batch and one version
+// of the program, or where an output is not what its record says; then nothing is written.
+[[nodiscard]] Result<MergedShards> merge_shards(const std::filesystem::path& folder);
+
+}  // namespace isoextract::batch
