@@ -66,6 +66,8 @@ enum class Remedy {
   allow_empty,           // an empty surface is no error, or is written
   list_demo_fields,      // their names and keys
   list_gpus,             // their numbers and names
+  name_frames,           // which frames are meant
+  number_outputs,        // the frame's number, and what else tells the files apart, in the names of outputs
   report_gpu,            // what the GPU did is a fault of it or of ours; the CPU backend needs none
 };
 

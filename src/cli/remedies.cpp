@@ -52,6 +52,9 @@ std::string words_of(const Hint& hint) {
     case Remedy::allow_empty: return "--empty skip makes this no error, --empty write writes a mesh without triangles";
     case Remedy::list_demo_fields: return "isoextract help demo lists the demo fields and their keys";
     case Remedy::list_gpus: return "'isoextract devices' lists them";
+    case Remedy::name_frames: return "say which with --frames A-B";
+    case Remedy::number_outputs:
+      return "put what tells them apart into the name after -o: {frame:04} or {}, {stem}, {grid}, {iso}";
     case Remedy::report_gpu: return "please report it with 'isoextract devices'; --backend cpu needs no GPU";
   }
   return text;

@@ -19,7 +19,8 @@ MAY_INCLUDE = {
     "edit": ["mesh"],
     "measure": ["extract", "mesh"],
     "convert": ["volumes", "meshes", "gpu", "edit", "measure"],
-    "cli": ["convert"],
+    "batch": ["convert"],
+    "cli": ["batch"],
 }
 
 LINE_LIMIT = 500

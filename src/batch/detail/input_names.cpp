@@ -1,0 +1,16 @@
+#include "batch/detail/input_names.hpp"
+
+#include <algorithm>
+
+#include "volumes/volume_format.hpp"
+
+namespace isoextract::batch {
+
+bool is_file_name(const std::string& input) {
+  return std::ranges::none_of(volumes::volume_formats(), [&](const volumes::VolumeFormat* format) {
+    const std::string& prefix = format->about().prefix;
+    return !prefix.empty() && input.starts_with(prefix);
+  });
+}
+
+}  // namespace isoextract::batch

@@ -1,0 +1,125 @@
+#include "batch/detail/name_parts.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/printable.hpp"
+#include "batch/detail/ascii.hpp"
+#include "batch/frame_pattern.hpp"
+
+namespace isoextract::batch {
+namespace {
+
+// "04" and "4" are 4, "" is 0; nothing where it is no number. What is too large comes out as larger than allowed.
+std::optional<int> width_of(std::string_view digits) {
+  int width = 0;
+  for (const char c : digits) {
+    if (!is_digit(c)) return std::nullopt;
+    width = std::min(10 * width + (c - '0'), kMaxFrameDigits + 1);
+  }
+  return width;
+}
+
+class NameScanner {
+ public:
+  explicit NameScanner(std::string_view name) : name_(name) {}
+
+  Result<std::vector<NamePart>> scan() {
+    while (at_ < name_.size()) {
+      if (escape("{{", '{') || escape("}}", '}') || escape("%%", '%') || escape("{#}", '#')) continue;
+      const auto taken = name_[at_] == '{' ? braces() : name_[at_] == '%' ? percent() : hashes();
+      if (!taken) return tl::unexpected(taken.error());
+      if (!*taken) add_text(name_[at_++]);
+    }
+    return std::move(parts_);
+  }
+
+ private:
+  bool escape(std::string_view written, char meant) {
+    if (!name_.substr(at_).starts_with(written)) return false;
+    add_text(meant);
+    at_ += written.size();
+    return true;
+  }
+
+  void add_text(char c) {
+    if (parts_.empty() || parts_.back().kind != NamePart::Kind::text) parts_.emplace_back();
+    parts_.back().text += c;
+  }
+
+  Result<bool> add_number(std::size_t length, std::optional<int> width) {
+    const std::string_view written = name_.substr(at_, length);
+    if (!width) {
+      return fail(ErrorKind::usage,
+                  fmt::format("{}: expected a width as in {{:04}}, found '{}'", printable(name_), printable(written)),
+                  kBracesHint);
+    }
+    if (*width > kMaxFrameDigits) {
+      return fail(ErrorKind::usage, fmt::format("{}: expected at most {} digits for a frame, found '{}'",
+                                                printable(name_), kMaxFrameDigits, printable(written, 40)));
+    }
+    parts_.push_back({NamePart::Kind::number, std::string(written), {}, *width});
+    at_ += length;
+    return true;
+  }
+
+  // {}, {:04}, {word}. A brace that is not closed, or has numbering inside, is text.
+  Result<bool> braces() {
+    const std::size_t close = name_.find('}', at_);
+    if (close == std::string_view::npos) return false;
+    const std::string_view inside = name_.substr(at_ + 1, close - at_ - 1);
+    if (inside.find_first_of("{%#") != std::string_view::npos) return false;
+    const std::size_t colon = std::min(inside.find(':'), inside.size());
+    const std::string_view word = inside.substr(0, colon);
+    const auto width = width_of(inside.substr(std::min(colon + 1, inside.size())));
+    const std::size_t length = inside.size() + 2;
+    if (word.empty() || word == "frame") return add_number(length, width);
+    parts_.push_back({NamePart::Kind::word, std::string(name_.substr(at_, length)), std::string(inside), 0});
+    at_ += length;
+    return true;
+  }
+
+  // %d, %04d. A percent sign before anything else is text.
+  Result<bool> percent() {
+    std::size_t end = at_ + 1;
+    while (end < name_.size() && is_digit(name_[end])) ++end;
+    if (end == name_.size() || name_[end] != 'd') return false;
+    return add_number(end + 1 - at_, width_of(name_.substr(at_ + 1, end - at_ - 1)));
+  }
+
+  // ##, ###, ... A single one is text: it is common in names.
+  Result<bool> hashes() {
+    const std::size_t end = std::min(name_.find_first_not_of('#', at_), name_.size());
+    if (end < at_ + 2) return false;
+    return add_number(end - at_, static_cast<int>(std::min<std::size_t>(end - at_, kMaxFrameDigits + 1)));
+  }
+
+  static constexpr const char* kBracesHint = "{{ and }} stand for braces";
+
+  std::string_view name_;
+  std::size_t at_ = 0;
+  std::vector<NamePart> parts_;
+};
+
+}  // namespace
+
+Result<std::vector<NamePart>> name_parts(std::string_view name) { return NameScanner(name).scan(); }
+
+std::string escaped_name(std::string_view text) {
+  std::string escaped;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    switch (const char c = text[i]) {
+      case '{': escaped += "{{"; break;
+      case '}': escaped += "}}"; break;
+      case '%': escaped += "%%"; break;
+      case '#': escaped += i > 0 && text[i - 1] == '#' ? "{#}" : "#"; break;
+      default: escaped += c;
+    }
+  }
+  return escaped;
+}
+
+}  // namespace isoextract::batch

@@ -1,0 +1,284 @@
+#include "batch/find_frames.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <numeric>
+#include <string_view>
+#include <unordered_set>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/printable.hpp"
+#include "batch/detail/ascii.hpp"
+#include "batch/detail/folder_names.hpp"
+#include "batch/detail/input_names.hpp"
+#include "batch/detail/sequences.hpp"
+#include "batch/frame_pattern.hpp"
+#include "batch/natural_order.hpp"
+#include "volumes/volume_format.hpp"
+
+namespace isoextract::batch {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kShownSequences = 8;
+constexpr std::size_t kShownRuns = 8;
+
+// What was found, before the range chooses.
+struct FoundFrames {
+  std::vector<Frame> frames;
+  bool numbered = true;  // by their names; else by position, which leaves no gaps
+  std::vector<std::string> notes;
+};
+
+bool has_volume_extension(const std::string& file) {
+  const std::string name = lower_case(file);
+  return std::ranges::any_of(volumes::volume_formats(), [&](const volumes::VolumeFormat* format) {
+    const auto ends_name = [&](const std::string& extension) { return name.ends_with(extension); };
+    return std::ranges::any_of(format->about().extensions, ends_name);
+  });
+}
+
+// What lies between the frames, of which there is at least one, if their numbers go on as they do.
+std::vector<FrameRun> gaps_between(std::span<const Frame> frames) {
+  std::int64_t step = 0;
+  for (std::size_t i = 1; i < frames.size(); ++i) step = std::gcd(step, frames[i].number - frames[i - 1].number);
+  std::vector<FrameRun> gaps;
+  for (std::size_t i = 1; i < frames.size(); ++i) {
+    const FrameRun gap{frames[i - 1].number + step, frames[i].number - step, step};
+    if (gap.first <= gap.last) gaps.push_back({gap.first, gap.last, gap.first == gap.last ? 1 : step});
+  }
+  return gaps;
+}
+
+std::vector<FrameRun> gaps_of(const FrameRange& range, std::span<const Frame> frames) {
+  std::vector<std::int64_t> missing;
+  auto frame = frames.begin();
+  for (const std::int64_t number : range.numbers()) {
+    if (frame != frames.end() && frame->number == number) {
+      ++frame;
+    } else {
+      missing.push_back(number);
+    }
+  }
+  return runs_of(missing);
+}
+
+tl::unexpected<Error> fail_too_many(const std::string& input) {
+  return fail(ErrorKind::usage,
+              fmt::format("{}: expected at most {} frames, found more", printable(input), kMaxFrames));
+}
+
+Result<Frames> chosen_frames(FoundFrames found, const std::optional<FrameRange>& range, const std::string& input) {
+  if (range) std::erase_if(found.frames, [&](const Frame& frame) { return !range->contains(frame.number); });
+  if (found.frames.empty()) {
+    return fail(ErrorKind::input, fmt::format("{}: none of the frames {} is there", printable(input),
+                                              text_of(range->runs(), kShownRuns)));
+  }
+  if (found.frames.size() > kMaxFrames) return fail_too_many(input);
+  std::ranges::stable_sort(found.frames, {}, &Frame::number);
+  const auto twice = std::ranges::adjacent_find(found.frames, {}, &Frame::number);
+  if (twice != found.frames.end()) {
+    std::string first = twice->input;
+    std::string second = std::next(twice)->input;
+    if (second < first) std::swap(first, second);  // folders have no order
+    return fail(ErrorKind::input, fmt::format("expected one file for frame {}, found {} and {}", twice->number,
+                                              printable(first), printable(second)));
+  }
+  Frames frames;
+  if (range) {
+    frames.gaps = gaps_of(*range, found.frames);
+  } else if (found.numbered) {
+    frames.gaps = gaps_between(found.frames);
+  }
+  frames.frames = std::move(found.frames);
+  frames.notes = std::move(found.notes);
+  return frames;
+}
+
+Result<Frames> without_files(const FramePattern& pattern, const std::optional<FrameRange>& range,
+                             const std::string& input) {
+  if (!range) {
+    return fail(ErrorKind::usage,
+                fmt::format("{}: there is no folder in which to look for the frames", printable(input)),
+                Remedy::name_frames);
+  }
+  Frames frames;
+  for (const std::int64_t number : range->numbers()) frames.frames.push_back({number, pattern.expand(number), {}});
+  return frames;
+}
+
+// What of the pattern is the name of an entry of a folder, and what is before and after it.
+struct EntryPattern {
+  std::string folder;  // with its slash; may be empty
+  FramePattern pattern;
+  std::string rest;  // with its slash; may be empty
+};
+
+EntryPattern entry_pattern(const FramePattern& pattern) {
+  const std::string& prefix = pattern.prefix();
+  const std::string& suffix = pattern.suffix();
+  const std::size_t name = prefix.find_last_of('/') + 1;
+  const std::size_t rest = std::min(suffix.find('/'), suffix.size());
+  return {prefix.substr(0, name), FramePattern(prefix.substr(name), pattern.width(), suffix.substr(0, rest)),
+          suffix.substr(rest)};
+}
+
+Result<FoundFrames> matching_files(const FramePattern& pattern, const std::optional<FrameRange>& range,
+                                   const std::string& input) {
+  const EntryPattern entries = entry_pattern(pattern);
+  const FramePattern any_width(entries.pattern.prefix(), 0, entries.pattern.suffix());
+  FoundFrames found;
+  std::string other_width;  // a name that another width would match
+  const auto visited = visit_folder(entries.folder, [&](const std::string& name, const fs::directory_entry& entry) {
+    const auto number = entries.pattern.match(name);
+    if (!number) {
+      if (any_width.match(name) && (other_width.empty() || name < other_width)) other_width = name;
+      return;
+    }
+    if (range && !range->contains(*number)) return;
+    std::error_code none;
+    std::string path = entries.folder + name + entries.rest;
+    const bool is_file =
+        entries.rest.empty() ? !entry.is_directory(none) : fs::exists(path, none) && !fs::is_directory(path, none);
+    if (is_file) found.frames.push_back({*number, std::move(path), {}});
+  });
+  if (!visited) return tl::unexpected(visited.error());
+  if (!found.frames.empty()) return found;
+  std::string message = fmt::format("{}: no file has such a name", printable(input));
+  if (range) message += fmt::format(" with a number of {}", text_of(range->runs(), kShownRuns));
+  return fail(ErrorKind::input, std::move(message),
+              other_width.empty() ? "" : fmt::format("{{}} would match {}", printable(other_width)));
+}
+
+// Members of one sequence, or all of several names by their position.
+FoundFrames numbered_frames(std::span<const std::string> names, const std::string& folder) {
+  const std::vector<Sequence> sequences = sequences_of(names);
+  FoundFrames found;
+  found.numbered = sequences.size() == 1;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const std::int64_t number = found.numbered ? sequences.front().members[i].number : static_cast<std::int64_t>(i) + 1;
+    found.frames.push_back({number, folder + names[i], {}});
+  }
+  return found;
+}
+
+std::string note_by_position(std::size_t count) {
+  return fmt::format("the names do not differ in one number alone: the frames are numbered 1 to {} by their order",
+                     count);
+}
+
+tl::unexpected<Error> fail_several(const std::string& folder, std::span<const Sequence> sequences) {
+  std::string list;
+  for (const Sequence& sequence : sequences.first(std::min(sequences.size(), kShownSequences))) {
+    list += fmt::format("{}{}", list.empty() ? "" : ", ", printable(sequence.pattern));
+    if (sequence.members.size() > 1) list += fmt::format(" ({} files)", sequence.members.size());
+  }
+  if (sequences.size() > kShownSequences) list += ", ...";
+  return fail(
+      ErrorKind::usage,
+      fmt::format("{}: expected one sequence in the folder, found {}: {}", printable(folder), sequences.size(), list),
+      "name one of them by its pattern, with the folder before it");
+}
+
+Result<FoundFrames> files_of_folder(const std::string& folder) {
+  std::vector<std::string> names;
+  std::size_t others = 0;
+  const auto visited = visit_folder(folder, [&](const std::string& name, const fs::directory_entry& entry) {
+    std::error_code none;
+    if (name.starts_with('.') || entry.is_directory(none)) return;
+    if (has_volume_extension(name)) {
+      names.push_back(name);
+    } else {
+      ++others;
+    }
+  });
+  if (!visited) return tl::unexpected(visited.error());
+  if (names.empty()) {
+    return fail(ErrorKind::input, fmt::format("{}: no file in the folder is named like a volume", printable(folder)),
+                "files of any name are found by a pattern, with the folder before it");
+  }
+  std::ranges::sort(names, NaturalLess());
+  const std::vector<Sequence> sequences = sequences_of(names);
+  const auto is_several = [](const Sequence& sequence) { return sequence.members.size() > 1; };
+  if (sequences.size() > 1 && std::ranges::any_of(sequences, is_several)) return fail_several(folder, sequences);
+  FoundFrames found = numbered_frames(names, folder.ends_with('/') ? folder : folder + '/');
+  if (!found.numbered) found.notes.push_back(note_by_position(names.size()));
+  if (others > 0) {
+    found.notes.push_back(fmt::format("{}: {} other file{} not named like a volume", printable(folder), others,
+                                      others == 1 ? " is" : "s are"));
+  }
+  return found;
+}
+
+Result<FoundFrames> listed_files(std::span<const std::string> inputs) {
+  std::unordered_set<std::string_view> known;
+  bool all_files = true;
+  for (const std::string& input : inputs) {
+    if (!known.insert(input).second) {
+      return fail(ErrorKind::usage, fmt::format("{}: the input was given twice", printable(input)));
+    }
+    fs::file_status status;
+    if (std::error_code none; is_file_name(input)) {
+      status = fs::status(input, none);
+    } else {
+      all_files = false;
+    }
+    if (fs::exists(status) && !fs::is_directory(status)) continue;
+    bool several = fs::is_directory(status);
+    if (!several) {
+      const auto pattern = FramePattern::parse(input);
+      if (!pattern) return tl::unexpected(pattern.error());
+      several = pattern->has_value();
+    }
+    if (!several) continue;
+    return fail(ErrorKind::usage,
+                fmt::format("{}: expected files, found a {} as one of {} inputs", printable(input),
+                            fs::is_directory(status) ? "folder" : "pattern", inputs.size()),
+                "give it alone");
+  }
+  if (all_files) {
+    FoundFrames found = numbered_frames(inputs, {});
+    if (!found.numbered) found.notes.push_back(note_by_position(inputs.size()));
+    return found;
+  }
+  FoundFrames found{{}, false, {note_by_position(inputs.size())}};
+  for (const std::string& input : inputs) {
+    found.frames.push_back({static_cast<std::int64_t>(found.frames.size()) + 1, input, {}});
+  }
+  return found;
+}
+
+}  // namespace
+
+Result<Frames> find_frames(std::span<const std::string> inputs, const std::optional<FrameRange>& range) {
+  if (inputs.empty()) return fail(ErrorKind::usage, "expected an input, found none");
+  const std::string& input = inputs.front();
+  const auto choose = [&](Result<FoundFrames> found) -> Result<Frames> {
+    if (!found) return tl::unexpected(std::move(found.error()));
+    return chosen_frames(std::move(*found), range,
+                         inputs.size() == 1 ? input : fmt::format("{} and {} more", input, inputs.size() - 1));
+  };
+  if (inputs.size() > 1) return choose(listed_files(inputs));
+  std::error_code none;
+  const fs::file_status status = is_file_name(input) ? fs::status(input, none) : fs::file_status();
+  if (fs::is_directory(status)) return choose(files_of_folder(input));
+  if (!fs::exists(status)) {
+    const auto pattern = FramePattern::parse(input);
+    if (!pattern) return tl::unexpected(pattern.error());
+    if (*pattern && !is_file_name(input)) return without_files(**pattern, range, input);
+    if (*pattern) return choose(matching_files(**pattern, range, input));
+  }
+  if (range) {
+    return fail(ErrorKind::usage,
+                fmt::format("{}: expected a sequence from which to take the frames {}, found one input",
+                            printable(input), text_of(range->runs(), kShownRuns)),
+                "{} or {:04} in the name stands for the number");
+  }
+  const std::int64_t number = is_file_name(input) ? single_number(input).value_or(1) : 1;
+  return Frames{{{number, input, {}}}, {}, {}};
+}
+
+}  // namespace isoextract::batch

@@ -1,0 +1,214 @@
+#include "batch/iso_table.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <tuple>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/byte_size.hpp"
+#include "base/printable.hpp"
+#include "batch/detail/ascii.hpp"
+#include "batch/frame_pattern.hpp"
+#include "batch/frame_range.hpp"
+#include "files/file_bytes.hpp"
+
+namespace isoextract::batch {
+namespace {
+
+constexpr std::uint64_t kMaxTableBytes = std::uint64_t{256} << 20U;
+constexpr std::size_t kShownField = 40;
+constexpr std::size_t kShownFrames = 8;
+constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+
+// The line that `text` begins with, which is taken off it.
+std::string_view take_line(std::string_view& text) {
+  const std::size_t end = std::min(text.find('\n'), text.size());
+  const std::string_view line = text.substr(0, end);
+  text.remove_prefix(std::min(end + 1, text.size()));
+  return line;
+}
+
+// A field that `line` begins with, which is taken off it with the separator behind it; `more` tells whether there was
+// one. Nothing where quotes are wrong.
+std::optional<std::string> take_field(std::string_view& line, char separator, bool& more) {
+  std::string field;
+  std::size_t end = 0;
+  const std::size_t first = line.find_first_not_of(separator == '\t' ? " \r" : " \t\r");
+  if (first != std::string_view::npos && line[first] == '"') {
+    std::size_t at = first + 1;
+    for (;; ++at) {
+      if (at >= line.size()) return std::nullopt;
+      if (line[at] == '"' && !line.substr(at + 1).starts_with('"')) break;
+      if (line[at] == '"') ++at;
+      field += line[at];
+    }
+    end = std::min(line.find(separator, at), line.size());
+    if (!trimmed(line.substr(at + 1, end - at - 1)).empty()) return std::nullopt;
+  } else {
+    end = std::min(line.find(separator), line.size());
+    field = trimmed(line.substr(0, end));
+  }
+  more = end < line.size();
+  line.remove_prefix(std::min(end + 1, line.size()));
+  return field;
+}
+
+std::optional<std::vector<std::string>> fields_of(std::string_view line, char separator) {
+  std::vector<std::string> fields;
+  for (bool more = true; more;) {
+    auto field = take_field(line, separator, more);
+    if (!field) return std::nullopt;
+    fields.push_back(std::move(*field));
+  }
+  return fields;
+}
+
+template <class T>
+std::optional<T> field_number(std::string_view text) {
+  T number{};
+  const char* const end = text.data() + text.size();
+  const auto [rest, error] = std::from_chars(text.data(), end, number);
+  if (error != std::errc() || rest != end) return std::nullopt;
+  return number;
+}
+
+char separator_of(std::string_view header) {
+  for (const char separator : {'\t', ';'}) {
+    if (header.find(separator) != std::string_view::npos) return separator;
+  }
+  return ',';
+}
+
+struct TableColumns {
+  char separator = ',';
+  std::size_t count = 0;
+  std::size_t frame = 0;
+  std::size_t iso = 0;
+};
+
+// `place` is "name:line".
+Result<TableColumns> columns_of(std::string_view header, const std::string& place) {
+  TableColumns columns;
+  columns.separator = separator_of(header);
+  const auto fields = fields_of(header, columns.separator);
+  std::size_t frames = 0;
+  std::size_t isos = 0;
+  if (fields) {
+    columns.count = fields->size();
+    for (std::size_t i = 0; i < fields->size(); ++i) {
+      const std::string name = lower_case((*fields)[i]);
+      if (name == "frame") columns.frame = i, ++frames;
+      if (name == "iso") columns.iso = i, ++isos;
+    }
+  }
+  if (frames == 1 && isos == 1) return columns;
+  return fail(ErrorKind::input,
+              fmt::format("{}: expected a header with one column 'frame' and one 'iso', found '{}'", place,
+                          printable(trimmed(header), kShownField)),
+              "for example 'frame,iso', and a line '1,0.15' for frame 1");
+}
+
+}  // namespace
+
+Result<IsoTable> IsoTable::read(const std::filesystem::path& path, const Context& context) {
+  const auto file = files::InputFile::open(path, context);
+  if (!file) return tl::unexpected(file.error());
+  if (file->size() > kMaxTableBytes) {
+    return fail(ErrorKind::input, fmt::format("{}: expected a table of at most {}, found {}", printable(file->name()),
+                                              format_byte_size(kMaxTableBytes), format_byte_size(file->size())));
+  }
+  std::string text(file->size(), '\0');
+  if (auto read = file->read_at(0, std::as_writable_bytes(std::span(text))); !read) {
+    return tl::unexpected(read.error());
+  }
+  return parse(text, file->name());
+}
+
+Result<IsoTable> IsoTable::parse(std::string_view text, const std::string& name) {
+  IsoTable table;
+  table.name_ = printable(name);
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  std::optional<TableColumns> columns;
+  for (std::size_t number = 1; !text.empty(); ++number) {
+    const std::string_view line = take_line(text);
+    const std::string_view content = trimmed(line);
+    if (content.empty() || content.front() == '#') continue;
+    const std::string place = fmt::format("{}:{}", table.name_, number);
+    if (!columns) {
+      auto header = columns_of(line, place);
+      if (!header) return tl::unexpected(std::move(header.error()));
+      columns = *header;
+      continue;
+    }
+    const auto fields = fields_of(line, columns->separator);
+    if (!fields) {
+      return fail(ErrorKind::input, fmt::format("{}: expected quotes around whole fields, found '{}'", place,
+                                                printable(content, kShownField)));
+    }
+    if (fields->size() != columns->count) {
+      return fail(
+          ErrorKind::input,
+          fmt::format("{}: expected {} fields as in the header, found {}", place, columns->count, fields->size()),
+          "decimals have a point");
+    }
+    const std::string& frame_field = (*fields)[columns->frame];
+    const auto frame = field_number<std::int64_t>(frame_field);
+    if (!frame || *frame < -kMaxFrameNumber || *frame > kMaxFrameNumber) {
+      return fail(ErrorKind::input, fmt::format("{}: expected the number of a frame, found '{}'", place,
+                                                printable(frame_field, kShownField)));
+    }
+    const std::string& iso_field = (*fields)[columns->iso];
+    const auto iso = field_number<double>(iso_field);
+    if (!iso || !std::isfinite(*iso)) {
+      return fail(ErrorKind::input,
+                  fmt::format("{}: expected a finite iso value, found '{}'", place, printable(iso_field, kShownField)),
+                  iso_field.find(',') == std::string::npos ? "" : "decimals have a point");
+    }
+    table.rows_.push_back({*frame, number, *iso});
+  }
+  if (!columns) {
+    return fail(ErrorKind::input,
+                fmt::format("{}: expected a header with the columns 'frame' and 'iso', found no line", table.name_));
+  }
+  if (auto sorted = table.sort_rows(); !sorted) return tl::unexpected(std::move(sorted.error()));
+  return table;
+}
+
+Result<void> IsoTable::sort_rows() {
+  const auto value = [](const Row& row) { return std::tuple(row.frame, row.iso, row.line); };
+  std::ranges::sort(rows_, {}, value);
+  const auto repeats = [](const Row& a, const Row& b) { return a.frame == b.frame && a.iso == b.iso; };
+  const auto twice = std::ranges::adjacent_find(rows_, repeats);
+  if (twice != rows_.end()) {
+    return fail(ErrorKind::input, fmt::format("{}:{}: expected iso {} of frame {} once, found it in line {} as well",
+                                              name_, std::next(twice)->line, twice->iso, twice->frame, twice->line));
+  }
+  std::ranges::sort(rows_, {}, [](const Row& row) { return std::pair(row.frame, row.line); });
+  isos_.reserve(rows_.size());
+  for (const Row& row : rows_) isos_.push_back(row.iso);
+  return {};
+}
+
+std::span<const double> IsoTable::isos_of(std::int64_t frame) const {
+  const auto first = std::ranges::lower_bound(rows_, frame, {}, &Row::frame);
+  const auto end = std::ranges::upper_bound(rows_, frame, {}, &Row::frame);
+  return {isos_.data() + (first - rows_.begin()), static_cast<std::size_t>(end - first)};
+}
+
+Result<void> IsoTable::check_covers(std::span<const std::int64_t> frames) const {
+  std::vector<std::int64_t> missing;
+  for (const std::int64_t frame : frames) {
+    if (isos_of(frame).empty()) missing.push_back(frame);
+  }
+  if (missing.empty()) return {};
+  std::ranges::sort(missing);
+  missing.erase(std::unique(missing.begin(), missing.end()), missing.end());
+  return fail(ErrorKind::input, fmt::format("{}: expected a row for every frame, found none for {}", name_,
+                                            text_of(runs_of(missing), kShownFrames)));
+}
+
+}  // namespace isoextract::batch

@@ -1,0 +1,53 @@
+// Where the frames of a run go: the names of all files that will be written, found and checked before work starts.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/error.hpp"
+#include "convert/conversion_job.hpp"
+#include "meshes/mesh_writer.hpp"
+
+namespace isoextract::batch {
+
+// One conversion that needs names for its outputs.
+struct OutputSource {
+  std::int64_t frame = 0;
+  std::string input;
+  std::string grid;          // the one that was chosen; empty where none was
+  std::vector<double> isos;  // each once
+
+  friend bool operator==(const OutputSource&, const OutputSource&) = default;
+};
+
+using OutputFiles = std::vector<convert::OutputFileJob>;  // of one conversion
+
+// The outputs of every source. `output` is what was asked for:
+//   a template    output_template.hpp; with {iso} in it every iso value has a file, else all of a source are in one
+//   a folder      it ends with a slash, which may follow a template, or exists
+//   nothing       the current folder
+//   "-"           standard output
+// In a folder files are named {stem}.EXTENSION; {stem}_{frame:04}.EXTENSION where inputs of several frames have one
+// stem, with more digits where a frame needs them, and with _{grid} after that where one frame has several grids.
+//
+// Fails with ErrorKind::usage for a template that cannot be read, for {grid} where no grid was chosen, for several iso
+// values in one file of a format that holds one, and as check_outputs() does. Folders need not exist.
+[[nodiscard]] Result<std::vector<OutputFiles>> name_outputs(std::span<const OutputSource> sources,
+                                                            const std::optional<std::string>& output,
+                                                            meshes::MeshFormat format);
+
+// Whether every file is written once, and none of them is an input; `outputs` are those of the sources. Compared is the
+// place on the disk: links and different ways of writing a path make no difference, as far as they exist by now.
+// Files of a format that come in pairs (.gltf and .bin) count both. Fails with ErrorKind::usage; the message names the
+// file and whoever would write it. Data files that an input's header names are convert::check_mesh_files()'s. Takes
+// time as n log n does, and two looks at the disk a file.
+[[nodiscard]] Result<void> check_outputs(std::span<const OutputSource> sources, std::span<const OutputFiles> outputs,
+                                         meshes::MeshFormat format);
+
+// What an input is called without its folder and extension: "a" for dir/a.nii.gz, "sphere" for demo:sphere?size=9.
+[[nodiscard]] std::string stem_of(const std::string& input);
+
+}  // namespace isoextract::batch

@@ -1,0 +1,71 @@
+#include "batch/output_template.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/printable.hpp"
+#include "batch/detail/name_parts.hpp"
+#include "batch/frame_pattern.hpp"
+
+namespace isoextract::batch {
+
+Result<OutputTemplate> OutputTemplate::parse(std::string_view name) {
+  const auto parts = name_parts(name);
+  if (!parts) return tl::unexpected(parts.error());
+  OutputTemplate result;
+  for (const NamePart& part : *parts) {
+    if (part.kind == NamePart::Kind::text) {
+      result.end_ += part.text;
+      continue;
+    }
+    const auto word = part.kind == NamePart::Kind::number ? OutputWord::frame : value_of<OutputWord>(part.word);
+    if (!word) {
+      return fail(ErrorKind::usage,
+                  fmt::format("{}: expected {{stem}}, {{frame}}, {{frame:04}}, {{grid}} or {{iso}}, found '{}'",
+                              printable(name), printable(part.text)),
+                  "{{ and }} stand for braces");
+    }
+    result.parts_.push_back({std::exchange(result.end_, {}), *word, part.width});
+  }
+  return result;
+}
+
+bool OutputTemplate::uses(OutputWord word) const {
+  return std::ranges::any_of(parts_, [&](const Part& part) { return part.word == word; });
+}
+
+std::string OutputTemplate::expand(const OutputWords& words) const {
+  std::string name;
+  for (const Part& part : parts_) {
+    name += part.text;
+    switch (part.word) {
+      case OutputWord::stem: name += safe_in_file_names(words.stem); break;
+      case OutputWord::frame: name += frame_digits(words.frame, part.width); break;
+      case OutputWord::grid: name += safe_in_file_names(words.grid); break;
+      case OutputWord::iso: name += fmt::format("{}", words.iso); break;
+    }
+  }
+  return name + end_;
+}
+
+std::string safe_in_file_names(std::string_view text) {
+  constexpr std::string_view kUnsafe = "/\\:*?\"<>|";
+  std::string safe;
+  for (std::size_t at = 0; at < text.size();) {
+    const auto lead = static_cast<unsigned char>(text[at]);
+    const std::size_t bytes = lead < 0xc0 ? 1 : lead < 0xe0 ? 2 : lead < 0xf0 ? 3 : 4;
+    const std::string_view character = text.substr(at, bytes);
+    const bool fits = kUnsafe.find(text[at]) == std::string_view::npos && printable(character) == character;
+    safe += fits ? character : "_";
+    at += fits ? character.size() : 1;  // of a bad one every byte
+  }
+  for (char& c : safe) {
+    if (c != '.') break;
+    c = '_';
+  }
+  return safe;
+}
+
+}  // namespace isoextract::batch

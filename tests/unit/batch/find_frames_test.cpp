@@ -1,0 +1,225 @@
+#include "batch/find_frames.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "support/temp_folder.hpp"
+
+namespace isoextract::batch {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A folder to which the names in messages are relative.
+class FindFrames : public testing::Test {
+ protected:
+  FindFrames() { fs::current_path(folder_.path()); }
+  ~FindFrames() override { fs::current_path(before_); }
+
+  static void make(std::initializer_list<const char*> names) {
+    for (const char* name : names) {
+      if (fs::path(name).has_parent_path()) fs::create_directories(fs::path(name).parent_path());
+      test::write_bytes(name, "");
+    }
+  }
+
+  static Result<Frames> find(const std::vector<std::string>& inputs, const std::string& range = {}) {
+    std::optional<FrameRange> wanted;
+    if (!range.empty()) wanted = FrameRange::parse(range).value();
+    return find_frames(inputs, wanted);
+  }
+
+  // "1=a_1.vdb 3=a_3.vdb | gaps 2", or the error.
+  static std::string found(const std::vector<std::string>& inputs, const std::string& range = {}) {
+    const auto frames = find(inputs, range);
+    if (!frames) return fmt::format("{}: {}", static_cast<int>(frames.error().kind), frames.error().message);
+    std::string text;
+    for (const Frame& frame : frames->frames) {
+      text += fmt::format("{}{}={}", text.empty() ? "" : " ", frame.number, frame.input);
+    }
+    if (!frames->gaps.empty()) text += " | gaps " + text_of(frames->gaps);
+    return text;
+  }
+
+ private:
+  fs::path before_ = fs::current_path();
+  test::TempFolder folder_;
+};
+
+TEST_F(FindFrames, APatternTakesWhatMatches) {
+  make({"a_0010.vdb", "a_0002.vdb", "a_0001.vdb", "a_003.vdb", "a_0004.vdb.tmp", "b_0005.vdb", "a_.vdb",
+        "s/a_0006.vdb"});
+  fs::create_directory("a_0009.vdb");
+  EXPECT_EQ(found({"a_{:04}.vdb"}), "1=a_0001.vdb 2=a_0002.vdb 10=a_0010.vdb | gaps 3-9");
+  EXPECT_EQ(found({"./a_####.vdb"}), "1=./a_0001.vdb 2=./a_0002.vdb 10=./a_0010.vdb | gaps 3-9");
+  EXPECT_EQ(found({"s/a_%04d.vdb"}), "6=s/a_0006.vdb");
+  EXPECT_EQ(found({"a_{}.vdb"}), "1=a_0001.vdb 2=a_0002.vdb 3=a_003.vdb 10=a_0010.vdb | gaps 4-9");
+}
+
+TEST_F(FindFrames, ARangeChoosesAndTellsWhatIsMissing) {
+  make({"a_1.vdb", "a_2.vdb", "a_3.vdb", "a_5.vdb", "a_12.vdb", "a_-1.vdb"});
+  EXPECT_EQ(found({"a_{}.vdb"}, "1-10x2"), "1=a_1.vdb 3=a_3.vdb 5=a_5.vdb | gaps 7,9");
+  EXPECT_EQ(found({"a_{}.vdb"}, "-3-1"), "-1=a_-1.vdb 1=a_1.vdb | gaps -3--2,0");
+  EXPECT_EQ(found({"a_{}.vdb"}, "12"), "12=a_12.vdb");
+  EXPECT_EQ(found({"a_{}.vdb"}, "6-11"), "2: a_{}.vdb: no file has such a name with a number of 6-11");
+  EXPECT_EQ(found({"a_1.vdb", "a_2.vdb", "a_5.vdb"}, "2-4"), "2=a_2.vdb | gaps 3-4");
+  EXPECT_EQ(found({"a_1.vdb", "a_2.vdb"}, "7"), "2: a_1.vdb and 1 more: none of the frames 7 is there");
+  EXPECT_EQ(found({"."}, "2-4"), "2=./a_2.vdb 3=./a_3.vdb | gaps 4");
+}
+
+TEST_F(FindFrames, GapsKnowTheStep) {
+  make({"a_0.vdb", "a_10.vdb", "a_40.vdb", "a_50.vdb", "a_70.vdb", "b_1.vdb", "b_999999999999999999.vdb", "b_2.vdb"});
+  EXPECT_EQ(found({"a_{}.vdb"}), "0=a_0.vdb 10=a_10.vdb 40=a_40.vdb 50=a_50.vdb 70=a_70.vdb | gaps 20-30x10,60");
+  const auto far = find({"b_{}.vdb"});
+  ASSERT_TRUE(far);
+  EXPECT_EQ(text_of(far->gaps), "3-999999999999999998");
+}
+
+TEST_F(FindFrames, APatternMayNumberFolders) {
+  make({"shot_001/density.vdb", "shot_002/other.vdb", "shot_003/density.vdb", "shot_007/density.vdb",
+        "shot_010/density.vdb", "shot_4/density.vdb", "shot_005"});
+  fs::create_directories("shot_006/density.vdb");
+  EXPECT_EQ(
+      found({"shot_{:03}/density.vdb"}),
+      "1=shot_001/density.vdb 3=shot_003/density.vdb 7=shot_007/density.vdb 10=shot_010/density.vdb | gaps 2,4-6,8-9");
+  EXPECT_EQ(found({"shot_{:03}/density.vdb"}, "2-3"), "3=shot_003/density.vdb | gaps 2");
+}
+
+TEST_F(FindFrames, AFileOfThatNameIsNoPattern) {
+  make({"a####.vdb", "a0001.vdb", "x%04d.raw", "y{}{}.raw"});
+  EXPECT_EQ(found({"a####.vdb"}), "1=a####.vdb");
+  EXPECT_EQ(found({"x%04d.raw"}), "4=x%04d.raw");
+  EXPECT_EQ(found({"y{}{}.raw"}), "1=y{}{}.raw");
+  EXPECT_EQ(found({"a%04d.vdb"}), "1=a0001.vdb");
+}
+
+TEST_F(FindFrames, NothingThatMatchesIsAnError) {
+  make({"a_001.vdb", "a_002.vdb"});
+  EXPECT_EQ(found({"b_{:04}.vdb"}), "2: b_{:04}.vdb: no file has such a name");
+  EXPECT_EQ(found({"no/b_{:04}.vdb"}), "2: no/: cannot read the folder: No such file or directory");
+  EXPECT_EQ(found({"a_001.vdb/{}"}), "2: a_001.vdb/: cannot read the folder: Not a directory");
+  EXPECT_EQ(found({"x\n{}"}), "2: x\\n{}: no file has such a name");
+  const auto near = find({"a_{:04}.vdb"});
+  ASSERT_FALSE(near);
+  EXPECT_EQ(near.error().hint.text, "{} would match a_001.vdb");
+}
+
+TEST_F(FindFrames, TwoFilesOfOneNumberAreAnError) {
+  make({"f_1.vdb", "f_01.vdb", "f_2.vdb"});
+  const std::string both = "2: expected one file for frame 1, found f_01.vdb and f_1.vdb";
+  EXPECT_EQ(found({"f_{}.vdb"}), both);
+  EXPECT_EQ(found({"f_1.vdb", "f_2.vdb", "f_01.vdb"}), both);
+  EXPECT_EQ(found({"f_{}.vdb"}, "2-5"), "2=f_2.vdb | gaps 3-5");
+  EXPECT_EQ(found({"."}), "2: expected one file for frame 1, found ./f_01.vdb and ./f_1.vdb");
+}
+
+TEST_F(FindFrames, ListedFilesAreNumberedByTheirNames) {
+  make({"v2_10.vdb", "v2_9.vdb", "v2_7.vdb"});
+  EXPECT_EQ(found({"v2_10.vdb", "v2_7.vdb", "v2_9.vdb"}), "7=v2_7.vdb 9=v2_9.vdb 10=v2_10.vdb | gaps 8");
+  EXPECT_EQ(found({"gone_1.vdb", "gone_2.vdb"}), "1=gone_1.vdb 2=gone_2.vdb");
+}
+
+TEST_F(FindFrames, OtherListedFilesAreNumberedByPosition) {
+  make({"b.vdb", "a.vdb", "c1_1.vdb", "c2_2.vdb"});
+  EXPECT_EQ(found({"b.vdb", "a.vdb"}), "1=b.vdb 2=a.vdb");
+  EXPECT_EQ(found({"c2_2.vdb", "c1_1.vdb"}), "1=c2_2.vdb 2=c1_1.vdb");
+  EXPECT_EQ(found({"demo:sphere?size=64", "demo:sphere?size=16"}), "1=demo:sphere?size=64 2=demo:sphere?size=16");
+  const auto frames = find({"b.vdb", "a.vdb"});
+  ASSERT_TRUE(frames);
+  ASSERT_EQ(frames->notes.size(), 1U);
+  EXPECT_EQ(frames->notes.front(),
+            "the names do not differ in one number alone: the frames are numbered 1 to 2 by their order");
+  EXPECT_TRUE(find({"c1_1.vdb", "c1_2.vdb"})->notes.empty());
+}
+
+TEST_F(FindFrames, ListsAreOfFiles) {
+  make({"a.vdb", "b####.vdb", "s/a.vdb"});
+  EXPECT_EQ(found({"a.vdb", "b####.vdb"}), "1=a.vdb 2=b####.vdb");
+  EXPECT_EQ(found({"a.vdb", "c####.vdb"}), "1: c####.vdb: expected files, found a pattern as one of 2 inputs");
+  EXPECT_EQ(found({"a.vdb", "demo:sphere?size={}"}),
+            "1: demo:sphere?size={}: expected files, found a pattern as one of 2 inputs");
+  EXPECT_EQ(found({"s", "a.vdb"}), "1: s: expected files, found a folder as one of 2 inputs");
+  EXPECT_EQ(found({"a.vdb", "a.vdb"}), "1: a.vdb: the input was given twice");
+  EXPECT_EQ(found({}), "1: expected an input, found none");
+}
+
+TEST_F(FindFrames, AFolderIsItsSequence) {
+  make({"d/f_10.vdb", "d/f_9.VDB", "d/f_8.vdb", "d/.f_7.vdb", "d/notes.txt", "d/s/f_6.vdb", "d/log.json"});
+  EXPECT_EQ(found({"d"}), "1: d: expected one sequence in the folder, found 2: f_{}.vdb (2 files), f_9.VDB");
+  fs::rename("d/f_9.VDB", "d/f_9.vdb");
+  EXPECT_EQ(found({"d"}), "8=d/f_8.vdb 9=d/f_9.vdb 10=d/f_10.vdb");
+  EXPECT_EQ(found({"d/"}), "8=d/f_8.vdb 9=d/f_9.vdb 10=d/f_10.vdb");
+  EXPECT_EQ(find({"d"})->notes, std::vector<std::string>{"d: 2 other files are not named like a volume"});
+  EXPECT_EQ(found({"d"}, "1-9x8"), "9=d/f_9.vdb | gaps 1");
+}
+
+TEST_F(FindFrames, AFolderOfUnnumberedFilesIsInNaturalOrder) {
+  make({"d/skull.nrrd", "d/head10.nii.gz", "d/head.nii.gz", "d/arm.vdb"});
+  EXPECT_EQ(found({"d"}), "1=d/arm.vdb 2=d/head.nii.gz 3=d/head10.nii.gz 4=d/skull.nrrd");
+  EXPECT_EQ(find({"d"})->notes.size(), 1U);
+  make({"one/f_0042.vdb"});
+  EXPECT_EQ(found({"one"}), "42=one/f_0042.vdb");
+}
+
+TEST_F(FindFrames, SeveralSequencesInAFolderAreListed) {
+  make({"d/smoke_0001.vdb", "d/smoke_0002.vdb", "d/fire_1.vdb", "d/fire_2.vdb", "d/fire_3.vdb", "d/cache\x1b.npy"});
+  EXPECT_EQ(found({"d"}),
+            "1: d: expected one sequence in the folder, found 3: cache\\x1b.npy, fire_{}.vdb (3 files), "
+            "smoke_{:04}.vdb (2 files)");
+  for (int i = 0; i < 30; ++i) make({fmt::format("d/{}_x.vdb", std::string(1 + i, 'a')).c_str()});
+  EXPECT_LT(found({"d"}).size(), 400U);
+}
+
+TEST_F(FindFrames, AFolderWithoutVolumesIsAnError) {
+  make({"d/readme.txt"});
+  EXPECT_EQ(found({"d"}), "2: d: no file in the folder is named like a volume");
+}
+
+TEST_F(FindFrames, ASingleInputIsAFrame) {
+  make({"f_0042.vdb"});
+  EXPECT_EQ(found({"f_0042.vdb"}), "42=f_0042.vdb");
+  EXPECT_EQ(found({"gone.vdb"}), "1=gone.vdb");
+  EXPECT_EQ(found({"50%%.vdb"}), "50=50%%.vdb");
+  EXPECT_EQ(found({"demo:sphere?size=64"}), "1=demo:sphere?size=64");
+  EXPECT_EQ(found({"f_0042.vdb"}, "42"),
+            "1: f_0042.vdb: expected a sequence from which to take the frames 42, found one input");
+  EXPECT_EQ(found({"a{}_{}.vdb"}), "1: a{}_{}.vdb: expected one numbering, found '{}' and '{}'");
+}
+
+TEST_F(FindFrames, ADemoFieldIsNumberedByTheRange) {
+  EXPECT_EQ(found({"demo:sphere?size={}"}, "16-48x16"),
+            "16=demo:sphere?size=16 32=demo:sphere?size=32 48=demo:sphere?size=48");
+  const auto frames = find({"demo:sphere?size={}"});
+  ASSERT_FALSE(frames);
+  EXPECT_EQ(frames.error().kind, ErrorKind::usage);
+  EXPECT_EQ(frames.error().hint.remedy, Remedy::name_frames);
+}
+
+TEST_F(FindFrames, LinksToFilesAreFiles) {
+  make({"real/x.vdb"});
+  fs::create_directory("d");
+  fs::create_symlink("../real/x.vdb", "d/f_1.vdb");
+  fs::create_symlink("../real/gone.vdb", "d/f_2.vdb");
+  fs::create_symlink("../real", "d/f_3.vdb");
+  EXPECT_EQ(found({"d/f_{}.vdb"}), "1=d/f_1.vdb 2=d/f_2.vdb");  // the second fails when it is read
+  EXPECT_EQ(found({"d"}), "1=d/f_1.vdb 2=d/f_2.vdb");
+}
+
+TEST_F(FindFrames, ManyFilesAreFoundOnce) {
+  constexpr int kFiles = 3000;
+  fs::create_directory("d");
+  for (int i = kFiles; i > 0; --i) test::write_bytes(fmt::format("d/f.{:04}.vdb", i), "");
+  for (const std::string input : {"d", "d/f.{:04}.vdb"}) {
+    const auto frames = find({input});
+    ASSERT_TRUE(frames);
+    ASSERT_EQ(frames->frames.size(), static_cast<std::size_t>(kFiles));
+    EXPECT_EQ(frames->frames.back(), (Frame{kFiles, "d/f.3000.vdb", {}}));
+    EXPECT_TRUE(frames->gaps.empty());
+  }
+}
+
+}  // namespace
+}  // namespace isoextract::batch
