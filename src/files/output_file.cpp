@@ -223,6 +223,12 @@ Result<bool> remove_old_file(const fs::path& path) {
   return tl::unexpected<Error>(system_error(path.string(), "remove the old file of that name", errno));
 }
 
+bool is_stream(const fs::path& path) {
+  std::error_code ignored;
+  const fs::file_status status = fs::status(path, ignored);
+  return path == "-" || (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status));
+}
+
 bool same_place(const fs::path& a, const fs::path& b) {
   struct stat one {};
   struct stat other {};

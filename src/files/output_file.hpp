@@ -25,6 +25,9 @@ namespace isoextract::files {
 // is none: nothing, a folder, a device or a pipe, standard output. Fails with ErrorKind::output.
 [[nodiscard]] Result<bool> remove_old_file(const std::filesystem::path& path);
 
+// Standard output, a pipe or a device: what was written there cannot be taken back.
+[[nodiscard]] bool is_stream(const std::filesystem::path& path);
+
 // Whether what is written to both would come to one place, be it a file, a pipe or a device, by whatever names ("-" is
 // standard output). Files that do not exist are compared by their names.
 [[nodiscard]] bool same_place(const std::filesystem::path& a, const std::filesystem::path& b);
