@@ -77,8 +77,8 @@ void GltfModel::take(const std::function<void(nlohmann::json& document)>& look) 
   model_ = tinygltf::Model();
 }
 
-Notes GltfModel::notes() const {
-  Notes notes = notes_;
+Notes GltfModel::take_notes() {
+  Notes notes = std::exchange(notes_, {});
   if (has_split_) {
     notes.push_back(
         "glTF keeps flat normals as three vertices a triangle, so the mesh is not welded; without normals it is, and "
@@ -114,7 +114,7 @@ int GltfModel::node(const GltfPart& part) {
 }
 
 std::string GltfModel::json(const std::string& uri, int indent, Notes& notes) {
-  const Notes own = this->notes();
+  const Notes own = take_notes();
   notes.insert(notes.end(), own.begin(), own.end());
   model_.scenes = {scene_};
   model_.defaultScene = 0;

@@ -30,10 +30,11 @@ class GltfModel {
   // scale 0 where it is hidden, which no scene refers to yet: its number. Parts without triangles are left out, of
   // which not all may be.
   [[nodiscard]] int add_frame(const std::string& name, std::span<const GltfPart> parts, bool hidden);
-  // Looks at the JSON of what was added since the last call, without scenes and buffers, and forgets it. Numbers go on.
+  // What was added since the last call, and is forgotten then: its JSON, without scenes and buffers, and notes. Numbers
+  // go on.
   void take(const std::function<void(nlohmann::json& document)>& look);
+  [[nodiscard]] Notes take_notes();
   [[nodiscard]] std::uint64_t binary_bytes() const { return offset_; }
-  [[nodiscard]] Notes notes() const;
 
  private:
   // How many of each were taken.
