@@ -5,11 +5,14 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <optional>
 #include <system_error>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -98,6 +101,9 @@ struct OutputFile::State {
   [[nodiscard]] Result<void> open_file(const fs::path& path, const std::optional<mode_t>& old_mode);
   [[nodiscard]] Result<void> write_through(std::span<const std::byte> span);
   [[nodiscard]] Result<void> flush();
+  [[nodiscard]] Result<void> begin_change();
+  [[nodiscard]] Result<void> write_to(std::uint64_t place, std::span<const std::byte> span);
+  [[nodiscard]] Result<void> read_from(std::uint64_t place, std::span<std::byte> span);
   [[nodiscard]] Result<void> prepare();
   [[nodiscard]] Result<void> publish();
 };
@@ -125,7 +131,7 @@ Result<void> OutputFile::State::open_file(const fs::path& path, const std::optio
   if (replaces && !may_replace(target)) return failed("replace it", errno);
   constexpr mode_t kNewFile = 0666;  // less what the umask takes away
   const std::string action = fmt::format("make a file in {}", folder.string());
-  fd = retry_interrupted([&] { return ::open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, kNewFile); });
+  fd = retry_interrupted([&] { return ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, kNewFile); });
   if (fd >= 0 && ::access(descriptor_link(fd).c_str(), F_OK) != 0) {  // no /proc: the file could never get a name
     ::close(fd);
     fd = -1;
@@ -161,6 +167,34 @@ Result<void> OutputFile::State::flush() {
   return write_through(std::span<const std::byte>(buffer.span()).first(size));
 }
 
+// Before bytes in the middle are touched.
+Result<void> OutputFile::State::begin_change() {
+  if (kind != Kind::file && !failure) return failed("change what it got", ESPIPE);
+  return flush();
+}
+
+Result<void> OutputFile::State::write_to(std::uint64_t place, std::span<const std::byte> span) {
+  while (!span.empty()) {
+    const ssize_t written =
+        retry_interrupted([&] { return ::pwrite(fd, span.data(), span.size(), static_cast<off_t>(place)); });
+    if (written < 0) return failed("write", errno);
+    place += static_cast<std::uint64_t>(written);
+    span = span.subspan(static_cast<std::size_t>(written));
+  }
+  return {};
+}
+
+Result<void> OutputFile::State::read_from(std::uint64_t place, std::span<std::byte> span) {
+  while (!span.empty()) {
+    const ssize_t got =
+        retry_interrupted([&] { return ::pread(fd, span.data(), span.size(), static_cast<off_t>(place)); });
+    if (got <= 0) return failed("read what was written to it", got < 0 ? errno : EIO);
+    place += static_cast<std::uint64_t>(got);
+    span = span.subspan(static_cast<std::size_t>(got));
+  }
+  return {};
+}
+
 // All that can fail for want of space; afterwards only a rename is left to do.
 Result<void> OutputFile::State::prepare() {
   if (auto flushed = flush(); !flushed) return flushed;
@@ -187,6 +221,12 @@ Result<bool> remove_old_file(const fs::path& path) {
   const fs::path target = follow_links(path);
   if (may_replace(target) && ::unlink(target.c_str()) == 0) return true;
   return tl::unexpected<Error>(system_error(path.string(), "remove the old file of that name", errno));
+}
+
+bool is_stream(const fs::path& path) {
+  std::error_code ignored;
+  const fs::file_status status = fs::status(path, ignored);
+  return path == "-" || (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status));
 }
 
 bool same_place(const fs::path& a, const fs::path& b) {
@@ -243,6 +283,30 @@ Result<void> OutputFile::write(std::span<const std::byte> bytes) {
 
 Result<void> OutputFile::write(std::string_view text) { return write(std::as_bytes(std::span(text))); }
 
+Result<void> OutputFile::overwrite(std::uint64_t place, std::span<const std::byte> bytes) {
+  if (auto ready = state_->begin_change(); !ready) return ready;
+  return state_->write_to(place, bytes);
+}
+
+Result<void> OutputFile::move_end(std::uint64_t from, std::uint64_t to) {
+  State& state = *state_;
+  if (auto ready = state.begin_change(); !ready || from == to) return ready;
+  const std::uint64_t count = state.bytes - from;
+  // The buffer is empty now. Blocks go in the order in which none is overwritten before it was read.
+  const std::span<std::byte> block(state.buffer.span());
+  for (std::uint64_t done = 0; done < count;) {
+    const std::size_t size = std::min<std::uint64_t>(block.size(), count - done);
+    const std::uint64_t at = to < from ? done : count - done - size;
+    if (auto read = state.read_from(from + at, block.first(size)); !read) return read;
+    if (auto written = state.write_to(to + at, block.first(size)); !written) return written;
+    done += size;
+  }
+  state.bytes = to + count;
+  if (::ftruncate(state.fd, static_cast<off_t>(state.bytes)) != 0) return state.failed("write", errno);
+  if (::lseek(state.fd, 0, SEEK_END) < 0) return state.failed("write", errno);
+  return {};
+}
+
 std::uint64_t OutputFile::bytes_written() const { return state_->bytes; }
 
 const std::string& OutputFile::shown_name() const { return state_->shown; }
@@ -252,22 +316,33 @@ Result<void> OutputFile::commit() {
   return state_->publish();
 }
 
-Result<void> OutputFile::commit_pair(OutputFile& first, OutputFile& last) {
-  State& one = *first.state_;
-  if (auto prepared = one.prepare(); !prepared) return prepared;
-  if (auto prepared = last.state_->prepare(); !prepared) return prepared;
-
-  std::optional<TemporaryName> old;  // a second name of the file that is about to be replaced
-  if (one.replaces) old = TemporaryName::name_again(one.folder, one.target);
-  if (auto published = one.publish(); !published) return published;
-  auto published = last.state_->publish();
-  if (published) return published;
-  if (old) {
-    static_cast<void>(old->rename_to(one.target));
-  } else if (one.kind == State::Kind::file && !one.replaces) {
-    ::unlink(one.target.c_str());
+Result<void> OutputFile::commit_all(std::span<OutputFile* const> files) {
+  for (OutputFile* file : files) {
+    if (auto prepared = file->state_->prepare(); !prepared) return prepared;
   }
-  return published;
+  std::vector<TemporaryName> old(files.size());  // second names of the files that are about to be replaced
+  for (std::size_t f = 0; f < files.size(); ++f) {
+    State& state = *files[f]->state_;
+    if (state.replaces && f + 1 < files.size()) {
+      if (auto name = TemporaryName::name_again(state.folder, state.target)) old[f] = std::move(*name);
+    }
+    auto published = state.publish();
+    if (published) continue;
+    while (f-- > 0) {
+      State& before = *files[f]->state_;
+      if (!old[f].empty()) {
+        static_cast<void>(old[f].rename_to(before.target));
+      } else if (before.kind == State::Kind::file && !before.replaces) {
+        ::unlink(before.target.c_str());
+      }
+    }
+    return published;
+  }
+  return {};
+}
+
+Result<void> OutputFile::commit_pair(OutputFile& first, OutputFile& last) {
+  return commit_all(std::array{&first, &last});
 }
 
 void OutputFile::remove_unfinished() noexcept { TemporaryName::remove_all(); }

@@ -25,6 +25,9 @@ namespace isoextract::files {
 // is none: nothing, a folder, a device or a pipe, standard output. Fails with ErrorKind::output.
 [[nodiscard]] Result<bool> remove_old_file(const std::filesystem::path& path);
 
+// Standard output, a pipe or a device: what was written there cannot be taken back.
+[[nodiscard]] bool is_stream(const std::filesystem::path& path);
+
 // Whether what is written to both would come to one place, be it a file, a pipe or a device, by whatever names ("-" is
 // standard output). Files that do not exist are compared by their names.
 [[nodiscard]] bool same_place(const std::filesystem::path& a, const std::filesystem::path& b);
@@ -44,6 +47,12 @@ class OutputFile {
   [[nodiscard]] Result<void> write(std::span<const std::byte> bytes);
   [[nodiscard]] Result<void> write(std::string_view text);
 
+  // Both are for regular files; a device, a pipe or standard output cannot take back what it got, and fails.
+  // Puts `bytes` in the place of some that were written, all of which must be there.
+  [[nodiscard]] Result<void> overwrite(std::uint64_t place, std::span<const std::byte> bytes);
+  // Makes what was written from byte `from` on begin at byte `to`. Where that is later, the room holds anything.
+  [[nodiscard]] Result<void> move_end(std::uint64_t from, std::uint64_t to);
+
   [[nodiscard]] std::uint64_t bytes_written() const;
 
   // What messages call it: the path, or "standard output".
@@ -52,10 +61,11 @@ class OutputFile {
   // Flushes and gives the file its name. Call once, last.
   [[nodiscard]] Result<void> commit();
 
-  // Commits two files of which `last` refers to `first`. All that can fail for want of space or permission is done
-  // before either gets its name; `first` gets it first. If `last` then cannot get its own, `first` loses it again, and
-  // a file that it replaced is put back (where the file system has hard links). A process killed between the two
-  // renames leaves the new `first` beside the old `last`.
+  // Commits files that belong together; a later one may refer to those before it. All that can fail for want of space
+  // or permission is done before any gets its name; then they get theirs in order. If one cannot get its own, those
+  // before it lose theirs again, and files that they replaced are put back (where the file system has hard links). A
+  // process killed between two renames leaves new files beside old ones.
+  [[nodiscard]] static Result<void> commit_all(std::span<OutputFile* const> files);
   [[nodiscard]] static Result<void> commit_pair(OutputFile& first, OutputFile& last);
 
   // Removes what this process has not committed; nothing can be written after it. For handlers of signals that end the

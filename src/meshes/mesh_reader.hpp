@@ -3,7 +3,8 @@
 // Coordinates are read in double, as far as the file has them, and become float32 relative to an origin in double that
 // is chosen as the extractor does. A glTF file whose meshes share one translation keeps that as the origin, and its
 // positions bit for bit. Polygons become triangles along diagonals that are chosen by the numbers of their corners, as
-// if they were convex. All surfaces of a file are joined into one mesh.
+// if they were convex. All surfaces of a file are joined into one mesh, less those that glTF scales to nothing: of a
+// sequence in one file (animation_writer.hpp) that leaves the first frame with triangles, and a note.
 //
 // Attributes of vertices are read from PLY (every number but the place and the normal) and from glTF (COLOR_0, and what
 // begins with an underscore), as the file has them: vectors do not turn with a node. The writers write them back.

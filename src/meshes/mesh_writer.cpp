@@ -2,15 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <exception>
-#include <new>
-#include <system_error>
 #include <type_traits>
 #include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "meshes/write/attempt.hpp"
 #include "meshes/write/mesh_format_writers.hpp"
 #include "meshes/write/written_places.hpp"
 
@@ -35,13 +33,6 @@ std::string names_of_formats(bool MeshFormatInfo::*property) {
   return names;
 }
 
-// Standard output, a pipe or a device: what was written there cannot be taken back.
-bool is_stream(const fs::path& path) {
-  std::error_code ignored;
-  const fs::file_status status = fs::status(path, ignored);
-  return path == "-" || (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status));
-}
-
 Result<void> check(std::size_t meshes, const fs::path& path, const MeshWriteOptions& options) {
   const MeshFormatInfo& info = mesh_format_info(options.format);
   if (options.ascii && !info.has_ascii) {
@@ -54,7 +45,7 @@ Result<void> check(std::size_t meshes, const fs::path& path, const MeshWriteOpti
                 {Remedy::one_file_per_surface, names_of_formats(&MeshFormatInfo::holds_several_meshes)});
   }
   if (info.can_stream) return {};
-  if (is_stream(path)) {
+  if (files::is_stream(path)) {
     return fail(
         ErrorKind::usage,
         fmt::format("{}: the format {} makes two files and cannot be written to a stream", path.string(), info.name),
@@ -122,23 +113,9 @@ struct MeshWriter::State {
   Notes notes;
   std::optional<Error> failure;
 
-  // Nothing is done after a failure, so that a part of a file is never committed.
   template <class Step>
   [[nodiscard]] std::invoke_result_t<Step> attempt(Step step) {
-    if (failure) return tl::unexpected<Error>(*failure);
-    try {
-      auto going_on = context.check();
-      auto done = going_on ? step() : std::invoke_result_t<Step>(tl::unexpected<Error>(std::move(going_on.error())));
-      if (!done) failure = done.error();
-      return done;
-    } catch (const std::bad_alloc&) {
-      failure = Error{ErrorKind::output, fmt::format("{}: not enough memory to write it", path.string()),
-                      Remedy::extract_part};
-      return tl::unexpected<Error>(*failure);
-    } catch (const std::exception& error) {  // a library's own
-      failure = Error{ErrorKind::output, fmt::format("{}: cannot write: {}", path.string(), error.what()), {}};
-      return tl::unexpected<Error>(*failure);
-    }
+    return meshes::attempt(failure, context, path, std::move(step));
   }
 
   [[nodiscard]] Result<void> open();
@@ -207,7 +184,7 @@ MeshWriter::MeshWriter(const fs::path& path, const MeshWriteOptions& options, co
   state_->path = path;
   state_->options = options;
   state_->context = context;
-  state_->holds = !mesh_format_info(options.format).writes_as_they_come || is_stream(path);
+  state_->holds = !mesh_format_info(options.format).writes_as_they_come || files::is_stream(path);
 }
 
 MeshWriter::MeshWriter(MeshWriter&&) noexcept = default;

@@ -9,7 +9,8 @@ set_tests_properties(gltf.write_samples PROPERTIES FIXTURES_SETUP sample_meshes)
 
 # Where node is missing the test fails: nobody would miss one that is not there.
 find_program(NODE NAMES node nodejs)
-set(validate ${NODE} ${CMAKE_CURRENT_SOURCE_DIR}/gltf/validate.mjs ${sample_meshes}/glb ${sample_meshes}/gltf)
+set(validate ${NODE} ${CMAKE_CURRENT_SOURCE_DIR}/gltf/validate.mjs ${sample_meshes}/glb ${sample_meshes}/gltf
+  ${sample_meshes}/animated)
 if(NOT NODE)
   set(validate sh -c "echo 'no node when cmake ran: scripts/setup.sh test installs it'; exit 1")
 endif()

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "meshes/animation_writer.hpp"
 #include "meshes/mesh_writer.hpp"
 #include "support/sample_attributes.hpp"
 #include "support/sample_meshes.hpp"
@@ -80,6 +81,33 @@ bool write(const Sample& sample, const meshes::MeshFormatInfo& format, const std
   return written.has_value();
 }
 
+// Sequences, with gaps and frames of all kinds; several files of one, where `largest` is what a file may be.
+bool write_animation(const std::string& name, bool flat_normals, const std::filesystem::path& folder,
+                     std::uint64_t largest = meshes::kLargestGlb) {
+  const std::filesystem::path path = folder / "animated" / (name + ".glb");
+  std::filesystem::create_directories(path.parent_path());
+  meshes::AnimationWriter writer(path, {meshes::MeshFormat::glb, flat_normals, false}, 24, 8, Context(), largest);
+  Result<void> added;
+  const auto add = [&](std::int64_t frame, const std::vector<mesh::Mesh>& surfaces) {
+    if (added) added = writer.add("frame " + std::to_string(frame), frame, surfaces);
+  };
+  add(1, list(nothing("nothing")));
+  add(2, list(sphere(24, false)));
+  add(3, list(one_triangle(), nothing("nothing"), sphere(8, false, "iso 1", {5, 0, 0})));
+  add(7, list(with_attributes(mesh::ComponentType::u8, 3)));
+  add(8, list());
+  add(9, list(sphere(24, false, "far", {1e4 + 1.0 / 3, 0, 0})));
+  add(10, list(tetrahedron("Ünï \"quoted\" 等値面")));
+  const auto finished = added ? writer.finish() : tl::unexpected<Error>(added.error());
+  if (!finished) std::fprintf(stderr, "%s\n", finished.error().message.c_str());
+  return finished.has_value();
+}
+
+bool write_empty_animation(const std::filesystem::path& folder) {
+  meshes::AnimationWriter writer(folder / "animated" / "empty.glb", {}, 24, 1);
+  return writer.add("nothing", 1, nothing("nothing")) && writer.finish();
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -91,5 +119,10 @@ int main(int argc, char** argv) {
   for (const Sample& sample : samples()) {
     for (const meshes::MeshFormatInfo& format : meshes::mesh_formats()) good = write(sample, format, argv[1]) && good;
   }
+  constexpr std::uint64_t kSmall = 80'000;  // less than two of the spheres together
+  good = write_animation("smooth", false, argv[1]) && good;
+  good = write_animation("flat", true, argv[1]) && good;
+  good = write_animation("split", false, argv[1], kSmall) && good;
+  good = write_empty_animation(argv[1]) && good;
   return good ? 0 : 1;
 }

@@ -146,7 +146,7 @@ std::optional<TemporaryName::File> TemporaryName::make_file(const fs::path& fold
   int lock = -1;
   auto name = make(folder, [&](const char* fresh) {
     constexpr mode_t kNewFile = 0666;  // less what the umask takes away
-    fd = retry_interrupted([&] { return ::open(fresh, O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, kNewFile); });
+    fd = retry_interrupted([&] { return ::open(fresh, O_CREAT | O_EXCL | O_RDWR | O_CLOEXEC, kNewFile); });
     if (fd < 0) return false;
     // A second descriptor holds the lock, since the first is closed before the file gets its last name.
     lock = ::fcntl(fd, F_DUPFD_CLOEXEC, 0);

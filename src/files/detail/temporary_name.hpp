@@ -11,9 +11,9 @@ namespace isoextract::files {
 
 class TemporaryName {
  public:
-  // Makes a new file in `folder`, open for writing, of its own name, and locks it as long as the name stands: by the
-  // lock others see that it has an owner. Nothing, with errno set, where that fails. Removes before, once a process and
-  // folder, what processes that are gone left there.
+  // Makes a new file in `folder`, open for reading and writing, of its own name, and locks it as long as the name
+  // stands: by the lock others see that it has an owner. Nothing, with errno set, where that fails. Removes before,
+  // once a process and folder, what processes that are gone left there.
   struct File;
   [[nodiscard]] static std::optional<File> make_file(const std::filesystem::path& folder);
 

@@ -1,6 +1,9 @@
 // glTF 2.0 (ISO/IEC 12113), .glb and .gltf: the triangles of the default scene, placed by its nodes in double. The JSON
 // is read here and not by TinyGLTF, which trusts offsets of images and of animations that nobody asked for.
 //
+// What is scaled to nothing is left out. Nothing is played: of a sequence in one file (write/animated_glb.hpp) that
+// leaves its first frame.
+//
 // Attributes are COLOR_0 and those that begin with an underscore, where all primitives have them in one form.
 #include <algorithm>
 #include <array>
@@ -78,6 +81,12 @@ class ModelReader {
       surface_.notes.push_back(
           fmt::format("{} corners were joined with others at their place that have other attributes", corners_apart_));
     }
+    if (hidden_meshes_ > 0) {
+      surface_.notes.push_back(fmt::format(
+          "{} surfaces were left out, scaled to nothing{}", hidden_meshes_,
+          model_.contains("animations") ? " until the animation shows them: what is read is what is shown at rest"
+                                        : ""));
+    }
     if (other_primitives_ > 0) {
       surface_.notes.push_back(fmt::format("{} primitives of points or lines were left out", other_primitives_));
     }
@@ -104,7 +113,7 @@ class ModelReader {
   }
 
   // Depth first; a node that is met twice would be in a cycle or have two parents, which glTF forbids.
-  std::vector<Instance> find_instances() const {
+  std::vector<Instance> find_instances() {
     std::vector<Instance> instances;
     const auto scenes = model_.find("scenes");
     if (scenes == model_.end()) return instances;
@@ -136,7 +145,11 @@ class ModelReader {
         throw DamagedMesh(fmt::format("expected a finite place of node {} within the scene, found ({}, {}, {})", index,
                                       transform.offset.x, transform.offset.y, transform.offset.z));
       }
-      if (node.contains("mesh")) instances.push_back({whole(node, "mesh"), transform});
+      if (node.contains("mesh") && transform.linear == glm::dmat3(0)) {
+        ++hidden_meshes_;
+      } else if (node.contains("mesh")) {
+        instances.push_back({whole(node, "mesh"), transform});
+      }
       wait_for(node, "children", transform);
     }
     return instances;
@@ -368,6 +381,7 @@ class ModelReader {
   const json& model_ = tree_.root();
   std::optional<GltfData> data_;  // once the file is known to be what can be read
   bool has_quantised_ = false;    // positions that are integers, by KHR_mesh_quantization
+  std::uint64_t hidden_meshes_ = 0;
   std::uint64_t other_primitives_ = 0;
   bool is_first_primitive_ = true;
   std::set<std::string> left_out_;   // attributes

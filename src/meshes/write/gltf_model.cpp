@@ -1,5 +1,6 @@
 #include "meshes/write/gltf_model.hpp"
 
+#include <cstddef>
 #include <sstream>
 #include <utility>
 
@@ -34,9 +35,64 @@ mesh::LocalBounds measure_corner_bounds(const mesh::Mesh& mesh) {
       join);
 }
 
+// The last of a list, of which `taken` are not in it any more.
+template <class List>
+int last_number(std::size_t taken, const List& list) {
+  return static_cast<int>(taken + list.size()) - 1;
+}
+
+// The library's JSON of the model, without buffers.
+nlohmann::json document_of(tinygltf::Model& model) {
+  model.asset.generator = generator();
+  model.asset.version = "2.0";
+  std::ostringstream stream;
+  tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, stream, false, false);
+  return nlohmann::json::parse(stream.str());
+}
+
 }  // namespace
 
-void GltfModel::add(const GltfPart& part) {
+void GltfModel::add(const GltfPart& part) { scene_.nodes.push_back(node(part)); }
+
+int GltfModel::add_frame(const std::string& name, std::span<const GltfPart> parts, bool hidden) {
+  tinygltf::Node frame;
+  for (const GltfPart& part : parts) {
+    if (part.layout != GltfPart::Layout::nothing) frame.children.push_back(node(part));
+  }
+  if (frame.children.size() == 1) {
+    frame = std::move(model_.nodes.back());
+    model_.nodes.pop_back();
+  }
+  frame.name = as_utf8(name);
+  if (hidden) frame.scale = {0, 0, 0};
+  return push(std::move(frame));
+}
+
+void GltfModel::take(const std::function<void(nlohmann::json& document)>& look) {
+  JsonTree tree(document_of(model_));
+  look(tree.root());
+  taken_ = {taken_.nodes + model_.nodes.size(), taken_.meshes + model_.meshes.size(),
+            taken_.materials + model_.materials.size(), taken_.views + model_.bufferViews.size(),
+            taken_.accessors + model_.accessors.size()};
+  model_ = tinygltf::Model();
+}
+
+Notes GltfModel::take_notes() {
+  Notes notes = std::exchange(notes_, {});
+  if (has_split_) {
+    notes.push_back(
+        "glTF keeps flat normals as three vertices a triangle, so the mesh is not welded; without normals it is, and "
+        "viewers shade it flat as well");
+  }
+  return notes;
+}
+
+int GltfModel::push(tinygltf::Node node) {
+  model_.nodes.push_back(std::move(node));
+  return last_number(taken_.nodes, model_.nodes);
+}
+
+int GltfModel::node(const GltfPart& part) {
   const std::string name = as_utf8(part.mesh->name);
   if (name != part.mesh->name) {
     notes_.push_back(
@@ -48,30 +104,21 @@ void GltfModel::add(const GltfPart& part) {
   const glm::dvec3& origin = part.mesh->origin;
   if (origin != glm::dvec3(0)) node.translation = {origin.x, origin.y, origin.z};
   if (part.layout != GltfPart::Layout::nothing) {
-    node.mesh = static_cast<int>(model_.meshes.size());
     tinygltf::Mesh mesh;
     mesh.name = name;
     mesh.primitives.push_back(part.layout == GltfPart::Layout::split ? split(part) : indexed(part));
     model_.meshes.push_back(std::move(mesh));
+    node.mesh = last_number(taken_.meshes, model_.meshes);
   }
-  scene_.nodes.push_back(static_cast<int>(model_.nodes.size()));
-  model_.nodes.push_back(std::move(node));
+  return push(std::move(node));
 }
 
 std::string GltfModel::json(const std::string& uri, int indent, Notes& notes) {
-  notes.insert(notes.end(), notes_.begin(), notes_.end());
-  if (has_split_) {
-    notes.push_back(
-        "glTF keeps flat normals as three vertices a triangle, so the mesh is not welded; without normals it is, and "
-        "viewers shade it flat as well");
-  }
-  model_.asset.generator = generator();
-  model_.asset.version = "2.0";
+  const Notes own = take_notes();
+  notes.insert(notes.end(), own.begin(), own.end());
   model_.scenes = {scene_};
   model_.defaultScene = 0;
-  std::ostringstream stream;
-  tinygltf::TinyGLTF().WriteGltfSceneToStream(&model_, stream, false, false);
-  JsonTree tree(nlohmann::json::parse(stream.str()));
+  JsonTree tree(document_of(model_));
   nlohmann::json& document = tree.root();
   // The library makes null, which glTF forbids, of a node without a name and of a scene without nodes.
   for (const char* list : {"nodes", "scenes"}) {
@@ -92,7 +139,7 @@ std::string GltfModel::json(const std::string& uri, int indent, Notes& notes) {
 int GltfModel::material(bool colours) {
   int& number = materials_[colours ? 1 : 0];
   if (number >= 0) return number;
-  number = static_cast<int>(model_.materials.size());
+  number = static_cast<int>(taken_.materials + model_.materials.size());
   constexpr double kLightGrey = 0.8;
   const double grey = colours ? 1 : kLightGrey;
   tinygltf::Material material;
@@ -112,7 +159,7 @@ int GltfModel::view(std::uint64_t bytes, int target, std::size_t stride) {
   view.target = target;
   offset_ += gltf_aligned(bytes);
   model_.bufferViews.push_back(std::move(view));
-  return static_cast<int>(model_.bufferViews.size()) - 1;
+  return last_number(taken_.views, model_.bufferViews);
 }
 
 int GltfModel::accessor(int view, std::size_t offset, int component, int type, std::uint64_t count) {
@@ -123,7 +170,7 @@ int GltfModel::accessor(int view, std::size_t offset, int component, int type, s
   accessor.type = type;
   accessor.count = count;
   model_.accessors.push_back(std::move(accessor));
-  return static_cast<int>(model_.accessors.size()) - 1;
+  return last_number(taken_.accessors, model_.accessors);
 }
 
 int GltfModel::vectors(int view, std::size_t offset, std::uint64_t count) {

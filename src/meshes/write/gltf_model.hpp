@@ -4,9 +4,12 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <span>
 #include <string>
 
 #include <tiny_gltf.h>
+#include <nlohmann/json.hpp>
 
 #include "mesh/metrics.hpp"
 #include "meshes/write/gltf_part.hpp"
@@ -23,7 +26,29 @@ class GltfModel {
   // The JSON text. Its one buffer is described to the library's JSON afterwards, as the library would want its bytes.
   [[nodiscard]] std::string json(const std::string& uri, int indent, Notes& notes);
 
+  // For files whose model is never held as a whole, in place of add() and json(). A node for the parts together, of
+  // scale 0 where it is hidden, which no scene refers to yet: its number. Parts without triangles are left out, of
+  // which not all may be.
+  [[nodiscard]] int add_frame(const std::string& name, std::span<const GltfPart> parts, bool hidden);
+  // What was added since the last call, and is forgotten then: its JSON, without scenes and buffers, and notes. Numbers
+  // go on.
+  void take(const std::function<void(nlohmann::json& document)>& look);
+  [[nodiscard]] Notes take_notes();
+  [[nodiscard]] std::uint64_t binary_bytes() const { return offset_; }
+
  private:
+  // How many of each were taken.
+  struct Taken {
+    std::size_t nodes = 0;
+    std::size_t meshes = 0;
+    std::size_t materials = 0;
+    std::size_t views = 0;
+    std::size_t accessors = 0;
+  };
+
+  // The number of the node.
+  int node(const GltfPart& part);
+  int push(tinygltf::Node node);
   // The number of the material of meshes with or without colours, which are multiplied with it.
   int material(bool colours);
   // A view of the next `bytes` bytes.
@@ -38,6 +63,7 @@ class GltfModel {
 
   tinygltf::Model model_;
   tinygltf::Scene scene_;
+  Taken taken_;
   std::uint64_t offset_ = 0;
   std::array<int, 2> materials_{-1, -1};  // without colours, with colours; -1: not made yet
   bool has_split_ = false;

@@ -1,13 +1,13 @@
 // glTF 2.0 (ISO/IEC 12113): TinyGLTF builds the model and its JSON (gltf_model); the binary part goes from the meshes'
 // own buffers straight to the file. A mesh is planned before it is written, so that the JSON knows every offset: in a
 // GLB, where it comes before the data, all of them are.
-#include <initializer_list>
 #include <limits>
 #include <string>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "meshes/write/glb_container.hpp"
 #include "meshes/write/gltf_model.hpp"
 #include "meshes/write/gltf_part.hpp"
 #include "meshes/write/mesh_format_writers.hpp"
@@ -25,28 +25,19 @@ class GlbWriter final : public FormatWriter {
   }
 
   Result<void> finish(Notes& notes) override {
-    constexpr std::uint64_t kHeaderBytes = 3 * sizeof(std::uint32_t);
-    constexpr std::uint64_t kChunkHeaderBytes = 2 * sizeof(std::uint32_t);
     std::uint64_t binary_bytes = 0;
     for (const GltfPart& part : parts_) binary_bytes += part.bytes();
     // Once before the bounds of what would be too much are measured, and once exactly.
-    if (auto fits = check_length(kHeaderBytes + 2 * kChunkHeaderBytes + binary_bytes); !fits) return fits;
+    if (auto fits = check_length(glb_bytes(0, binary_bytes)); !fits) return fits;
     GltfModel model;
     for (const GltfPart& part : parts_) model.add(part);
     std::string json = model.json({}, -1, notes);
-    json.resize(gltf_aligned(json.size()), ' ');
-    const std::uint64_t binary_chunk_bytes = binary_bytes > 0 ? kChunkHeaderBytes + binary_bytes : 0;
-    const std::uint64_t length = kHeaderBytes + kChunkHeaderBytes + json.size() + binary_chunk_bytes;
-    if (auto fits = check_length(length); !fits) return fits;
-
-    constexpr std::uint32_t kMagic = 0x46546C67;  // "glTF"
-    constexpr std::uint32_t kContainerVersion = 2;
-    constexpr std::uint32_t kJson = 0x4E4F534A;    // "JSON"
-    constexpr std::uint32_t kBinary = 0x004E4942;  // "BIN"
-    auto written = write_words({kMagic, kContainerVersion, length, json.size(), kJson});
+    pad_glb_json(json);
+    if (auto fits = check_length(glb_bytes(json.size(), binary_bytes)); !fits) return fits;
+    auto written = file_.write(glb_start(json.size(), binary_bytes));
     if (written) written = file_.write(json);
     if (!written || binary_bytes == 0) return written;
-    written = write_words({binary_bytes, kBinary});
+    written = file_.write(glb_binary_head(binary_bytes));
     for (std::size_t p = 0; p < parts_.size() && written; ++p) written = write_part(parts_[p], file_);
     return written;
   }
@@ -57,15 +48,6 @@ class GlbWriter final : public FormatWriter {
     return fail(ErrorKind::output,
                 fmt::format("{}: a .glb holds less than 4 GiB, this one needs {} bytes", file_.shown_name(), length),
                 {Remedy::choose_mesh_format, "gltf or ply"});
-  }
-
-  Result<void> write_words(std::initializer_list<std::uint64_t> words) {
-    Result<void> written;
-    for (const std::uint64_t wide : words) {
-      const auto word = static_cast<std::uint32_t>(wide);
-      if (written) written = file_.write(std::as_bytes(std::span(&word, 1)));
-    }
-    return written;
   }
 
   bool flat_normals_;

@@ -1,5 +1,3 @@
-#include <cstring>
-
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -7,6 +5,7 @@
 #include "meshes/mesh_writer.hpp"
 #include "support/sample_meshes.hpp"
 #include "support/temp_folder.hpp"
+#include "unit/meshes/glb_chunks.hpp"
 #include "unit/meshes/mesh_file_parsers.hpp"
 #include "unit/meshes/written_mesh.hpp"
 
@@ -15,35 +14,6 @@ namespace {
 
 using nlohmann::json;
 using namespace test;
-
-struct GlbChunks {
-  json model;
-  std::string binary;
-};
-
-// Takes a .glb apart by the letter of the specification.
-GlbChunks take_apart(const std::string& bytes) {
-  const auto word = [&](std::size_t offset) {
-    std::uint32_t value = 0;
-    EXPECT_LE(offset + sizeof(value), bytes.size());
-    std::memcpy(&value, bytes.data() + offset, sizeof(value));
-    return value;
-  };
-  EXPECT_EQ(bytes.substr(0, 4), "glTF");
-  EXPECT_EQ(word(4), 2U);
-  EXPECT_EQ(word(8), bytes.size());
-  const std::uint32_t json_bytes = word(12);
-  EXPECT_EQ(json_bytes % 4, 0U);
-  EXPECT_EQ(bytes.substr(16, 4), "JSON");
-  GlbChunks chunks{json::parse(bytes.substr(20, json_bytes)), {}};
-  const std::size_t binary = 20 + json_bytes;
-  if (binary == bytes.size()) return chunks;
-  EXPECT_EQ(word(binary) % 4, 0U);
-  EXPECT_EQ(bytes.substr(binary + 4, 4), std::string("BIN\0", 4));
-  chunks.binary = bytes.substr(binary + 8);
-  EXPECT_EQ(chunks.binary.size(), word(binary));
-  return chunks;
-}
 
 // Positions must be the stored numbers, bit for bit, with the origin beside them.
 void expect_same_mesh(const mesh::Mesh& expected, const ParsedMesh& found) {

@@ -1,0 +1,256 @@
+#include "meshes/animation_writer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <set>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "meshes/write/animated_glb.hpp"
+#include "meshes/write/attempt.hpp"
+#include "meshes/write/written_places.hpp"
+
+namespace isoextract::meshes {
+namespace {
+
+// The largest float32 that is not after it; infinite where none is near.
+float key_time(double seconds) {
+  if (seconds > std::numeric_limits<float>::max()) return std::numeric_limits<float>::infinity();
+  const auto nearest = static_cast<float>(seconds);
+  const bool later = static_cast<double>(nearest) > seconds;
+  return later ? std::nextafter(nearest, -std::numeric_limits<float>::infinity()) : nearest;
+}
+
+bool has_triangles(const mesh::Mesh& mesh) { return !mesh.triangles.empty(); }
+
+// A file of the sequence and what is in it.
+struct AnimationPart {
+  AnimatedGlb glb;
+  std::int64_t first = 0;  // frames
+  std::int64_t last = 0;
+};
+
+}  // namespace
+
+std::filesystem::path animation_part_path(const std::filesystem::path& path, std::size_t part) {
+  if (part <= 1) return path;
+  std::filesystem::path name = path.stem();
+  name += fmt::format(".part{}", part);
+  name += path.extension();
+  return path.parent_path() / name;
+}
+
+struct AnimationWriter::State {
+  std::filesystem::path path;
+  MeshWriteOptions options;
+  double frames_per_second = 0;
+  std::uint64_t frames_at_most = 0;
+  Context context;
+  std::uint64_t largest_file = kLargestGlb;
+
+  std::vector<AnimationPart> parts;
+  std::optional<std::int64_t> first;
+  std::int64_t last = 0;
+  std::uint64_t count = 0;  // of frames that were added
+  std::vector<std::string> notes;
+  std::set<std::string> told;  // the same, to be found
+  std::optional<Error> failure;
+
+  [[nodiscard]] Result<void> check() const;
+  // Of the frame `later` frames after this one.
+  [[nodiscard]] float time_of(std::int64_t frame, int later = 0) const;
+  [[nodiscard]] Result<void> check_frame(std::int64_t frame) const;
+  // Whether the frame was refused.
+  [[nodiscard]] Result<std::optional<Error>> add(const std::string& name, std::int64_t frame,
+                                                 std::span<const mesh::Mesh> surfaces);
+  [[nodiscard]] Result<MeshWriteResult> finish();
+  void tell(std::vector<std::string> more);
+  void tell_of_parts();
+
+  template <class Step>
+  [[nodiscard]] std::invoke_result_t<Step> attempt(Step step) {
+    auto done = meshes::attempt(failure, context, path, std::move(step));
+    if (failure) parts.clear();  // and with them what they have on disk
+    return done;
+  }
+};
+
+Result<void> AnimationWriter::State::check() const {
+  const auto unusable = [&](const std::string& found, const char* hint) {
+    return fail(ErrorKind::usage, fmt::format("{}: {}", path.string(), found), hint);
+  };
+  if (options.format != MeshFormat::glb || options.ascii) {
+    return fail(ErrorKind::usage,
+                fmt::format("{}: expected {} for an animation, found {}{}", path.string(),
+                            mesh_format_info(MeshFormat::glb).name, mesh_format_info(options.format).name,
+                            options.ascii ? " as text" : ""),
+                {Remedy::choose_mesh_format, std::string(mesh_format_info(MeshFormat::glb).name)});
+  }
+  if (!std::isfinite(frames_per_second) || frames_per_second <= 0) {
+    return unusable(fmt::format("expected a number of frames per second above 0, found {}", frames_per_second),
+                    "films have 24");
+  }
+  if (files::is_stream(path)) {
+    return unusable("an animation begins with what is known at its end, and cannot be written to a stream",
+                    "name a file");
+  }
+  return {};
+}
+
+float AnimationWriter::State::time_of(std::int64_t frame, int later) const {
+  const std::uint64_t since = static_cast<std::uint64_t>(frame) - static_cast<std::uint64_t>(first.value_or(frame));
+  return key_time((static_cast<double>(since) + later) / frames_per_second);
+}
+
+Result<void> AnimationWriter::State::check_frame(std::int64_t frame) const {
+  if (first && frame <= last) {
+    return fail(ErrorKind::usage, fmt::format("{}: expected a frame after {}, found {}", path.string(), last, frame));
+  }
+  const float time = time_of(frame);
+  const bool is_later = !first || time > time_of(last);
+  if (is_later && time < time_of(frame, 1) && std::isfinite(time_of(frame, 1))) return {};
+  return fail(
+      ErrorKind::output,
+      fmt::format("{}: frame {} is at {} seconds, where float32 cannot tell it from its neighbours at {} frames "
+                  "per second",
+                  path.string(), frame, time, frames_per_second),
+      "number the frames one after another");
+}
+
+Result<std::optional<Error>> AnimationWriter::State::add(const std::string& name, std::int64_t frame,
+                                                         std::span<const mesh::Mesh> surfaces) {
+  if (auto usable = check(); !usable) return tl::unexpected(std::move(usable.error()));
+  if (auto possible = check_frame(frame); !possible) return std::move(possible.error());
+  for (const mesh::Mesh& surface : surfaces) {
+    if (auto kept = check_places(surface, path, options.format); !kept) return std::move(kept.error());
+  }
+  if (parts.empty()) {
+    parts.push_back({AnimatedGlb(path, largest_file), frame, frame});
+    if (auto opened = parts.back().glb.open(); !opened) return tl::unexpected(std::move(opened.error()));
+  }
+  // Not before the frame is taken.
+  const auto take = [&] {
+    if (!first) first = parts.front().first = frame;
+    last = frame;
+    parts.back().last = frame;
+    ++count;
+  };
+  const float time = time_of(frame);
+  if (std::none_of(surfaces.begin(), surfaces.end(), has_triangles)) {
+    parts.back().glb.show_none(time);
+    take();
+    return std::nullopt;
+  }
+
+  Notes found;
+  std::vector<GltfPart> pieces;
+  for (const mesh::Mesh& surface : surfaces) pieces.emplace_back(surface, options.flat_normals, found);
+  const std::uint64_t to_come = frames_at_most > count ? frames_at_most - count : 1;
+  auto added = parts.back().glb.add(name, pieces, time, to_come);
+  if (added && !*added) {
+    AnimatedGlb next(animation_part_path(path, parts.size() + 1), largest_file);
+    added = next.add(name, pieces, time, to_come);
+    if (added && *added) {
+      parts.back().glb.show_none(time);
+      parts.push_back({std::move(next), frame, frame});
+    }
+  }
+  if (!added) return tl::unexpected(std::move(added.error()));
+  if (!*added) {
+    return Error{ErrorKind::output,
+                 fmt::format("{}: frame {} does not fit into a file of {} bytes", path.string(), frame, largest_file),
+                 "write each frame to a file of its own"};
+  }
+  take();
+  tell(std::move(found));
+  tell(parts.back().glb.take_notes());
+  return std::nullopt;
+}
+
+// What is true of a frame is likely to be true of all.
+void AnimationWriter::State::tell(std::vector<std::string> more) {
+  for (std::string& note : more) {
+    if (told.insert(note).second) notes.push_back(std::move(note));
+  }
+}
+
+void AnimationWriter::State::tell_of_parts() {
+  if (parts.size() > 1) {
+    std::vector<std::string> where;
+    for (const AnimationPart& part : parts) {
+      where.push_back(fmt::format("{} to {} in {}", part.first, part.last, part.glb.path().filename().string()));
+    }
+    tell({fmt::format("a .glb holds at most {} bytes, so frames {}; each keeps the time line of the whole sequence",
+                      largest_file, fmt::join(where, ", "))});
+  }
+  const auto next = animation_part_path(path, parts.size() + 1);
+  std::error_code ignored;
+  if (std::filesystem::exists(next, ignored)) {
+    tell({fmt::format("{} was there before and is no part of this sequence", next.string())});
+  }
+}
+
+Result<MeshWriteResult> AnimationWriter::State::finish() {
+  if (auto usable = check(); !usable) return tl::unexpected(std::move(usable.error()));
+  if (!first) {
+    return fail(ErrorKind::output, fmt::format("{}: an animation needs a frame, found none", path.string()));
+  }
+  const float end = time_of(last, 1);
+  std::vector<files::OutputFile*> files;
+  MeshWriteResult result;
+  for (AnimationPart& part : parts) {
+    if (auto going_on = context.check(); !going_on) return tl::unexpected(std::move(going_on.error()));
+    if (auto written = part.glb.finish(end); !written) return tl::unexpected(std::move(written.error()));
+    result.files.push_back({part.glb.path().string(), part.glb.file().bytes_written()});
+    files.push_back(&part.glb.file());
+  }
+  tell_of_parts();
+  std::reverse(files.begin(), files.end());
+  if (auto committed = files::OutputFile::commit_all(files); !committed) {
+    return tl::unexpected(std::move(committed.error()));
+  }
+  result.notes = std::move(notes);
+  return result;
+}
+
+AnimationWriter::AnimationWriter(const std::filesystem::path& path, const MeshWriteOptions& options,
+                                 double frames_per_second, std::uint64_t frames_at_most, const Context& context,
+                                 std::uint64_t largest_file)
+    : state_(std::make_unique<State>()) {
+  state_->path = path;
+  state_->options = options;
+  state_->frames_per_second = frames_per_second;
+  state_->frames_at_most = frames_at_most;
+  state_->context = context;
+  state_->largest_file = largest_file;
+}
+
+AnimationWriter::AnimationWriter(AnimationWriter&&) noexcept = default;
+AnimationWriter& AnimationWriter::operator=(AnimationWriter&&) noexcept = default;
+AnimationWriter::~AnimationWriter() = default;
+
+Result<void> AnimationWriter::check() const { return state_->check(); }
+
+Result<void> AnimationWriter::add(const std::string& name, std::int64_t frame, std::span<const mesh::Mesh> surfaces) {
+  State& state = *state_;
+  auto added = state.attempt([&] { return state.add(name, frame, surfaces); });
+  if (!added) return tl::unexpected(std::move(added.error()));
+  if (*added) return tl::unexpected(std::move(**added));
+  return {};
+}
+
+Result<void> AnimationWriter::add(const std::string& name, std::int64_t frame, const mesh::Mesh& surface) {
+  return add(name, frame, std::span(&surface, 1));
+}
+
+Result<MeshWriteResult> AnimationWriter::finish() {
+  return state_->attempt([&] { return state_->finish(); });
+}
+
+}  // namespace isoextract::meshes

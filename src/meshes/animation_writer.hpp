@@ -1,0 +1,70 @@
+// A sequence of meshes as one GLB that plays: a node a frame, shown in its time only (write/animated_glb.hpp says how).
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "base/context.hpp"
+#include "base/error.hpp"
+#include "mesh/mesh.hpp"
+#include "meshes/mesh_writer.hpp"
+
+namespace isoextract::meshes {
+
+// What the container can be: its length is a number of 32 bits.
+inline constexpr std::uint64_t kLargestGlb = 0xFFFFFFFF;
+
+// Where a sequence has more than one file can hold, it goes on in others: water.glb, water.part2.glb, water.part3.glb.
+[[nodiscard]] std::filesystem::path animation_part_path(const std::filesystem::path& path, std::size_t part);
+
+// The time line. The first frame is at 0 seconds, whatever its number, and frame k at (k - first) / frames_per_second:
+// gaps in the numbering keep their time. A frame is shown until the next one that is there, be it of the next number or
+// after a gap, and the last one for the time of one frame, so that the animation loops evenly. A frame that is there
+// but has no triangles shows nothing in its time. The key of a frame is the largest float32 that is not after its time,
+// so that players see it there, whichever way they round.
+//
+// Programs that do not play show the first frame that has triangles.
+//
+// Splitting. A frame that does not fit into a file begins the next one. All files keep the time line of the sequence
+// and its length, and show their own frames only: opened together they play the whole. A note says what is where.
+//
+// Each frame goes to disk as it comes; about a kilobyte of it is kept in memory. Nothing has a name before finish(),
+// where all files get theirs together, the first one last: a writer that goes without it leaves nothing behind.
+// Standard output, pipes and devices are refused: what a GLB begins with is known at its end.
+class AnimationWriter {
+ public:
+  // `frames_at_most` is how many may come: room is left for the descriptions of so many. More are no error; the file is
+  // then copied once within itself. `largest_file` is for tests.
+  AnimationWriter(const std::filesystem::path& path, const MeshWriteOptions& options, double frames_per_second,
+                  std::uint64_t frames_at_most, const Context& context = Context(),
+                  std::uint64_t largest_file = kLargestGlb);
+  AnimationWriter(AnimationWriter&&) noexcept;
+  AnimationWriter& operator=(AnimationWriter&&) noexcept;
+  ~AnimationWriter();
+
+  // Whether there can be such a file, before anything is made for it. Fails with ErrorKind::usage, as add() and
+  // finish() then do.
+  [[nodiscard]] Result<void> check() const;
+
+  // The surfaces of a frame, none of which is needed afterwards. Numbers grow from call to call. `name` is the node's;
+  // where there are several surfaces, theirs are those of nodes below it.
+  //
+  // A frame that cannot be written is refused with ErrorKind::output, and the rest may go on as if it had not come: one
+  // whose numbers would destroy its triangles (write/written_places.hpp), that is larger than a file can be, or that is
+  // so far from the first that float32 cannot tell its time from its neighbours'. So is a number that does not grow,
+  // with ErrorKind::usage. After any other failure every later call fails alike.
+  [[nodiscard]] Result<void> add(const std::string& name, std::int64_t frame, std::span<const mesh::Mesh> surfaces);
+  [[nodiscard]] Result<void> add(const std::string& name, std::int64_t frame, const mesh::Mesh& surface);
+
+  // Gives all files their names. Call once, last. Fails with ErrorKind::output where no frame came.
+  [[nodiscard]] Result<MeshWriteResult> finish();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace isoextract::meshes
