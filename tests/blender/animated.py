@@ -57,6 +57,7 @@ def main():
     times = np.unique(np.concatenate([times for times, _ in tracks.values()]))
     # A frame of the scene for each frame of the file: the importer makes of a time its product with the scene's rate.
     rate = 1 / np.diff(times).min()
+    rate = min(round(rate), round(rate * 1.001) / 1.001, key=lambda usual: abs(usual - rate))
     scene = bpy.context.scene
     scene.render.fps, scene.render.fps_base = round(rate), round(rate) / rate
     bpy.ops.import_scene.gltf(filepath=str(FILE), import_shading="SMOOTH")

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import warnings
 
 SOURCE = pathlib.Path(os.environ["ISOEXTRACT_SOURCE_DIR"])
 sys.path.insert(0, str(SOURCE / "scripts" / "blender"))
@@ -103,6 +104,26 @@ class WrittenByIsoextract(FolderTest):
             for length in [0, 1, 4, 19, len(data) - 1] + [random.randrange(len(data)) for _ in range(50)]:
                 path.write_bytes(data[:length])
                 self.assert_unreadable(read, path)
+
+    def test_damaged_bytes_raise_nothing_else(self):
+        random.seed(2)
+        for name, read in (("a.glb", read_glb), ("a.ply", read_ply), ("ascii.ply", read_ply)):
+            options = ("--ascii",) if name.startswith("ascii") else ()
+            path = self.convert(name, "demo:sphere?size=6", "--iso", "0", "--normals", "smooth", *options)
+            data = path.read_bytes()
+            refused = 0
+            for _ in range(150):
+                damaged = bytearray(data)
+                for _ in range(random.randrange(1, 4)):
+                    damaged[random.randrange(min(len(data), 1500))] = random.choice(b"\0\xff 0918-.xe{[\"\n")
+                path.write_bytes(damaged)
+                try:
+                    with warnings.catch_warnings():
+                        warnings.simplefilter("ignore")  # numbers too large for their type
+                        read(path)
+                except UnreadableFile:
+                    refused += 1
+            self.assertGreater(refused, 15, name)
 
 
 def glb(document, binary=b""):

@@ -29,7 +29,8 @@ def read_glb(path):
         return _Model(path, *_chunks(path, data)).surface()
     except OSError as error:
         raise UnreadableFile(f"{path}: {error.strerror or error}") from error
-    except (KeyError, IndexError, TypeError, AttributeError, ValueError, struct.error) as error:
+    except (LookupError, TypeError, AttributeError, ValueError, RecursionError, np.linalg.LinAlgError,
+            struct.error) as error:
         raise UnreadableFile(f"{path}: damaged glTF ({type(error).__name__}: {error})") from error
 
 
@@ -151,7 +152,7 @@ class _Model:
             raise UnreadableFile(f"{self.path}: has sparse accessors, which this add-on does not read")
         kind, width, count = np.dtype(COMPONENTS[accessor["componentType"]]), WIDTHS[accessor["type"]], accessor["count"]
         if "bufferView" not in accessor:
-            return np.zeros((count, width), kind)
+            raise UnreadableFile(f"{self.path}: accessor {index} has no data")
         view = self.document["bufferViews"][accessor["bufferView"]]
         if view.get("buffer", 0) != 0 or "uri" in self.document["buffers"][0]:
             raise UnreadableFile(f"{self.path}: has data in another file, which this add-on does not read")

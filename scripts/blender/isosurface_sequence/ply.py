@@ -176,6 +176,8 @@ def _surface(path, elements, columns):
     types = {name: kind for element in elements if element.name == "vertex" for name, kind, _ in element.properties}
     if any(name not in vertices for name in PLACES):
         raise UnreadableFile(f"{path}: its vertices have no x, y and z")
+    if "tristrips" in columns:
+        raise UnreadableFile(f"{path}: has strips of triangles, which this add-on does not read")
     positions, origin = _positions(vertices, types)
     corners = next((faces[name] for name in CORNERS if name in faces), np.zeros((0, 3), np.int32))
     normals = None
