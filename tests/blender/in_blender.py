@@ -108,6 +108,27 @@ class AddonTest(unittest.TestCase):
             self.assertEqual(len(item.modifiers), 1)
         self.assertEqual(len(bpy.data.meshes), 1)
 
+    def test_linked_duplicates_and_instances(self):
+        (item,) = import_sequence("glb/f_1.glb")
+        twin = item.copy()
+        bpy.context.collection.objects.link(twin)
+        bpy.context.scene.frame_set(2)
+        self.assertIs(twin.data, item.data)
+        twin.isosurface_sequence.start_frame = 0  # a frame earlier
+        for frame, numbers in {2: (2, 3), 9: (5, 10), 1: (1, 2)}.items():
+            bpy.context.scene.frame_set(frame)
+            for shown, number in zip((item, twin), numbers):
+                self.assert_shows(shown, FOLDER / "glb" / f"f_{number}.glb")
+        # In a collection that is not in the scene, but an instance of it is.
+        collection = bpy.data.collections.new("asset")
+        collection.objects.link(twin)
+        bpy.context.collection.objects.unlink(twin)
+        empty = bpy.data.objects.new("instance", None)
+        empty.instance_type, empty.instance_collection = "COLLECTION", collection
+        bpy.context.collection.objects.link(empty)
+        bpy.context.scene.frame_set(9)
+        self.assertEqual(len(twin.data.polygons), expected(FOLDER / "glb" / "f_10.glb")[1])
+
     def test_normals_are_those_of_the_file(self):
         (item,) = import_sequence("glb/f_5.glb")
         bpy.context.scene.frame_set(5)

@@ -22,7 +22,11 @@ cache = SurfaceCache(CACHE_MIB << 20)
 
 
 def _changed(properties, _context):
-    show(properties.id_data, bpy.context.scene.frame_current)
+    item = properties.id_data
+    # A linked duplicate shows the same frame only as long as its properties are the same.
+    if shows_sequence(item) and item.data.users > 1:
+        item.data = item.data.copy()
+    show(item, bpy.context.scene.frame_current)
 
 
 class SequenceProperties(bpy.types.PropertyGroup):
@@ -92,8 +96,12 @@ def show(item, frame):
 
 
 def show_all(scene):
-    for item in scene.objects:
-        show(item, scene.frame_current)
+    """All objects of the scene, and those in no scene, which are in collections that others are instances of."""
+    for item in bpy.data.objects:
+        if shows_sequence(item):
+            scenes = item.users_scene
+            if not scenes or scene in scenes:
+                show(item, scene.frame_current)
 
 
 @persistent
@@ -105,7 +113,8 @@ def on_frame_change(scene, _depsgraph=None):
 @persistent
 def on_load(_file=None):
     cache.clear()
-    for scene in bpy.data.scenes:
+    current = bpy.context.scene
+    for scene in [scene for scene in bpy.data.scenes if scene != current] + [current]:
         show_all(scene)
 
 
