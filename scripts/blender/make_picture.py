@@ -1,6 +1,7 @@
 """Renders frames of a sequence side by side, through the add-on: how docs/pictures/sequence.png was made.
 
-    blender -b --factory-startup --python scripts/blender/make_picture.py -- FILE OUT.png FRAMES [R,G,B] [AZIMUTH,ELEVATION]
+    blender -b --factory-startup --python scripts/blender/make_picture.py -- \\
+      FILE OUT.png FRAMES [R,G,B] [AZIMUTH,ELEVATION]
 
 FILE: any file of the sequence. FRAMES: 2,6,10. The camera stands still, so that all of them fit into the picture.
 """

@@ -1,4 +1,4 @@
-"""What the scripts that render pictures have in common: material, camera, light and Cycles on the CPU. Inside Blender."""
+"""What the scripts that render pictures have in common, inside Blender: material, camera, light, Cycles on the CPU."""
 
 import math
 

@@ -1,8 +1,8 @@
 """The add-on in Blender, without a display: imports sequences, steps the scene's frame, saves and loads.
 
-Run by scripts/blender/check: blender -b --factory-startup --python-exit-code 1 --python in_blender.py -- ADDON.zip FOLDER
-FOLDER has glb/f_K.glb and ply/f_K.ply of the same surfaces, K = 1, 2, 3, 5 and 10, and far/f_K.glb far from the origin. What
-the files hold is read by the tests' own reader, not by the add-on's. FOLDER/saved.blend is left for check_frames.py.
+Run by scripts/blender/check: blender -b --python-exit-code 1 --python in_blender.py -- ADDON.zip FOLDER
+FOLDER has glb/f_K.glb and ply/f_K.ply of the same surfaces, K = 1, 2, 3, 5 and 10, and far/f_K.glb far from the origin.
+What the files hold is read by the tests' own reader, not by the add-on's. FOLDER/saved.blend is left for rendered.py.
 """
 
 import pathlib
@@ -146,7 +146,8 @@ class AddonTest(unittest.TestCase):
         folder = FOLDER / "attributes"
         folder.mkdir(exist_ok=True)
         for number in (1, 2):
-            rows = "".join(f"{x} {y} {x * number} {number} {number} 0 0 1 255 0 127\n" for x, y in ((0, 0), (1, 0), (0, 1)))
+            rows = "".join(f"{x} {y} {x * number} {number} {number} 0 0 1 255 0 127\n"
+                           for x, y in ((0, 0), (1, 0), (0, 1)))
             (folder / f"a{number}.ply").write_text(
                 "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
                 "property float density\nproperty int id\nproperty float velocity_0\nproperty float velocity_1\n"

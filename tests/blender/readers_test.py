@@ -212,7 +212,8 @@ class GlbTest(FolderTest):
             self.assert_unreadable(read_glb, path, name, "without compression")
         path = self.write("a.glb", triangle_glb(primitive={"extensions": {"KHR_draco_mesh_compression": {}}}))
         self.assert_unreadable(read_glb, path, "Draco")
-        self.assert_unreadable(read_glb, self.write("a.glb", triangle_glb(extensionsRequired=["EXT_other"])), "EXT_other")
+        path = self.write("a.glb", triangle_glb(extensionsRequired=["EXT_other"]))
+        self.assert_unreadable(read_glb, path, "EXT_other")
 
     def test_damaged_files(self):
         self.assert_unreadable(read_glb, self.folder / "none.glb", "No such file")
@@ -226,7 +227,8 @@ class GlbTest(FolderTest):
             (good.replace(b'"mesh": 0', b'"mesh": {'), "damaged"),
             (triangle_glb([{"children": [0]}]), "twice"),
             (triangle_glb(primitive={"indices": 0}), "no indices"),
-            (triangle_glb(attributes=[("_i", np.array([[0], [1], [3]], np.uint8), {})], primitive={"indices": 1}), "corner"),
+            (triangle_glb(attributes=[("_i", np.array([[0], [1], [3]], np.uint8), {})],
+                          primitive={"indices": 1}), "corner"),
             (triangle_glb(attributes=[("NORMAL", TRIANGLE[:2], {})]), "2 of 3"),
         ):
             self.assert_unreadable(read_glb, self.write("a.glb", damaged), told)
@@ -267,7 +269,8 @@ class PlyTest(FolderTest):
             "ascii", b"0 0 0 255 0 0 255\n1 0 0 255 0 0 255\n0 1 0 255 0 0 255\n7 8\n1 3 0 1 2 0.5\n",
             "comment x", "obj_info y", "element vertex 3", *XYZ, "property uchar red", "property uchar green",
             "property uchar blue", "property uchar alpha", "element edge 1", "property int a", "property int b",
-            "element face 1", "property uchar flags", "property list uint8 uint32 vertex_index", "property float quality",
+            "element face 1", "property uchar flags", "property list uint8 uint32 vertex_index",
+            "property float quality",
         ).replace(b"\n", b"\r\n"))
         np.testing.assert_array_equal(surface.triangles, [[0, 1, 2]])
         np.testing.assert_array_equal(surface.attributes[0].values[0], [1, 0, 0, 1])
@@ -340,7 +343,8 @@ class SequenceTest(FolderTest):
         self.assertEqual([sequence.number_at(frame, 0, 3, 5, False) for frame in (-1, 0, 1, 2, 9)], [3, 3, 3, 5, 5])
 
     def test_the_number_that_changes_is_the_frames(self):
-        self.touch("sim2_0001_iso05.glb", "sim2_0002_iso05.glb", "sim2_0003_iso05.glb", "sim3_0001_iso05.glb", "a7b.glb")
+        self.touch("sim2_0001_iso05.glb", "sim2_0002_iso05.glb", "sim2_0003_iso05.glb", "sim3_0001_iso05.glb")
+        self.touch("a7b.glb")
         folder = str(self.folder)
         self.assertEqual(pattern_of(folder, "sim2_0002_iso05.glb"), "sim2_{}_iso05.glb")
         self.assertEqual(pattern_of(folder, "a7b.glb"), "a{}b.glb")

@@ -1,7 +1,7 @@
 """Reads GLB files (glTF 2.0, binary) with numpy alone: all triangles of the scene, with what their vertices carry.
 
-Read are the translations, rotations and scales of nodes, accessors with gaps between their values (byteStride) and those
-of whole numbers (KHR_mesh_quantization). A node of no size, as animations hide one, shows nothing and is left out.
+Read are the translations, rotations and scales of nodes, accessors with gaps between their values (byteStride) and
+those of whole numbers (KHR_mesh_quantization). A node of no size, as animations hide one, shows nothing and is left out.
 Compressed files are refused with a message that says what to do.
 """
 
@@ -150,7 +150,8 @@ class _Model:
         accessor = self.document["accessors"][index]
         if "sparse" in accessor:
             raise UnreadableFile(f"{self.path}: has sparse accessors, which this add-on does not read")
-        kind, width, count = np.dtype(COMPONENTS[accessor["componentType"]]), WIDTHS[accessor["type"]], accessor["count"]
+        kind, width = np.dtype(COMPONENTS[accessor["componentType"]]), WIDTHS[accessor["type"]]
+        count = accessor["count"]
         if "bufferView" not in accessor:
             raise UnreadableFile(f"{self.path}: accessor {index} has no data")
         view = self.document["bufferViews"][accessor["bufferView"]]

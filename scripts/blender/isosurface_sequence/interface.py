@@ -49,7 +49,8 @@ class ImportSequence(bpy.types.Operator, ImportHelper):
             context.view_layer.objects.active = item
             missing = item.isosurface_sequence.sequence().missing()
             if missing:
-                self.report({"WARNING"}, f"{item.isosurface_sequence.pattern}: {missing} missing; the one before is shown")
+                pattern = item.isosurface_sequence.pattern
+                self.report({"WARNING"}, f"{pattern}: {missing} missing; the one before is shown")
             if item.isosurface_sequence.problem:
                 self.report({"WARNING"}, item.isosurface_sequence.problem)
         return {"FINISHED"}
@@ -101,6 +102,10 @@ class ReloadSequence(bpy.types.Operator):
         return {"FINISHED"}
 
 
+SHOWN_PROPERTIES = (
+    "folder", "pattern", "first_number", "last_number", "start_frame", "ends", "up", "smooth", "normals")
+
+
 class SequencePanel(bpy.types.Panel):
     bl_idname = "OBJECT_PT_isosurface_sequence"
     bl_label = "Isosurface Sequence"
@@ -115,7 +120,7 @@ class SequencePanel(bpy.types.Panel):
     def draw(self, context):
         properties = context.object.isosurface_sequence
         self.layout.use_property_split = True
-        for name in ("folder", "pattern", "first_number", "last_number", "start_frame", "ends", "up", "smooth", "normals"):
+        for name in SHOWN_PROPERTIES:
             self.layout.prop(properties, name)
         if properties.problem:
             self.layout.label(text=properties.problem, icon="ERROR")

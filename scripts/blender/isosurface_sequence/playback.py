@@ -59,7 +59,8 @@ class SequenceProperties(bpy.types.PropertyGroup):
         sequence = self.sequence()
         number = sequence.number_at(frame, self.start_frame, self.first_number, self.last_number, self.ends == "LOOP")
         if number is None:
-            raise UnreadableFile(f"{sequence.folder}: no file {self.pattern} from {self.first_number} to {self.last_number}")
+            raise UnreadableFile(
+                f"{sequence.folder}: no file {self.pattern} from {self.first_number} to {self.last_number}")
         return sequence.path(number)
 
 
