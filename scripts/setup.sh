@@ -6,6 +6,9 @@
 #   scripts/setup.sh test fuzz  and those of the fuzz targets
 #   scripts/setup.sh bench      what building the program needs, and what it is compared with
 #   scripts/setup.sh measure    what scripts/measure needs: that, and whose topology is compared
+#   scripts/setup.sh blender    what scripts/blender/check needs besides the program
+#   scripts/setup.sh viewers    what scripts/check_in_viewers.py needs: Blender and MeshLab
+#   scripts/setup.sh cluster    what scripts/cluster/try_slurm needs: Slurm, and GNU parallel
 set -euo pipefail
 
 # libepoxy-dev is for the GPU backend, and the Mesa packages after it let it run where there is no GPU.
@@ -20,13 +23,18 @@ build_packages=(
 # OpenVDB writes the VDB files that the tests read. Its headers include Boost's; its package does not say so. dpkg-dev
 # unpacks the source of oneTBB (scripts/tsan_tbb).
 test_packages=(
-  libgtest-dev libopenvdb-dev libboost-dev clang-format clang-tidy python3 python3-jsonschema shellcheck mandoc
-  bash-completion zsh fish gnuplot-nox dpkg-dev
+  libgtest-dev libopenvdb-dev libboost-dev clang-format clang-tidy python3 python3-jsonschema python3-numpy
+  shellcheck mandoc bash-completion zsh fish gnuplot-nox dpkg-dev
 )
 fuzz_packages=(clang libclang-rt-14-dev)
 bench_packages=(libvtk9-dev libopenvdb-dev libboost-dev libimath-dev libopenvdb-tools python3)
 # Building the random fields needs the packages of the tests' CMake files.
 measure_packages=(gnuplot-nox libgtest-dev python3-numpy python3-vtk9 python3-skimage)
+
+# Not part of scripts/test: too large.
+blender_packages=(blender python3 python3-numpy)
+viewers_packages=("${blender_packages[@]}" meshlab xvfb xauth)
+cluster_packages=(slurm-wlm munge parallel)
 
 say() { printf 'setup: %s\n' "$*" >&2; }
 
@@ -43,8 +51,11 @@ for group in "$@"; do
     fuzz) wanted+=("${fuzz_packages[@]}") ;;
     bench) wanted+=("${bench_packages[@]}") ;;
     measure) wanted+=("${bench_packages[@]}" "${measure_packages[@]}") ;;
+    blender) wanted+=("${blender_packages[@]}") ;;
+    viewers) wanted+=("${viewers_packages[@]}") ;;
+    cluster) wanted+=("${cluster_packages[@]}") ;;
     *)
-      say "unknown group '$group': expected build, test, fuzz, bench or measure"
+      say "unknown group '$group': expected build, test, fuzz, bench, measure, blender, viewers or cluster"
       exit 1
       ;;
   esac
