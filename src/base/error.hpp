@@ -18,6 +18,7 @@ enum class ErrorKind {
   input = 2,         // the input cannot be read, or does not hold what was asked for
   unavailable = 3,   // a feature or device that was asked for is not there
   output = 4,        // the result cannot be written
+  frames = 5,        // some of many frames failed
   verification = 6,  // what was to be verified does not hold
   cancelled = 130,   // somebody asked for the end (128 + SIGINT)
 };

@@ -87,9 +87,9 @@ class Scheduler {
     const std::size_t beside =
         std::min<std::size_t>(static_cast<std::size_t>(std::max(options_.jobs, 1)), left() + running_.size());
     const int threads = std::max(1, options_.threads / static_cast<int>(std::max<std::size_t>(beside, 1)));
-    events_.started(frame);
     const Context own = place->context;
     lock.unlock();
+    events_.started(frame);
     convert::Events unheard;
     convert::Outcome outcome;
     tbb::task_arena arena(threads);
@@ -104,7 +104,9 @@ class Scheduler {
       ++counts_.repeated;
       return;
     }
+    lock.unlock();
     const bool kept = events_.finished(frame, outcome);
+    lock.lock();
     ++(outcome.done() ? counts_.done : counts_.failed);
     if (!kept || (options_.fail_fast && !outcome.done())) end();
   }

@@ -20,14 +20,16 @@ struct SchedulerOptions {
   bool mesh_facts = false;          // Outcome::meshes
 };
 
-// Told by one thread at a time, whichever. Every function does nothing unless it is overridden.
+// Told by the threads that convert, side by side: who listens guards what it has. Every function does nothing unless it
+// is overridden.
 class FrameEvents {
  public:
   virtual ~FrameEvents() = default;
 
+  // Before a frame is converted; for one that is repeated, twice.
   virtual void started(std::size_t /*frame*/) {}
-  // Every frame that was started, once, in the order in which they end. False ends the batch as a failure does with
-  // fail_fast: what the listener keeps of the frame could not be kept.
+  // Every frame that was started, once. False ends the batch as a failure does with fail_fast: what the listener keeps
+  // of the frame could not be kept.
   virtual bool finished(std::size_t /*frame*/, const convert::Outcome& /*outcome*/) { return true; }
 };
 

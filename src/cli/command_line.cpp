@@ -169,6 +169,7 @@ Request request_of(const CommandLine& line, const CLI::App* command) {
   if (command == line.bench) return Request::bench;
   if (command == line.stability) return Request::stability;
   if (command == line.devices) return Request::devices;
+  if (command == line.merge) return Request::merge;
   if (command == line.help) return Request::help;
   if (command == line.generate) return Request::generate;
   return Request::convert;

@@ -16,6 +16,7 @@ enum class Request {
   compare,
   bench,
   stability,
+  merge,
   devices,
   help,
   generate,

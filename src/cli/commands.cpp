@@ -14,6 +14,8 @@
 #include <fmt/format.h>
 
 #include "base/version.hpp"
+#include "cli/batch_command.hpp"
+#include "cli/batch_plan.hpp"
 #include "cli/bench_command.hpp"
 #include "cli/command_line.hpp"
 #include "cli/compare_command.hpp"
@@ -125,10 +127,12 @@ int run_arguments(const std::vector<std::string>& arguments) {
     case Request::verify: return run_verify_command(line->verify_flags);
     case Request::compare: return run_compare_command(line->compare_flags);
     case Request::bench: return run_bench_command(line->bench_flags);
+    case Request::merge: return done_or_reported(run_merge(line->merge_flags));
     case Request::devices: return done_or_reported(run_devices(line->devices_flags));
     case Request::stability: return run_stability_command(line->stability_flags);
     case Request::convert: break;
   }
+  if (is_batch(line->convert_flags)) return done_or_reported(run_batch(line->convert_flags, arguments));
   return done_or_reported(run_convert(line->convert_flags, arguments));
 }
 

@@ -17,6 +17,7 @@
 #include "cli/plan.hpp"
 #include "cli/progress_bar.hpp"
 #include "cli/remedies.hpp"
+#include "cli/report_file.hpp"
 #include "cli/simplify_text.hpp"
 #include "cli/threads.hpp"
 #include "cli/verification_text.hpp"
@@ -214,23 +215,6 @@ std::invoke_result_t<Step> attempt(const Step& step) {
   } catch (const std::exception&) {
     return tl::unexpected(error_of_exception());
   }
-}
-
-Result<void> check_report_file(const std::string& report, const convert::ConversionJob& job) {
-  auto checked = convert::check_other_file(report, job);
-  if (!checked && checked.error().kind == ErrorKind::usage) checked.error().hint = "choose another name with --report";
-  return checked;
-}
-
-// `job` as convert::report_of() has it.
-Result<void> write_report(const std::string& path, const convert::ConversionJob* job, const convert::Outcome& outcome,
-                          const std::vector<std::string>& arguments, std::uint64_t memory_limit) {
-  const std::string hint = outcome.error ? words_of(outcome.error->hint) : "";
-  auto file = files::OutputFile::create(path);
-  if (!file) return tl::unexpected(file.error());
-  const std::string text = convert::json_text(convert::report_of(job, outcome, arguments, memory_limit, hint));
-  if (auto written = file->write(text); !written) return written;
-  return file->commit();
 }
 
 convert::Outcome failed(const Error& error) {

@@ -14,8 +14,6 @@
 namespace isoextract::cli {
 namespace {
 
-// Okabe and Ito, "Color universal design", 2008: told apart with any colour vision.
-constexpr std::array<std::string_view, 6> kColours{"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"};
 constexpr std::array<int, 4> kPoints{7, 5, 9, 13};  // filled circle, square, triangle, diamond
 
 // One line of the plot: what shares input, method, backend and threads.
@@ -98,16 +96,10 @@ std::string ranges(const std::vector<measure::BenchResult>& results) {
                      range_with_numbers(least[1] / 2, most[1] * 3));
 }
 
-std::string terminal(PictureFormat format) {
-  return format == PictureFormat::svg
-             ? "set terminal svg size 900,600 dynamic font 'Helvetica,Arial,sans-serif,15' background '#ffffff'\n"
-             : "set terminal pngcairo size 1350,900 font 'Sans,16' background '#ffffff'\n";
-}
-
 }  // namespace
 
 std::string error_plot_script(const std::vector<measure::BenchResult>& results, int repeats, PictureFormat format) {
-  std::string script = terminal(format);
+  std::string script = plot_terminal(format);
   std::vector<std::string> inputs;
   for (const measure::BenchResult& result : results)
     inputs.push_back(fmt::format("{} at iso {}", result.input, result.iso));
@@ -131,7 +123,7 @@ std::string error_plot_script(const std::vector<measure::BenchResult>& results, 
   for (std::size_t l = 0; l < lines.size(); ++l) {
     const Line& line = lines[l];
     script += fmt::format("$line{} << END\n{}END\n", l, line.data);
-    const std::string_view colour = kColours[place_of(hues, line.hue) % kColours.size()];
+    const std::string_view colour = plot_colour(place_of(hues, line.hue));
     const std::size_t shape = place_of(threads, line.threads);
     plots.push_back(
         fmt::format("$line{} using 1:2 with linespoints linecolor '{}' linewidth 2 dashtype {} pointtype {} "

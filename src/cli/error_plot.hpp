@@ -4,11 +4,10 @@
 #include <string>
 #include <vector>
 
+#include "cli/gnuplot.hpp"
 #include "measure/benchmark.hpp"
 
 namespace isoextract::cli {
-
-enum class PictureFormat { svg, png };
 
 // Both axes logarithmic; one line for each input, method, backend and number of threads, points labelled with their
 // size, and rings around those that nothing beats on both.

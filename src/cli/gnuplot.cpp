@@ -143,4 +143,16 @@ std::string gnuplot_quoted(std::string_view text) {
   return quoted + "'";
 }
 
+std::string plot_terminal(PictureFormat format) {
+  return format == PictureFormat::svg
+             ? "set terminal svg size 900,600 dynamic font 'Helvetica,Arial,sans-serif,15' background '#ffffff'\n"
+             : "set terminal pngcairo size 1350,900 font 'Sans,16' background '#ffffff'\n";
+}
+
+std::string_view plot_colour(std::size_t n) {
+  // Okabe and Ito, "Color universal design", 2008.
+  constexpr std::array<std::string_view, 6> kColours{"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"};
+  return kColours[n % kColours.size()];
+}
+
 }  // namespace isoextract::cli

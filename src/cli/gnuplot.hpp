@@ -1,6 +1,7 @@
 // gnuplot as a process of its own: a script in, a picture out. No shell, no files besides.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -17,5 +18,13 @@ namespace isoextract::cli {
 
 // `text` as a string of a script, whatever is in it.
 [[nodiscard]] std::string gnuplot_quoted(std::string_view text);
+
+enum class PictureFormat { svg, png };
+
+// The first lines of a script.
+[[nodiscard]] std::string plot_terminal(PictureFormat format);
+
+// Of the n-th line: told apart with any colour vision; they repeat.
+[[nodiscard]] std::string_view plot_colour(std::size_t n);
 
 }  // namespace isoextract::cli

@@ -104,6 +104,7 @@ HelpTopic exit_codes_topic() {
              {"2", "the input cannot be read, or does not hold what was asked for"},
              {"3", "a feature or device that was asked for, or a thread, is not available"},
              {"4", "the result cannot be written"},
+             {"5", "some frames of a batch failed, or were not started; the others are done"},
              {"6", "what was to be verified does not hold"}}}}};
 }
 

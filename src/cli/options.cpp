@@ -240,6 +240,52 @@ void declare_convert_surface(CLI::App& app, ConvertFlags& flags) {
                "an empty one (default: error).");
 }
 
+Result<batch::FrameRange> parse_frames(std::string_view text) { return batch::FrameRange::parse(text); }
+Result<batch::Shard> parse_shard(std::string_view text) { return batch::parse_shard(std::string(text)); }
+
+void declare_frames(CLI::App& app, BatchFlags& flags) {
+  const Group group(app, "Frames");
+  group.value("--frames", "A-BxS,...", flags.frames, parse_frames,
+              "Frames to convert, such as 1-240, 1-240x2 or 1-10,20 (default: all that match INPUT). Those that are "
+              "not there are told.");
+  group.value<std::string>("--iso-table", "FILE", flags.iso_table, parse_text,
+                           "Iso values by frame, in place of --iso: a CSV file with the columns frame and iso.");
+  group.value("--jobs", "N", flags.jobs, parse_thread_count,
+              "Frames to convert at a time, as far as --memory-limit lets them; they share --threads (default: as "
+              "many as threads; 1 on a GPU). The output does not depend on it.");
+  group.flag("--resume", flags.resume,
+             "Do only what is not done: frames whose record, input and output are what the manifest in the folder of "
+             "the outputs says are left alone.");
+  group.flag("--fail-fast", flags.fail_fast, "End with the first frame that fails (default: go on, and exit with 5).");
+  group.flag("--no-clobber", flags.no_clobber, "Leave out frames of which a file is there, whoever wrote it.");
+  group.flag("--mkdir", flags.make_folders, "Make the folders of the outputs; so does a slash at the end of -o.");
+  group.flag("--dry-run", flags.dry_run,
+             "Show the frames, their files and an estimate of memory on stdout, and do nothing.");
+  group.value<std::string>("--table", "FILE", flags.table, parse_text,
+                           "Write a table of all frames, .csv or .json: triangles, area, volume, time, memory.");
+  group.value<std::string>("--plot", "FILE", flags.plot, parse_text,
+                           "Draw the table over the frames with gnuplot, as .svg or .png.");
+  group.choice("--progress", flags.progress,
+               "How to tell on stderr how far it is: a bar on a terminal, a line of JSON an event, or not at all "
+               "(default: bar).");
+  group.value("--shard", "K/N", flags.shard, parse_shard,
+              "Convert every N-th frame from the K-th on, for N machines; 'isoextract merge' joins what they did "
+              "(default: as the variables of a Slurm array or an indexed Kubernetes job say).");
+}
+
+void declare_quiet(CLI::App& app, bool& quiet) {
+  const Group run(app, "Run");
+  run.flag("-q,--quiet", quiet, kQuietText);
+  run.help_flag();
+}
+
+void declare_merge(CLI::App& app, MergeFlags& flags) {
+  Group(app, "Input")
+      .value<std::string>("FOLDER", "FOLDER", flags.folder, parse_text,
+                          "The folder of the outputs, where the manifests of the shards are.");
+  declare_quiet(app, flags.quiet);
+}
+
 void declare_placement(CLI::App& app, PlacementFlags& flags) {
   const Group group(app, "Placement");
   group.choice("--space", flags.space,
@@ -348,11 +394,6 @@ void declare_stability(CLI::App& app, StabilityFlags& flags) {
 }
 
 // Of a command that says nothing but its results and errors.
-void declare_quiet(CLI::App& app, bool& quiet) {
-  const Group run(app, "Run");
-  run.flag("-q,--quiet", quiet, kQuietText);
-  run.help_flag();
-}
 
 void declare_devices(CLI::App& app, DevicesFlags& flags) {
   Group(app, "Output").flag("--json", flags.json, "Report as JSON, an array with one entry a device.");
@@ -381,6 +422,7 @@ std::unique_ptr<CommandLine> declare_command_line() {
   ConvertFlags& convert = line->convert_flags;
   declare_input(*line->convert, convert.input, "INPUT", "The volume to convert");
   declare_convert_surface(*line->convert, convert);
+  declare_frames(*line->convert, convert.batch);
   declare_placement(*line->convert, convert.placement);
   declare_output(*line->convert, convert);
   const Group convert_run(*line->convert, "Run");
@@ -420,6 +462,9 @@ std::unique_ptr<CommandLine> declare_command_line() {
   line->stability = add_command(app, "stability", "Extract extreme fields with every method, and check every vertex.");
   declare_stability(*line->stability, line->stability_flags);
 
+  line->merge = add_command(app, "merge", "Join the manifests of the shards of a batch, and check that all is there.");
+  declare_merge(*line->merge, line->merge_flags);
+
   line->devices = add_command(app, "devices", "List the GPUs that can be used without a display.");
   declare_devices(*line->devices, line->devices_flags);
 
@@ -440,7 +485,8 @@ std::unique_ptr<CommandLine> declare_command_line() {
 
 std::string synopsis(const CLI::App& command) {
   const std::string& name = command.get_name();
-  if (name == "convert") return "isoextract [convert] INPUT --iso V [-o FILE] [options]";
+  if (name == "convert") return "isoextract [convert] INPUT... --iso V [-o FILE] [options]";
+  if (name == "merge") return "isoextract merge FOLDER";
   if (name == "info") return "isoextract info INPUT... [options]";
   if (name == "verify") return "isoextract verify INPUT --iso V [MESH] [options]";
   if (name == "compare") return "isoextract compare A B [options]";

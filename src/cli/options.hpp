@@ -4,6 +4,7 @@
 // INPUT are completed with paths.
 #pragma once
 
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <memory>
@@ -15,6 +16,9 @@
 #include <CLI/CLI.hpp>
 #include <glm/glm.hpp>
 
+#include "base/words.hpp"
+#include "batch/frame_range.hpp"
+#include "batch/shard.hpp"
 #include "cli/backends.hpp"
 #include "cli/generate_docs.hpp"
 #include "cli/values.hpp"
@@ -70,8 +74,36 @@ struct DeviceFlags {
   std::optional<std::uint64_t> gpu_memory;
 };
 
+// How a batch tells how far it is, on stderr.
+enum class ProgressStyle {
+  bar,   // where that is a terminal
+  json,  // a line of JSON an event
+  none,
+};
+constexpr auto words_of(ProgressStyle /*type*/) {
+  return std::array{Word{ProgressStyle::bar, "bar"}, Word{ProgressStyle::json, "json"},
+                    Word{ProgressStyle::none, "none"}};
+}
+
+// What is about many frames.
+struct BatchFlags {
+  std::optional<batch::FrameRange> frames;
+  std::optional<std::string> iso_table;
+  std::optional<int> jobs;
+  std::optional<batch::Shard> shard;
+  bool resume = false;
+  bool fail_fast = false;
+  bool no_clobber = false;
+  bool make_folders = false;
+  bool dry_run = false;
+  std::optional<std::string> table;
+  std::optional<std::string> plot;
+  std::optional<ProgressStyle> progress;
+};
+
 struct ConvertFlags {
   InputFlags input;
+  BatchFlags batch;
   std::optional<convert::Backend> backend;
   DeviceFlags device;
   std::vector<double> isos;
@@ -133,6 +165,11 @@ struct BenchFlags {
   RunFlags run;
 };
 
+struct MergeFlags {
+  std::optional<std::string> folder;
+  bool quiet = false;
+};
+
 struct DevicesFlags {
   bool json = false;
   bool quiet = false;  // says nothing but its results anyway
@@ -156,6 +193,7 @@ struct CommandLine {
   CLI::App* bench = nullptr;
   CLI::App* stability = nullptr;
   CLI::App* devices = nullptr;
+  CLI::App* merge = nullptr;
   CLI::App* help = nullptr;
   CLI::App* generate = nullptr;
 
@@ -166,6 +204,7 @@ struct CommandLine {
   BenchFlags bench_flags;
   StabilityFlags stability_flags;
   DevicesFlags devices_flags;
+  MergeFlags merge_flags;
   std::optional<std::string> help_topic;
   std::optional<Document> document;
   bool quiet = false;  // of help and generate, which say nothing else anyway

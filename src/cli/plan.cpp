@@ -60,9 +60,14 @@ Result<meshes::MeshFormat> format_of_path(const std::string& path, std::string h
   return usage(fmt::format("{}: expected an extension of {}", path, fmt::join(names, ", ")), std::move(hint));
 }
 
+bool is_folder(const std::string& path) {
+  std::error_code none;
+  return path.ends_with('/') || std::filesystem::is_directory(path, none);
+}
+
 Result<meshes::MeshFormat> plan_format(const ConvertFlags& flags) {
   if (flags.format) return *flags.format;
-  if (!flags.output) return meshes::MeshFormat::glb;
+  if (!flags.output || is_folder(*flags.output)) return meshes::MeshFormat::glb;
   if (*flags.output == "-") return usage("-o - needs --format", "for example --format ply");
   return format_of_path(*flags.output, "choose the format with --format");
 }
@@ -189,16 +194,12 @@ Result<Verbosity> plan_verbosity(const RunFlags& flags) {
   return flags.quiet ? Verbosity::quiet : flags.verbose ? Verbosity::verbose : Verbosity::normal;
 }
 
-Result<ConvertPlan> plan_convert(const ConvertFlags& flags) {
+Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string& input,
+                                    const std::vector<double>& isos) {
   if (flags.report && (flags.report->empty() || *flags.report == "-")) {
     return usage(fmt::format("--report needs the name of a file, found '{}'", *flags.report));
   }
-  const std::vector<std::string>& inputs = flags.input.inputs;
-  if (inputs.empty()) return usage("no INPUT was given", "isoextract INPUT --iso V -o OUT.glb");
-  if (inputs.size() > 1) {
-    return usage(fmt::format("convert takes one input, and {} were given: {}", inputs.size(), fmt::join(inputs, ", ")));
-  }
-  if (auto checked = check_isos(flags.isos, inputs.front()); !checked) return tl::unexpected(checked.error());
+  if (auto checked = check_isos(isos, input); !checked) return tl::unexpected(checked.error());
   const auto verbosity = plan_verbosity(flags.run);
   if (!verbosity) return tl::unexpected(verbosity.error());
   if (flags.explain && flags.run.quiet) return usage("--quiet and --explain exclude each other");
@@ -207,7 +208,6 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& flags) {
   plan.verbosity = *verbosity;
   plan.threads = flags.run.threads;
   convert::ConversionJob& job = plan.job;
-  job.source.input = inputs.front();
   auto read = plan_read(flags.input);
   if (!read) return tl::unexpected(read.error());
   job.source.read = std::move(*read);
@@ -232,9 +232,6 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& flags) {
   auto placement = plan_placement(flags.placement, *format, plan.notes);
   if (!placement) return tl::unexpected(placement.error());
   job.source.placement = std::move(*placement);
-  auto outputs = plan_outputs(flags, info);
-  if (!outputs) return tl::unexpected(outputs.error());
-  job.outputs = std::move(*outputs);
 
   job.surface = plan_surface(flags.surface);
   job.verify = flags.verify;
@@ -252,6 +249,25 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& flags) {
   plan.explain = flags.explain;
   plan.report = flags.report;
   return plan;
+}
+
+Result<ConvertPlan> plan_convert(const ConvertFlags& flags) {
+  const std::vector<std::string>& inputs = flags.input.inputs;
+  if (inputs.empty()) return usage("no INPUT was given", "isoextract INPUT --iso V -o OUT.glb");
+  auto plan = plan_conversion(flags, inputs.front(), flags.isos);
+  if (!plan) return plan;
+  plan->job.source.input = inputs.front();
+  auto outputs = plan_outputs(flags, meshes::mesh_format_info(plan->job.format));
+  if (!outputs) return tl::unexpected(outputs.error());
+  plan->job.outputs = std::move(*outputs);
+  return plan;
+}
+
+Result<PictureFormat> picture_format_of(const std::string& path) {
+  const std::string extension = std::filesystem::path(path).extension();
+  if (extension == ".svg") return PictureFormat::svg;
+  if (extension == ".png") return PictureFormat::png;
+  return usage(fmt::format("{}: expected a name that ends in .svg or .png", path));
 }
 
 std::vector<convert::ConversionJob> plan_files(const ConvertFlags& flags) {
@@ -420,11 +436,9 @@ Result<BenchPlan> plan_bench(const BenchFlags& flags) {
   plan.json = flags.json;
   plan.plot = flags.plot;
   if (plan.plot) {
-    const std::string extension = std::filesystem::path(*plan.plot).extension();
-    if (extension != ".svg" && extension != ".png") {
-      return usage(fmt::format("{}: expected a name that ends in .svg or .png", *plan.plot));
-    }
-    plan.picture = extension == ".svg" ? PictureFormat::svg : PictureFormat::png;
+    const auto picture = picture_format_of(*plan.plot);
+    if (!picture) return tl::unexpected(picture.error());
+    plan.picture = *picture;
   }
   return plan;
 }

@@ -78,6 +78,12 @@ struct BenchPlan {
 [[nodiscard]] std::vector<NamedBackend> plan_backends(std::vector<NamedBackend> backends, const DeviceFlags& flags);
 [[nodiscard]] Result<Verbosity> plan_verbosity(const RunFlags& flags);
 [[nodiscard]] Result<ConvertPlan> plan_convert(const ConvertFlags& flags);
+// All of it but which files are read and written: the job's input is empty, and it has no outputs. `input` and `isos`
+// are the first that there are, for messages.
+[[nodiscard]] Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string& input,
+                                                  const std::vector<double>& isos);
+// By the extension of a picture's name.
+[[nodiscard]] Result<PictureFormat> picture_format_of(const std::string& path);
 // Of options that make no plan: what they name all the same, as a job an input with its files and nothing else. There
 // is one at least.
 [[nodiscard]] std::vector<convert::ConversionJob> plan_files(const ConvertFlags& flags);

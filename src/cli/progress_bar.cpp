@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -25,14 +26,14 @@ bool stderr_is_terminal() {
   return ::isatty(STDERR_FILENO) == 1 && terminal != nullptr && std::string_view(terminal) != "dumb";
 }
 
-std::string bar_text(const Progress& progress) {
+std::string bar_text(const Progress& progress, const std::string& text) {
   const std::uint64_t total = progress.total();
-  if (total == 0) return fmt::format("{}{} ...", kEraseLine, progress.stage());
+  if (total == 0) return fmt::format("{}{} ...", kEraseLine, text);
   // A stage may begin between the two reads; the bar then stands full for one redraw.
   const double share = std::min(1.0, static_cast<double>(progress.done()) / static_cast<double>(total));
   const auto filled = static_cast<std::size_t>(share * static_cast<double>(kBarWidth));
   return fmt::format("{}[{}{}] {:3.0f} % {}", kEraseLine, std::string(filled, '#'),
-                     std::string(kBarWidth - filled, '.'), 100 * share, progress.stage());
+                     std::string(kBarWidth - filled, '.'), 100 * share, text);
 }
 
 void write_to_stderr(std::string_view text) {
@@ -42,7 +43,8 @@ void write_to_stderr(std::string_view text) {
 
 }  // namespace
 
-ProgressBar::ProgressBar(const Progress& progress, bool wanted) : progress_(progress) {
+ProgressBar::ProgressBar(const Progress& progress, bool wanted, std::function<std::string()> text)
+    : progress_(progress), text_(std::move(text)) {
   if (!wanted || !stderr_is_terminal()) return;
   try {
     thread_ = std::thread([this] { draw_until_done(); });
@@ -64,7 +66,7 @@ void ProgressBar::draw_until_done() {
   std::unique_lock lock(mutex_);
   if (finished_.wait_for(lock, kSilentFor, [this] { return done_; })) return;
   do {
-    write_to_stderr(bar_text(progress_));
+    write_to_stderr(bar_text(progress_, text_ ? text_() : progress_.stage()));
     drawn_ = true;
   } while (!finished_.wait_for(lock, kRedrawEvery, [this] { return done_; }));
   erase();

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <condition_variable>
+#include <functional>
 #include <mutex>
+#include <string>
 #include <thread>
 
 #include "base/progress.hpp"
@@ -14,7 +16,8 @@ namespace isoextract::cli {
 // meanwhile does so within above().
 class ProgressBar {
  public:
-  ProgressBar(const Progress& progress, bool wanted);
+  // `text` says what stands behind the bar, in place of the stage; it is called from the bar's thread.
+  ProgressBar(const Progress& progress, bool wanted, std::function<std::string()> text = {});
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
@@ -32,6 +35,7 @@ class ProgressBar {
   void erase();
 
   const Progress& progress_;
+  std::function<std::string()> text_;
   std::mutex mutex_;
   std::condition_variable finished_;
   bool done_ = false;

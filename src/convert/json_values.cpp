@@ -9,6 +9,7 @@ std::string_view kind_name(ErrorKind kind) {
     case ErrorKind::input: return "input";
     case ErrorKind::unavailable: return "unavailable";
     case ErrorKind::output: return "output";
+    case ErrorKind::frames: return "frames";
     case ErrorKind::verification: return "verification";
     case ErrorKind::cancelled: break;
   }

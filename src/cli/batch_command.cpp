@@ -1,0 +1,289 @@
+#include "cli/batch_command.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+#include <tbb/task_arena.h>
+
+#include "base/byte_size.hpp"
+#include "base/printable.hpp"
+#include "batch/frame_table.hpp"
+#include "batch/manifest.hpp"
+#include "batch/output_names.hpp"
+#include "batch/scheduler.hpp"
+#include "cli/batch_plan.hpp"
+#include "cli/batch_progress.hpp"
+#include "cli/conversion_size.hpp"
+#include "cli/frame_plot.hpp"
+#include "cli/gnuplot.hpp"
+#include "cli/messages.hpp"
+#include "cli/report_file.hpp"
+#include "cli/threads.hpp"
+#include "files/output_file.hpp"
+
+namespace isoextract::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_there(const fs::path& path) {
+  std::error_code none;
+  return fs::exists(path, none);
+}
+
+Result<void> make_folders(const BatchPlan& plan) {
+  std::set<fs::path> folders;
+  for (const std::size_t i : plan.frames) {
+    for (const fs::path& file : files_of(plan.batch.frames[i].job)) folders.insert(file.parent_path());
+  }
+  for (const fs::path& folder : folders) {
+    if (folder.empty() || is_there(folder)) continue;
+    if (!plan.make_folders) {
+      return fail(ErrorKind::output, fmt::format("{}: there is no such folder", folder.string()),
+                  "--mkdir makes the folders of the outputs");
+    }
+    std::error_code error;
+    fs::create_directories(folder, error);
+    if (error) {
+      return fail(ErrorKind::output, fmt::format("{}: cannot make the folder: {}", folder.string(), error.message()));
+    }
+  }
+  return {};
+}
+
+// What a batch keeps of its frames while they run, side by side.
+class FrameKeeper final : public batch::FrameEvents {
+ public:
+  FrameKeeper(const BatchPlan& plan, const std::vector<std::string>& arguments, batch::Manifest& manifest,
+              BatchProgress& progress)
+      : plan_(plan),
+        arguments_(arguments),
+        manifest_(manifest),
+        progress_(progress),
+        rows_(plan.batch.frames.size()),
+        inputs_(plan.batch.frames.size()) {
+    for (const std::size_t i : plan.frames) {
+      rows_[i].frame = plan.batch.frames[i].number;
+      rows_[i].input = plan.batch.frames[i].job.source.input;
+    }
+  }
+
+  // A frame that is left alone because it is done. Before the run.
+  void keep(std::size_t frame, const batch::FrameRecord* record) {
+    batch::FrameRow& row = rows_[frame];
+    row.status = batch::FrameStatus::kept;
+    if (record != nullptr) {
+      row.figures = record->figures;
+      for (const batch::FileRecord& file : record->outputs) row.outputs.push_back(file.path);
+    }
+    progress_.over(row);
+  }
+
+  void started(std::size_t frame) override {
+    auto states = batch::input_states(plan_.batch.frames[frame]);
+    // One that cannot be read fails when it is converted, with a better message.
+    if (states) inputs_[frame] = std::move(*states);
+  }
+
+  bool finished(std::size_t frame, const convert::Outcome& outcome) override {
+    const batch::FrameJob& job = plan_.batch.frames[frame];
+    batch::FrameRow& row = rows_[frame];
+    std::optional<Error> error = outcome.error;
+    if (plan_.report) {
+      if (auto reported = report(job, outcome); !reported && !error) error = reported.error();
+    }
+    if (!error) error = record(frame, outcome);
+    row.figures = batch::figures_of(outcome);
+    for (const meshes::WrittenFile& file : outcome.files) row.outputs.push_back(file.path);
+    row.status = error ? batch::FrameStatus::failed : batch::FrameStatus::done;
+    if (error) {
+      row.error = printable(error->message);
+      progress_.failed(job.number, *error);
+    } else {
+      for (const std::string& note : outcome.notes) progress_.detail(fmt::format("frame {}: {}", job.number, note));
+      progress_.detail(fmt::format("frame {}: {}: {:.2f} s, {}", job.number, printable(job.job.source.input),
+                                   row.figures.wall_seconds, format_byte_size(row.figures.bytes)));
+    }
+    progress_.over(row);
+    return !unkept_;
+  }
+
+  // Of this run's frames, in their order.
+  [[nodiscard]] std::vector<batch::FrameRow> rows() const {
+    std::vector<batch::FrameRow> rows;
+    for (const std::size_t i : plan_.frames) rows.push_back(rows_[i]);
+    return rows;
+  }
+
+  // Why the manifest could not be written, which ends the batch.
+  [[nodiscard]] const std::optional<Error>& unkept() const { return unkept_; }
+
+ private:
+  std::optional<Error> record(std::size_t frame, const convert::Outcome& outcome) {
+    auto made = batch::record_of(plan_.batch.frames[frame], std::move(inputs_[frame]), outcome);
+    if (!made) return made.error();
+    const std::lock_guard lock(mutex_);
+    if (auto added = manifest_.add(*made); !added) {
+      unkept_ = added.error();
+      return added.error();
+    }
+    return std::nullopt;
+  }
+
+  Result<void> report(const batch::FrameJob& frame, const convert::Outcome& outcome) const {
+    const convert::SourceOptions& source = frame.job.source;
+    const std::vector<double> isos = frame.job.isos();
+    const std::string path = plan_.report->expand(
+        {batch::stem_of(source.input), frame.number, source.read.grid.value_or(""), isos.empty() ? 0 : isos.front()});
+    if (auto checked = check_report_file(path, frame.job); !checked) return checked;
+    return write_report(path, &frame.job, outcome, arguments_, plan_.common.memory.limit());
+  }
+
+  const BatchPlan& plan_;
+  const std::vector<std::string>& arguments_;
+  batch::Manifest& manifest_;
+  BatchProgress& progress_;
+  std::vector<batch::FrameRow> rows_;  // by frame; each is touched by the thread that converts it
+  std::vector<std::vector<batch::FileRecord>> inputs_;
+  std::mutex mutex_;  // of the manifest
+  std::optional<Error> unkept_;
+};
+
+Result<void> write_text(const std::string& path, const std::string& text) {
+  auto file = files::OutputFile::create(path);
+  if (!file) return tl::unexpected(file.error());
+  if (auto written = file->write(text); !written) return written;
+  return file->commit();
+}
+
+Result<void> write_tables(const BatchPlan& plan, const std::vector<batch::FrameRow>& rows) {
+  if (plan.table) {
+    const bool is_json = fs::path(*plan.table).extension() == ".json";
+    const std::string text = is_json ? convert::json_text(batch::table_json(rows)) : batch::table_csv(rows);
+    if (auto written = write_text(*plan.table, text); !written) return written;
+  }
+  if (!plan.plot) return {};
+  const auto picture = run_gnuplot(frame_plot_script(rows, plan.picture));
+  if (!picture) return tl::unexpected(picture.error());
+  return write_text(*plan.plot, *picture);
+}
+
+// What would be done, on stdout.
+Result<void> print_plan(const BatchPlan& plan, const Messages& messages) {
+  std::string text;
+  std::uint64_t bytes = 0;
+  std::uint64_t largest = 0;
+  std::size_t largest_frame = 0;
+  for (const std::size_t i : plan.frames) {
+    const batch::FrameJob& frame = plan.batch.frames[i];
+    std::error_code none;
+    const std::uintmax_t size = fs::file_size(frame.job.source.input, none);
+    if (!none) {
+      bytes += size;
+      if (size > largest) {
+        largest = size;
+        largest_frame = i;
+      }
+    }
+    for (const convert::OutputFileJob& output : frame.job.outputs) {
+      text += fmt::format("frame {}: {}{} -> {}{}\n", frame.number, printable(frame.job.source.input),
+                          none ? "" : fmt::format(" ({})", format_byte_size(size)), printable(output.path),
+                          is_there(output.path) ? ", which is there" : "");
+    }
+  }
+  text += fmt::format("frames: {}, {} of inputs; {}\n", plan.frames.size(), format_byte_size(bytes),
+                      plan.gaps.empty() ? "no gaps" : fmt::format("not there: {}", batch::text_of(plan.gaps, 20)));
+  text += fmt::format("jobs: {} at a time\n", plan.jobs);
+  text += fmt::format("manifest: {}\n", (plan.folder / batch::manifest_name(plan.shard)).string());
+  if (!plan.frames.empty()) {
+    const std::size_t sample = largest > 0 ? largest_frame : plan.frames.front();
+    const auto memory = estimated_memory(plan.batch.frames[sample].job, plan.common.memory);
+    if (!memory) return tl::unexpected(memory.error());
+    constexpr std::uint64_t kMiB = 1 << 20;
+    const std::uint64_t at_once = std::min<std::uint64_t>(static_cast<std::uint64_t>(plan.jobs), plan.frames.size());
+    text += fmt::format("memory: about {} MiB ({} for frame {}, {} at a time)\n", (*memory * at_once + kMiB - 1) / kMiB,
+                        format_byte_size(*memory), plan.batch.frames[sample].number, at_once);
+  }
+  for (const std::string& note : plan.common.notes) messages.note(note);
+  return print_to_stdout(text);
+}
+
+Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& arguments, const Messages& messages) {
+  if (plan.dry_run) return print_plan(plan, messages);
+  if (plan.plot) {
+    if (auto there = check_gnuplot(); !there) return there;
+  }
+  if (auto limited = limit_threads(plan.common.threads); !limited) return limited;
+  if (auto made = make_folders(plan); !made) return made;
+  auto manifest = batch::Manifest::open(plan.folder, batch::header_of(plan.batch, plan.shard, arguments), plan.resume);
+  if (!manifest) return tl::unexpected(manifest.error());
+  if (plan.progress != ProgressStyle::json) {
+    for (const std::string& note : plan.common.notes) messages.note(note);
+    if (!plan.gaps.empty()) messages.note(fmt::format("frames that are not there: {}", batch::text_of(plan.gaps, 20)));
+  }
+
+  BatchProgress progress(plan.progress, messages, plan.frames.size());
+  FrameKeeper keeper(plan, arguments, *manifest, progress);
+  std::vector<std::size_t> which;
+  std::uint64_t kept = 0;
+  for (const std::size_t i : plan.frames) {
+    const batch::FrameJob& frame = plan.batch.frames[i];
+    const batch::FrameRecord* record = plan.resume ? manifest->find(convert::hash_of(frame.job)) : nullptr;
+    const auto files = files_of(frame.job);
+    const bool is_done = plan.no_clobber ? std::ranges::any_of(files, is_there)
+                                         : record != nullptr && batch::why_again(*record, frame).empty();
+    if (!is_done) {
+      which.push_back(i);
+      continue;
+    }
+    keeper.keep(i, record);
+    ++kept;
+  }
+  const Context context{plan.common.memory};
+  const batch::SchedulerOptions options{
+      .jobs = plan.jobs,
+      .threads = plan.common.threads.value_or(tbb::this_task_arena::max_concurrency()),
+      .fail_fast = plan.fail_fast,
+      .mesh_facts = plan.table || plan.plot || plan.report};
+  const batch::BatchCounts counts = batch::run(plan.batch, which, options, context, keeper);
+  const std::vector<batch::FrameRow> rows = keeper.rows();
+  const auto failed =
+      static_cast<std::uint64_t>(std::ranges::count(rows, batch::FrameStatus::failed, &batch::FrameRow::status));
+  const auto done =
+      static_cast<std::uint64_t>(std::ranges::count(rows, batch::FrameStatus::done, &batch::FrameRow::status));
+  progress.end(done, failed, kept, counts.not_started);
+  if (auto written = write_tables(plan, rows); !written) return written;
+  if (keeper.unkept()) return tl::unexpected(*keeper.unkept());
+  if (failed == 0 && counts.not_started == 0) return {};
+  std::string text = fmt::format("{} of {} frames failed", failed, plan.frames.size());
+  if (counts.not_started > 0) text += fmt::format(", and {} were not started", counts.not_started);
+  return fail(ErrorKind::frames, text, "--resume does what is not done yet, once that is mended");
+}
+
+}  // namespace
+
+Result<void> run_batch(const ConvertFlags& flags, const std::vector<std::string>& arguments) {
+  const auto plan = plan_batch(flags, [](const char* name) -> const char* { return std::getenv(name); });
+  if (!plan) return tl::unexpected(plan.error());
+  return run_planned(*plan, arguments, Messages(plan->common.verbosity));
+}
+
+Result<void> run_merge(const MergeFlags& flags) {
+  if (!flags.folder || flags.folder->empty()) {
+    return fail(ErrorKind::usage, "merge needs the folder of the shards' outputs", "isoextract merge FOLDER");
+  }
+  const auto merged = batch::merge_shards(*flags.folder);
+  if (!merged) return tl::unexpected(merged.error());
+  Messages(flags.quiet ? Verbosity::quiet : Verbosity::normal)
+      .summary(fmt::format("{}: {} frames of {} shards, all there", merged->manifest.string(), merged->frames,
+                           merged->shards));
+  return {};
+}
+
+}  // namespace isoextract::cli

@@ -1,0 +1,176 @@
+#include "cli/batch_plan.hpp"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+#include <tbb/task_arena.h>
+
+#include "batch/find_frames.hpp"
+#include "batch/frame_pattern.hpp"
+#include "batch/iso_table.hpp"
+#include "batch/output_names.hpp"
+#include "convert/output_checks.hpp"
+#include "field/demo_field.hpp"
+
+namespace isoextract::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+tl::unexpected<Error> usage(std::string message, Hint hint = {}) {
+  return fail(ErrorKind::usage, std::move(message), std::move(hint));
+}
+
+bool exists(const std::string& path) {
+  std::error_code none;
+  return fs::exists(path, none);
+}
+
+// The deepest folder that all of the files are in.
+fs::path common_folder(const batch::BatchJob& batch) {
+  std::optional<fs::path> common;
+  for (const batch::FrameJob& frame : batch.frames) {
+    for (const convert::OutputFileJob& output : frame.job.outputs) {
+      const fs::path folder = fs::path(output.path).lexically_normal().parent_path();
+      if (!common) common = folder;
+      while (!common->empty() &&
+             std::mismatch(common->begin(), common->end(), folder.begin(), folder.end()).first != common->end()) {
+        common = common->parent_path() == *common ? fs::path() : common->parent_path();
+      }
+    }
+  }
+  return common.value_or(fs::path());
+}
+
+Result<std::vector<batch::OutputSource>> sources_of(const ConvertFlags& flags, const batch::Frames& found) {
+  std::optional<batch::IsoTable> table;
+  if (flags.batch.iso_table) {
+    if (!flags.isos.empty()) return usage("--iso and --iso-table exclude each other");
+    auto read = batch::IsoTable::read(*flags.batch.iso_table);
+    if (!read) return tl::unexpected(read.error());
+    table = std::move(*read);
+    std::vector<std::int64_t> numbers;
+    for (const batch::Frame& frame : found.frames) numbers.push_back(frame.number);
+    if (auto covered = table->check_covers(numbers); !covered) return tl::unexpected(covered.error());
+  }
+  std::vector<batch::OutputSource> sources;
+  for (const batch::Frame& frame : found.frames) {
+    batch::OutputSource source{frame.number, frame.input, flags.input.grid.value_or(""), flags.isos};
+    if (table) {
+      const auto isos = table->isos_of(frame.number);
+      source.isos.assign(isos.begin(), isos.end());
+    }
+    sources.push_back(std::move(source));
+  }
+  return sources;
+}
+
+Result<void> plan_report(const ConvertFlags& flags, BatchPlan& plan) {
+  if (!flags.report) return {};
+  auto name = batch::OutputTemplate::parse(*flags.report);
+  if (!name) return tl::unexpected(name.error());
+  if (!name->uses(batch::OutputWord::frame)) {
+    return usage(fmt::format("--report {}: frames have a report each, and this name has no place for their number",
+                             *flags.report),
+                 "write --report r_{:04}.json; --table is one file for all frames");
+  }
+  plan.report = std::move(*name);
+  return {};
+}
+
+Result<void> plan_tables(const BatchFlags& flags, BatchPlan& plan) {
+  for (const auto& path : {flags.table, flags.plot}) {
+    if (path && (path->empty() || *path == "-")) return usage("--table and --plot need the name of a file");
+  }
+  if (flags.table) {
+    const std::string extension = fs::path(*flags.table).extension();
+    if (extension != ".csv" && extension != ".json") {
+      return usage(fmt::format("{}: expected a name that ends in .csv or .json", *flags.table));
+    }
+  }
+  plan.table = flags.table;
+  plan.plot = flags.plot;
+  if (!plan.plot) return {};
+  auto picture = picture_format_of(*plan.plot);
+  if (!picture) return tl::unexpected(picture.error());
+  plan.picture = *picture;
+  return {};
+}
+
+}  // namespace
+
+bool is_batch(const ConvertFlags& flags) {
+  const std::vector<std::string>& inputs = flags.input.inputs;
+  const BatchFlags& batch = flags.batch;
+  if (inputs.empty()) return false;
+  if (inputs.size() > 1 || batch.frames || batch.iso_table || batch.jobs || batch.shard || batch.table || batch.plot ||
+      batch.progress || batch.resume || batch.fail_fast || batch.no_clobber || batch.make_folders || batch.dry_run) {
+    return true;
+  }
+  const std::string& input = inputs.front();
+  if (!input.starts_with(field::kDemoPrefix) && exists(input)) {
+    std::error_code none;
+    return fs::is_directory(input, none);
+  }
+  const auto pattern = batch::FramePattern::parse(input);
+  return !pattern || pattern->has_value();  // what is wrong with it is told where frames are looked for
+}
+
+Result<BatchPlan> plan_batch(const ConvertFlags& flags, const char* (*environment)(const char*)) {
+  if (flags.output == "-") return usage("frames are written into files, not to stdout", "give a name with -o");
+  if (flags.explain) return usage("--explain is about one conversion", "--table and -v tell about frames");
+  BatchPlan plan;
+  auto found = batch::find_frames(flags.input.inputs, flags.batch.frames);
+  if (!found) return tl::unexpected(found.error());
+  auto sources = sources_of(flags, *found);
+  if (!sources) return tl::unexpected(sources.error());
+  auto common = plan_conversion(flags, sources->front().input, sources->front().isos);
+  if (!common) return tl::unexpected(common.error());
+  plan.common = std::move(*common);
+  for (std::string& note : found->notes) plan.common.notes.push_back(std::move(note));
+  auto outputs = batch::name_outputs(*sources, flags.output, plan.common.job.format);
+  if (!outputs) return tl::unexpected(outputs.error());
+  for (std::size_t i = 0; i < sources->size(); ++i) {
+    batch::FrameJob& frame = plan.batch.frames.emplace_back();
+    frame.number = found->frames[i].number;
+    frame.job = plan.common.job;
+    frame.job.source.input = found->frames[i].input;
+    frame.job.outputs = std::move((*outputs)[i]);
+  }
+  plan.gaps = std::move(found->gaps);
+  plan.folder = common_folder(plan.batch);
+  if (auto reported = plan_report(flags, plan); !reported) return tl::unexpected(reported.error());
+  if (auto planned = plan_tables(flags.batch, plan); !planned) return tl::unexpected(planned.error());
+
+  auto shard = flags.batch.shard ? Result<std::optional<batch::Shard>>(flags.batch.shard)
+                                 : batch::shard_of_environment(environment);
+  if (!shard) return tl::unexpected(shard.error());
+  plan.shard = shard->value_or(batch::Shard());
+  plan.frames = batch::frames_of(plan.batch, plan.shard);
+
+  const int threads = plan.common.threads.value_or(tbb::this_task_arena::max_concurrency());
+  const bool draws = plan.common.job.backend.backend != convert::Backend::cpu || plan.common.job.verify;
+  plan.jobs = flags.batch.jobs.value_or(draws ? 1 : threads);
+  plan.resume = flags.batch.resume;
+  plan.fail_fast = flags.batch.fail_fast;
+  plan.no_clobber = flags.batch.no_clobber;
+  if (plan.resume && plan.no_clobber) {
+    return usage("--resume and --no-clobber exclude each other", "--resume does only what is not done yet");
+  }
+  plan.make_folders = flags.batch.make_folders || (flags.output && flags.output->ends_with('/'));
+  plan.dry_run = flags.batch.dry_run;
+  plan.progress = flags.batch.progress.value_or(ProgressStyle::bar);
+  return plan;
+}
+
+std::vector<fs::path> files_of(const convert::ConversionJob& job) {
+  std::vector<fs::path> files;
+  for (const convert::OutputFileJob& output : job.outputs) {
+    for (fs::path& file : convert::mesh_files(output, job.format)) files.push_back(std::move(file));
+  }
+  return files;
+}
+
+}  // namespace isoextract::cli

@@ -1,0 +1,50 @@
+// From flags to a batch: frames found, names given, all of it checked before any work. Folders are looked into; no file
+// is opened.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/error.hpp"
+#include "batch/batch_job.hpp"
+#include "batch/frame_range.hpp"
+#include "batch/output_template.hpp"
+#include "batch/shard.hpp"
+#include "cli/options.hpp"
+#include "cli/plan.hpp"
+
+namespace isoextract::cli {
+
+struct BatchPlan {
+  ConvertPlan common;  // what all frames share; its job is without input, iso values and outputs
+  batch::BatchJob batch;
+  std::vector<std::size_t> frames;    // that are this run's, by index: those of its shard
+  std::vector<batch::FrameRun> gaps;  // frames that are not there
+  std::filesystem::path folder;       // the deepest that all outputs are in; the manifest lies there
+  batch::Shard shard;
+  int jobs = 1;
+  bool resume = false;
+  bool fail_fast = false;
+  bool no_clobber = false;
+  bool make_folders = false;
+  bool dry_run = false;
+  std::optional<std::string> table;
+  std::optional<std::string> plot;
+  PictureFormat picture = PictureFormat::svg;
+  ProgressStyle progress = ProgressStyle::bar;
+  std::optional<batch::OutputTemplate> report;  // a report a frame
+};
+
+// Whether the inputs and options ask for frames rather than for one conversion.
+[[nodiscard]] bool is_batch(const ConvertFlags& flags);
+
+// `environment` is std::getenv: job schedulers tell there which part of the frames is this process's.
+[[nodiscard]] Result<BatchPlan> plan_batch(const ConvertFlags& flags, const char* (*environment)(const char*));
+
+// The files that a frame writes.
+[[nodiscard]] std::vector<std::filesystem::path> files_of(const convert::ConversionJob& job);
+
+}  // namespace isoextract::cli

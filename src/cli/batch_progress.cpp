@@ -1,0 +1,89 @@
+#include "cli/batch_progress.hpp"
+
+#include <cstdio>
+
+#include <fmt/format.h>
+
+#include "base/printable.hpp"
+#include "cli/remedies.hpp"
+
+namespace isoextract::cli {
+namespace {
+
+std::string duration_text(double seconds) {
+  const auto whole = static_cast<std::uint64_t>(seconds + 0.5);
+  return whole >= 3600 ? fmt::format("{}:{:02}:{:02}", whole / 3600, whole / 60 % 60, whole % 60)
+                       : fmt::format("{}:{:02}", whole / 60, whole % 60);
+}
+
+}  // namespace
+
+std::string speed_text(std::uint64_t done, std::uint64_t total, double seconds) {
+  if (done == 0 || seconds <= 0) return {};
+  const double rate = static_cast<double>(done) / seconds;
+  std::string text = rate >= 1 ? fmt::format("{:.1f} frames/s", rate) : fmt::format("{:.1f} s a frame", 1 / rate);
+  if (done < total) text += fmt::format(", {} left", duration_text(static_cast<double>(total - done) / rate));
+  return text;
+}
+
+BatchProgress::BatchProgress(ProgressStyle style, const Messages& messages, std::uint64_t frames)
+    : style_(style), messages_(messages), frames_(frames) {
+  progress_.begin("frames", frames);
+  if (style == ProgressStyle::json) line({{"event", "begin"}, {"frames", frames}});
+  const bool wanted = style == ProgressStyle::bar && messages.verbosity() != Verbosity::quiet;
+  bar_.emplace(progress_, wanted, [this] {
+    return fmt::format("{}/{} frames  {}", progress_.done(), frames_, speed_text(progress_.done(), frames_, seconds()));
+  });
+}
+
+void BatchProgress::line(const convert::Json& event) {
+  const std::string text = event.dump(-1, ' ', false, convert::Json::error_handler_t::replace) + "\n";
+  std::fwrite(text.data(), 1, text.size(), stderr);
+  std::fflush(stderr);
+}
+
+void BatchProgress::failed(std::int64_t frame, const Error& error) {
+  const std::lock_guard lock(mutex_);
+  if (style_ == ProgressStyle::json) return;  // its line says why
+  Error named = error;
+  named.message = fmt::format("frame {}: {}", frame, error.message);
+  bar_->above([&] { messages_.error(named); });
+}
+
+void BatchProgress::detail(const std::string& text) {
+  const std::lock_guard lock(mutex_);
+  bar_->above([&] { messages_.detail(text); });
+}
+
+void BatchProgress::over(const batch::FrameRow& row) {
+  const std::lock_guard lock(mutex_);
+  progress_.advance(1);
+  ++over_;
+  if (style_ != ProgressStyle::json) return;
+  convert::Json event{{"event", "frame"}, {"done", over_}, {"frames", frames_}, {"seconds_so_far", seconds()}};
+  event.update(batch::table_json({&row, 1}).front());
+  line(event);
+}
+
+void BatchProgress::end(std::uint64_t done, std::uint64_t failed, std::uint64_t kept, std::uint64_t not_started) {
+  const std::lock_guard lock(mutex_);
+  bar_.reset();
+  if (style_ == ProgressStyle::json) {
+    line({{"event", "end"},
+          {"frames", frames_},
+          {"done", done},
+          {"failed", failed},
+          {"kept", kept},
+          {"not_started", not_started},
+          {"seconds", seconds()}});
+    return;
+  }
+  std::string text = fmt::format("{} of {} frames done", done, frames_);
+  if (kept > 0) text += fmt::format(", {} kept from an earlier run", kept);
+  if (failed > 0) text += fmt::format(", {} failed", failed);
+  if (not_started > 0) text += fmt::format(", {} not started", not_started);
+  messages_.summary(
+      fmt::format("{}; {:.2f} s, {}", text, seconds(), speed_text(done + failed, done + failed, seconds())));
+}
+
+}  // namespace isoextract::cli

@@ -1,0 +1,53 @@
+#include "cli/conversion_size.hpp"
+
+#include <algorithm>
+
+#include "base/context.hpp"
+#include "convert/source.hpp"
+#include "field/sparse_lookup.hpp"
+#include "field/surface_estimate.hpp"
+
+namespace isoextract::cli {
+
+ConversionSize size_of_samples(const field::ScalarField& field) {
+  ConversionSize size;
+  if (const auto* dense = std::get_if<field::DenseSamples>(&field.samples)) {
+    size.samples = dense->count();
+  } else {
+    const auto& sparse = std::get<field::SparseSamples>(field.samples);
+    constexpr std::uint64_t kBlockSamples =
+        std::uint64_t{field::SparseBlock::kSize} * field::SparseBlock::kSize * field::SparseBlock::kSize;
+    size.samples = sparse.blocks.size() * kBlockSamples;
+    size.lookup_bytes = field::SparseLookup::node_origins(sparse).size() * sizeof(field::SparseLookup::Node);
+  }
+  size.sample_bytes = size.samples * field::sample_size(field.type());
+  return size;
+}
+
+ConversionSize size_of(const field::ScalarField& field, double iso) {
+  ConversionSize size = size_of_samples(field);
+  size.vertices = field::estimate_vertices(field, iso);
+  size.places = field::estimate_places(field, iso);
+  return size;
+}
+
+std::uint64_t estimated_triangles(const ConversionSize& size) { return 2 * size.vertices; }
+
+std::uint64_t estimated_bytes(const ConversionSize& size) {
+  constexpr std::uint64_t kVertexBytes = 2 * sizeof(glm::vec3);  // position and normal
+  constexpr std::uint64_t kProgramBytes = std::uint64_t{40} << 20U;
+  constexpr std::uint64_t kPlaceBytes = 400;  // how to find it, and the numbers of its vertices
+  return kProgramBytes + size.sample_bytes + size.samples / 4 + size.lookup_bytes + size.places * kPlaceBytes +
+         size.vertices * kVertexBytes + estimated_triangles(size) * sizeof(glm::uvec3);
+}
+
+Result<std::uint64_t> estimated_memory(const convert::ConversionJob& job, const MemoryBudget& memory) {
+  convert::Events unheard;
+  const auto field = convert::read_field(job.source.input, job.source.read, Context(memory), unheard);
+  if (!field) return tl::unexpected(field.error());
+  std::uint64_t most = 0;
+  for (const double iso : job.isos()) most = std::max(most, estimated_bytes(size_of(*field, iso)));
+  return most;
+}
+
+}  // namespace isoextract::cli

@@ -1,0 +1,25 @@
+#include "cli/report_file.hpp"
+
+#include "cli/remedies.hpp"
+#include "convert/output_checks.hpp"
+#include "files/output_file.hpp"
+
+namespace isoextract::cli {
+
+Result<void> check_report_file(const std::string& path, const convert::ConversionJob& job) {
+  auto checked = convert::check_other_file(path, job);
+  if (!checked && checked.error().kind == ErrorKind::usage) checked.error().hint = "choose another name with --report";
+  return checked;
+}
+
+Result<void> write_report(const std::string& path, const convert::ConversionJob* job, const convert::Outcome& outcome,
+                          const std::vector<std::string>& arguments, std::uint64_t memory_limit) {
+  const std::string hint = outcome.error ? words_of(outcome.error->hint) : "";
+  auto file = files::OutputFile::create(path);
+  if (!file) return tl::unexpected(file.error());
+  const std::string text = convert::json_text(convert::report_of(job, outcome, arguments, memory_limit, hint));
+  if (auto written = file->write(text); !written) return written;
+  return file->commit();
+}
+
+}  // namespace isoextract::cli
