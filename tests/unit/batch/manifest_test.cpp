@@ -1,0 +1,208 @@
+#include "batch/manifest.hpp"
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+#include <gtest/gtest.h>
+
+#include "batch/shard.hpp"
+#include "convert/conversion.hpp"
+#include "support/temp_folder.hpp"
+
+namespace isoextract::batch {
+namespace {
+
+using test::read_bytes;
+using test::TempFolder;
+using test::write_bytes;
+
+BatchJob three_frames(const TempFolder& folder, double iso = 0) {
+  BatchJob batch;
+  for (int i = 1; i <= 3; ++i) {
+    convert::ConversionJob job;
+    job.source.input = (folder / ("in" + std::to_string(i) + ".raw")).string();
+    volumes::RawLayout raw;
+    raw.dims = {4, 4, 4};
+    job.source.read.raw = raw;
+    job.format = meshes::MeshFormat::ply;
+    job.normals = convert::Normals::none;
+    job.outputs = {{(folder / ("out" + std::to_string(i) + ".ply")).string(), {iso}}};
+    batch.frames.push_back({i, job});
+    std::string bytes(64, '\0');
+    bytes[21] = static_cast<char>(9 + i);
+    write_bytes(folder / ("in" + std::to_string(i) + ".raw"), bytes);
+  }
+  return batch;
+}
+
+FrameRecord convert_frame(const FrameJob& frame) {
+  auto inputs = input_states(frame);
+  EXPECT_TRUE(inputs);
+  convert::Events unheard;
+  const convert::Outcome outcome = convert::run(frame.job, Context(), unheard, {.mesh_facts = true});
+  EXPECT_TRUE(outcome.done()) << outcome.error->message;
+  auto record = record_of(frame, std::move(*inputs), outcome);
+  EXPECT_TRUE(record);
+  return *record;
+}
+
+Manifest must_open(const TempFolder& folder, const BatchJob& batch, bool resume, const Shard& shard = {}) {
+  auto manifest = Manifest::open(folder.path(), header_of(batch, shard, {"a", "b"}), resume);
+  EXPECT_TRUE(manifest) << manifest.error().message;
+  return std::move(*manifest);
+}
+
+TEST(Manifest, ARecordComesBackAsItWas) {
+  const TempFolder folder;
+  const BatchJob batch = three_frames(folder);
+  const FrameRecord record = convert_frame(batch.frames[0]);
+  EXPECT_EQ(record.figures.surfaces.at(0).closed, true);
+  EXPECT_GT(record.figures.surfaces.at(0).volume.value(), 0);
+  EXPECT_EQ(record.inputs.size(), 1U);
+  EXPECT_EQ(record.outputs.size(), 1U);
+  EXPECT_EQ(record_of(json_of(record)), record);
+  {
+    Manifest manifest = must_open(folder, batch, false);
+    ASSERT_TRUE(manifest.add(record));
+  }
+  const Manifest manifest = must_open(folder, batch, true);
+  ASSERT_NE(manifest.find(record.job), nullptr);
+  EXPECT_EQ(*manifest.find(record.job), record);
+  EXPECT_EQ(manifest.find("another"), nullptr);
+  EXPECT_EQ(why_again(record, batch.frames[0]), "");
+}
+
+TEST(Manifest, WithoutResumeNothingIsKept) {
+  const TempFolder folder;
+  const BatchJob batch = three_frames(folder);
+  const FrameRecord record = convert_frame(batch.frames[0]);
+  ASSERT_TRUE(must_open(folder, batch, false).add(record));
+  EXPECT_EQ(must_open(folder, batch, false).find(record.job), nullptr);
+  EXPECT_EQ(must_open(folder, batch, true).find(record.job), nullptr);
+}
+
+TEST(Manifest, NamesWhateverBytesTheyHaveComeBack) {
+  FrameRecord record;
+  record.inputs = {{"a\xff\n\"b", {1, 2, "x"}}};
+  EXPECT_EQ(record_of(json_of(record)), record);
+}
+
+// At every length that a crash can leave.
+TEST(Manifest, ATornLineIsNotBelievedAndTheNextOnesFollowWhatIs) {
+  const TempFolder folder;
+  const BatchJob batch = three_frames(folder);
+  const FrameRecord first = convert_frame(batch.frames[0]);
+  const FrameRecord second = convert_frame(batch.frames[1]);
+  std::size_t sound = 0;
+  std::filesystem::path path;
+  {
+    Manifest manifest = must_open(folder, batch, false);
+    ASSERT_TRUE(manifest.add(first));
+    path = manifest.path();
+    sound = read_bytes(path).size();
+    ASSERT_TRUE(manifest.add(second));
+  }
+  const std::string whole = read_bytes(path);
+  for (std::size_t size = sound; size < whole.size(); size += 17) {
+    write_bytes(path, whole.substr(0, size));
+    {
+      Manifest manifest = must_open(folder, batch, true);
+      EXPECT_NE(manifest.find(first.job), nullptr);
+      EXPECT_EQ(manifest.find(second.job), nullptr);
+      ASSERT_TRUE(manifest.add(second));
+    }
+    EXPECT_EQ(read_bytes(path), whole);
+  }
+  for (std::size_t at = sound; at < whole.size(); at += 13) {  // or a byte of it was lost
+    std::string damaged = whole;
+    damaged[at] = static_cast<char>(damaged[at] ^ 1);
+    write_bytes(path, damaged);
+    EXPECT_EQ(must_open(folder, batch, true).find(second.job), nullptr) << at;
+  }
+  write_bytes(path, whole.substr(0, 20));  // not even its header
+  EXPECT_EQ(must_open(folder, batch, true).find(first.job), nullptr);
+}
+
+TEST(Manifest, OnlyWhatIsByteByByteAsItWasIsTrusted) {
+  const TempFolder folder;
+  const BatchJob batch = three_frames(folder);
+  const FrameRecord record = convert_frame(batch.frames[0]);
+  const auto out = folder / "out1.ply";
+  const auto in = folder / "in1.raw";
+  const std::string mesh = read_bytes(out);
+  std::string other = mesh;
+  other.back() = static_cast<char>(other.back() ^ 1);
+  write_bytes(out, other);
+  EXPECT_NE(why_again(record, batch.frames[0]).find("out1.ply has changed"), std::string::npos);
+  write_bytes(out, mesh);
+  EXPECT_EQ(why_again(record, batch.frames[0]), "");
+  std::filesystem::remove(out);
+  EXPECT_NE(why_again(record, batch.frames[0]), "");
+  write_bytes(out, mesh);
+  std::string samples = read_bytes(in);
+  const auto time = std::filesystem::last_write_time(in);
+  samples[22] = 1;
+  write_bytes(in, samples);
+  std::filesystem::last_write_time(in, time);  // of the same size and time, but not the same
+  EXPECT_NE(why_again(record, batch.frames[0]).find("in1.raw has changed"), std::string::npos);
+  EXPECT_EQ(why_again(record, three_frames(folder, 1).frames[0]), "its options have changed");
+}
+
+TEST(Manifest, AnotherProgramsRecordsAreNotTrustedAndOtherFilesAreNotOverwritten) {
+  const TempFolder folder;
+  const BatchJob batch = three_frames(folder);
+  const FrameRecord record = convert_frame(batch.frames[0]);
+  ManifestHeader header = header_of(batch, {}, {});
+  header.program = "isoextract 0.0.0";
+  {
+    auto manifest = Manifest::open(folder.path(), header, false);
+    ASSERT_TRUE(manifest);
+    ASSERT_TRUE(manifest->add(record));
+  }
+  EXPECT_EQ(must_open(folder, batch, true).find(record.job), nullptr);
+  write_bytes(folder / "isoextract.manifest", "my notes");
+  const auto refused = Manifest::open(folder.path(), header, false);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, ErrorKind::output);
+  EXPECT_EQ(read_bytes(folder / "isoextract.manifest"), "my notes");
+}
+
+TEST(Manifest, FramesThatTwoBatchesShareAreKept) {
+  const TempFolder folder;
+  BatchJob batch = three_frames(folder);
+  const FrameRecord record = convert_frame(batch.frames[0]);
+  ASSERT_TRUE(must_open(folder, batch, false).add(record));
+  batch.frames.pop_back();
+  const Manifest manifest = must_open(folder, batch, true);
+  EXPECT_NE(manifest.find(record.job), nullptr);
+  const auto content = read_manifest(manifest.path());
+  ASSERT_TRUE(content);
+  EXPECT_EQ(content->header.batch, hash_of(batch));
+  EXPECT_EQ(content->records, std::vector{record});
+}
+
+TEST(Manifest, TwoRunsInOneFolderDoNotMixButShardsDo) {
+  const TempFolder folder;
+  const BatchJob batch = three_frames(folder);
+  const auto opens_elsewhere = [&](const Shard& shard) {  // locks are a process's
+    const pid_t child = ::fork();
+    if (child == 0) ::_exit(Manifest::open(folder.path(), header_of(batch, shard, {}), true) ? 0 : 1);
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    return WEXITSTATUS(status) == 0;
+  };
+  {
+    const Manifest whole = must_open(folder, batch, false);
+    EXPECT_FALSE(opens_elsewhere({}));
+    EXPECT_FALSE(opens_elsewhere({1, 2}));
+  }
+  const Manifest first = must_open(folder, batch, false, {1, 2});
+  EXPECT_FALSE(opens_elsewhere({}));
+  EXPECT_FALSE(opens_elsewhere({1, 2}));
+  EXPECT_TRUE(opens_elsewhere({2, 2}));
+}
+
+}  // namespace
+}  // namespace isoextract::batch
