@@ -67,6 +67,8 @@ enum class Remedy {
   list_demo_fields,      // their names and keys
   list_gpus,             // their numbers and names
   report_gpu,            // what the GPU did is a fault of it or of ours; the CPU backend needs none
+  choose_volume,         // text: the numbers that the file's volumes have
+  leave_out_volume,      // there is one volume in the file
 };
 
 struct Hint {
