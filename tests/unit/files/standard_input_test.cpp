@@ -3,6 +3,9 @@
 #include <array>
 #include <chrono>
 #include <cstdlib>
+#include <cstring>
+#include <functional>
+#include <stdexcept>
 #include <string>
 #include <thread>
 
@@ -99,7 +102,7 @@ TEST(StandardInput, WaitsForASlowPipe) {
   const std::string text = random_text(50);
   for (const bool blocking : {true, false}) {
     const WrittenPipe pipe(text, 7, 5);
-    if (!blocking) ASSERT_EQ(::fcntl(pipe.get(), F_SETFL, O_NONBLOCK), 0);
+    ASSERT_EQ(::fcntl(pipe.get(), F_SETFL, blocking ? 0 : O_NONBLOCK), 0);
     const auto input = KeptInput::take(pipe.get(), Context());
     ASSERT_TRUE(input) << input.error().message;
     EXPECT_EQ(all_of(*input), text);
