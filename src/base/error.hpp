@@ -70,6 +70,8 @@ enum class Remedy {
   name_frames,           // which frames are meant
   number_outputs,        // the frame's number, and what else tells the files apart, in the names of outputs
   report_gpu,            // what the GPU did is a fault of it or of ours; the CPU backend needs none
+  choose_volume,         // text: the numbers that the file's volumes have
+  leave_out_volume,      // there is one volume in the file
 };
 
 struct Hint {

@@ -123,7 +123,7 @@ Result<void> take_trailing(CommandLine& line, const CLI::App& command, std::span
 Result<void> take_remaining(CommandLine& line, const CLI::App& command) {
   for (const std::string& word : command.remaining()) {
     if (word == "--") continue;  // of a command without inputs: CLI11 keeps it although it has done its work
-    if (!word.starts_with('-')) {
+    if (!word.starts_with('-') || word == "-") {
       if (take_input(line, &command, word)) continue;
       return fail(ErrorKind::usage, fmt::format("unexpected argument '{}'", word), help_hint(command));
     }

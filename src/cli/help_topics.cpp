@@ -59,10 +59,16 @@ HelpTopic demo_topic() {
   HelpBlock block{
       "demo:NAME is an input like any other, computed from a formula on the cube from -1 to 1. "
       "demo:NAME?size=N has N samples along each axis (2 to 2048, default 64); quote it, as in "
-      "'demo:torus?size=200', for a shell may take the question mark for a pattern. Inside is above the iso value.",
+      "'demo:torus?size=200', for a shell may take the question mark for a pattern. Inside is above the iso value. "
+      "Some move: demo:NAME?size=N&time=T shows them at the time T. They come back to where they were after a time of "
+      "1, "
+      "so that 'demo:metaballs?time=0.125' is an eighth of the way. --error measures a field that has moved against "
+      "its samples alone, not against the formula.",
       {}};
   for (const field::DemoDescription& demo : field::demo_fields()) {
-    block.rows.push_back({fmt::format("demo:{}", demo.name), fmt::format("{} (iso {})", demo.formula, demo.iso)});
+    block.rows.push_back(
+        {fmt::format("demo:{}", demo.name), fmt::format("{} (iso {}){}{}", demo.formula, demo.iso,
+                                                        demo.motion.empty() ? "" : "; with time: ", demo.motion)});
   }
   topic.blocks = {std::move(block)};
   return topic;

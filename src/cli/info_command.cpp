@@ -13,6 +13,7 @@
 #include "convert/source.hpp"
 #include "field/sparse_lookup.hpp"
 #include "field/surface_estimate.hpp"
+#include "files/file_bytes.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -35,32 +36,41 @@ ConversionSize size_of(const field::ScalarField& field, const field::IsoSuggesti
   return size;
 }
 
-std::string example_command(const InfoPlan& plan, const std::string& input, double iso) {
+// Of the options of the input, `volume` is the one that was not given.
+std::string example_command(const InfoPlan& plan, const std::string& input, std::optional<std::int64_t> volume,
+                            double iso) {
   std::string arguments;
   for (const std::string& argument : plan.input_arguments) arguments += " " + argument;
+  if (volume) arguments += fmt::format(" --volume {}", *volume);
   return fmt::format("isoextract {}{} --iso {} -o {}", shell_quoted(input), arguments, iso,
                      shell_quoted(input_stem(input) + ".glb"));
 }
 
-Result<FieldReport> measure(const InfoPlan& plan, const std::string& input, const Messages& messages) {
+Result<FieldReport> measure(const InfoPlan& plan, const std::string& input, std::optional<std::int64_t> volume,
+                            const Messages& messages) {
   const Context context{plan.memory};
+  volumes::ReadOptions read = plan.read;
+  read.volume = volume;
   const ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
   convert::Events unheard;  // notes are told with the report
-  auto field = convert::read_field(input, plan.read, context, unheard);
+  auto field = convert::read_field(input, read, context, unheard);
   if (!field) return tl::unexpected(std::move(field.error()));
   FieldReport report;
   report.field = std::move(*field);
   report.statistics = field::measure_statistics(report.field, &context.progress());
   report.suggestion = field::suggest_iso(report.field, report.statistics);
   report.size = size_of(report.field, report.suggestion);
-  if (report.suggestion.separates) report.command = example_command(plan, input, report.suggestion.iso);
+  if (report.suggestion.separates) {
+    const bool chosen_here = volume && !plan.read.volume;
+    report.command = example_command(plan, input, chosen_here ? volume : std::nullopt, report.suggestion.iso);
+  }
   return report;
 }
 
 InputReport look_at(const InfoPlan& plan, const std::string& input, const Messages& messages) {
   InputReport report;
   report.input = input;
-  auto grids = volumes::list_grids(input, plan.read);
+  auto grids = volumes::list_grids(input, plan.read, Context(plan.memory));
   if (!grids) {
     report.error = std::move(grids.error());
     return report;
@@ -73,7 +83,9 @@ InputReport look_at(const InfoPlan& plan, const std::string& input, const Messag
     const auto only = std::ranges::find(report.grids, true, &volumes::GridInfo::scalar);
     if (!only->frame_problem.empty() && !plan.read.spacing) return report;
   }
-  auto field = measure(plan, input, messages);
+  report.volume = plan.read.volume;
+  if (!report.volume && std::ranges::any_of(report.grids, has_several_volumes)) report.volume = 0;
+  auto field = measure(plan, input, report.volume, messages);
   if (field) {
     report.field = std::move(*field);
   } else {
@@ -98,8 +110,8 @@ std::optional<Error> run_info(const InfoPlan& plan, const Messages& messages) {
     if (report.field) {
       for (const std::string& note : report.field->field.notes) messages.note(note);
     }
-    messages.detail(fmt::format("{}: {:.2f} s, peak memory {}", input, watch.elapsed().wall_seconds,
-                                format_byte_size(peak_memory())));
+    messages.detail(fmt::format("{}: {:.2f} s, peak memory {}", files::shown_input_name(input),
+                                watch.elapsed().wall_seconds, format_byte_size(peak_memory())));
     if (plan.json) {
       json.push_back(json_of(report));
     } else if (!report.error) {

@@ -11,6 +11,7 @@
 #include "cli/layout.hpp"
 #include "cli/remedies.hpp"
 #include "convert/placement.hpp"
+#include "files/file_bytes.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -43,6 +44,14 @@ void add_grids(NamedLines& lines, const InputReport& report) {
                             grid.kind ? fmt::format(", {}", convert::kind_name(*grid.kind)) : "",
                             grid.scalar ? "" : "; no surface can be extracted from this type",
                             grid.frame_problem.empty() ? "" : "; its place cannot be used: " + grid.frame_problem));
+  }
+}
+
+void add_volumes(NamedLines& lines, const InputReport& report) {
+  for (const volumes::GridInfo& grid : report.grids) {
+    if (!has_several_volumes(grid)) continue;
+    lines.add("volumes", fmt::format("{}, counted from 0; {} is described, --volume K chooses another", grid.volumes,
+                                     report.volume.value_or(0)));
   }
 }
 
@@ -135,6 +144,7 @@ convert::Json json_of(const volumes::GridInfo& grid) {
   json["kind"] = grid.kind ? convert::Json(convert::kind_name(*grid.kind)) : nullptr;
   json["box"] = convert::json_of(grid.box);
   json["voxels"] = grid.voxels ? convert::Json(*grid.voxels) : nullptr;
+  json["volumes"] = grid.volumes;
   json["problem"] = grid.frame_problem.empty() ? convert::Json(nullptr) : convert::Json(grid.frame_problem);
   return json;
 }
@@ -186,6 +196,8 @@ convert::Json json_of(const FieldReport& report) {
 
 }  // namespace
 
+bool has_several_volumes(const volumes::GridInfo& grid) { return grid.volumes > 1; }
+
 std::uint64_t estimated_triangles(const ConversionSize& size) { return 2 * size.vertices; }
 
 std::uint64_t estimated_bytes(const ConversionSize& size) {
@@ -198,8 +210,9 @@ std::uint64_t estimated_bytes(const ConversionSize& size) {
 
 std::string text_of(const InputReport& report) {
   NamedLines lines;
-  lines.plain(printable(report.input));
+  lines.plain(printable(files::shown_input_name(report.input)));
   add_grids(lines, report);
+  add_volumes(lines, report);
   if (report.field) {
     add_shape(lines, *report.field);
     add_values(lines, *report.field);
@@ -214,6 +227,7 @@ convert::Json json_of(const InputReport& report) {
   convert::Json json{{"input", report.input}};
   json["grids"] = convert::Json::array();
   for (const volumes::GridInfo& grid : report.grids) json["grids"].push_back(json_of(grid));
+  json["volume"] = report.volume ? convert::Json(*report.volume) : convert::Json(nullptr);
   json["field"] = report.field ? json_of(*report.field) : convert::Json(nullptr);
   if (report.error) json["error"] = {{"message", report.error->message}, {"hint", words_of(report.error->hint)}};
   return json;

@@ -35,9 +35,12 @@ struct FieldReport {
 struct InputReport {
   std::string input;
   std::vector<volumes::GridInfo> grids;
-  std::optional<FieldReport> field;  // not there if a choice of grid or a place for it is missing, or on an error
+  std::optional<std::int64_t> volume;  // that is described, where one was chosen or there are several
+  std::optional<FieldReport> field;    // not there if a choice of grid or a place for it is missing, or on an error
   std::optional<Error> error;
 };
+
+[[nodiscard]] bool has_several_volumes(const volumes::GridInfo& grid);
 
 // The peak of memory: the program itself, the samples, two bits of marks for each, what finds its way among sparse
 // blocks, and the mesh with normals. Within a tenth of what large conversions take, for blocks far apart a fifth.

@@ -133,12 +133,16 @@ constexpr const char* kMemoryLimitText =
 // `what` says of the inputs what they are for.
 void declare_input(CLI::App& app, InputFlags& flags, const std::string& metavar, const std::string& what) {
   const Group group(app, "Input");
-  group.values<std::string>("INPUT", metavar, flags.inputs, parse_text,
-                            fmt::format("{}: a path, or demo:NAME (see 'isoextract help demo'). A file that is named "
-                                        "like a command is written ./NAME.",
-                                        what));
+  group.values<std::string>(
+      "INPUT", metavar, flags.inputs, parse_text,
+      fmt::format("{}: a path, - for stdin, or demo:NAME (see 'isoextract help demo'). A file that is "
+                  "named like a command is written ./NAME.",
+                  what));
   group.value<std::string>("--grid", "NAME", flags.grid, parse_text,
                            "Grid of a VDB file, as 'isoextract info' lists it: NAME, or NAME[k] where names repeat.");
+  group.value("--volume", "K|all", flags.volume, parse_volume,
+              "Volume of a NIfTI, NRRD or NPY file that holds several, such as time steps: its number, counted from 0, "
+              "or each of them. 'isoextract info' tells how many there are.");
   group.choice("--input-format", flags.format, input_formats(),
                "Format of the input (default: by content, then by extension).");
   group.value("--dims", "NX,NY,NZ", flags.dims, parse_dims,
@@ -303,7 +307,8 @@ void declare_output(CLI::App& app, ConvertFlags& flags) {
   const Group group(app, "Output");
   group.value<std::string>("-o,--output", "FILE", flags.output, parse_text,
                            "The mesh file; its extension chooses the format (default: the input's name with .glb, in "
-                           "the current folder). '-' is stdout and needs --format. '{iso}' stands for the iso value "
+                           "the current folder; an input from stdin has none). '-' is stdout and needs --format. "
+                           "'{iso}' stands for the iso value "
                            "and gives each its own file.");
   group.choice("--format", flags.format, "Format of the mesh, whatever the extension.");
   group.value<std::string>("--report", "FILE", flags.report, parse_text,

@@ -36,6 +36,7 @@ namespace isoextract::cli {
 struct InputFlags {
   std::vector<std::string> inputs;
   std::optional<std::string> grid;
+  std::optional<VolumeChoice> volume;
   std::optional<std::string> format;
   std::optional<glm::ivec3> dims;
   std::optional<field::SampleType> dtype;

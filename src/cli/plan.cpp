@@ -8,6 +8,7 @@
 #include <tbb/task_arena.h>
 
 #include "field/demo_field.hpp"
+#include "files/file_bytes.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -26,12 +27,25 @@ MemoryBudget plan_memory(const std::optional<std::uint64_t>& limit) {
   return limit ? MemoryBudget(*limit) : MemoryBudget();
 }
 
+// Commands that can work through all volumes ask the flags before they come here.
+Result<std::optional<std::int64_t>> plan_one_volume(const InputFlags& flags) {
+  if (!flags.volume) return std::nullopt;
+  if (const auto* number = std::get_if<std::int64_t>(&*flags.volume)) return *number;
+  return usage("--volume all stands for several volumes, where one is needed",
+               "give the number of one; 'isoextract info INPUT' tells how many there are");
+}
+
 Result<volumes::ReadOptions> plan_read(const InputFlags& flags) {
   for (const std::string& input : flags.inputs) {
     if (input.empty()) return usage("INPUT is empty");
-    if (input == "-") return usage("the input cannot be read from stdin", "give the path of a file");
   }
+  if (std::ranges::count_if(flags.inputs, files::is_standard_input) > 1) {
+    return usage("'-' was given twice, and stdin can be read once");
+  }
+  const auto volume = plan_one_volume(flags);
+  if (!volume) return tl::unexpected(volume.error());
   volumes::ReadOptions read;
+  read.volume = *volume;
   read.format = flags.format;
   read.grid = flags.grid;
   read.spacing = flags.spacing;
@@ -153,6 +167,9 @@ Result<std::vector<convert::OutputFileJob>> plan_outputs(const ConvertFlags& fla
                                                          const meshes::MeshFormatInfo& format) {
   const std::string path = output_path(flags, flags.input.inputs.front(), format);
   if (path.empty()) return usage("-o needs the name of a file");
+  if (!flags.output && files::is_standard_input(flags.input.inputs.front())) {
+    return usage("an input from stdin has no name that the mesh could have", "give -o FILE, or -o - for stdout");
+  }
   if (path == "-" && !format.can_stream) {
     return usage(fmt::format("{} cannot be written to stdout", format.name), format.format == meshes::MeshFormat::gltf
                                                                                  ? "it is two files; use --format glb"
@@ -340,6 +357,9 @@ Result<ComparePlan> plan_compare(const CompareFlags& flags) {
                              flags.meshes.empty() ? "" : ": ", fmt::join(flags.meshes, ", ")),
                  "isoextract compare A.glb B.glb");
   }
+  if (std::ranges::any_of(flags.meshes, files::is_standard_input)) {
+    return usage("the meshes to compare cannot be read from stdin", "give the paths of files");
+  }
   ComparePlan plan;
   plan.meshes = {flags.meshes[0], flags.meshes[1]};
   plan.up = flags.up;
@@ -386,7 +406,7 @@ Result<BenchPlan> plan_bench(const BenchFlags& flags) {
   const auto demo = std::ranges::find_if(plan.inputs, is_demo);
   if (file != plan.inputs.end() && !flags.iso) {
     std::error_code unknown;
-    if (!std::filesystem::exists(*file, unknown)) {
+    if (!files::is_standard_input(*file) && !std::filesystem::exists(*file, unknown)) {
       return fail(ErrorKind::input, fmt::format("{}: there is no such file", *file));
     }
     return usage(fmt::format("{}: a file needs --iso V, the value whose surface is extracted", *file),
@@ -404,7 +424,7 @@ Result<BenchPlan> plan_bench(const BenchFlags& flags) {
     if (!spec) return tl::unexpected(spec.error());
     if (input.find('?') != std::string::npos) {
       return usage(
-          fmt::format("{}: expected a demo field without a size, found one", input),
+          fmt::format("{}: expected a demo field without settings, found '{}'", input, input.substr(input.find('?'))),
           fmt::format("bench measures several sizes: {}{} --sizes {}", field::kDemoPrefix, spec->name, spec->size));
     }
   }
@@ -444,6 +464,7 @@ Result<BenchPlan> plan_bench(const BenchFlags& flags) {
 }
 
 std::string input_stem(const std::string& input) {
+  if (files::is_standard_input(input)) return "stdin";
   if (input.starts_with(field::kDemoPrefix)) {
     const std::string name = input.substr(field::kDemoPrefix.size());
     return name.substr(0, name.find('?'));

@@ -14,6 +14,8 @@ std::string words_of(const Hint& hint) {
     case Remedy::choose_grid: return "choose one of them with --grid NAME" + text;
     case Remedy::choose_grid_number: return "choose one of them with --grid NAME[k]" + text;
     case Remedy::leave_out_grid: return "leave --grid out: there is one volume in the file";
+    case Remedy::choose_volume: return "choose one of them with --volume K, K " + text;
+    case Remedy::leave_out_volume: return "leave --volume out: there is one volume in the file";
     case Remedy::describe_raw:
       return "give --dims X,Y,Z and --dtype TYPE (and --endian, --skip, --spacing where they matter)";
     case Remedy::check_raw: return "check --dims, --dtype and --skip";

@@ -177,6 +177,13 @@ Result<field::Box> parse_box(std::string_view text) {
   return box;
 }
 
+Result<VolumeChoice> parse_volume(std::string_view text) {
+  if (text == "all") return AllVolumes{};
+  const auto number = whole_text_as<std::int64_t>(text);
+  if (!number || *number < 0) return expected_found("the number of a volume, counted from 0, or all", text);
+  return *number;
+}
+
 Result<int> parse_thread_count(std::string_view text) {
   const auto number = whole_text_as<int>(text);
   if (!number || *number < 1 || *number > kMaxThreads) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -17,6 +18,10 @@
 
 namespace isoextract::cli {
 
+// One volume of a file by its number, or each of them.
+struct AllVolumes {};
+using VolumeChoice = std::variant<std::int64_t, AllVolumes>;
+
 [[nodiscard]] Result<std::string> parse_text(std::string_view text);     // anything, the empty text too
 [[nodiscard]] Result<double> parse_number(std::string_view text);        // finite
 [[nodiscard]] Result<double> parse_positive(std::string_view text);      // finite, above 0
@@ -28,6 +33,7 @@ namespace isoextract::cli {
 [[nodiscard]] Result<glm::ivec3> parse_dims(std::string_view text);        // NX,NY,NZ or NXxNYxNZ, above 0
 [[nodiscard]] Result<glm::ivec3> parse_resolution(std::string_view text);  // as dims or one for all, 2 or above
 [[nodiscard]] Result<field::Box> parse_box(std::string_view text);         // X0,Y0,Z0,X1,Y1,Z1, min <= max
+[[nodiscard]] Result<VolumeChoice> parse_volume(std::string_view text);    // 0 or above, or all
 [[nodiscard]] Result<int> parse_thread_count(std::string_view text);       // 1..1024
 [[nodiscard]] Result<std::uint64_t> parse_size(std::string_view text);     // bytes, with or without K, M, G, T
 

@@ -18,6 +18,7 @@
 #include "convert/output_checks.hpp"
 #include "convert/source.hpp"
 #include "field/statistics.hpp"
+#include "files/file_bytes.hpp"
 #include "files/output_file.hpp"
 
 namespace isoextract::convert {
@@ -283,9 +284,11 @@ Outcome run(const ConversionJob& job, const Context& context, Events& events, co
   try {
     done = Conversion(job, context, outcome, events, extras).run();
   } catch (const std::bad_alloc&) {
-    done = fail(ErrorKind::input, fmt::format("{}: not enough memory", job.source.input), Remedy::extract_part);
+    done = fail(ErrorKind::input, fmt::format("{}: not enough memory", files::shown_input_name(job.source.input)),
+                Remedy::extract_part);
   } catch (const std::exception& error) {
-    done = fail(ErrorKind::input, fmt::format("{}: unexpected: {}", job.source.input, error.what()));
+    done = fail(ErrorKind::input,
+                fmt::format("{}: unexpected: {}", files::shown_input_name(job.source.input), error.what()));
   }
   if (!done) outcome.error = std::move(done.error());
   outcome.total = watch.elapsed();

@@ -47,7 +47,7 @@ struct SimplifyBound {
 
 // What is read, what of it is wanted, and where it goes.
 struct SourceOptions {
-  std::string input;  // a path or demo:NAME
+  std::string input;  // a path, "-" for standard input, or demo:NAME
   volumes::ReadOptions read;
   std::optional<glm::ivec3> resolution;  // of the grid to extract from, in place of the input's own samples
   std::optional<field::Box> roi;         // in the coordinates of placement.space

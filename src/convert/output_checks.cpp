@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "files/file_bytes.hpp"
 #include "files/output_file.hpp"
 #include "volumes/volume_reader.hpp"
 
@@ -15,6 +16,7 @@ namespace fs = std::filesystem;
 // Where the input's header is a file of its own, those that hold the samples. What cannot be told is an error when the
 // input is read.
 Result<void> check_data_files(const fs::path& output, const ConversionJob& job) {
+  if (files::is_standard_input(job.source.input)) return {};  // all is in it
   const auto inputs = volumes::list_input_files(job.source.input, job.source.read);
   if (!inputs) return {};
   for (const fs::path& input : *inputs) {
@@ -38,7 +40,8 @@ std::vector<fs::path> mesh_files(const OutputFileJob& output, meshes::MeshFormat
 // Devices and pipes are left alone: opening a pipe twice would end it for its reader.
 Result<void> check_output_file(const fs::path& path, const std::string& input) {
   std::error_code none;
-  if (fs::equivalent(path, input, none)) {
+  const fs::path source = files::is_standard_input(input) ? fs::path("/dev/stdin") : fs::path(input);
+  if (fs::equivalent(path, source, none)) {
     return fail(ErrorKind::usage, fmt::format("{}: this is the input; it is not overwritten", path.string()),
                 Remedy::other_output_name);
   }

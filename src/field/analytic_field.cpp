@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "field/demo_field.hpp"
+
 namespace isoextract::field {
 namespace {
 
@@ -65,6 +67,12 @@ constexpr std::array kFields{
 const AnalyticField* find_analytic_field(std::string_view demo_name) {
   const auto* const found = std::ranges::find(kFields, demo_name, &AnalyticField::name);
   return found == kFields.end() ? nullptr : found;
+}
+
+const AnalyticField* formula_of(const ScalarField& field) {
+  if (field.format != "demo") return nullptr;
+  const auto spec = parse_demo_spec(field.source);
+  return spec && spec->time == 0 ? find_analytic_field(field.name) : nullptr;
 }
 
 }  // namespace isoextract::field

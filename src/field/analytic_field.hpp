@@ -7,6 +7,7 @@
 #include <glm/glm.hpp>
 
 #include "field/demo_formulas.hpp"
+#include "field/scalar_field.hpp"
 
 namespace isoextract::field {
 
@@ -30,5 +31,8 @@ struct AnalyticField {
 
 // Null for names without a formula, such as random.
 [[nodiscard]] const AnalyticField* find_analytic_field(std::string_view demo_name);
+
+// That of the samples of a demo field; null for other fields, and for one that has moved: formulas are those at time 0.
+[[nodiscard]] const AnalyticField* formula_of(const ScalarField& field);
 
 }  // namespace isoextract::field

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <functional>
+#include <optional>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -57,19 +58,75 @@ FillRow random(const Axis& axis) {
   };
 }
 
+// The same fields on their way, at times other than 0.
+
+FillRow moved_sphere(const Axis& axis, double time) {
+  const double height = 0.25 * std::sin(2 * formulas::kPi * time);
+  return [&axis, height](std::size_t j, std::size_t k, float* row) {
+    for (std::size_t i = 0; i < axis.size(); ++i) {
+      row[i] = static_cast<float>(formulas::Sphere{}(axis[i], axis[j], axis[k] - height));
+    }
+  };
+}
+
+// By one of its periods along x.
+FillRow moved_gyroid(const Axis& axis, double time) {
+  using formulas::Gyroid;
+  const auto angle = [&axis](std::size_t i) { return Gyroid::kFrequency * axis[i]; };
+  std::vector<std::array<double, 2>> along_x;
+  std::vector<std::array<double, 2>> across;
+  for (std::size_t i = 0; i < axis.size(); ++i) {
+    const double shifted = angle(i) - 2 * formulas::kPi * time;
+    along_x.push_back({std::sin(shifted), std::cos(shifted)});
+    across.push_back({std::sin(angle(i)), std::cos(angle(i))});
+  }
+  return [x = std::move(along_x), yz = std::move(across)](std::size_t j, std::size_t k, float* row) {
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      row[i] = static_cast<float>(Gyroid::sum(x[i][0], x[i][1], yz[j][0], yz[j][1], yz[k][0], yz[k][1]));
+    }
+  };
+}
+
+// The balls circle around the z axis at different paces, so that they merge and part.
+FillRow moved_metaballs(const Axis& axis, double time) {
+  constexpr std::array kTurns{1, -1, 2, -2, -1};
+  formulas::Metaballs::Balls balls = formulas::Metaballs::kBalls;
+  for (std::size_t b = 0; b < balls.size(); ++b) {
+    const double angle = 2 * formulas::kPi * kTurns[b] * time;
+    const double x = balls[b][0];
+    const double y = balls[b][1];
+    balls[b][0] = x * std::cos(angle) - y * std::sin(angle);
+    balls[b][1] = x * std::sin(angle) + y * std::cos(angle);
+  }
+  return [&axis, balls](std::size_t j, std::size_t k, float* row) {
+    for (std::size_t i = 0; i < axis.size(); ++i) {
+      row[i] = static_cast<float>(formulas::Metaballs::blend(balls, axis[i], axis[j], axis[k]));
+    }
+  };
+}
+
 struct Demo {
   DemoDescription description;
   FillRow (*make)(const Axis&);
+  FillRow (*make_moved)(const Axis&, double time);  // null where it does not move
 };
 
 constexpr std::array kDemos{
-    Demo{{"sphere", "0.7 - |p|: radius 0.7", 0}, pointwise<formulas::Sphere>},
-    Demo{{"torus", "radii 0.6 and 0.25 around the z axis", 0}, pointwise<formulas::Torus>},
-    Demo{{"gyroid", "sin x cos y + sin y cos z + sin z cos x, four periods; leaves the data", 0}, gyroid},
-    Demo{{"marschner-lobb", "the resampling test signal of 1994 (f = 6, alpha = 0.25); leaves the data", 0.5},
-         pointwise<formulas::MarschnerLobb>},
-    Demo{{"metaballs", "five blended balls", 0}, pointwise<formulas::Metaballs>},
-    Demo{{"random", "independent uniform values in [-1, 1): the hardest topology there is", 0}, random},
+    Demo{{"sphere", "0.7 - |p|: radius 0.7", 0, "rises and sinks by 0.25 along z"},
+         pointwise<formulas::Sphere>,
+         moved_sphere},
+    Demo{{"torus", "radii 0.6 and 0.25 around the z axis", 0, ""}, pointwise<formulas::Torus>, nullptr},
+    Demo{{"gyroid", "sin x cos y + sin y cos z + sin z cos x, four periods; leaves the data", 0,
+          "flows along x by one of its periods"},
+         gyroid,
+         moved_gyroid},
+    Demo{{"marschner-lobb", "the resampling test signal of 1994 (f = 6, alpha = 0.25); leaves the data", 0.5, ""},
+         pointwise<formulas::MarschnerLobb>,
+         nullptr},
+    Demo{{"metaballs", "five blended balls", 0, "circle around the z axis, merge and part"},
+         pointwise<formulas::Metaballs>,
+         moved_metaballs},
+    Demo{{"random", "independent uniform values in [-1, 1): the hardest topology there is", 0, ""}, random, nullptr},
 };
 
 constexpr auto kDescriptions = [] {
@@ -87,33 +144,62 @@ const Demo* find_demo(std::string_view name) {
 constexpr int kDefaultSize = 64;
 constexpr int kMaxSize = 2048;
 
-// "size=256" -> 256
-Result<int> parse_size(std::string_view spec, std::string_view setting) {
-  const std::size_t equals = setting.find('=');
-  if (setting.substr(0, equals) != "size" || equals == std::string_view::npos) {
-    return fail(ErrorKind::usage, fmt::format("{}: expected size=N, found '{}'", spec, setting),
-                Remedy::list_demo_fields);
-  }
-  const std::string_view text = setting.substr(equals + 1);
-  int size = 0;
-  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), size);
-  if (status != std::errc{} || end != text.data() + text.size() || size < 2 || size > kMaxSize) {
+template <class T>
+std::optional<T> parse_number(std::string_view text) {
+  T number{};
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (status != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return number;
+}
+
+Result<void> set_size(std::string_view spec, std::string_view text, DemoSpec& demo) {
+  const auto size = parse_number<int>(text);
+  if (!size || *size < 2 || *size > kMaxSize) {
     return fail(ErrorKind::usage,
                 fmt::format("{}: size must be a number from 2 to {}, found '{}'", spec, kMaxSize, text));
   }
-  return size;
+  demo.size = *size;
+  return {};
 }
 
-Result<int> parse_settings(std::string_view spec, std::string_view settings) {
-  int size = kDefaultSize;
+Result<void> set_time(std::string_view spec, std::string_view text, DemoSpec& demo) {
+  if (find_demo(demo.name)->make_moved == nullptr) {
+    std::vector<std::string_view> moving;
+    for (const DemoDescription& description : kDescriptions) {
+      if (!description.motion.empty()) moving.push_back(description.name);
+    }
+    return fail(ErrorKind::usage,
+                fmt::format("{}: {} does not move, so it has no time; those that do are {}", spec, demo.name,
+                            fmt::join(moving, ", ")),
+                Remedy::list_demo_fields);
+  }
+  const auto time = parse_number<double>(text);
+  if (!time || !std::isfinite(*time)) {
+    return fail(ErrorKind::usage, fmt::format("{}: time must be a number, found '{}'", spec, text));
+  }
+  // What rounding takes up to the whole period is its end, which is its start.
+  const double phase = *time - std::floor(*time);
+  demo.time = phase < 1 ? phase : 0;
+  return {};
+}
+
+// "size=256&time=0.5"
+Result<void> parse_settings(std::string_view spec, std::string_view settings, DemoSpec& demo) {
   while (!settings.empty()) {
     const std::size_t end = settings.find('&');
-    const Result<int> parsed = parse_size(spec, settings.substr(0, end));
-    if (!parsed) return parsed;
-    size = *parsed;
+    const std::string_view setting = settings.substr(0, end);
+    const std::size_t equals = std::min(setting.find('='), setting.size());
+    const std::string_view key = setting.substr(0, equals);
+    if (equals == setting.size() || (key != "size" && key != "time")) {
+      return fail(ErrorKind::usage, fmt::format("{}: expected size=N or time=T, found '{}'", spec, setting),
+                  Remedy::list_demo_fields);
+    }
+    const std::string_view text = setting.substr(equals + 1);
+    auto set = key == "size" ? set_size(spec, text, demo) : set_time(spec, text, demo);
+    if (!set) return set;
     settings.remove_prefix(end == std::string_view::npos ? settings.size() : end + 1);
   }
-  return size;
+  return {};
 }
 
 }  // namespace
@@ -134,9 +220,9 @@ Result<DemoSpec> parse_demo_spec(std::string_view spec) {
                 fmt::format("{}: no demo field '{}'; there are {}", spec, name, fmt::join(names, ", ")),
                 Remedy::list_demo_fields);
   }
-  const Result<int> size = parse_settings(spec, settings);
-  if (!size) return tl::unexpected(size.error());
-  return DemoSpec{name, *size};
+  DemoSpec demo{name, kDefaultSize, 0};
+  if (auto parsed = parse_settings(spec, settings, demo); !parsed) return tl::unexpected(parsed.error());
+  return demo;
 }
 
 Result<ScalarField> make_demo_field(std::string_view spec, const Context& context) {
@@ -151,7 +237,8 @@ Result<ScalarField> make_demo_field(std::string_view spec, const Context& contex
   for (std::size_t i = 0; i < n; ++i) axis[i] = -1 + spacing * static_cast<double>(i);
 
   float* const values = (*samples)->values.data();
-  const FillRow fill = find_demo(parsed->name)->make(axis);
+  const Demo& demo = *find_demo(parsed->name);
+  const FillRow fill = parsed->time == 0 ? demo.make(axis) : demo.make_moved(axis, parsed->time);
   context.progress().begin("making the demo field", n);
   tbb::parallel_for(std::size_t{0}, n, [&](std::size_t k) {
     if (context.cancelled()) return;

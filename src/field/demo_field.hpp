@@ -18,6 +18,7 @@ struct DemoDescription {
   std::string_view name;     // as in demo:NAME
   std::string_view formula;  // one line for the help
   double iso;                // its natural iso value
+  std::string_view motion;   // one line for the help; empty where it does not move
 };
 
 [[nodiscard]] std::span<const DemoDescription> demo_fields();
@@ -26,13 +27,15 @@ inline constexpr std::string_view kDemoPrefix = "demo:";
 
 struct DemoSpec {
   std::string_view name;
-  int size;  // samples along each axis
+  int size;         // samples along each axis
+  double time = 0;  // from 0 to below 1; fields that move come back to where they were after a time of 1
 };
 
-// Fails with ErrorKind::usage for an unknown name or key.
+// Fails with ErrorKind::usage for an unknown name or key, and for the time of a field that does not move.
 [[nodiscard]] Result<DemoSpec> parse_demo_spec(std::string_view spec);
 
-// `spec` is "demo:NAME[?key=value[&key=value...]]", keys: size (samples along each axis, 2..2048, default 64). Fails
+// `spec` is "demo:NAME[?key=value[&key=value...]]", keys: size (samples along each axis, 2..2048, default 64), and
+// time (any number, of which whole periods of 1 are dropped; default 0). Fails
 // like parse_demo_spec, and with ErrorKind::input where the samples need more memory than is left. The samples keep
 // theirs reserved.
 [[nodiscard]] Result<ScalarField> make_demo_field(std::string_view spec, const Context& context = Context());

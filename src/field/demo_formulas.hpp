@@ -99,15 +99,21 @@ struct MarschnerLobb {
 };
 
 struct Metaballs {
+  using Balls = std::array<std::array<double, 4>, 5>;  // x, y, z, radius
+  static constexpr Balls kBalls{{{-0.35, -0.2, 0.1, 0.35},
+                                 {0.3, -0.3, -0.15, 0.3},
+                                 {0.1, 0.35, 0.2, 0.32},
+                                 {-0.15, 0.1, -0.45, 0.22},
+                                 {0.45, 0.2, 0.45, 0.18}}};
+
   template <class S>
   S operator()(const S& x, const S& y, const S& z) const {
-    constexpr std::array<std::array<double, 4>, 5> kBalls{{{-0.35, -0.2, 0.1, 0.35},
-                                                           {0.3, -0.3, -0.15, 0.3},
-                                                           {0.1, 0.35, 0.2, 0.32},
-                                                           {-0.15, 0.1, -0.45, 0.22},
-                                                           {0.45, 0.2, 0.45, 0.18}}};
+    return blend(kBalls, x, y, z);
+  }
+  template <class S>
+  static S blend(const Balls& balls, const S& x, const S& y, const S& z) {
     S sum = -1;
-    for (const auto& [bx, by, bz, radius] : kBalls) {
+    for (const auto& [bx, by, bz, radius] : balls) {
       const S d2 = (x - bx) * (x - bx) + (y - by) * (y - by) + (z - bz) * (z - bz);
       sum = sum + radius * radius / (d2 + 0.01);
     }

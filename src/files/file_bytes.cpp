@@ -12,6 +12,8 @@
 #include <unistd.h>
 #include <zlib.h>
 
+#include "files/detail/standard_input.hpp"
+
 namespace isoextract::files {
 namespace {
 
@@ -19,15 +21,27 @@ std::string system_message(int error) { return std::generic_category().message(e
 
 }  // namespace
 
+bool is_standard_input(const std::filesystem::path& path) { return path == "-"; }
+
+std::string shown_input_name(const std::filesystem::path& path) {
+  return is_standard_input(path) ? std::string(kStandardInputName) : path.string();
+}
+
 Result<InputFile> InputFile::open(const std::filesystem::path& path, const Context& context) {
-  const std::string name = path.string();
+  const std::string name = shown_input_name(path);
   const auto cannot_read = [&](int error) {
     return fail(ErrorKind::input, fmt::format("{}: cannot be read: {}", name, system_message(error)));
   };
   InputFile file(path, -1, 0, context);  // before there is a descriptor that could be lost
-  // Without O_NONBLOCK, opening a pipe that nobody writes to would wait for ever.
-  file.descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  if (file.descriptor_ < 0) return cannot_read(errno);
+  if (is_standard_input(path)) {
+    const auto descriptor = detail::open_standard_input(context);
+    if (!descriptor) return tl::unexpected(descriptor.error());
+    file.descriptor_ = *descriptor;
+  } else {
+    // Without O_NONBLOCK, opening a pipe that nobody writes to would wait for ever.
+    file.descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (file.descriptor_ < 0) return cannot_read(errno);
+  }
 
   struct stat status {};
   if (::fstat(file.descriptor_, &status) != 0) return cannot_read(errno);
@@ -36,7 +50,8 @@ Result<InputFile> InputFile::open(const std::filesystem::path& path, const Conte
     return fail(ErrorKind::input, name + ": expected a regular file, found a pipe or device",
                 "write the data to a file first");
   }
-  if (status.st_size == 0) return fail(ErrorKind::input, name + ": the file is empty");
+  if (status.st_size == 0)
+    return fail(ErrorKind::input, name + (is_standard_input(path) ? ": it is empty" : ": the file is empty"));
   file.size_ = static_cast<std::uint64_t>(status.st_size);
   return file;
 }
@@ -115,7 +130,11 @@ Result<std::vector<std::byte>> first_bytes(const InputFile& file, std::size_t co
 
 Result<std::filesystem::path> resolve_beside(const std::filesystem::path& header, const std::string& data_file) {
   namespace fs = std::filesystem;
-  const auto names = fmt::format("{}: names the data file '{}'", header.string(), printable(data_file, 200));
+  const auto names = fmt::format("{}: names the data file '{}'", shown_input_name(header), printable(data_file, 200));
+  if (is_standard_input(header)) {
+    return fail(ErrorKind::input, names + ", which can only be found beside a header that is a file",
+                "give the path of the header");
+  }
   const auto outside = [&] {
     return fail(ErrorKind::input, names + ", which is not beside or below the header",
                 "put the data file into the header's folder and name it there");

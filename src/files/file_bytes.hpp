@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/context.hpp"
@@ -14,10 +15,19 @@
 
 namespace isoextract::files {
 
+// "-" as the path of an input is standard input; a file of that name is "./-".
+[[nodiscard]] bool is_standard_input(const std::filesystem::path& path);
+inline constexpr std::string_view kStandardInputName = "standard input";
+// What messages call an input.
+[[nodiscard]] std::string shown_input_name(const std::filesystem::path& path);
+
 // An open, regular file with at least one byte. Its errors are ErrorKind::input and start with its name. What is read
 // of it counts in the context that it was opened in.
 class InputFile {
  public:
+  // Standard input is read to its end when it is opened first, unless it is a file, and kept until the process ends: so
+  // it can be opened again like any file. What is kept is reserved in the context that it was opened in first; a
+  // terminal is ErrorKind::usage.
   [[nodiscard]] static Result<InputFile> open(const std::filesystem::path& path, const Context& context = Context());
 
   InputFile(InputFile&& other) noexcept;
@@ -25,7 +35,7 @@ class InputFile {
   ~InputFile();
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-  [[nodiscard]] std::string name() const { return path_.string(); }
+  [[nodiscard]] std::string name() const { return shown_input_name(path_); }
   [[nodiscard]] std::uint64_t size() const { return size_; }
   [[nodiscard]] int descriptor() const { return descriptor_; }
   [[nodiscard]] const Context& context() const { return context_; }
@@ -52,7 +62,8 @@ class InputFile {
 [[nodiscard]] Result<std::vector<std::byte>> first_bytes(const InputFile& file, std::size_t count);
 
 // The path of a data file that a header names. Fails with ErrorKind::input where it does not exist, or where it lies
-// neither beside nor below the header once links and ".." are resolved: a header must not reach for other files.
+// neither beside nor below the header once links and ".." are resolved: a header must not reach for other files. A
+// header from standard input lies nowhere.
 [[nodiscard]] Result<std::filesystem::path> resolve_beside(const std::filesystem::path& header,
                                                            const std::string& data_file);
 

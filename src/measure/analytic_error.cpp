@@ -205,7 +205,7 @@ class AnalyticMeasurement {
 std::optional<AnalyticError> measure_analytic_error(const mesh::Mesh& mesh, const field::ScalarField& field,
                                                     const extract::ExtractOptions& extracted,
                                                     const field::ScalarField* grid, const Context& context) {
-  const field::AnalyticField* formula = field.format == "demo" ? field::find_analytic_field(field.name) : nullptr;
+  const field::AnalyticField* formula = field::formula_of(field);
   if (formula == nullptr) return std::nullopt;
   const IndexMesh placed(mesh, field, extracted, grid);
   if (!is_similarity(placed.output_from_index().linear)) return std::nullopt;

@@ -36,6 +36,7 @@ struct RawLayout {
 struct ReadOptions {
   std::optional<std::string> format;     // the id of one; default: by content, then by extension
   std::optional<std::string> grid;       // a grid's label or name (GridInfo), where formats have grids
+  std::optional<std::int64_t> volume;    // of a file with several, such as time steps; counted from 0
   std::optional<RawLayout> raw;          // raw files need it; for others it is an error
   std::optional<glm::dvec3> spacing;     // replaces what the file says; raw and NPY have 1
   std::optional<glm::dvec3> origin;      // world position of index (0, 0, 0); likewise
@@ -53,6 +54,7 @@ struct GridInfo {
   std::optional<field::FieldKind> kind;  // where the file says so
   field::IndexBox box;                   // active voxels, or all samples; empty as well if they were not counted
   std::optional<std::uint64_t> voxels;   // active voxels, or all samples; none if they were not counted
+  std::uint64_t volumes = 1;             // of this box each: time steps, for example; ReadOptions::volume chooses one
   std::string frame_problem;             // why the place that the file gives it cannot be used; empty if it can
 };
 
@@ -63,6 +65,7 @@ struct FormatDescription {
   std::vector<std::string> extensions = {};  // the ends of files' names, in lower case: ".nii.gz"
   std::string prefix = {};    // "demo:": inputs that start so are of this format and no files; else empty
   bool has_grids = false;     // a file names its grids, and ReadOptions::grid chooses one
+  bool has_volumes = false;   // a file may hold several volumes, and ReadOptions::volume chooses one
   bool needs_layout = false;  // files do not say what is in them: ReadOptions::raw has to
 };
 

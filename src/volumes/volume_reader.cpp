@@ -1,11 +1,13 @@
 #include "volumes/volume_reader.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <exception>
 #include <new>
 
 #include <fmt/format.h>
 
+#include "files/file_bytes.hpp"
 #include "volumes/detail/volume_detect.hpp"
 
 namespace isoextract::volumes {
@@ -24,6 +26,12 @@ Result<void> check_options(const std::string& input, const FormatDescription& ab
                 fmt::format("{}: the name of a grid is for files that have grids, such as VDB; this is read as {}",
                             input, about.id),
                 Remedy::leave_out_grid);
+  }
+  if (options.volume && !about.has_volumes) {
+    return fail(ErrorKind::usage,
+                fmt::format("{}: the number of a volume is for files that may hold several; this is read as {}", input,
+                            about.id),
+                Remedy::leave_out_volume);
   }
   if (about.needs_layout && !options.raw) {
     return fail(ErrorKind::usage, fmt::format("{}: a raw file does not say what is in it", input),
@@ -50,14 +58,14 @@ auto with_format(const std::string& input, const ReadOptions& options, const Con
   try {
     const auto detected = detect_format(input, options, context);
     if (!detected) return tl::unexpected(detected.error());
-    if (auto fine = check_options(input, detected->format->about(), options); !fine) {
+    if (auto fine = check_options(files::shown_input_name(input), detected->format->about(), options); !fine) {
       return tl::unexpected(fine.error());
     }
     return work(*detected);
   } catch (const std::bad_alloc&) {
-    return fail(ErrorKind::input, input + ": not enough memory to read it");
+    return fail(ErrorKind::input, files::shown_input_name(input) + ": not enough memory to read it");
   } catch (const std::exception& error) {
-    return fail(ErrorKind::input, fmt::format("{}: {}", input, error.what()));
+    return fail(ErrorKind::input, fmt::format("{}: {}", files::shown_input_name(input), error.what()));
   }
 }
 
@@ -66,6 +74,17 @@ auto with_format(const std::string& input, const ReadOptions& options, const Con
 Result<std::vector<GridInfo>> list_grids(const std::string& input, const ReadOptions& options, const Context& context) {
   return with_format(input, options, context,
                      [&](const DetectedFormat& detected) { return detected.format->list(input, options, context); });
+}
+
+Result<std::uint64_t> count_volumes(const std::string& input, const ReadOptions& options, const Context& context) {
+  ReadOptions all = options;
+  all.volume.reset();
+  return with_format(input, all, context, [&](const DetectedFormat& detected) -> Result<std::uint64_t> {
+    if (!detected.format->about().has_volumes) return 1;
+    const auto grids = detected.format->list(input, all, context);
+    if (!grids) return tl::unexpected(grids.error());
+    return std::ranges::max(*grids, {}, &GridInfo::volumes).volumes;
+  });
 }
 
 Result<std::vector<std::filesystem::path>> list_input_files(const std::string& input, const ReadOptions& options,
@@ -79,7 +98,7 @@ Result<field::ScalarField> read_volume(const std::string& input, const ReadOptio
     auto field = detected.format->open(input, options, context);
     if (!field) return field;
     if (!detected.note.empty()) field->notes.insert(field->notes.begin(), detected.note);
-    field->source = input;
+    field->source = files::shown_input_name(input);
     if (options.kind) field->kind = *options.kind;
     return field;
   });

@@ -12,9 +12,14 @@
 
 namespace isoextract::volumes {
 
-// `input` is a path or demo:NAME. Never reads samples.
+// `input` is a path, "-" for standard input (files::InputFile tells how it is kept) or demo:NAME. Never reads samples.
 [[nodiscard]] Result<std::vector<GridInfo>> list_grids(const std::string& input, const ReadOptions& options,
                                                        const Context& context = Context());
+
+// How many volumes, such as time steps, read_volume can choose from by ReadOptions::volume: 1 for most files. What
+// `options` choose is not looked at. Never reads samples.
+[[nodiscard]] Result<std::uint64_t> count_volumes(const std::string& input, const ReadOptions& options,
+                                                  const Context& context = Context());
 
 // The files that read_volume would read: `input`, and those that hold the samples where its header says so. A file may
 // be named twice. Never reads samples.
@@ -22,9 +27,9 @@ namespace isoextract::volumes {
                                                                           const ReadOptions& options,
                                                                           const Context& context = Context());
 
-// Reads one grid. Fails with ErrorKind::input (unreadable, unsupported, no such grid; the hint lists the grids where a
-// choice is missing or wrong) or ErrorKind::usage (options that do not go with the format). Samples that are no mapping
-// of a file stay reserved in the context's memory for as long as they live.
+// Reads one grid. Fails with ErrorKind::input (unreadable, unsupported, no such grid or volume; the hint lists what
+// there is where a choice is missing or wrong) or ErrorKind::usage (options that do not go with the format). Samples
+// that are no mapping of a file stay reserved in the context's memory for as long as they live.
 [[nodiscard]] Result<field::ScalarField> read_volume(const std::string& input, const ReadOptions& options,
                                                      const Context& context = Context());
 

@@ -51,9 +51,9 @@ class ProgramTest(unittest.TestCase):
         command = [PROGRAM, *(str(argument) for argument in arguments)]
         return Run(subprocess.run(command, timeout=120, check=False, **options))
 
-    def convert(self, *arguments):
+    def convert(self, *arguments, **options):
         """A conversion that must succeed."""
-        run = self.run_program(*arguments)
+        run = self.run_program(*arguments, **options)
         self.assertEqual(run.code, 0, run.err)
         return run
 

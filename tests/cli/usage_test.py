@@ -51,7 +51,7 @@ class UsageTest(ProgramTest):
     def test_misspelt_command(self):
         self.assertIn("did you mean 'isoextract info'?", self.refused("inof", "a.vdb"))
 
-    def test_input_is_not_stdin(self):
+    def test_an_input_from_stdin_has_no_name_for_its_mesh(self):
         self.assertIn("stdin", self.refused("-", "--iso", "0"))
 
     def test_numbers(self):

@@ -60,6 +60,10 @@ void read_one(const std::uint8_t* data, std::size_t size) {
         std::find_if(grids->begin(), grids->end(), [](const volumes::GridInfo& grid) { return grid.scalar; });
     if (scalar != grids->end()) options.grid = scalar->label;
   }
+  // Likewise one of several volumes: the last, which lies behind all others.
+  if (grids && grids->size() == 1 && grids->front().volumes > 1) {
+    options.volume = static_cast<std::int64_t>(grids->front().volumes - 1);
+  }
   const auto field = volumes::read_volume(input, options, context);
   if (!field) {
     if (field.error().message.empty()) std::abort();

@@ -52,6 +52,15 @@ void write_nrrd(const fs::path& folder) {
   seed("long_field", fmt::format("kinds: {}\ntype: uint8\nencoding: raw\n", many), "");
   seed("long_name", fmt::format("{}: 1\ntype: uint8\nencoding: raw\n", many), "");
   seed("longest_field", fmt::format("space: {}\ntype: uint8\nencoding: raw\n", many.substr(0, 760)), "");
+  const std::string twice = ramp_bytes<std::uint8_t>() + ramp_bytes<std::uint8_t>();
+  write_bytes(folder / "series",
+              "NRRD0005\ntype: uint8\ndimension: 4\nsizes: 3 4 5 2\n"
+              "kinds: domain domain domain time\nencoding: raw\n\n" +
+                  twice);
+  write_bytes(folder / "lanes",
+              "NRRD0005\ntype: uint8\ndimension: 4\nsizes: 2 3 4 5\n"
+              "kinds: list domain domain domain\nencoding: gzip\n\n" +
+                  gzip(twice));
   std::string ones = "1";
   for (int i = 0; i < 16; ++i) ones += " 1";
   write_bytes(folder / "many_values", fmt::format("NRRD0005\ndimension: 16\nsizes: {}\n\n", ones));
@@ -80,6 +89,13 @@ void write_nifti(const fs::path& folder) {
   one.srow_y[1] = one.srow_z[2] = 2;
   write_bytes(folder / "one", bytes_of(one, 352, ramp_bytes<std::uint8_t>()));
   write_bytes(folder / "one_gzip", gzip(bytes_of(one, 352, ramp_bytes<std::uint8_t>())));
+
+  one.dim[0] = 4;
+  one.dim[4] = 2;
+  const std::string twice = ramp_bytes<std::uint8_t>() + ramp_bytes<std::uint8_t>();
+  write_bytes(folder / "series", bytes_of(one, 352, twice));
+  write_bytes(folder / "series_gzip", gzip(bytes_of(one, 352, twice)));
+  one.dim[0] = 3;
 
   one.datatype = NIFTI_TYPE_INT16;
   one.bitpix = 16;
@@ -113,6 +129,8 @@ void write_npy(const fs::path& folder) {
   seed("f16_fortran", 2, "<f2", "True", "(3, 4, 5)", ramp_bytes<field::Half>());
   seed("i16_big", 3, ">i2", "False", "(12, 5)", ramp_bytes<std::int16_t>(std::endian::big));
   seed("f64", 1, "<f8", "False", "(5, 4, 3)", ramp_bytes<double>());
+  seed("series", 1, "<f4", "False", "(2, 5, 4, 3)", ramp_bytes<float>() + ramp_bytes<float>());
+  seed("lanes", 1, ">i2", "True", "(2, 5, 4, 3)", ramp_bytes<std::int16_t>() + ramp_bytes<std::int16_t>());
 }
 
 void write_raw(const fs::path& folder) {
@@ -131,6 +149,7 @@ void write_raw(const fs::path& folder) {
 
 void write_demo(const fs::path& folder) {
   write_bytes(folder / "size", "sphere?size=8");
+  write_bytes(folder / "time", "metaballs?size=8&time=0.25");
   write_bytes(folder / "plain", "marschner-lobb?size=2&size=3");
 }
 

@@ -29,8 +29,8 @@ concept EnumWithWords = std::is_enum_v<E> && requires {
 
 // What JSON has values for.
 template <class T>
-concept JsonValue =
-    std::same_as<T, bool> || std::same_as<T, double> || std::same_as<T, std::uint64_t> || std::same_as<T, std::string>;
+concept JsonValue = std::same_as<T, bool> || std::same_as<T, double> || std::same_as<T, std::uint64_t> ||
+    std::same_as<T, std::int64_t> || std::same_as<T, std::string>;
 
 template <class T>
 concept JobStructure = std::same_as<T, volumes::RawLayout> || std::same_as<T, SimplifyBound> ||
@@ -66,6 +66,13 @@ class JobJson {
   static Expected decode(const Json& json, double& target) { return take(json, &Json::is_number, "a number", target); }
   static Expected decode(const Json& json, std::uint64_t& target) {
     return take(json, &Json::is_number_unsigned, "a whole number from 0 on", target);
+  }
+  static Expected decode(const Json& json, std::int64_t& target) {
+    const bool fits =
+        json.is_number_unsigned() ? std::in_range<std::int64_t>(json.get<std::uint64_t>()) : json.is_number_integer();
+    if (!fits) return "a whole number";
+    target = json.get<std::int64_t>();
+    return {};
   }
   static Expected decode(const Json& json, std::string& target) {
     return take(json, &Json::is_string, "a text", target);
@@ -218,6 +225,7 @@ class JobJson {
     each("input", job.source.input);
     each("input_format", job.source.read.format);
     each("grid", job.source.read.grid);
+    each("volume", job.source.read.volume);
     each("raw", job.source.read.raw);
     each("spacing", job.source.read.spacing);
     each("origin", job.source.read.origin);

@@ -13,9 +13,12 @@
 namespace isoextract::volumes {
 namespace {
 
+constexpr std::uint64_t kMaxBytes = std::uint64_t{1} << 62;  // of what one file holds
+
 // Mapped where that can be; else read, into memory that is reserved. A mapping needs none of its own: the system keeps
 // what is in use of it and drops the rest where memory is short.
-Result<field::DenseSamples> load_samples(const files::InputFile& file, DenseFile& dense, const SampleSource& source) {
+Result<field::DenseSamples> load_samples(const files::InputFile& file, DenseFile& dense, std::uint64_t volume,
+                                         const SampleSource& source) {
   const Context& context = file.context();
   if (!dense.x_slowest) {
     if (auto mapped = map_samples(source, context)) {
@@ -29,7 +32,8 @@ Result<field::DenseSamples> load_samples(const files::InputFile& file, DenseFile
 
   auto read = dense.x_slowest ? read_samples_transposed(source, dense.dims, context) : read_samples(source, context);
   if (!read) return tl::unexpected(read.error());
-  if (read->more_in_gzip) dense.notes.emplace_back("bytes after the samples were not read");
+  if (read->more_in_gzip && volume + 1 == dense.volumes)
+    dense.notes.emplace_back("bytes after the samples were not read");
   memory->shrink(source.bytes);
   const auto owned = std::make_shared<const ReservedBuffer<std::byte>>(
       ReservedBuffer<std::byte>{std::move(read->data), std::move(*memory)});
@@ -37,10 +41,13 @@ Result<field::DenseSamples> load_samples(const files::InputFile& file, DenseFile
 }
 
 Result<field::ScalarField> load_dense(const files::InputFile& file, DenseFile&& dense, const ReadOptions& options) {
-  const std::string what = describe_samples(dense.dims, dense.type);
+  const auto volume = choose_volume(file.name(), dense.volumes, options.volume);
+  if (!volume) return tl::unexpected(volume.error());
+  std::string what = describe_samples(dense.dims, dense.type);
+  if (dense.volumes > 1) what += fmt::format(" in each of {} volumes", dense.volumes);
   SampleSource source;
   source.pieces = std::move(dense.pieces);
-  source.bytes = sample_bytes(dense.dims, dense.type);
+  source.bytes = sample_bytes(dense.dims, dense.type) * dense.volumes;
   source.sample_size = field::sample_size(dense.type);
   source.swap_bytes = dense.endian != std::endian::native && source.sample_size > 1;
 
@@ -53,7 +60,9 @@ Result<field::ScalarField> load_dense(const files::InputFile& file, DenseFile&& 
     }
     dense.notes.push_back(fmt::format("{} bytes after the samples were not read", *extra));
   }
-  auto samples = load_samples(file, dense, source);
+  const auto one = volume_of(source, *volume, dense.volumes, dense.interleaved);
+  if (!one) return tl::unexpected(one.error());
+  auto samples = load_samples(file, dense, *volume, *one);
   if (!samples) return tl::unexpected(samples.error());
 
   field::ScalarField field;
@@ -76,7 +85,13 @@ Result<std::vector<GridInfo>> DenseFormat::list(const std::string& input, const 
   if (!file) return tl::unexpected(file.error());
   const auto dense = open_header(*file, options);
   if (!dense) return tl::unexpected(dense.error());
-  return std::vector{dense_grid(stem_of(file->path()), dense->dims, dense->type)};
+  if (options.volume) {
+    const auto chosen = choose_volume(file->name(), dense->volumes, options.volume);
+    if (!chosen) return tl::unexpected(chosen.error());
+  }
+  GridInfo grid = dense_grid(stem_of(file->path()), dense->dims, dense->type);
+  grid.volumes = dense->volumes;
+  return std::vector{std::move(grid)};
 }
 
 Result<std::vector<std::filesystem::path>> DenseFormat::files(const std::string& input, const ReadOptions& options,
@@ -102,7 +117,6 @@ Result<field::ScalarField> DenseFormat::open(const std::string& input, const Rea
 Result<glm::ivec3> checked_dims(const std::string& file, const std::array<std::uint64_t, 3>& sizes,
                                 field::SampleType type) {
   constexpr std::uint64_t kMaxSize = 0x7fffffff;
-  constexpr std::uint64_t kMaxBytes = std::uint64_t{1} << 62;
   const auto bytes = checked_product(sizes[0], sizes[1], sizes[2], std::uint64_t{field::sample_size(type)});
   const bool fits = std::ranges::all_of(sizes, [](std::uint64_t size) { return size >= 1 && size <= kMaxSize; });
   if (!fits || !bytes || *bytes > kMaxBytes) {
@@ -110,6 +124,14 @@ Result<glm::ivec3> checked_dims(const std::string& file, const std::array<std::u
                                               kMaxSize, sizes[0], sizes[1], sizes[2]));
   }
   return glm::ivec3(static_cast<int>(sizes[0]), static_cast<int>(sizes[1]), static_cast<int>(sizes[2]));
+}
+
+Result<void> check_volume_count(const std::string& file, const glm::ivec3& dims, field::SampleType type,
+                                std::uint64_t count) {
+  const auto bytes = checked_product(sample_bytes(dims, type), count);
+  if (count > 0 && bytes && *bytes <= kMaxBytes) return {};
+  return fail(ErrorKind::input, fmt::format("{}: expected from 1 to {} volumes of {}, found {}", file,
+                                            kMaxBytes / sample_bytes(dims, type), describe_samples(dims, type), count));
 }
 
 std::uint64_t sample_bytes(const glm::ivec3& dims, field::SampleType type) {
@@ -133,6 +155,7 @@ GridInfo dense_grid(std::string name, const glm::ivec3& dims, field::SampleType 
 }
 
 std::string stem_of(const std::filesystem::path& path) {
+  if (files::is_standard_input(path)) return "stdin";
   std::filesystem::path stem = path.stem();
   if (path.extension() == ".gz") stem = stem.stem();
   return stem.string();

@@ -18,7 +18,7 @@
 
 namespace isoextract::volumes {
 
-// A dense volume whose header was read and checked; its samples were not.
+// A dense volume, or several of one size, whose header was read and checked; the samples were not.
 struct DenseFile {
   std::string format;  // "NRRD"
   std::string world_space;
@@ -28,8 +28,10 @@ struct DenseFile {
   bool x_slowest = false;  // stored with the last axis fastest
   field::ValueScale scale;
   Frame frame;
-  std::vector<SamplePiece> pieces;
-  bool size_is_exact = false;  // bytes after the samples are an error, not a note
+  std::uint64_t volumes = 1;  // at least, of `dims` each
+  bool interleaved = false;   // the volumes' first samples come first, then their second ones; else one volume first
+  std::vector<SamplePiece> pieces;  // of all volumes
+  bool size_is_exact = false;       // bytes after the samples are an error, not a note
   std::vector<std::string> notes;
 };
 
@@ -54,6 +56,10 @@ class DenseFormat : public VolumeFormat {
 // 2^62 bytes.
 [[nodiscard]] Result<glm::ivec3> checked_dims(const std::string& file, const std::array<std::uint64_t, 3>& sizes,
                                               field::SampleType type);
+
+// Likewise for the number of volumes of that size in one file.
+[[nodiscard]] Result<void> check_volume_count(const std::string& file, const glm::ivec3& dims, field::SampleType type,
+                                              std::uint64_t count);
 
 [[nodiscard]] std::uint64_t sample_bytes(const glm::ivec3& dims, field::SampleType type);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -107,6 +108,23 @@ Result<std::size_t> choose_grid(const std::string& file, std::span<const GridInf
                 listed(Remedy::choose_grid));
   }
   return found.front();
+}
+
+Result<std::uint64_t> choose_volume(const std::string& file, std::uint64_t count, std::optional<std::int64_t> wanted) {
+  const Hint hint =
+      count == 1 ? Hint(Remedy::leave_out_volume) : Hint(Remedy::choose_volume, fmt::format("from 0 to {}", count - 1));
+  if (!wanted) {
+    if (count == 1) return 0;
+    return fail(ErrorKind::input, fmt::format("{}: there are {} volumes in the file", file, count), hint);
+  }
+  if (std::cmp_less(*wanted, 0) || std::cmp_greater_equal(*wanted, count)) {
+    return fail(
+        ErrorKind::input,
+        fmt::format("{}: there is no volume {}; expected {}", file, *wanted,
+                    count == 1 ? std::string("0, the only one") : fmt::format("one of {}, counted from 0", count)),
+        hint);
+  }
+  return static_cast<std::uint64_t>(*wanted);
 }
 
 }  // namespace isoextract::volumes

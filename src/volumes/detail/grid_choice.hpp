@@ -1,6 +1,7 @@
-// Which of a file's grids is meant.
+// Which of a file's grids is meant, and which of its volumes.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -23,5 +24,10 @@ void label_grids(std::span<GridInfo> grids);
 // hint of a failure lists them.
 [[nodiscard]] Result<std::size_t> choose_grid(const std::string& file, std::span<const GridInfo> grids,
                                               const std::optional<std::string>& wanted);
+
+// The wanted one of `count` volumes, or, where none is asked for, the only one. The hint of a failure says what there
+// is to choose from.
+[[nodiscard]] Result<std::uint64_t> choose_volume(const std::string& file, std::uint64_t count,
+                                                  std::optional<std::int64_t> wanted);
 
 }  // namespace isoextract::volumes

@@ -135,6 +135,12 @@ class PluginFormat final : public VolumeFormat {
  private:
   // The plug-in, opened, if it takes the file.
   Result<const Plugin*> plugin_for(const std::string& input, const Context& context) const {
+    if (files::is_standard_input(input)) {
+      return fail(ErrorKind::input,
+                  fmt::format("{}: plug-ins, such as the one for {}, read files by their paths",
+                              files::kStandardInputName, about().id),
+                  "write the data to a file first");
+    }
     auto plugin = opened(input);
     if (!plugin) return plugin;
     const auto file = files::InputFile::open(input, context);

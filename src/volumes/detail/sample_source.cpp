@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstring>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -55,13 +56,49 @@ Result<void> for_each_parallel(std::size_t count, const std::function<Result<voi
   return {};
 }
 
-// Reads and, while the bytes are in the cache, brings them into native order.
-Result<void> read_range(const files::InputFile& file, std::uint64_t offset, std::span<std::byte> out,
-                        const SampleSource& source, const Context& context) {
+template <class T>
+void pick_lane(const std::byte* stored, std::span<std::byte> out, const SampleSource& source) {
+  for (std::size_t at = 0, from = source.lane * sizeof(T); at < out.size();
+       at += sizeof(T), from += source.stride * sizeof(T)) {
+    std::memcpy(out.data() + at, stored + from, sizeof(T));
+  }
+}
+
+void pick_samples(const std::byte* stored, std::span<std::byte> out, const SampleSource& source) {
+  switch (source.sample_size) {
+    case 1: return pick_lane<std::uint8_t>(stored, out, source);
+    case 2: return pick_lane<std::uint16_t>(stored, out, source);
+    case 4: return pick_lane<std::uint32_t>(stored, out, source);
+    default: return pick_lane<std::uint64_t>(stored, out, source);
+  }
+}
+
+// Fills `out` with wanted samples, from what take(at, bytes) puts into `bytes` of the stored ones: the run that `at`
+// bytes of `out` begin. Nothing passes through other memory where only wanted ones are stored.
+template <class Take>
+Result<void> fill_from_lane(std::span<std::byte> out, const SampleSource& source, const Take& take) {
+  if (source.stride == 1) return take(std::size_t{0}, out);
+  const std::size_t step = kChunk / (source.stride * source.sample_size) * source.sample_size;
+  std::vector<std::byte> stored(std::min(step, out.size()) * source.stride);
+  for (std::size_t at = 0; at < out.size(); at += step) {
+    const auto part = out.subspan(at, std::min(step, out.size() - at));
+    if (auto taken = take(at, std::span(stored).first(part.size() * source.stride)); !taken) return taken;
+    pick_samples(stored.data(), part, source);
+  }
+  return {};
+}
+
+// Reads what lies in a piece from its wanted byte `first` on and, while the bytes are in the cache, brings them into
+// native order.
+Result<void> read_range(const files::InputFile& file, const SamplePiece& piece, std::uint64_t first,
+                        std::span<std::byte> out, const SampleSource& source, const Context& context) {
   return for_each_parallel((out.size() + kChunk - 1) / kChunk, [&](std::size_t i) -> Result<void> {
     if (auto wanted = context.check(); !wanted) return wanted;
     const auto chunk = out.subspan(i * kChunk, std::min(kChunk, out.size() - i * kChunk));
-    if (auto read = file.read_at(offset + i * kChunk, chunk); !read) return read;
+    auto read = fill_from_lane(chunk, source, [&](std::size_t at, std::span<std::byte> bytes) {
+      return file.read_at(piece.offset + (first + i * kChunk + at) * source.stride, bytes);
+    });
+    if (!read) return read;
     if (source.swap_bytes) swap_samples(chunk, source.sample_size);
     context.progress().advance(chunk.size());
     return {};
@@ -113,8 +150,8 @@ Result<bool> read_gzip(const files::InputFile& file, const SamplePiece& piece, s
   const auto gzip = open_gzip(file, piece.offset);
   if (!gzip) return tl::unexpected(gzip.error());
   const auto ends_early = [&](std::uint64_t at) {
-    return fail(ErrorKind::input,
-                fmt::format("{}: the gzip data holds {} bytes, expected {}", file.name(), at, piece.skip + out.size()));
+    return fail(ErrorKind::input, fmt::format("{}: the gzip data holds {} bytes, expected {}", file.name(), at,
+                                              piece.skip + out.size() * source.stride));
   };
   std::vector<std::byte> skipped(std::min<std::uint64_t>(piece.skip, kChunk));
   for (std::uint64_t at = 0; at < piece.skip;) {
@@ -127,10 +164,14 @@ Result<bool> read_gzip(const files::InputFile& file, const SamplePiece& piece, s
   for (std::size_t at = 0; at < out.size();) {
     if (auto wanted = context.check(); !wanted) return tl::unexpected(wanted.error());
     const auto chunk = out.subspan(at, std::min(kChunk, out.size() - at));
-    const auto got = inflate_into(gzip->get(), file, chunk);
-    if (!got) return tl::unexpected(got.error());
-    at += *got;
-    if (*got < chunk.size()) return ends_early(piece.skip + at);
+    auto filled = fill_from_lane(chunk, source, [&](std::size_t done, std::span<std::byte> bytes) -> Result<void> {
+      const auto got = inflate_into(gzip->get(), file, bytes);
+      if (!got) return tl::unexpected(got.error());
+      if (*got < bytes.size()) return ends_early(piece.skip + (at + done) * source.stride + *got);
+      return {};
+    });
+    if (!filled) return tl::unexpected(std::move(filled.error()));
+    at += chunk.size();
     if (source.swap_bytes) swap_samples(chunk, source.sample_size);
     context.progress().advance(chunk.size());
   }
@@ -151,6 +192,37 @@ Result<Buffer<std::byte>> allocate(std::uint64_t bytes, const SampleSource& sour
 }
 
 }  // namespace
+
+Result<SampleSource> volume_of(const SampleSource& all, std::uint64_t index, std::uint64_t count, bool interleaved) {
+  const std::string name = all.pieces.front().path.string();
+  SampleSource one = all;
+  one.bytes = all.bytes / count;
+  if (count == 1) return one;
+  if (interleaved) {
+    if (count > kChunk / all.sample_size) {
+      return fail(ErrorKind::input, fmt::format("{}: expected at most {} volumes with their samples side by side, "
+                                                "found {}",
+                                                name, kChunk / all.sample_size, count));
+    }
+    one.stride = count;
+    one.lane = index;
+    return one;
+  }
+  const std::uint64_t pieces = all.pieces.size();
+  if (pieces % count == 0) {
+    const auto first = all.pieces.begin() + static_cast<std::ptrdiff_t>(index * (pieces / count));
+    one.pieces.assign(first, first + static_cast<std::ptrdiff_t>(pieces / count));
+    return one;
+  }
+  if (count % pieces != 0) {
+    return fail(ErrorKind::input, fmt::format("{}: {} volumes in {} data files of the same size", name, count, pieces));
+  }
+  const std::uint64_t in_piece = count / pieces;
+  SamplePiece piece = all.pieces[static_cast<std::size_t>(index / in_piece)];
+  (piece.gzip ? piece.skip : piece.offset) += index % in_piece * one.bytes;
+  one.pieces = {std::move(piece)};
+  return one;
+}
 
 Result<std::uint64_t> check_source(const SampleSource& source, const std::string& what, const Context& context) {
   const std::uint64_t expected = source.piece_bytes();
@@ -181,7 +253,7 @@ Result<std::uint64_t> check_source(const SampleSource& source, const std::string
 
 std::optional<files::MappedFile> map_samples(const SampleSource& source, const Context& context) {
   const SamplePiece& piece = source.pieces.front();
-  const bool as_wanted = source.pieces.size() == 1 && !piece.gzip && !source.swap_bytes;
+  const bool as_wanted = source.pieces.size() == 1 && !piece.gzip && !source.swap_bytes && source.stride == 1;
   if (!as_wanted || piece.offset % source.sample_size != 0) return std::nullopt;
   const auto file = files::InputFile::open(piece.path, context);
   if (!file) return std::nullopt;
@@ -207,7 +279,7 @@ Result<ReadSamples> read_samples(const SampleSource& source, const Context& cont
       const auto more = read_gzip(*file, piece, out, source, context);
       if (!more) return tl::unexpected(more.error());
       result.more_in_gzip |= *more;
-    } else if (auto read = read_range(*file, piece.offset, out, source, context); !read) {
+    } else if (auto read = read_range(*file, piece, 0, out, source, context); !read) {
       return tl::unexpected(read.error());
     }
   }
@@ -253,8 +325,9 @@ Result<ReadSamples> read_samples_transposed(const SampleSource& source, const gl
   for (int x = 0; x < dims.x; x += kSlab) {
     const int count = std::min(kSlab, dims.x - x);
     const auto part = slab->span().first(static_cast<std::size_t>(plane_bytes) * static_cast<std::size_t>(count));
-    const std::uint64_t offset = source.pieces.front().offset + plane_bytes * static_cast<std::uint64_t>(x);
-    if (auto read = read_range(*file, offset, part, source, context); !read) return tl::unexpected(read.error());
+    const std::uint64_t first = plane_bytes * static_cast<std::uint64_t>(x);
+    auto read = read_range(*file, source.pieces.front(), first, part, source, context);
+    if (!read) return tl::unexpected(std::move(read.error()));
     const auto turn = [&]<class T>(std::type_identity<T>) {
       transpose_slab(reinterpret_cast<const T*>(part.data()), reinterpret_cast<T*>(data->data()), dims, x, count);
     };

@@ -68,7 +68,7 @@ Result<DetectedFormat> detect_format(const std::string& input, const ReadOptions
   if (const VolumeFormat* format = format_by_prefix(input)) return DetectedFormat{format, {}};
   const auto file = files::InputFile::open(input, context);
   if (!file) return tl::unexpected(file.error());
-  if (options.format) return chosen_format(input, *options.format);
+  if (options.format) return chosen_format(file->name(), *options.format);
   std::byte start[2] = {};
   if (file->size() >= sizeof start) {
     if (auto read = file->read_at(0, start); !read) return tl::unexpected(read.error());

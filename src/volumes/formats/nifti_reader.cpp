@@ -106,8 +106,9 @@ Result<glm::ivec3> read_dims(const std::string& file, const NiftiHeader& header,
     }
     if (axis <= 3) {
       sizes[axis - 1] = static_cast<std::uint64_t>(size);
-    } else if (size > 1) {
-      return fail(ErrorKind::input, fmt::format("{}: expected one volume, found {} along axis {}", file, size, axis),
+    } else if (axis > 4 && size > 1) {  // axis 4 counts volumes
+      return fail(ErrorKind::input,
+                  fmt::format("{}: expected one number a sample, found {} along axis {}", file, size, axis),
                   "write the volume to extract from into a file of its own");
     }
   }
@@ -193,6 +194,11 @@ std::optional<std::filesystem::path> pair_stem(const std::filesystem::path& path
 
 // The other half of a pair, beside the one that was given.
 Result<std::filesystem::path> find_partner(const files::InputFile& file, std::string_view extension) {
+  if (files::is_standard_input(file.path())) {
+    return fail(ErrorKind::input,
+                fmt::format("{}: one file of a NIfTI pair, whose other file can only be found beside it", file.name()),
+                "give its path, or join the two into one .nii");
+  }
   const auto stem = pair_stem(file.path());
   std::string tried;
   for (const std::string_view packed : {"", ".gz"}) {
@@ -245,6 +251,8 @@ Result<DenseFile> open_with_header(const files::InputFile& file, const NiftiHead
   }
   const auto dims = read_dims(file.name(), header, *type);
   if (!dims) return tl::unexpected(dims.error());
+  const auto volumes = static_cast<std::uint64_t>(header.dim[0] >= 4 ? header.dim[4] : 1);
+  if (auto fine = check_volume_count(file.name(), *dims, *type, volumes); !fine) return tl::unexpected(fine.error());
   auto piece = locate_samples(file, header);
   if (!piece) return tl::unexpected(piece.error());
 
@@ -253,6 +261,7 @@ Result<DenseFile> open_with_header(const files::InputFile& file, const NiftiHead
   dense.world_space = "RAS+ (NIfTI)";
   dense.type = *type;
   dense.dims = *dims;
+  dense.volumes = volumes;
   if (header.swapped) {
     dense.endian = std::endian::native == std::endian::little ? std::endian::big : std::endian::little;
   }
@@ -290,7 +299,8 @@ class NiftiFormat final : public DenseFormat {
   NiftiFormat()
       : DenseFormat({.id = "nifti",
                      .title = "NIfTI-1 and NIfTI-2, also gzip and pairs",
-                     .extensions = {".nii", ".nii.gz", ".hdr", ".img", ".hdr.gz", ".img.gz"}}) {}
+                     .extensions = {".nii", ".nii.gz", ".hdr", ".img", ".hdr.gz", ".img.gz"},
+                     .has_volumes = true}) {}
 
   [[nodiscard]] bool probe(const FileStart& start) const override { return parse_header(start.bytes).has_value(); }
 

@@ -203,19 +203,30 @@ Result<DenseFile> open_npy(const files::InputFile& file) {
   std::vector<std::uint64_t> shape = *header->shape;
   const std::size_t axes = shape.size();
   while (shape.size() > 3 && shape.front() == 1) shape.erase(shape.begin());
-  if (shape.size() != 3) {
-    return fail(ErrorKind::input, fmt::format("{}: expected an array with 3 axes [z, y, x], found shape ({})",
-                                              file.name(), fmt::join(*header->shape, ", ")));
+  const std::size_t kept = shape.size();
+  if (kept != 3 && kept != 4) {
+    return fail(ErrorKind::input,
+                fmt::format("{}: expected an array with 3 axes [z, y, x], or 4 [t, z, y, x], found shape ({})",
+                            file.name(), fmt::join(*header->shape, ", ")));
   }
-  if (axes > 3) dense.notes.push_back(fmt::format("{} leading axes of length 1 were dropped", axes - 3));
+  if (axes > kept) dense.notes.push_back(fmt::format("{} leading axes of length 1 were dropped", axes - kept));
+  if (kept == 4) {
+    dense.volumes = shape.front();
+    shape.erase(shape.begin());
+  }
   const auto dims = checked_dims(file.name(), {shape[2], shape[1], shape[0]}, type->type);
   if (!dims) return tl::unexpected(dims.error());
+  if (auto fine = check_volume_count(file.name(), *dims, type->type, dense.volumes); !fine) {
+    return tl::unexpected(fine.error());
+  }
 
   dense.format = "NPY";
   dense.type = type->type;
   dense.dims = *dims;
   dense.endian = type->endian;
+  // The order of storage, not of the axes: [t, z, y, x] all the same, but its first axis is the fastest.
   dense.x_slowest = *header->fortran_order;
+  dense.interleaved = *header->fortran_order;
   dense.pieces = {{file.path(), preamble->data_offset}};
   dense.size_is_exact = true;
   return dense;
@@ -223,7 +234,11 @@ Result<DenseFile> open_npy(const files::InputFile& file) {
 
 class NpyFormat final : public DenseFormat {
  public:
-  NpyFormat() : DenseFormat({.id = "npy", .title = "NumPy array [z, y, x]", .extensions = {".npy"}}) {}
+  NpyFormat()
+      : DenseFormat({.id = "npy",
+                     .title = "NumPy array [z, y, x] or [t, z, y, x]",
+                     .extensions = {".npy"},
+                     .has_volumes = true}) {}
 
   [[nodiscard]] bool probe(const FileStart& start) const override {
     return !start.packed && starts_with(start.bytes, kNpyMagic);

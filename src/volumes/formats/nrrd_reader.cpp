@@ -106,9 +106,16 @@ bool has_direction(const Nrrd& nrrd, unsigned axis) {
 
 bool is_spatial_kind(int kind) { return kind == nrrdKindUnknown || kind == nrrdKindDomain || kind == nrrdKindSpace; }
 
-// The three axes of the volume, fastest first. Axes of length 1 may come on top.
-Result<std::array<unsigned, 3>> spatial_axes(const std::string& file, const ParsedNrrd& parsed,
-                                             std::vector<std::string>& notes) {
+// Along such an axis lie volumes, not what one sample is made of.
+bool is_series_kind(int kind) { return kind == nrrdKindTime || kind == nrrdKindList; }
+
+struct NrrdAxes {
+  std::array<unsigned, 3> space{};  // fastest first
+  std::optional<unsigned> series;   // that of several volumes; faster or slower than those of space
+};
+
+// Axes of length 1 may come on top.
+Result<NrrdAxes> find_axes(const std::string& file, const ParsedNrrd& parsed, std::vector<std::string>& notes) {
   const Nrrd& nrrd = *parsed.nrrd;
   const auto describe = [&](unsigned axis) {
     const int kind = nrrd.axis[axis].kind;
@@ -117,9 +124,14 @@ Result<std::array<unsigned, 3>> spatial_axes(const std::string& file, const Pars
   };
   std::vector<unsigned> kept;
   std::vector<unsigned> dropped;
+  NrrdAxes axes;
   for (unsigned axis = 0; axis < nrrd.dim; ++axis) {
     const bool without_direction = nrrd.dim > 3 && parsed.has(nrrdField_space_directions) && !has_direction(nrrd, axis);
     const bool spatial = is_spatial_kind(nrrd.axis[axis].kind) && !without_direction;
+    if (nrrd.axis[axis].size > 1 && is_series_kind(nrrd.axis[axis].kind) && !axes.series) {
+      axes.series = axis;
+      continue;
+    }
     if (!spatial && nrrd.axis[axis].size > 1) {
       return fail(
           ErrorKind::input,
@@ -138,7 +150,14 @@ Result<std::array<unsigned, 3>> spatial_axes(const std::string& file, const Pars
     return fail(ErrorKind::input, fmt::format("{}: expected 3 dimensions, found {}", file, kept.size()));
   }
   for (const unsigned axis : dropped) notes.push_back(fmt::format("axis {} has length 1 and was dropped", axis));
-  return std::array{kept[0], kept[1], kept[2]};
+  if (axes.series && kept.front() < *axes.series && *axes.series < kept.back()) {
+    return fail(ErrorKind::input,
+                fmt::format("{}: expected the axis of the volumes before or after those of space; {} is between them",
+                            file, describe(*axes.series)),
+                "put it first or last, for example with: unu permute");
+  }
+  axes.space = {kept[0], kept[1], kept[2]};
+  return axes;
 }
 
 // Direction vectors in a named space.
@@ -304,17 +323,25 @@ Result<DenseFile> open_nrrd(const files::InputFile& file) {
   if (!type) return tl::unexpected(type.error());
   dense.type = *type;
   if (auto fine = check_encoding(file.name(), *parsed->state); !fine) return tl::unexpected(fine.error());
-  const auto axes = spatial_axes(file.name(), *parsed, dense.notes);
-  if (!axes) return tl::unexpected(axes.error());
-  const auto dims = checked_dims(
-      file.name(), {nrrd.axis[(*axes)[0]].size, nrrd.axis[(*axes)[1]].size, nrrd.axis[(*axes)[2]].size}, *type);
+  const auto found = find_axes(file.name(), *parsed, dense.notes);
+  if (!found) return tl::unexpected(found.error());
+  const std::array<unsigned, 3>& axes = found->space;
+  const auto dims =
+      checked_dims(file.name(), {nrrd.axis[axes[0]].size, nrrd.axis[axes[1]].size, nrrd.axis[axes[2]].size}, *type);
   if (!dims) return tl::unexpected(dims.error());
   dense.dims = *dims;
+  if (found->series) {
+    dense.volumes = nrrd.axis[*found->series].size;
+    dense.interleaved = *found->series < axes[0];
+    if (auto fine = check_volume_count(file.name(), *dims, *type, dense.volumes); !fine) {
+      return tl::unexpected(fine.error());
+    }
+  }
   dense.endian = parsed->state->endian == airEndianBig ? std::endian::big : std::endian::little;
   if (nrrd.space != nrrdSpaceUnknown) dense.world_space = ::airEnumStr(nrrdSpace, nrrd.space);
   dense.frame =
-      nrrd.spaceDim > 0 ? oriented_frame(*parsed, *axes, dense.notes) : axis_aligned_frame(*parsed, *axes, dense.notes);
-  auto pieces = locate_samples(file, *text, *parsed, sample_bytes(*dims, *type));
+      nrrd.spaceDim > 0 ? oriented_frame(*parsed, axes, dense.notes) : axis_aligned_frame(*parsed, axes, dense.notes);
+  auto pieces = locate_samples(file, *text, *parsed, sample_bytes(*dims, *type) * dense.volumes);
   if (!pieces) return tl::unexpected(pieces.error());
   dense.pieces = std::move(*pieces);
   return dense;
@@ -323,8 +350,10 @@ Result<DenseFile> open_nrrd(const files::InputFile& file) {
 class NrrdFormat final : public DenseFormat {
  public:
   NrrdFormat()
-      : DenseFormat(
-            {.id = "nrrd", .title = "NRRD, attached or detached, raw or gzip", .extensions = {".nrrd", ".nhdr"}}) {}
+      : DenseFormat({.id = "nrrd",
+                     .title = "NRRD, attached or detached, raw or gzip",
+                     .extensions = {".nrrd", ".nhdr"},
+                     .has_volumes = true}) {}
 
   [[nodiscard]] bool probe(const FileStart& start) const override {
     return !start.packed && starts_with(start.bytes, kNrrdMagic);

@@ -14,6 +14,7 @@ ConversionJob full_job() {
   job.source.input = "dir/in \xc3\xa4.raw";
   job.source.read.format = "raw";
   job.source.read.grid = "density[1]";
+  job.source.read.volume = 7;
   job.source.read.raw = volumes::RawLayout{{3, 4, 5}, field::SampleType::i16, std::endian::big, 512};
   job.source.read.spacing = glm::dvec3(0.1, 1e-300, 3);
   job.source.read.origin = glm::dvec3(-1, 2, 0.30000000000000004);

@@ -1,6 +1,13 @@
 #include "field/demo_field.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
 #include <gtest/gtest.h>
+
+#include "field/analytic_field.hpp"
 
 namespace isoextract::field {
 namespace {
@@ -48,12 +55,85 @@ TEST(DemoField, RandomIsWhatItAlwaysWas) {
 }
 
 TEST(DemoField, RefusesWhatItDoesNotKnow) {
-  for (const char* spec : {"demo:", "demo:cube", "demo:sphere?size=1", "demo:sphere?size=99999", "demo:sphere?size=x",
-                           "demo:sphere?size=8x", "demo:sphere?depth=3", "demo:sphere?size", "demo:sphere?size=8&&"}) {
+  for (const char* spec :
+       {"demo:", "demo:cube", "demo:sphere?size=1", "demo:sphere?size=99999", "demo:sphere?size=x",
+        "demo:sphere?size=8x", "demo:sphere?time=", "demo:sphere?time=nan", "demo:sphere?time=inf",
+        "demo:sphere?time=1x", "demo:torus?time=0", "demo:random?time=0.5", "demo:marschner-lobb?time=0.5",
+        "demo:sphere?depth=3", "demo:sphere?size", "demo:sphere?size=8&&"}) {
     const auto field = make_demo_field(spec);
     ASSERT_FALSE(field) << spec;
     EXPECT_EQ(field.error().kind, ErrorKind::usage);
   }
+}
+
+std::vector<float> samples_of(const std::string& spec) {
+  const ScalarField field = make_demo_field(spec).value();
+  const auto& dense = std::get<DenseSamples>(field.samples);
+  const auto* values = static_cast<const float*>(dense.data);
+  return {values, values + dense.count()};
+}
+
+std::vector<std::string> moving_fields() {
+  std::vector<std::string> names;
+  for (const DemoDescription& demo : demo_fields()) {
+    if (!demo.motion.empty()) names.push_back("demo:" + std::string(demo.name) + "?size=17");
+  }
+  return names;
+}
+
+float largest_step(const std::vector<float>& a, const std::vector<float>& b) {
+  float largest = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::abs(a[i] - b[i]));
+  return largest;
+}
+
+TEST(DemoFieldTime, WholePeriodsChangeNoBit) {
+  ASSERT_EQ(moving_fields().size(), 3U);
+  for (const std::string& name : moving_fields()) {
+    const std::vector<float> still = samples_of(name);
+    for (const char* time : {"0", "-0", "1", "-3", "1e300", "-1e-300"}) {
+      EXPECT_EQ(samples_of(name + "&time=" + time), still) << name << ' ' << time;
+    }
+    EXPECT_EQ(samples_of(name + "&time=-0.75"), samples_of(name + "&time=0.25")) << name;
+    EXPECT_NE(samples_of(name + "&time=0.25"), still) << name;
+  }
+}
+
+// Small steps of time are small steps of the samples, also over the end of the period.
+TEST(DemoFieldTime, MovesWithoutJumps) {
+  for (const std::string& name : moving_fields()) {
+    std::vector<float> before = samples_of(name);
+    float total = 0;
+    for (int step = 1; step <= 256; ++step) {
+      const std::vector<float> now = samples_of(name + "&time=" + std::to_string(step / 256.0));
+      const float moved = largest_step(before, now);
+      EXPECT_GT(moved, 0) << name << ' ' << step;
+      EXPECT_LT(moved, 1.5F) << name << ' ' << step;  // metaballs have peaks of 12
+      total += moved;
+      before = now;
+    }
+    EXPECT_GT(total, 0.9F) << name;
+  }
+}
+
+TEST(DemoFieldTime, MotionsAreThoseThatTheHelpTells) {
+  // At a quarter of the time the sphere is highest: 0.25, which is two samples.
+  const ScalarField sphere = make_demo_field("demo:sphere?size=17&time=0.25").value();
+  EXPECT_FLOAT_EQ(sample(sphere, 8, 8, 10), 0.7F);
+  // A quarter of the gyroid's period along x is 0.125, one sample.
+  const ScalarField still = make_demo_field("demo:gyroid?size=17").value();
+  const ScalarField moved = make_demo_field("demo:gyroid?size=17&time=0.25").value();
+  for (int i = 0; i < 16; ++i) EXPECT_NEAR(sample(moved, i + 1, 3, 5), sample(still, i, 3, 5), 1e-5);
+  // Each ball keeps its height and its distance from the axis.
+  const ScalarField balls = make_demo_field("demo:metaballs?size=17&time=0.5").value();
+  for (int k = 0; k < 17; ++k) EXPECT_LT(sample(balls, 0, 0, k), 0);
+}
+
+TEST(DemoFieldTime, HasAFormulaOnlyWhereItHasNotMoved) {
+  EXPECT_NE(formula_of(make_demo_field("demo:sphere?size=8").value()), nullptr);
+  EXPECT_NE(formula_of(make_demo_field("demo:sphere?size=8&time=2").value()), nullptr);
+  EXPECT_EQ(formula_of(make_demo_field("demo:sphere?size=8&time=0.5").value()), nullptr);
+  EXPECT_EQ(formula_of(make_demo_field("demo:random?size=8").value()), nullptr);
 }
 
 TEST(DemoField, ReservesItsSamples) {

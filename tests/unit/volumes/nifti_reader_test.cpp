@@ -246,7 +246,7 @@ TEST(NiftiReaderBad, TypesAndShapesThatAreNotScalarVolumesAreNamed) {
                       {"int64", typed(1024), "INT64"},
                       {"uint64", typed(1280), "UINT64"},
                       {"long double", typed(1536), "FLOAT128"},
-                      {"series", NiftiFile().dims({4, 3, 4, 5, 7}).bytes + samples, "found 7 along axis 4"},
+                      {"series", NiftiFile().dims({4, 3, 4, 5, 7}).bytes + samples, "there are 7 volumes"},
                       {"vectors", NiftiFile(2).dims({5, 3, 4, 5, 1, 3}).bytes + samples, "found 3 along axis 5"},
                       {"image", NiftiFile().dims({2, 3, 4}).bytes + samples, "expected 3 axes (dim[0]), found 2"}});
   expect_ramp<std::uint8_t>(read_nifti(NiftiFile().dims({4, 3, 4, 5, 1}).bytes + kSamples));

@@ -124,7 +124,7 @@ TEST(NpyReaderHeader, MalformedFilesAreRefused) {
        {"image", npy_header(dict("<f4", "(5, 4)")), "3 axes"},
        {"vector", npy_header(dict("<f4", "(60,)")), "3 axes"},
        {"number", npy_header(dict("<f4", "()")), "3 axes"},
-       {"four axes", npy_header(dict("<f4", "(5, 4, 3, 1)")), "3 axes"}});
+       {"five axes", npy_header(dict("<f4", "(2, 5, 4, 3, 1)")), "3 axes"}});
 }
 
 TEST(NpyReaderHeader, TruncationsAndFlippedBitsNeverCrash) {

@@ -274,7 +274,8 @@ TEST(NrrdReaderAxes, VectorsColoursAndSeriesAreRefusedWithTheAxis) {
       {{"colour", nrrd("dimension: 4\nsizes: 3 3 4 5\nkinds: RGB-color domain domain domain\n", samples),
         "axis 0 (3 values, kind RGB-color)"},
        {"vectors last", nrrd("dimension: 4\nsizes: 3 4 5 2\nkinds: domain domain domain vector\n", samples), "axis 3"},
-       {"series", nrrd("dimension: 4\nsizes: 3 4 5 2\nkinds: domain domain domain time\n", samples), "kind time"},
+       {"series", nrrd("dimension: 4\nsizes: 3 4 5 2\nkinds: domain domain domain time\n", samples),
+        "there are 2 volumes"},
        {"colour image", nrrd("dimension: 3\nsizes: 3 4 5\nkinds: vector domain domain\n", samples), "axis 0"},
        {"no direction",
         nrrd("dimension: 4\nsizes: 3 3 4 5\nspace: LPS\n"

@@ -1,0 +1,136 @@
+#include "files/detail/standard_input.hpp"
+
+#include <cerrno>
+#include <mutex>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/buffer.hpp"
+#include "files/file_bytes.hpp"
+
+namespace isoextract::files::detail {
+namespace {
+
+constexpr std::size_t kPart = std::size_t{1} << 20;
+// Small beside what is worth reserving, large beside what reserving takes.
+constexpr std::uint64_t kReserved = std::uint64_t{16} << 20;
+
+tl::unexpected<Error> cannot_read(int error) {
+  return fail(ErrorKind::input,
+              fmt::format("{}: cannot be read: {}", kStandardInputName, std::generic_category().message(error)));
+}
+
+// Of a pipe that is slow, as many bytes as there are.
+Result<std::size_t> read_some(int descriptor, std::span<std::byte> bytes, const Context& context) {
+  while (true) {
+    if (auto wanted = context.check(); !wanted) return tl::unexpected(wanted.error());
+    const ssize_t got = ::read(descriptor, bytes.data(), bytes.size());
+    if (got >= 0) return static_cast<std::size_t>(got);
+    if (errno == EAGAIN) {
+      pollfd wait{descriptor, POLLIN, 0};
+      static_cast<void>(::poll(&wait, 1, -1));
+    } else if (errno != EINTR) {
+      return cannot_read(errno);
+    }
+  }
+}
+
+Result<void> write_all(int descriptor, std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t put = ::write(descriptor, bytes.data(), bytes.size());
+    if (put < 0 && errno == EINTR) continue;
+    if (put < 0) {
+      return fail(ErrorKind::input, fmt::format("{}: cannot be kept in memory: {}", kStandardInputName,
+                                                std::generic_category().message(errno)));
+    }
+    bytes = bytes.subspan(static_cast<std::size_t>(put));
+  }
+  return {};
+}
+
+// All of it into `kept`, each part reserved before it is written.
+Result<std::vector<Reservation>> copy_all(int descriptor, int kept, const Context& context) {
+  std::vector<Reservation> memory;
+  Buffer<std::byte> part(kPart);
+  std::uint64_t total = 0;
+  std::uint64_t reserved = 0;
+  while (true) {
+    const auto got = read_some(descriptor, part.span(), context);
+    if (!got) return tl::unexpected(got.error());
+    if (*got == 0) break;
+    total += *got;
+    if (total > reserved) {
+      const std::string what = fmt::format("{}: its first {} bytes", kStandardInputName, total);
+      auto more = context.reserve(kReserved, what);
+      if (!more) more = context.reserve(total - reserved, what);
+      if (!more) return tl::unexpected(more.error());
+      reserved += more->bytes();
+      memory.push_back(std::move(*more));
+    }
+    if (auto put = write_all(kept, part.span().first(*got)); !put) return tl::unexpected(put.error());
+    context.progress().advance(*got);
+  }
+  if (!memory.empty()) memory.back().shrink(memory.back().bytes() - (reserved - total));
+  return memory;
+}
+
+int open_again(int descriptor) {
+  return ::open(fmt::format("/proc/self/fd/{}", descriptor).c_str(), O_RDONLY | O_CLOEXEC);
+}
+
+}  // namespace
+
+Result<KeptInput> KeptInput::take(int descriptor, const Context& context) {
+  struct stat status {};
+  if (::fstat(descriptor, &status) != 0) return cannot_read(errno);
+  if (::isatty(descriptor) == 1) {
+    return fail(ErrorKind::usage, fmt::format("{} is a terminal, from which no volume comes", kStandardInputName),
+                "pipe a volume into it, or give the path of a file");
+  }
+  // Only from its start: what somebody has read already is not meant.
+  if (S_ISREG(status.st_mode) && ::lseek(descriptor, 0, SEEK_CUR) == 0) {
+    if (const int file = open_again(descriptor); file >= 0) return KeptInput(file, {});
+  }
+  const int kept = ::memfd_create("isoextract-input", MFD_CLOEXEC);
+  if (kept < 0) return cannot_read(errno);
+  KeptInput input(kept, {});
+  context.progress().begin("reading standard input", 0);
+  auto memory = copy_all(descriptor, kept, context);
+  if (!memory) return tl::unexpected(std::move(memory.error()));
+  input.memory_ = std::move(*memory);
+  return input;
+}
+
+KeptInput::KeptInput(int descriptor, std::vector<Reservation> memory)
+    : descriptor_(descriptor), memory_(std::move(memory)) {}
+
+KeptInput::KeptInput(KeptInput&& other) noexcept
+    : descriptor_(std::exchange(other.descriptor_, -1)), memory_(std::move(other.memory_)) {}
+
+KeptInput::~KeptInput() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+int KeptInput::open() const { return open_again(descriptor_); }
+
+Result<int> open_standard_input(const Context& context) {
+  // What was read of it does not come again: a failure is kept as well.
+  static std::mutex mutex;
+  static std::optional<Result<KeptInput>> kept;
+  const std::scoped_lock lock(mutex);
+  if (!kept) kept.emplace(KeptInput::take(STDIN_FILENO, context));
+  if (!*kept) return tl::unexpected(kept->error());
+  const int descriptor = (*kept)->open();
+  if (descriptor < 0) return cannot_read(errno);
+  return descriptor;
+}
+
+}  // namespace isoextract::files::detail
