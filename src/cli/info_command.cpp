@@ -7,10 +7,13 @@
 
 #include "base/byte_size.hpp"
 #include "base/machine.hpp"
+#include "base/printable.hpp"
 #include "base/stopwatch.hpp"
 #include "cli/info_report.hpp"
 #include "cli/progress_bar.hpp"
 #include "convert/source.hpp"
+#include "extract/edge_geometry.hpp"
+#include "extract/sparse_blocks.hpp"
 #include "field/sparse_lookup.hpp"
 #include "field/surface_estimate.hpp"
 
@@ -42,6 +45,13 @@ std::string example_command(const InfoPlan& plan, const std::string& input, doub
                      shell_quoted(input_stem(input) + ".glb"));
 }
 
+// Whether float32 positions hold all of it apart, where the file places it.
+bool fits_one_mesh(const field::ScalarField& field) {
+  const auto* sparse = std::get_if<field::SparseSamples>(&field.samples);
+  const field::IndexBox stored = sparse != nullptr ? extract::stored_box(*sparse) : field.extents();
+  return stored.empty() || extract::output_frame(field, field.index_to_world, stored, stored, false).fits_float32();
+}
+
 Result<FieldReport> measure(const InfoPlan& plan, const std::string& input, const Messages& messages) {
   const Context context{plan.memory};
   const ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
@@ -53,7 +63,11 @@ Result<FieldReport> measure(const InfoPlan& plan, const std::string& input, cons
   report.statistics = field::measure_statistics(report.field, &context.progress());
   report.suggestion = field::suggest_iso(report.field, report.statistics);
   report.size = size_of(report.field, report.suggestion);
-  if (report.suggestion.separates) report.command = example_command(plan, input, report.suggestion.iso);
+  report.fits_one_mesh = fits_one_mesh(report.field);
+  if (report.suggestion.separates && report.fits_one_mesh) {
+    report.command = example_command(plan, input, report.suggestion.iso);
+    if (printable(report.command) != report.command) report.command.clear();  // as it is shown it names no file
+  }
   return report;
 }
 

@@ -127,7 +127,8 @@ void add_advice(NamedLines& lines, const FieldReport& report) {
   lines.add("suggestion", fmt::format("--iso {}: {}", suggestion.iso, suggestion.method));
   lines.add("", fmt::format("about {} triangles; converting takes about {} of memory", estimated_triangles(report.size),
                             format_byte_size(estimated_bytes(report.size))));
-  lines.plain(fmt::format("\n  {}", printable(report.command)));
+  if (!report.fits_one_mesh) lines.add("", "its voxels lie too far apart for one mesh: extract parts with --roi");
+  if (!report.command.empty()) lines.plain(fmt::format("\n  {}", report.command));
 }
 
 convert::Json json_of(const volumes::GridInfo& grid) {

@@ -29,7 +29,8 @@ struct FieldReport {
   field::FieldStatistics statistics;
   field::IsoSuggestion suggestion;
   ConversionSize size;
-  std::string command;  // line that extracts it; empty where the suggestion separates nothing
+  bool fits_one_mesh = true;  // else only parts of it can be extracted
+  std::string command;        // line that extracts it, if there is one that does
 };
 
 struct InputReport {

@@ -192,10 +192,18 @@ Result<bool> remove_old_file(const fs::path& path) {
 bool same_place(const fs::path& a, const fs::path& b) {
   struct stat one {};
   struct stat other {};
-  if (status_of(a, one) && status_of(b, other)) return one.st_dev == other.st_dev && one.st_ino == other.st_ino;
+  if (status_of(a, one) && status_of(b, other)) {
+    const bool same = one.st_dev == other.st_dev && one.st_ino == other.st_ino;
+    struct stat nowhere {};  // where nothing can be lost
+    const bool is_lost = S_ISCHR(one.st_mode) && ::stat("/dev/null", &nowhere) == 0 && one.st_rdev == nowhere.st_rdev;
+    return same && !is_lost;
+  }
   if (a == "-" || b == "-") return a == b;
-  std::error_code none;
-  return fs::weakly_canonical(fs::absolute(a, none), none) == fs::weakly_canonical(fs::absolute(b, none), none);
+  const auto place = [](const fs::path& path) {
+    std::error_code none;
+    return fs::weakly_canonical(fs::absolute(follow_links(path), none), none);
+  };
+  return place(a) == place(b);
 }
 
 Result<OutputFile> OutputFile::create(const fs::path& path) {
@@ -260,10 +268,14 @@ Result<void> OutputFile::commit_pair(OutputFile& first, OutputFile& last) {
   std::optional<TemporaryName> old;  // a second name of the file that is about to be replaced
   if (one.replaces) old = TemporaryName::name_again(one.folder, one.target);
   if (auto published = one.publish(); !published) return published;
-  auto published = last.state_->publish();
+  Result<void> published = last.state_->publish();
   if (published) return published;
   if (old) {
-    static_cast<void>(old->rename_to(one.target));
+    const std::string name = old->c_str();
+    if (!old->rename_to(one.target)) {
+      old->keep();
+      published.error().message += fmt::format("; the file that was {} is now {}", one.shown, name);
+    }
   } else if (one.kind == State::Kind::file && !one.replaces) {
     ::unlink(one.target.c_str());
   }
