@@ -1,6 +1,10 @@
 #include "base/machine.hpp"
 
+#include <exception>
 #include <fstream>
+#include <latch>
+#include <thread>
+#include <vector>
 
 #include <sys/resource.h>
 #include <sys/utsname.h>
@@ -22,6 +26,20 @@ std::uint64_t peak_memory() {
   rusage usage{};
   ::getrusage(RUSAGE_SELF, &usage);
   return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+StartedThreads try_threads(int wanted) {
+  StartedThreads started;
+  std::latch enough(1);
+  std::vector<std::jthread> threads;
+  try {
+    for (int i = 0; i < wanted; ++i) threads.emplace_back([&] { enough.wait(); });
+  } catch (const std::exception& error) {
+    started.refusal = error.what();
+  }
+  started.count = static_cast<int>(threads.size());
+  enough.count_down();
+  return started;
 }
 
 }  // namespace isoextract

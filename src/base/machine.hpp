@@ -12,4 +12,11 @@ namespace isoextract {
 // The most memory that this process has held so far, in bytes.
 [[nodiscard]] std::uint64_t peak_memory();
 
+// How many threads beside this one the system lets start, all of them at a time: `wanted`, or fewer, with its reason.
+struct StartedThreads {
+  int count = 0;
+  std::string refusal;  // empty where all could
+};
+[[nodiscard]] StartedThreads try_threads(int wanted);
+
 }  // namespace isoextract

@@ -177,6 +177,11 @@ Request request_of(const CommandLine& line, const CLI::App* command) {
 
 }  // namespace
 
+const CLI::App& command_of(const CommandLine& line, const std::vector<std::string>& arguments) {
+  const bool named = !arguments.empty() && contains(command_names(line.app), arguments.front());
+  return named ? *line.app.get_subcommand(arguments.front()) : *line.convert;
+}
+
 Result<Parsed> parse_command_line(CommandLine& line, std::vector<std::string> arguments) {
   const std::vector<std::string> names = command_names(line.app);
   const std::string first = arguments.front();

@@ -29,6 +29,9 @@ struct Parsed {
   const CLI::App* command = nullptr;  // whose help is asked for by help_flag; the program itself has one too
 };
 
+// The command that the first of the words, without the program's name, is about: convert where it names none.
+[[nodiscard]] const CLI::App& command_of(const CommandLine& line, const std::vector<std::string>& arguments);
+
 // `arguments` are without the program's name and not empty. Where the first is no command and no request for help or
 // version, "convert" stands before it.
 [[nodiscard]] Result<Parsed> parse_command_line(CommandLine& line, std::vector<std::string> arguments);

@@ -111,7 +111,10 @@ int run_arguments(const std::vector<std::string>& arguments) {
     return static_cast<int>(ErrorKind::usage);
   }
   const auto parsed = parse_command_line(*line, arguments);
-  if (!parsed) return report(parsed.error());
+  if (!parsed) {
+    if (&command_of(*line, arguments) == line->convert) report_unread_words(arguments, parsed.error());
+    return report(parsed.error());
+  }
   switch (parsed->request) {
     case Request::version_flag: return print(fmt::format("{}\n", generator()));
     case Request::help_flag:
@@ -143,9 +146,10 @@ extern "C" void on_end(int signal) {
   std::raise(signal);
 }
 
-// What the shell told to ignore (nohup) stays ignored.
+// By all signals that are sent to end a process and can be caught: also those of batch queues (SIGXCPU, SIGUSR1,
+// SIGUSR2) and timers. What the shell told to ignore (nohup) stays ignored.
 void leave_nothing_when_interrupted() {
-  for (const int signal : {SIGHUP, SIGINT, SIGTERM}) {
+  for (const int signal : {SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGXCPU, SIGALRM, SIGUSR1, SIGUSR2}) {
     if (std::signal(signal, on_end) == SIG_IGN) std::signal(signal, SIG_IGN);
   }
 }

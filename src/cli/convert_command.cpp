@@ -249,6 +249,31 @@ convert::Outcome convert_as_planned(const ConvertPlan& plan, const Messages& mes
 
 }  // namespace
 
+void report_unread_words(const std::vector<std::string>& arguments, const Error& error) {
+  constexpr std::string_view kOption = "--report";
+  ConvertFlags named;  // what the words may name
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    const std::string& word = arguments[i];
+    const std::size_t equals = word.starts_with('-') ? word.find('=') : std::string::npos;
+    const std::string value = equals == std::string::npos ? word : word.substr(equals + 1);
+    if (word == kOption && i + 1 < arguments.size()) {
+      named.report = arguments[++i];
+    } else if (equals != std::string::npos && word.substr(0, equals) == kOption) {
+      named.report = value;
+    } else {
+      if (i > 0 && (arguments[i - 1] == "-o" || arguments[i - 1] == "--output")) named.output = word;
+      named.input.inputs.push_back(value);
+    }
+  }
+  const auto reported = attempt([&]() -> Result<void> {
+    for (const std::string& other : named.input.inputs) {
+      if (named.report && files::same_place(*named.report, other)) return {};
+    }
+    return report_no_plan(named, arguments, error);
+  });
+  if (!reported) Messages(Verbosity::normal).error(reported.error());
+}
+
 Result<void> run_convert(const ConvertFlags& flags, const std::vector<std::string>& arguments) {
   const auto plan = attempt([&] { return plan_convert(flags); });
   const Messages messages(plan ? plan->verbosity : Verbosity::normal);

@@ -13,4 +13,8 @@ namespace isoextract::cli {
 // `arguments` are the words of the command line, for the report.
 [[nodiscard]] Result<void> run_convert(const ConvertFlags& flags, const std::vector<std::string>& arguments);
 
+// Writes the report that the words ask for although they are no options of a conversion, unless another of them may
+// name the same file. A failure is told on stderr.
+void report_unread_words(const std::vector<std::string>& arguments, const Error& error);
+
 }  // namespace isoextract::cli

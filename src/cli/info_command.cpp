@@ -7,36 +7,18 @@
 
 #include "base/byte_size.hpp"
 #include "base/machine.hpp"
+#include "base/printable.hpp"
 #include "base/stopwatch.hpp"
 #include "cli/info_report.hpp"
 #include "cli/progress_bar.hpp"
 #include "convert/source.hpp"
-#include "field/sparse_lookup.hpp"
-#include "field/surface_estimate.hpp"
+#include "extract/edge_geometry.hpp"
+#include "extract/sparse_blocks.hpp"
 #include "files/file_bytes.hpp"
 
 namespace isoextract::cli {
 namespace {
 
-ConversionSize size_of(const field::ScalarField& field, const field::IsoSuggestion& suggestion) {
-  ConversionSize size;
-  if (const auto* dense = std::get_if<field::DenseSamples>(&field.samples)) {
-    size.samples = dense->count();
-  } else {
-    const auto& sparse = std::get<field::SparseSamples>(field.samples);
-    constexpr std::uint64_t kBlockSamples =
-        std::uint64_t{field::SparseBlock::kSize} * field::SparseBlock::kSize * field::SparseBlock::kSize;
-    size.samples = sparse.blocks.size() * kBlockSamples;
-    size.lookup_bytes = field::SparseLookup::node_origins(sparse).size() * sizeof(field::SparseLookup::Node);
-  }
-  size.sample_bytes = size.samples * field::sample_size(field.type());
-  if (!suggestion.separates) return size;
-  size.vertices = field::estimate_vertices(field, suggestion.iso);
-  size.places = field::estimate_places(field, suggestion.iso);
-  return size;
-}
-
-// Of the options of the input, `volume` is the one that was not given.
 std::string example_command(const InfoPlan& plan, const std::string& input, std::optional<std::int64_t> volume,
                             double iso) {
   std::string arguments;
@@ -44,6 +26,13 @@ std::string example_command(const InfoPlan& plan, const std::string& input, std:
   if (volume) arguments += fmt::format(" --volume {}", *volume);
   return fmt::format("isoextract {}{} --iso {} -o {}", shell_quoted(input), arguments, iso,
                      shell_quoted(input_stem(input) + ".glb"));
+}
+
+// Whether float32 positions hold all of it apart, where the file places it.
+bool fits_one_mesh(const field::ScalarField& field) {
+  const auto* sparse = std::get_if<field::SparseSamples>(&field.samples);
+  const field::IndexBox stored = sparse != nullptr ? extract::stored_box(*sparse) : field.extents();
+  return stored.empty() || extract::output_frame(field, field.index_to_world, stored, stored, false).fits_float32();
 }
 
 Result<FieldReport> measure(const InfoPlan& plan, const std::string& input, std::optional<std::int64_t> volume,
@@ -59,10 +48,13 @@ Result<FieldReport> measure(const InfoPlan& plan, const std::string& input, std:
   report.field = std::move(*field);
   report.statistics = field::measure_statistics(report.field, &context.progress());
   report.suggestion = field::suggest_iso(report.field, report.statistics);
-  report.size = size_of(report.field, report.suggestion);
-  if (report.suggestion.separates) {
+  report.size =
+      report.suggestion.separates ? size_of(report.field, report.suggestion.iso) : size_of_samples(report.field);
+  report.fits_one_mesh = fits_one_mesh(report.field);
+  if (report.suggestion.separates && report.fits_one_mesh) {
     const bool chosen_here = volume && !plan.read.volume;
     report.command = example_command(plan, input, chosen_here ? volume : std::nullopt, report.suggestion.iso);
+    if (printable(report.command) != report.command) report.command.clear();  // as it is shown it names no file
   }
   return report;
 }

@@ -136,7 +136,8 @@ void add_advice(NamedLines& lines, const FieldReport& report) {
   lines.add("suggestion", fmt::format("--iso {}: {}", suggestion.iso, suggestion.method));
   lines.add("", fmt::format("about {} triangles; converting takes about {} of memory", estimated_triangles(report.size),
                             format_byte_size(estimated_bytes(report.size))));
-  lines.plain(fmt::format("\n  {}", printable(report.command)));
+  if (!report.fits_one_mesh) lines.add("", "its voxels lie too far apart for one mesh: extract parts with --roi");
+  if (!report.command.empty()) lines.plain(fmt::format("\n  {}", report.command));
 }
 
 convert::Json json_of(const volumes::GridInfo& grid) {
@@ -197,16 +198,6 @@ convert::Json json_of(const FieldReport& report) {
 }  // namespace
 
 bool has_several_volumes(const volumes::GridInfo& grid) { return grid.volumes > 1; }
-
-std::uint64_t estimated_triangles(const ConversionSize& size) { return 2 * size.vertices; }
-
-std::uint64_t estimated_bytes(const ConversionSize& size) {
-  constexpr std::uint64_t kVertexBytes = 2 * sizeof(glm::vec3);  // position and normal
-  constexpr std::uint64_t kProgramBytes = std::uint64_t{40} << 20U;
-  constexpr std::uint64_t kPlaceBytes = 400;  // how to find it, and the numbers of its vertices
-  return kProgramBytes + size.sample_bytes + size.samples / 4 + size.lookup_bytes + size.places * kPlaceBytes +
-         size.vertices * kVertexBytes + estimated_triangles(size) * sizeof(glm::uvec3);
-}
 
 std::string text_of(const InputReport& report) {
   NamedLines lines;

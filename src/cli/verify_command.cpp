@@ -114,7 +114,7 @@ std::string hint_for(const measure::MeshMatch& match) {
            "--simplify";
   }
   if (match.matched > 0 && match.vertices_only[0] > 0 && match.vertices_only[1] == 0) {
-    return "it holds more than that: give every --iso that it was written with";
+    return "it holds more than that: give every --iso, and --cap if it was written with it";
   }
   if (match.vertices_only[0] > match.vertices[0] / 2) {
     return "give the --iso, --method, --roi and placement options that it was written with";

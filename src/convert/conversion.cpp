@@ -20,6 +20,7 @@
 #include "field/statistics.hpp"
 #include "files/file_bytes.hpp"
 #include "files/output_file.hpp"
+#include "meshes/mesh_reader.hpp"
 
 namespace isoextract::convert {
 namespace {
@@ -229,11 +230,15 @@ class Conversion {
   // An old file of that name would pass for what this run made, among the frames of a sequence for example.
   Result<void> leave_out(const OutputFileJob& output) {
     std::vector<std::string> removed;
+    std::vector<std::string> data;
+    if (job_.format == meshes::MeshFormat::gltf) data = meshes::data_file_names(output.path, context_);
     for (const std::filesystem::path& file : mesh_files(output, job_.format)) {
+      const bool is_data = file != std::filesystem::path(output.path);
+      // One that the old model does not name may be anybody's.
+      if (is_data && std::ranges::find(data, file.filename().string()) == data.end()) continue;
       auto gone = files::remove_old_file(file);
       if (!gone) return tl::unexpected(std::move(gone.error()));
-      if (!*gone) break;  // a .bin without its model may be anybody's
-      removed.push_back(file.string());
+      if (*gone) removed.push_back(file.string());
     }
     tell_skipped(output, {},
                  removed.empty() ? "" : fmt::format("; the old {} was removed", fmt::join(removed, " and ")));

@@ -172,20 +172,47 @@ BorderCap make_border_cap(const field::IndexBox& box, bool whole_squares, std::u
   return cap;
 }
 
-// Whether a cell at the border of the box draws something there, where cells with a `missing(p)` sample draw nothing:
-// whether a square whose corners are on both sides has no such sample in the cell behind it.
+// Whether the cell behind a border square has no `missing(p)` sample.
+template <class Missing>
+[[nodiscard]] bool is_drawn_behind(const detail::BoxFace& face, const detail::Square& square, const Missing& missing) {
+  glm::ivec3 inward(0);
+  inward[face.axis] = face.at_max ? -1 : 1;
+  return std::ranges::none_of(square, [&](const glm::ivec3& p) { return missing(p) || missing(p + inward); });
+}
+
+// Whether a cell at the border of the box draws something there, where cells with a missing sample draw nothing:
+// whether a square whose corners are on both sides has none in the cell behind it.
 template <class Inside, class Missing>
 [[nodiscard]] bool draws_at_border(const field::IndexBox& box, const Inside& inside, const Missing& missing) {
   bool found = false;
-  detail::for_each_border_square(box, [&](const detail::BoxFace& f, const detail::Square& square) {
+  detail::for_each_border_square(box, [&](const detail::BoxFace& face, const detail::Square& square) {
     if (found) return;
     const auto in = std::ranges::count_if(square, inside);
-    if (in == 0 || in == std::ssize(square)) return;
-    glm::ivec3 inward(0);
-    inward[f.axis] = f.at_max ? -1 : 1;
-    found = std::ranges::none_of(square, [&](const glm::ivec3& p) { return missing(p) || missing(p + inward); });
+    found = in != 0 && in != std::ssize(square) && is_drawn_behind(face, square, missing);
   });
   return found;
+}
+
+// The same, of the squares beside one crossed edge only: the one from `p` along `axis`, which lies in the border.
+template <class Missing>
+[[nodiscard]] bool draws_beside_edge(const field::IndexBox& box, const glm::ivec3& p, int axis,
+                                     const Missing& missing) {
+  glm::ivec3 along(0);
+  along[axis] = 1;
+  for (int number = 0; number < 6; ++number) {
+    const auto face = detail::BoxFace::of(number);
+    if (face.axis == axis || p[face.axis] != (face.at_max ? box.max : box.min)[face.axis]) continue;
+    const int other = 3 - axis - face.axis;
+    glm::ivec3 beside(0);
+    beside[other] = 1;
+    if (p[other] < box.max[other] && is_drawn_behind(face, {p, p + along, p + along + beside, p + beside}, missing)) {
+      return true;
+    }
+    if (p[other] > box.min[other] && is_drawn_behind(face, {p, p + along, p + along - beside, p - beside}, missing)) {
+      return true;
+    }
+  }
+  return false;
 }
 
 // The sum of the outward axes of the faces that a border sample lies on, as an index-space covector.

@@ -65,13 +65,20 @@ glm::vec3 OutputFrame::normal(const glm::dvec3& gradient, const glm::dvec3& out)
 }
 
 OutputFrame output_frame(const field::ScalarField& field, const field::Affine& output_from_index,
-                         const field::IndexBox& stored, const field::IndexBox& region) {
-  const OutputFrame whole(output_from_index, stored, field.kind, field.scale);
-  constexpr double kSharedMargin = 0x1p-12;  // that of about 512 samples a side
-  const bool all =
-      glm::all(glm::lessThanEqual(region.min, stored.min)) && glm::all(glm::greaterThanEqual(region.max, stored.max));
-  if (all || whole.margin() <= kSharedMargin) return whole;
-  return {output_from_index, region, field.kind, field.scale};
+                         const field::IndexBox& stored, const field::IndexBox& region, bool cap) {
+  // Beyond one step around the stored samples nothing is drawn but caps.
+  field::IndexBox drawn = region;
+  if (!cap) drawn = {glm::max(region.min, stored.min - 1), glm::min(region.max, stored.max + 1)};
+  if (drawn.empty()) drawn = {region.min, region.min};
+  const auto holds = [](const field::IndexBox& box, const field::IndexBox& other) {
+    return glm::all(glm::lessThanEqual(box.min, other.min)) && glm::all(glm::greaterThanEqual(box.max, other.max));
+  };
+  if (holds({stored.min - 1, stored.max + 1}, drawn)) {
+    const OutputFrame whole(output_from_index, stored, field.kind, field.scale);
+    constexpr double kSharedMargin = 0x1p-12;  // that of about 512 samples a side
+    if (holds(drawn, stored) || whole.margin() <= kSharedMargin) return whole;
+  }
+  return {output_from_index, drawn, field.kind, field.scale};
 }
 
 }  // namespace isoextract::extract

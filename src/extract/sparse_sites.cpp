@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "extract/border_cap.hpp"
 #include "extract/cell_tables.hpp"
 #include "extract/detail/classify_samples.hpp"
 #include "extract/mesh_assembly.hpp"
@@ -212,34 +214,45 @@ BlockBits SparseSites::crossed_edges_at(const glm::ivec3& origin, const SitePlan
   return crossed;
 }
 
-bool SparseSites::has_crossed_border_edge(std::size_t site) const {
-  const glm::ivec3& origin = sites_[site];
-  const bool within = glm::all(glm::greaterThan(origin, region_.min)) &&
-                      glm::all(glm::lessThan(origin + (kBlockSize - 1), region_.max));
-  if (within) return false;
-  const SitePlanes planes = planes_of(groups_[site]);
-  bool found = false;
-  for (int axis = 0; axis < 3; ++axis) {
-    const BlockBits crossed = crossed_edges_at(origin, planes, 1 << axis);
-    for (int x = 0; x < kBlockSize; ++x) {
-      for_each_bit(crossed[x], [&](int bit) {
-        const glm::ivec3 p = origin + glm::ivec3(x, bit >> 3, bit & 7);
-        for (int across = 0; across < 3; ++across) {  // an edge that only ends at the border is not in it
-          found = found || (across != axis && (p[across] == region_.min[across] || p[across] == region_.max[across]));
-        }
-      });
+template <class Found>
+bool SparseSites::any_border_edge(const Found& found) const {
+  for (std::size_t site = 0; site < sites_.size(); ++site) {
+    const glm::ivec3& origin = sites_[site];
+    const bool within = glm::all(glm::greaterThan(origin, region_.min)) &&
+                        glm::all(glm::lessThan(origin + (kBlockSize - 1), region_.max));
+    if (within) continue;
+    const SitePlanes planes = planes_of(groups_[site]);
+    bool any = false;
+    for (int axis = 0; axis < 3; ++axis) {
+      const BlockBits crossed = crossed_edges_at(origin, planes, 1 << axis);
+      for (int x = 0; x < kBlockSize; ++x) {
+        for_each_bit(crossed[x], [&](int bit) {
+          const glm::ivec3 p = origin + glm::ivec3(x, bit >> 3, bit & 7);
+          bool at_border = false;
+          for (int across = 0; across < 3; ++across) {  // an edge that only ends at the border is not in it
+            at_border =
+                at_border || (across != axis && (p[across] == region_.min[across] || p[across] == region_.max[across]));
+          }
+          any = any || (at_border && found(p, axis));
+        });
+      }
     }
+    if (any) return true;
   }
-  return found;
+  return false;
 }
 
 BorderSides SparseSites::border() const {
   if (!options_.region) return {};
-  for (std::size_t site = 0; site < sites_.size(); ++site) {
-    if (has_crossed_border_edge(site)) return {true, true};
-  }
+  if (any_border_edge([](const glm::ivec3&, int) { return true; })) return {true, true};
   const bool all_inside = inside(region_.min);
   return {all_inside, !all_inside};
+}
+
+bool SparseSites::draws_at_border() const {
+  return any_border_edge([this](const glm::ivec3& p, int axis) {
+    return draws_beside_edge(region_, p, axis, [this](const glm::ivec3& q) { return std::isnan(value(q)); });
+  });
 }
 
 bool SparseSites::owns_crossed_edge(const glm::ivec3& origin, const field::SparseLookup::Group& group) const {

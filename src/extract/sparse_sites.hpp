@@ -74,6 +74,8 @@ class SparseSites {
 
   // The sides that the border of options.region has, by its crossed edges; neither side without a region.
   [[nodiscard]] BorderSides border() const;
+  // Whether cells at that border draw something, where those with a NaN sample do not.
+  [[nodiscard]] bool draws_at_border() const;
 
   // Runs f(i) for 0 <= i < count in parallel.
   template <class F>
@@ -98,7 +100,9 @@ class SparseSites {
   [[nodiscard]] BlockBits crossed_edges_at(const glm::ivec3& origin, const SitePlanes& planes, int direction) const;
   [[nodiscard]] std::uint64_t region_bits(const glm::ivec3& origin, const glm::ivec3& step, int x) const;
   [[nodiscard]] bool wholly_in_region(const glm::ivec3& origin) const;
-  [[nodiscard]] bool has_crossed_border_edge(std::size_t site) const;
+  // Whether found(p, axis) of one of the crossed edges that lie in the region's border: from `p` along `axis`.
+  template <class Found>
+  [[nodiscard]] bool any_border_edge(const Found& found) const;
 
   const field::ScalarField& field_;
   const field::SparseSamples& samples_;

@@ -34,21 +34,12 @@ concept SurfacePasses = requires(S& surface, const S& seen, ExtractStats& stats,
   // nothing leaves it.
   { seen.cap_box() } -> std::same_as<std::optional<field::IndexBox>>;
   { seen.border() } -> std::same_as<BorderSides>;
-  { seen.has_holes() } -> std::same_as<bool>;  // some samples are NaN, and NanPolicy::hole
+  { seen.draws_at_border() } -> std::same_as<bool>;  // asked where it has both sides, and holes
+  { seen.has_holes() } -> std::same_as<bool>;        // some samples are NaN, and NanPolicy::hole
   { seen.inside(p) } -> std::same_as<bool>;
   { seen.value(p) } -> std::same_as<double>;
   { seen.edge_vertex(p, direction) } -> std::same_as<std::uint32_t>;  // on the crossed edge from `p`
 };
-
-// Whether the surface has triangles at the border of the box.
-template <SurfacePasses Surface>
-[[nodiscard]] bool meets_border(const Surface& surface, const field::IndexBox& box, const BorderSides& sides) {
-  if (!sides.inside || !sides.outside) return false;
-  if (!surface.has_holes()) return true;
-  return draws_at_border(
-      box, [&](const glm::ivec3& p) { return surface.inside(p); },
-      [&](const glm::ivec3& p) { return std::isnan(surface.value(p)); });
-}
 
 // What is the same wherever the surface comes from: its frame fits float32, its size fits the context's memory, the cap
 // is made of what the surface has at the border and stands behind it, and where cells were left out each fan of
@@ -77,7 +68,7 @@ template <SurfacePasses Surface>
   if (box) {
     const BorderSides sides = surface.border();
     result.stats.inside_at_border = sides.inside;
-    result.stats.meets_border = meets_border(surface, *box, sides);
+    result.stats.meets_border = sides.inside && sides.outside && (!surface.has_holes() || surface.draws_at_border());
   }
   const bool capped = box && options.cap;
   if (capped) {

@@ -36,6 +36,7 @@ struct ScalarField {
   std::string format;       // "OpenVDB", "NRRD", ...
   std::string world_space;  // what the file calls its world: "RAS", "left-posterior-superior", ...; may be empty
   std::size_t grids = 0;    // how many the source has by name, this one among them; 0 where its format names none
+  std::string grid;         // where it does: what no other of them is called; printable
   FieldKind kind = FieldKind::density;
   ValueScale scale;
   Affine index_to_world;  // of sample centres: index (i, j, k) is the position of that sample

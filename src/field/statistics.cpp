@@ -181,25 +181,6 @@ std::uint64_t rank_of(int percent, std::uint64_t samples) {
   return samples / 100 * static_cast<std::uint64_t>(percent) + (hundredths + 99) / 100 - 1;
 }
 
-// Where in its bin a sample lies is not known: as if those in a bin were evenly spread.
-std::array<double, FieldStatistics::kPercents.size()> percentiles_in_bins(const FieldStatistics& statistics) {
-  std::array<double, FieldStatistics::kPercents.size()> found{};
-  found.fill(statistics.min);
-  if (statistics.min == statistics.max) return found;
-  for (std::size_t p = 0; p < found.size(); ++p) {
-    const double wanted = FieldStatistics::kPercents[p] / 100.0 * static_cast<double>(statistics.samples);
-    double below = 0;
-    std::size_t bin = 0;
-    while (bin + 1 < kBins && below + static_cast<double>(statistics.histogram[bin]) <= wanted) {
-      below += static_cast<double>(statistics.histogram[bin++]);
-    }
-    const auto here = static_cast<double>(statistics.histogram[bin]);
-    const double within = here > 0 ? std::min(1.0, (wanted - below) / here) : 1;
-    found[p] = interpolate(statistics.min, statistics.max, (static_cast<double>(bin) + within) / kBins);
-  }
-  return found;
-}
-
 // Types whose numbers are few enough to count how often each occurs.
 template <class T>
 inline constexpr bool kCountable = sizeof(T) <= 2;
@@ -262,67 +243,78 @@ FieldStatistics statistics_of(std::vector<std::pair<double, std::uint64_t>> valu
   return statistics;
 }
 
-// The samples of some ranks, found half a number at a time: first by its upper 16 bits, in the order of the scaled
-// values, then by the lower ones among those whose upper half is the one.
+// Numbers of T as unsigned ones of the same size and order.
+template <class T>
+class OrderedKeys {
+ public:
+  using Key = std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>;
+
+  [[nodiscard]] static Key of(T value) {
+    const auto bits = std::bit_cast<Key>(value);
+    if constexpr (std::is_floating_point_v<T>) return (bits & kSign) != 0 ? ~bits : bits | kSign;
+    return std::is_signed_v<T> ? bits ^ kSign : bits;
+  }
+
+  [[nodiscard]] static T value(Key key) {
+    if constexpr (std::is_floating_point_v<T>) return std::bit_cast<T>((key & kSign) != 0 ? key & ~kSign : ~key);
+    return std::bit_cast<T>(std::is_signed_v<T> ? key ^ kSign : key);
+  }
+
+ private:
+  static constexpr Key kSign = Key{1} << (8 * sizeof(Key) - 1);
+};
+
+// The samples of some ranks, found 16 bits of their keys at a time, in the order of the scaled values: each pass counts
+// the next bits of those samples whose bits before are the ones that were found.
 template <class T>
 std::array<double, FieldStatistics::kPercents.size()> exact_percentiles(const ScalarField& field, std::uint64_t finite,
                                                                         Progress* progress) {
-  static_assert(sizeof(T) == 4);
+  using Key = typename OrderedKeys<T>::Key;
   constexpr std::size_t kPercents = FieldStatistics::kPercents.size();
-  constexpr std::size_t kHalf = std::size_t{1} << 16;
+  constexpr int kDigitBits = 16;
+  constexpr std::size_t kDigits = std::size_t{1} << kDigitBits;
   const ValueScale scale = field.scale;
-  const bool falling = scale.slope < 0;
-  const std::uint32_t sign = std::is_signed_v<T> ? std::uint32_t{1} << 31 : 0;
-  const auto key_of = [&](T stored) {
-    const std::uint32_t key = static_cast<std::uint32_t>(stored) ^ sign;
-    return falling ? ~key : key;
+  const auto key_of = [falling = scale.slope < 0](T stored) {
+    const Key key = OrderedKeys<T>::of(stored);
+    return falling ? static_cast<Key>(~key) : key;
   };
-  const auto tally = [&](std::size_t size, const auto& add) {
+  std::array<std::uint64_t, kPercents> ranks{};
+  for (std::size_t p = 0; p < kPercents; ++p) ranks[p] = rank_of(FieldStatistics::kPercents[p], finite);
+  std::array<Key, kPercents> found{};  // the bits so far
+  for (int shift = 8 * static_cast<int>(sizeof(Key)) - kDigitBits; shift >= 0; shift -= kDigitBits) {
+    const bool first = shift + kDigitBits == 8 * static_cast<int>(sizeof(Key));
+    std::vector<Key> prefixes(found.begin(), found.end());  // each once
+    prefixes.erase(std::unique(prefixes.begin(), prefixes.end()), prefixes.end());
+    const auto add = [&](std::vector<std::uint64_t>& counts, T stored, std::uint64_t times) {
+      if (!std::isfinite(scale(static_cast<double>(stored)))) return;
+      const Key key = key_of(stored);
+      const Key before = first ? 0 : key >> (shift + kDigitBits) % (8 * sizeof(Key));
+      for (std::size_t slot = 0; slot < prefixes.size(); ++slot) {
+        if (prefixes[slot] == before) counts[slot * kDigits + (key >> shift) % kDigits] += times;
+      }
+    };
     std::vector<std::uint64_t> counts = count_samples<T>(
-        field.samples, size,
+        field.samples, prefixes.size() * kDigits,
         [&](std::vector<std::uint64_t>& part, std::span<const T> values) {
-          for (const T stored : values) {
-            if (std::isfinite(scale(static_cast<double>(stored)))) add(part, key_of(stored), 1);
-          }
+          for (const T stored : values) add(part, stored, 1);
         },
         progress);
-    for_each_tile(field.samples, [&](double stored, std::uint64_t voxels) {
-      if (std::isfinite(scale(stored))) add(counts, key_of(static_cast<T>(stored)), voxels);
-    });
-    return counts;
-  };
-  // The first of `counts` with which more than `rank` are there; takes off `rank` what comes before it. Samples of a
-  // file that somebody writes to may have become others since they were counted.
-  const auto find = [](std::span<const std::uint64_t> counts, std::uint64_t& rank) {
-    std::uint32_t at = 0;
-    for (; at + 1 < counts.size() && rank >= counts[at]; ++at) rank -= counts[at];
-    return at;
-  };
-
-  const std::vector<std::uint64_t> upper =
-      tally(kHalf, [](auto& counts, std::uint32_t key, std::uint64_t times) { counts[key >> 16] += times; });
-  std::array<std::uint64_t, kPercents> ranks{};
-  std::array<std::uint32_t, kPercents> upper_half{};
-  std::array<std::size_t, kPercents> slot_of_percent{};
-  std::vector<std::uint8_t> slot_of(kHalf, kPercents);  // by upper half; kPercents for those that are not wanted
-  std::uint8_t slots = 0;
-  for (std::size_t p = 0; p < kPercents; ++p) {
-    ranks[p] = rank_of(FieldStatistics::kPercents[p], finite);
-    upper_half[p] = find(upper, ranks[p]);
-    std::uint8_t& slot = slot_of[upper_half[p]];
-    if (slot == kPercents) slot = slots++;
-    slot_of_percent[p] = slot;
+    for_each_tile(field.samples,
+                  [&](double stored, std::uint64_t voxels) { add(counts, static_cast<T>(stored), voxels); });
+    for (std::size_t p = 0; p < kPercents; ++p) {
+      const auto slot = static_cast<std::size_t>(std::ranges::find(prefixes, found[p]) - prefixes.begin());
+      // Samples of a file that somebody writes to may have become others since they were counted.
+      Key digit = 0;
+      for (; digit + 1 < kDigits && ranks[p] >= counts[slot * kDigits + digit]; ++digit) {
+        ranks[p] -= counts[slot * kDigits + digit];
+      }
+      found[p] = (first ? 0 : found[p] << kDigitBits) | digit;
+    }
   }
-  const std::vector<std::uint64_t> lower =
-      tally(slots * kHalf, [&](auto& counts, std::uint32_t key, std::uint64_t times) {
-        const std::uint8_t slot = slot_of[key >> 16];
-        if (slot != kPercents) counts[slot * kHalf + (key & (kHalf - 1))] += times;
-      });
   std::array<double, kPercents> percentiles{};
   for (std::size_t p = 0; p < kPercents; ++p) {
-    const std::span<const std::uint64_t> counts(lower.data() + slot_of_percent[p] * kHalf, kHalf);
-    const std::uint32_t key = upper_half[p] << 16 | find(counts, ranks[p]);
-    percentiles[p] = scale(static_cast<double>(static_cast<T>((falling ? ~key : key) ^ sign)));
+    const Key key = scale.slope < 0 ? static_cast<Key>(~found[p]) : found[p];
+    percentiles[p] = scale(static_cast<double>(OrderedKeys<T>::value(key))) + 0.0;  // -0 is 0
   }
   return percentiles;
 }
@@ -392,11 +384,7 @@ FieldStatistics measure_statistics(const ScalarField& field, Progress* progress)
       if (range.finite == 0) return statistics;
       const Histogram histogram = measure_histogram<T>(field, range, progress);
       describe(range, histogram, statistics);
-      if constexpr (std::is_integral_v<T>) {
-        statistics.percentiles = exact_percentiles<T>(field, statistics.samples, progress);
-      } else {
-        statistics.percentiles = percentiles_in_bins(statistics);
-      }
+      statistics.percentiles = exact_percentiles<T>(field, statistics.samples, progress);
       return statistics;
     }
   });

@@ -22,8 +22,7 @@ struct FieldStatistics {
   double mean = 0;
   std::vector<std::uint64_t> histogram;  // 1024 equal bins over [min, max]; empty if there is no finite sample
 
-  // By kPercents: the least value that so many percent of the samples do not exceed. It is one of the samples where
-  // they are integers or halves; floats and doubles are only told apart to the width of a bin.
+  // By kPercents: the least of the samples that so many percent of them do not exceed.
   static constexpr std::array kPercents{1, 5, 25, 50, 75, 95, 99};
   std::array<double, kPercents.size()> percentiles{};
 };

@@ -232,10 +232,18 @@ bool is_stream(const fs::path& path) {
 bool same_place(const fs::path& a, const fs::path& b) {
   struct stat one {};
   struct stat other {};
-  if (status_of(a, one) && status_of(b, other)) return one.st_dev == other.st_dev && one.st_ino == other.st_ino;
+  if (status_of(a, one) && status_of(b, other)) {
+    const bool same = one.st_dev == other.st_dev && one.st_ino == other.st_ino;
+    struct stat nowhere {};  // where nothing can be lost
+    const bool is_lost = S_ISCHR(one.st_mode) && ::stat("/dev/null", &nowhere) == 0 && one.st_rdev == nowhere.st_rdev;
+    return same && !is_lost;
+  }
   if (a == "-" || b == "-") return a == b;
-  std::error_code none;
-  return fs::weakly_canonical(fs::absolute(a, none), none) == fs::weakly_canonical(fs::absolute(b, none), none);
+  const auto place = [](const fs::path& path) {
+    std::error_code none;
+    return fs::weakly_canonical(fs::absolute(follow_links(path), none), none);
+  };
+  return place(a) == place(b);
 }
 
 Result<OutputFile> OutputFile::create(const fs::path& path) {
@@ -326,12 +334,16 @@ Result<void> OutputFile::commit_all(std::span<OutputFile* const> files) {
     if (state.replaces && f + 1 < files.size()) {
       if (auto name = TemporaryName::name_again(state.folder, state.target)) old[f] = std::move(*name);
     }
-    auto published = state.publish();
+    Result<void> published = state.publish();
     if (published) continue;
     while (f-- > 0) {
       State& before = *files[f]->state_;
       if (!old[f].empty()) {
-        static_cast<void>(old[f].rename_to(before.target));
+        const std::string name = old[f].c_str();
+        if (!old[f].rename_to(before.target)) {
+          old[f].keep();
+          published.error().message += fmt::format("; the file that was {} is now {}", before.shown, name);
+        }
       } else if (before.kind == State::Kind::file && !before.replaces) {
         ::unlink(before.target.c_str());
       }

@@ -29,7 +29,7 @@ namespace isoextract::files {
 [[nodiscard]] bool is_stream(const std::filesystem::path& path);
 
 // Whether what is written to both would come to one place, be it a file, a pipe or a device, by whatever names ("-" is
-// standard output). Files that do not exist are compared by their names.
+// standard output), and would not be lost there (/dev/null). Files that do not exist are compared by their names.
 [[nodiscard]] bool same_place(const std::filesystem::path& a, const std::filesystem::path& b);
 
 class OutputFile {

@@ -8,9 +8,12 @@
 #include <algorithm>
 #include <array>
 #include <string_view>
+#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
+
+#include "base/machine.hpp"
 
 namespace isoextract::gl {
 namespace {
@@ -75,7 +78,19 @@ Result<void> load_libraries() {
 
 bool has_client_extension(const char* name) { return epoxy_has_egl_extension(EGL_NO_DISPLAY, name); }
 
+// Drivers start threads of their own, those that draw on the processor one for each of its cores. Where the system
+// gives them none they wait for ever.
+Result<void> check_threads() {
+  const StartedThreads started = try_threads(static_cast<int>(std::max(1U, std::thread::hardware_concurrency())));
+  if (started.refusal.empty()) return {};
+  return unavailable(
+      fmt::format("the drivers of GPUs need threads of their own, and no more than {} can be started: {}",
+                  started.count, started.refusal),
+      {Remedy::use_cpu, "raise the limit (ulimit -u)"});
+}
+
 Result<std::vector<EGLDeviceEXT>> egl_devices() {
+  if (auto possible = check_threads(); !possible) return tl::unexpected(possible.error());
   if (auto loaded = load_libraries(); !loaded) return tl::unexpected(loaded.error());
   if (!has_client_extension("EGL_EXT_platform_base") ||
       !(has_client_extension("EGL_EXT_device_enumeration") || has_client_extension("EGL_EXT_device_base"))) {

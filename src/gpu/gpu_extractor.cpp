@@ -1,9 +1,11 @@
 #include "gpu/gpu_extractor.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
+#include "extract/border_cap.hpp"
 #include "extract/dense_input.hpp"
 #include "gpu/detail/dense_sites.hpp"
 #include "gpu/detail/dense_source.hpp"
@@ -62,6 +64,11 @@ class DenseSurface final : public DrawnSurface {
 
   [[nodiscard]] std::optional<field::IndexBox> cap_box() const override { return region_; }
   [[nodiscard]] extract::BorderSides border() const override { return masks_.border(); }
+  [[nodiscard]] bool draws_at_border() const override {
+    return extract::draws_at_border(
+        region_, [this](const glm::ivec3& p) { return inside(p); },
+        [this](const glm::ivec3& p) { return std::isnan(value(p)); });
+  }
   [[nodiscard]] bool inside(const glm::ivec3& p) const override { return masks_.inside(p - region_.min); }
   [[nodiscard]] double value(const glm::ivec3& p) const override {
     return field().scale(static_cast<double>(whole_.row(p.y, p.z)[p.x]));
@@ -112,6 +119,7 @@ class SparseSurface final : public DrawnSurface {
     return extract::sparse_cap_box(region_, options());
   }
   [[nodiscard]] extract::BorderSides border() const override { return leaves_.border(); }
+  [[nodiscard]] bool draws_at_border() const override { return leaves_.draws_at_border(); }
   [[nodiscard]] bool inside(const glm::ivec3& p) const override { return leaves_.inside(p); }
   [[nodiscard]] double value(const glm::ivec3& p) const override { return leaves_.value(p); }
 

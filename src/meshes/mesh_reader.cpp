@@ -15,6 +15,8 @@
 #include "base/checked.hpp"
 #include "base/hash.hpp"
 #include "mesh/local_origin.hpp"
+#include "meshes/detail/json_tree.hpp"
+#include "meshes/read/gltf_json.hpp"
 #include "meshes/read/mesh_format_readers.hpp"
 
 namespace isoextract::meshes {
@@ -112,11 +114,16 @@ mesh::Mesh mesh_of(const FileSurface& surface, const Context& context) {
   return mesh;
 }
 
-FileSurface read_surface(const files::InputFile& file) {
-  MemoryUse memory(file.context());
+Buffer<std::byte> content_of(const files::InputFile& file, MemoryUse& memory) {
   memory.take(file.size());
   Buffer<std::byte> content(file.size());
   if (auto read = file.read_at(0, content.span()); !read) throw DamagedMesh(read.error().message);
+  return content;
+}
+
+FileSurface read_surface(const files::InputFile& file) {
+  MemoryUse memory(file.context());
+  const Buffer<std::byte> content = content_of(file, memory);
   const MeshSource source{file, content.span(), memory};
   return reader_of(source)(source);
 }
@@ -160,6 +167,28 @@ Result<MeshFile> read_mesh(const std::filesystem::path& path, const Context& con
   } catch (const std::exception& error) {
     return fail(ErrorKind::input, fmt::format("{}: cannot be read: {}", path.string(), error.what()));
   }
+}
+
+std::vector<std::string> data_file_names(const std::filesystem::path& gltf, const Context& context) {
+  std::vector<std::string> names;
+  try {
+    const auto file = files::InputFile::open(gltf, context);
+    if (!file) return names;
+    MemoryUse memory(context);
+    const Buffer<std::byte> content = content_of(*file, memory);
+    JsonTree tree(parse_json(MeshSource{*file, content.span(), memory}.text(), memory));
+    const nlohmann::json& model = tree.root();
+    if (!model.is_object() || !model.contains("buffers")) return names;
+    for (std::uint64_t i = 0; i < model["buffers"].size(); ++i) {
+      const std::string_view uri = text_of(entry(model, "buffers", i), "uri");
+      if (!uri.empty() && !uri.starts_with("data:")) names.push_back(decode_percent(uri));
+    }
+  } catch (const std::exception&) {  // it is no glTF, or too large to look at
+    names.clear();
+  } catch (const Cancelled&) {
+    names.clear();
+  }
+  return names;
 }
 
 void MemoryUse::take(std::uint64_t bytes) {

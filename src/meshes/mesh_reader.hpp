@@ -40,4 +40,8 @@ struct MeshFile {
 // its triangles and is not read. The mesh keeps its part reserved. A file without triangles is no error.
 [[nodiscard]] Result<MeshFile> read_mesh(const std::filesystem::path& path, const Context& context = Context());
 
+// The names of the files in which a .gltf keeps its data, as it has them; none where it is no glTF, or has none.
+[[nodiscard]] std::vector<std::string> data_file_names(const std::filesystem::path& gltf,
+                                                       const Context& context = Context());
+
 }  // namespace isoextract::meshes

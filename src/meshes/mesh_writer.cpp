@@ -118,11 +118,25 @@ struct MeshWriter::State {
     return meshes::attempt(failure, context, path, std::move(step));
   }
 
+  [[nodiscard]] Result<void> keep_places(const mesh::Mesh& mesh);
   [[nodiscard]] Result<void> open();
   [[nodiscard]] Result<void> write(const mesh::Mesh& mesh);
   [[nodiscard]] Result<MeshWriteResult> finish(std::span<const mesh::Mesh> last);
   [[nodiscard]] std::string left_out_note() const;
 };
+
+// Or fails.
+Result<void> MeshWriter::State::keep_places(const mesh::Mesh& mesh) {
+  const auto collapsed = check_places(mesh, path, options.format);
+  if (!collapsed) return tl::unexpected<Error>(collapsed.error());
+  if (*collapsed > 0) {
+    notes.push_back(
+        fmt::format("{}: {} of {} triangles have corners at one place in the file, which its numbers do not tell apart "
+                    "so far from the origin",
+                    path.string(), *collapsed, mesh.triangles.size()));
+  }
+  return {};
+}
 
 // Once.
 Result<void> MeshWriter::State::open() {
@@ -195,7 +209,7 @@ Result<void> MeshWriter::add(mesh::Mesh mesh) {
   State& state = *state_;
   return state.attempt([&]() -> Result<void> {
     if (auto possible = check(++state.count, state.path, state.options); !possible) return possible;
-    if (auto kept = check_places(mesh, state.path, state.options.format); !kept) return kept;
+    if (auto kept = state.keep_places(mesh); !kept) return kept;
     if (!state.holds) return state.write(mesh);
     state.held.push_back(std::move(mesh));
     return {};
@@ -213,7 +227,7 @@ Result<MeshWriteResult> write_meshes(std::span<const mesh::Mesh> meshes, const f
   state.count = meshes.size();
   return state.attempt([&]() -> Result<MeshWriteResult> {
     for (const mesh::Mesh& mesh : meshes) {
-      if (auto kept = check_places(mesh, path, options.format); !kept) return tl::unexpected(std::move(kept.error()));
+      if (auto kept = state.keep_places(mesh); !kept) return tl::unexpected(std::move(kept.error()));
     }
     return state.finish(meshes);
   });

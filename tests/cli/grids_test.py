@@ -1,6 +1,7 @@
 """Grids of VDB files as the command line shows and takes them: their names, streams, places, grids without voxels."""
 
 import json
+import time
 
 from support import ProgramTest, main, read_ply
 from vdb_files import frustum, grid, text, vdb
@@ -109,6 +110,53 @@ class GridsTest(ProgramTest):
                 self.assertEqual((len(mesh.triangles), mesh.open_edges()), (8, 0))
                 low, high = mesh.bounds()
                 self.assertEqual((low[0], high[0], low[1], high[1]), (place - 0.5, place + 0.5, -0.5, 0.5))
+
+    def test_info_suggests_no_command_that_fails(self):
+        self.write("apart.vdb", grid("apart", {(0, 0, 0): 1.0, (1 << 26, 0, 0): 1.0}))
+        shown = self.convert("info", "apart.vdb").text
+        self.assertIn("too far apart for one mesh: extract parts with --roi", shown)
+        self.assertNotIn("isoextract apart.vdb", shown)
+        self.write("a\nb.vdb", grid("a", VOXELS))
+        shown = self.convert("info", "a\nb.vdb").text
+        self.assertIn("--iso ", shown)
+        self.assertNotIn("isoextract ", shown)
+
+    def test_holes_far_apart_take_no_time(self):
+        """What decides whether a surface with holes is open looks at the surface, not at all of a region's border."""
+        far = 1 << 17
+        voxels = {(x, y, 0): 2.0 for x in range(3) for y in range(3)}
+        self.write("holes.vdb", grid("holes", voxels | {(1, 1, 0): float("nan"), (far, far, far): 2.0}))
+        began = time.monotonic()
+        for roi, ends in (((1, 0, -2, far + 2, far + 2, far + 2), "open at the border of the --roi"),
+                          ((-2, -2, -2, far + 2, far + 2, far + 2), "around samples that are not numbers")):
+            run = self.convert("holes.vdb", "--iso", "1", "--nan", "hole", "--roi=" + ",".join(map(str, roi)),
+                               "-o", "a.ply")
+            self.assertIn(ends, run.err)
+        self.assertNotIn("open", run.err)
+        self.assertLess(time.monotonic() - began, 30, "a look at all of it takes minutes")
+
+    def test_a_cap_far_from_all_voxels(self):
+        """Where the background is inside, the cap of a region stands wherever the region is."""
+        self.write("block.vdb", grid("block", {(x, y, z): -2.0 for x in range(4) for y in range(4) for z in range(4)}))
+        for place in (1 << 24, 100_000_000, 1 << 28):
+            mesh = self.mesh("block.vdb", "--iso", "-1", "--cap", f"--roi={place},0,0,{place + 10},10,10")
+            self.assertEqual(mesh.bounds(), ([place, 0, 0], [place + 10, 10, 10]))
+            self.assertAlmostEqual(mesh.volume(), 1000)
+            self.assertEqual(mesh.open_edges(), 0)
+        # Without a cap nothing is drawn so far away, however large the region is.
+        mesh = self.mesh("block.vdb", "--iso", "-1", "--roi=-8,-8,-8,400000000,10,10")
+        self.assertEqual(mesh.open_edges(), 0)
+        self.assertLess(mesh.bounds()[1][0], 5)
+
+    def test_results_name_the_grid_as_info_does(self):
+        self.write("twice.vdb", grid("density", VOXELS), grid("density", {(1, 1, 1): 1.0}), grid("density[0]", VOXELS))
+        for entry in self.grids("twice.vdb"):
+            run = self.convert("twice.vdb", "--grid", entry["name"], "--iso", "0.5", "-o", "a.ply")
+            self.assertTrue(run.err.startswith(f"twice.vdb[{entry['name']}] iso 0.5 -> a.ply: "), run.err)
+
+    def test_voxels_beyond_the_limit_are_not_supported_and_no_damage(self):
+        self.write("out.vdb", grid("out", {(600_000_000, 0, 0): 1.0}))
+        self.assert_fails(2, self.run_program("out.vdb", "--iso", "0.5"), "not supported: voxels at index", "2^29")
 
     def test_an_empty_grid_is_told_from_a_file_that_cannot_be_read(self):
         self.write("empty.vdb", grid("nothing"))

@@ -45,7 +45,7 @@ class InterruptedTest(ProgramTest):
         self.assertEqual(process.returncode, -number, err)
 
     def test_interrupted_runs_leave_nothing(self):
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT, signal.SIGXCPU, signal.SIGUSR1):
             for wait in (0, 0.02, 0.1):
                 process = self.start()
                 time.sleep(wait)

@@ -243,10 +243,22 @@ class ReportTest(ProgramTest):
         report, _ = self.report(SPHERE, "--iso", "0", "--backend", "gpu", "--device", "99", "-o", "a.ply", code=3)
         self.assertEqual((report["device"]["backend"], report["device"]["name"]), ("gpu", None))
 
-    def test_a_command_line_that_cannot_be_read_has_no_report(self):
-        for arguments in ((SPHERE, "--iso", "abc"), (SPHERE, "--iso", "0", "--mehtod", "mc"), (SPHERE, "--iso")):
-            self.assert_fails(1, self.run_program("--report", "r.json", *arguments))
-        self.assertEqual(self.files(), [])
+    def test_a_command_line_that_cannot_be_read_is_reported(self):
+        """The report of an earlier run would pass for that of this one."""
+        for arguments in ((SPHERE, "--iso", "abc"), (SPHERE, "--iso", "0", "--mehtod", "mc"), (SPHERE, "--iso"),
+                          (SPHERE, "--iso", "0", "-o=a.ply")):
+            for words in (("--report", "r.json"), ("--report=r.json",)):
+                (self.folder / "r.json").write_text("of an earlier run")
+                self.assert_fails(1, self.run_program(*words, *arguments))
+                report = json.loads((self.folder / "r.json").read_text())
+                self.assertEqual((report["status"], report["options"]), ("failed", None))
+                self.assertEqual(report["arguments"], [*words, *arguments])
+        self.assertEqual(self.files(), ["r.json"])
+        for words in (("r.json", "--iso", "abc"), (SPHERE, "--iso", "abc", "-o", "./r.json"), ("info", SPHERE, "--bad")):
+            (self.folder / "r.json").write_text("precious")
+            self.assert_fails(1, self.run_program("--report", "r.json", *words) if words[0] != "info" else
+                              self.run_program(*words, "--report", "r.json"))
+            self.assertEqual((self.folder / "r.json").read_text(), "precious")
 
     def test_the_report_of_options_that_make_no_conversion_overwrites_nothing(self):
         for name in ("a.raw", "a.ply", "a.bin", "b.raw", "b0.5.ply", "a.glb"):

@@ -131,6 +131,11 @@ class SurfaceTest(ProgramTest):
         (self.folder / "out.bin").write_text("of another program")
         self.convert(*skip, "out.gltf")
         self.assertEqual(self.files(), ["out.bin", "out.txt"])
+        for model in ('{"asset":{"version":"2.0"},"buffers":[{"byteLength":1,"uri":"other.bin"}]}', "no JSON"):
+            (self.folder / "out.gltf").write_text(model)
+            run = self.convert(*skip, "out.gltf")
+            self.assertIn("the old out.gltf was removed\n", run.err)
+            self.assertEqual(self.files(), ["out.bin", "out.txt"])
         # One of several frames; through a link the file goes that would have been replaced.
         self.convert(SPHERE, "--iso", "0", "-o", "frame.ply")
         (self.folder / "s_9.ply").symlink_to("frame.ply")

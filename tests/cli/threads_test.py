@@ -49,6 +49,14 @@ class ThreadsTest(ProgramTest):
         report = json.loads((self.folder / "a.json").read_text())
         self.assertEqual((report["error"]["kind"], report["options"]["input"]), ("unavailable", SPHERE))
 
+    def test_drivers_of_gpus_need_threads_of_their_own(self):
+        for arguments in ((SPHERE, "--iso", "0", "--backend", "gpu", "-o", "a.ply"), ("verify", SPHERE, "--iso", "0"),
+                          (SPHERE, "--iso", "0", "--verify", "-o", "a.ply")):
+            run = self.run_alone(*arguments, "--threads", "1")
+            self.assert_fails(3, run, "the drivers of GPUs need threads of their own", "--backend cpu")
+        run = self.run_alone(SPHERE, "--iso", "0", "--backend", "auto", "-o", "a.ply", "--threads", "1")
+        self.assertEqual(run.code, 0, run.err)
+
     def test_one_thread_needs_no_other(self):
         for arguments in ((SPHERE, "--iso", "0", "--error", "--simplify", "0.1", "-o", "a.ply", "--report", "a.json"),
                           ("demo:gyroid?size=64", "--iso", "0", "-o", "a.glb"), ("info", SPHERE),

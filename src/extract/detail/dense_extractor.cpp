@@ -89,7 +89,8 @@ class DenseExtraction final : private CellDecider {
         region_(region),
         table_(case_table(options.method)),
         directions_(static_cast<int>(table_.directions.size())),
-        placement_(output_frame(field, options.output_from_index, {glm::ivec3(0), whole.dims - 1}, region)),
+        placement_(
+            output_frame(field, options.output_from_index, {glm::ivec3(0), whole.dims - 1}, region, options.cap)),
         masks_(std::move(masks)),
         bricks_(masks_) {}
 
@@ -133,6 +134,11 @@ class DenseExtraction final : private CellDecider {
 
   [[nodiscard]] std::optional<field::IndexBox> cap_box() const { return region_; }
   [[nodiscard]] BorderSides border() const { return masks_.border(); }
+  [[nodiscard]] bool draws_at_border() const {
+    return extract::draws_at_border(
+        region_, [this](const glm::ivec3& p) { return inside(p); },
+        [this](const glm::ivec3& p) { return std::isnan(value(p)); });
+  }
   [[nodiscard]] bool has_holes() const { return has_holes_; }
   [[nodiscard]] bool inside(const glm::ivec3& p) const { return masks_.inside(p - region_.min); }
   [[nodiscard]] double value(const glm::ivec3& p) const {

@@ -66,7 +66,7 @@ class SparseExtraction final : private CellDecider {
         context_(context),
         rule_{field.kind, options.iso},
         table_(case_table(options.method)),
-        placement_(output_frame(field, options.output_from_index, stored_box(samples), region)),
+        placement_(output_frame(field, options.output_from_index, stored_box(samples), region, options.cap)),
         sites_(field, samples, region, options, context) {}
 
   [[nodiscard]] const OutputFrame& placement() const { return placement_; }
@@ -102,6 +102,7 @@ class SparseExtraction final : private CellDecider {
 
   [[nodiscard]] std::optional<field::IndexBox> cap_box() const { return sparse_cap_box(region_, options_); }
   [[nodiscard]] BorderSides border() const { return sites_.border(); }
+  [[nodiscard]] bool draws_at_border() const { return sites_.draws_at_border(); }
   [[nodiscard]] bool has_holes() const { return sites_.has_holes(); }
   [[nodiscard]] bool inside(const glm::ivec3& p) const { return sites_.inside(p); }
   [[nodiscard]] double value(const glm::ivec3& p) const { return sites_.value(p); }

@@ -79,14 +79,18 @@ const std::string& name_prefix() {
   return prefix;
 }
 
+// Of a name exactly as they are made here: its prefix, PID-N.
 std::optional<pid_t> owner_of(std::string_view file_name) {
   const std::string& prefix = name_prefix();
   if (!file_name.starts_with(prefix)) return std::nullopt;
   file_name.remove_prefix(prefix.size());
+  const char* const end = file_name.data() + file_name.size();
   pid_t pid = 0;
-  const auto [end, error] = std::from_chars(file_name.data(), file_name.data() + file_name.size(), pid);
-  if (error != std::errc() || pid <= 0 || end == file_name.data() + file_name.size() || *end != '-')
-    return std::nullopt;
+  const auto owner = std::from_chars(file_name.data(), end, pid);
+  if (owner.ec != std::errc() || pid <= 0 || owner.ptr == end || *owner.ptr != '-') return std::nullopt;
+  int number = -1;
+  const auto last = std::from_chars(owner.ptr + 1, end, number);
+  if (last.ec != std::errc() || last.ptr != end || number < 0) return std::nullopt;
   return pid;
 }
 
@@ -97,7 +101,12 @@ void remove_left_behind(const fs::path& path) {
   if (fd < 0) return;
   struct stat found {};
   const bool own = ::fstat(fd, &found) == 0 && S_ISREG(found.st_mode) && found.st_uid == ::geteuid();
-  if (own && ::flock(fd, LOCK_EX | LOCK_NB) == 0) ::unlink(path.c_str());
+  struct stat named {};
+  const bool locked = own && ::flock(fd, LOCK_EX | LOCK_NB) == 0;
+  // Another process may have removed the file meanwhile, and a third one made its own of the name.
+  const bool same =
+      locked && ::lstat(path.c_str(), &named) == 0 && named.st_dev == found.st_dev && named.st_ino == found.st_ino;
+  if (same) ::unlink(path.c_str());
   ::close(fd);
 }
 
@@ -193,10 +202,14 @@ TemporaryName::~TemporaryName() {
   if (lock_ >= 0) ::close(lock_);
 }
 
-bool TemporaryName::rename_to(const fs::path& target) {
-  if (::rename(c_str(), target.c_str()) != 0) return false;
+void TemporaryName::keep() {
   take();
   if (lock_ >= 0) ::close(std::exchange(lock_, -1));
+}
+
+bool TemporaryName::rename_to(const fs::path& target) {
+  if (::rename(c_str(), target.c_str()) != 0) return false;
+  keep();
   return true;
 }
 

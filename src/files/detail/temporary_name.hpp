@@ -29,6 +29,8 @@ class TemporaryName {
 
   [[nodiscard]] bool empty() const { return name_ == nullptr; }
   [[nodiscard]] const char* c_str() const { return name_->c_str(); }
+  // The file stays, under this name.
+  void keep();
   // Whether the file got its last name `target`, with errno set where not.
   [[nodiscard]] bool rename_to(const std::filesystem::path& target);
 

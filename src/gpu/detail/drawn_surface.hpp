@@ -64,6 +64,7 @@ class DrawnSurface {
 
   [[nodiscard]] virtual std::optional<field::IndexBox> cap_box() const = 0;
   [[nodiscard]] virtual extract::BorderSides border() const = 0;
+  [[nodiscard]] virtual bool draws_at_border() const = 0;
   [[nodiscard]] virtual bool inside(const glm::ivec3& p) const = 0;
   [[nodiscard]] virtual double value(const glm::ivec3& p) const = 0;
   [[nodiscard]] std::uint32_t edge_vertex(const glm::ivec3& p, int direction) const;

@@ -28,14 +28,28 @@ constexpr std::uint64_t kTriangles = 4;
 constexpr std::uint64_t kStrip = 5;
 constexpr std::uint64_t kFan = 6;
 
-// What keeps its name to shading, lights and pictures.
-constexpr std::array<std::string_view, 6> kShadingExtensions{"KHR_materials_", "KHR_texture_", "EXT_texture_",
-                                                             "MSFT_texture_",  "KHR_lights_",  "EXT_lights_"};
+// What keeps to shading, lights, pictures, sounds, motion and what is told about parts, by how its name begins.
+constexpr std::array<std::string_view, 16> kOtherExtensions{"KHR_materials_",
+                                                            "EXT_materials_",
+                                                            "ADOBE_materials_",
+                                                            "KHR_texture_",
+                                                            "EXT_texture_",
+                                                            "MSFT_texture_",
+                                                            "KHR_lights_",
+                                                            "EXT_lights_",
+                                                            "KHR_animation_",
+                                                            "KHR_audio",
+                                                            "KHR_xmp",
+                                                            "EXT_mesh_features",
+                                                            "EXT_structural_metadata",
+                                                            "EXT_feature_metadata",
+                                                            "AGI_",
+                                                            "FB_ngon_encoding"};
 constexpr std::string_view kQuantization = "KHR_mesh_quantization";
 
 bool changes_triangles(std::string_view extension) {
-  return extension != kQuantization && extension != "KHR_xmp_json_ld" &&
-         std::none_of(kShadingExtensions.begin(), kShadingExtensions.end(),
+  return extension != kQuantization &&
+         std::none_of(kOtherExtensions.begin(), kOtherExtensions.end(),
                       [&](std::string_view start) { return extension.starts_with(start); });
 }
 
@@ -108,16 +122,13 @@ class ModelReader {
       throw DamagedMesh(
           fmt::format("expected glTF whose triangles need no extension to be read, found that it requires {}",
                       shown(extension)),
-          "write it without compressed or instanced meshes");
+          "write it without that extension");
     }
   }
 
   // Depth first; a node that is met twice would be in a cycle or have two parents, which glTF forbids.
   std::vector<Instance> find_instances() {
     std::vector<Instance> instances;
-    const auto scenes = model_.find("scenes");
-    if (scenes == model_.end()) return instances;
-    const json& scene = entry(model_, "scenes", whole(model_, "scene", 0));
     std::vector<std::pair<std::uint64_t, Transform>> waiting;
     const auto wait_for = [&](const json& object, const char* key, const Transform& parent) {
       const auto list = object.find(key);
@@ -131,9 +142,21 @@ class ModelReader {
         waiting.emplace_back(node->get<std::uint64_t>(), parent);
       }
     };
-    wait_for(scene, "nodes", {});
     const auto nodes = model_.find("nodes");
     std::vector<bool> met(nodes == model_.end() ? 0 : nodes->size());
+    if (model_.contains("scenes")) {
+      wait_for(entry(model_, "scenes", whole(model_, "scene", 0)), "nodes", {});
+    } else {  // a library of meshes: all that stands in no other node
+      for (std::uint64_t n = 0; n < met.size(); ++n) wait_for(entry(model_, "nodes", n), "children", {});
+      std::vector<bool> inner(met.size());
+      for (const auto& [child, parent] : waiting) {
+        if (child < inner.size()) inner[child] = true;
+      }
+      waiting.clear();
+      for (std::uint64_t n = met.size(); n-- > 0;) {
+        if (!inner[n]) waiting.emplace_back(n, Transform());
+      }
+    }
     while (!waiting.empty()) {
       const auto [index, parent] = waiting.back();
       waiting.pop_back();

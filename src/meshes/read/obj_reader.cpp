@@ -42,7 +42,7 @@ FileSurface read_obj(const MeshSource& source) {
       corners.clear();
       for (;;) {
         const std::string_view corner = scanner.word_of_joined_lines();
-        if (corner.empty()) break;
+        if (corner.empty() || corner.front() == '#') break;
         source.memory.make_room(corners, 1);
         corners.push_back(vertex_index(scanner, corner, surface.positions.size()));
       }

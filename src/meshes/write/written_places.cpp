@@ -31,9 +31,12 @@ double spacing(double size) {
 // Sums over triangles, of vectors as long as twice their area.
 struct Change {
   double lengths = 0;
-  double changes = 0;  // by rounding
+  double changes = 0;           // by rounding
+  std::uint64_t collapsed = 0;  // triangles that rounding leaves with two corners at one place
 
-  friend Change operator+(const Change& a, const Change& b) { return {a.lengths + b.lengths, a.changes + b.changes}; }
+  friend Change operator+(const Change& a, const Change& b) {
+    return {a.lengths + b.lengths, a.changes + b.changes, a.collapsed + b.collapsed};
+  }
 };
 
 template <class Number>
@@ -65,6 +68,7 @@ Change measure_change(const mesh::Mesh& mesh) {
             const auto& [a, b, c] = written[t - first];
             sum.lengths += glm::length(before);
             sum.changes += glm::length(vector(a, b, c) - before);
+            if (a == b || b == c || c == a) ++sum.collapsed;
           }
         }
         return sum;
@@ -72,51 +76,58 @@ Change measure_change(const mesh::Mesh& mesh) {
       [](const Change& a, const Change& b) { return a + b; });
 }
 
-// How a format fails to hold a mesh, as the part of a sentence that follows the file's name; empty where it holds it.
+// What a format does to a mesh: how it fails to hold it, as the part of a sentence that follows the file's name, or
+// else how many triangles lose their area.
+struct Loss {
+  std::string failure;
+  std::uint64_t collapsed = 0;
+};
+
 template <class Number>
-std::string why_lost(const mesh::Mesh& mesh, std::string_view type) {
+Loss loss_in(const mesh::Mesh& mesh, std::string_view type) {
   const mesh::LocalBounds local = mesh::measure_local_bounds(mesh);
   const mesh::Bounds world{mesh.origin + glm::dvec3(local.min), mesh.origin + glm::dvec3(local.max)};
   const double farthest = std::max(largest(world.min), largest(world.max));
   if (farthest > static_cast<double>(std::numeric_limits<Number>::max())) {
-    return fmt::format("expected coordinates that {} holds, found some at {:.6g}", type, farthest);
+    return {fmt::format("expected coordinates that {} holds, found some at {:.6g}", type, farthest)};
   }
   const double step = spacing<Number>(farthest);
   if (step <= spacing<float>(std::max(largest(local.min), largest(local.max)))) return {};
   const Change change = measure_change<Number>(mesh);
-  if (change.lengths == 0 || change.changes <= kMostChange * change.lengths) return {};
-  return fmt::format(
+  if (change.lengths == 0 || change.changes <= kMostChange * change.lengths) return {{}, change.collapsed};
+  return {fmt::format(
       "expected coordinates that tell the corners of its triangles apart; at {:.6g} those of type {} are {:.3g} from "
-      "each "
-      "other, and the triangles about {:.3g} wide",
-      farthest, type, step, std::sqrt(change.lengths / static_cast<double>(mesh.triangles.size())));
+      "each other, and the triangles about {:.3g} wide",
+      farthest, type, step, std::sqrt(change.lengths / static_cast<double>(mesh.triangles.size())))};
 }
 
-std::string why_lost(const mesh::Mesh& mesh, MeshFormat format) {
+Loss loss_in(const mesh::Mesh& mesh, MeshFormat format) {
   if (mesh.triangles.empty() || mesh.origin == glm::dvec3(0)) return {};
   if (!is_finite(mesh.origin)) {
-    return fmt::format("expected a place of finite coordinates, found ({}, {}, {})", mesh.origin.x, mesh.origin.y,
-                       mesh.origin.z);
+    return {fmt::format("expected a place of finite coordinates, found ({}, {}, {})", mesh.origin.x, mesh.origin.y,
+                        mesh.origin.z)};
   }
-  if (format == MeshFormat::stl) return why_lost<float>(mesh, "float32");
+  if (format == MeshFormat::stl) return loss_in<float>(mesh, "float32");
   const bool is_gltf = format == MeshFormat::glb || format == MeshFormat::gltf;
   if (is_gltf && largest(mesh.origin) > kLargestFloat) {
-    return fmt::format("expected a translation of a node that float32 holds, found one by {:.6g}",
-                       largest(mesh.origin));
+    return {
+        fmt::format("expected a translation of a node that float32 holds, found one by {:.6g}", largest(mesh.origin))};
   }
-  return why_lost<double>(mesh, "double");
+  return loss_in<double>(mesh, "double");
 }
 
 }  // namespace
 
-Result<void> check_places(const mesh::Mesh& mesh, const std::filesystem::path& path, MeshFormat format) {
-  const std::string why = why_lost(mesh, format);
-  if (why.empty()) return {};
+Result<std::uint64_t> check_places(const mesh::Mesh& mesh, const std::filesystem::path& path, MeshFormat format) {
+  const Loss loss = loss_in(mesh, format);
+  if (loss.failure.empty()) return loss.collapsed;
   std::string others;
   for (const MeshFormatInfo& info : mesh_formats()) {
-    if (why_lost(mesh, info.format).empty()) others += fmt::format("{}{}", others.empty() ? "" : ", ", info.name);
+    if (loss_in(mesh, info.format).failure.empty()) {
+      others += fmt::format("{}{}", others.empty() ? "" : ", ", info.name);
+    }
   }
-  return fail(ErrorKind::output, fmt::format("{}: {}", path.string(), why), {Remedy::place_nearer, others});
+  return fail(ErrorKind::output, fmt::format("{}: {}", path.string(), loss.failure), {Remedy::place_nearer, others});
 }
 
 }  // namespace isoextract::meshes

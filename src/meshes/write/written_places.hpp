@@ -17,6 +17,7 @@
 // glTF needs a translation that float32 holds besides, for that is what programs read it into.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 
 #include "base/error.hpp"
@@ -25,8 +26,10 @@
 
 namespace isoextract::meshes {
 
-// Fails with ErrorKind::output and Remedy::place_nearer. Costs nothing where the mesh has no origin, a look at the
+// How many triangles have two corners at one place in the file, which they have not in the mesh. Fails with
+// ErrorKind::output and Remedy::place_nearer. Costs nothing where the mesh has no origin, a look at the
 // vertices where rounding is less than that of the mesh's own numbers, and a look at the triangles otherwise.
-[[nodiscard]] Result<void> check_places(const mesh::Mesh& mesh, const std::filesystem::path& path, MeshFormat format);
+[[nodiscard]] Result<std::uint64_t> check_places(const mesh::Mesh& mesh, const std::filesystem::path& path,
+                                                 MeshFormat format);
 
 }  // namespace isoextract::meshes

@@ -112,6 +112,7 @@ class PluginFormat final : public VolumeFormat {
     field.name = text_of(grid.name);
     if (grids->size() > 1 || !field.name.empty()) {
       field.grids = grids->size();
+      field.grid = (*grids)[*chosen].label;
     } else {
       field.name = stem_of(input);
     }

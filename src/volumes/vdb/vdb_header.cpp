@@ -136,7 +136,12 @@ VdbGridRecord read_descriptor(VdbCursor& cursor, bool streamed, bool last) {
   grid.end_position = static_cast<std::uint64_t>(end_position);
   cursor.seek(static_cast<std::uint64_t>(grid_position));
   cursor.set_end(grid.end_position);
-  read_grid_head(cursor, grid);
+  try {
+    read_grid_head(cursor, grid);
+  } catch (const VdbDamaged& damage) {
+    if (grid.transform_position == 0) throw;
+    grid.frame_problem = fmt::format("it is damaged: {}", damage.what());  // which hides no other grid
+  }
   cursor.set_end(cursor.size());
   cursor.seek(grid.end_position);
   return grid;

@@ -145,7 +145,6 @@ Result<field::ScalarField> read_grid(const files::InputFile& file, VdbCursor& cu
   field.source = file.name();
   field.name = record.name;
   field.format = "OpenVDB";
-  field.grids = header.grids.size();
   if (record.grid_class == kLevelSetClass) field.kind = field::FieldKind::level_set;
 
   const Frame frame = read_transform_of(cursor, record);
@@ -200,6 +199,8 @@ Result<field::ScalarField> read_vdb(const files::InputFile& file, const ReadOpti
     if (!chosen) return tl::unexpected(chosen.error());
     auto field = read_grid(file, cursor, header, header.grids[*chosen], options);
     if (!field) return field;
+    field->grids = grids.size();
+    field->grid = grids[*chosen].label;
     if (!options.grid && grids.size() > 1) {
       field->notes.push_back(
           fmt::format("grid '{}' of {} was chosen: it is the only scalar one", grids[*chosen].label, grids.size()));

@@ -125,7 +125,7 @@ class TopologyReader {
   static void check_range(const glm::ivec3& origin) {
     for (int axis = 0; axis < 3; ++axis) {
       if (origin[axis] >= -field::kMaxSparseIndex && origin[axis] < field::kMaxSparseIndex) continue;
-      throw VdbDamaged(fmt::format("voxels at index {} along axis {}: the limit is 2^29", origin[axis], axis));
+      throw VdbUnsupported(fmt::format("voxels at index {} along axis {}: the limit is 2^29", origin[axis], axis));
     }
   }
 

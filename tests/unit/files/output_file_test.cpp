@@ -390,6 +390,10 @@ TEST(SamePlace, IsToldByWhatIsThere) {
   EXPECT_FALSE(same_place(folder / "a", folder / "pipe"));
   EXPECT_FALSE(same_place(folder / "a", folder / "c"));
   EXPECT_TRUE(same_place(folder / "c", folder / "." / "c")) << "neither is there";
+  fs::create_symlink("c", folder / "to_c");
+  fs::create_symlink("to_c", folder / "to_to_c");
+  EXPECT_TRUE(same_place(folder / "c", folder / "to_to_c")) << "what is written through a link makes its file";
+  EXPECT_FALSE(same_place(folder / "d", folder / "to_c"));
   EXPECT_TRUE(same_place("-", "/dev/stdout"));
   EXPECT_TRUE(same_place("/proc/self/fd/1", "-"));
   EXPECT_FALSE(same_place("-", folder / "a"));

@@ -70,6 +70,10 @@ TEST(WrittenPlaces, SliversDoNotCount) {
   }
   EXPECT_GT(flat, mesh.triangles.size() / 3);
   EXPECT_TRUE(is_kept(mesh, MeshFormat::stl));
+  const std::uint64_t collapsed = check_places(mesh, "a.stl", MeshFormat::stl).value();  // by two corners at one place
+  EXPECT_GT(collapsed, 0U);
+  EXPECT_LE(collapsed, flat);
+  EXPECT_EQ(check_places(mesh, "a.ply", MeshFormat::ply).value(), 0U);
 }
 
 TEST(WrittenPlaces, Float32EndsBeforeDouble) {

@@ -110,6 +110,24 @@ TEST(VdbGridList, ATransformThatCannotBeUsedHidesNoOtherGrid) {
   expect_in(refusal(folder / "v.vdb", options).message, "is not supported: expected a linear transform, found 'Xni");
 }
 
+TEST(VdbGridList, ADamagedTransformHidesNoOtherGrid) {
+  openvdb::initialize();
+  const TempFolder folder;
+  write_vdb(folder / "v.vdb", {one_voxel("first"), one_voxel("second")});
+  std::string bytes = read_bytes(folder / "v.vdb");
+  bytes.replace(bytes.rfind("UniformScaleMap") - 4, 4, "\xff\xff\xff\xff");  // the length of that name
+  write_bytes(folder / "v.vdb", bytes);
+  const auto grids = volumes::list_grids((folder / "v.vdb").string(), {});
+  ASSERT_TRUE(grids);
+  EXPECT_EQ(grids->at(0).frame_problem, "");
+  expect_in(grids->at(1).frame_problem, "it is damaged: a name is said to be 4294967295 characters long");
+  volumes::ReadOptions options;
+  options.grid = "first";
+  EXPECT_EQ(std::get<field::SparseSamples>(must_read(folder / "v.vdb", options).samples).active_voxels, 1U);
+  options.grid = "second";
+  expect_in(refusal(folder / "v.vdb", options).message, "the VDB file is damaged: a name is said to be 4294967295");
+}
+
 TEST(VdbGridList, WhatMayBeRightButIsNotReadIsNotCalledDamaged) {
   const TempFolder folder;
   write_vdb(folder / "v.vdb", {one_voxel(std::string(70000, 'n'))});
