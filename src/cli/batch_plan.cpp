@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 #include <utility>
+#include <variant>
 
 #include <fmt/format.h>
 #include <tbb/task_arena.h>
@@ -13,6 +14,7 @@
 #include "batch/output_names.hpp"
 #include "convert/output_checks.hpp"
 #include "field/demo_field.hpp"
+#include "volumes/volume_reader.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -67,6 +69,30 @@ Result<std::vector<batch::OutputSource>> sources_of(const ConvertFlags& flags, c
   return sources;
 }
 
+bool wants_all_volumes(const ConvertFlags& flags) {
+  return flags.input.volume && std::holds_alternative<AllVolumes>(*flags.input.volume);
+}
+
+// The volumes of one file as frames, by their number.
+Result<batch::Frames> volumes_of(const ConvertFlags& flags, const volumes::ReadOptions& read) {
+  const std::vector<std::string>& inputs = flags.input.inputs;
+  if (inputs.size() > 1) return usage("--volume all takes the volumes of one file, and several were given");
+  const auto count = volumes::count_volumes(inputs.front(), read);
+  if (!count) return tl::unexpected(count.error());
+  if (*count > batch::kMaxFrames) {
+    return usage(
+        fmt::format("{}: {} volumes are more than {}, the most frames", inputs.front(), *count, batch::kMaxFrames));
+  }
+  batch::Frames found;
+  for (std::int64_t k = 0; k < static_cast<std::int64_t>(*count); ++k) {
+    if (!flags.batch.frames || flags.batch.frames->contains(k)) found.frames.push_back({k, inputs.front(), k});
+  }
+  if (found.frames.empty()) {
+    return usage(fmt::format("--frames: {} has the volumes 0 to {}", inputs.front(), *count - 1));
+  }
+  return found;
+}
+
 Result<void> plan_report(const ConvertFlags& flags, BatchPlan& plan) {
   if (!flags.report) return {};
   auto name = batch::OutputTemplate::parse(*flags.report);
@@ -105,8 +131,9 @@ bool is_batch(const ConvertFlags& flags) {
   const std::vector<std::string>& inputs = flags.input.inputs;
   const BatchFlags& batch = flags.batch;
   if (inputs.empty()) return false;
-  if (inputs.size() > 1 || batch.frames || batch.iso_table || batch.jobs || batch.shard || batch.table || batch.plot ||
-      batch.progress || batch.resume || batch.fail_fast || batch.no_clobber || batch.make_folders || batch.dry_run) {
+  if (inputs.size() > 1 || wants_all_volumes(flags) || batch.frames || batch.iso_table || batch.jobs || batch.shard ||
+      batch.table || batch.plot || batch.progress || batch.resume || batch.fail_fast || batch.no_clobber ||
+      batch.make_folders || batch.dry_run) {
     return true;
   }
   const std::string& input = inputs.front();
@@ -122,11 +149,16 @@ Result<BatchPlan> plan_batch(const ConvertFlags& flags, const char* (*environmen
   if (flags.output == "-") return usage("frames are written into files, not to stdout", "give a name with -o");
   if (flags.explain) return usage("--explain is about one conversion", "--table and -v tell about frames");
   BatchPlan plan;
-  auto found = batch::find_frames(flags.input.inputs, flags.batch.frames);
+  ConvertFlags one = flags;  // of one frame
+  if (wants_all_volumes(flags)) one.input.volume.reset();
+  const auto read = plan_read(one.input);
+  if (!read) return tl::unexpected(read.error());
+  auto found =
+      wants_all_volumes(flags) ? volumes_of(flags, *read) : batch::find_frames(flags.input.inputs, flags.batch.frames);
   if (!found) return tl::unexpected(found.error());
   auto sources = sources_of(flags, *found);
   if (!sources) return tl::unexpected(sources.error());
-  auto common = plan_conversion(flags, sources->front().input, sources->front().isos);
+  auto common = plan_conversion(one, sources->front().input, sources->front().isos);
   if (!common) return tl::unexpected(common.error());
   plan.common = std::move(*common);
   for (std::string& note : found->notes) plan.common.notes.push_back(std::move(note));
@@ -137,6 +169,7 @@ Result<BatchPlan> plan_batch(const ConvertFlags& flags, const char* (*environmen
     frame.number = found->frames[i].number;
     frame.job = plan.common.job;
     frame.job.source.input = found->frames[i].input;
+    if (found->frames[i].step) frame.job.source.read.volume = found->frames[i].step;
     frame.job.outputs = std::move((*outputs)[i]);
   }
   plan.gaps = std::move(found->gaps);

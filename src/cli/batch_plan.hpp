@@ -1,5 +1,5 @@
 // From flags to a batch: frames found, names given, all of it checked before any work. Folders are looked into; no file
-// is opened.
+// is opened but one whose volumes are the frames, and a table of iso values.
 #pragma once
 
 #include <cstdint>

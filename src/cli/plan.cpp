@@ -35,38 +35,6 @@ Result<std::optional<std::int64_t>> plan_one_volume(const InputFlags& flags) {
                "give the number of one; 'isoextract info INPUT' tells how many there are");
 }
 
-Result<volumes::ReadOptions> plan_read(const InputFlags& flags) {
-  for (const std::string& input : flags.inputs) {
-    if (input.empty()) return usage("INPUT is empty");
-  }
-  if (std::ranges::count_if(flags.inputs, files::is_standard_input) > 1) {
-    return usage("'-' was given twice, and stdin can be read once");
-  }
-  const auto volume = plan_one_volume(flags);
-  if (!volume) return tl::unexpected(volume.error());
-  volumes::ReadOptions read;
-  read.volume = *volume;
-  read.format = flags.format;
-  read.grid = flags.grid;
-  read.spacing = flags.spacing;
-  read.origin = flags.origin;
-  read.kind = flags.inside;
-  if (flags.dims) {
-    volumes::RawLayout raw;
-    raw.dims = *flags.dims;
-    raw.type = flags.dtype.value_or(raw.type);
-    raw.endian = flags.endian.value_or(raw.endian);
-    raw.skip = flags.skip.value_or(raw.skip);
-    read.raw = raw;
-  } else if (flags.dtype || flags.endian || flags.skip) {
-    return usage(fmt::format("{} describes a raw file, which needs --dims as well", flags.dtype    ? "--dtype"
-                                                                                    : flags.endian ? "--endian"
-                                                                                                   : "--skip"),
-                 "give --dims NX,NY,NZ");
-  }
-  return read;
-}
-
 Result<meshes::MeshFormat> format_of_path(const std::string& path, std::string hint) {
   if (const auto format = meshes::mesh_format_by_path(path)) return *format;
   std::vector<std::string_view> names;
@@ -190,6 +158,38 @@ Result<std::vector<convert::OutputFileJob>> plan_outputs(const ConvertFlags& fla
 }
 
 }  // namespace
+
+Result<volumes::ReadOptions> plan_read(const InputFlags& flags) {
+  for (const std::string& input : flags.inputs) {
+    if (input.empty()) return usage("INPUT is empty");
+  }
+  if (std::ranges::count_if(flags.inputs, files::is_standard_input) > 1) {
+    return usage("'-' was given twice, and stdin can be read once");
+  }
+  const auto volume = plan_one_volume(flags);
+  if (!volume) return tl::unexpected(volume.error());
+  volumes::ReadOptions read;
+  read.volume = *volume;
+  read.format = flags.format;
+  read.grid = flags.grid;
+  read.spacing = flags.spacing;
+  read.origin = flags.origin;
+  read.kind = flags.inside;
+  if (flags.dims) {
+    volumes::RawLayout raw;
+    raw.dims = *flags.dims;
+    raw.type = flags.dtype.value_or(raw.type);
+    raw.endian = flags.endian.value_or(raw.endian);
+    raw.skip = flags.skip.value_or(raw.skip);
+    read.raw = raw;
+  } else if (flags.dtype || flags.endian || flags.skip) {
+    return usage(fmt::format("{} describes a raw file, which needs --dims as well", flags.dtype    ? "--dtype"
+                                                                                    : flags.endian ? "--endian"
+                                                                                                   : "--skip"),
+                 "give --dims NX,NY,NZ");
+  }
+  return read;
+}
 
 gpu::GpuChoice plan_gpu(const DeviceFlags& flags) {
   gpu::GpuChoice gpu;

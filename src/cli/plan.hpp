@@ -78,6 +78,7 @@ struct BenchPlan {
 [[nodiscard]] std::vector<NamedBackend> plan_backends(std::vector<NamedBackend> backends, const DeviceFlags& flags);
 [[nodiscard]] Result<Verbosity> plan_verbosity(const RunFlags& flags);
 [[nodiscard]] Result<ConvertPlan> plan_convert(const ConvertFlags& flags);
+[[nodiscard]] Result<volumes::ReadOptions> plan_read(const InputFlags& flags);
 // All of it but which files are read and written: the job's input is empty, and it has no outputs. `input` and `isos`
 // are the first that there are, for messages.
 [[nodiscard]] Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string& input,

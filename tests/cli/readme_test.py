@@ -9,7 +9,7 @@ import subprocess
 
 from support import PROGRAM, SOURCE, ProgramTest, main
 
-PAGES = ("README.md", "docs/formats.md", "docs/reports.md", "docs/accuracy.md", "docs/gpu.md")
+PAGES = ("README.md", "docs/formats.md", "docs/reports.md", "docs/accuracy.md", "docs/gpu.md", "docs/sequences.md")
 # Whole benchmarks take minutes; bench_test.py runs them in small.
 PASSED_OVER = ("isoextract bench",)
 
@@ -80,7 +80,9 @@ class ReadmeTest(ProgramTest):
                 self.assertEqual(run.returncode, 0, f"{page}: {line}\n{run.stderr}")
                 words = shlex.split(line.partition("|")[0], comments=True)
                 for option, name in zip(words, words[1:]):
-                    if option in ("-o", "--report") and name != "-":
+                    if option == "-o" and "{" in name:  # frames
+                        self.assertTrue(any((self.folder / name).parent.glob("*.glb")), f"{page}: {line}")
+                    elif option in ("-o", "--report", "--table") and name != "-":
                         self.assertGreater((self.folder / name).stat().st_size, 100, f"{page}: {line}")
                         outputs += 1
         self.assertGreater(outputs, 12)
