@@ -35,11 +35,6 @@ std::string changed_one(const std::vector<FileRecord>& before, bool with_times) 
 }
 
 template <class T>
-Json optional_json(const std::optional<T>& value) {
-  return value ? Json(*value) : Json(nullptr);
-}
-
-template <class T>
 std::optional<T> optional_of(const Json& json, const char* key) {
   return json.at(key).is_null() ? std::nullopt : std::optional(json.at(key).get<T>());
 }
@@ -86,11 +81,11 @@ Json json_of(const FrameFigures& figures) {
   for (const SurfaceFigures& surface : figures.surfaces) {
     surfaces.push_back({{"iso", surface.iso},
                         {"triangles", surface.triangles},
-                        {"vertices", optional_json(surface.vertices)},
-                        {"components", optional_json(surface.components)},
-                        {"closed", optional_json(surface.closed)},
-                        {"area", optional_json(surface.area)},
-                        {"volume", optional_json(surface.volume)}});
+                        {"vertices", convert::optional_json(surface.vertices)},
+                        {"components", convert::optional_json(surface.components)},
+                        {"closed", convert::optional_json(surface.closed)},
+                        {"area", convert::optional_json(surface.area)},
+                        {"volume", convert::optional_json(surface.volume)}});
   }
   return {{"surfaces", std::move(surfaces)},
           {"bytes", figures.bytes},

@@ -26,11 +26,6 @@ std::string cell(const std::optional<T>& value) {
   return fmt::format("{}", *value);
 }
 
-template <class T>
-Json optional_json(const std::optional<T>& value) {
-  return value ? Json(*value) : Json(nullptr);
-}
-
 bool has_figures(const FrameRow& row) { return row.status == FrameStatus::done || row.status == FrameStatus::kept; }
 
 }  // namespace
@@ -72,11 +67,11 @@ Json table_json(std::span<const FrameRow> rows) {
     for (const SurfaceFigures& surface : row.figures.surfaces) {
       surfaces.push_back({{"iso", surface.iso},
                           {"triangles", surface.triangles},
-                          {"vertices", optional_json(surface.vertices)},
-                          {"area", optional_json(surface.area)},
-                          {"volume", optional_json(surface.volume)},
-                          {"closed", optional_json(surface.closed)},
-                          {"components", optional_json(surface.components)}});
+                          {"vertices", convert::optional_json(surface.vertices)},
+                          {"area", convert::optional_json(surface.area)},
+                          {"volume", convert::optional_json(surface.volume)},
+                          {"closed", convert::optional_json(surface.closed)},
+                          {"components", convert::optional_json(surface.components)}});
     }
     const bool known = has_figures(row);
     list.push_back({{"frame", row.frame},

@@ -38,7 +38,7 @@ std::string line_of(const Json& json) {
 }
 
 // The JSON of the next line, which is taken off; nothing where it is torn or not what it was.
-std::optional<Json> take_line(std::string_view& text) {
+std::optional<Json> take_record_line(std::string_view& text) {
   const std::size_t end = text.find('\n');
   if (end == std::string_view::npos || end <= kHashDigits || text[kHashDigits] != ' ') return std::nullopt;
   const std::string_view json = text.substr(kHashDigits + 1, end - kHashDigits - 1);
@@ -71,12 +71,12 @@ std::optional<ManifestHeader> header_of(const Json& json) {
 
 std::optional<ManifestContent> content_of(std::string_view text) {
   const std::size_t size = text.size();
-  const auto first = take_line(text);
+  const auto first = take_record_line(text);
   auto header = first ? header_of(*first) : std::nullopt;
   if (!header) return std::nullopt;
   ManifestContent content{std::move(*header), {}, size - text.size()};
   std::unordered_map<std::string, std::size_t> place_of;
-  while (const auto line = take_line(text)) {
+  while (const auto line = take_record_line(text)) {
     auto record = record_of(*line);
     if (!record) break;
     content.believed = size - text.size();

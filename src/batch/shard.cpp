@@ -34,13 +34,13 @@ Result<std::optional<int>> variable(const std::function<const char*(const char*)
 }  // namespace
 
 Result<Shard> parse_shard(const std::string& text) {
-  const std::size_t slash = text.find('/');
-  const auto number = whole(std::string_view(text).substr(0, slash));
-  const auto count = slash == std::string::npos ? std::nullopt : whole(std::string_view(text).substr(slash + 1));
-  if (!number || !count || *number < 1 || *count < *number) {
+  const std::size_t slash = std::min(text.find('/'), text.size());
+  const std::string_view after = std::string_view(text).substr(std::min(slash + 1, text.size()));
+  const Shard shard{whole(std::string_view(text).substr(0, slash)).value_or(0), whole(after).value_or(0)};
+  if (shard.number < 1 || shard.count < shard.number) {
     return fail(ErrorKind::usage, fmt::format("expected a shard K/N with K from 1 to N, found '{}'", text));
   }
-  return Shard{*number, *count};
+  return shard;
 }
 
 Result<std::optional<Shard>> shard_of_environment(const std::function<const char*(const char*)>& get) {

@@ -1,6 +1,7 @@
 // Values of the rooms below as JSON, the same in every document that the program writes.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -15,6 +16,12 @@
 namespace isoextract::convert {
 
 using Json = nlohmann::ordered_json;
+
+// null where there is none
+template <class T>
+[[nodiscard]] Json optional_json(const std::optional<T>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
 
 [[nodiscard]] std::string_view kind_name(field::FieldKind kind);  // "density", "level set"
 

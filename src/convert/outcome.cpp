@@ -12,11 +12,6 @@ namespace {
 
 using convert::json_of;
 
-template <class T>
-Json optional_json(const std::optional<T>& value) {
-  return value ? Json(*value) : Json(nullptr);
-}
-
 // The job, and what is made of it for readers of the document.
 Json options_of(const ConversionJob& job, std::uint64_t memory_limit) {
   Json json = json_of(job);
