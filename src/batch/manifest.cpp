@@ -6,8 +6,7 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <fstream>
-#include <iterator>
+#include <span>
 #include <string_view>
 #include <system_error>
 #include <unordered_map>
@@ -16,6 +15,7 @@
 #include <fmt/format.h>
 
 #include "base/version.hpp"
+#include "files/file_bytes.hpp"
 
 namespace isoextract::batch {
 namespace {
@@ -91,16 +91,17 @@ std::optional<ManifestContent> content_of(std::string_view text) {
 }
 
 Result<std::string> text_of_file(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string text(std::istreambuf_iterator<char>(file), {});
-  if (!file) return fail(ErrorKind::input, fmt::format("{}: cannot be read", path.string()));
+  const auto file = files::InputFile::open(path);
+  if (!file) return tl::unexpected(file.error());
+  std::string text(file->size(), '\0');
+  if (auto read = file->read_at(0, std::as_writable_bytes(std::span(text))); !read) return tl::unexpected(read.error());
   return text;
 }
 
 }  // namespace
 
 ManifestHeader header_of(const BatchJob& batch, const Shard& shard, const std::vector<std::string>& arguments) {
-  return {generator(), hash_of(batch), batch.frames.size(), shard, arguments};
+  return {std::string(generator()), hash_of(batch), batch.frames.size(), shard, arguments};
 }
 
 std::string manifest_name(const Shard& shard) {
@@ -176,7 +177,9 @@ Result<Manifest> Manifest::open(const fs::path& folder, const ManifestHeader& he
   if (state->file < 0) return output_error(state->path, "open it for writing", errno);
   if (::flock(state->file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return in_use();
 
-  const auto text = text_of_file(state->path);
+  struct stat status {};
+  if (::fstat(state->file, &status) != 0) return output_error(state->path, "read it", errno);
+  const auto text = status.st_size == 0 ? Result<std::string>("") : text_of_file(state->path);
   if (!text) return output_error(state->path, "read it", EIO);
   auto old = content_of(*text);
   if (!old && !text->empty() && !text->starts_with('\0') && text->find("isoextract_manifest") == std::string::npos) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <condition_variable>
+#include <deque>
 #include <list>
 #include <mutex>
 #include <system_error>
@@ -56,10 +57,9 @@ class Scheduler {
       changed_.wait(lock, [this] { return may_start() || nothing_left(); });
       if (!may_start()) break;
       // Those that failed for want of memory come when all others are done, one at a time.
-      std::vector<std::size_t>& from = next_ < waiting_.size() ? waiting_ : alone_;
-      const bool is_last_try = &from == &alone_;
-      const std::size_t frame = is_last_try ? from.back() : from[next_];
-      is_last_try ? from.pop_back() : void(++next_);
+      const bool is_last_try = left() == 0;
+      const std::size_t frame = is_last_try ? alone_.front() : waiting_[next_];
+      is_last_try ? alone_.pop_front() : void(++next_);
       run_one(frame, is_last_try, lock);
       changed_.notify_all();
     }
@@ -100,7 +100,7 @@ class Scheduler {
     running_.erase(place);
     memory_of_one_ = std::max(memory_of_one_, outcome.reserved_memory);
     if (!is_last_try && beside_others && outcome.error && is_for_memory(*outcome.error) && !ended()) {
-      alone_.insert(alone_.begin(), frame);
+      alone_.push_back(frame);
       ++counts_.repeated;
       return;
     }
@@ -123,7 +123,7 @@ class Scheduler {
   const BatchJob& batch_;
   std::vector<std::size_t> waiting_;  // from next_ on
   std::size_t next_ = 0;
-  std::vector<std::size_t> alone_;  // to be run again, the last first
+  std::deque<std::size_t> alone_;  // to be run again
   SchedulerOptions options_;
   const Context& context_;
   FrameEvents& events_;

@@ -98,7 +98,8 @@ class FrameKeeper final : public batch::FrameEvents {
     if (plan_.report) {
       if (auto reported = report(job, outcome); !reported && !error) error = reported.error();
     }
-    if (!error) error = record(frame, outcome);
+    bool kept = true;
+    if (!error) error = record(frame, outcome, kept);
     row.figures = batch::figures_of(outcome);
     for (const meshes::WrittenFile& file : outcome.files) row.outputs.push_back(file.path);
     row.status = error ? batch::FrameStatus::failed : batch::FrameStatus::done;
@@ -111,7 +112,7 @@ class FrameKeeper final : public batch::FrameEvents {
                                    row.figures.wall_seconds, format_byte_size(row.figures.bytes)));
     }
     progress_.over(row);
-    return !unkept_;
+    return kept;
   }
 
   // Of this run's frames, in their order.
@@ -125,12 +126,14 @@ class FrameKeeper final : public batch::FrameEvents {
   [[nodiscard]] const std::optional<Error>& unkept() const { return unkept_; }
 
  private:
-  std::optional<Error> record(std::size_t frame, const convert::Outcome& outcome) {
+  // Where the manifest cannot be written, `kept` becomes false.
+  std::optional<Error> record(std::size_t frame, const convert::Outcome& outcome, bool& kept) {
     auto made = batch::record_of(plan_.batch.frames[frame], std::move(inputs_[frame]), outcome);
     if (!made) return made.error();
     const std::lock_guard lock(mutex_);
     if (auto added = manifest_.add(*made); !added) {
       unkept_ = added.error();
+      kept = false;
       return added.error();
     }
     return std::nullopt;

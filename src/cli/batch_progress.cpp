@@ -82,8 +82,8 @@ void BatchProgress::end(std::uint64_t done, std::uint64_t failed, std::uint64_t 
   if (kept > 0) text += fmt::format(", {} kept from an earlier run", kept);
   if (failed > 0) text += fmt::format(", {} failed", failed);
   if (not_started > 0) text += fmt::format(", {} not started", not_started);
-  messages_.summary(
-      fmt::format("{}; {:.2f} s, {}", text, seconds(), speed_text(done + failed, done + failed, seconds())));
+  const std::string speed = speed_text(done + failed, done + failed, seconds());
+  messages_.summary(fmt::format("{}; {:.2f} s{}{}", text, seconds(), speed.empty() ? "" : ", ", speed));
 }
 
 }  // namespace isoextract::cli

@@ -5,7 +5,7 @@ import subprocess
 
 from support import SOURCE, ProgramTest, main, needs_program
 
-COMMANDS = ("convert", "info", "verify", "compare", "bench", "stability", "devices", "help", "generate")
+COMMANDS = ("convert", "info", "verify", "compare", "bench", "stability", "merge", "devices", "help", "generate")
 
 
 class DocumentsTest(ProgramTest):
@@ -118,7 +118,7 @@ class DocumentsTest(ProgramTest):
                 ("isoextract in.vdb --method=m", ["mc", "mt"]),
                 ("isoextract in.vdb --format g", ["glb", "gltf"]),
                 ("isoextract in.vdb --iso ", []),
-                ("isoextract in.vdb --i", ["--input-format", "--inside", "--iso"]),
+                ("isoextract in.vdb --i", ["--input-format", "--inside", "--iso", "--iso-table"]),
                 ("isoextract in", ["in.nrrd", "in.vdb", "info"]),
                 ("isoextract info in", ["in.nrrd", "in.vdb"]),
                 ("isoextract info --js", ["--json"]),

@@ -101,7 +101,7 @@ class SeriesTest(ProgramTest):
         self.assert_fails(1, self.run_program(SPHERE, "--iso", "0", "--volume", "0"), "leave --volume out")
         for bad in ("-1", "x", "1.5", "", "99999999999999999999"):
             self.assert_fails(1, self.run_program("one.npy", "--iso", "0", f"--volume={bad}"), "--volume")
-        for command in ((), ("info", ), ("verify", )):
+        for command in (("info", ), ("verify", )):
             iso = () if command == ("info", ) else ("--iso", "0")
             self.assert_fails(1, self.run_program(*command, "one.npy", *iso, "--volume", "all"), "--volume all")
 

@@ -17,7 +17,7 @@ class UsageTest(ProgramTest):
         run = self.run_program()
         self.assertEqual(run.code, 1)
         self.assertEqual(run.out, b"")
-        self.assertIn("usage: isoextract [convert] INPUT --iso V", run.err)
+        self.assertIn("usage: isoextract [convert] INPUT... --iso V", run.err)
         self.assertLess(run.err.count("\n"), 12)
 
     def test_unknown_options_have_a_suggestion(self):
@@ -45,8 +45,10 @@ class UsageTest(ProgramTest):
         self.assertIn("no INPUT", self.refused("--iso", "0"))
         self.assertIn("no INPUT", self.refused("info"))
 
-    def test_one_input_only(self):
-        self.assertIn("convert takes one input, and 2 were given: a.vdb, b.vdb", self.refused("a.vdb", "b.vdb", "--iso", "0"))
+    def test_several_inputs_are_frames_and_need_files_of_their_own(self):
+        err = self.refused("a.vdb", "b.vdb", "--iso", "0", "-o", "c.ply")
+        for name in ("a.vdb", "b.vdb", "c.ply"):
+            self.assertIn(name, err)
 
     def test_misspelt_command(self):
         self.assertIn("did you mean 'isoextract info'?", self.refused("inof", "a.vdb"))
@@ -137,8 +139,8 @@ class UsageTest(ProgramTest):
         for name in ("info", "[x]"):
             self.write_raw(name, (2, 2, 2), lambda x, y, z: x)
             self.convert(f"./{name}", "--dims", "2,2,2", "--dtype", "f32", "--iso", "0.5", "-o", "a.ply")
-        run = self.run_program("x.vdb", "--iso", "0", "info")  # not the command: it is not the first word
-        self.assert_fails(1, run, "convert takes one input")
+        run = self.run_program("x.vdb", "--iso", "0", "-o", "a.ply", "info")  # not the command: it is not the first word
+        self.assert_fails(1, run, "a.ply", "x.vdb", "info")
 
     def test_options_come_before_two_dashes(self):
         err = self.refused("--", "-f.vdb", "--iso", "0.5")
@@ -146,7 +148,9 @@ class UsageTest(ProgramTest):
         self.assertIn("hint: options come before '--'", err)
         self.assertIn("'--iso=0.5' comes after '--'", self.refused("--", "-f.vdb", "--iso=0.5"))
         self.assertIn("unexpected argument 'c'", self.refused("verify", "--iso", "0", "--", "a", "b", "c"))
-        self.assertIn("convert takes one input, and 2 were given: -a, -b", self.refused("--iso", "0", "--", "-a", "-b"))
+        err = self.refused("--iso", "0", "-o", "c.ply", "--", "-a", "-b")
+        self.assertIn("-a", err)
+        self.assertIn("-b", err)
 
     def test_a_file_named_like_an_option_is_told_how_it_is_written(self):
         self.write_raw("-f.raw", (2, 2, 2), lambda x, y, z: x)
