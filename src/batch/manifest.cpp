@@ -90,6 +90,11 @@ std::optional<ManifestContent> content_of(std::string_view text) {
   return content;
 }
 
+// Whether it begins as a manifest does: with the hash of its header, or a part of that.
+bool may_be_torn(std::string_view text) {
+  return text.substr(0, kHashDigits).find_first_not_of("0123456789abcdef") == std::string_view::npos;
+}
+
 Result<std::string> text_of_file(const fs::path& path) {
   const auto file = files::InputFile::open(path);
   if (!file) return tl::unexpected(file.error());
@@ -182,7 +187,7 @@ Result<Manifest> Manifest::open(const fs::path& folder, const ManifestHeader& he
   const auto text = status.st_size == 0 ? Result<std::string>("") : text_of_file(state->path);
   if (!text) return output_error(state->path, "read it", EIO);
   auto old = content_of(*text);
-  if (!old && !text->empty() && !text->starts_with('\0') && text->find("isoextract_manifest") == std::string::npos) {
+  if (!old && !may_be_torn(*text)) {
     return fail(ErrorKind::output,
                 fmt::format("{}: it is no manifest of a batch; it is not overwritten", state->path.string()),
                 "choose another folder, or move the file away");

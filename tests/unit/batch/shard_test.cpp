@@ -131,6 +131,7 @@ TEST_F(Merge, WhatIsMissingOrThereTwiceOrAnotherIsRefused) {
   std::filesystem::remove(folder_ / "isoextract.copy.manifest");
   write_bytes(folder_ / "f4", "another");
   expect_refused("f4: it is not what its shard has written");
+  write_bytes(folder_ / "f4", "frame 4");
   batch_.frames[0].job.normals = convert::Normals::flat;
   write_shard({3, 3});
   expect_refused("of another batch");
