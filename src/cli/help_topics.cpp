@@ -15,8 +15,8 @@ namespace isoextract::cli {
 namespace {
 
 constexpr std::array<std::string_view, 6> kGroups{"Input", "Frames", "Surface", "Placement", "Output", "Run"};
-constexpr std::array<std::string_view, 9> kCommands{"convert",   "info",    "verify", "compare", "bench",
-                                                    "stability", "devices", "help",   "generate"};
+constexpr std::array<std::string_view, 10> kCommands{"convert",   "info",  "verify",  "compare", "bench",
+                                                     "stability", "merge", "devices", "help",    "generate"};
 
 constexpr std::array kExamples{
     Example{"isoextract smoke.vdb --iso 0.5 -o smoke.glb", "A fog volume as a glTF file for Blender or a browser."},
