@@ -138,7 +138,7 @@ Result<std::vector<FileRecord>> input_states(const FrameJob& frame) {
   std::vector<std::string> paths;
   for (const std::filesystem::path& file : *files) paths.push_back(file.string());
   std::ranges::sort(paths);
-  paths.erase(std::ranges::unique(paths).begin(), paths.end());
+  paths.erase(std::unique(paths.begin(), paths.end()), paths.end());
   return states_of(paths);
 }
 
