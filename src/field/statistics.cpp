@@ -283,8 +283,10 @@ std::array<double, FieldStatistics::kPercents.size()> exact_percentiles(const Sc
   std::array<Key, kPercents> found{};  // the bits so far
   for (int shift = 8 * static_cast<int>(sizeof(Key)) - kDigitBits; shift >= 0; shift -= kDigitBits) {
     const bool first = shift + kDigitBits == 8 * static_cast<int>(sizeof(Key));
-    std::vector<Key> prefixes(found.begin(), found.end());  // each once
-    prefixes.erase(std::unique(prefixes.begin(), prefixes.end()), prefixes.end());
+    std::vector<Key> prefixes;  // each once
+    for (const Key prefix : found) {
+      if (prefixes.empty() || prefixes.back() != prefix) prefixes.push_back(prefix);
+    }
     const auto add = [&](std::vector<std::uint64_t>& counts, T stored, std::uint64_t times) {
       if (!std::isfinite(scale(static_cast<double>(stored)))) return;
       const Key key = key_of(stored);
