@@ -17,6 +17,7 @@
 #include "batch/frame_pattern.hpp"
 #include "batch/output_template.hpp"
 #include "convert/output_checks.hpp"
+#include "files/file_bytes.hpp"
 
 namespace isoextract::batch {
 namespace {
@@ -172,6 +173,7 @@ Result<void> check_outputs(std::span<const OutputSource> sources, std::span<cons
 }
 
 std::string stem_of(const std::string& input) {
+  if (files::is_standard_input(input)) return "stdin";
   if (!is_file_name(input)) {
     const std::string name = input.substr(input.find(':') + 1);
     return name.substr(0, name.find('?'));

@@ -47,7 +47,8 @@ using OutputFiles = std::vector<convert::OutputFileJob>;  // of one conversion
 [[nodiscard]] Result<void> check_outputs(std::span<const OutputSource> sources, std::span<const OutputFiles> outputs,
                                          meshes::MeshFormat format);
 
-// What an input is called without its folder and extension: "a" for dir/a.nii.gz, "sphere" for demo:sphere?size=9.
+// What an input is called without its folder and extension: "a" for dir/a.nii.gz, "sphere" for demo:sphere?size=9,
+// "stdin" for standard input.
 [[nodiscard]] std::string stem_of(const std::string& input);
 
 }  // namespace isoextract::batch

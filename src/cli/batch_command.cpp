@@ -32,11 +32,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool is_there(const fs::path& path) {
-  std::error_code none;
-  return fs::exists(path, none);
-}
-
 Result<void> make_folders(const BatchPlan& plan) {
   std::set<fs::path> folders;
   for (const std::size_t i : plan.frames) {
@@ -158,23 +153,16 @@ class FrameKeeper final : public batch::FrameEvents {
   std::optional<Error> unkept_;
 };
 
-Result<void> write_text(const std::string& path, const std::string& text) {
-  auto file = files::OutputFile::create(path);
-  if (!file) return tl::unexpected(file.error());
-  if (auto written = file->write(text); !written) return written;
-  return file->commit();
-}
-
 Result<void> write_tables(const BatchPlan& plan, const std::vector<batch::FrameRow>& rows) {
-  if (plan.table) {
-    const bool is_json = fs::path(*plan.table).extension() == ".json";
+  if (plan.flags.table) {
+    const bool is_json = fs::path(*plan.flags.table).extension() == ".json";
     const std::string text = is_json ? convert::json_text(batch::table_json(rows)) : batch::table_csv(rows);
-    if (auto written = write_text(*plan.table, text); !written) return written;
+    if (auto written = files::write_file(*plan.flags.table, text); !written) return written;
   }
-  if (!plan.plot) return {};
+  if (!plan.flags.plot) return {};
   const auto picture = run_gnuplot(frame_plot_script(rows, plan.picture));
   if (!picture) return tl::unexpected(picture.error());
-  return write_text(*plan.plot, *picture);
+  return files::write_file(*plan.flags.plot, *picture);
 }
 
 // What would be done, on stdout.
@@ -218,13 +206,14 @@ Result<void> print_plan(const BatchPlan& plan, const Messages& messages) {
 }
 
 Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& arguments, const Messages& messages) {
-  if (plan.dry_run) return print_plan(plan, messages);
-  if (plan.plot) {
+  if (plan.flags.dry_run) return print_plan(plan, messages);
+  if (plan.flags.plot) {
     if (auto there = check_gnuplot(); !there) return there;
   }
   if (auto limited = limit_threads(plan.common.threads); !limited) return limited;
   if (auto made = make_folders(plan); !made) return made;
-  auto manifest = batch::Manifest::open(plan.folder, batch::header_of(plan.batch, plan.shard, arguments), plan.resume);
+  auto manifest =
+      batch::Manifest::open(plan.folder, batch::header_of(plan.batch, plan.shard, arguments), plan.flags.resume);
   if (!manifest) return tl::unexpected(manifest.error());
   if (plan.progress != ProgressStyle::json) {
     for (const std::string& note : plan.common.notes) messages.note(note);
@@ -237,10 +226,10 @@ Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& 
   std::uint64_t kept = 0;
   for (const std::size_t i : plan.frames) {
     const batch::FrameJob& frame = plan.batch.frames[i];
-    const batch::FrameRecord* record = plan.resume ? manifest->find(convert::hash_of(frame.job)) : nullptr;
+    const batch::FrameRecord* record = plan.flags.resume ? manifest->find(convert::hash_of(frame.job)) : nullptr;
     const auto files = files_of(frame.job);
-    const bool is_done = plan.no_clobber ? std::ranges::any_of(files, is_there)
-                                         : record != nullptr && batch::why_again(*record, frame).empty();
+    const bool is_done = plan.flags.no_clobber ? std::ranges::any_of(files, is_there)
+                                               : record != nullptr && batch::why_again(*record, frame).empty();
     if (!is_done) {
       which.push_back(i);
       continue;
@@ -252,8 +241,8 @@ Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& 
   const batch::SchedulerOptions options{
       .jobs = plan.jobs,
       .threads = plan.common.threads.value_or(tbb::this_task_arena::max_concurrency()),
-      .fail_fast = plan.fail_fast,
-      .mesh_facts = plan.table || plan.plot || plan.report};
+      .fail_fast = plan.flags.fail_fast,
+      .mesh_facts = plan.flags.table || plan.flags.plot || plan.report};
   const batch::BatchCounts counts = batch::run(plan.batch, which, options, context, keeper);
   const std::vector<batch::FrameRow> rows = keeper.rows();
   const auto failed =

@@ -25,11 +25,6 @@ tl::unexpected<Error> usage(std::string message, Hint hint = {}) {
   return fail(ErrorKind::usage, std::move(message), std::move(hint));
 }
 
-bool exists(const std::string& path) {
-  std::error_code none;
-  return fs::exists(path, none);
-}
-
 // The deepest folder that all of the files are in.
 fs::path common_folder(const batch::BatchJob& batch) {
   std::optional<fs::path> common;
@@ -116,16 +111,19 @@ Result<void> plan_tables(const BatchFlags& flags, BatchPlan& plan) {
       return usage(fmt::format("{}: expected a name that ends in .csv or .json", *flags.table));
     }
   }
-  plan.table = flags.table;
-  plan.plot = flags.plot;
-  if (!plan.plot) return {};
-  auto picture = picture_format_of(*plan.plot);
+  if (!flags.plot) return {};
+  auto picture = picture_format_of(*flags.plot);
   if (!picture) return tl::unexpected(picture.error());
   plan.picture = *picture;
   return {};
 }
 
 }  // namespace
+
+bool is_there(const fs::path& path) {
+  std::error_code none;
+  return fs::exists(path, none);
+}
 
 bool is_batch(const ConvertFlags& flags) {
   const std::vector<std::string>& inputs = flags.input.inputs;
@@ -137,7 +135,7 @@ bool is_batch(const ConvertFlags& flags) {
     return true;
   }
   const std::string& input = inputs.front();
-  if (!input.starts_with(field::kDemoPrefix) && exists(input)) {
+  if (!input.starts_with(field::kDemoPrefix) && is_there(input)) {
     std::error_code none;
     return fs::is_directory(input, none);
   }
@@ -186,14 +184,11 @@ Result<BatchPlan> plan_batch(const ConvertFlags& flags, const char* (*environmen
   const int threads = plan.common.threads.value_or(tbb::this_task_arena::max_concurrency());
   const bool draws = plan.common.job.backend.backend != convert::Backend::cpu || plan.common.job.verify;
   plan.jobs = flags.batch.jobs.value_or(draws ? 1 : threads);
-  plan.resume = flags.batch.resume;
-  plan.fail_fast = flags.batch.fail_fast;
-  plan.no_clobber = flags.batch.no_clobber;
-  if (plan.resume && plan.no_clobber) {
+  plan.flags = flags.batch;
+  if (plan.flags.resume && plan.flags.no_clobber) {
     return usage("--resume and --no-clobber exclude each other", "--resume does only what is not done yet");
   }
   plan.make_folders = flags.batch.make_folders || (flags.output && flags.output->ends_with('/'));
-  plan.dry_run = flags.batch.dry_run;
   plan.progress = flags.batch.progress.value_or(ProgressStyle::bar);
   return plan;
 }

@@ -25,14 +25,9 @@ struct BatchPlan {
   std::vector<batch::FrameRun> gaps;  // frames that are not there
   std::filesystem::path folder;       // the deepest that all outputs are in; the manifest lies there
   batch::Shard shard;
+  BatchFlags flags;  // what was asked for; where they say the same, what follows counts
   int jobs = 1;
-  bool resume = false;
-  bool fail_fast = false;
-  bool no_clobber = false;
   bool make_folders = false;
-  bool dry_run = false;
-  std::optional<std::string> table;
-  std::optional<std::string> plot;
   PictureFormat picture = PictureFormat::svg;
   ProgressStyle progress = ProgressStyle::bar;
   std::optional<batch::OutputTemplate> report;  // a report a frame
@@ -43,6 +38,8 @@ struct BatchPlan {
 
 // `environment` is std::getenv: job schedulers tell there which part of the frames is this process's.
 [[nodiscard]] Result<BatchPlan> plan_batch(const ConvertFlags& flags, const char* (*environment)(const char*));
+
+[[nodiscard]] bool is_there(const std::filesystem::path& path);
 
 // The files that a frame writes.
 [[nodiscard]] std::vector<std::filesystem::path> files_of(const convert::ConversionJob& job);

@@ -19,13 +19,6 @@
 namespace isoextract::cli {
 namespace {
 
-Result<void> write_file(const std::string& path, std::string_view text) {
-  auto file = files::OutputFile::create(path);
-  if (!file) return tl::unexpected(file.error());
-  if (auto written = file->write(text); !written) return written;
-  return file->commit();
-}
-
 class Bench {
  public:
   Bench(const BenchPlan& plan, const Messages& messages) : plan_(plan), messages_(messages), options_(plan.options) {}
@@ -70,7 +63,7 @@ class Bench {
     if (auto printed = print_to_stdout(gpu_threads_table(*result, plan_.options.repeats)); !printed) return printed;
     if (plan_.json) {
       const std::string json = convert::json_text(gpu_threads_json(*result, plan_.options.repeats));
-      if (auto written = write_file(*plan_.json, json); !written) return written;
+      if (auto written = files::write_file(*plan_.json, json); !written) return written;
       messages_.summary(fmt::format("-> {}", *plan_.json));
     }
     for (const gpu::ThreadCreationLevel& level : result->levels) {
@@ -160,16 +153,17 @@ class Bench {
       picture = std::move(*made);
     }
     if (plan_.csv) {
-      if (auto written = write_file(*plan_.csv, bench_csv(results_)); !written) return written;
+      if (auto written = files::write_file(*plan_.csv, bench_csv(results_)); !written) return written;
     }
     if (plan_.json) {
-      if (auto written = write_file(*plan_.json, convert::json_text(bench_json(results_, plan_.options.repeats)));
+      if (auto written =
+              files::write_file(*plan_.json, convert::json_text(bench_json(results_, plan_.options.repeats)));
           !written) {
         return written;
       }
     }
     if (picture) {
-      if (auto written = write_file(*plan_.plot, *picture); !written) return written;
+      if (auto written = files::write_file(*plan_.plot, *picture); !written) return written;
     }
     for (const auto& file : {plan_.csv, plan_.json, drawn ? plan_.plot : std::nullopt}) {
       if (file) messages_.summary(fmt::format("-> {}", *file));

@@ -9,6 +9,7 @@
 #include "base/machine.hpp"
 #include "base/printable.hpp"
 #include "base/stopwatch.hpp"
+#include "batch/output_names.hpp"
 #include "cli/info_report.hpp"
 #include "cli/progress_bar.hpp"
 #include "convert/source.hpp"
@@ -25,7 +26,7 @@ std::string example_command(const InfoPlan& plan, const std::string& input, std:
   for (const std::string& argument : plan.input_arguments) arguments += " " + argument;
   if (volume) arguments += fmt::format(" --volume {}", *volume);
   return fmt::format("isoextract {}{} --iso {} -o {}", shell_quoted(input), arguments, iso,
-                     shell_quoted(input_stem(input) + ".glb"));
+                     shell_quoted(batch::stem_of(input) + ".glb"));
 }
 
 // Whether float32 positions hold all of it apart, where the file places it.

@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 #include <tbb/task_arena.h>
 
+#include "batch/output_names.hpp"
 #include "field/demo_field.hpp"
 #include "files/file_bytes.hpp"
 
@@ -128,7 +129,7 @@ Result<void> check_isos(const std::vector<double>& isos, const std::string& inpu
 }
 
 std::string output_path(const ConvertFlags& flags, const std::string& input, const meshes::MeshFormatInfo& format) {
-  return flags.output ? *flags.output : fmt::format("{}.{}", input_stem(input), format.name);
+  return flags.output ? *flags.output : fmt::format("{}.{}", batch::stem_of(input), format.name);
 }
 
 Result<std::vector<convert::OutputFileJob>> plan_outputs(const ConvertFlags& flags,
@@ -152,7 +153,7 @@ Result<std::vector<convert::OutputFileJob>> plan_outputs(const ConvertFlags& fla
     return usage(
         fmt::format("one {} file holds one surface, and {} iso values were given", format.name, flags.isos.size()),
         fmt::format("write one file each with -o {}_{{iso}}.{}, or all into a glb",
-                    input_stem(flags.input.inputs.front()), format.name));
+                    batch::stem_of(flags.input.inputs.front()), format.name));
   }
   return std::vector<convert::OutputFileJob>{{path, flags.isos}};
 }
@@ -461,17 +462,6 @@ Result<BenchPlan> plan_bench(const BenchFlags& flags) {
     plan.picture = *picture;
   }
   return plan;
-}
-
-std::string input_stem(const std::string& input) {
-  if (files::is_standard_input(input)) return "stdin";
-  if (input.starts_with(field::kDemoPrefix)) {
-    const std::string name = input.substr(field::kDemoPrefix.size());
-    return name.substr(0, name.find('?'));
-  }
-  std::filesystem::path path = std::filesystem::path(input).filename();
-  if (path.extension() == ".gz") path = path.stem();
-  return path.stem().string();
 }
 
 }  // namespace isoextract::cli

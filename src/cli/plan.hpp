@@ -93,7 +93,4 @@ struct BenchPlan {
 [[nodiscard]] Result<VerifyPlan> plan_verify(const VerifyFlags& flags);
 [[nodiscard]] Result<ComparePlan> plan_compare(const CompareFlags& flags);
 
-// "scan.nii.gz" -> "scan", "demo:torus?size=32" -> "torus", "-" -> "stdin"
-[[nodiscard]] std::string input_stem(const std::string& input);
-
 }  // namespace isoextract::cli

@@ -15,11 +15,7 @@ Result<void> check_report_file(const std::string& path, const convert::Conversio
 Result<void> write_report(const std::string& path, const convert::ConversionJob* job, const convert::Outcome& outcome,
                           const std::vector<std::string>& arguments, std::uint64_t memory_limit) {
   const std::string hint = outcome.error ? words_of(outcome.error->hint) : "";
-  auto file = files::OutputFile::create(path);
-  if (!file) return tl::unexpected(file.error());
-  const std::string text = convert::json_text(convert::report_of(job, outcome, arguments, memory_limit, hint));
-  if (auto written = file->write(text); !written) return written;
-  return file->commit();
+  return files::write_file(path, convert::json_text(convert::report_of(job, outcome, arguments, memory_limit, hint)));
 }
 
 }  // namespace isoextract::cli

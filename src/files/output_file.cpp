@@ -359,4 +359,11 @@ Result<void> OutputFile::commit_pair(OutputFile& first, OutputFile& last) {
 
 void OutputFile::remove_unfinished() noexcept { TemporaryName::remove_all(); }
 
+Result<void> write_file(const fs::path& path, std::string_view text) {
+  auto file = OutputFile::create(path);
+  if (!file) return tl::unexpected<Error>(std::move(file.error()));
+  if (auto written = file->write(text); !written) return written;
+  return file->commit();
+}
+
 }  // namespace isoextract::files

@@ -78,4 +78,7 @@ class OutputFile {
   std::unique_ptr<State> state_;
 };
 
+// A file whose content is there already: created, written and committed.
+[[nodiscard]] Result<void> write_file(const std::filesystem::path& path, std::string_view text);
+
 }  // namespace isoextract::files
