@@ -9,10 +9,11 @@ import sys
 MAY_INCLUDE = {
     "base": [],
     "field": ["base"],
+    "points": ["field"],
     "mesh": ["base"],
     "files": ["base"],
     "gl": ["base"],
-    "volumes": ["field", "files"],
+    "volumes": ["field", "points", "files"],
     "meshes": ["mesh", "files"],
     "extract": ["field", "mesh"],
     "gpu": ["gl", "extract"],
