@@ -2,8 +2,8 @@
 
 #include <bit>
 
+#include "base/simd_targets.hpp"
 #include "extract/detail/cell_streams.hpp"
-#include "extract/detail/simd_targets.hpp"
 #include "extract/row_bits.hpp"
 
 #undef HWY_TARGET_INCLUDE

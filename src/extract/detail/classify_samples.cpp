@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "extract/detail/simd_targets.hpp"
+#include "base/simd_targets.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "extract/detail/classify_samples.cpp"  // included once for each instruction set

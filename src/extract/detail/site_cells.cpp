@@ -2,7 +2,7 @@
 
 #include <bit>
 
-#include "extract/detail/simd_targets.hpp"
+#include "base/simd_targets.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "extract/detail/site_cells.cpp"  // included once for each instruction set

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstring>
 
-#include "extract/detail/simd_targets.hpp"
+#include "base/simd_targets.hpp"
 #include "extract/row_bits.hpp"
 
 #undef HWY_TARGET_INCLUDE

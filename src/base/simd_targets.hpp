@@ -1,5 +1,5 @@
-// Which instruction sets the vectorised loops of this room are compiled for, besides Highway's plain C++ for machines
-// that have none of them. Highway chooses among them when the program runs. To be included before Highway.
+// Which instruction sets vectorised loops are compiled for, besides Highway's plain C++ for machines that have none of
+// them. Highway chooses among them when the program runs. To be included before Highway.
 //
 // AVX-512 is left out: the loops wait for memory or for one another, and each set costs compile time. So is SVE: its
 // vectors cannot be members of structs, and ARM has NEON.

@@ -1,0 +1,160 @@
+#include "points/attribute_sampling.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include "field/samples.hpp"
+#include "points/cubic_spline.hpp"
+#include "points/detail/cell_grid.hpp"
+#include "points/detail/nearest_tree.hpp"
+#include "points/detail/spot_density.hpp"
+#include "points/particle_statistics.hpp"
+
+namespace isoextract::points {
+namespace {
+
+// The attribute of each spot: the mean of its particles'.
+Result<std::shared_ptr<ReservedBuffer<float>>> spot_means(const CellGrid& grid, const ParticleAttribute& attribute,
+                                                          const Context& context, const std::string& what) {
+  auto made = make_reserved_buffer<float>(grid.size() * attribute.components, context, what);
+  if (!made) return made;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, grid.size(), 1024), [&](const auto& range) {
+    for (std::size_t s = range.begin(); s != range.end(); ++s) {
+      for (std::size_t c = 0; c < attribute.components; ++c) {
+        double sum = 0;
+        for (const std::uint32_t particle : grid.members(s)) {
+          sum += static_cast<double>(attribute.values[particle * attribute.components + c]);
+        }
+        (*made)->values[s * attribute.components + c] =
+            static_cast<float>(sum / static_cast<double>(grid.members(s).size()));
+      }
+    }
+  });
+  return made;
+}
+
+// f(spot, m / rho_j W / W(0)) for those that reach `p`, in grid coordinates, where the support is 1.
+template <class F>
+void for_each_kernel_at(const CellGrid& grid, const float* densities, const glm::dvec3& p, const F& f) {
+  grid.for_each_spot_run(p - 1.0, p + 1.0, [&](std::size_t first, std::size_t last) {
+    for (std::size_t s = first; s != last; ++s) {
+      const glm::dvec3 away = grid.place(s) - p;
+      const double squared = glm::dot(away, away);
+      if (squared >= 1) continue;
+      const double shape = spline_shape(std::sqrt(squared));
+      // Far out it gets so small that it is nothing.
+      if (shape > 0) f(s, shape * static_cast<double>(grid.members(s).size()) / static_cast<double>(densities[s]));
+    }
+  });
+}
+
+}  // namespace
+
+Result<SampledAttributes> sample_attributes(const ParticleSet& particles, std::span<const std::size_t> attributes,
+                                            std::span<const glm::dvec3> vertices, double radius,
+                                            double smoothing_length, const Context& context) {
+  const double support = 2 * smoothing_length * radius;
+  if (!(radius > 0 && smoothing_length > 0 && std::isfinite(support))) {
+    return fail(ErrorKind::usage,
+                fmt::format("expected a particle radius and a smoothing length above 0, found {} and {}", radius,
+                            smoothing_length));
+  }
+  const std::span<const glm::dvec3> positions = particles.positions.span();
+  const ParticleBounds bounds = measure_bounds(positions);
+  if (bounds.finite == 0 && !vertices.empty()) {
+    return fail(ErrorKind::input, particles.label + ": expected particles to take attributes from, found none");
+  }
+  std::size_t components = 0;
+  for (const std::size_t a : attributes) components += particles.attributes[a].components;
+  const std::string what =
+      fmt::format("{}: {} attributes of {} vertices", particles.label, attributes.size(), vertices.size());
+  auto memory = context.reserve(components * vertices.size() * sizeof(float), what);
+  if (!memory) return tl::unexpected(memory.error());
+  SampledAttributes result;
+  result.memory = std::move(*memory);
+  for (const std::size_t a : attributes) {
+    const ParticleAttribute& from = particles.attributes[a];
+    result.attributes.push_back({from.name, from.components, Buffer<float>(from.components * vertices.size())});
+  }
+  if (vertices.empty()) return result;
+
+  const GridFrame frame{bounds.box.min / 2.0 + bounds.box.max / 2.0, support};
+  const glm::dvec3 half = frame(bounds.box.max);
+  if (!(std::max({half.x, half.y, half.z}) < field::kMaxSparseIndex)) {
+    return fail(ErrorKind::input,
+                fmt::format("{}: the particles lie too far apart for kernels that reach {}", particles.label, support));
+  }
+  auto grid = CellGrid::make(positions, frame, 1, CellGrid::Coinciding::merged, context, particles.label);
+  if (!grid) return tl::unexpected(grid.error());
+  auto densities = measure_density(*grid, 1, context, particles.label);
+  if (!densities) return tl::unexpected(densities.error());
+  std::vector<std::shared_ptr<ReservedBuffer<float>>> means;
+  for (const std::size_t a : attributes) {
+    auto made = spot_means(*grid, particles.attributes[a], context, what);
+    if (!made) return tl::unexpected(made.error());
+    means.push_back(std::move(*made));
+  }
+  auto flags = make_reserved_buffer<std::uint8_t>(vertices.size(), context, what);
+  if (!flags) return tl::unexpected(flags.error());
+
+  context.progress().begin("sampling attributes", vertices.size());
+  std::atomic<std::uint64_t> out_of_reach{0};
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertices.size(), 512), [&](const auto& range) {
+    if (context.cancelled()) return;
+    std::vector<double> sums(components);
+    for (std::size_t v = range.begin(); v != range.end(); ++v) {
+      // A vertex that is farther away than any kernel reaches; its cell might not be a number.
+      const glm::dvec3 p = frame(vertices[v]);
+      const bool near = glm::all(glm::lessThan(glm::abs(p), half + 1.5));
+      double total = 0;
+      std::ranges::fill(sums, 0.0);
+      if (near) {
+        for_each_kernel_at(*grid, (*densities)->values.data(), p, [&](std::size_t spot, double share) {
+          total += share;
+          double* sum = sums.data();
+          for (std::size_t a = 0; a < means.size(); ++a) {
+            const std::size_t width = result.attributes[a].components;
+            for (std::size_t c = 0; c < width; ++c) {
+              *sum++ += share * static_cast<double>(means[a]->values[spot * width + c]);
+            }
+          }
+        });
+      }
+      (*flags)->values[v] = static_cast<std::uint8_t>(total == 0);
+      if (total == 0) out_of_reach.fetch_add(1, std::memory_order_relaxed);
+      const double* sum = sums.data();
+      for (SampledAttribute& attribute : result.attributes) {
+        for (std::size_t c = 0; c < attribute.components; ++c) {
+          attribute.values[v * attribute.components + c] = static_cast<float>(*sum++ / total);
+        }
+      }
+    }
+    context.progress().advance(range.size());
+  });
+  if (auto go_on = context.check(); !go_on) return tl::unexpected(go_on.error());
+  result.out_of_reach = out_of_reach.load();
+  if (result.out_of_reach == 0) return result;
+
+  auto tree = NearestTree::make(positions, context, particles.label);
+  if (!tree) return tl::unexpected(tree.error());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertices.size(), 512), [&](const auto& range) {
+    for (std::size_t v = range.begin(); v != range.end(); ++v) {
+      if ((*flags)->values[v] == 0) continue;
+      const std::size_t nearest = tree->nearest(vertices[v], NearestTree::Same::counts).point;
+      for (std::size_t a = 0; a < attributes.size(); ++a) {
+        const std::size_t width = result.attributes[a].components;
+        std::copy_n(particles.attributes[attributes[a]].values.data() + nearest * width, width,
+                    result.attributes[a].values.data() + v * width);
+      }
+    }
+  });
+  return result;
+}
+
+}  // namespace isoextract::points

@@ -1,0 +1,31 @@
+// The cubic spline kernel of smoothed particle hydrodynamics in three dimensions.
+//
+// J. J. Monaghan: Smoothed particle hydrodynamics. Annu. Rev. Astron. Astrophys. 30, 1992, section 2.1; written in
+// q = distance / support, where the support is twice the smoothing length:
+//   W = 8 / (pi support^3) S(q),   S(q) = 1 - 6 q^2 + 6 q^3 up to 1/2, 2 (1 - q)^3 up to 1, 0 beyond.
+#pragma once
+
+#include <algorithm>
+#include <numbers>
+
+namespace isoextract::points {
+
+// S(q), for q >= 0; 1 at 0. As 2 max(0, 1 - q)^3 - max(0, 1 - 2q)^3, which is the same without a case.
+template <class T>
+[[nodiscard]] constexpr T spline_shape(T q) {
+  const T outer = std::max(T(0), T(1) - q);
+  const T inner = std::max(T(0), outer + outer - T(1));
+  return T(2) * outer * outer * outer - inner * inner * inner;
+}
+
+// W(0): one over the integral of S.
+[[nodiscard]] constexpr double spline_scale(double support) {
+  return 8 / (std::numbers::pi * support * support * support);
+}
+
+// W(distance); its integral over space is 1.
+[[nodiscard]] constexpr double spline_kernel(double distance, double support) {
+  return spline_scale(support) * spline_shape(distance / support);
+}
+
+}  // namespace isoextract::points

@@ -1,0 +1,114 @@
+// Points sorted into the cells of a uniform grid, for finding those near a place. Only cells that hold a point are
+// kept, so memory follows the points, however far apart they are.
+//
+// Points of one cell that coincide and are met one after the other are one spot with several members; in a crowded cell
+// all that coincide are. So a million points at one place cost what one costs.
+//
+// The order depends on the points alone: by cell (x, then y, then z), then by index, in crowded cells by place first.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include <glm/glm.hpp>
+
+#include "base/buffer.hpp"
+#include "base/context.hpp"
+#include "base/error.hpp"
+
+namespace isoextract::points {
+
+// Grid coordinates of a place: (p - origin) / unit.
+struct GridFrame {
+  glm::dvec3 origin{0.0};
+  double unit = 1;
+
+  [[nodiscard]] glm::dvec3 operator()(const glm::dvec3& p) const { return (p - origin) / unit; }
+};
+
+class CellGrid {
+ public:
+  struct Cell {
+    glm::ivec3 at;        // holds grid coordinates from at * side up to (at + 1) * side
+    std::uint32_t first;  // spot
+  };
+
+  // Which points share a spot.
+  enum class Coinciding { merged, apart };
+
+  // Points that are not finite are left out. Grid coordinates / side are to fit into an int, and the points' number
+  // into 32 bits. Fails as Context::reserve() does; `label` names the points then.
+  [[nodiscard]] static Result<CellGrid> make(std::span<const glm::dvec3> points, const GridFrame& frame, double side,
+                                             Coinciding coinciding, const Context& context, const std::string& label);
+
+  [[nodiscard]] std::size_t size() const { return spots_; }
+  [[nodiscard]] double side() const { return side_; }
+  // In grid coordinates.
+  [[nodiscard]] const glm::dvec3& place(std::size_t spot) const { return places_[spot]; }
+  // Indices of the points that are there.
+  [[nodiscard]] std::span<const std::uint32_t> members(std::size_t spot) const {
+    return {order_.data() + firsts_[spot], firsts_[spot + 1] - firsts_[spot]};
+  }
+
+  // Sorted by `at`.
+  [[nodiscard]] std::size_t cell_count() const { return cell_count_; }
+  [[nodiscard]] const Cell& cell(std::size_t c) const { return cells_[c]; }
+  // One past the last spot of a cell.
+  [[nodiscard]] std::size_t cell_end(std::size_t c) const { return cells_[c + 1].first; }
+
+  [[nodiscard]] glm::ivec3 cell_at(const glm::dvec3& place) const { return glm::ivec3(glm::floor(place / side_)); }
+
+  // f(first, last): the cells that there are from `low` to `high`, as runs along z of cells' numbers, in order.
+  template <class F>
+  void for_each_run(const glm::ivec3& low, const glm::ivec3& high, const F& f) const {
+    const Column* const end = columns_.data() + column_count_;
+    for (const Column* column = lower_column(low.x, low.y); column != end && column->x <= high.x;) {
+      if (column->y < low.y || column->y > high.y) {
+        column = column->y < low.y ? lower_column(column->x, low.y) : lower_column(column->x + 1, low.y);
+        continue;
+      }
+      const Cell* const begin = cells_.data() + column->first;
+      const Cell* const stop = cells_.data() + column[1].first;
+      const Cell* const from = std::lower_bound(begin, stop, low.z, [](const Cell& c, int z) { return c.at.z < z; });
+      const Cell* to = from;
+      while (to != stop && to->at.z <= high.z) ++to;
+      if (from != to) f(static_cast<std::size_t>(from - cells_.data()), static_cast<std::size_t>(to - cells_.data()));
+      ++column;
+    }
+  }
+
+  // f(first, last): spots, those of all cells that meet the box from `low` to `high`, in order.
+  template <class F>
+  void for_each_spot_run(const glm::dvec3& low, const glm::dvec3& high, const F& f) const {
+    for_each_run(cell_at(low), cell_at(high), [&](std::size_t first, std::size_t last) {
+      f(std::size_t{cells_[first].first}, std::size_t{cells_[last].first});
+    });
+  }
+
+ private:
+  struct Column {
+    int x;
+    int y;
+    std::uint32_t first;  // cell
+  };
+
+  [[nodiscard]] const Column* lower_column(int x, int y) const {
+    return std::lower_bound(columns_.data(), columns_.data() + column_count_, std::pair(x, y),
+                            [](const Column& c, const std::pair<int, int>& at) { return std::pair(c.x, c.y) < at; });
+  }
+
+  double side_ = 1;
+  std::size_t spots_ = 0;
+  std::size_t cell_count_ = 0;
+  std::size_t column_count_ = 0;
+  Buffer<glm::dvec3> places_;
+  Buffer<std::uint32_t> firsts_;  // of a spot, in order_; one more at the end
+  Buffer<std::uint32_t> order_;
+  Buffer<Cell> cells_;      // one more at the end
+  Buffer<Column> columns_;  // one more at the end
+  Reservation memory_;
+};
+
+}  // namespace isoextract::points

@@ -1,0 +1,119 @@
+#include "points/detail/kernel_bricks.hpp"
+
+#include <algorithm>
+
+#include "points/detail/spline_sums.hpp"
+
+namespace isoextract::points {
+namespace {
+
+constexpr int kSampleCount = 512;
+// Of a kernel's radius: four fifths of the integral of S are nearer, in a fifth of the volume.
+constexpr float kNearPart = 0.6F;
+
+// An eighth of what the cell in the middle has. A sample of the cells is enough: no value depends on it.
+std::size_t crowded_cell(const CellGrid& grid) {
+  constexpr std::size_t kAsked = 4096;
+  std::vector<std::size_t> sizes;
+  const std::size_t stride = std::max<std::size_t>(1, grid.cell_count() / kAsked);
+  for (std::size_t c = 0; c < grid.cell_count(); c += stride) sizes.push_back(grid.cell_end(c) - grid.cell(c).first);
+  if (sizes.empty()) return 1;
+  std::ranges::nth_element(sizes, sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2));
+  return std::max<std::size_t>(1, sizes[sizes.size() / 2] / 8);
+}
+
+double squared_distance(const glm::dvec3& p, const glm::dvec3& low, const glm::dvec3& high) {
+  const glm::dvec3 away = glm::max(glm::max(low - p, p - high), glm::dvec3(0));
+  return glm::dot(away, away);
+}
+
+}  // namespace
+
+KernelBricks::KernelBricks(const KernelSet& kernels) : kernels_(kernels), crowded_(crowded_cell(*kernels.grid)) {}
+
+std::uint64_t KernelBricks::particles_at(std::size_t spot) const {
+  return kernels_.counts != nullptr ? kernels_.counts[spot] : kernels_.grid->members(spot).size();
+}
+
+template <class F>
+void KernelBricks::for_each_near(const glm::ivec3& origin, double part, const F& f) const {
+  const glm::dvec3 low(origin);
+  const glm::dvec3 high = low + static_cast<double>(field::SparseBlock::kSize - 1);
+  const double most = part * kernels_.reach;
+  kernels_.grid->for_each_spot_run(low - most, high + most, [&](std::size_t first, std::size_t last) {
+    for (std::size_t s = first; s != last; ++s) {
+      const double reach = kernels_.shapes != nullptr ? part * static_cast<double>(kernels_.shapes[s].reach) : most;
+      if (squared_distance(kernels_.grid->place(s), low, high) < reach * reach) f(s);
+    }
+  });
+}
+
+bool KernelBricks::touches(const glm::ivec3& origin) const {
+  bool found = false;
+  for_each_near(origin, 1, [&](std::size_t) { found = true; });
+  return found;
+}
+
+void KernelBricks::sum(const glm::ivec3& origin, float part, float* values, const SpotMarks& marks) const {
+  const glm::dvec3 low(origin);
+  // The distance of samples: balls have a radius of 1.
+  const double step = kernels_.shapes != nullptr ? 1 : 1 / kernels_.reach;
+  EllipsoidBatch batch;
+  const auto add = [&] {
+    if (kernels_.shapes != nullptr) {
+      add_ellipsoids(batch, 1, part, values);
+    } else {
+      add_balls(batch, static_cast<float>(step), part, values);
+    }
+    batch.size = 0;
+  };
+  for_each_near(origin, static_cast<double>(part), [&](std::size_t s) {
+    const glm::vec3 p((kernels_.grid->place(s) - low) * step);
+    const std::size_t n = batch.size++;
+    batch.x[n] = p.x;
+    batch.y[n] = p.y;
+    batch.z[n] = p.z;
+    batch.weight[n] = kernels_.weights[s];
+    if (kernels_.shapes != nullptr) {
+      const Ellipsoid& shape = kernels_.shapes[s];
+      batch.xx[n] = shape.xx;
+      batch.xy[n] = shape.xy;
+      batch.xz[n] = shape.xz;
+      batch.yy[n] = shape.yy;
+      batch.yz[n] = shape.yz;
+      batch.zz[n] = shape.zz;
+    }
+    marks.mark(s);
+    if (batch.size == kBatch) add();
+  });
+  add();
+}
+
+void KernelBricks::fill(const glm::ivec3& origin, float* values, const SpotMarks& marks) const {
+  std::fill_n(values, kSampleCount, 0.0F);
+  sum(origin, 1, values, marks);
+}
+
+bool KernelBricks::looks_inside(const glm::ivec3& origin) const {
+  const CellGrid& cells = *kernels_.grid;
+  const glm::ivec3 low = cells.cell_at(glm::dvec3(origin));
+  const glm::ivec3 high = cells.cell_at(glm::dvec3(origin + (field::SparseBlock::kSize - 1)));
+  std::int64_t crowded = 0;
+  cells.for_each_run(low, high, [&](std::size_t first, std::size_t last) {
+    for (std::size_t c = first; c != last; ++c) {
+      crowded += static_cast<std::int64_t>(cells.cell_end(c) - cells.cell(c).first >= crowded_);
+    }
+  });
+  const glm::i64vec3 dims(high - low + 1);
+  return crowded == dims.x * dims.y * dims.z;
+}
+
+bool KernelBricks::surely_above(const glm::ivec3& origin, double iso) const {
+  // fill() adds these very numbers in this order, with some of at least 0 between them. Rounding is monotone, so each
+  // of its sums is at least the one here, in floating point as well.
+  alignas(64) std::array<float, kSampleCount> values{};
+  sum(origin, kNearPart, values.data(), SpotMarks(nullptr));
+  return static_cast<double>(*std::ranges::min_element(values)) > iso;
+}
+
+}  // namespace isoextract::points

@@ -1,0 +1,107 @@
+#include "points/detail/nearest_tree.hpp"
+
+#include <algorithm>
+#include <bit>
+
+#include <fmt/format.h>
+#include <tbb/parallel_invoke.h>
+
+#include "base/finite.hpp"
+
+namespace isoextract::points {
+namespace {
+
+constexpr std::uint32_t kLeaf = 12;         // points a leaf has at most, unless they all coincide
+constexpr std::uint32_t kOneThread = 8192;  // fewer points than this are not worth a second thread
+
+double squared_distance_to_box(const glm::dvec3& p, const glm::dvec3& low, const glm::dvec3& high) {
+  const glm::dvec3 away = glm::max(glm::max(low - p, p - high), glm::dvec3(0));
+  return glm::dot(away, away);
+}
+
+}  // namespace
+
+Result<NearestTree> NearestTree::make(std::span<const glm::dvec3> points, const Context& context,
+                                      const std::string& label) {
+  std::size_t count = 0;
+  for (const glm::dvec3& p : points) count += static_cast<std::size_t>(is_finite(p));
+  // Halving goes on until none has more than a leaf: levels of a complete tree.
+  const std::size_t nodes = 2 * std::bit_ceil(count / kLeaf + 1);
+  auto memory = context.reserve(count * sizeof(std::uint32_t) + nodes * sizeof(Node),
+                                fmt::format("{}: the nearest of {} particles", label, count));
+  if (!memory) return tl::unexpected(memory.error());
+  NearestTree tree;
+  tree.memory_ = std::move(*memory);
+  tree.points_ = points;
+  tree.order_ = Buffer<std::uint32_t>(count);
+  tree.nodes_ = Buffer<Node>(nodes);
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (is_finite(points[i])) tree.order_[n++] = static_cast<std::uint32_t>(i);
+  }
+  if (auto go_on = context.check(); !go_on) return tl::unexpected(go_on.error());
+  tree.build(0, 0, static_cast<std::uint32_t>(count));
+  return tree;
+}
+
+void NearestTree::build(std::size_t node, std::uint32_t first, std::uint32_t last) {
+  Node& box = nodes_[node];
+  box = {glm::dvec3(std::numeric_limits<double>::infinity()), glm::dvec3(-std::numeric_limits<double>::infinity()),
+         first, last, true};
+  for (std::uint32_t k = first; k < last; ++k) {
+    box.low = glm::min(box.low, points_[order_[k]]);
+    box.high = glm::max(box.high, points_[order_[k]]);
+  }
+  if (last - first <= kLeaf || box.low == box.high) return;
+  box.leaf = false;
+  const glm::dvec3 size = box.high / 2.0 - box.low / 2.0;
+  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  const std::uint32_t middle = first + (last - first) / 2;
+  std::nth_element(order_.begin() + first, order_.begin() + middle, order_.begin() + last,
+                   [&](std::uint32_t a, std::uint32_t b) {
+                     return points_[a][axis] != points_[b][axis] ? points_[a][axis] < points_[b][axis] : a < b;
+                   });
+  const auto lower = [&] { build(2 * node + 1, first, middle); };
+  const auto upper = [&] { build(2 * node + 2, middle, last); };
+  if (last - first < kOneThread) {
+    lower();
+    upper();
+  } else {
+    tbb::parallel_invoke(lower, upper);
+  }
+}
+
+NearestTree::Found NearestTree::nearest(const glm::dvec3& p, Same same) const {
+  Found found;
+  if (!order_.empty()) search(0, p, same, found);
+  return found;
+}
+
+void NearestTree::search(std::size_t node, const glm::dvec3& p, Same same, Found& found) const {
+  const Node& box = nodes_[node];
+  if (same == Same::ignored && box.low == p && box.high == p) return;
+  if (box.leaf) {
+    for (std::uint32_t k = box.first; k < box.last; ++k) {
+      const glm::dvec3& q = points_[order_[k]];
+      if (same == Same::ignored && q == p) continue;
+      const glm::dvec3 away = q - p;
+      const double squared = glm::dot(away, away);
+      if (squared < found.squared_distance || (squared == found.squared_distance && order_[k] < found.point)) {
+        found = {squared, order_[k]};
+      }
+    }
+    return;
+  }
+  std::size_t near = 2 * node + 1;
+  std::size_t far = near + 1;
+  double near_distance = squared_distance_to_box(p, nodes_[near].low, nodes_[near].high);
+  double far_distance = squared_distance_to_box(p, nodes_[far].low, nodes_[far].high);
+  if (far_distance < near_distance) {
+    std::swap(near, far);
+    std::swap(near_distance, far_distance);
+  }
+  if (near_distance <= found.squared_distance) search(near, p, same, found);
+  if (far_distance <= found.squared_distance) search(far, p, same, found);
+}
+
+}  // namespace isoextract::points

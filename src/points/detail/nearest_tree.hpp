@@ -1,0 +1,52 @@
+// The nearest of many points, however unevenly they lie: a tree of boxes, each halved at its points' median along its
+// longest side (J. L. Bentley: Multidimensional binary search trees used for associative searching. CACM 18(9), 1975).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string>
+
+#include <glm/glm.hpp>
+
+#include "base/buffer.hpp"
+#include "base/context.hpp"
+#include "base/error.hpp"
+
+namespace isoextract::points {
+
+class NearestTree {
+ public:
+  // Points that are not finite are left out. The points are to stay where they are. Fails as Context::reserve() does;
+  // `label` names the points then.
+  [[nodiscard]] static Result<NearestTree> make(std::span<const glm::dvec3> points, const Context& context,
+                                                const std::string& label);
+
+  struct Found {
+    double squared_distance = std::numeric_limits<double>::infinity();
+    std::uint32_t point = 0;  // the least index among the nearest; nothing where the distance is infinite
+  };
+
+  // Points that coincide with `p`.
+  enum class Same { counts, ignored };
+  [[nodiscard]] Found nearest(const glm::dvec3& p, Same same) const;
+
+ private:
+  struct Node {
+    glm::dvec3 low;
+    glm::dvec3 high;
+    std::uint32_t first;  // in order_
+    std::uint32_t last;
+    bool leaf;
+  };
+  void build(std::size_t node, std::uint32_t first, std::uint32_t last);
+  void search(std::size_t node, const glm::dvec3& p, Same same, Found& found) const;
+
+  std::span<const glm::dvec3> points_;
+  Buffer<std::uint32_t> order_;
+  Buffer<Node> nodes_;  // the children of n are 2n + 1 and 2n + 2
+  Reservation memory_;
+};
+
+}  // namespace isoextract::points

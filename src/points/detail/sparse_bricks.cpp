@@ -1,0 +1,196 @@
+#include "points/detail/sparse_bricks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+#include <tbb/parallel_sort.h>
+
+#include "base/reserved_buffer.hpp"
+#include "points/detail/brick_list.hpp"
+
+namespace isoextract::points {
+namespace {
+
+constexpr int kSide = field::SparseBlock::kSize;
+constexpr std::size_t kBrickSamples = std::size_t{kSide} * kSide * kSide;
+constexpr int kTasks = 4;  // bricks that a task takes at least
+
+using Flags = Buffer<std::uint8_t>;
+
+// Of the spots themselves, each once and in order.
+Result<BrickList> occupied_bricks(const CellGrid& grid, const Context& context, const std::string& label) {
+  auto made = make_reserved_buffer<glm::ivec3>(grid.size(), context, label);
+  if (!made) return made;
+  Buffer<glm::ivec3>& all = (*made)->values;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, grid.size(), 4096), [&](const auto& range) {
+    for (std::size_t s = range.begin(); s != range.end(); ++s) {
+      all[s] = glm::ivec3(glm::floor(grid.place(s) / static_cast<double>(kSide)));
+    }
+  });
+  // Neighbours in the grid mostly share a brick.
+  const auto last = std::unique(all.begin(), all.end());
+  tbb::parallel_sort(all.begin(), last, brick_before);
+  const auto end = std::unique(all.begin(), last);
+  return chosen_bricks(
+      all.span().first(static_cast<std::size_t>(end - all.begin())), [](std::size_t) { return true; }, context, label);
+}
+
+// Those of `bricks` for which keep(origin) holds, asked in parallel.
+template <class F>
+Result<BrickList> bricks_where(const BrickList& bricks, const char* stage, const F& keep, const Context& context,
+                               const std::string& label) {
+  const std::span<const glm::ivec3> list = std::as_const(bricks->values).span();
+  auto flags = make_reserved_buffer<std::uint8_t>(list.size(), context, label);
+  if (!flags) return tl::unexpected(flags.error());
+  Flags& kept = (*flags)->values;
+  context.progress().begin(stage, list.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, list.size(), kTasks), [&](const auto& range) {
+    if (context.cancelled()) return;
+    for (std::size_t b = range.begin(); b != range.end(); ++b) {
+      kept[b] = static_cast<std::uint8_t>(keep(list[b] * kSide));
+    }
+    context.progress().advance(range.size());
+  });
+  if (auto go_on = context.check(); !go_on) return tl::unexpected(go_on.error());
+  return chosen_bricks(
+      list, [&](std::size_t b) { return kept[b] != 0; }, context, label);
+}
+
+// Of `bricks`, those that the surface at `iso` does not come near.
+Result<BrickList> deep_bricks(const BrickSource& source, const BrickList& bricks, double iso, const Context& context,
+                              const std::string& label) {
+  auto likely = bricks_where(
+      bricks, "looking for the inside", [&](const glm::ivec3& origin) { return source.looks_inside(origin); }, context,
+      label);
+  if (!likely) return likely;
+  // Only bricks around such as could be left out are worth a proof.
+  auto hearts = eroded((*likely)->values.span(), context, label);
+  if (!hearts) return hearts;
+  auto worth = dilated((*hearts)->values.span(), 1, context, label);
+  if (!worth) return worth;
+  auto proved = bricks_where(
+      *worth, "proving the inside", [&](const glm::ivec3& origin) { return source.surely_above(origin, iso); }, context,
+      label);
+  if (!proved) return proved;
+  return eroded((*proved)->values.span(), context, label);
+}
+
+// Those of `bricks` that are not in `others`; both sorted.
+Result<BrickList> without(const BrickList& bricks, const BrickList& others, const Context& context,
+                          const std::string& label) {
+  const std::span<const glm::ivec3> list = std::as_const(bricks->values).span();
+  const std::span<const glm::ivec3> removed = std::as_const(others->values).span();
+  return chosen_bricks(
+      list, [&](std::size_t b) { return !std::binary_search(removed.begin(), removed.end(), list[b], brick_before); },
+      context, label);
+}
+
+// What is not 0.
+struct Active {
+  glm::ivec3 min{std::numeric_limits<int>::max()};
+  glm::ivec3 max{std::numeric_limits<int>::min()};
+  std::uint64_t count = 0;
+
+  void add(const glm::ivec3& low, const glm::ivec3& high, std::uint64_t voxels) {
+    min = glm::min(min, low);
+    max = glm::max(max, high);
+    count += voxels;
+  }
+  void add_block(const glm::ivec3& origin, const float* values) {
+    for (std::size_t v = 0; v < kBrickSamples; ++v) {
+      if (values[v] == 0) continue;
+      const auto n = static_cast<int>(v);
+      const glm::ivec3 p = origin + glm::ivec3(n >> 6, n >> 3 & 7, n & 7);
+      add(p, p, 1);
+    }
+  }
+};
+
+struct OwnedBricks {
+  Buffer<float> values;
+  Reservation memory;
+};
+
+}  // namespace
+
+Result<field::SparseSamples> fill_bricks(const BrickSource& source, std::optional<double> iso, double inside,
+                                         BrickCounts& counts, const Context& context, const std::string& label) {
+  const std::string what = fmt::format("{}: the bricks around {} particles", label, source.grid().size());
+  const int rings = static_cast<int>(std::ceil(source.reach() / kSide));
+  auto bricks = occupied_bricks(source.grid(), context, what);
+  if (bricks) bricks = dilated((*bricks)->values.span(), rings, context, what);
+  if (bricks) {
+    bricks = bricks_where(
+        *bricks, "finding bricks", [&](const glm::ivec3& origin) { return source.touches(origin); }, context, what);
+  }
+  if (!bricks) return tl::unexpected(bricks.error());
+  BrickList deep;
+  if (iso) {
+    auto found = deep_bricks(source, *bricks, *iso, context, what);
+    if (!found) return tl::unexpected(found.error());
+    deep = std::move(*found);
+    bricks = without(*bricks, deep, context, what);
+    if (!bricks) return tl::unexpected(bricks.error());
+  }
+  const std::span<const glm::ivec3> list = std::as_const((*bricks)->values).span();
+  counts.bricks_stored = list.size();
+  counts.bricks_inside = deep ? deep->values.size() : 0;
+  if (list.size() > std::size_t{std::numeric_limits<std::int32_t>::max()}) {
+    return fail(ErrorKind::input,
+                fmt::format("{}: {} bricks of 8^3 samples are more than can be numbered", label, list.size()));
+  }
+
+  auto marks = make_reserved_buffer<std::uint8_t>(counts.bricks_inside != 0 ? source.grid().size() : 0, context, what);
+  if (!marks) return tl::unexpected(marks.error());
+  std::ranges::fill((*marks)->values, std::uint8_t{0});
+  auto memory = context.reserve(list.size() * (kBrickSamples * sizeof(float) + sizeof(field::SparseBlock)) +
+                                    counts.bricks_inside * sizeof(field::SparseTile),
+                                fmt::format("{}: {} bricks of 8^3 samples", label, list.size()));
+  if (!memory) return tl::unexpected(memory.error());
+  auto owned = std::make_shared<OwnedBricks>();
+  owned->memory = std::move(*memory);
+  owned->values = Buffer<float>(list.size() * kBrickSamples);
+  float* const values = owned->values.data();
+  field::SparseSamples samples;
+  samples.type = field::SampleType::f32;
+  samples.blocks.resize(list.size());
+  context.progress().begin("summing kernels", list.size());
+  Active active = tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, list.size(), kTasks), Active{},
+      [&](const auto& range, Active part) {
+        if (context.cancelled()) return part;
+        for (std::size_t b = range.begin(); b != range.end(); ++b) {
+          float* const brick = values + b * kBrickSamples;
+          source.fill(list[b] * kSide, brick, SpotMarks((*marks)->values.data()));
+          samples.blocks[b] = {list[b] * kSide, brick};
+          part.add_block(list[b] * kSide, brick);
+        }
+        context.progress().advance(range.size());
+        return part;
+      },
+      [](Active a, const Active& b) {
+        a.add(b.min, b.max, b.count);
+        return a;
+      });
+  if (auto go_on = context.check(); !go_on) return tl::unexpected(go_on.error());
+  for (std::size_t t = 0; t < counts.bricks_inside; ++t) {
+    const glm::ivec3 origin = deep->values[t] * kSide;
+    samples.tiles.push_back({origin, kSide, inside});
+    active.add(origin, origin + (kSide - 1), kBrickSamples);
+  }
+  for (std::size_t s = 0; s < (*marks)->values.size(); ++s) {
+    if ((*marks)->values[s] == 0) counts.particles_left_out += source.particles_at(s);
+  }
+  if (active.count != 0) samples.active_box = {active.min, active.max};
+  samples.active_voxels = active.count;
+  samples.owner = std::move(owned);
+  return samples;
+}
+
+}  // namespace isoextract::points

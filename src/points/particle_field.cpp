@@ -1,0 +1,193 @@
+#include "points/particle_field.hpp"
+
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include "points/detail/anisotropy.hpp"
+#include "points/detail/cell_grid.hpp"
+#include "points/detail/kernel_bricks.hpp"
+#include "points/detail/sparse_bricks.hpp"
+#include "points/detail/spot_density.hpp"
+#include "points/detail/weight_bricks.hpp"
+#include "points/particle_statistics.hpp"
+
+namespace isoextract::points {
+namespace {
+
+constexpr double kBrickSide = field::SparseBlock::kSize;
+constexpr double kInside = 1;  // of tiles: about what the field is within the liquid
+
+Result<void> check_positive(double value, const char* what) {
+  if (std::isfinite(value) && value > 0) return {};
+  return fail(ErrorKind::usage, fmt::format("expected {} above 0, found {}", what, value));
+}
+
+// Where the samples are. Index coordinates of p: (p - origin) / unit.
+Result<GridFrame> index_frame(const ParticleSet& particles, const ParticleBounds& bounds, double spacing,
+                              double reach) {
+  const glm::dvec3 centre = bounds.box.min / 2.0 + bounds.box.max / 2.0;
+  const glm::dvec3 half = bounds.box.max / 2.0 - bounds.box.min / 2.0;
+  const double half_size = std::max({half.x, half.y, half.z});
+  const glm::dvec3 far = glm::max(glm::abs(bounds.box.min), glm::abs(bounds.box.max));
+  const double farthest = std::max({far.x, far.y, far.z});
+  // Two bricks of room for rounding to bricks and for the reach of kernels.
+  if (!(half_size / spacing + reach + 2 * kBrickSide < field::kMaxSparseIndex)) {
+    return fail(ErrorKind::input,
+                fmt::format("{}: the particles lie within {} units, which is more than {} samples at a spacing of {}",
+                            particles.label, 2 * half_size, 2LL * field::kMaxSparseIndex, spacing),
+                Hint("a larger radius or spacing, or particles without strays, would do"));
+  }
+  // A sample's place is rounded to a double: to a hundredth of the spacing at least.
+  if (!(farthest * std::numeric_limits<double>::epsilon() < spacing / 100)) {
+    return fail(ErrorKind::input,
+                fmt::format("{}: particles as far from 0 as {} cannot be told apart at a spacing of {}",
+                            particles.label, farthest, spacing),
+                Remedy::place_nearer);
+  }
+  return GridFrame{glm::round(centre / (kBrickSide * spacing)) * (kBrickSide * spacing), spacing};
+}
+
+// What the radius and the spacing are.
+Result<void> settle_lengths(const ParticleSet& particles, const FieldOptions& options, FieldFigures& figures,
+                            const Context& context) {
+  if (options.radius) {
+    figures.radius = *options.radius;
+  } else {
+    auto statistics = measure_statistics(particles, context);
+    if (!statistics) return tl::unexpected(statistics.error());
+    const std::optional<double> radius = statistics->suggested_radius();
+    if (!radius) {
+      return fail(ErrorKind::input,
+                  fmt::format("{}: expected particles at two places at least, to take their radius from, or a radius; "
+                              "found {} at one place",
+                              particles.label, statistics->bounds.finite));
+    }
+    figures.radius = *radius;
+    figures.radius_suggested = true;
+  }
+  figures.spacing =
+      options.spacing.value_or(options.cell_size.value_or(method_info(options.method).cell_size) * figures.radius);
+  if (options.method != Method::weight) figures.support = 2 * options.smoothing_length * figures.radius;
+  if (!(figures.spacing > 0) || !std::isfinite(figures.spacing) || !std::isfinite(figures.support)) {
+    return fail(ErrorKind::input, fmt::format("{}: a particle radius of {} leaves the range of numbers",
+                                              particles.label, figures.radius));
+  }
+  // Else particles between samples would leave no trace.
+  if (options.method != Method::weight && !(figures.support >= figures.spacing)) {
+    return fail(ErrorKind::usage,
+                fmt::format("expected samples at most as far apart as a kernel reaches, {}; found a spacing of {}",
+                            figures.support, figures.spacing));
+  }
+  return {};
+}
+
+Result<field::SparseSamples> sum_kernels(const CellGrid& grid, double support, const FieldOptions& options,
+                                         BrickCounts& counts, const Context& context, const std::string& label) {
+  auto densities = measure_density(grid, support, context, label);
+  if (!densities) return tl::unexpected(densities.error());
+  float* const values = (*densities)->values.data();
+  std::optional<double> iso = options.leave_out_inside;
+  if (iso && *iso >= kInside) iso.reset();
+  if (options.method == Method::anisotropic) {
+    auto kernels = make_anisotropic_kernels(grid, support, values, options.anisotropy, context, label);
+    if (!kernels) return tl::unexpected(kernels.error());
+    densities->reset();
+    return fill_bricks(KernelBricks(kernels->set()), iso, kInside, counts, context, label);
+  }
+  // m / rho_j W(0): one over the density in units of a particle by itself, for each that is there.
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, grid.size(), 4096), [&](const auto& range) {
+    for (std::size_t s = range.begin(); s != range.end(); ++s) {
+      values[s] = static_cast<float>(grid.members(s).size()) / values[s];
+    }
+  });
+  return fill_bricks(KernelBricks({&grid, values, nullptr, nullptr, support}), iso, kInside, counts, context, label);
+}
+
+}  // namespace
+
+Result<void> check_options(const FieldOptions& options) {
+  if (options.cell_size && options.spacing) {
+    return fail(ErrorKind::usage,
+                "expected the spacing of the samples in particle radii or in world units, found both");
+  }
+  const AnisotropyOptions& anisotropy = options.anisotropy;
+  for (const auto& [value, what] :
+       {std::pair(options.radius.value_or(1), "a particle radius"),
+        std::pair(options.cell_size.value_or(1), "a cell size in radii"),
+        std::pair(options.spacing.value_or(1), "a spacing of the samples"),
+        std::pair(options.smoothing_length, "a smoothing length in radii"), std::pair(options.weight, "a weight"),
+        std::pair(anisotropy.k_s, "a scale k_s of anisotropic kernels"),
+        std::pair(anisotropy.k_n, "a scale k_n of kernels with few neighbours")}) {
+    if (auto right = check_positive(value, what); !right) return right;
+  }
+  if (!(anisotropy.lambda >= 0 && anisotropy.lambda <= 1)) {
+    return fail(ErrorKind::usage,
+                fmt::format("expected a smoothing lambda of centres from 0 to 1, found {}", anisotropy.lambda));
+  }
+  if (!(std::isfinite(anisotropy.k_r) && anisotropy.k_r >= 1)) {
+    return fail(ErrorKind::usage,
+                fmt::format("expected a ratio k_r of kernel axes of at least 1, found {}", anisotropy.k_r));
+  }
+  if (anisotropy.few < 0) {
+    return fail(ErrorKind::usage,
+                fmt::format("expected a number of neighbours that are few from 0 on, found {}", anisotropy.few));
+  }
+  if (options.leave_out_inside && !std::isfinite(*options.leave_out_inside)) {
+    return fail(ErrorKind::usage, fmt::format("expected a finite iso value, found {}", *options.leave_out_inside));
+  }
+  return {};
+}
+
+Result<ParticleField> make_field(const ParticleSet& particles, const FieldOptions& options, const Context& context) {
+  if (auto right = check_options(options); !right) return tl::unexpected(right.error());
+  const std::span<const glm::dvec3> positions = particles.positions.span();
+  const ParticleBounds bounds = measure_bounds(positions);
+  if (positions.size() > std::numeric_limits<std::uint32_t>::max()) {
+    return fail(ErrorKind::input, fmt::format("{}: expected at most {} particles, found {}", particles.label,
+                                              std::numeric_limits<std::uint32_t>::max(), positions.size()));
+  }
+  if (bounds.first_broken && options.bad == BadParticles::error) {
+    const glm::dvec3& p = positions[*bounds.first_broken];
+    return fail(ErrorKind::input, fmt::format("{}: expected finite positions, found ({}, {}, {}) at particle {}",
+                                              particles.label, p.x, p.y, p.z, *bounds.first_broken));
+  }
+  ParticleField result;
+  FieldFigures& figures = result.figures;
+  figures.particles = bounds.finite;
+  figures.particles_dropped = bounds.not_finite;
+  result.field.name = particles.label;
+  result.field.source = particles.label;
+  result.field.format = "particles";
+  if (bounds.finite == 0) {
+    result.field.samples = field::SparseSamples{};
+    return result;
+  }
+  if (auto settled = settle_lengths(particles, options, figures, context); !settled) {
+    return tl::unexpected(settled.error());
+  }
+  const double support = figures.support / figures.spacing;
+  const bool weighs = options.method == Method::weight;
+  auto frame = index_frame(particles, bounds, figures.spacing, weighs ? 1 : support);
+  if (!frame) return tl::unexpected(frame.error());
+  auto grid = CellGrid::make(positions, *frame, weighs ? kBrickSide : std::max(support, 2.0),
+                             CellGrid::Coinciding::merged, context, particles.label);
+  if (!grid) return tl::unexpected(grid.error());
+  BrickCounts counts;
+  auto samples = weighs ? fill_bricks(WeightBricks(*grid, options.deposit, options.weight), std::nullopt, kInside,
+                                      counts, context, particles.label)
+                        : sum_kernels(*grid, support, options, counts, context, particles.label);
+  if (!samples) return tl::unexpected(samples.error());
+  figures.bricks_stored = counts.bricks_stored;
+  figures.bricks_inside = counts.bricks_inside;
+  figures.particles_left_out = counts.particles_left_out;
+  result.field.index_to_world = {glm::dmat3(figures.spacing), frame->origin};
+  result.field.samples = std::move(*samples);
+  return result;
+}
+
+}  // namespace isoextract::points

@@ -1,0 +1,89 @@
+#include "points/particle_statistics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+
+#include "base/finite.hpp"
+#include "base/median.hpp"
+#include "points/detail/nearest_tree.hpp"
+
+namespace isoextract::points {
+namespace {
+
+constexpr std::size_t kMostAsked = std::size_t{1} << 16U;
+
+struct BoundsPart {
+  glm::dvec3 min{std::numeric_limits<double>::infinity()};
+  glm::dvec3 max{-std::numeric_limits<double>::infinity()};
+  std::uint64_t not_finite = 0;
+  std::size_t first_broken = std::numeric_limits<std::size_t>::max();
+};
+
+}  // namespace
+
+ParticleBounds measure_bounds(std::span<const glm::dvec3> positions) {
+  const BoundsPart all = tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, positions.size(), 4096), BoundsPart{},
+      [&](const auto& range, BoundsPart part) {
+        for (std::size_t i = range.begin(); i != range.end(); ++i) {
+          if (!is_finite(positions[i])) {
+            ++part.not_finite;
+            part.first_broken = std::min(part.first_broken, i);
+            continue;
+          }
+          part.min = glm::min(part.min, positions[i]);
+          part.max = glm::max(part.max, positions[i]);
+        }
+        return part;
+      },
+      [](const BoundsPart& a, const BoundsPart& b) {
+        return BoundsPart{glm::min(a.min, b.min), glm::max(a.max, b.max), a.not_finite + b.not_finite,
+                          std::min(a.first_broken, b.first_broken)};
+      });
+  ParticleBounds bounds;
+  bounds.not_finite = all.not_finite;
+  bounds.finite = positions.size() - all.not_finite;
+  if (bounds.finite != 0) bounds.box = {all.min, all.max};
+  if (bounds.not_finite != 0) bounds.first_broken = all.first_broken;
+  return bounds;
+}
+
+Result<ParticleStatistics> measure_statistics(const ParticleSet& particles, const Context& context) {
+  const std::span<const glm::dvec3> positions = particles.positions.span();
+  if (positions.size() > std::numeric_limits<std::uint32_t>::max()) {
+    return fail(ErrorKind::input, fmt::format("{}: expected at most {} particles, found {}", particles.label,
+                                              std::numeric_limits<std::uint32_t>::max(), positions.size()));
+  }
+  ParticleStatistics statistics;
+  statistics.bounds = measure_bounds(positions);
+  context.progress().begin("measuring distances", 0);
+  auto tree = NearestTree::make(positions, context, particles.label);
+  if (!tree) return tl::unexpected(tree.error());
+  const std::size_t asked = std::min(positions.size(), kMostAsked);
+  auto memory = context.reserve(2 * asked * sizeof(double), particles.label + ": distances of particles");
+  if (!memory) return tl::unexpected(memory.error());
+  std::vector<double> distances(asked);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, asked, 256), [&](const auto& range) {
+    if (context.cancelled()) return;
+    for (std::size_t n = range.begin(); n != range.end(); ++n) {
+      const glm::dvec3& p = positions[n * positions.size() / asked];
+      distances[n] = is_finite(p) ? std::sqrt(tree->nearest(p, NearestTree::Same::ignored).squared_distance)
+                                  : std::numeric_limits<double>::infinity();
+    }
+  });
+  if (auto go_on = context.check(); !go_on) return tl::unexpected(go_on.error());
+  std::erase_if(distances, [](double d) { return !std::isfinite(d); });
+  if (distances.empty()) return statistics;
+  const auto [least, most] = std::ranges::minmax(distances);
+  statistics.neighbours = NeighbourDistances{distances.size(), least, median(std::move(distances)), most};
+  return statistics;
+}
+
+}  // namespace isoextract::points
