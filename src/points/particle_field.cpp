@@ -121,6 +121,7 @@ Result<void> check_options(const FieldOptions& options) {
         std::pair(options.cell_size.value_or(1), "a cell size in radii"),
         std::pair(options.spacing.value_or(1), "a spacing of the samples"),
         std::pair(options.smoothing_length, "a smoothing length in radii"), std::pair(options.weight, "a weight"),
+        std::pair(anisotropy.neighbourhood, "a radius of the neighbourhood in supports"),
         std::pair(anisotropy.k_s, "a scale k_s of anisotropic kernels"),
         std::pair(anisotropy.k_n, "a scale k_n of kernels with few neighbours")}) {
     if (auto right = check_positive(value, what); !right) return right;

@@ -23,11 +23,12 @@ namespace isoextract::points {
 
 // For Method::anisotropic. The names are those of Yu and Turk; see make_anisotropic_kernels() for the equations.
 struct AnisotropyOptions {
-  double lambda = 0.9;  // 0 to 1: how far centres move towards the mean of their neighbours
-  double k_r = 4;       // at least 1: how many times as long as another an axis can be
-  double k_s = 1;       // above 0: length of the axes where there are particles all around, in supports
-  double k_n = 0.5;     // above 0: length of the axes where there are few, in supports
-  int few = 25;         // N_eps: no more neighbours than this are few
+  double neighbourhood = 2;  // above 0: radius within which neighbours count, in supports
+  double lambda = 0.9;       // 0 to 1: how far centres move towards the mean of their neighbours
+  double k_r = 4;            // at least 1: how many times as long as another an axis can be
+  double k_s = 1;            // above 0: length of the axes where there are particles all around, in supports
+  double k_n = 0.5;          // above 0: length of the axes where there are few, in supports
+  int few = 25;              // N_eps: no more neighbours than this are few
 
   friend bool operator==(const AnisotropyOptions&, const AnisotropyOptions&) = default;
 };

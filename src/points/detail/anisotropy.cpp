@@ -1,13 +1,13 @@
 #include "points/detail/anisotropy.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
+#include "points/detail/near_spots.hpp"
 #include "points/detail/symmetric_eigen.hpp"
 
 namespace isoextract::points {
@@ -22,42 +22,20 @@ struct ShapedKernel {
   Ellipsoid shape;
 };
 
-// f(place of the neighbour, members, w_ij), the spot itself included.
-template <class F>
-void for_each_neighbour(const CellGrid& grid, std::size_t spot, double support, const F& f) {
-  const glm::dvec3 p = grid.place(spot);
-  const double squared_support = support * support;
-  grid.for_each_spot_run(p - support, p + support, [&](std::size_t first, std::size_t last) {
-    for (std::size_t s = first; s != last; ++s) {
-      const glm::dvec3 away = grid.place(s) - p;
-      const double squared = glm::dot(away, away);
-      if (squared >= squared_support) continue;
-      const double ratio = std::sqrt(squared) / support;
-      f(away, grid.members(s).size(), 1 - ratio * ratio * ratio);
-    }
-  });
-}
-
-ShapedKernel shape_of(const CellGrid& grid, std::size_t spot, double support, float density,
-                      const AnisotropyOptions& options) {
-  // Moments about the spot; the mean is taken off afterwards.
-  double total = 0;
-  glm::dvec3 first(0);
-  glm::dmat3 second(0.0);
-  std::size_t points = 0;
-  for_each_neighbour(grid, spot, support, [&](const glm::dvec3& away, std::size_t members, double w) {
-    const double weight = w * static_cast<double>(members);
-    points += members;
-    total += weight;
-    first += weight * away;
-    second += weight * glm::outerProduct(away, away);
-  });
-  const glm::dvec3 mean = first / total;
-  const glm::dmat3 covariance = second / total - glm::outerProduct(mean, mean);
-  const SymmetricEigen eigen = symmetric_eigen(covariance);
-  glm::dvec3 axes = options.k_s / (kFullVariance * support * support) * eigen.values;
-  const std::size_t neighbours = points - grid.members(spot).size();
-  if (neighbours <= static_cast<std::size_t>(options.few) || axes.x < options.k_n) {
+// From the moments about target t, in units of `radius`.
+ShapedKernel shape_of(const CellGrid& grid, std::size_t spot, const Moments& moments, std::size_t t, double radius,
+                      double support, float density, const AnisotropyOptions& options) {
+  const auto sum = [&](Moments::Sum m) { return static_cast<double>(moments.sums[m][t]); };
+  const double total = sum(Moments::kTotal);
+  const glm::dvec3 mean = glm::dvec3(sum(Moments::kX), sum(Moments::kY), sum(Moments::kZ)) / total;
+  const double xy = sum(Moments::kXY);
+  const double xz = sum(Moments::kXZ);
+  const double yz = sum(Moments::kYZ);
+  const glm::dmat3 second(sum(Moments::kXX), xy, xz, xy, sum(Moments::kYY), yz, xz, yz, sum(Moments::kZZ));
+  const SymmetricEigen eigen = symmetric_eigen(second / total - glm::outerProduct(mean, mean));
+  glm::dvec3 axes = options.k_s / kFullVariance * eigen.values;
+  const auto members = static_cast<double>(grid.members(spot).size());
+  if (sum(Moments::kPoints) - members <= options.few || axes.x < options.k_n) {
     axes = glm::dvec3(options.k_n);
   } else {
     axes = glm::max(axes, glm::dvec3(axes.x / options.k_r));
@@ -68,9 +46,8 @@ ShapedKernel shape_of(const CellGrid& grid, std::size_t spot, double support, fl
     form += glm::outerProduct(eigen.vectors[n], eigen.vectors[n]) / (half[n] * half[n]);
   }
   ShapedKernel kernel;
-  kernel.centre = grid.place(spot) + options.lambda * mean;
-  kernel.weight = static_cast<float>(static_cast<double>(grid.members(spot).size()) /
-                                     (static_cast<double>(density) * axes.x * axes.y * axes.z));
+  kernel.centre = grid.place(spot) + options.lambda * radius * mean;
+  kernel.weight = static_cast<float>(members / (static_cast<double>(density) * axes.x * axes.y * axes.z));
   kernel.shape = {static_cast<float>(form[0][0]), static_cast<float>(form[1][0]), static_cast<float>(form[2][0]),
                   static_cast<float>(form[1][1]), static_cast<float>(form[2][1]), static_cast<float>(form[2][2]),
                   static_cast<float>(half.x)};
@@ -88,19 +65,30 @@ Result<AnisotropicKernels> make_anisotropic_kernels(const CellGrid& grid, double
   auto centres = make_reserved_buffer<glm::dvec3>(grid.size(), context, what);
   if (!centres) return tl::unexpected(centres.error());
   context.progress().begin("shaping kernels", grid.size());
-  // Cell by cell, so that neighbours of one are at hand for the next.
+  const double radius = options.neighbourhood * support;
   AnisotropicKernels kernels;
   kernels.reach = tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, grid.size(), 256), 0.0,
+      tbb::blocked_range<std::size_t>(0, grid.cell_count(), 32), 0.0,
       [&](const auto& range, double reach) {
         if (context.cancelled()) return reach;
-        for (std::size_t s = range.begin(); s != range.end(); ++s) {
-          const ShapedKernel kernel = shape_of(grid, s, support, densities[s], options);
-          (*shaped)->values[s] = kernel;
-          (*centres)->values[s] = kernel.centre;
-          reach = std::max(reach, static_cast<double>(kernel.shape.reach));
+        Moments moments;
+        for (std::size_t c = range.begin(); c != range.end(); ++c) {
+          for_each_near_batch(
+              grid, c, radius, [&](const CellTargets&) { moments = Moments(); },
+              [&](const CellTargets& targets, const BallBatch& batch) {
+                add_moments(batch, targets.x.data(), targets.y.data(), targets.z.data(), targets.padded, moments);
+              },
+              [&](const CellTargets& targets) {
+                for (std::size_t t = 0; t < targets.size; ++t) {
+                  const std::size_t s = targets.first + t;
+                  const ShapedKernel kernel = shape_of(grid, s, moments, t, radius, support, densities[s], options);
+                  (*shaped)->values[s] = kernel;
+                  (*centres)->values[s] = kernel.centre;
+                  reach = std::max(reach, static_cast<double>(kernel.shape.reach));
+                }
+              });
         }
-        context.progress().advance(range.size());
+        context.progress().advance(grid.cell_end(range.end() - 1) - grid.cell(range.begin()).first);
         return reach;
       },
       [](double a, double b) { return std::max(a, b); });

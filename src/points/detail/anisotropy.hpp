@@ -11,9 +11,11 @@
 //   S = k_s diag(s_1, max(s_2, s_1 / k_r), max(s_3, s_1 / k_r)) with more than N_eps neighbours, else k_n I    (15)
 //   G_i = 1/h R S^-1 R^T,  W(d, G) = det(G) P(|G d|)                 (16), (8)
 //
-// r = 2h is the support here, and P the cubic spline. k_s stands in the paper as a length^-2 that fits its own units:
-// it is to make |k_s C| about 1 for a particle within the liquid. There C = 0.15 r^2 I (from (9), with a constant
-// density), so here k_s counts in units of 1 / (0.15 r^2), and 1 does that in every unit.
+// P is the cubic spline and h its support; r = 2h, as the paper has it, so that enough neighbours are met (in a liquid
+// some 250 with a support of four particle radii, and around 50 in a sheet of one layer). k_s stands in the paper as a
+// length^-2 that fits its own units: it is to make |k_s C| about 1 for a particle within the liquid. There
+// C = 0.15 r^2 I (from (9), with a constant density), so here k_s counts in units of 1 / (0.15 r^2), and 1 does that in
+// every unit.
 //
 // Beyond the paper: where k_s s_1 is below k_n, the particle counts as one with few neighbours. A crowd narrower than a
 // single particle's kernel, down to many at one place, would have no shape otherwise.

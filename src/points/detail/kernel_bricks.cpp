@@ -22,10 +22,8 @@ std::size_t crowded_cell(const CellGrid& grid) {
   return std::max<std::size_t>(1, sizes[sizes.size() / 2] / 8);
 }
 
-double squared_distance(const glm::dvec3& p, const glm::dvec3& low, const glm::dvec3& high) {
-  const glm::dvec3 away = glm::max(glm::max(low - p, p - high), glm::dvec3(0));
-  return glm::dot(away, away);
-}
+// Along one axis, from a box.
+inline double away_from(double p, double low, double high) { return std::max(std::max(low - p, p - high), 0.0); }
 
 }  // namespace
 
@@ -43,7 +41,11 @@ void KernelBricks::for_each_near(const glm::ivec3& origin, double part, const F&
   kernels_.grid->for_each_spot_run(low - most, high + most, [&](std::size_t first, std::size_t last) {
     for (std::size_t s = first; s != last; ++s) {
       const double reach = kernels_.shapes != nullptr ? part * static_cast<double>(kernels_.shapes[s].reach) : most;
-      if (squared_distance(kernels_.grid->place(s), low, high) < reach * reach) f(s);
+      const glm::dvec3& p = kernels_.grid->place(s);
+      const double x = away_from(p.x, low.x, high.x);
+      const double y = away_from(p.y, low.y, high.y);
+      const double z = away_from(p.z, low.z, high.z);
+      if (x * x + y * y + z * z < reach * reach) f(s);
     }
   });
 }

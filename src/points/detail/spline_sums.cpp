@@ -66,28 +66,41 @@ void balls_in_rows(const BallBatch& balls, float step, float cut, float* values)
 void ellipsoids_in_rows(const EllipsoidBatch& ellipsoids, float step, float cut, float* values) {
   const Lanes d;
   const std::size_t lanes = hn::Lanes(d);
-  const float cut_squared = cut * cut;
   const Floats zero = hn::Zero(d);
+  const float cut_squared = cut * cut;
   alignas(64) float at[8];
   for (int i = 0; i < 8; ++i) at[i] = step * static_cast<float>(i);
+  // Along a row the form is constant + linear * z + zz * z^2; its least value says whether the row is left out. Those
+  // of eight rows are taken at a time.
+  alignas(64) float constants[8];
+  alignas(64) float linears[8];
+  alignas(64) float least[8];
   for (std::size_t n = 0; n < ellipsoids.size; ++n) {
-    const float zz = ellipsoids.zz[n];
-    const float over_four_zz = 1 / (4 * zz);
+    const Floats zz = hn::Set(d, ellipsoids.zz[n]);
+    const Floats over_four_zz = hn::Set(d, 1 / (4 * ellipsoids.zz[n]));
     const Floats weight = hn::Set(d, ellipsoids.weight[n]);
     const Floats z = hn::Set(d, ellipsoids.z[n]);
     for (int i = 0; i < 8; ++i) {
       const float x = at[i] - ellipsoids.x[n];
+      const Floats from_x = hn::Set(d, ellipsoids.xx[n] * x * x);
+      const Floats with_x = hn::Set(d, 2 * ellipsoids.xy[n] * x);
+      const Floats slope_of_x = hn::Set(d, 2 * ellipsoids.xz[n] * x);
+      for (std::size_t j = 0; j < 8; j += lanes) {
+        const Floats y = hn::Sub(hn::Load(d, at + j), hn::Set(d, ellipsoids.y[n]));
+        const Floats linear = hn::Add(slope_of_x, hn::Mul(hn::Set(d, 2 * ellipsoids.yz[n]), y));
+        const Floats from_y = hn::Mul(y, hn::Add(with_x, hn::Mul(hn::Set(d, ellipsoids.yy[n]), y)));
+        const Floats constant = hn::Add(from_x, from_y);
+        hn::Store(linear, d, linears + j);
+        hn::Store(constant, d, constants + j);
+        hn::Store(hn::Sub(constant, hn::Mul(hn::Mul(linear, linear), over_four_zz)), d, least + j);
+      }
       for (int j = 0; j < 8; ++j) {
-        // Along the row the form is constant + linear * z + zz * z^2; its least value says whether the row is left out.
-        const float y = at[j] - ellipsoids.y[n];
-        const float linear = 2 * (ellipsoids.xz[n] * x + ellipsoids.yz[n] * y);
-        const float constant = ellipsoids.xx[n] * x * x + 2 * ellipsoids.xy[n] * x * y + ellipsoids.yy[n] * y * y;
-        if (constant - linear * linear * over_four_zz >= cut_squared) continue;
+        if (least[j] >= cut_squared) continue;
         float* const sums = values + 64 * i + 8 * j;
         for (std::size_t k = 0; k < 8; k += lanes) {
           const Floats away = hn::Sub(hn::Load(d, at + k), z);
-          const Floats slope = hn::Add(hn::Set(d, linear), hn::Mul(hn::Set(d, zz), away));
-          const Floats squared = hn::Max(zero, hn::Add(hn::Set(d, constant), hn::Mul(away, slope)));
+          const Floats slope = hn::Add(hn::Set(d, linears[j]), hn::Mul(zz, away));
+          const Floats squared = hn::Max(zero, hn::Add(hn::Set(d, constants[j]), hn::Mul(away, slope)));
           add_to(d, spline(d, squared, weight), sums + k);
         }
       }
@@ -114,6 +127,65 @@ void balls_at_targets(const BallBatch& balls, const float* x, const float* y, co
   }
 }
 
+void moments_at_targets(const BallBatch& points, const float* x, const float* y, const float* z, std::size_t count,
+                        Moments& moments) {
+  const Lanes d;
+  const Floats zero = hn::Zero(d);
+  const Floats one = hn::Set(d, 1);
+  for (std::size_t t = 0; t < count; t += hn::Lanes(d)) {
+    const Floats tx = hn::LoadU(d, x + t);
+    const Floats ty = hn::LoadU(d, y + t);
+    const Floats tz = hn::LoadU(d, z + t);
+    const auto load = [&](std::size_t m) { return hn::Load(d, moments.sums[m].data() + t); };
+    Floats members = load(Moments::kPoints);
+    Floats total = load(Moments::kTotal);
+    Floats mx = load(Moments::kX);
+    Floats my = load(Moments::kY);
+    Floats mz = load(Moments::kZ);
+    Floats xx = load(Moments::kXX);
+    Floats xy = load(Moments::kXY);
+    Floats xz = load(Moments::kXZ);
+    Floats yy = load(Moments::kYY);
+    Floats yz = load(Moments::kYZ);
+    Floats zz = load(Moments::kZZ);
+    for (std::size_t n = 0; n < points.size; ++n) {
+      const Floats dx = hn::Sub(hn::Set(d, points.x[n]), tx);
+      const Floats dy = hn::Sub(hn::Set(d, points.y[n]), ty);
+      const Floats dz = hn::Sub(hn::Set(d, points.z[n]), tz);
+      const Floats squared = hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
+      const Floats counted = hn::Set(d, points.weight[n]);
+      members = hn::Add(members, hn::IfThenElseZero(hn::Lt(squared, one), counted));
+      const Floats fall = hn::Sub(one, hn::Mul(squared, hn::Sqrt(squared)));
+      const Floats w = hn::Mul(counted, hn::Max(zero, fall));
+      total = hn::Add(total, w);
+      const Floats wx = hn::Mul(w, dx);
+      const Floats wy = hn::Mul(w, dy);
+      const Floats wz = hn::Mul(w, dz);
+      mx = hn::Add(mx, wx);
+      my = hn::Add(my, wy);
+      mz = hn::Add(mz, wz);
+      xx = hn::Add(xx, hn::Mul(wx, dx));
+      xy = hn::Add(xy, hn::Mul(wx, dy));
+      xz = hn::Add(xz, hn::Mul(wx, dz));
+      yy = hn::Add(yy, hn::Mul(wy, dy));
+      yz = hn::Add(yz, hn::Mul(wy, dz));
+      zz = hn::Add(zz, hn::Mul(wz, dz));
+    }
+    const auto store = [&](Floats v, std::size_t m) { hn::Store(v, d, moments.sums[m].data() + t); };
+    store(members, Moments::kPoints);
+    store(total, Moments::kTotal);
+    store(mx, Moments::kX);
+    store(my, Moments::kY);
+    store(mz, Moments::kZ);
+    store(xx, Moments::kXX);
+    store(xy, Moments::kXY);
+    store(xz, Moments::kXZ);
+    store(yy, Moments::kYY);
+    store(yz, Moments::kYZ);
+    store(zz, Moments::kZZ);
+  }
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace isoextract::points
 HWY_AFTER_NAMESPACE();
@@ -124,6 +196,7 @@ namespace isoextract::points {
 HWY_EXPORT(balls_in_rows);
 HWY_EXPORT(ellipsoids_in_rows);
 HWY_EXPORT(balls_at_targets);
+HWY_EXPORT(moments_at_targets);
 
 void add_balls(const BallBatch& balls, float step, float cut, float* values) {
   HWY_DYNAMIC_DISPATCH(balls_in_rows)(balls, step, cut, values);
@@ -136,6 +209,11 @@ void add_ellipsoids(const EllipsoidBatch& ellipsoids, float step, float cut, flo
 void add_at_targets(const BallBatch& balls, const float* x, const float* y, const float* z, std::size_t count,
                     float* sums) {
   HWY_DYNAMIC_DISPATCH(balls_at_targets)(balls, x, y, z, count, sums);
+}
+
+void add_moments(const BallBatch& points, const float* x, const float* y, const float* z, std::size_t count,
+                 Moments& moments) {
+  HWY_DYNAMIC_DISPATCH(moments_at_targets)(points, x, y, z, count, moments);
 }
 
 }  // namespace isoextract::points

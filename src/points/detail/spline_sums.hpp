@@ -40,4 +40,17 @@ void add_ellipsoids(const EllipsoidBatch& ellipsoids, float step, float cut, flo
 void add_at_targets(const BallBatch& balls, const float* x, const float* y, const float* z, std::size_t count,
                     float* sums);
 
+// Moments of the points nearer than 1 to each of at most 64 targets, about the target, by the weight
+// w = weight * (1 - distance^3).
+struct Moments {
+  static constexpr std::size_t kTargets = 64;
+  enum Sum : std::size_t { kPoints, kTotal, kX, kY, kZ, kXX, kXY, kXZ, kYY, kYZ, kZZ, kSums };
+  // kPoints is the sum of the weights, kTotal that of w, kX that of w * x, kXX that of w * x^2, ...
+  alignas(64) std::array<std::array<float, kTargets>, kSums> sums{};
+};
+
+// Adds to those of `count` targets, a multiple of 8.
+void add_moments(const BallBatch& points, const float* x, const float* y, const float* z, std::size_t count,
+                 Moments& moments);
+
 }  // namespace isoextract::points

@@ -1,59 +1,24 @@
 #include "points/detail/spot_density.hpp"
 
 #include <array>
-#include <cmath>
 
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-#include "points/detail/spline_sums.hpp"
+#include "points/detail/near_spots.hpp"
 
 namespace isoextract::points {
 namespace {
 
-// Spots of one cell whose sums are taken together; relative to the cell, in units of the support.
-struct Targets {
-  static constexpr std::size_t kMost = 64;
-  alignas(64) std::array<float, kMost> x{};
-  alignas(64) std::array<float, kMost> y{};
-  alignas(64) std::array<float, kMost> z{};
-  alignas(64) std::array<float, kMost> sums{};
-};
-
 void measure_cell(const CellGrid& grid, std::size_t c, double support, float* densities) {
-  const int rings = static_cast<int>(std::ceil(support / grid.side()));
-  const glm::ivec3 at = grid.cell(c).at;
-  const glm::dvec3 corner = glm::dvec3(at) * grid.side();
-  const double scale = 1 / support;
-  BallBatch sources;
-  for (std::size_t first = grid.cell(c).first; first < grid.cell_end(c); first += Targets::kMost) {
-    const std::size_t count = std::min(Targets::kMost, grid.cell_end(c) - first);
-    Targets targets;
-    for (std::size_t t = 0; t < count; ++t) {
-      const glm::vec3 p((grid.place(first + t) - corner) * scale);
-      targets.x[t] = p.x;
-      targets.y[t] = p.y;
-      targets.z[t] = p.z;
-    }
-    const auto add = [&] {
-      add_at_targets(sources, targets.x.data(), targets.y.data(), targets.z.data(), (count + 7) / 8 * 8,
-                     targets.sums.data());
-      sources.size = 0;
-    };
-    grid.for_each_run(at - rings, at + rings, [&](std::size_t from, std::size_t to) {
-      for (std::size_t s = grid.cell(from).first; s < grid.cell_end(to - 1); ++s) {
-        const glm::vec3 p((grid.place(s) - corner) * scale);
-        sources.x[sources.size] = p.x;
-        sources.y[sources.size] = p.y;
-        sources.z[sources.size] = p.z;
-        sources.weight[sources.size] = static_cast<float>(grid.members(s).size());
-        if (++sources.size == kBatch) add();
-      }
-    });
-    add();
-    for (std::size_t t = 0; t < count; ++t) densities[first + t] = targets.sums[t];
-  }
+  alignas(64) std::array<float, CellTargets::kMost> sums;
+  for_each_near_batch(
+      grid, c, support, [&](const CellTargets&) { sums.fill(0); },
+      [&](const CellTargets& targets, const BallBatch& batch) {
+        add_at_targets(batch, targets.x.data(), targets.y.data(), targets.z.data(), targets.padded, sums.data());
+      },
+      [&](const CellTargets& targets) { std::copy_n(sums.data(), targets.size, densities + targets.first); });
 }
 
 }  // namespace

@@ -1,0 +1,83 @@
+// What a field takes is reserved, follows the particles and not the box around them, and is given back.
+#include <gtest/gtest.h>
+
+#include "points/attribute_sampling.hpp"
+#include "points/particle_statistics.hpp"
+#include "unit/points/particles.hpp"
+
+namespace isoextract::points {
+namespace {
+
+constexpr double kMemoryRadius = 0.025;
+
+class FieldMemory : public testing::TestWithParam<Method> {
+ protected:
+  FieldMemory() {
+    options_.method = GetParam();
+    options_.radius = kMemoryRadius;
+    options_.leave_out_inside = method_info(GetParam()).iso;
+    if (GetParam() == Method::weight) options_.cell_size = 1;
+  }
+
+  static std::uint64_t peak_of(const ParticleSet& particles, const FieldOptions& options) {
+    const Context context(MemoryBudget(std::uint64_t{1} << 34));
+    EXPECT_TRUE(make_field(particles, options, context));
+    EXPECT_EQ(context.memory().reserved(), 0U);
+    return context.memory().peak();
+  }
+
+  FieldOptions options_;
+};
+
+INSTANTIATE_TEST_SUITE_P(Methods, FieldMemory, testing::Values(Method::weight, Method::sph, Method::anisotropic),
+                         [](const auto& method) { return std::string(word_of(method.param)); });
+
+TEST_P(FieldMemory, OneStrayCostsNextToNothing) {
+  std::vector<glm::dvec3> positions = lattice_ball(kMemoryRadius, 0.6);
+  const std::uint64_t without = peak_of(particles_at(positions), options_);
+  positions.emplace_back(1e5 * kMemoryRadius, -1e5 * kMemoryRadius, 1e5 * kMemoryRadius);
+  EXPECT_LT(static_cast<double>(peak_of(particles_at(positions), options_)), 1.1 * static_cast<double>(without));
+}
+
+TEST_P(FieldMemory, IsReservedWhileTheFieldLives) {
+  const ParticleSet particles = particles_at(lattice_ball(kMemoryRadius, 0.4));
+  const Context context(MemoryBudget(std::uint64_t{1} << 34));
+  {
+    const auto made = make_field(particles, options_, context);
+    ASSERT_TRUE(made) << made.error().message;
+    const std::uint64_t blocks = samples_of(*made).blocks.size();
+    EXPECT_EQ(context.memory().reserved(), blocks * (512 * sizeof(float) + sizeof(field::SparseBlock)) +
+                                               samples_of(*made).tiles.size() * sizeof(field::SparseTile));
+  }
+  EXPECT_EQ(context.memory().reserved(), 0U);
+  const std::uint64_t peak = context.memory().peak();
+  EXPECT_TRUE(make_field(particles, options_, Context(MemoryBudget(peak))));
+  const Context little(MemoryBudget(peak - 1));
+  const auto refused = make_field(particles, options_, little);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().hint.remedy, Remedy::raise_memory_limit) << refused.error().message;
+  EXPECT_NE(refused.error().message.find("test.ply"), std::string::npos) << refused.error().message;
+  EXPECT_EQ(little.memory().reserved(), 0U);
+}
+
+TEST_P(FieldMemory, ACancelledFieldLeavesNothing) {
+  const ParticleSet particles = particles_at(lattice_ball(kMemoryRadius, 0.2));
+  options_.radius.reset();
+  const Context context;
+  context.cancel();
+  const auto refused = make_field(particles, options_, context);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, ErrorKind::cancelled);
+  EXPECT_EQ(context.memory().reserved(), 0U);
+  const auto statistics = measure_statistics(particles, context);
+  ASSERT_FALSE(statistics);
+  EXPECT_EQ(statistics.error().kind, ErrorKind::cancelled);
+  const std::vector<glm::dvec3> vertices(1, glm::dvec3(0));
+  const auto sampled = sample_attributes(particles, {}, vertices, kMemoryRadius, 2, context);
+  ASSERT_FALSE(sampled);
+  EXPECT_EQ(sampled.error().kind, ErrorKind::cancelled);
+  EXPECT_EQ(context.memory().reserved(), 0U);
+}
+
+}  // namespace
+}  // namespace isoextract::points

@@ -1,0 +1,320 @@
+// Fields of kernels: against sums over all particles, for all thread counts, and where particles lie badly.
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "points/detail/symmetric_eigen.hpp"
+#include "unit/points/particles.hpp"
+
+namespace isoextract::points {
+namespace {
+
+constexpr double kRadius = 0.025;
+
+// The cubic spline in SI units as textbooks print it, support h.
+double textbook_kernel(double r, double h) {
+  const double q = 2 * r / h;
+  const double scale = 8 / (h * h * h);
+  if (q < 1) return scale * 3 / (2 * std::numbers::pi) * (2.0 / 3 - q * q + 0.5 * q * q * q);
+  if (q < 2) return scale / (4 * std::numbers::pi) * std::pow(2 - q, 3);
+  return 0;
+}
+
+std::vector<double> textbook_densities(const std::vector<glm::dvec3>& positions, double mass, double h) {
+  std::vector<double> densities(positions.size(), 0);
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    for (const glm::dvec3& p : positions) densities[i] += mass * textbook_kernel(glm::length(p - positions[i]), h);
+  }
+  return densities;
+}
+
+// Every stored sample is what `expected` gives in the world, and where nothing is stored it gives nothing.
+template <class F>
+void expect_field(const ParticleField& made, const F& expected, double tolerance) {
+  const field::Affine& world = made.field.index_to_world;
+  std::size_t positive = 0;
+  for_each_sample(made, [&](const glm::ivec3& at, float value) {
+    const double truth = expected(world(glm::dvec3(at)));
+    EXPECT_NEAR(static_cast<double>(value), truth, tolerance * (1 + truth));
+    positive += static_cast<std::size_t>(truth > 1e-9);
+  });
+  EXPECT_GT(positive, 100U);
+  const field::SparseLookup lookup(samples_of(made));
+  for (const field::SparseBlock& block : samples_of(made).blocks) {
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const int side : {-1, 8}) {
+        glm::ivec3 beside = block.origin + 3;
+        beside[axis] = block.origin[axis] + side;
+        if (lookup.block(field::block_origin(beside)) < 0) {
+          EXPECT_LT(expected(world(glm::dvec3(beside))), 1e-9);
+        }
+      }
+    }
+  }
+}
+
+TEST(SphField, IsTheSumOverAllParticles) {
+  for (const double smoothing : {1.3, 2.0}) {
+    for (const double cell : {0.75, 1.9}) {
+      std::vector<glm::dvec3> positions = random_positions(60, 0.3, 21);
+      positions.insert(positions.end(), {positions[3], positions[3], {1.2, -0.4, 0.9}});  // repeated, and alone
+      FieldOptions options;
+      options.radius = kRadius;
+      options.smoothing_length = smoothing;
+      options.cell_size = cell;
+      const ParticleField made = field_of(particles_at(positions), options);
+      const double h = 2 * smoothing * kRadius;
+      const double mass = 1000 * std::pow(2 * kRadius, 3);
+      const std::vector<double> densities = textbook_densities(positions, mass, h);
+      expect_field(
+          made,
+          [&](const glm::dvec3& x) {
+            double sum = 0;
+            for (std::size_t j = 0; j < positions.size(); ++j) {
+              sum += mass / densities[j] * textbook_kernel(glm::length(x - positions[j]), h);
+            }
+            return sum;
+          },
+          1e-5);
+      EXPECT_DOUBLE_EQ(made.figures.support, h);
+      EXPECT_DOUBLE_EQ(made.figures.spacing, cell * kRadius);
+      EXPECT_EQ(made.figures.particles, positions.size());
+    }
+  }
+}
+
+TEST(AnisotropicField, IsWhatTheEquationsSay) {
+  std::vector<glm::dvec3> positions = random_positions(250, 0.3, 22);
+  for (glm::dvec3& p : positions) p.z *= 0.3;  // a sheet
+  positions.emplace_back(1.2, -0.4, 0.9);      // one alone
+  FieldOptions options;
+  options.method = Method::anisotropic;
+  options.radius = kRadius;
+  const AnisotropyOptions& k = options.anisotropy;
+  const double h = 2 * options.smoothing_length * kRadius;
+  const double r = k.neighbourhood * h;
+  const std::vector<double> densities = textbook_densities(positions, 1, h);
+  struct Kernel {
+    glm::dvec3 centre;
+    glm::dmat3 g;
+    double volume;
+  };
+  std::vector<Kernel> kernels;
+  std::size_t flat = 0;
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    double total = 0;
+    glm::dvec3 mean(0);
+    int neighbours = -1;
+    const auto w = [&](std::size_t j) {
+      const double d = glm::length(positions[j] - positions[i]);
+      return d < r ? 1 - std::pow(d / r, 3) : 0;
+    };
+    for (std::size_t j = 0; j < positions.size(); ++j) {
+      total += w(j);
+      mean += w(j) * positions[j];
+      neighbours += static_cast<int>(glm::length(positions[j] - positions[i]) < r);
+    }
+    mean /= total;
+    glm::dmat3 c(0.0);
+    for (std::size_t j = 0; j < positions.size(); ++j) {
+      c += w(j) / total * glm::outerProduct(positions[j] - mean, positions[j] - mean);
+    }
+    const SymmetricEigen eigen = symmetric_eigen(c);
+    glm::dvec3 sigma = k.k_s / (0.15 * r * r) * eigen.values;
+    if (neighbours > k.few && sigma.x >= k.k_n) {
+      sigma = glm::max(sigma, glm::dvec3(sigma.x / k.k_r));
+      flat += static_cast<std::size_t>(sigma.z < 0.5 * sigma.x);
+    } else {
+      sigma = glm::dvec3(k.k_n);
+    }
+    glm::dmat3 g(0.0);
+    for (int n = 0; n < 3; ++n) g += glm::outerProduct(eigen.vectors[n], eigen.vectors[n]) / (h * sigma[n]);
+    kernels.push_back({(1 - k.lambda) * positions[i] + k.lambda * mean, g, 1 / densities[i]});
+  }
+  EXPECT_GT(flat, 100U);
+  expect_field(
+      field_of(particles_at(positions), options),
+      [&](const glm::dvec3& x) {
+        double sum = 0;
+        for (const Kernel& kernel : kernels) {
+          sum += kernel.volume * glm::determinant(kernel.g) *
+                 textbook_kernel(glm::length(kernel.g * (x - kernel.centre)), 1);
+        }
+        return sum;
+      },
+      2e-4);
+}
+
+TEST(ParticleField, IsTheSameForAnyNumberOfThreads) {
+  const ParticleSet particles = particles_at(lattice_ball(kRadius, 0.5, 0.4));
+  for (const Method method : {Method::weight, Method::sph, Method::anisotropic}) {
+    FieldOptions options;
+    options.method = method;
+    options.leave_out_inside = method_info(method).iso;
+    std::optional<ParticleField> first;
+    for (const std::size_t threads : {1U, 2U, 5U}) {
+      const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+      ParticleField made = field_of(particles, options);
+      if (!first) {
+        first = std::move(made);
+        continue;
+      }
+      EXPECT_TRUE(same_samples(samples_of(*first), samples_of(made))) << word_of(method);
+      EXPECT_EQ(first->figures.particles_left_out, made.figures.particles_left_out);
+      EXPECT_EQ(first->figures.radius, made.figures.radius);
+    }
+  }
+}
+
+TEST(ParticleField, SamplesAreSortedBlocksOnMultiplesOfTheSpacing) {
+  std::vector<glm::dvec3> positions = random_positions(50, 0.2, 23);
+  for (glm::dvec3& p : positions) p += glm::dvec3(-7.3, 11.9, 0.01);
+  FieldOptions options;
+  options.radius = kRadius;
+  options.spacing = 0.02;
+  const ParticleField made = field_of(particles_at(positions), options);
+  const field::SparseSamples& samples = samples_of(made);
+  ASSERT_GT(samples.blocks.size(), 10U);
+  std::uint64_t active = 0;
+  glm::ivec3 low(1 << 30);
+  glm::ivec3 high(-(1 << 30));
+  for (std::size_t b = 0; b < samples.blocks.size(); ++b) {
+    const glm::ivec3& o = samples.blocks[b].origin;
+    EXPECT_EQ(o & 7, glm::ivec3(0));
+    if (b > 0) {
+      const glm::ivec3& p = samples.blocks[b - 1].origin;
+      EXPECT_LT(std::tuple(p.x, p.y, p.z), std::tuple(o.x, o.y, o.z));
+    }
+  }
+  for_each_sample(made, [&](const glm::ivec3& at, float value) {
+    if (value == 0) return;
+    ++active;
+    low = glm::min(low, at);
+    high = glm::max(high, at);
+  });
+  EXPECT_EQ(samples.active_voxels, active);
+  EXPECT_EQ(samples.active_box, (field::IndexBox{low, high}));
+  EXPECT_EQ(samples.background, 0);
+  const glm::dvec3 of_spacing = made.field.index_to_world(glm::dvec3(samples.blocks[0].origin)) / 0.02;
+  EXPECT_LT(glm::length(of_spacing - glm::round(of_spacing)), 1e-9);
+}
+
+TEST(ParticleField, AMillionUnitsAwayIsTheSame) {
+  const std::vector<glm::dvec3> positions = random_positions(300, 0.4, 24);
+  FieldOptions options;
+  options.radius = kRadius;
+  options.spacing = 0.0625 / 4;  // so that a move by whole bricks is exact
+  for (const Method method : {Method::sph, Method::anisotropic}) {
+    options.method = method;
+    const ParticleField here = field_of(particles_at(positions), options);
+    const glm::dvec3 offset(1e7, -1e7, 5e6);
+    std::vector<glm::dvec3> moved = positions;
+    for (glm::dvec3& p : moved) p += offset;
+    const ParticleField there = field_of(particles_at(moved), options);
+    ASSERT_EQ(samples_of(here).blocks.size(), samples_of(there).blocks.size());
+    EXPECT_EQ(there.field.index_to_world.offset, here.field.index_to_world.offset + offset);
+    double worst = 0;
+    for (std::size_t b = 0; b < samples_of(here).blocks.size(); ++b) {
+      ASSERT_EQ(samples_of(here).blocks[b].origin, samples_of(there).blocks[b].origin);
+      const auto* p = static_cast<const float*>(samples_of(here).blocks[b].values);
+      const auto* q = static_cast<const float*>(samples_of(there).blocks[b].values);
+      for (int v = 0; v < 512; ++v) worst = std::max(worst, static_cast<double>(std::abs(p[v] - q[v])));
+    }
+    EXPECT_LT(worst, 1e-5) << "a position has a ten-millionth of the radius there";
+  }
+}
+
+TEST(ParticleField, ManyAtOnePlaceAreOne) {
+  for (const Method method : {Method::sph, Method::anisotropic}) {
+    FieldOptions options;
+    options.method = method;
+    options.radius = kRadius;
+    options.anisotropy.few = 1 << 30;  // no matter how many, they are alone
+    const ParticleField one = field_of(particles_at({{0.1, 0.2, 0.3}}), options);
+    const ParticleField many = field_of(particles_at(std::vector<glm::dvec3>(100000, {0.1, 0.2, 0.3})), options);
+    EXPECT_TRUE(same_samples(samples_of(one), samples_of(many))) << "their volumes are shared";
+    options.anisotropy.few = 25;
+    EXPECT_TRUE(same_samples(
+        samples_of(one), samples_of(field_of(particles_at(std::vector<glm::dvec3>(100, {0.1, 0.2, 0.3})), options))));
+  }
+}
+
+TEST(ParticleField, OfNoParticlesIsEmpty) {
+  for (const Method method : {Method::weight, Method::sph, Method::anisotropic}) {
+    FieldOptions options;
+    options.method = method;
+    const ParticleField made = field_of(particles_at({}), options);
+    EXPECT_TRUE(samples_of(made).blocks.empty());
+    EXPECT_EQ(made.figures.particles, 0U);
+    EXPECT_EQ(made.field.source, "test.ply");
+  }
+}
+
+TEST(ParticleField, PositionsThatAreNotFiniteAreToldOrLeftOut) {
+  std::vector<glm::dvec3> positions = random_positions(40, 0.2, 25);
+  FieldOptions options;
+  options.radius = kRadius;
+  const ParticleField sound = field_of(particles_at(positions), options);
+  positions.insert(positions.begin() + 7, {0, std::numeric_limits<double>::quiet_NaN(), 0});
+  positions.emplace_back(std::numeric_limits<double>::infinity(), 0, 0);
+  const auto refused = make_field(particles_at(positions), options);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, ErrorKind::input);
+  EXPECT_NE(refused.error().message.find("particle 7"), std::string::npos) << refused.error().message;
+  options.bad = BadParticles::skip;
+  const ParticleField made = field_of(particles_at(positions), options);
+  EXPECT_EQ(made.figures.particles, 40U);
+  EXPECT_EQ(made.figures.particles_dropped, 2U);
+  EXPECT_TRUE(same_samples(samples_of(sound), samples_of(made)));
+}
+
+TEST(ParticleField, TheRadiusIsHalfTheDistanceOfNeighbours) {
+  FieldOptions options;
+  const ParticleField made = field_of(particles_at(lattice_ball(kRadius, 0.2)), options);
+  EXPECT_NEAR(made.figures.radius, kRadius, 1e-12);
+  EXPECT_TRUE(made.figures.radius_suggested);
+  const auto refused = make_field(particles_at(std::vector<glm::dvec3>(5, {1, 2, 3})), options);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("5 at one place"), std::string::npos) << refused.error().message;
+}
+
+TEST(ParticleField, WhatCannotBeIsRefused) {
+  const ParticleSet particles = particles_at(random_positions(10, 1, 26));
+  const auto refuses = [&](const ParticleSet& set, ErrorKind kind, const char* words, auto change) {
+    FieldOptions options;
+    options.radius = kRadius;
+    change(options);
+    const auto refused = make_field(set, options);
+    ASSERT_FALSE(refused) << words;
+    EXPECT_EQ(refused.error().kind, kind);
+    EXPECT_NE(refused.error().message.find(words), std::string::npos) << refused.error().message;
+  };
+  const auto usage = [&](const char* words, auto change) { refuses(particles, ErrorKind::usage, words, change); };
+  usage("particle radius above 0", [](FieldOptions& o) { o.radius = -1; });
+  usage("cell size in radii above 0", [](FieldOptions& o) { o.cell_size = 0; });
+  usage("spacing of the samples above 0", [](FieldOptions& o) { o.spacing = std::nan(""); });
+  usage("found both", [](FieldOptions& o) { o.spacing = o.cell_size = 1; });
+  usage("smoothing length", [](FieldOptions& o) { o.smoothing_length = 0; });
+  usage("weight above 0", [](FieldOptions& o) { o.weight = -0.1; });
+  usage("lambda", [](FieldOptions& o) { o.anisotropy.lambda = 1.1; });
+  usage("k_r", [](FieldOptions& o) { o.anisotropy.k_r = 0.9; });
+  usage("k_s", [](FieldOptions& o) { o.anisotropy.k_s = 0; });
+  usage("k_n", [](FieldOptions& o) { o.anisotropy.k_n = -1; });
+  usage("neighbours that are few", [](FieldOptions& o) { o.anisotropy.few = -1; });
+  usage("neighbourhood", [](FieldOptions& o) { o.anisotropy.neighbourhood = 0; });
+  usage("finite iso value", [](FieldOptions& o) { o.leave_out_inside = std::nan(""); });
+  usage("as far apart as a kernel reaches", [](FieldOptions& o) { o.cell_size = 4.5; });
+  const auto input = [&](const std::vector<glm::dvec3>& at, const char* words) {
+    refuses(particles_at(at), ErrorKind::input, words, [](FieldOptions&) {});
+  };
+  input({{0, 0, 0}, {1e8, 0, 0}}, "which is more than");
+  input({{-1e308, 0, 0}, {1e308, 0, 0}}, "which is more than");
+  input({{1e14, 0, 0}, {1e14, 1, 0}}, "cannot be told apart");
+}
+
+}  // namespace
+}  // namespace isoextract::points
