@@ -175,8 +175,8 @@ Result<ParticleField> make_field(const ParticleSet& particles, const FieldOption
   const bool weighs = options.method == Method::weight;
   auto frame = index_frame(particles, bounds, figures.spacing, weighs ? 1 : support);
   if (!frame) return tl::unexpected(frame.error());
-  auto grid = CellGrid::make(positions, *frame, weighs ? kBrickSide : std::max(support, 2.0),
-                             CellGrid::Coinciding::merged, context, particles.label);
+  auto grid = CellGrid::make(positions, *frame, weighs ? 1 : std::max(support, 2.0), CellGrid::Coinciding::merged,
+                             context, particles.label);
   if (!grid) return tl::unexpected(grid.error());
   BrickCounts counts;
   auto samples = weighs ? fill_bricks(WeightBricks(*grid, options.deposit, options.weight), std::nullopt, kInside,
