@@ -28,10 +28,13 @@ constexpr std::uint64_t kFan = 6;
 // What keeps its name to shading, lights and pictures.
 constexpr std::array<std::string_view, 6> kShadingExtensions{"KHR_materials_", "KHR_texture_", "EXT_texture_",
                                                              "MSFT_texture_",  "KHR_lights_",  "EXT_lights_"};
-constexpr std::string_view kQuantization = "KHR_mesh_quantization";
+// What is read.
+constexpr std::array<std::string_view, 3> kPackingExtensions{kDracoExtension, kQuantizationExtension,
+                                                             kMeshoptExtension};
 
 bool changes_triangles(std::string_view extension) {
-  return extension != kQuantization && extension != "KHR_xmp_json_ld" &&
+  return std::ranges::find(kPackingExtensions, extension) == kPackingExtensions.end() &&
+         extension != "KHR_xmp_json_ld" &&
          std::none_of(kShadingExtensions.begin(), kShadingExtensions.end(),
                       [&](std::string_view start) { return extension.starts_with(start); });
 }
@@ -94,12 +97,12 @@ class ModelReader {
     for (const json& extension : *required) {
       const std::string_view name =
           extension.is_string() ? std::string_view(extension.get_ref<const std::string&>()) : "";
-      has_quantised_ = has_quantised_ || name == kQuantization;
+      has_quantised_ = has_quantised_ || name == kQuantizationExtension;
       if (!name.empty() && !changes_triangles(name)) continue;
       throw DamagedMesh(
           fmt::format("expected glTF whose triangles need no extension to be read, found that it requires {}",
                       shown(extension)),
-          "write it without compressed or instanced meshes");
+          "write it without instanced meshes");
     }
   }
 
@@ -314,6 +317,7 @@ class ModelReader {
     if (attributes == primitive.end() || !attributes->is_object()) {
       throw DamagedMesh(fmt::format("expected 'attributes' of a primitive, found {}", shown(primitive)));
     }
+    const bool is_soup = data_->unpack_draco(primitive);
     const GltfView places = data_->view(whole(*attributes, "POSITION"), "VEC3", 3);
     const bool is_quantised = places.component >= kGltfByte && places.component <= kGltfUnsignedShort;
     if (places.component != kGltfFloat && !(has_quantised_ && is_quantised)) {
@@ -323,7 +327,7 @@ class ModelReader {
     const std::size_t first_triangle = surface_.triangles.size();
     require_vertex_count(first_vertex + places.count);
     const std::vector<GltfView> views = attribute_views(*attributes, places.count);
-    if (primitive.contains("indices")) {
+    if (primitive.contains("indices") && !is_soup) {
       source_.memory.make_room(surface_.positions, places.count);
       for (std::uint64_t v = 0; v < places.count; ++v) surface_.positions.push_back(places.point(v));
       add_values(views, places.count, [](std::uint64_t v) { return v; });

@@ -34,6 +34,14 @@ mesh::LocalBounds measure_corner_bounds(const mesh::Mesh& mesh) {
       join);
 }
 
+// Where packed positions are relative to.
+void place_packed(const GltfPackedPart& packed, tinygltf::Node& node) {
+  const glm::dvec3& origin = packed.translation;
+  node.translation.clear();
+  if (origin != glm::dvec3(0)) node.translation = {origin.x, origin.y, origin.z};
+  if (packed.scale != 1) node.scale.assign(3, packed.scale);
+}
+
 }  // namespace
 
 void GltfModel::add(const GltfPart& part) {
@@ -47,11 +55,14 @@ void GltfModel::add(const GltfPart& part) {
   node.name = name;
   const glm::dvec3& origin = part.mesh->origin;
   if (origin != glm::dvec3(0)) node.translation = {origin.x, origin.y, origin.z};
+  if (part.packed != nullptr) place_packed(*part.packed, node);
   if (part.layout != GltfPart::Layout::nothing) {
     node.mesh = static_cast<int>(model_.meshes.size());
     tinygltf::Mesh mesh;
     mesh.name = name;
-    mesh.primitives.push_back(part.layout == GltfPart::Layout::split ? split(part) : indexed(part));
+    mesh.primitives.push_back(part.packed != nullptr                   ? packed(*part.packed, part.has_colours())
+                              : part.layout == GltfPart::Layout::split ? split(part)
+                                                                       : indexed(part));
     model_.meshes.push_back(std::move(mesh));
   }
   scene_.nodes.push_back(static_cast<int>(model_.nodes.size()));
@@ -86,6 +97,7 @@ std::string GltfModel::json(const std::string& uri, int indent, Notes& notes) {
     buffer["byteLength"] = offset_;
     if (!uri.empty()) buffer["uri"] = uri;
   }
+  if (!meshopt_views_.empty()) describe_packed_views(document);
   return document.dump(indent);
 }
 

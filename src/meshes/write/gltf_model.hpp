@@ -5,10 +5,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include <tiny_gltf.h>
+#include <nlohmann/json_fwd.hpp>
 
 #include "mesh/metrics.hpp"
+#include "meshes/write/gltf_packed_part.hpp"
 #include "meshes/write/gltf_part.hpp"
 #include "meshes/write/mesh_format_writers.hpp"
 
@@ -36,12 +39,30 @@ class GltfModel {
   tinygltf::Primitive indexed(const GltfPart& part);
   tinygltf::Primitive triangles(bool colours);
 
+  // Of packed parts; gltf_packed_model.cpp.
+  tinygltf::Primitive packed(const GltfPackedPart& part, bool colours);
+  int packed_view(const GltfPackedView& source);
+  int packed_accessor(const GltfPackedAccessor& source, int first_view);
+  void use_extension(const std::string& name);
+  // What the library has no members for: packed views, and the buffer that they become.
+  void describe_packed_views(nlohmann::json& document) const;
+
   tinygltf::Model model_;
   tinygltf::Scene scene_;
   std::uint64_t offset_ = 0;
   std::array<int, 2> materials_{-1, -1};  // without colours, with colours; -1: not made yet
   bool has_split_ = false;
-  Notes notes_;  // of the meshes' names
+  struct MeshoptView {
+    int view;  // of the buffer that is not there, and stands for what is unpacked
+    std::uint64_t offset;
+    std::uint64_t bytes;
+    std::uint64_t count;
+    std::size_t stride;
+    MeshoptMode mode;
+  };
+  std::vector<MeshoptView> meshopt_views_;
+  std::uint64_t unpacked_bytes_ = 0;  // of that buffer
+  Notes notes_;                       // of the meshes' names
 };
 
 }  // namespace isoextract::meshes

@@ -98,7 +98,7 @@ std::string why_lost(const mesh::Mesh& mesh, MeshFormat format) {
     return fmt::format("expected a place of finite coordinates, found ({}, {}, {})", mesh.origin.x, mesh.origin.y,
                        mesh.origin.z);
   }
-  if (format == MeshFormat::stl) return why_lost<float>(mesh, "float32");
+  if (format == MeshFormat::stl || format == MeshFormat::drc) return why_lost<float>(mesh, "float32");
   const bool is_gltf = format == MeshFormat::glb || format == MeshFormat::gltf;
   if (is_gltf && largest(mesh.origin) > kLargestFloat) {
     return fmt::format("expected a translation of a node that float32 holds, found one by {:.6g}",
