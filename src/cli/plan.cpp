@@ -67,6 +67,41 @@ Result<meshes::MeshFormat> plan_format(const ConvertFlags& flags) {
   return format_of_path(*flags.output, "choose the format with --format");
 }
 
+Result<convert::PackingOptions> plan_packing(const ConvertFlags& flags, meshes::MeshFormat format) {
+  const std::string_view name = meshes::mesh_format_info(format).name;
+  const bool is_drc = format == meshes::MeshFormat::drc;
+  if (!is_gltf(format)) {
+    const std::string_view option = flags.draco && !is_drc ? "--draco"
+                                    : flags.quantize       ? "--quantize"
+                                    : flags.meshopt        ? "--meshopt"
+                                                           : "";
+    if (!option.empty()) {
+      return usage(fmt::format("{} does not go with {}, which has no such packing", option, name),
+                   is_drc ? "drc is Draco's already; glb and gltf have it" : "glb and gltf have it");
+    }
+  }
+  const bool draco = flags.draco || is_drc;
+  const std::string_view by_draco = flags.draco ? "--draco" : "drc";
+  if (draco && flags.meshopt) {
+    return usage("--draco and --meshopt exclude each other: a mesh is compressed once", "leave out one of them");
+  }
+  if (draco && flags.quantize) {
+    return usage("--draco and --quantize exclude each other: Draco rounds positions by itself, to the bits it is given",
+                 "--draco=16 has as many bits as --quantize");
+  }
+  if (draco && flags.optimize_order) {
+    return usage(fmt::format("--optimize-order does not go with {}: Draco has an order of its own", by_draco),
+                 "leave it out");
+  }
+  convert::PackingOptions packing;
+  packing.quantize = flags.quantize;
+  packing.optimize_order = flags.optimize_order;
+  if (draco) packing.compression = meshes::Compression::draco;
+  if (flags.meshopt) packing.compression = meshes::Compression::meshopt;
+  if (flags.draco) packing.position_bits = *flags.draco;
+  return packing;
+}
+
 convert::SurfaceOptions plan_surface(const SurfaceFlags& flags) {
   convert::SurfaceOptions surface;
   surface.method = flags.method.value_or(surface.method);
@@ -228,6 +263,9 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& flags) {
   job.normals = *normals;
   job.format = *format;
   job.ascii = flags.ascii;
+  const auto packing = plan_packing(flags, *format);
+  if (!packing) return tl::unexpected(packing.error());
+  job.packing = *packing;
 
   auto placement = plan_placement(flags.placement, *format, plan.notes);
   if (!placement) return tl::unexpected(placement.error());
@@ -306,7 +344,7 @@ Result<VerifyPlan> plan_verify(const VerifyFlags& flags) {
     if (!given) return tl::unexpected(given.error());
     format = *given;
   }
-  plan.float32_world = format == meshes::MeshFormat::stl;
+  plan.float32_world = format == meshes::MeshFormat::stl || format == meshes::MeshFormat::drc;
   auto placement = plan_placement(flags.placement, format, plan.notes);
   if (!placement) return tl::unexpected(placement.error());
   plan.source.placement = std::move(*placement);

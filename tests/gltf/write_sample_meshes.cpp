@@ -20,6 +20,7 @@ struct Sample {
   std::function<std::vector<mesh::Mesh>()> make;
   bool flat_normals = false;
   bool ascii = false;
+  meshes::MeshPacking packing = {};
 };
 
 template <class... Meshes>
@@ -41,6 +42,39 @@ mesh::Mesh with_attributes(mesh::ComponentType colour, std::size_t components) {
   add_attribute(mesh, "label", mesh::ComponentType::u8, 1);
   add_attribute(mesh, "way", mesh::ComponentType::i16, 3, true);
   return mesh;
+}
+
+meshes::MeshPacking packing(meshes::Compression compression, bool quantize, bool optimize_order = false) {
+  meshes::MeshPacking packing;
+  packing.compression = compression;
+  packing.quantize = quantize;
+  packing.optimize_order = optimize_order;
+  packing.voxel = 0.1;
+  return packing;
+}
+
+// Every way of packing, with vertices of their own for each triangle and without.
+std::vector<Sample> packed_samples() {
+  using meshes::Compression;
+  const glm::dvec3 far(4e4 + 1.0 / 3, -7e4, 1.0 / 7);
+  const std::vector<std::pair<std::string, meshes::MeshPacking>> ways{
+      {"draco", packing(Compression::draco, false)},
+      {"quantized", packing(Compression::none, true)},
+      {"meshopt", packing(Compression::meshopt, false)},
+      {"meshopt_quantized", packing(Compression::meshopt, true)},
+      {"meshopt_quantized_ordered", packing(Compression::meshopt, true, true)},
+      {"ordered", packing(Compression::none, false, true)}};
+  std::vector<Sample> samples;
+  for (const auto& [name, way] : ways) {
+    samples.push_back({name, [] { return list(sphere(24, true)); }, false, false, way});
+    samples.push_back({name + "_flat", [] { return list(sphere(24, false)); }, true, false, way});
+    samples.push_back({name + "_far", [far] { return list(sphere(24, true, "far", far)); }, false, false, way});
+    samples.push_back(
+        {name + "_attributes",
+         [] { return list(with_attributes(mesh::ComponentType::u8, 3), nothing("none"), one_triangle()); }, false,
+         false, way});
+  }
+  return samples;
 }
 
 std::vector<Sample> samples() {
@@ -72,10 +106,13 @@ std::vector<Sample> samples() {
 bool write(const Sample& sample, const meshes::MeshFormatInfo& format, const std::filesystem::path& folder) {
   const std::vector<mesh::Mesh> meshes = sample.make();
   if ((meshes.size() != 1 && !format.holds_several_meshes) || (sample.ascii && !format.has_ascii)) return true;
+  if (!meshes::check_packing(sample.packing, format.format)) return true;
+  if (format.format == meshes::MeshFormat::drc && (meshes[0].triangles.empty() || sample.name == "far")) return true;
   // One folder a format: the .bin of one model must not have the name of another's.
   const std::filesystem::path path = folder / format.name / (sample.name + "." + std::string(format.name));
   std::filesystem::create_directories(path.parent_path());
-  const auto written = meshes::write_meshes(meshes, path, {format.format, sample.flat_normals, sample.ascii});
+  const auto written =
+      meshes::write_meshes(meshes, path, {format.format, sample.flat_normals, sample.ascii, sample.packing});
   if (!written) std::fprintf(stderr, "%s\n", written.error().message.c_str());
   return written.has_value();
 }
@@ -88,7 +125,9 @@ int main(int argc, char** argv) {
     return 1;
   }
   bool good = true;
-  for (const Sample& sample : samples()) {
+  std::vector<Sample> all = samples();
+  for (Sample& sample : packed_samples()) all.push_back(std::move(sample));
+  for (const Sample& sample : all) {
     for (const meshes::MeshFormatInfo& format : meshes::mesh_formats()) good = write(sample, format, argv[1]) && good;
   }
   return good ? 0 : 1;

@@ -54,6 +54,7 @@ class GltfData {
   // Unpacks a primitive that KHR_draco_mesh_compression packed, so that view() finds the values of its accessors. True
   // where no two of its triangles share a vertex: vertices then come three a triangle, and there is no use for indices.
   bool unpack_draco(const nlohmann::json& primitive);
+  [[nodiscard]] bool is_unpacked(std::uint64_t accessor) const { return made_views_.contains(accessor); }
 
  private:
   void load_buffer(const nlohmann::json& buffer, std::uint64_t index, std::span<const std::byte> binary);

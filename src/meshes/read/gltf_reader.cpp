@@ -159,7 +159,8 @@ class ModelReader {
     constexpr std::array<std::string_view, mesh::kMaxComponents> kTypes{"SCALAR", "VEC2", "VEC3", "VEC4"};
     const std::string_view type = text_of(accessor, "type");
     const auto* found = std::find(kTypes.begin(), kTypes.end(), type);
-    const bool has_values = accessor.contains("bufferView") || accessor.contains("sparse");
+    const bool has_values = accessor.contains("bufferView") || accessor.contains("sparse") ||
+                            data_->is_unpacked(index.get<std::uint64_t>());
     if (found == kTypes.end() || !has_values) {
       surface_.notes.push_back(fmt::format("the attribute '{}' was left out: {}", files::printable(semantic, 40),
                                            has_values ? "its values are no numbers or vectors" : "it has no values"));

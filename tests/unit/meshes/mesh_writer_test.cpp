@@ -42,7 +42,7 @@ INSTANTIATE_TEST_SUITE_P(All, MeshWriterRefusal,
                                          Refusal{"AsciiObj", MeshFormat::obj, 1, true, "a.obj", "ply, stl"},
                                          Refusal{"TwoInPly", MeshFormat::ply, 2, false, "a.ply", "glb, gltf, obj"},
                                          Refusal{"TwoInStl", MeshFormat::stl, 2, false, "a.stl", "glb, gltf, obj"},
-                                         Refusal{"GltfToStdout", MeshFormat::gltf, 1, false, "-", "glb, ply, obj, stl"},
+                                         Refusal{"GltfToStdout", MeshFormat::gltf, 1, false, "-", "glb, ply, obj, stl, drc"},
                                          Refusal{"GltfToDevice", MeshFormat::gltf, 1, false, "/dev/null", "glb"},
                                          Refusal{"GltfNamedBin", MeshFormat::gltf, 1, false, "a.bin", ".gltf"}),
                          [](const auto& test) { return test.param.name; });
