@@ -107,7 +107,7 @@ bool write(const Sample& sample, const meshes::MeshFormatInfo& format, const std
   const std::vector<mesh::Mesh> meshes = sample.make();
   if ((meshes.size() != 1 && !format.holds_several_meshes) || (sample.ascii && !format.has_ascii)) return true;
   if (!meshes::check_packing(sample.packing, format.format)) return true;
-  if (format.format == meshes::MeshFormat::drc && (meshes[0].triangles.empty() || sample.name == "far")) return true;
+  if (format.format == meshes::MeshFormat::drc && meshes[0].triangles.empty()) return true;
   // One folder a format: the .bin of one model must not have the name of another's.
   const std::filesystem::path path = folder / format.name / (sample.name + "." + std::string(format.name));
   std::filesystem::create_directories(path.parent_path());
