@@ -34,12 +34,6 @@ std::uint64_t hash_of(std::span<const std::byte> value, std::uint64_t seed) {
 
 std::uint64_t hash_of(const glm::uvec3& n) { return splitmix64(splitmix64(splitmix64(n.x) + n.y) + n.z); }
 
-double degrees_between(const glm::vec3& a, const glm::vec3& b) {
-  const glm::dvec3 x(a);
-  const glm::dvec3 y(b);
-  return std::atan2(glm::length(glm::cross(x, y)), glm::dot(x, y)) * 180 / std::numbers::pi;
-}
-
 // Compares a mesh with what was unpacked. With normals of faces the mesh's vertices are the corners of its triangles.
 class Comparison {
  public:

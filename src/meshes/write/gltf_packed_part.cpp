@@ -23,10 +23,6 @@ using ByteVector = glm::vec<3, std::int8_t>;
 // glTF 2.0, 3.6.2.2: the fraction that a normalised byte stands for.
 constexpr float kByteOne = 127;
 
-double degrees_between(const glm::dvec3& a, const glm::dvec3& b) {
-  return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * 180 / std::numbers::pi;
-}
-
 // Views and accessors of a mesh whose values keep their places: quantised, packed by meshoptimizer, or both.
 class ViewPacking {
  public:

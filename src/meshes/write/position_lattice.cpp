@@ -18,7 +18,7 @@ constexpr std::uint64_t kShortBits = 16;
 constexpr int kFloatDigits = std::numeric_limits<float>::digits;
 constexpr int kDoubleDigits = std::numeric_limits<double>::digits;
 
-double largest(const glm::dvec3& v) { return std::max({v.x, v.y, v.z}); }
+double greatest(const glm::dvec3& v) { return std::max({v.x, v.y, v.z}); }
 
 // The greatest power of two that is not above `size`.
 double power_below(double size) { return std::exp2(std::floor(std::log2(size))); }
@@ -29,15 +29,15 @@ double step_with_digits(double size, int digits) { return size > 0 ? std::ldexp(
 glm::dvec3 nearest(const glm::dvec3& position, double step) { return glm::floor(position / step + 0.5); }
 
 double choose_step(const MeshPacking& packing, const mesh::Bounds& box, LatticeUse use, std::uint64_t bits) {
-  const double extent = largest(box.max - box.min);
-  const double farthest = largest(glm::max(glm::abs(box.min), glm::abs(box.max)));
+  const double extent = greatest(box.max - box.min);
+  const double farthest = greatest(glm::max(glm::abs(box.min), glm::abs(box.max)));
   // Half steps are counted, too.
   double least = std::max({step_with_digits(farthest, kDoubleDigits - 1), std::ldexp(1.0, -126)});
   if (use == LatticeUse::float_world) least = std::max(least, step_with_digits(farthest, kFloatDigits));
   if (!packing.position_bits && packing.voxel > 0) least = std::max(least, power_below(packing.voxel / kStepsOfVoxel));
   double step = std::max(least, step_with_digits(extent, static_cast<int>(bits)));
   const double most = std::exp2(static_cast<double>(bits)) - 1;
-  while (largest(nearest(box.max, step) - nearest(box.min, step)) > most) step *= 2;
+  while (greatest(nearest(box.max, step) - nearest(box.min, step)) > most) step *= 2;
   return step;
 }
 
@@ -73,7 +73,7 @@ PositionLattice choose_lattice(const MeshPacking& packing, const mesh::Bounds& b
   lattice.last = glm::uvec3(end - lattice.first);
   lattice.bits =
       std::max(1, static_cast<int>(std::bit_width(std::max({lattice.last.x, lattice.last.y, lattice.last.z}))));
-  const double farthest = largest(glm::max(glm::abs(lattice.first), glm::abs(end)));
+  const double farthest = greatest(glm::max(glm::abs(lattice.first), glm::abs(end)));
   const bool is_exact = use != LatticeUse::short_positions && farthest <= std::ldexp(1.0, kFloatDigits);
   if (!is_exact && use != LatticeUse::float_world) lattice.origin = lattice.first * lattice.step;
   return lattice;
@@ -95,7 +95,7 @@ Result<LatticePositions> put_on_lattice(const mesh::Mesh& mesh, const PositionLa
           const bool inside =
               glm::all(glm::greaterThanEqual(number, glm::dvec3(0))) && glm::all(glm::lessThanEqual(number, last));
           const glm::dvec3 by = glm::abs(point * lattice.step - position);
-          sum = sum + Moved{largest(by), glm::dot(by, by), !inside};
+          sum = sum + Moved{greatest(by), glm::dot(by, by), !inside};
           result.numbers[v] = inside ? glm::uvec3(number) : glm::uvec3(0);
         }
         return sum;
