@@ -16,7 +16,7 @@ build_packages=(
   g++ cmake ninja-build pkg-config
   libtbb-dev libimath-dev libblosc-dev
   libteem-dev libnifti2-dev zlib1g-dev
-  libtinygltf-dev nlohmann-json3-dev
+  libtinygltf-dev nlohmann-json3-dev libdraco-dev libmeshoptimizer-dev
   libepoxy-dev libegl1 libopengl0 libegl-mesa0 libgl1-mesa-dri
   libxxhash-dev libglm-dev libhwy-dev libcli11-dev libfmt-dev libspdlog-dev libexpected-dev
 )

@@ -84,7 +84,7 @@ HelpTopic coordinates_topic() {
             "replace what the file says.",
             {}},
            {"Only for glb and gltf, whose standard prescribes that y points up, the world is turned: with --up z, "
-            "the default, (x, y, z) becomes (x, z, -y). With --up y the input's axes are kept. ply, obj and stl "
+            "the default, (x, y, z) becomes (x, z, -y). With --up y the input's axes are kept. ply, obj, stl and drc "
             "prescribe nothing, and always keep the input's axes. compare takes the turn back where it gets one mesh "
             "of each kind, unless its --up says y.",
             {}},

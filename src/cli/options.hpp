@@ -116,6 +116,11 @@ struct ConvertFlags {
   std::optional<std::string> output;
   std::optional<meshes::MeshFormat> format;
   bool ascii = false;
+  // Of --draco: its bits, or nothing in it where the voxel says.
+  std::optional<std::optional<std::uint64_t>> draco;
+  bool quantize = false;
+  bool meshopt = false;
+  bool optimize_order = false;
   std::optional<field::Interpolation> error;
   bool verify = false;
   bool explain = false;

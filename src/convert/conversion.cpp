@@ -15,6 +15,7 @@
 #include "base/machine.hpp"
 #include "base/stopwatch.hpp"
 #include "convert/detail/recorder.hpp"
+#include "convert/mesh_packing.hpp"
 #include "convert/output_checks.hpp"
 #include "convert/source.hpp"
 #include "field/statistics.hpp"
@@ -87,10 +88,7 @@ class Conversion {
 
   // One surface is made, written and let go after the other, where the format allows.
   Result<void> write(const OutputFileJob& output) {
-    OutputFile file{{output, {}, 0, 0, {}, {}},
-                    meshes::MeshWriter(output.path, {job_.format, job_.normals == Normals::flat, job_.ascii}, context_),
-                    {},
-                    {}};
+    OutputFile file{{output, {}, 0, 0, {}, {}}, meshes::MeshWriter(output.path, write_options(), context_), {}, {}};
     for (const double iso : output.isos) {
       if (auto go_on = context_.check(); !go_on) return go_on;
       auto surface = make_surface(iso);
@@ -100,6 +98,10 @@ class Conversion {
       if (auto added = add(std::move(**surface), file); !added) return added;
     }
     return file.written.isos.empty() ? leave_out(output) : finish(file);
+  }
+
+  [[nodiscard]] meshes::MeshWriteOptions write_options() const {
+    return {job_.format, job_.normals == Normals::flat, job_.ascii, mesh_packing(job_.packing, source_)};
   }
 
   // Nothing where it is empty and empty surfaces are skipped.
@@ -219,12 +221,21 @@ class Conversion {
     auto result = file.writer.finish();
     if (!result) return tl::unexpected(std::move(result.error()));
     file.written.files = std::move(result->files);
+    tell_packed(file.written, result->packed);
     file.written.time += watch.elapsed();
     if (extras_.mesh_facts) events_.recorded(file.records, file.recording);
     for (const std::string& text : result->notes) events_.note(text);
     tell_skipped(file.written.job, file.written.isos, "");
     events_.written(file.written);
     return {};
+  }
+
+  void tell_packed(const WrittenOutput& written, const std::vector<meshes::PackedFacts>& packed) {
+    for (std::size_t m = 0; m < packed.size(); ++m) {
+      if (packed[m].bytes_before == 0) continue;  // it has no triangles
+      events_.packed(
+          {written.isos[m], written.job.path, job_.packing, shortest_voxel_side(source_.output_from_index), packed[m]});
+    }
   }
 
   // An old file of that name would pass for what this run made, among the frames of a sequence for example.

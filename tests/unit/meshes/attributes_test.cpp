@@ -173,7 +173,7 @@ TEST_F(AttributeTest, WhatAFormatCannotHoldIsToldOf) {
        {Form{"a.obj", {MeshFormat::obj, false, false}}, Form{"a.stl", {MeshFormat::stl, false, false}}}) {
     const auto written = write(copy(mesh), form);
     ASSERT_EQ(written.notes.size(), 1U);
-    EXPECT_NE(written.notes[0].find("'wide', 'nan', 'fraction' were left out; glb, gltf, ply keep them"),
+    EXPECT_NE(written.notes[0].find("'wide', 'nan', 'fraction' were left out; glb, gltf, ply, drc keep them"),
               std::string::npos)
         << written.notes[0];
     EXPECT_TRUE(read(form.name).mesh.attributes.empty());

@@ -393,7 +393,7 @@ TEST_F(MeshReaderTest, DamagedStl) {
 
 TEST_F(MeshReaderTest, OtherFilesAndLimits) {
   expect_error("a.png", "\x89PNG",
-               "expected a mesh (.glb, .gltf, .ply, .obj or .stl), found a file that starts with '\\x89PNG'");
+               "expected a mesh (.glb, .gltf, .ply, .obj, .stl or .drc), found a file that starts with '\\x89PNG'");
   EXPECT_FALSE(read_mesh(folder_ / "missing.ply"));
   const auto meshes = test::one(test::sphere(9, false));
   for (const MeshFormatInfo& info : mesh_formats()) {
