@@ -136,6 +136,7 @@ class Conversion {
   [[nodiscard]] extract::ExtractOptions extract_options(double iso) const {
     extract::ExtractOptions options = source_.extract_options(job_.surface, iso);
     options.smooth_normals = job_.normals == Normals::smooth;
+    options.shared_frame = write_options().packing.quantizes();
     options.edge_keys = job_.verify && method().traits.vertices_on_edges;
     return options;
   }

@@ -44,7 +44,9 @@ struct ExtractOptions {
   bool cap = false;             // close the surface where it leaves the data or the region
   NanPolicy nan = NanPolicy::error;
   std::optional<field::IndexBox> region;  // extract only from cells within this box of samples (clipped to the data)
-  field::Affine output_from_index;        // places the mesh: index_to_world, or that with turns and scales after it
+  bool shared_frame = false;  // regions of one field are relative to one origin, however far it reaches, so that they
+                              // meet bit for bit, with fewer digits (edge_geometry.hpp)
+  field::Affine output_from_index;  // places the mesh: index_to_world, or that with turns and scales after it
 
   friend bool operator==(const ExtractOptions&, const ExtractOptions&) = default;
 };

@@ -17,7 +17,7 @@ DrawnSurface::DrawnSurface(const field::ScalarField& field, const extract::Extra
       context_(context),
       pipeline_(pipeline_of(options.method, tools.options).value()),
       table_(extract::case_table(options.method)),
-      placement_(extract::output_frame(field, options.output_from_index, stored, region, options.cap)) {}
+      placement_(extract::output_frame(field, options, stored, region)) {}
 
 void DrawnSurface::found(const SurfacePlace& place, std::unique_ptr<FieldSource> source) {
   place_ = place;
