@@ -6,7 +6,7 @@ from measuring import commands, error, gpu, record, sequences, simplify, speed, 
 from measuring.tables import table
 
 MEASUREMENTS = {module.NAME: module for module in (speed, commands, threads, gpu, error, topology, stability, simplify,
-                                              sequences)}
+                                                   sequences)}
 
 QUICK = """
 > These figures are of a trial run with small inputs. They show that the script works, and nothing else.
