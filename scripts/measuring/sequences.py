@@ -46,7 +46,7 @@ def demo_frames(setting, rounds):
     frames, size = (6, 32) if setting.quick else (200, 192)
     name = f"demo:metaballs?size={size}&time=0.{{:03}}"
     batch = f"isoextract '{name}' --frames 0-{frames - 1} --iso 0.5 --memory-limit {LIMIT} -q -o 'frames/f_{{:03}}.glb'"
-    loop = (f"for i in $(seq -w 000 {frames - 1:03}); do isoextract \"demo:metaballs?size={size}&time=0.$i\" --iso 0.5 "
+    loop = (f"for i in $(seq -w 000 {frames - 1:03}); do isoextract 'demo:metaballs?size={size}&time=0.'$i --iso 0.5 "
             f"--memory-limit {LIMIT} -q -o frames/f_$i.glb; done")
     cores = record.cores()
     contestants = [("frames side by side", f"{batch} --jobs {cores}", "frames", frames),
@@ -69,17 +69,16 @@ def vdb_frames(setting, rounds):
         (folder / f"copy_{i}.vdb").write_bytes(path.read_bytes().replace(b"fog volume", b"level set "))
     for i in range(frames):
         (folder / f"in_{i:03}.vdb").symlink_to(f"copy_{i % len(found)}.vdb")
-    ours = "isoextract 'vdb/in_{:03}.vdb' --grid density --iso 0.5 -q -o 'frames/f_{:03}.ply'"
+    surface, mesh = "--grid density --iso 0.5 -q", "-ls2mesh adapt=0 iso=0.5"
     numbers = f"$(seq -w 000 {frames - 1:03})"
-    mesh = "-ls2mesh adapt=0 iso=0.5"
-    contestants = [
-        ("isoextract, all in one run", ours, "frames", frames),
-        ("isoextract, a loop", f"for i in {numbers}; do isoextract vdb/in_$i.vdb --grid density --iso 0.5 -q -o frames/f_$i.ply; done",
-         "frames", frames),
-        ("vdb_tool, all in one run", f"vdb_tool -quiet -for n=0,{frames} -read grids=density 'vdb/in_{{$n:3:pad0}}.vdb' {mesh} "
-         "-write 'frames/f_{$n:3:pad0}.ply' -end", "frames", frames),
-        ("vdb_tool, a loop", f"for i in {numbers}; do vdb_tool -quiet -read grids=density vdb/in_$i.vdb {mesh} "
-         "-write frames/f_$i.ply; done", "frames", frames)]
+    commands = {
+        "isoextract, all in one run": f"isoextract 'vdb/in_{{:03}}.vdb' {surface} -o 'frames/f_{{:03}}.ply'",
+        "isoextract, a loop": f"for i in {numbers}; do isoextract vdb/in_$i.vdb {surface} -o frames/f_$i.ply; done",
+        "vdb_tool, all in one run": f"vdb_tool -quiet -for n=0,{frames} -read grids=density 'vdb/in_{{$n:3:pad0}}.vdb' "
+                                    f"{mesh} -write 'frames/f_{{$n:3:pad0}}.ply' -end",
+        "vdb_tool, a loop": f"for i in {numbers}; do vdb_tool -quiet -read grids=density vdb/in_$i.vdb {mesh} "
+                            "-write frames/f_$i.ply; done"}
+    contestants = [(name, command, "frames", frames) for name, command in commands.items()]
     return {"frames": frames, "files": [path.name for path in found], "rows": alternate(setting, contestants, rounds)}
 
 
