@@ -39,18 +39,24 @@ cluster_packages=(slurm-wlm munge parallel)
 say() { printf 'setup: %s\n' "$*" >&2; }
 
 wanted=("${build_packages[@]}")
+# Another vendor's nodejs brings its own npm and conflicts with Debian's: whatever is on the PATH serves.
+want_node() {
+  command -v node >/dev/null || wanted+=(nodejs)
+  command -v npm >/dev/null || wanted+=(npm)
+}
 for group in "$@"; do
   case $group in
     build) ;;
     test)
       wanted+=("${test_packages[@]}")
-      # Another vendor's nodejs brings its own npm and conflicts with Debian's: whatever is on the PATH serves.
-      command -v node >/dev/null || wanted+=(nodejs)
-      command -v npm >/dev/null || wanted+=(npm)
+      want_node
       ;;
     fuzz) wanted+=("${fuzz_packages[@]}") ;;
     bench) wanted+=("${bench_packages[@]}") ;;
-    measure) wanted+=("${bench_packages[@]}" "${measure_packages[@]}") ;;
+    measure)
+      wanted+=("${bench_packages[@]}" "${measure_packages[@]}")
+      want_node
+      ;;
     blender) wanted+=("${blender_packages[@]}") ;;
     viewers) wanted+=("${viewers_packages[@]}") ;;
     cluster) wanted+=("${cluster_packages[@]}") ;;

@@ -64,7 +64,7 @@ struct FrameRecord {
                                             const convert::Outcome& outcome);
 
 // Why the frame has to be done again although there is a record of its job: "in.vdb has changed"; empty where all
-// inputs and outputs are what they were, byte by byte.
+// inputs and outputs are what they were, byte by byte. A file's record without inputs is not believed.
 [[nodiscard]] std::string why_again(const FrameRecord& record, const FrameJob& frame);
 
 [[nodiscard]] convert::Json json_of(const FrameRecord& record);
