@@ -23,6 +23,7 @@ class Scheduler {
         options_(options),
         context_(context),
         events_(events),
+        backends_(which.size() > 1 ? &kept_backends_ : nullptr),
         memory_of_one_(options.memory_of_one) {}
 
   BatchCounts run() {
@@ -93,8 +94,9 @@ class Scheduler {
     convert::Events unheard;
     convert::Outcome outcome;
     tbb::task_arena arena(threads);
-    arena.execute(
-        [&] { outcome = convert::run(batch_.frames[frame].job, own, unheard, {.mesh_facts = options_.mesh_facts}); });
+    arena.execute([&] {
+      outcome = convert::run(batch_.frames[frame].job, own, unheard, {.mesh_facts = options_.mesh_facts}, backends_);
+    });
     lock.lock();
     const bool beside_others = place->beside_others;
     running_.erase(place);
@@ -127,6 +129,8 @@ class Scheduler {
   SchedulerOptions options_;
   const Context& context_;
   FrameEvents& events_;
+  convert::KeptBackends kept_backends_;
+  convert::KeptBackends* backends_;  // null for one frame, which leaves nothing to another
 
   std::mutex mutex_;  // of all that follows, of the lists, and while events are told
   std::condition_variable changed_;

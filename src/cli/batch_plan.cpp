@@ -182,8 +182,7 @@ Result<BatchPlan> plan_batch(const ConvertFlags& flags, const char* (*environmen
   plan.frames = batch::frames_of(plan.batch, plan.shard);
 
   const int threads = plan.common.threads.value_or(tbb::this_task_arena::max_concurrency());
-  const bool draws = plan.common.job.backend.backend != convert::Backend::cpu || plan.common.job.verify;
-  plan.jobs = flags.batch.jobs.value_or(draws ? 1 : threads);
+  plan.jobs = flags.batch.jobs.value_or(threads);
   plan.flags = flags.batch;
   if (plan.flags.resume && plan.flags.no_clobber) {
     return usage("--resume and --no-clobber exclude each other", "--resume does only what is not done yet");

@@ -161,8 +161,8 @@ void declare_frames(CLI::App& app, BatchFlags& flags) {
   group.value<std::string>("--iso-table", "FILE", flags.iso_table, parse_text,
                            "Iso values by frame, in place of --iso: a CSV file with the columns frame and iso.");
   group.value("--jobs", "N", flags.jobs, parse_thread_count,
-              "Frames to convert at a time, as far as --memory-limit lets them; they share --threads (default: as "
-              "many as threads; 1 on a GPU). The output does not depend on it.");
+              "Frames to convert at a time, as far as --memory-limit lets them; they share --threads, and a GPU draws "
+              "one after another (default: as many as threads). The output does not depend on it.");
   group.flag("--resume", flags.resume,
              "Do only what is not done: frames whose record, input and output are what the manifest in the folder of "
              "the outputs says are left alone.");

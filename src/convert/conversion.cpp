@@ -34,8 +34,13 @@ int thread_count() {
 class Conversion {
  public:
   Conversion(const ConversionJob& job, const Context& context, Outcome& outcome, Events& listener,
-             const OutcomeExtras& extras)
-      : job_(job), context_(context), outcome_(outcome), events_(outcome, listener), extras_(extras) {}
+             const OutcomeExtras& extras, KeptBackends* kept)
+      : job_(job),
+        context_(context),
+        outcome_(outcome),
+        events_(outcome, listener),
+        extras_(extras),
+        kept_backends_(kept) {}
 
   Result<void> run() {
     if (auto opened = open_backends(); !opened) return opened;
@@ -68,12 +73,16 @@ class Conversion {
   Result<void> open_backends() {
     outcome_.backend = word_of(job_.backend.backend);
     const Stopwatch watch;
-    const gpu::GpuOptions gpu{job_.backend.gpu};
-    auto opened = open_backend(job_.backend.backend, gpu);
+    gpu::GpuOptions gpu{job_.backend.gpu};
+    gpu.keep_samples = job_.isos().size() > 1;
+    const auto open = [&](Backend backend) {
+      return kept_backends_ != nullptr ? kept_backends_->open(backend, gpu) : open_backend(backend, gpu);
+    };
+    auto opened = open(job_.backend.backend);
     if (!opened) return tl::unexpected(std::move(opened.error()));
     extract_with(std::move(*opened), watch.elapsed());
     if (!job_.verify) return {};
-    opened = open_backend(extractor_->name() == word_of(Backend::gpu) ? Backend::cpu : Backend::gpu, gpu);
+    opened = open(extractor_->name() == word_of(Backend::gpu) ? Backend::cpu : Backend::gpu);
     if (!opened) return tl::unexpected(std::move(opened.error()));
     other_extractor_ = std::move(opened->extractor);
     return {};
@@ -286,6 +295,7 @@ class Conversion {
   Outcome& outcome_;
   Recorder events_;
   OutcomeExtras extras_;
+  KeptBackends* kept_backends_;  // null where none are kept
   Source source_;
   std::unique_ptr<extract::Extractor> extractor_;
   std::unique_ptr<extract::Extractor> other_extractor_;  // only to verify
@@ -293,13 +303,14 @@ class Conversion {
 
 }  // namespace
 
-Outcome run(const ConversionJob& job, const Context& context, Events& events, const OutcomeExtras& extras) {
+Outcome run(const ConversionJob& job, const Context& context, Events& events, const OutcomeExtras& extras,
+            KeptBackends* kept) {
   const Stopwatch watch;
   Outcome outcome;
   outcome.threads = thread_count();
   Result<void> done;
   try {
-    done = Conversion(job, context, outcome, events, extras).run();
+    done = Conversion(job, context, outcome, events, extras, kept).run();
   } catch (const std::bad_alloc&) {
     done = fail(ErrorKind::input, fmt::format("{}: not enough memory", files::shown_input_name(job.source.input)),
                 Remedy::extract_part);

@@ -55,9 +55,14 @@ struct ExtractOptions {
 struct DeviceStats {
   std::uint64_t bytes_uploaded = 0;    // of samples
   std::uint64_t samples_uploaded = 0;  // those of crossed bricks and around them; again where they were needed again
-  std::uint64_t bytes_captured = 0;    // of triangles
-  std::uint64_t cells_decided = 0;     // ambiguous cells that the host decided
-  StageTime compile;                   // of shaders; none where they were kept from an earlier extraction
+  // Where samples stay on the device for the next extraction: those that were needed and there already, and bricks of
+  // 8 x 8 x 8 of them.
+  std::uint64_t samples_kept = 0;
+  std::uint64_t bricks_uploaded = 0;
+  std::uint64_t bricks_kept = 0;
+  std::uint64_t bytes_captured = 0;  // of triangles
+  std::uint64_t cells_decided = 0;   // ambiguous cells that the host decided
+  StageTime compile;                 // of shaders; none where they were kept from an earlier extraction
   StageTime upload;
   StageTime capture;  // `count` and `emit` below are sums of such stages
   StageTime read_back;
