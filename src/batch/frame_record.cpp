@@ -151,10 +151,13 @@ Result<FrameRecord> record_of(const FrameJob& frame, std::vector<FileRecord> inp
                      figures_of(outcome)};
 }
 
-std::string why_again(const FrameRecord& record, const FrameJob& frame) {
-  if (record.job != convert::hash_of(frame.job)) return "its options have changed";
+std::string what_changed(const FrameRecord& record) {
   std::string changed = changed_one(record.inputs, true);
   return changed.empty() ? changed_one(record.outputs, false) : changed;
+}
+
+std::string why_again(const FrameRecord& record, const FrameJob& frame) {
+  return record.job == convert::hash_of(frame.job) ? what_changed(record) : "its options have changed";
 }
 
 convert::Json json_of(const FrameRecord& record) {

@@ -63,6 +63,9 @@ struct FrameRecord {
 [[nodiscard]] Result<FrameRecord> record_of(const FrameJob& frame, std::vector<FileRecord> inputs,
                                             const convert::Outcome& outcome);
 
+// The first of the record's files that is not what it was, byte by byte: "in.vdb has changed"; empty where all are.
+[[nodiscard]] std::string what_changed(const FrameRecord& record);
+
 // Why the frame has to be done again although there is a record of its job: "in.vdb has changed"; empty where all
 // inputs and outputs are what they were, byte by byte.
 [[nodiscard]] std::string why_again(const FrameRecord& record, const FrameJob& frame);

@@ -33,8 +33,8 @@ int thread_count() {
 class Conversion {
  public:
   Conversion(const ConversionJob& job, const Context& context, Outcome& outcome, Events& listener,
-             const OutcomeExtras& extras)
-      : job_(job), context_(context), outcome_(outcome), events_(outcome, listener), extras_(extras) {}
+             const OutcomeExtras& extras, MeshSink* sink)
+      : job_(job), context_(context), outcome_(outcome), events_(outcome, listener), extras_(extras), sink_(sink) {}
 
   Result<void> run() {
     if (auto opened = open_backends(); !opened) return opened;
@@ -59,6 +59,7 @@ class Conversion {
   struct OutputFile {
     WrittenOutput written;
     meshes::MeshWriter writer;
+    std::vector<mesh::Mesh> held;     // for the sink, which has no writer
     std::vector<MeshRecord> records;  // where they were asked for
     StageTime recording;
   };
@@ -89,6 +90,7 @@ class Conversion {
   Result<void> write(const OutputFileJob& output) {
     OutputFile file{{output, {}, 0, 0, {}, {}},
                     meshes::MeshWriter(output.path, {job_.format, job_.normals == Normals::flat, job_.ascii}, context_),
+                    {},
                     {},
                     {}};
     for (const double iso : output.isos) {
@@ -208,15 +210,28 @@ class Conversion {
     file.written.isos.push_back(surface.iso);
     file.written.triangles += surface.mesh.triangles.size();
     file.written.vertices += surface.mesh.positions.size();
-    auto added = file.writer.add(std::move(surface.mesh));
+    Result<void> added;
+    if (sink_ != nullptr) {
+      file.held.push_back(std::move(surface.mesh));
+    } else {
+      added = file.writer.add(std::move(surface.mesh));
+    }
     file.written.time += watch.elapsed();
     return added;
+  }
+
+  Result<meshes::MeshWriteResult> complete(OutputFile& file) {
+    if (sink_ == nullptr) return file.writer.finish();
+    if (auto taken = sink_->take(file.written.job, std::move(file.held)); !taken) {
+      return tl::unexpected(std::move(taken.error()));
+    }
+    return meshes::MeshWriteResult();
   }
 
   Result<void> finish(OutputFile& file) {
     context_.progress().begin("writing", 0);
     const Stopwatch watch;
-    auto result = file.writer.finish();
+    auto result = complete(file);
     if (!result) return tl::unexpected(std::move(result.error()));
     file.written.files = std::move(result->files);
     file.written.time += watch.elapsed();
@@ -227,8 +242,17 @@ class Conversion {
     return {};
   }
 
-  // An old file of that name would pass for what this run made, among the frames of a sequence for example.
   Result<void> leave_out(const OutputFileJob& output) {
+    const auto removed = sink_ == nullptr ? remove_old_files(output) : Result<std::vector<std::string>>();
+    if (!removed) return tl::unexpected(removed.error());
+    tell_skipped(output, {},
+                 removed->empty() ? "" : fmt::format("; the old {} was removed", fmt::join(*removed, " and ")));
+    events_.written({output, {}, 0, 0, {}, {}});
+    return {};
+  }
+
+  // An old file of that name would pass for what this run made, among the frames of a sequence for example.
+  Result<std::vector<std::string>> remove_old_files(const OutputFileJob& output) {
     std::vector<std::string> removed;
     std::vector<std::string> data;
     if (job_.format == meshes::MeshFormat::gltf) data = meshes::data_file_names(output.path, context_);
@@ -240,10 +264,7 @@ class Conversion {
       if (!gone) return tl::unexpected(std::move(gone.error()));
       if (*gone) removed.push_back(file.string());
     }
-    tell_skipped(output, {},
-                 removed.empty() ? "" : fmt::format("; the old {} was removed", fmt::join(removed, " and ")));
-    events_.written({output, {}, 0, 0, {}, {}});
-    return {};
+    return removed;
   }
 
   // What only a report asks for: finding components and open edges takes longer than to extract the mesh.
@@ -266,7 +287,8 @@ class Conversion {
     if (skipped.empty()) return;
     const std::string path = output.path == "-" ? "stdout" : output.path;
     events_.note(fmt::format("{}: no surface at iso {}; {}{}", source_.label, fmt::join(skipped, ", "),
-                             isos.empty() ? path + " was not written" : path + " is without it", besides));
+                             isos.empty() && sink_ == nullptr ? path + " was not written" : path + " is without it",
+                             besides));
   }
 
   const ConversionJob& job_;
@@ -274,6 +296,7 @@ class Conversion {
   Outcome& outcome_;
   Recorder events_;
   OutcomeExtras extras_;
+  MeshSink* sink_;
   Source source_;
   std::unique_ptr<extract::Extractor> extractor_;
   std::unique_ptr<extract::Extractor> other_extractor_;  // only to verify
@@ -281,13 +304,14 @@ class Conversion {
 
 }  // namespace
 
-Outcome run(const ConversionJob& job, const Context& context, Events& events, const OutcomeExtras& extras) {
+Outcome run(const ConversionJob& job, const Context& context, Events& events, const OutcomeExtras& extras,
+            MeshSink* sink) {
   const Stopwatch watch;
   Outcome outcome;
   outcome.threads = thread_count();
   Result<void> done;
   try {
-    done = Conversion(job, context, outcome, events, extras).run();
+    done = Conversion(job, context, outcome, events, extras, sink).run();
   } catch (const std::bad_alloc&) {
     done = fail(ErrorKind::input, fmt::format("{}: not enough memory", files::shown_input_name(job.source.input)),
                 Remedy::extract_part);

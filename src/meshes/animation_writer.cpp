@@ -249,6 +249,8 @@ Result<void> AnimationWriter::add(const std::string& name, std::int64_t frame, c
   return add(name, frame, std::span(&surface, 1));
 }
 
+bool AnimationWriter::has_failed() const { return state_->failure.has_value(); }
+
 Result<MeshWriteResult> AnimationWriter::finish() {
   return state_->attempt([&] { return state_->finish(); });
 }

@@ -59,6 +59,9 @@ class AnimationWriter {
   [[nodiscard]] Result<void> add(const std::string& name, std::int64_t frame, std::span<const mesh::Mesh> surfaces);
   [[nodiscard]] Result<void> add(const std::string& name, std::int64_t frame, const mesh::Mesh& surface);
 
+  // Whether a failure has ended it, so that every later call fails like that one: it was none of a single frame.
+  [[nodiscard]] bool has_failed() const;
+
   // Gives all files their names. Call once, last. Fails with ErrorKind::output where no frame came.
   [[nodiscard]] Result<MeshWriteResult> finish();
 
