@@ -5,6 +5,7 @@
 #include <iterator>
 #include <list>
 #include <mutex>
+#include <new>
 #include <optional>
 #include <system_error>
 #include <thread>
@@ -97,13 +98,12 @@ class Scheduler {
 
   void run_one(std::size_t place, std::unique_lock<std::mutex>& lock) {
     const std::size_t frame = which_[place];
-    const bool alone = queue_.is_alone();
     queue_.start(place);
     const auto running =
         running_.insert(running_.end(), {Context(context_.memory().part()), memory_of_one_, !running_.empty()});
     for (Running& one : running_) one.beside_others = running_.size() > 1;
     const std::size_t beside = std::min<std::size_t>(static_cast<std::size_t>(std::max(options_.jobs, 1)),
-                                                     (alone ? 0 : queue_.left()) + running_.size());
+                                                     (queue_.is_alone(place) ? 0 : queue_.left()) + running_.size());
     const int threads = std::max(1, options_.threads / static_cast<int>(std::max<std::size_t>(beside, 1)));
     const Context own = running->context;
     lock.unlock();
@@ -118,16 +118,15 @@ class Scheduler {
     });
     lock.lock();
     memory_of_one_ = std::max(memory_of_one_, outcome.reserved_memory);
-    bool again = running->beside_others && outcome.error && is_for_memory(*outcome.error) && !ended();
-    if (outcome.done() && !held.meshes.empty()) again = !hand_over(place, held.meshes, outcome, lock);
+    const bool for_memory = running->beside_others && outcome.error && is_for_memory(*outcome.error) && !ended();
+    const bool turned_away = outcome.done() && !held.meshes.empty() && !hand_over(place, held.meshes, outcome, lock);
     running_.erase(running);
-    if (again) {
-      queue_.run_again(place);
+    if (for_memory || turned_away) {
+      for_memory ? queue_.run_again_alone(place) : queue_.run_again(place);
       ++counts_.repeated;
       return;
     }
     queue_.end(place);
-    changed_.notify_all();
     lock.unlock();
     const bool kept = events_.finished(frame, outcome);
     lock.lock();
@@ -146,7 +145,7 @@ class Scheduler {
     if (ends) outcome.error = Error{ErrorKind::cancelled, "cancelled", {}};
     if (taken) {
       const Stopwatch watch;
-      if (auto done = receiver_->take(which_[place], meshes); !done) outcome.error = std::move(done.error());
+      if (auto done = take(which_[place], meshes); !done) outcome.error = std::move(done.error());
       const StageTime time = watch.elapsed();
       outcome.stages.back().time += time;  // which is "write"
       outcome.total += time;
@@ -154,6 +153,14 @@ class Scheduler {
     meshes.clear();
     lock.lock();
     return taken || ends;
+  }
+
+  Result<void> take(std::size_t frame, std::span<const mesh::Mesh> meshes) {
+    try {
+      return receiver_->take(frame, meshes);
+    } catch (const std::bad_alloc&) {
+      return fail(ErrorKind::output, "not enough memory to write the frame", Remedy::extract_part);
+    }
   }
 
   static bool is_for_memory(const Error& error) {

@@ -180,7 +180,7 @@ Result<ConfiguredLine> with_config(const CommandLine& line, const std::vector<st
 
   const std::ptrdiff_t named = arguments.front() == command ? 1 : 0;
   const std::vector<std::string> given(arguments.begin() + named, arguments.end());
-  ConfiguredLine configured{declare_command_line(), words};
+  ConfiguredLine configured{declare_command_line(), {words.begin() + 1 - named, words.end()}};
   append(words, given);
   if (auto parsed = parse_command_line(*configured.line, words); !parsed) {
     return tl::unexpected(std::move(parsed.error()));

@@ -3,9 +3,12 @@
 namespace isoextract::batch {
 
 std::optional<std::size_t> FrameQueue::next() const {
-  if (is_alone() && !running_.empty()) return std::nullopt;
-  if (is_alone() && !again_.empty()) return *again_.begin();
-  return fresh_ < count_ ? std::optional(fresh_) : std::nullopt;
+  const bool repeats = !again_.empty() && (in_order_ || fresh_ == count_);
+  if (!repeats && fresh_ == count_) return std::nullopt;
+  const std::size_t place = repeats ? *again_.begin() : fresh_;
+  // One that runs alone is the only one that runs.
+  const bool waits = is_alone(place) || (running_.size() == 1 && is_alone(*running_.begin()));
+  return waits && !running_.empty() ? std::nullopt : std::optional(place);
 }
 
 void FrameQueue::start(std::size_t place) {
@@ -17,17 +20,26 @@ void FrameQueue::start(std::size_t place) {
   running_.insert(place);
 }
 
+void FrameQueue::end(std::size_t place) {
+  running_.erase(place);
+  alone_.erase(place);
+  turned_away_.erase(place);
+}
+
+void FrameQueue::run_again_alone(std::size_t place) {
+  run_again(place);
+  alone_.insert(place);
+  if (in_order_) turned_away_.insert(running_.upper_bound(place), running_.end());
+}
+
 void FrameQueue::run_again(std::size_t place) {
   running_.erase(place);
-  refused_.erase(place);
+  turned_away_.erase(place);
   again_.insert(place);
-  if (!in_order_) return;
-  one_at_a_time_ = true;
-  refused_.insert(running_.upper_bound(place), running_.end());
 }
 
 FrameQueue::Turn FrameQueue::turn(std::size_t place) const {
-  if (refused_.contains(place)) return Turn::turned_away;
+  if (turned_away_.contains(place)) return Turn::turned_away;
   const bool others_run = !running_.empty() && *running_.begin() < place;
   const bool others_wait = !again_.empty() && *again_.begin() < place;
   return others_run || others_wait ? Turn::later : Turn::now;

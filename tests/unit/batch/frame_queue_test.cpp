@@ -20,18 +20,17 @@ TEST(FrameQueue, InAnyOrderThoseThatAreRunAgainComeAtTheEndAlone) {
   FrameQueue queue(4, false);
   start(queue, 0);
   start(queue, 1);
-  EXPECT_FALSE(queue.is_alone());
-  queue.run_again(0);
+  queue.run_again_alone(0);
   EXPECT_EQ(queue.left(), 3U);
   start(queue, 2);
   start(queue, 3);
-  EXPECT_TRUE(queue.is_alone());
   EXPECT_EQ(queue.next(), std::nullopt);  // others run
   queue.end(1);
-  queue.run_again(3);
+  queue.run_again_alone(3);
   EXPECT_EQ(queue.next(), std::nullopt);
   queue.end(2);
   start(queue, 0);
+  EXPECT_TRUE(queue.is_alone(0));
   EXPECT_EQ(queue.next(), std::nullopt);
   queue.end(0);
   start(queue, 3);
@@ -52,10 +51,10 @@ TEST(FrameQueue, InOrderEachWaitsForThoseBeforeIt) {
   EXPECT_EQ(queue.turn(2), Turn::now);
 }
 
-TEST(FrameQueue, InOrderAFrameThatIsRunAgainTurnsAwayThoseAfterItAndAllRunAlone) {
-  FrameQueue queue(5, true);
+TEST(FrameQueue, InOrderAFrameThatIsRunAgainAloneTurnsAwayThoseAfterIt) {
+  FrameQueue queue(6, true);
   for (const std::size_t place : {0U, 1U, 2U, 3U}) start(queue, place);
-  queue.run_again(1);
+  queue.run_again_alone(1);
   EXPECT_EQ(queue.turn(0), Turn::now);
   EXPECT_EQ(queue.turn(2), Turn::turned_away);
   EXPECT_EQ(queue.turn(3), Turn::turned_away);
@@ -64,13 +63,14 @@ TEST(FrameQueue, InOrderAFrameThatIsRunAgainTurnsAwayThoseAfterItAndAllRunAlone)
   queue.run_again(2);
   EXPECT_EQ(queue.next(), std::nullopt);  // the first still runs
   queue.end(0);
-  for (const std::size_t place : {1U, 2U, 4U}) {
-    EXPECT_TRUE(queue.is_alone());
-    start(queue, place);
-    EXPECT_EQ(queue.next(), std::nullopt);
-    EXPECT_EQ(queue.turn(place), Turn::now);
-    queue.end(place);
-  }
+  start(queue, 1);
+  EXPECT_TRUE(queue.is_alone(1));
+  EXPECT_EQ(queue.next(), std::nullopt);
+  EXPECT_EQ(queue.turn(1), Turn::now);
+  queue.end(1);
+  for (const std::size_t place : {2U, 4U, 5U}) start(queue, place);  // side by side again
+  EXPECT_EQ(queue.turn(2), Turn::now);
+  EXPECT_EQ(queue.turn(5), Turn::later);
   EXPECT_EQ(queue.left(), 0U);
 }
 
@@ -88,6 +88,8 @@ TEST(FrameQueue, InOrderItNeverStandsStill) {
     for (int step = 0; queue.left() > 0 || !running.empty(); ++step) {
       ASSERT_LT(step, 10000);
       if (const auto place = queue.next(); place && running.size() < jobs) {
+        ASSERT_TRUE(running.empty() || !queue.is_alone(*place));
+        for (const std::size_t other : running) ASSERT_FALSE(queue.is_alone(other));
         queue.start(*place);
         running.push_back(*place);
         continue;
@@ -99,7 +101,7 @@ TEST(FrameQueue, InOrderItNeverStandsStill) {
       const std::size_t place = running[at];
       const bool beside_others = running.size() > 1;
       if (beside_others && chance() % 8 == 0) {  // for want of memory
-        queue.run_again(place);
+        queue.run_again_alone(place);
       } else if (chance() % 8 == 0) {  // it fails
         queue.end(place);
         over[place] = true;

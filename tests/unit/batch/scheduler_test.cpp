@@ -191,8 +191,7 @@ TEST(Scheduler, AReceiverGetsFramesInTheirOrderAndNoFileIsWritten) {
     Basket basket(context);
     basket.refused = 9;
     Watcher watcher;
-    const BatchCounts counts =
-        run(batch, every_frame(batch), {.jobs = jobs, .threads = 2}, context, watcher, &basket);
+    const BatchCounts counts = run(batch, every_frame(batch), {.jobs = jobs, .threads = 2}, context, watcher, &basket);
     EXPECT_EQ(basket.frames, (std::vector<std::size_t>{0, 1, 2, 3, 5, 6, 8, 10, 11}));
     EXPECT_EQ(counts.done, 10U);
     EXPECT_EQ(counts.failed, 2U);
@@ -238,8 +237,7 @@ TEST(Scheduler, AReceiverGetsTheSameWhereMemoryIsShort) {
     const Context tight{MemoryBudget(limit)};
     Basket basket(tight);
     Watcher watcher;
-    const BatchCounts counts =
-        run(batch, every_frame(batch), {.jobs = 4, .threads = 2}, tight, watcher, &basket);
+    const BatchCounts counts = run(batch, every_frame(batch), {.jobs = 4, .threads = 2}, tight, watcher, &basket);
     EXPECT_EQ(counts.done, 8U);
     EXPECT_EQ(basket.frames, every_frame(batch));
     EXPECT_LE(tight.memory().peak(), limit);
@@ -255,7 +253,8 @@ TEST(Scheduler, WhoWaitsForItsTurnIsWokenWhereTheBatchEnds) {
   const Context context;
   Basket basket(context);
   basket.refused = 3;  // while others wait behind it
-  BatchCounts counts = run(batch, every_frame(batch), {.jobs = 4, .threads = 2, .fail_fast = true}, context, watcher, &basket);
+  BatchCounts counts =
+      run(batch, every_frame(batch), {.jobs = 4, .threads = 2, .fail_fast = true}, context, watcher, &basket);
   EXPECT_EQ(basket.frames, (std::vector<std::size_t>{0, 1, 2}));
   EXPECT_EQ(counts.done, 3U);
   EXPECT_EQ(counts.failed + counts.not_started, 6U);
