@@ -40,9 +40,8 @@ void FrameQueue::run_again(std::size_t place) {
 
 FrameQueue::Turn FrameQueue::turn(std::size_t place) const {
   if (turned_away_.contains(place)) return Turn::turned_away;
-  const bool others_run = !running_.empty() && *running_.begin() < place;
-  const bool others_wait = !again_.empty() && *again_.begin() < place;
-  return others_run || others_wait ? Turn::later : Turn::now;
+  // What is to be run again before it would have turned it away.
+  return *running_.begin() == place ? Turn::now : Turn::later;
 }
 
 }  // namespace isoextract::batch
