@@ -18,7 +18,7 @@ build_packages=(
   libteem-dev libnifti2-dev zlib1g-dev
   libtinygltf-dev nlohmann-json3-dev libdraco-dev libmeshoptimizer-dev
   libepoxy-dev libegl1 libopengl0 libegl-mesa0 libgl1-mesa-dri
-  libxxhash-dev libglm-dev libhwy-dev libcli11-dev libfmt-dev libspdlog-dev libexpected-dev
+  libxxhash-dev libglm-dev libhwy-dev libcli11-dev libtomlplusplus-dev libfmt-dev libspdlog-dev libexpected-dev
 )
 # OpenVDB writes the VDB files that the tests read. Its headers include Boost's; its package does not say so. dpkg-dev
 # unpacks the source of oneTBB (scripts/tsan_tbb).

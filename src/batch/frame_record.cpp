@@ -153,12 +153,16 @@ Result<FrameRecord> record_of(const FrameJob& frame, std::vector<FileRecord> inp
                      figures_of(outcome)};
 }
 
-std::string why_again(const FrameRecord& record, const FrameJob& frame) {
-  if (record.job != convert::hash_of(frame.job)) return "its options have changed";
-  // They could not be read when the frame was begun, and could when it was converted.
-  if (record.inputs.empty() && !is_demo(frame)) return "its inputs are not known";
+bool knows_inputs(const FrameRecord& record, const FrameJob& frame) { return !record.inputs.empty() || is_demo(frame); }
+
+std::string what_changed(const FrameRecord& record) {
   std::string changed = changed_one(record.inputs, true);
   return changed.empty() ? changed_one(record.outputs, false) : changed;
+}
+
+std::string why_again(const FrameRecord& record, const FrameJob& frame) {
+  if (record.job != convert::hash_of(frame.job)) return "its options have changed";
+  return knows_inputs(record, frame) ? what_changed(record) : "its inputs are not known";
 }
 
 convert::Json json_of(const FrameRecord& record) {

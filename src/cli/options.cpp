@@ -160,6 +160,13 @@ void declare_frames(CLI::App& app, BatchFlags& flags) {
               "not there are told.");
   group.value<std::string>("--iso-table", "FILE", flags.iso_table, parse_text,
                            "Iso values by frame, in place of --iso: a CSV file with the columns frame and iso.");
+  group.flag("--animate", flags.animate,
+             "Write all frames into one .glb that plays them, named after -o. The first frame is at 0 seconds, gaps in "
+             "the numbering keep their time, and a frame that fails is left out: the one before it is shown longer. "
+             "What does not fit into one file of 4 GiB goes on in NAME.part2.glb.");
+  group.value("--fps", "N", flags.fps, parse_positive,
+              "Frames per second of --animate (default: 24). Blender 3.4 rounds it to a whole number when it opens the "
+              "file.");
   group.value("--jobs", "N", flags.jobs, parse_thread_count,
               "Frames to convert at a time, as far as --memory-limit lets them; they share --threads, and a GPU draws "
               "one after another (default: as many as threads). The output does not depend on it.");
@@ -378,6 +385,11 @@ std::unique_ptr<CommandLine> declare_command_line() {
   convert_run.flag("--verify", convert.verify,
                    "Extract with the other backend as well, CPU or GPU, and compare triangle by triangle. Where they "
                    "differ, exit with code 6 and do not write the file.");
+  convert_run.value<std::string>(
+      "--config", "FILE", convert.config, parse_text,
+      "Take options from a TOML file: keys are their long names without dashes, and input; an option that may be given "
+      "several times takes a list, one without a value takes true. What the command line has as well wins over the "
+      "file. Relative paths in it are relative to the current folder.");
   convert_run.flag("--explain", convert.explain, "Tell what was left out and why, with counts and times.");
   declare_run(*line->convert, convert.run);
 

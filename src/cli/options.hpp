@@ -90,6 +90,8 @@ constexpr auto words_of(ProgressStyle /*type*/) {
 struct BatchFlags {
   std::optional<batch::FrameRange> frames;
   std::optional<std::string> iso_table;
+  bool animate = false;
+  std::optional<double> fps;
   std::optional<int> jobs;
   std::optional<batch::Shard> shard;
   bool resume = false;
@@ -125,6 +127,7 @@ struct ConvertFlags {
   bool verify = false;
   bool explain = false;
   std::optional<std::string> report;
+  std::optional<std::string> config;
   RunFlags run;
 };
 

@@ -34,13 +34,14 @@ int thread_count() {
 class Conversion {
  public:
   Conversion(const ConversionJob& job, const Context& context, Outcome& outcome, Events& listener,
-             const OutcomeExtras& extras, KeptBackends* kept)
+             const OutcomeExtras& extras, KeptBackends* kept, MeshSink* sink)
       : job_(job),
         context_(context),
         outcome_(outcome),
         events_(outcome, listener),
         extras_(extras),
-        kept_backends_(kept) {}
+        kept_backends_(kept),
+        sink_(sink) {}
 
   Result<void> run() {
     if (auto opened = open_backends(); !opened) return opened;
@@ -65,6 +66,7 @@ class Conversion {
   struct OutputFile {
     WrittenOutput written;
     meshes::MeshWriter writer;
+    std::vector<mesh::Mesh> held;     // for the sink, which has no writer
     std::vector<MeshRecord> records;  // where they were asked for
     StageTime recording;
   };
@@ -97,7 +99,7 @@ class Conversion {
 
   // One surface is made, written and let go after the other, where the format allows.
   Result<void> write(const OutputFileJob& output) {
-    OutputFile file{{output, {}, 0, 0, {}, {}}, meshes::MeshWriter(output.path, write_options(), context_), {}, {}};
+    OutputFile file{{output, {}, 0, 0, {}, {}}, meshes::MeshWriter(output.path, write_options(), context_), {}, {}, {}};
     for (const double iso : output.isos) {
       if (auto go_on = context_.check(); !go_on) return go_on;
       auto surface = make_surface(iso);
@@ -220,15 +222,29 @@ class Conversion {
     file.written.isos.push_back(surface.iso);
     file.written.triangles += surface.mesh.triangles.size();
     file.written.vertices += surface.mesh.positions.size();
-    auto added = file.writer.add(std::move(surface.mesh));
+    Result<void> added;
+    if (sink_ != nullptr) {
+      file.held.push_back(std::move(surface.mesh));
+    } else {
+      added = file.writer.add(std::move(surface.mesh));
+    }
     file.written.time += watch.elapsed();
     return added;
+  }
+
+  Result<meshes::MeshWriteResult> complete(OutputFile& file) {
+    if (sink_ == nullptr) return file.writer.finish();
+    if (auto taken = sink_->take({file.written.job, file.written.isos, std::move(file.held), write_options().packing});
+        !taken) {
+      return tl::unexpected(std::move(taken.error()));
+    }
+    return meshes::MeshWriteResult();
   }
 
   Result<void> finish(OutputFile& file) {
     context_.progress().begin("writing", 0);
     const Stopwatch watch;
-    auto result = file.writer.finish();
+    auto result = complete(file);
     if (!result) return tl::unexpected(std::move(result.error()));
     file.written.files = std::move(result->files);
     tell_packed(file.written, result->packed);
@@ -248,8 +264,17 @@ class Conversion {
     }
   }
 
-  // An old file of that name would pass for what this run made, among the frames of a sequence for example.
   Result<void> leave_out(const OutputFileJob& output) {
+    const auto removed = sink_ == nullptr ? remove_old_files(output) : Result<std::vector<std::string>>();
+    if (!removed) return tl::unexpected(removed.error());
+    tell_skipped(output, {},
+                 removed->empty() ? "" : fmt::format("; the old {} was removed", fmt::join(*removed, " and ")));
+    events_.written({output, {}, 0, 0, {}, {}});
+    return {};
+  }
+
+  // An old file of that name would pass for what this run made, among the frames of a sequence for example.
+  Result<std::vector<std::string>> remove_old_files(const OutputFileJob& output) {
     std::vector<std::string> removed;
     std::vector<std::string> data;
     if (job_.format == meshes::MeshFormat::gltf) data = meshes::data_file_names(output.path, context_);
@@ -261,10 +286,7 @@ class Conversion {
       if (!gone) return tl::unexpected(std::move(gone.error()));
       if (*gone) removed.push_back(file.string());
     }
-    tell_skipped(output, {},
-                 removed.empty() ? "" : fmt::format("; the old {} was removed", fmt::join(removed, " and ")));
-    events_.written({output, {}, 0, 0, {}, {}});
-    return {};
+    return removed;
   }
 
   // What only a report asks for: finding components and open edges takes longer than to extract the mesh.
@@ -287,7 +309,8 @@ class Conversion {
     if (skipped.empty()) return;
     const std::string path = output.path == "-" ? "stdout" : output.path;
     events_.note(fmt::format("{}: no surface at iso {}; {}{}", source_.label, fmt::join(skipped, ", "),
-                             isos.empty() ? path + " was not written" : path + " is without it", besides));
+                             isos.empty() && sink_ == nullptr ? path + " was not written" : path + " is without it",
+                             besides));
   }
 
   const ConversionJob& job_;
@@ -296,6 +319,7 @@ class Conversion {
   Recorder events_;
   OutcomeExtras extras_;
   KeptBackends* kept_backends_;  // null where none are kept
+  MeshSink* sink_;               // null where files are written
   Source source_;
   std::unique_ptr<extract::Extractor> extractor_;
   std::unique_ptr<extract::Extractor> other_extractor_;  // only to verify
@@ -304,13 +328,13 @@ class Conversion {
 }  // namespace
 
 Outcome run(const ConversionJob& job, const Context& context, Events& events, const OutcomeExtras& extras,
-            KeptBackends* kept) {
+            KeptBackends* kept, MeshSink* sink) {
   const Stopwatch watch;
   Outcome outcome;
   outcome.threads = thread_count();
   Result<void> done;
   try {
-    done = Conversion(job, context, outcome, events, extras, kept).run();
+    done = Conversion(job, context, outcome, events, extras, kept, sink).run();
   } catch (const std::bad_alloc&) {
     done = fail(ErrorKind::input, fmt::format("{}: not enough memory", files::shown_input_name(job.source.input)),
                 Remedy::extract_part);

@@ -295,6 +295,8 @@ Result<void> AnimationWriter::add(const std::string& name, std::int64_t frame, c
 
 std::span<const PackedFacts> AnimationWriter::packed() const { return state_->packed; }
 
+bool AnimationWriter::has_failed() const { return state_->failure.has_value(); }
+
 Result<MeshWriteResult> AnimationWriter::finish() {
   return state_->attempt([&] { return state_->finish(); });
 }

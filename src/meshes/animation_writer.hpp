@@ -65,6 +65,9 @@ class AnimationWriter {
   // What packing did to the surfaces of the last frame that was added, one each; nothing where they were not packed.
   [[nodiscard]] std::span<const PackedFacts> packed() const;
 
+  // Whether a failure has ended it, so that every later call fails like that one: it was none of a single frame.
+  [[nodiscard]] bool has_failed() const;
+
   // Gives all files their names. Call once, last. Fails with ErrorKind::output where no frame came.
   [[nodiscard]] Result<MeshWriteResult> finish();
 

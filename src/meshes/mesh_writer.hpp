@@ -55,9 +55,9 @@ struct WrittenFile {
 };
 
 struct MeshWriteResult {
-  std::vector<WrittenFile> files;   // glTF writes two: the model and its .bin
-  std::vector<std::string> notes;   // what the format could not hold, one sentence each
-  std::vector<PackedFacts> packed;  // one a mesh where they were packed; of a mesh without triangles nothing is
+  std::vector<WrittenFile> files;        // glTF writes two: the model and its .bin
+  std::vector<std::string> notes;        // what the format could not hold, one sentence each
+  std::vector<PackedFacts> packed = {};  // one a mesh where they were packed; of a mesh without triangles nothing is
 };
 
 // What the format cannot do of it, or what makes no sense together, is ErrorKind::usage.
