@@ -118,6 +118,8 @@ class FrameKeeper final : public batch::FrameEvents {
                                    row.figures.wall_seconds, format_byte_size(row.figures.bytes)));
     }
     progress_.over(row);
+    // Nobody asks for the rest of it: a run of many frames takes no memory for each.
+    if (!plan_.flags.table && !plan_.flags.plot) row = {row.frame, row.input, row.status, {}, {}, {}};
     return kept;
   }
 
@@ -129,7 +131,8 @@ class FrameKeeper final : public batch::FrameEvents {
   }
 
   [[nodiscard]] std::size_t count(batch::FrameStatus status) const {
-    return static_cast<std::size_t>(std::ranges::count(rows(), status, &batch::FrameRow::status));
+    return static_cast<std::size_t>(
+        std::ranges::count_if(plan_.frames, [&](std::size_t i) { return rows_[i].status == status; }));
   }
 
   // Of an animation that is written: the records of its frames, all of which are done, and where they are.
@@ -349,7 +352,9 @@ Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& 
   const std::size_t failed = keeper.count(batch::FrameStatus::failed);
   progress.end(keeper.count(batch::FrameStatus::done), failed, kept, counts.not_started);
   if (animation && plan.progress != ProgressStyle::json) tell_animation(*plan.batch.animation, animated, messages);
-  if (auto written = write_tables(plan, keeper.rows()); !written) return written;
+  if (plan.flags.table || plan.flags.plot) {
+    if (auto written = write_tables(plan, keeper.rows()); !written) return written;
+  }
   if (unkept) return tl::unexpected(*unkept);
   if (failed == 0 && counts.not_started == 0) return {};
   std::string text = fmt::format("{} of {} frames failed", failed, plan.frames.size());
