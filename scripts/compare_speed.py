@@ -20,46 +20,13 @@ import statistics
 import subprocess
 import sys
 import tempfile
-import time
 
-from measuring import page_cache, record
-
-sys.path.insert(0, str(record.ROOT / "tests" / "support"))
-
-import mesh_readers  # noqa: E402
+from measuring import page_cache, programs, record
+from measuring.processes import ply_triangles, run_once, summary
 
 ROOT = record.ROOT
 START_UPS = 20
 MEASURES = ("wall", "cpu", "peak")
-
-
-def run_once(command):
-    """Seconds by the clock, seconds of processors, and the peak of memory in MiB."""
-    start = time.perf_counter()
-    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
-    errors = process.stderr.read()
-    _, status, usage = os.wait4(process.pid, 0)
-    wall = time.perf_counter() - start
-    process.stderr.close()
-    process.returncode = os.waitstatus_to_exitcode(status)
-    if process.returncode != 0:
-        sys.exit(f"{' '.join(map(str, command))}\n{errors.decode(errors='replace')}ended with {process.returncode}")
-    return {"wall": wall, "cpu": usage.ru_utime + usage.ru_stime, "peak": usage.ru_maxrss / 1024}
-
-
-def ply_triangles(path):
-    """Triangles of a binary PLY file of triangles and quads, a quad as two: by its header and its size."""
-    with open(path, "rb") as file:
-        header = mesh_readers.PlyHeader(file)
-        left = os.path.getsize(path) - file.tell()
-    left -= sum(count * header.fixed_size(element) for element, count in header.counts.items())
-    corners = left // header.index_size()
-    quads = corners - 3 * header.counts["face"]
-    return header.counts["face"] + quads
-
-
-def summary(values):
-    return {"median": statistics.median(values), "min": min(values), "max": max(values), "rounds": values}
 
 
 def words_of(command, folder):
@@ -205,7 +172,10 @@ def main():
             folder = options.keep.resolve()
         else:
             folder = pathlib.Path(stack.enter_context(tempfile.TemporaryDirectory()))
-        versions, figures = compare(options, folder)
+        try:
+            versions, figures = compare(options, folder)
+        except programs.Failed as error:
+            sys.exit(str(error))
     if options.json:
         command = f"scripts/compare_speed.py --runs {options.runs} --size {options.size}"
         record.write(measured.finish([record.cores()], versions, [command], figures), options.json)

@@ -16,9 +16,9 @@ build_packages=(
   g++ cmake ninja-build pkg-config
   libtbb-dev libimath-dev libblosc-dev
   libteem-dev libnifti2-dev zlib1g-dev
-  libtinygltf-dev nlohmann-json3-dev
+  libtinygltf-dev nlohmann-json3-dev libdraco-dev libmeshoptimizer-dev
   libepoxy-dev libegl1 libopengl0 libegl-mesa0 libgl1-mesa-dri
-  libxxhash-dev libglm-dev libhwy-dev libcli11-dev libfmt-dev libspdlog-dev libexpected-dev
+  libxxhash-dev libglm-dev libhwy-dev libcli11-dev libtomlplusplus-dev libfmt-dev libspdlog-dev libexpected-dev
 )
 # OpenVDB writes the VDB files that the tests read. Its headers include Boost's; its package does not say so. dpkg-dev
 # unpacks the source of oneTBB (scripts/tsan_tbb).
@@ -39,18 +39,24 @@ cluster_packages=(slurm-wlm munge parallel)
 say() { printf 'setup: %s\n' "$*" >&2; }
 
 wanted=("${build_packages[@]}")
+# Another vendor's nodejs brings its own npm and conflicts with Debian's: whatever is on the PATH serves.
+want_node() {
+  command -v node >/dev/null || wanted+=(nodejs)
+  command -v npm >/dev/null || wanted+=(npm)
+}
 for group in "$@"; do
   case $group in
     build) ;;
     test)
       wanted+=("${test_packages[@]}")
-      # Another vendor's nodejs brings its own npm and conflicts with Debian's: whatever is on the PATH serves.
-      command -v node >/dev/null || wanted+=(nodejs)
-      command -v npm >/dev/null || wanted+=(npm)
+      want_node
       ;;
     fuzz) wanted+=("${fuzz_packages[@]}") ;;
     bench) wanted+=("${bench_packages[@]}") ;;
-    measure) wanted+=("${bench_packages[@]}" "${measure_packages[@]}") ;;
+    measure)
+      wanted+=("${bench_packages[@]}" "${measure_packages[@]}")
+      want_node
+      ;;
     blender) wanted+=("${blender_packages[@]}") ;;
     viewers) wanted+=("${viewers_packages[@]}") ;;
     cluster) wanted+=("${cluster_packages[@]}") ;;

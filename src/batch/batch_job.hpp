@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,8 +17,17 @@ struct FrameJob {
   friend bool operator==(const FrameJob&, const FrameJob&) = default;
 };
 
+// All frames in one file that plays them (meshes/animation_writer.hpp).
+struct AnimationJob {
+  std::string path;
+  double frames_per_second = 24;
+
+  friend bool operator==(const AnimationJob&, const AnimationJob&) = default;
+};
+
 struct BatchJob {
-  std::vector<FrameJob> frames;  // in the order of their numbers; no two write one file
+  std::vector<FrameJob> frames;           // in the order of their numbers; no two write one file
+  std::optional<AnimationJob> animation;  // then each frame has one output, with this path
 
   friend bool operator==(const BatchJob&, const BatchJob&) = default;
 };

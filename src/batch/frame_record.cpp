@@ -34,6 +34,8 @@ std::string changed_one(const std::vector<FileRecord>& before, bool with_times) 
   return {};
 }
 
+bool is_demo(const FrameJob& frame) { return frame.job.source.input.starts_with(field::kDemoPrefix); }
+
 template <class T>
 std::optional<T> optional_of(const Json& json, const char* key) {
   return json.at(key).is_null() ? std::nullopt : std::optional(json.at(key).get<T>());
@@ -131,8 +133,8 @@ FrameFigures figures_of(const convert::Outcome& outcome) {
 }
 
 Result<std::vector<FileRecord>> input_states(const FrameJob& frame) {
+  if (is_demo(frame)) return std::vector<FileRecord>();
   const convert::SourceOptions& source = frame.job.source;
-  if (source.input.starts_with(field::kDemoPrefix)) return std::vector<FileRecord>();
   const auto files = volumes::list_input_files(source.input, source.read);
   if (!files) return tl::unexpected(files.error());
   std::vector<std::string> paths;
@@ -151,10 +153,16 @@ Result<FrameRecord> record_of(const FrameJob& frame, std::vector<FileRecord> inp
                      figures_of(outcome)};
 }
 
-std::string why_again(const FrameRecord& record, const FrameJob& frame) {
-  if (record.job != convert::hash_of(frame.job)) return "its options have changed";
+bool knows_inputs(const FrameRecord& record, const FrameJob& frame) { return !record.inputs.empty() || is_demo(frame); }
+
+std::string what_changed(const FrameRecord& record) {
   std::string changed = changed_one(record.inputs, true);
   return changed.empty() ? changed_one(record.outputs, false) : changed;
+}
+
+std::string why_again(const FrameRecord& record, const FrameJob& frame) {
+  if (record.job != convert::hash_of(frame.job)) return "its options have changed";
+  return knows_inputs(record, frame) ? what_changed(record) : "its inputs are not known";
 }
 
 convert::Json json_of(const FrameRecord& record) {

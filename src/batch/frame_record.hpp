@@ -63,8 +63,15 @@ struct FrameRecord {
 [[nodiscard]] Result<FrameRecord> record_of(const FrameJob& frame, std::vector<FileRecord> inputs,
                                             const convert::Outcome& outcome);
 
+// False where the inputs could not be read when the frame was begun, and could when it was converted: nobody knows what
+// it was made of.
+[[nodiscard]] bool knows_inputs(const FrameRecord& record, const FrameJob& frame);
+
+// The first of the record's files that is not what it was, byte by byte: "in.vdb has changed"; empty where all are.
+[[nodiscard]] std::string what_changed(const FrameRecord& record);
+
 // Why the frame has to be done again although there is a record of its job: "in.vdb has changed"; empty where all
-// inputs and outputs are what they were, byte by byte.
+// inputs and outputs are what they were, byte by byte. A file's record without inputs is not believed.
 [[nodiscard]] std::string why_again(const FrameRecord& record, const FrameJob& frame);
 
 [[nodiscard]] convert::Json json_of(const FrameRecord& record);

@@ -137,13 +137,10 @@ struct Manifest::State {
     if (folder >= 0) ::close(folder);
   }
 
-  void keep(FrameRecord record) {
-    const auto [place, is_new] = place_of.try_emplace(record.job, records.size());
-    if (is_new) {
-      records.push_back(std::move(record));
-    } else {
-      records[place->second] = std::move(record);
-    }
+  // Of an earlier run, each job once.
+  void keep(std::vector<FrameRecord> old) {
+    records = std::move(old);
+    for (std::size_t i = 0; i < records.size(); ++i) place_of.emplace(records[i].job, i);
   }
 
   [[nodiscard]] Result<void> append(const std::string& line) const {
@@ -198,16 +195,14 @@ Result<Manifest> Manifest::open(const fs::path& folder, const ManifestHeader& he
     if (::ftruncate(state->file, static_cast<off_t>(old->believed)) != 0) {
       return output_error(state->path, "cut off its last line, which is torn", errno);
     }
-    for (FrameRecord& record : old->records) state->keep(std::move(record));
+    state->keep(std::move(old->records));
     return Manifest(std::move(state));
   }
   // Of another batch: the records of jobs that both have are still good.
   std::string kept = first;
   if (trusted) {
-    for (FrameRecord& record : old->records) {
-      kept += line_of(batch::json_of(record));
-      state->keep(std::move(record));
-    }
+    for (const FrameRecord& record : old->records) kept += line_of(batch::json_of(record));
+    state->keep(std::move(old->records));
   }
   if (::ftruncate(state->file, 0) != 0) return output_error(state->path, "empty it", errno);
   if (auto written = state->append(kept); !written) return tl::unexpected(written.error());
@@ -221,10 +216,6 @@ const FrameRecord* Manifest::find(const std::string& job) const {
   return place == state_->place_of.end() ? nullptr : &state_->records[place->second];
 }
 
-Result<void> Manifest::add(const FrameRecord& record) {
-  if (auto written = state_->append(line_of(json_of(record))); !written) return written;
-  state_->keep(record);
-  return {};
-}
+Result<void> Manifest::add(const FrameRecord& record) { return state_->append(line_of(json_of(record))); }
 
 }  // namespace isoextract::batch

@@ -56,7 +56,8 @@ class Manifest {
   ~Manifest();
 
   [[nodiscard]] const std::filesystem::path& path() const;
-  // The record of a job by its hash, from this run or, with resume, an earlier one.
+  // The record of a job by its hash: of earlier runs, with resume. Those that are added are on disk only, so that a run
+  // takes no memory for each frame.
   [[nodiscard]] const FrameRecord* find(const std::string& job) const;
   // Fails with ErrorKind::output.
   [[nodiscard]] Result<void> add(const FrameRecord& record);

@@ -2,34 +2,54 @@
 
 #include <algorithm>
 #include <condition_variable>
-#include <deque>
 #include <list>
 #include <mutex>
+#include <new>
+#include <optional>
 #include <system_error>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <tbb/task_arena.h>
 
+#include "base/stopwatch.hpp"
+#include "batch/detail/frame_queue.hpp"
+
 namespace isoextract::batch {
 namespace {
+
+// The meshes of a frame until it is its turn.
+class HeldMeshes final : public convert::MeshSink {
+ public:
+  // A frame of an animation has one output.
+  Result<void> take(convert::HandedMeshes taken) override {
+    handed = std::move(taken);
+    return {};
+  }
+
+  convert::HandedMeshes handed;
+};
 
 class Scheduler {
  public:
   Scheduler(const BatchJob& batch, std::span<const std::size_t> which, const SchedulerOptions& options,
-            const Context& context, FrameEvents& events)
+            const Context& context, FrameEvents& events, FrameReceiver* receiver)
       : batch_(batch),
-        waiting_(which.begin(), which.end()),
+        which_(which),
         options_(options),
         context_(context),
         events_(events),
+        backends_(which.size() > 1 ? &kept_backends_ : nullptr),
+        receiver_(receiver),
+        queue_(which.size(), receiver != nullptr),
         memory_of_one_(options.memory_of_one) {}
 
   BatchCounts run() {
     {
       // This thread is one of them, so that one job needs no other.
       std::vector<std::jthread> others;
-      const auto wanted = std::min<std::size_t>(static_cast<std::size_t>(std::max(options_.jobs, 1)), waiting_.size());
+      const auto wanted = std::min<std::size_t>(static_cast<std::size_t>(std::max(options_.jobs, 1)), which_.size());
       for (std::size_t i = 1; i < wanted; ++i) {
         try {
           others.emplace_back([this] { work(); });
@@ -40,7 +60,7 @@ class Scheduler {
       work();
     }
     const std::unique_lock lock(mutex_);
-    counts_.not_started = left() + alone_.size();
+    counts_.not_started = queue_.left();
     return counts_;
   }
 
@@ -54,61 +74,101 @@ class Scheduler {
   void work() {
     std::unique_lock lock(mutex_);
     for (;;) {
-      changed_.wait(lock, [this] { return may_start() || nothing_left(); });
-      if (!may_start()) break;
-      // Those that failed for want of memory come when all others are done, one at a time.
-      const bool is_last_try = left() == 0;
-      const std::size_t frame = is_last_try ? alone_.front() : waiting_[next_];
-      is_last_try ? alone_.pop_front() : void(++next_);
-      run_one(frame, is_last_try, lock);
+      changed_.wait(lock, [this] { return next() || nothing_left(); });
+      const auto place = next();
+      if (!place) break;
+      run_one(*place, lock);
       changed_.notify_all();
     }
     changed_.notify_all();
   }
 
   [[nodiscard]] bool ended() const { return ended_ || context_.cancelled(); }
-  [[nodiscard]] std::size_t left() const { return waiting_.size() - next_; }
+  [[nodiscard]] bool nothing_left() const { return ended() || (queue_.left() == 0 && running_.empty()); }
 
-  [[nodiscard]] bool nothing_left() const { return ended() || (left() == 0 && alone_.empty() && running_.empty()); }
-
-  [[nodiscard]] bool may_start() const {
-    if (ended()) return false;
-    if (running_.empty()) return left() > 0 || !alone_.empty();
-    if (left() == 0) return false;
+  // The place in the queue that may start now.
+  [[nodiscard]] std::optional<std::size_t> next() const {
+    if (ended()) return std::nullopt;
+    const auto place = queue_.next();
+    if (!place || running_.empty()) return place;
     std::uint64_t taken = 0;
     for (const Running& one : running_) taken += std::max(one.memory, memory_of_one_);
-    return taken + memory_of_one_ <= context_.memory().limit();
+    return taken + memory_of_one_ <= context_.memory().limit() ? place : std::nullopt;
   }
 
-  void run_one(std::size_t frame, bool is_last_try, std::unique_lock<std::mutex>& lock) {
-    const auto place =
+  void run_one(std::size_t place, std::unique_lock<std::mutex>& lock) {
+    const std::size_t frame = which_[place];
+    queue_.start(place);
+    const auto running =
         running_.insert(running_.end(), {Context(context_.memory().part()), memory_of_one_, !running_.empty()});
     for (Running& one : running_) one.beside_others = running_.size() > 1;
-    const std::size_t beside =
-        std::min<std::size_t>(static_cast<std::size_t>(std::max(options_.jobs, 1)), left() + running_.size());
+    const std::size_t beside = std::min<std::size_t>(static_cast<std::size_t>(std::max(options_.jobs, 1)),
+                                                     (queue_.is_alone(place) ? 0 : queue_.left()) + running_.size());
     const int threads = std::max(1, options_.threads / static_cast<int>(std::max<std::size_t>(beside, 1)));
-    const Context own = place->context;
+    const Context own = running->context;
     lock.unlock();
     events_.started(frame);
     convert::Events unheard;
     convert::Outcome outcome;
+    HeldMeshes held;
     tbb::task_arena arena(threads);
-    arena.execute(
-        [&] { outcome = convert::run(batch_.frames[frame].job, own, unheard, {.mesh_facts = options_.mesh_facts}); });
+    arena.execute([&] {
+      outcome = convert::run(batch_.frames[frame].job, own, unheard, {.mesh_facts = options_.mesh_facts}, backends_,
+                             receiver_ != nullptr ? &held : nullptr);
+    });
     lock.lock();
-    const bool beside_others = place->beside_others;
-    running_.erase(place);
     memory_of_one_ = std::max(memory_of_one_, outcome.reserved_memory);
-    if (!is_last_try && beside_others && outcome.error && is_for_memory(*outcome.error) && !ended()) {
-      alone_.push_back(frame);
+    const bool for_memory = running->beside_others && outcome.error && is_for_memory(*outcome.error) && !ended();
+    const bool turned_away =
+        outcome.done() && !held.handed.meshes.empty() && !hand_over(place, held.handed, outcome, lock);
+    running_.erase(running);
+    if (for_memory || turned_away) {
+      for_memory ? queue_.run_again_alone(place) : queue_.run_again(place);
       ++counts_.repeated;
       return;
     }
+    queue_.end(place);
     lock.unlock();
     const bool kept = events_.finished(frame, outcome);
     lock.lock();
     ++(outcome.done() ? counts_.done : counts_.failed);
     if (!kept || (options_.fail_fast && !outcome.done())) end();
+  }
+
+  // Waits for the frame's turn; false where it is turned away. The meshes are gone afterwards.
+  bool hand_over(std::size_t place, convert::HandedMeshes& handed, convert::Outcome& outcome,
+                 std::unique_lock<std::mutex>& lock) {
+    using Turn = FrameQueue::Turn;
+    changed_.wait(lock, [&] { return ended() || queue_.turn(place) != Turn::later; });
+    const bool ends = ended();
+    const bool taken = !ends && queue_.turn(place) == Turn::now;
+    lock.unlock();
+    if (ends) outcome.error = Error{ErrorKind::cancelled, "cancelled", {}};
+    if (taken) {
+      const Stopwatch watch;
+      if (auto done = take(which_[place], handed, outcome); !done) outcome.error = std::move(done.error());
+      const StageTime time = watch.elapsed();
+      outcome.stages.back().time += time;  // which is "write"
+      outcome.total += time;
+    }
+    handed.meshes.clear();
+    lock.lock();
+    return taken || ends;
+  }
+
+  Result<void> take(std::size_t frame, const convert::HandedMeshes& handed, convert::Outcome& outcome) {
+    try {
+      const auto packed = receiver_->take(frame, handed);
+      if (!packed) return tl::unexpected(packed.error());
+      for (std::size_t m = 0; m < packed->size(); ++m) {
+        if ((*packed)[m].bytes_before == 0) continue;  // it has no triangles
+        outcome.packings.push_back(
+            {handed.isos[m], handed.output.path, batch_.frames[frame].job.packing, handed.packing.voxel, (*packed)[m]});
+      }
+      return {};
+    } catch (const std::bad_alloc&) {
+      return fail(ErrorKind::output, "not enough memory to write the frame", Remedy::extract_part);
+    }
   }
 
   static bool is_for_memory(const Error& error) {
@@ -121,14 +181,16 @@ class Scheduler {
   }
 
   const BatchJob& batch_;
-  std::vector<std::size_t> waiting_;  // from next_ on
-  std::size_t next_ = 0;
-  std::deque<std::size_t> alone_;  // to be run again
+  std::span<const std::size_t> which_;
   SchedulerOptions options_;
   const Context& context_;
   FrameEvents& events_;
+  convert::KeptBackends kept_backends_;
+  convert::KeptBackends* backends_;  // null for one frame, which leaves nothing to another
+  FrameReceiver* receiver_;
 
-  std::mutex mutex_;  // of all that follows, of the lists, and while events are told
+  std::mutex mutex_;  // of all that follows
+  FrameQueue queue_;
   std::condition_variable changed_;
   std::list<Running> running_;
   std::uint64_t memory_of_one_;
@@ -139,8 +201,8 @@ class Scheduler {
 }  // namespace
 
 BatchCounts run(const BatchJob& batch, std::span<const std::size_t> which, const SchedulerOptions& options,
-                const Context& context, FrameEvents& events) {
-  return Scheduler(batch, which, options, context, events).run();
+                const Context& context, FrameEvents& events, FrameReceiver* receiver) {
+  return Scheduler(batch, which, options, context, events, receiver).run();
 }
 
 }  // namespace isoextract::batch

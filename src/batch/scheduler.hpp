@@ -1,14 +1,17 @@
 // Conversions side by side, within one budget of memory and one number of threads. What comes out does not depend on
-// how many run at a time.
+// how many run at a time. A GPU is opened once for all of them (convert::KeptBackends): while one frame is drawn,
+// others are read, measured and written.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "base/context.hpp"
 #include "batch/batch_job.hpp"
 #include "convert/conversion.hpp"
+#include "convert/mesh_sink.hpp"
 
 namespace isoextract::batch {
 
@@ -33,18 +36,37 @@ class FrameEvents {
   virtual bool finished(std::size_t /*frame*/, const convert::Outcome& /*outcome*/) { return true; }
 };
 
+// Takes the meshes of frames, where they do not go to files of their own.
+class FrameReceiver {
+ public:
+  virtual ~FrameReceiver() = default;
+
+  // The surfaces of a frame, as convert::MeshSink has them; not told of frames that have none or fail. One frame at a
+  // time, in the order of the frames, on the thread that converted it. A failure is the frame's. Gives what packing did
+  // to each surface, or nothing where they are not packed.
+  [[nodiscard]] virtual Result<std::vector<meshes::PackedFacts>> take(std::size_t frame,
+                                                                      const convert::HandedMeshes& handed) = 0;
+};
+
 struct BatchCounts {
   std::size_t done = 0;
   std::size_t failed = 0;
   std::size_t not_started = 0;  // because of a failure before, or because somebody wanted the end
-  std::size_t repeated = 0;     // that failed for want of memory beside others, and were run again alone
+  std::size_t repeated = 0;     // times that a frame was run again: it failed for want of memory beside others, or
+                                // had to wait for one that did
 };
 
 // Runs `which` of the batch's frames, by index, in their order as far as memory lets them start. A frame starts where
 // what it is thought to need (the most that one has reserved so far) is left beside those that run, and in any case
 // where none runs. One that fails for want of memory beside others is run again alone, at the end. Where the context is
 // asked to end no further frame starts.
+//
+// With a `receiver` no frame is written to files. A frame that is converted waits until those before it were taken, and
+// holds its meshes, and its place among those that run, meanwhile: so there is one frame a job in memory, however many
+// there are. One that fails has no turn. Where one fails for want of memory beside others, those that come after it
+// are converted again as well, after it. Where the batch ends early, frames that wait fail with ErrorKind::cancelled.
 [[nodiscard]] BatchCounts run(const BatchJob& batch, std::span<const std::size_t> which,
-                              const SchedulerOptions& options, const Context& context, FrameEvents& events);
+                              const SchedulerOptions& options, const Context& context, FrameEvents& events,
+                              FrameReceiver* receiver = nullptr);
 
 }  // namespace isoextract::batch

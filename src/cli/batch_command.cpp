@@ -13,6 +13,7 @@
 
 #include "base/byte_size.hpp"
 #include "base/printable.hpp"
+#include "batch/animation.hpp"
 #include "batch/frame_table.hpp"
 #include "batch/manifest.hpp"
 #include "batch/output_names.hpp"
@@ -55,14 +56,18 @@ Result<void> make_folders(const BatchPlan& plan) {
 // What a batch keeps of its frames while they run, side by side.
 class FrameKeeper final : public batch::FrameEvents {
  public:
+  // `animation` takes the frames, where they have no files of their own.
   FrameKeeper(const BatchPlan& plan, const std::vector<std::string>& arguments, batch::Manifest& manifest,
-              BatchProgress& progress)
+              const batch::Animation* animation, BatchProgress& progress)
       : plan_(plan),
         arguments_(arguments),
         manifest_(manifest),
+        animation_(animation),
         progress_(progress),
         rows_(plan.batch.frames.size()),
-        inputs_(plan.batch.frames.size()) {
+        inputs_(plan.batch.frames.size()),
+        records_(plan.batch.frames.size()),
+        missing_(plan.batch.frames.size()) {
     for (const std::size_t i : plan.frames) {
       rows_[i].frame = plan.batch.frames[i].number;
       rows_[i].input = plan.batch.frames[i].job.source.input;
@@ -93,8 +98,14 @@ class FrameKeeper final : public batch::FrameEvents {
     if (plan_.report) {
       if (auto reported = report(job, outcome); !reported && !error) error = reported.error();
     }
+    missing_[frame] = outcome.done() ? 0 : 1;
     bool kept = true;
     if (!error) error = record(frame, outcome, kept);
+    if (auto lost = animation_ != nullptr ? animation_->lost() : std::nullopt) {
+      const std::lock_guard lock(mutex_);
+      unkept_ = std::move(lost);
+      kept = false;
+    }
     row.figures = batch::figures_of(outcome);
     for (const meshes::WrittenFile& file : outcome.files) row.outputs.push_back(file.path);
     row.status = error ? batch::FrameStatus::failed : batch::FrameStatus::done;
@@ -107,6 +118,8 @@ class FrameKeeper final : public batch::FrameEvents {
                                    row.figures.wall_seconds, format_byte_size(row.figures.bytes)));
     }
     progress_.over(row);
+    // Nobody asks for the rest of it: a run of many frames takes no memory for each.
+    if (!plan_.flags.table && !plan_.flags.plot) row = {row.frame, row.input, row.status, {}, {}, {}};
     return kept;
   }
 
@@ -117,7 +130,30 @@ class FrameKeeper final : public batch::FrameEvents {
     return rows;
   }
 
-  // Why the manifest could not be written, which ends the batch.
+  [[nodiscard]] std::size_t count(batch::FrameStatus status) const {
+    return static_cast<std::size_t>(
+        std::ranges::count_if(plan_.frames, [&](std::size_t i) { return rows_[i].status == status; }));
+  }
+
+  // Of an animation that is written: the records of its frames, all of which are done, and where they are.
+  [[nodiscard]] std::vector<batch::FrameRecord> take_records() { return std::move(records_); }
+  void written_to(const std::vector<meshes::WrittenFile>& files) {
+    for (batch::FrameRow& row : rows_) {
+      if (row.status != batch::FrameStatus::done) continue;
+      for (const meshes::WrittenFile& file : files) row.outputs.push_back(file.path);
+    }
+  }
+
+  // The numbers of frames that were not converted. A frame whose report could not be written has failed as well.
+  [[nodiscard]] std::vector<std::int64_t> missing() const {
+    std::vector<std::int64_t> numbers;
+    for (const std::size_t i : plan_.frames) {
+      if (missing_[i] != 0) numbers.push_back(plan_.batch.frames[i].number);
+    }
+    return numbers;
+  }
+
+  // Why the manifest or the animation could not be written, which ends the batch.
   [[nodiscard]] const std::optional<Error>& unkept() const { return unkept_; }
 
  private:
@@ -125,6 +161,10 @@ class FrameKeeper final : public batch::FrameEvents {
   std::optional<Error> record(std::size_t frame, const convert::Outcome& outcome, bool& kept) {
     auto made = batch::record_of(plan_.batch.frames[frame], std::move(inputs_[frame]), outcome);
     if (!made) return made.error();
+    if (animation_ != nullptr) {
+      records_[frame] = std::move(*made);
+      return std::nullopt;
+    }
     const std::lock_guard lock(mutex_);
     if (auto added = manifest_.add(*made); !added) {
       unkept_ = added.error();
@@ -146,10 +186,13 @@ class FrameKeeper final : public batch::FrameEvents {
   const BatchPlan& plan_;
   const std::vector<std::string>& arguments_;
   batch::Manifest& manifest_;
+  const batch::Animation* animation_;
   BatchProgress& progress_;
   std::vector<batch::FrameRow> rows_;  // by frame; each is touched by the thread that converts it
   std::vector<std::vector<batch::FileRecord>> inputs_;
-  std::mutex mutex_;  // of the manifest
+  std::vector<batch::FrameRecord> records_;  // of an animation, until it is written
+  std::vector<char> missing_;                // 1: not converted
+  std::mutex mutex_;                         // of the manifest, and what could not be kept
   std::optional<Error> unkept_;
 };
 
@@ -190,6 +233,10 @@ Result<void> print_plan(const BatchPlan& plan, const Messages& messages) {
   }
   text += fmt::format("frames: {}, {} of inputs; {}\n", plan.frames.size(), format_byte_size(bytes),
                       plan.gaps.empty() ? "no gaps" : fmt::format("not there: {}", batch::text_of(plan.gaps, 20)));
+  if (plan.batch.animation) {
+    text += fmt::format("animation: {}, {} frames per second\n", printable(plan.batch.animation->path),
+                        plan.batch.animation->frames_per_second);
+  }
   text += fmt::format("jobs: {} at a time\n", plan.jobs);
   text += fmt::format("manifest: {}\n", (plan.folder / batch::manifest_name(plan.shard)).string());
   if (!plan.frames.empty()) {
@@ -205,6 +252,61 @@ Result<void> print_plan(const BatchPlan& plan, const Messages& messages) {
   return print_to_stdout(text);
 }
 
+// Tells the keeper of the frames that are done already, and returns the others.
+std::vector<std::size_t> keep_what_is_done(const BatchPlan& plan, const batch::Manifest& manifest,
+                                           FrameKeeper& keeper) {
+  const bool as_one = plan.batch.animation.has_value();
+  std::optional<std::vector<batch::FrameRecord>> all;
+  if (as_one && plan.flags.resume) all = batch::kept_animation(manifest, plan.batch);
+  std::vector<std::size_t> which;
+  for (const std::size_t i : plan.frames) {
+    const batch::FrameJob& frame = plan.batch.frames[i];
+    const batch::FrameRecord* record = all ? &(*all)[i] : nullptr;
+    if (!as_one && plan.flags.resume) record = manifest.find(convert::hash_of(frame.job));
+    const bool is_done = plan.flags.no_clobber
+                             ? std::ranges::any_of(files_of(frame.job), is_there)
+                             : record != nullptr && (as_one || batch::why_again(*record, frame).empty());
+    if (is_done) {
+      keeper.keep(i, record);
+    } else {
+      which.push_back(i);
+    }
+  }
+  return which;
+}
+
+// Gives the animation its name, unless the batch has failed as a whole.
+Result<meshes::MeshWriteResult> finish_animation(const BatchPlan& plan, batch::Animation& animation,
+                                                 batch::Manifest& manifest, FrameKeeper& keeper) {
+  const std::string& path = plan.batch.animation->path;
+  const std::size_t failed = keeper.count(batch::FrameStatus::failed);
+  const std::vector<std::int64_t> missing = keeper.missing();
+  if (missing.size() == plan.frames.size() || keeper.count(batch::FrameStatus::not_started) > 0 ||
+      (plan.flags.fail_fast && failed > 0)) {
+    return meshes::MeshWriteResult{{}, {fmt::format("{} was not written", path)}};
+  }
+  auto written = animation.finish();
+  if (!written) return written;
+  keeper.written_to(written->files);
+  if (!missing.empty()) {
+    written->notes.push_back(
+        fmt::format("{} is without frames that failed: {}; the frame before is shown in their time", path,
+                    batch::text_of(batch::runs_of(missing), 20)));
+  }
+  if (failed > 0) return written;
+  auto kept = batch::keep_animation(manifest, plan.batch, keeper.take_records(), *written);
+  return kept ? std::move(written) : tl::unexpected(kept.error());
+}
+
+void tell_animation(const batch::AnimationJob& animation, const meshes::MeshWriteResult& written,
+                    const Messages& messages) {
+  for (const meshes::WrittenFile& file : written.files) {
+    messages.summary(fmt::format("{}: {} frames per second, {}", printable(file.path), animation.frames_per_second,
+                                 format_byte_size(file.bytes)));
+  }
+  for (const std::string& note : written.notes) messages.note(note);
+}
+
 Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& arguments, const Messages& messages) {
   if (plan.flags.dry_run) return print_plan(plan, messages);
   if (plan.flags.plot) {
@@ -212,46 +314,48 @@ Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& 
   }
   if (auto limited = limit_threads(plan.common.threads); !limited) return limited;
   if (auto made = make_folders(plan); !made) return made;
+  const Context context{plan.common.memory};
+  std::optional<batch::Animation> animation;
+  if (plan.batch.animation) {
+    animation.emplace(plan.batch, context);
+    if (auto checked = animation->check(); !checked) return checked;
+  }
   auto manifest =
       batch::Manifest::open(plan.folder, batch::header_of(plan.batch, plan.shard, arguments), plan.flags.resume);
   if (!manifest) return tl::unexpected(manifest.error());
-  if (plan.progress != ProgressStyle::json) {
-    for (const std::string& note : plan.common.notes) messages.note(note);
-    if (!plan.gaps.empty()) messages.note(fmt::format("frames that are not there: {}", batch::text_of(plan.gaps, 20)));
-  }
+  const auto tell = [&](const std::string& note) {
+    if (plan.progress != ProgressStyle::json) messages.note(note);
+  };
+  for (const std::string& note : plan.common.notes) tell(note);
+  if (!plan.gaps.empty()) tell(fmt::format("frames that are not there: {}", batch::text_of(plan.gaps, 20)));
 
   BatchProgress progress(plan.progress, messages, plan.frames.size());
-  FrameKeeper keeper(plan, arguments, *manifest, progress);
-  std::vector<std::size_t> which;
-  std::uint64_t kept = 0;
-  for (const std::size_t i : plan.frames) {
-    const batch::FrameJob& frame = plan.batch.frames[i];
-    const batch::FrameRecord* record = plan.flags.resume ? manifest->find(convert::hash_of(frame.job)) : nullptr;
-    const auto files = files_of(frame.job);
-    const bool is_done = plan.flags.no_clobber ? std::ranges::any_of(files, is_there)
-                                               : record != nullptr && batch::why_again(*record, frame).empty();
-    if (!is_done) {
-      which.push_back(i);
-      continue;
-    }
-    keeper.keep(i, record);
-    ++kept;
-  }
-  const Context context{plan.common.memory};
+  FrameKeeper keeper(plan, arguments, *manifest, animation ? &*animation : nullptr, progress);
+  const std::vector<std::size_t> which = keep_what_is_done(plan, *manifest, keeper);
+  const std::size_t kept = plan.frames.size() - which.size();
   const batch::SchedulerOptions options{
       .jobs = plan.jobs,
       .threads = plan.common.threads.value_or(tbb::this_task_arena::max_concurrency()),
       .fail_fast = plan.flags.fail_fast,
       .mesh_facts = plan.flags.table || plan.flags.plot || plan.report};
-  const batch::BatchCounts counts = batch::run(plan.batch, which, options, context, keeper);
-  const std::vector<batch::FrameRow> rows = keeper.rows();
-  const auto failed =
-      static_cast<std::uint64_t>(std::ranges::count(rows, batch::FrameStatus::failed, &batch::FrameRow::status));
-  const auto done =
-      static_cast<std::uint64_t>(std::ranges::count(rows, batch::FrameStatus::done, &batch::FrameRow::status));
-  progress.end(done, failed, kept, counts.not_started);
-  if (auto written = write_tables(plan, rows); !written) return written;
-  if (keeper.unkept()) return tl::unexpected(*keeper.unkept());
+  const batch::BatchCounts counts =
+      batch::run(plan.batch, which, options, context, keeper, animation ? &*animation : nullptr);
+  std::optional<Error> unkept = keeper.unkept();
+  meshes::MeshWriteResult animated;
+  if (animation && which.empty()) {
+    animated.notes.push_back(fmt::format("{} is left as it is", plan.batch.animation->path));
+  } else if (animation && !unkept) {
+    auto finished = finish_animation(plan, *animation, *manifest, keeper);
+    if (!finished) unkept = finished.error();
+    if (finished) animated = std::move(*finished);
+  }
+  const std::size_t failed = keeper.count(batch::FrameStatus::failed);
+  progress.end(keeper.count(batch::FrameStatus::done), failed, kept, counts.not_started);
+  if (animation && plan.progress != ProgressStyle::json) tell_animation(*plan.batch.animation, animated, messages);
+  if (plan.flags.table || plan.flags.plot) {
+    if (auto written = write_tables(plan, keeper.rows()); !written) return written;
+  }
+  if (unkept) return tl::unexpected(*unkept);
   if (failed == 0 && counts.not_started == 0) return {};
   std::string text = fmt::format("{} of {} frames failed", failed, plan.frames.size());
   if (counts.not_started > 0) text += fmt::format(", and {} were not started", counts.not_started);

@@ -118,6 +118,50 @@ Result<void> plan_tables(const BatchFlags& flags, BatchPlan& plan) {
   return {};
 }
 
+// One file for all frames, in place of one for each.
+Result<std::vector<batch::OutputFiles>> plan_animation(const ConvertFlags& flags,
+                                                       const std::vector<batch::OutputSource>& sources,
+                                                       meshes::MeshFormat format, batch::BatchJob& job) {
+  const std::string example = "for example -o water.glb";
+  if (!flags.output) return usage("--animate makes one file of all frames, whose name has to be given", example);
+  const std::string& output = *flags.output;
+  std::error_code none;
+  if (output.ends_with('/') || fs::is_directory(output, none)) {
+    return usage(fmt::format("-o {}: --animate makes one file of all frames, and this is a folder", output), example);
+  }
+  const auto name = batch::OutputTemplate::parse(output);
+  if (!name) return tl::unexpected(name.error());
+  for (const auto& word : words_of(batch::OutputWord{})) {
+    if (!name->uses(word.value)) continue;
+    return usage(fmt::format("-o {}: --animate makes one file of all frames, and this name has a place for {{{}}}",
+                             output, word.word),
+                 example + "; without --animate each frame has its file");
+  }
+  if (format != meshes::MeshFormat::glb) {
+    return usage(fmt::format("--animate writes glb, found {}", meshes::mesh_format_info(format).name),
+                 "name the file .glb; without --animate each frame has its file, in any format");
+  }
+  job.animation =
+      batch::AnimationJob{name->expand({}), flags.batch.fps.value_or(batch::AnimationJob().frames_per_second)};
+  std::vector<batch::OutputFiles> outputs(sources.size());
+  outputs.front() = {{job.animation->path, sources.front().isos}};
+  if (auto checked = batch::check_outputs(sources, outputs, format); !checked) return tl::unexpected(checked.error());
+  for (std::size_t i = 1; i < sources.size(); ++i) outputs[i] = {{job.animation->path, sources[i].isos}};
+  return outputs;
+}
+
+Result<batch::Shard> plan_shard(const BatchFlags& flags, const char* (*environment)(const char*)) {
+  const auto shard =
+      flags.shard ? Result<std::optional<batch::Shard>>(flags.shard) : batch::shard_of_environment(environment);
+  if (!shard) return tl::unexpected(shard.error());
+  const batch::Shard found = shard->value_or(batch::Shard());
+  if (!flags.animate || found.is_all()) return found;
+  return usage(fmt::format("--animate needs all frames in one process, and this one is shard {}/{}{}", found.number,
+                           found.count, flags.shard ? "" : " as its environment says"),
+               flags.shard ? "convert the shards to files of their own, or use one machine without --shard"
+                           : "convert the shards to files of their own, or say --shard 1/1 in one of them");
+}
+
 }  // namespace
 
 bool is_there(const fs::path& path) {
@@ -129,9 +173,9 @@ bool is_batch(const ConvertFlags& flags) {
   const std::vector<std::string>& inputs = flags.input.inputs;
   const BatchFlags& batch = flags.batch;
   if (inputs.empty()) return false;
-  if (inputs.size() > 1 || wants_all_volumes(flags) || batch.frames || batch.iso_table || batch.jobs || batch.shard ||
-      batch.table || batch.plot || batch.progress || batch.resume || batch.fail_fast || batch.no_clobber ||
-      batch.make_folders || batch.dry_run) {
+  if (inputs.size() > 1 || wants_all_volumes(flags) || batch.frames || batch.iso_table || batch.animate || batch.fps ||
+      batch.jobs || batch.shard || batch.table || batch.plot || batch.progress || batch.resume || batch.fail_fast ||
+      batch.no_clobber || batch.make_folders || batch.dry_run) {
     return true;
   }
   const std::string& input = inputs.front();
@@ -146,6 +190,9 @@ bool is_batch(const ConvertFlags& flags) {
 Result<BatchPlan> plan_batch(const ConvertFlags& flags, const char* (*environment)(const char*)) {
   if (flags.output == "-") return usage("frames are written into files, not to stdout", "give a name with -o");
   if (flags.explain) return usage("--explain is about one conversion", "--table and -v tell about frames");
+  if (flags.batch.fps && !flags.batch.animate) {
+    return usage("--fps is how fast an animation plays, and none is made", "--animate makes one");
+  }
   BatchPlan plan;
   ConvertFlags one = flags;  // of one frame
   if (wants_all_volumes(flags)) one.input.volume.reset();
@@ -160,7 +207,8 @@ Result<BatchPlan> plan_batch(const ConvertFlags& flags, const char* (*environmen
   if (!common) return tl::unexpected(common.error());
   plan.common = std::move(*common);
   for (std::string& note : found->notes) plan.common.notes.push_back(std::move(note));
-  auto outputs = batch::name_outputs(*sources, flags.output, plan.common.job.format);
+  auto outputs = flags.batch.animate ? plan_animation(flags, *sources, plan.common.job.format, plan.batch)
+                                     : batch::name_outputs(*sources, flags.output, plan.common.job.format);
   if (!outputs) return tl::unexpected(outputs.error());
   for (std::size_t i = 0; i < sources->size(); ++i) {
     batch::FrameJob& frame = plan.batch.frames.emplace_back();
@@ -175,15 +223,13 @@ Result<BatchPlan> plan_batch(const ConvertFlags& flags, const char* (*environmen
   if (auto reported = plan_report(flags, plan); !reported) return tl::unexpected(reported.error());
   if (auto planned = plan_tables(flags.batch, plan); !planned) return tl::unexpected(planned.error());
 
-  auto shard = flags.batch.shard ? Result<std::optional<batch::Shard>>(flags.batch.shard)
-                                 : batch::shard_of_environment(environment);
+  const auto shard = plan_shard(flags.batch, environment);
   if (!shard) return tl::unexpected(shard.error());
-  plan.shard = shard->value_or(batch::Shard());
+  plan.shard = *shard;
   plan.frames = batch::frames_of(plan.batch, plan.shard);
 
   const int threads = plan.common.threads.value_or(tbb::this_task_arena::max_concurrency());
-  const bool draws = plan.common.job.backend.backend != convert::Backend::cpu || plan.common.job.verify;
-  plan.jobs = flags.batch.jobs.value_or(draws ? 1 : threads);
+  plan.jobs = flags.batch.jobs.value_or(threads);
   plan.flags = flags.batch;
   if (plan.flags.resume && plan.flags.no_clobber) {
     return usage("--resume and --no-clobber exclude each other", "--resume does only what is not done yet");

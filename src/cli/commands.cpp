@@ -13,12 +13,14 @@
 
 #include <fmt/format.h>
 
+#include "base/printable.hpp"
 #include "base/version.hpp"
 #include "cli/batch_command.hpp"
 #include "cli/batch_plan.hpp"
 #include "cli/bench_command.hpp"
 #include "cli/command_line.hpp"
 #include "cli/compare_command.hpp"
+#include "cli/config_file.hpp"
 #include "cli/convert_command.hpp"
 #include "cli/devices_command.hpp"
 #include "cli/generate_docs.hpp"
@@ -104,6 +106,14 @@ int run_stability_command(const StabilityFlags& flags) {
   return done_or_reported(run_stability(flags, Messages(*verbosity)));
 }
 
+int run_convert_command(const ConvertFlags& flags, const std::vector<std::string>& arguments) {
+  auto done = is_batch(flags) ? run_batch(flags, arguments) : run_convert(flags, arguments);
+  if (!done && done.error().kind == ErrorKind::usage && flags.config) {
+    done.error().message += fmt::format(" (options come from {}, too)", printable(*flags.config));
+  }
+  return done_or_reported(done);
+}
+
 int run_arguments(const std::vector<std::string>& arguments) {
   const auto line = declare_command_line();
   if (arguments.empty()) {
@@ -135,8 +145,13 @@ int run_arguments(const std::vector<std::string>& arguments) {
     case Request::stability: return run_stability_command(line->stability_flags);
     case Request::convert: break;
   }
-  if (is_batch(line->convert_flags)) return done_or_reported(run_batch(line->convert_flags, arguments));
-  return done_or_reported(run_convert(line->convert_flags, arguments));
+  if (line->convert_flags.config) {
+    const auto configured = with_config(*line, arguments);
+    if (configured) return run_convert_command(configured->line->convert_flags, configured->arguments);
+    report_unread_words(arguments, configured.error());
+    return report(configured.error());
+  }
+  return run_convert_command(line->convert_flags, arguments);
 }
 
 // Ends the process as the signal would have, but leaves no unfinished file.

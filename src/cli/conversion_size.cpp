@@ -43,10 +43,10 @@ std::uint64_t estimated_bytes(const ConversionSize& size) {
 
 Result<std::uint64_t> estimated_memory(const convert::ConversionJob& job, const MemoryBudget& memory) {
   convert::Events unheard;
-  const auto field = convert::read_field(job.source.input, job.source.read, Context(memory), unheard);
-  if (!field) return tl::unexpected(field.error());
+  const auto source = convert::open_source(job.source, false, Context(memory), unheard);
+  if (!source) return tl::unexpected(source.error());
   std::uint64_t most = 0;
-  for (const double iso : job.isos()) most = std::max(most, estimated_bytes(size_of(*field, iso)));
+  for (const double iso : job.isos()) most = std::max(most, estimated_bytes(size_of(source->field, iso)));
   return most;
 }
 

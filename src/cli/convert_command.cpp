@@ -14,6 +14,7 @@
 #include "base/stopwatch.hpp"
 #include "cli/mesh_error_text.hpp"
 #include "cli/messages.hpp"
+#include "cli/packing_text.hpp"
 #include "cli/plan.hpp"
 #include "cli/progress_bar.hpp"
 #include "cli/remedies.hpp"
@@ -141,6 +142,12 @@ class Narrator final : public convert::Events {
     errors_.push_back(error);
   }
 
+  void packed(const convert::MeshPackingRecord& record) override {
+    tell_stage(fmt::format("{} iso {}: packed in {}: {}", label_, record.iso, times_text(record.facts.time),
+                           packing_details(record)));
+    packed_.push_back(packing_summary(record));
+  }
+
   void written(const convert::WrittenOutput& output) override {
     if (output.isos.empty()) {
       forget();
@@ -156,6 +163,7 @@ class Narrator final : public convert::Events {
                                     format_byte_size(bytes), ends_text(ends_, plan_),
                                     describe(plan_.job.source.placement), watch_.elapsed().wall_seconds));
       for (const std::string& line : simplified_) messages_.summary("  " + line);
+      for (const std::string& line : packed_) messages_.summary("  " + line);
       for (const convert::MeshError& error : errors_) tell_error(error);
       for (const std::string& line : verified_) messages_.summary("  " + line);
     });
@@ -183,6 +191,7 @@ class Narrator final : public convert::Events {
     ends_.clear();
     verified_.clear();
     simplified_.clear();
+    packed_.clear();
     errors_.clear();
     watch_.restart();
   }
@@ -195,6 +204,7 @@ class Narrator final : public convert::Events {
   std::vector<SurfaceEnd> ends_;
   std::vector<std::string> verified_;
   std::vector<std::string> simplified_;
+  std::vector<std::string> packed_;
   std::vector<convert::MeshError> errors_;
 };
 

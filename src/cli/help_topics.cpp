@@ -25,6 +25,7 @@ constexpr std::array kExamples{
     Example{"isoextract fluid.vdb --grid density --iso 0.2 --iso 0.6 -o fluid.glb", "Two surfaces of one grid."},
     Example{"isoextract head.raw --dims 48,62,42 --spacing 4 --iso 60 -o head.ply", "A file without a header."},
     Example{"isoextract 'sim_{:04}.vdb' --iso 0.5 -o 'out/sim_{:04}.glb' --mkdir", "A sequence, a mesh a frame."},
+    Example{"isoextract 'sim_{:04}.vdb' --iso 0.5 -o sim.glb --animate", "The same as one file that plays."},
     Example{"isoextract verify smoke.vdb --iso 0.5 smoke.glb", "Whether a mesh is what its volume gives."},
     Example{"isoextract compare a.glb b.ply --max-distance 0.1", "Whether two meshes are the same surface, to 0.1."},
     Example{"isoextract 'demo:gyroid?size=128' --iso 0 --format ply -o - > gyroid.ply", "No file at all, and a pipe."},
@@ -84,7 +85,7 @@ HelpTopic coordinates_topic() {
             "replace what the file says.",
             {}},
            {"Only for glb and gltf, whose standard prescribes that y points up, the world is turned: with --up z, "
-            "the default, (x, y, z) becomes (x, z, -y). With --up y the input's axes are kept. ply, obj and stl "
+            "the default, (x, y, z) becomes (x, z, -y). With --up y the input's axes are kept. ply, obj, stl and drc "
             "prescribe nothing, and always keep the input's axes. compare takes the turn back where it gets one mesh "
             "of each kind, unless its --up says y.",
             {}},

@@ -33,7 +33,9 @@ std::string example_command(const InfoPlan& plan, const std::string& input, std:
 bool fits_one_mesh(const field::ScalarField& field) {
   const auto* sparse = std::get_if<field::SparseSamples>(&field.samples);
   const field::IndexBox stored = sparse != nullptr ? extract::stored_box(*sparse) : field.extents();
-  return stored.empty() || extract::output_frame(field, field.index_to_world, stored, stored, false).fits_float32();
+  extract::ExtractOptions options;
+  options.output_from_index = field.index_to_world;
+  return stored.empty() || extract::output_frame(field, options, stored, stored).fits_float32();
 }
 
 Result<FieldReport> measure(const InfoPlan& plan, const std::string& input, std::optional<std::int64_t> volume,

@@ -139,7 +139,7 @@ void declare_convert_surface(CLI::App& app, ConvertFlags& flags) {
   group.choice("--normals", flags.normals,
 
                "Normals to store: none, one a triangle, or the field's gradient at each vertex (default: smooth for "
-               "glb and gltf, none for ply and obj; stl always has one a triangle).");
+               "glb and gltf, none for ply, obj and drc; stl always has one a triangle).");
   group.value("--simplify", "ERR", flags.simplify, parse_simplify_bound,
               "Leave out triangles as long as no point of either mesh is farther than ERR from the other: 0.1 or "
               "0.1voxel in voxels, 0.5world in the units of the written mesh. The distance is measured and told. Open "
@@ -160,9 +160,16 @@ void declare_frames(CLI::App& app, BatchFlags& flags) {
               "not there are told.");
   group.value<std::string>("--iso-table", "FILE", flags.iso_table, parse_text,
                            "Iso values by frame, in place of --iso: a CSV file with the columns frame and iso.");
+  group.flag("--animate", flags.animate,
+             "Write all frames into one .glb that plays them, named after -o. The first frame is at 0 seconds, gaps in "
+             "the numbering keep their time, and a frame that fails is left out: the one before it is shown longer. "
+             "What does not fit into one file of 4 GiB goes on in NAME.part2.glb.");
+  group.value("--fps", "N", flags.fps, parse_positive,
+              "Frames per second of --animate (default: 24). Blender 3.4 rounds it to a whole number when it opens the "
+              "file.");
   group.value("--jobs", "N", flags.jobs, parse_thread_count,
-              "Frames to convert at a time, as far as --memory-limit lets them; they share --threads (default: as "
-              "many as threads; 1 on a GPU). The output does not depend on it.");
+              "Frames to convert at a time, as far as --memory-limit lets them; they share --threads, and a GPU draws "
+              "one after another (default: as many as threads). The output does not depend on it.");
   group.flag("--resume", flags.resume,
              "Do only what is not done: frames whose record, input and output are what the manifest in the folder of "
              "the outputs says are left alone.");
@@ -202,11 +209,34 @@ void declare_placement(CLI::App& app, PlacementFlags& flags) {
                "Coordinates of the mesh: the input's world, or voxels counted from 0 (default: world).");
   group.choice("--up", flags.up,
                "The axis of the input's world that points up (default: z). glb and gltf prescribe y up, so z-up "
-               "input is turned for them: (x, y, z) becomes (x, z, -y). ply, obj and stl keep the input's axes.");
+               "input is turned for them: (x, y, z) becomes (x, z, -y). ply, obj, stl and drc keep the input's axes.");
   group.value("--scale", "S", flags.scale, parse_positive, "Multiply the world coordinates by S.");
   group.choice("--unit", flags.unit, units(),
                "Unit of the input's world; the mesh is written in metres, as glTF prescribes (default: coordinates "
                "are written as they are). Not together with --scale.");
+}
+
+void declare_packing(const Group& group, ConvertFlags& flags) {
+  using Bits = std::optional<std::uint64_t>;
+  std::vector<Choice<Bits>> bits{{"auto", Bits()}};
+  for (std::uint64_t b = meshes::kMinPositionBits; b <= meshes::kMaxPositionBits; ++b) {
+    bits.push_back({fmt::format("{}", b), b});
+  }
+  group
+      .choice("--draco", flags.draco, std::move(bits),
+              "Compress glb or gltf with Draco (KHR_draco_mesh_compression); drc always is. Positions are rounded to a "
+              "lattice that all regions of a volume share: its step is at most a 32nd of a voxel (auto, the default), "
+              "or such that the whole volume takes so many bits. What the file unpacks to is compared with the mesh, "
+              "and how far vertices moved is told.")
+      ->expected(0, 1);
+  group.flag("--quantize", flags.quantize,
+             "Write glb or gltf with positions of 16 bits, on the same lattice, and normals of 8 "
+             "(KHR_mesh_quantization).");
+  group.flag("--meshopt", flags.meshopt,
+             "Compress glb or gltf with meshoptimizer (EXT_meshopt_compression), without loss; smaller with --quantize "
+             "and --optimize-order.");
+  group.flag("--optimize-order", flags.optimize_order,
+             "Put vertices and triangles into an order that graphics cards and compression like.");
 }
 
 void declare_output(CLI::App& app, ConvertFlags& flags) {
@@ -223,14 +253,16 @@ void declare_output(CLI::App& app, ConvertFlags& flags) {
                            "was left out, and the facts of each mesh, which take time and memory of their own. Of a "
                            "conversion that fails, it says why.");
   group.flag("--ascii", flags.ascii, "Write ply or stl as text instead of binary.");
+  declare_packing(group, flags);
 }
 
 void declare_verify(CLI::App& app, VerifyFlags& flags) {
   declare_input(app, flags.input, "INPUT", "The volume to verify with");
   Group(app, "Input")
-      .value<std::string>("MESH", "MESH", flags.mesh, parse_text,
-                          "A mesh that was written from it: .glb, .gltf, .ply, .obj or .stl; its extension says how it "
-                          "was placed unless options do. Without one the backends are compared with each other.");
+      .value<std::string>(
+          "MESH", "MESH", flags.mesh, parse_text,
+          "A mesh that was written from it: .glb, .gltf, .ply, .obj, .stl or .drc; its extension says how it "
+          "was placed unless options do. Without one the backends are compared with each other.");
   const Group surface(app, "Surface");
   surface.values("--iso", "V", flags.isos, parse_number,
                  "The value whose surface is verified. Required; several times for the several surfaces of a mesh.");
@@ -243,12 +275,13 @@ void declare_verify(CLI::App& app, VerifyFlags& flags) {
 
 void declare_compare(CLI::App& app, CompareFlags& flags) {
   const Group input(app, "Input");
-  input.values<std::string>("FILE", "FILE", flags.meshes, parse_text,
-                            "The two meshes: .glb, .gltf, .ply, .obj or .stl. Corners without connectivity, as in "
-                            "stl, are welded where their coordinates are equal.");
+  input.values<std::string>(
+      "FILE", "FILE", flags.meshes, parse_text,
+      "The two meshes: .glb, .gltf, .ply, .obj, .stl or .drc. Corners without connectivity, as in "
+      "stl, are welded where their coordinates are equal.");
   input.choice("--up", flags.up,
                "Where one mesh is glb or gltf and the other is not: the axis that points up in the other (default: z). "
-               "glTF prescribes y, and ply, obj and stl nothing. With z the glTF mesh is turned, which the result "
+               "glTF prescribes y, and ply, obj, stl and drc nothing. With z the glTF mesh is turned, which the result "
                "tells: (x, y, z) becomes (x, -z, y), as it was before convert turned it. With y nothing is turned: "
                "for meshes that were written with --up y or --space index.");
   input.value("--memory-limit", "SIZE", flags.memory_limit, parse_size, kMemoryLimitText);
@@ -352,6 +385,11 @@ std::unique_ptr<CommandLine> declare_command_line() {
   convert_run.flag("--verify", convert.verify,
                    "Extract with the other backend as well, CPU or GPU, and compare triangle by triangle. Where they "
                    "differ, exit with code 6 and do not write the file.");
+  convert_run.value<std::string>(
+      "--config", "FILE", convert.config, parse_text,
+      "Take options from a TOML file: keys are their long names without dashes, and input; an option that may be given "
+      "several times takes a list, one without a value takes true. What the command line has as well wins over the "
+      "file. Relative paths in it are relative to the current folder.");
   convert_run.flag("--explain", convert.explain, "Tell what was left out and why, with counts and times.");
   declare_run(*line->convert, convert.run);
 
@@ -393,52 +431,6 @@ std::unique_ptr<CommandLine> declare_command_line() {
               "The man page, or the completion script of a shell.");
   declare_quiet(*line->generate, line->quiet);
   return line;
-}
-
-std::string synopsis(const CLI::App& command) {
-  const std::string& name = command.get_name();
-  if (name == "convert") return "isoextract [convert] INPUT... --iso V [-o FILE] [options]";
-  if (name == "merge") return "isoextract merge FOLDER";
-  if (name == "info") return "isoextract info INPUT... [options]";
-  if (name == "verify") return "isoextract verify INPUT --iso V [MESH] [options]";
-  if (name == "compare") return "isoextract compare A B [options]";
-  if (name == "bench") return "isoextract bench [INPUT...] [options]";
-  if (name == "devices") return "isoextract devices [options]";
-  if (name == "stability") return "isoextract stability [options]";
-  if (name == "help") return "isoextract help [TOPIC]";
-  return "isoextract generate man|bash|zsh|fish";
-}
-
-bool takes_value(const CLI::Option& option) { return option.get_items_expected_max() > 0; }
-
-bool value_is_optional(const CLI::Option& option) {
-  return takes_value(option) && option.get_items_expected_min() == 0;
-}
-
-std::string spelling(const CLI::Option& option) {
-  if (option.get_positional()) {
-    return choices(option).empty() ? option.get_type_name() : option.get_name(true);
-  }
-  std::string names;
-  for (const std::string& name : option.get_snames()) names += "-" + name + ", ";
-  for (const std::string& name : option.get_lnames()) names += "--" + name + ", ";
-  names.resize(names.size() - 2);
-  if (!takes_value(option)) return names;
-  return fmt::format(fmt::runtime(value_is_optional(option) ? "{} [{}]" : "{} {}"), names, option.get_type_name());
-}
-
-std::vector<std::string> choices(const CLI::Option& option) {
-  const std::string metavar = option.get_type_name();
-  if (metavar.find('|') == std::string::npos) return {};
-  return CLI::detail::split(metavar, '|');
-}
-
-std::vector<const CLI::Option*> options_in_group(const CLI::App& command, const std::string& group) {
-  return command.get_options([&](const CLI::Option* option) { return option->get_group() == group; });
-}
-
-std::vector<const CLI::App*> commands_of(const CLI::App& app) {
-  return app.get_subcommands([](const CLI::App*) { return true; });
 }
 
 }  // namespace isoextract::cli

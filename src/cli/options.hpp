@@ -90,6 +90,8 @@ constexpr auto words_of(ProgressStyle /*type*/) {
 struct BatchFlags {
   std::optional<batch::FrameRange> frames;
   std::optional<std::string> iso_table;
+  bool animate = false;
+  std::optional<double> fps;
   std::optional<int> jobs;
   std::optional<batch::Shard> shard;
   bool resume = false;
@@ -116,10 +118,16 @@ struct ConvertFlags {
   std::optional<std::string> output;
   std::optional<meshes::MeshFormat> format;
   bool ascii = false;
+  // Of --draco: its bits, or nothing in it where the voxel says.
+  std::optional<std::optional<std::uint64_t>> draco;
+  bool quantize = false;
+  bool meshopt = false;
+  bool optimize_order = false;
   std::optional<field::Interpolation> error;
   bool verify = false;
   bool explain = false;
   std::optional<std::string> report;
+  std::optional<std::string> config;
   RunFlags run;
 };
 

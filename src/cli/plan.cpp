@@ -8,6 +8,7 @@
 #include <tbb/task_arena.h>
 
 #include "batch/output_names.hpp"
+#include "cli/packing_plan.hpp"
 #include "field/demo_field.hpp"
 #include "files/file_bytes.hpp"
 
@@ -246,6 +247,9 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string
   job.normals = *normals;
   job.format = *format;
   job.ascii = flags.ascii;
+  const auto packing = plan_packing(flags, *format);
+  if (!packing) return tl::unexpected(packing.error());
+  job.packing = *packing;
 
   auto placement = plan_placement(flags.placement, *format, plan.notes);
   if (!placement) return tl::unexpected(placement.error());
@@ -340,7 +344,7 @@ Result<VerifyPlan> plan_verify(const VerifyFlags& flags) {
     if (!given) return tl::unexpected(given.error());
     format = *given;
   }
-  plan.float32_world = format == meshes::MeshFormat::stl;
+  plan.float32_world = format == meshes::MeshFormat::stl || format == meshes::MeshFormat::drc;
   auto placement = plan_placement(flags.placement, format, plan.notes);
   if (!placement) return tl::unexpected(placement.error());
   plan.source.placement = std::move(*placement);

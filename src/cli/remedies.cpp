@@ -56,7 +56,8 @@ std::string words_of(const Hint& hint) {
     case Remedy::list_gpus: return "'isoextract devices' lists them";
     case Remedy::name_frames: return "say which with --frames A-B";
     case Remedy::number_outputs:
-      return "put what tells them apart into the name after -o: {frame:04} or {}, {stem}, {grid}, {iso}";
+      return "put what tells them apart into the name after -o: {frame:04} or {}, {stem}, {grid}, {iso}; or write "
+             "all frames into one .glb with --animate";
     case Remedy::report_gpu: return "please report it with 'isoextract devices'; --backend cpu needs no GPU";
   }
   return text;

@@ -1,19 +1,28 @@
 #include "convert/backends.hpp"
 
+#include <mutex>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "gpu/drawing_thread.hpp"
+
 namespace isoextract::convert {
 namespace {
 
+OpenedBackend cpu_because(const std::string& why) {
+  return {extract::make_cpu_extractor(), fmt::format("cpu, because {}", why)};
+}
+
+std::string software_reason(const gl::GpuDevice& device) {
+  return fmt::format("{} draws on the processor, which is slower", gl::describe(device));
+}
+
 OpenedBackend open_automatic(const gpu::GpuOptions& options) {
   auto gpu = gpu::make_gpu_extractor(options);
-  if (!gpu) return {extract::make_cpu_extractor(), fmt::format("cpu, because {}", gpu.error().message)};
-  if (gpu->device.software) {
-    return {extract::make_cpu_extractor(),
-            fmt::format("cpu, because {} draws on the processor, which is slower", gl::describe(gpu->device))};
-  }
+  if (!gpu) return cpu_because(gpu.error().message);
+  if (gpu->device.software) return cpu_because(software_reason(gpu->device));
   return {std::move(gpu->extractor), fmt::format("gpu, {}", gl::describe(gpu->device))};
 }
 
@@ -29,5 +38,108 @@ Result<OpenedBackend> open_backend(Backend backend, const gpu::GpuOptions& optio
   if (!gpu) return tl::unexpected(std::move(gpu.error()));
   return OpenedBackend{std::move(gpu->extractor), ""};
 }
+
+// The device that is open now, if any.
+class KeptBackends::Device {
+ public:
+  // Opens it where it is not open. Others wait meanwhile, so that one is opened.
+  Result<gpu::DrawingThread> open(const gpu::GpuChoice& choice) {
+    const std::lock_guard lock(mutex_);
+    return open_locked(choice);
+  }
+
+  // Nothing where the CPU is to be taken, and `reason` says why or names the device.
+  std::optional<gpu::DrawingThread> open_automatic(const gpu::GpuChoice& choice, std::string& reason) {
+    const std::lock_guard lock(mutex_);
+    if (!no_gpu_ || choice != choice_) {
+      const auto opened = open_locked(choice);
+      if (opened && !opened->device().software) {
+        reason = fmt::format("gpu, {}", gl::describe(opened->device()));
+        return *opened;
+      }
+      no_gpu_ = opened ? software_reason(opened->device()) : opened.error().message;
+      thread_.reset();
+    }
+    reason = *no_gpu_;
+    return std::nullopt;
+  }
+
+  void let_go(const gpu::DrawingThread& thread) {
+    const std::lock_guard lock(mutex_);
+    if (thread_ == thread) thread_.reset();
+  }
+
+  [[nodiscard]] int opened() const {
+    const std::lock_guard lock(mutex_);
+    return opened_;
+  }
+
+ private:
+  Result<gpu::DrawingThread> open_locked(const gpu::GpuChoice& choice) {
+    if (thread_ && choice == choice_) return *thread_;
+    thread_.reset();
+    no_gpu_.reset();
+    choice_ = choice;
+    gpu::GpuOptions options{choice};
+    options.keep_samples = true;
+    auto started = gpu::DrawingThread::start(options);
+    if (!started) return started;
+    ++opened_;
+    thread_ = *started;
+    return started;
+  }
+
+  mutable std::mutex mutex_;
+  gpu::GpuChoice choice_;
+  std::optional<gpu::DrawingThread> thread_;
+  std::optional<std::string> no_gpu_;  // why automatic takes the CPU
+  int opened_ = 0;
+};
+
+// What a failure leaves behind on a device is not known, so none is trusted after one.
+class KeptBackends::DeviceExtractor final : public extract::Extractor {
+ public:
+  DeviceExtractor(std::shared_ptr<Device> device, gpu::DrawingThread thread)
+      : device_(std::move(device)), thread_(std::move(thread)), extractor_(thread_.extractor()) {}
+
+  [[nodiscard]] std::string_view name() const override { return extractor_->name(); }
+  [[nodiscard]] std::string device() const override { return extractor_->device(); }
+  [[nodiscard]] bool has(extract::Method method) const override { return extractor_->has(method); }
+
+ private:
+  [[nodiscard]] Result<extract::Extraction> run(const field::ScalarField& field, const extract::ExtractOptions& options,
+                                                const Context& context) override {
+    try {
+      auto extraction = extractor_->extract(field, options, context);
+      if (!extraction) device_->let_go(thread_);
+      return extraction;
+    } catch (...) {
+      device_->let_go(thread_);
+      throw;
+    }
+  }
+
+  std::shared_ptr<Device> device_;
+  gpu::DrawingThread thread_;
+  std::unique_ptr<extract::Extractor> extractor_;
+};
+
+KeptBackends::KeptBackends() : device_(std::make_shared<Device>()) {}
+KeptBackends::~KeptBackends() = default;
+
+Result<OpenedBackend> KeptBackends::open(Backend backend, const gpu::GpuChoice& choice) {
+  if (backend == Backend::cpu) return open_backend(backend, {choice});
+  if (backend == Backend::automatic) {
+    std::string reason;
+    const auto thread = device_->open_automatic(choice, reason);
+    if (!thread) return cpu_because(reason);
+    return OpenedBackend{std::make_unique<DeviceExtractor>(device_, *thread), reason};
+  }
+  auto thread = device_->open(choice);
+  if (!thread) return tl::unexpected(std::move(thread.error()));
+  return OpenedBackend{std::make_unique<DeviceExtractor>(device_, std::move(*thread)), ""};
+}
+
+int KeptBackends::devices_opened() const { return device_->opened(); }
 
 }  // namespace isoextract::convert

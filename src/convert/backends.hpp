@@ -34,4 +34,31 @@ struct OpenedBackend {
 // used and dropped on the thread that opened it.
 [[nodiscard]] Result<OpenedBackend> open_backend(Backend backend, const gpu::GpuOptions& options);
 
+// A device that stays open from one run to the next, for runs one after another or side by side: it is opened when the
+// first asks for it, on a thread of its own (gpu/drawing_thread.hpp), and samples that the next frame needs as they are
+// stay on it. Safe to use from several threads.
+//
+// An extraction that failed there, for whatever reason, lets go of the device: who works with it goes on with it, and
+// who opens a backend afterwards has it opened anew.
+class KeptBackends {
+ public:
+  KeptBackends();
+  ~KeptBackends();
+  KeptBackends(const KeptBackends&) = delete;
+  KeptBackends& operator=(const KeptBackends&) = delete;
+
+  // As open_backend() does; the extractor may be used on any thread, and outlive this. Where automatic found no GPU it
+  // is not looked for again. Another choice than before is opened in its place.
+  [[nodiscard]] Result<OpenedBackend> open(Backend backend, const gpu::GpuChoice& choice);
+
+  // How often a device was opened so far.
+  [[nodiscard]] int devices_opened() const;
+
+ private:
+  class Device;
+  class DeviceExtractor;
+
+  std::shared_ptr<Device> device_;
+};
+
 }  // namespace isoextract::convert

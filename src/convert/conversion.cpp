@@ -15,6 +15,7 @@
 #include "base/machine.hpp"
 #include "base/stopwatch.hpp"
 #include "convert/detail/recorder.hpp"
+#include "convert/mesh_packing.hpp"
 #include "convert/output_checks.hpp"
 #include "convert/source.hpp"
 #include "field/statistics.hpp"
@@ -33,8 +34,14 @@ int thread_count() {
 class Conversion {
  public:
   Conversion(const ConversionJob& job, const Context& context, Outcome& outcome, Events& listener,
-             const OutcomeExtras& extras)
-      : job_(job), context_(context), outcome_(outcome), events_(outcome, listener), extras_(extras) {}
+             const OutcomeExtras& extras, KeptBackends* kept, MeshSink* sink)
+      : job_(job),
+        context_(context),
+        outcome_(outcome),
+        events_(outcome, listener),
+        extras_(extras),
+        kept_backends_(kept),
+        sink_(sink) {}
 
   Result<void> run() {
     if (auto opened = open_backends(); !opened) return opened;
@@ -59,6 +66,7 @@ class Conversion {
   struct OutputFile {
     WrittenOutput written;
     meshes::MeshWriter writer;
+    std::vector<mesh::Mesh> held;     // for the sink, which has no writer
     std::vector<MeshRecord> records;  // where they were asked for
     StageTime recording;
   };
@@ -67,12 +75,16 @@ class Conversion {
   Result<void> open_backends() {
     outcome_.backend = word_of(job_.backend.backend);
     const Stopwatch watch;
-    const gpu::GpuOptions gpu{job_.backend.gpu};
-    auto opened = open_backend(job_.backend.backend, gpu);
+    gpu::GpuOptions gpu{job_.backend.gpu};
+    gpu.keep_samples = job_.isos().size() > 1;
+    const auto open = [&](Backend backend) {
+      return kept_backends_ != nullptr ? kept_backends_->open(backend, gpu) : open_backend(backend, gpu);
+    };
+    auto opened = open(job_.backend.backend);
     if (!opened) return tl::unexpected(std::move(opened.error()));
     extract_with(std::move(*opened), watch.elapsed());
     if (!job_.verify) return {};
-    opened = open_backend(extractor_->name() == word_of(Backend::gpu) ? Backend::cpu : Backend::gpu, gpu);
+    opened = open(extractor_->name() == word_of(Backend::gpu) ? Backend::cpu : Backend::gpu);
     if (!opened) return tl::unexpected(std::move(opened.error()));
     other_extractor_ = std::move(opened->extractor);
     return {};
@@ -87,10 +99,7 @@ class Conversion {
 
   // One surface is made, written and let go after the other, where the format allows.
   Result<void> write(const OutputFileJob& output) {
-    OutputFile file{{output, {}, 0, 0, {}, {}},
-                    meshes::MeshWriter(output.path, {job_.format, job_.normals == Normals::flat, job_.ascii}, context_),
-                    {},
-                    {}};
+    OutputFile file{{output, {}, 0, 0, {}, {}}, meshes::MeshWriter(output.path, write_options(), context_), {}, {}, {}};
     for (const double iso : output.isos) {
       if (auto go_on = context_.check(); !go_on) return go_on;
       auto surface = make_surface(iso);
@@ -100,6 +109,10 @@ class Conversion {
       if (auto added = add(std::move(**surface), file); !added) return added;
     }
     return file.written.isos.empty() ? leave_out(output) : finish(file);
+  }
+
+  [[nodiscard]] meshes::MeshWriteOptions write_options() const {
+    return {job_.format, job_.normals == Normals::flat, job_.ascii, mesh_packing(job_.packing, source_)};
   }
 
   // Nothing where it is empty and empty surfaces are skipped.
@@ -134,6 +147,7 @@ class Conversion {
   [[nodiscard]] extract::ExtractOptions extract_options(double iso) const {
     extract::ExtractOptions options = source_.extract_options(job_.surface, iso);
     options.smooth_normals = job_.normals == Normals::smooth;
+    options.shared_frame = write_options().packing.quantizes();
     options.edge_keys = job_.verify && method().traits.vertices_on_edges;
     return options;
   }
@@ -208,17 +222,32 @@ class Conversion {
     file.written.isos.push_back(surface.iso);
     file.written.triangles += surface.mesh.triangles.size();
     file.written.vertices += surface.mesh.positions.size();
-    auto added = file.writer.add(std::move(surface.mesh));
+    Result<void> added;
+    if (sink_ != nullptr) {
+      file.held.push_back(std::move(surface.mesh));
+    } else {
+      added = file.writer.add(std::move(surface.mesh));
+    }
     file.written.time += watch.elapsed();
     return added;
+  }
+
+  Result<meshes::MeshWriteResult> complete(OutputFile& file) {
+    if (sink_ == nullptr) return file.writer.finish();
+    if (auto taken = sink_->take({file.written.job, file.written.isos, std::move(file.held), write_options().packing});
+        !taken) {
+      return tl::unexpected(std::move(taken.error()));
+    }
+    return meshes::MeshWriteResult();
   }
 
   Result<void> finish(OutputFile& file) {
     context_.progress().begin("writing", 0);
     const Stopwatch watch;
-    auto result = file.writer.finish();
+    auto result = complete(file);
     if (!result) return tl::unexpected(std::move(result.error()));
     file.written.files = std::move(result->files);
+    tell_packed(file.written, result->packed);
     file.written.time += watch.elapsed();
     if (extras_.mesh_facts) events_.recorded(file.records, file.recording);
     for (const std::string& text : result->notes) events_.note(text);
@@ -227,8 +256,25 @@ class Conversion {
     return {};
   }
 
-  // An old file of that name would pass for what this run made, among the frames of a sequence for example.
+  void tell_packed(const WrittenOutput& written, const std::vector<meshes::PackedFacts>& packed) {
+    for (std::size_t m = 0; m < packed.size(); ++m) {
+      if (packed[m].bytes_before == 0) continue;  // it has no triangles
+      events_.packed(
+          {written.isos[m], written.job.path, job_.packing, shortest_voxel_side(source_.output_from_index), packed[m]});
+    }
+  }
+
   Result<void> leave_out(const OutputFileJob& output) {
+    const auto removed = sink_ == nullptr ? remove_old_files(output) : Result<std::vector<std::string>>();
+    if (!removed) return tl::unexpected(removed.error());
+    tell_skipped(output, {},
+                 removed->empty() ? "" : fmt::format("; the old {} was removed", fmt::join(*removed, " and ")));
+    events_.written({output, {}, 0, 0, {}, {}});
+    return {};
+  }
+
+  // An old file of that name would pass for what this run made, among the frames of a sequence for example.
+  Result<std::vector<std::string>> remove_old_files(const OutputFileJob& output) {
     std::vector<std::string> removed;
     std::vector<std::string> data;
     if (job_.format == meshes::MeshFormat::gltf) data = meshes::data_file_names(output.path, context_);
@@ -240,10 +286,7 @@ class Conversion {
       if (!gone) return tl::unexpected(std::move(gone.error()));
       if (*gone) removed.push_back(file.string());
     }
-    tell_skipped(output, {},
-                 removed.empty() ? "" : fmt::format("; the old {} was removed", fmt::join(removed, " and ")));
-    events_.written({output, {}, 0, 0, {}, {}});
-    return {};
+    return removed;
   }
 
   // What only a report asks for: finding components and open edges takes longer than to extract the mesh.
@@ -266,7 +309,8 @@ class Conversion {
     if (skipped.empty()) return;
     const std::string path = output.path == "-" ? "stdout" : output.path;
     events_.note(fmt::format("{}: no surface at iso {}; {}{}", source_.label, fmt::join(skipped, ", "),
-                             isos.empty() ? path + " was not written" : path + " is without it", besides));
+                             isos.empty() && sink_ == nullptr ? path + " was not written" : path + " is without it",
+                             besides));
   }
 
   const ConversionJob& job_;
@@ -274,6 +318,8 @@ class Conversion {
   Outcome& outcome_;
   Recorder events_;
   OutcomeExtras extras_;
+  KeptBackends* kept_backends_;  // null where none are kept
+  MeshSink* sink_;               // null where files are written
   Source source_;
   std::unique_ptr<extract::Extractor> extractor_;
   std::unique_ptr<extract::Extractor> other_extractor_;  // only to verify
@@ -281,13 +327,14 @@ class Conversion {
 
 }  // namespace
 
-Outcome run(const ConversionJob& job, const Context& context, Events& events, const OutcomeExtras& extras) {
+Outcome run(const ConversionJob& job, const Context& context, Events& events, const OutcomeExtras& extras,
+            KeptBackends* kept, MeshSink* sink) {
   const Stopwatch watch;
   Outcome outcome;
   outcome.threads = thread_count();
   Result<void> done;
   try {
-    done = Conversion(job, context, outcome, events, extras).run();
+    done = Conversion(job, context, outcome, events, extras, kept, sink).run();
   } catch (const std::bad_alloc&) {
     done = fail(ErrorKind::input, fmt::format("{}: not enough memory", files::shown_input_name(job.source.input)),
                 Remedy::extract_part);

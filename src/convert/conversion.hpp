@@ -1,10 +1,11 @@
-// One conversion: a job in, an outcome out. Prints nothing, throws nothing, and keeps nothing between two runs, so that
-// conversions can run side by side, each with a Context of its own.
+// One conversion: a job in, an outcome out. Prints nothing, throws nothing, and keeps nothing between two runs but what
+// it is given to keep, so that conversions can run side by side, each with a Context of its own.
 #pragma once
 
 #include "base/context.hpp"
 #include "convert/conversion_job.hpp"
 #include "convert/events.hpp"
+#include "convert/mesh_sink.hpp"
 #include "convert/outcome.hpp"
 
 namespace isoextract::convert {
@@ -17,8 +18,12 @@ struct OutcomeExtras {
 
 // Runs the job's stages: open a backend, read, and for each file extract, verify, simplify, measure, write. A surface
 // is written as soon as its file's format allows; nothing is left behind of a file that could not be written whole.
-// What went wrong is Outcome::error. `events` are told on this thread.
+// What went wrong is Outcome::error. `events` are told on this thread. With `kept` the backends are those that it keeps
+// for the runs that share it; what is written does not depend on it.
+//
+// With a `sink` no file is written: it gets the meshes of each output instead, and Outcome::files stays empty. All else
+// is as it would be for the files that the job names.
 [[nodiscard]] Outcome run(const ConversionJob& job, const Context& context, Events& events,
-                          const OutcomeExtras& extras = {});
+                          const OutcomeExtras& extras = {}, KeptBackends* kept = nullptr, MeshSink* sink = nullptr);
 
 }  // namespace isoextract::convert

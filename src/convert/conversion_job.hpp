@@ -72,6 +72,17 @@ struct OutputFileJob {
   friend bool operator==(const OutputFileJob&, const OutputFileJob&) = default;
 };
 
+// How the mesh files are packed; nothing is, by default. What it takes besides, the voxel and the box, the field gives.
+struct PackingOptions {
+  meshes::Compression compression = meshes::Compression::none;
+  bool quantize = false;
+  std::optional<std::uint64_t> position_bits;  // of Draco; nothing: by the voxel
+  bool optimize_order = false;
+
+  [[nodiscard]] bool packs() const { return quantize || compression != meshes::Compression::none; }
+  friend bool operator==(const PackingOptions&, const PackingOptions&) = default;
+};
+
 struct ConversionJob {
   SourceOptions source;
   SurfaceOptions surface;
@@ -83,6 +94,7 @@ struct ConversionJob {
   EmptyPolicy empty = EmptyPolicy::error;
   meshes::MeshFormat format = meshes::MeshFormat::glb;
   bool ascii = false;
+  PackingOptions packing;
   std::vector<OutputFileJob> outputs;
 
   // Of all outputs, in their order.

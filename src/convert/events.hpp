@@ -8,6 +8,7 @@
 
 #include "base/stopwatch.hpp"
 #include "convert/mesh_error.hpp"
+#include "convert/mesh_packing.hpp"
 #include "convert/mesh_simplify.hpp"
 #include "convert/outcome.hpp"
 #include "convert/placement.hpp"
@@ -55,6 +56,7 @@ class Events {
   virtual void verified(const VerificationRecord&) {}
   virtual void simplified(const MeshSimplification&) {}
   virtual void measured(const MeshError&, const StageTime&) {}
+  virtual void packed(const MeshPackingRecord&) {}  // before its file is written
   virtual void written(const WrittenOutput&) {}
   virtual void recorded(const std::vector<MeshRecord>&, const StageTime&) {}
 };

@@ -87,6 +87,27 @@ Json json_of(const MeshSimplification& record) {
           {"time", json_of(record.facts.time)}};
 }
 
+Json json_of(const MeshPackingRecord& record) {
+  Json json{{"iso", record.iso},
+            {"file", record.file},
+            {"compression", word_of(record.asked.compression)},
+            {"bytes_before", record.facts.bytes_before},
+            {"bytes_after", record.facts.bytes_after},
+            {"positions", nullptr},
+            {"normal_degrees", optional_json(record.facts.largest_normal_turn)},
+            {"flattened_triangles", record.facts.flattened_triangles},
+            {"one_by_one", record.facts.one_by_one},
+            {"time", json_of(record.facts.time)}};
+  if (const auto& positions = record.facts.positions) {
+    const auto length = [&](double world) { return Json{{"voxels", world / record.voxel}, {"world", world}}; };
+    json["positions"] = {
+        {"bits", positions->bits},
+        {"step", length(positions->step)},
+        {"measured", {{"axis", length(positions->largest_axis)}, {"distance", length(positions->largest)}}}};
+  }
+  return json;
+}
+
 Json json_of(const meshes::WrittenFile& file) { return {{"path", file.path}, {"bytes", file.bytes}}; }
 
 Json json_of(const ExtractionRecord& extraction);
@@ -175,6 +196,9 @@ Json report_of(const ConversionJob* job, const Outcome& report, const std::vecto
   json["extractions"] = array_of(report.extractions);
   if (job != nullptr && job->verify) json["verification"] = array_of(report.verifications);
   json["simplifications"] = array_of(report.simplifications);
+  if (job != nullptr && job->packing.packs()) {
+    json["packings"] = array_of(report.packings);
+  }
   json["meshes"] = array_of(report.meshes);
   json["files"] = array_of(report.files);
   json["notes"] = report.notes;

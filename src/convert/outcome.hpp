@@ -14,6 +14,7 @@
 #include "convert/conversion_job.hpp"
 #include "convert/json_values.hpp"
 #include "convert/mesh_error.hpp"
+#include "convert/mesh_packing.hpp"
 #include "convert/mesh_simplify.hpp"
 #include "convert/verification.hpp"
 #include "convert/work_facts.hpp"
@@ -91,6 +92,7 @@ struct Outcome {
   std::vector<ExtractionRecord> extractions;
   std::vector<VerificationRecord> verifications;
   std::vector<MeshSimplification> simplifications;
+  std::vector<MeshPackingRecord> packings;
   std::vector<MeshRecord> meshes;
   std::vector<meshes::WrittenFile> files;
   std::vector<std::string> notes;

@@ -65,6 +65,12 @@ std::vector<WorkFact> extraction_facts(const extract::ExtractStats& stats, const
     facts.push_back({"uploads", "uploaded", device.samples_uploaded, stats.samples_classified,
                      fmt::format("{} samples of {}: those of bricks that the surface passes, and around them",
                                  device.samples_uploaded, stats.samples_classified)});
+    if (const std::uint64_t bricks = device.bricks_uploaded + device.bricks_kept; bricks > 0) {
+      facts.push_back({"resident", "left out", device.bricks_kept, bricks,
+                       fmt::format("uploads of {} of {} bricks (8x8x8 samples), which are on the device since an "
+                                   "extraction before; {} changed or are new there",
+                                   device.bricks_kept, bricks, device.bricks_uploaded)});
+    }
     facts.push_back(
         {"decisions", "taken by the processor", device.cells_decided, std::nullopt,
          fmt::format("{} ambiguous cells, which need more digits than a shader has", device.cells_decided)});

@@ -64,21 +64,21 @@ glm::vec3 OutputFrame::normal(const glm::dvec3& gradient, const glm::dvec3& out)
   return glm::normalize(local_from_index_.linear * out);
 }
 
-OutputFrame output_frame(const field::ScalarField& field, const field::Affine& output_from_index,
-                         const field::IndexBox& stored, const field::IndexBox& region, bool cap) {
+OutputFrame output_frame(const field::ScalarField& field, const ExtractOptions& options, const field::IndexBox& stored,
+                         const field::IndexBox& region) {
   // Beyond one step around the stored samples nothing is drawn but caps.
   field::IndexBox drawn = region;
-  if (!cap) drawn = {glm::max(region.min, stored.min - 1), glm::min(region.max, stored.max + 1)};
+  if (!options.cap) drawn = {glm::max(region.min, stored.min - 1), glm::min(region.max, stored.max + 1)};
   if (drawn.empty()) drawn = {region.min, region.min};
   const auto holds = [](const field::IndexBox& box, const field::IndexBox& other) {
     return glm::all(glm::lessThanEqual(box.min, other.min)) && glm::all(glm::greaterThanEqual(box.max, other.max));
   };
   if (holds({stored.min - 1, stored.max + 1}, drawn)) {
-    const OutputFrame whole(output_from_index, stored, field.kind, field.scale);
+    const OutputFrame whole(options.output_from_index, stored, field.kind, field.scale);
     constexpr double kSharedMargin = 0x1p-12;  // that of about 512 samples a side
-    if (holds(drawn, stored) || whole.margin() <= kSharedMargin) return whole;
+    if (options.shared_frame || holds(drawn, stored) || whole.margin() <= kSharedMargin) return whole;
   }
-  return {output_from_index, drawn, field.kind, field.scale};
+  return {options.output_from_index, drawn, field.kind, field.scale};
 }
 
 }  // namespace isoextract::extract

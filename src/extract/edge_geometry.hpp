@@ -84,9 +84,9 @@ class OutputFrame {
 // The frame for the samples of `field` in `region`, of all those in `stored`. It is that of all samples, so that a
 // region changes no position, unless they reach so far (more than about 512 steps) that their margin can be seen, or
 // the cap of a region stands outside of them: then it is that of the part that is drawn. Two regions then agree where
-// they meet up to the margin of the larger, not bit for bit.
-[[nodiscard]] OutputFrame output_frame(const field::ScalarField& field, const field::Affine& output_from_index,
-                                       const field::IndexBox& stored, const field::IndexBox& region, bool cap);
+// they meet up to the margin of the larger, not bit for bit, unless options.shared_frame is set.
+[[nodiscard]] OutputFrame output_frame(const field::ScalarField& field, const ExtractOptions& options,
+                                       const field::IndexBox& stored, const field::IndexBox& region);
 
 // The step of a direction's axis bits, see cell_tables.hpp.
 [[nodiscard]] inline glm::ivec3 direction_step(int direction) {

@@ -44,7 +44,9 @@ struct ExtractOptions {
   bool cap = false;             // close the surface where it leaves the data or the region
   NanPolicy nan = NanPolicy::error;
   std::optional<field::IndexBox> region;  // extract only from cells within this box of samples (clipped to the data)
-  field::Affine output_from_index;        // places the mesh: index_to_world, or that with turns and scales after it
+  bool shared_frame = false;  // regions of one field are relative to one origin, however far it reaches, so that they
+                              // meet bit for bit, with fewer digits (edge_geometry.hpp)
+  field::Affine output_from_index;  // places the mesh: index_to_world, or that with turns and scales after it
 
   friend bool operator==(const ExtractOptions&, const ExtractOptions&) = default;
 };
@@ -53,9 +55,14 @@ struct ExtractOptions {
 struct DeviceStats {
   std::uint64_t bytes_uploaded = 0;    // of samples
   std::uint64_t samples_uploaded = 0;  // those of crossed bricks and around them; again where they were needed again
-  std::uint64_t bytes_captured = 0;    // of triangles
-  std::uint64_t cells_decided = 0;     // ambiguous cells that the host decided
-  StageTime compile;                   // of shaders; none where they were kept from an earlier extraction
+  // Where samples stay on the device for the next extraction: those that were needed and there already, and bricks of
+  // 8 x 8 x 8 of them.
+  std::uint64_t samples_kept = 0;
+  std::uint64_t bricks_uploaded = 0;
+  std::uint64_t bricks_kept = 0;
+  std::uint64_t bytes_captured = 0;  // of triangles
+  std::uint64_t cells_decided = 0;   // ambiguous cells that the host decided
+  StageTime compile;                 // of shaders; none where they were kept from an earlier extraction
   StageTime upload;
   StageTime capture;  // `count` and `emit` below are sums of such stages
   StageTime read_back;

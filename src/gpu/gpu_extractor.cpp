@@ -103,6 +103,7 @@ class SparseSurface final : public DrawnSurface {
       return threshold ? std::optional(inside_keys(*threshold)) : std::nullopt;
     });
     if (!keys) return false;
+    if (tools().resident != nullptr) tools().resident->drop();  // the atlas takes its share of memory
     auto source = SparseSource::make(*tools().gl, samples_, leaves_, source_options());
     if (!source) return tl::unexpected(source.error());
     SurfacePlace place;
@@ -135,7 +136,13 @@ class SparseSurface final : public DrawnSurface {
 class GpuExtractor final : public extract::Extractor {
  public:
   GpuExtractor(std::unique_ptr<gl::GlContext> context, const GpuOptions& options)
-      : gl_(std::move(context)), tools_{gl_.get(), &programs_, options, share_memory(options, gl_->device()), 0} {
+      : gl_(std::move(context)), buffers_(CaptureBuffers::make()), tools_{gl_.get(),
+                                                                          &programs_,
+                                                                          &buffers_,
+                                                                          options.keep_samples ? &resident_ : nullptr,
+                                                                          options,
+                                                                          share_memory(options, gl_->device()),
+                                                                          0} {
     glGetIntegerv(GL_MAX_3D_TEXTURE_SIZE, &tools_.max_texture_size);
   }
 
@@ -181,6 +188,8 @@ class GpuExtractor final : public extract::Extractor {
 
   std::unique_ptr<gl::GlContext> gl_;  // first, so that it goes last
   CellPrograms programs_;
+  CaptureBuffers buffers_;
+  ResidentSamples resident_;
   DrawingTools tools_;
 };
 

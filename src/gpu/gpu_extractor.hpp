@@ -27,9 +27,11 @@ struct GpuChoice {
 
 // How it is used besides: the mesh is the same.
 struct GpuOptions : GpuChoice {
-  bool tessellation = true;  // threads of marching cubes are made by the tessellator, else by number alone
-  bool swizzle = true;       // cells in groups of 2 x 2 x 2
-  bool debug = false;        // ErrorKind::unavailable for whatever the driver complains about; for tests
+  bool tessellation = true;   // threads of marching cubes are made by the tessellator, else by number alone
+  bool swizzle = true;        // cells in groups of 2 x 2 x 2
+  bool keep_samples = false;  // dense ones that fit stay on the device, and the next extraction uploads what is not
+                              // there as it is by then: for several surfaces of a field, and for its frames
+  bool debug = false;         // ErrorKind::unavailable for whatever the driver complains about; for tests
 };
 
 struct GpuExtractorAndDevice {

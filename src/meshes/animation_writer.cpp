@@ -14,6 +14,8 @@
 
 #include "meshes/write/animated_glb.hpp"
 #include "meshes/write/attempt.hpp"
+#include "meshes/write/gltf_packed_part.hpp"
+#include "meshes/write/vertex_order.hpp"
 #include "meshes/write/written_places.hpp"
 
 namespace isoextract::meshes {
@@ -60,6 +62,7 @@ struct AnimationWriter::State {
   std::uint64_t count = 0;  // of frames that were added
   std::vector<std::string> notes;
   std::set<std::string> told;  // the same, to be found
+  std::vector<PackedFacts> packed;
   std::optional<Error> failure;
 
   [[nodiscard]] Result<void> check() const;
@@ -68,7 +71,10 @@ struct AnimationWriter::State {
   [[nodiscard]] Result<void> check_frame(std::int64_t frame) const;
   // Whether the frame was refused.
   [[nodiscard]] Result<std::optional<Error>> add(const std::string& name, std::int64_t frame,
-                                                 std::span<const mesh::Mesh> surfaces);
+                                                 std::span<const mesh::Mesh> surfaces, const MeshPacking& packing);
+  // Of surfaces that can be written, into pieces that refer to them.
+  [[nodiscard]] Result<std::vector<GltfPart>> pieces_of(std::span<const mesh::Mesh> surfaces,
+                                                        const MeshPacking& packing, Notes& found) const;
   [[nodiscard]] Result<MeshWriteResult> finish();
   void tell(std::vector<std::string> more);
   void tell_of_parts();
@@ -123,13 +129,46 @@ Result<void> AnimationWriter::State::check_frame(std::int64_t frame) const {
       "number the frames one after another");
 }
 
+Result<std::vector<GltfPart>> AnimationWriter::State::pieces_of(std::span<const mesh::Mesh> surfaces,
+                                                                const MeshPacking& packing, Notes& found) const {
+  MeshWriteOptions with = options;
+  with.packing = packing;
+  std::vector<GltfPart> pieces;
+  if (packing.quantizes() && !packing.box && std::any_of(surfaces.begin(), surfaces.end(), has_triangles)) {
+    return fail(ErrorKind::usage,
+                fmt::format("{}: expected a box to quantise positions in, found none", path.string()));
+  }
+  for (const mesh::Mesh& surface : surfaces) {
+    auto piece = GltfPart::make(surface, with, context, found);
+    if (!piece) {
+      piece.error().message = fmt::format("{}: {}", path.string(), piece.error().message);
+      return tl::unexpected(std::move(piece.error()));
+    }
+    pieces.push_back(std::move(*piece));
+  }
+  return pieces;
+}
+
 Result<std::optional<Error>> AnimationWriter::State::add(const std::string& name, std::int64_t frame,
-                                                         std::span<const mesh::Mesh> surfaces) {
+                                                         std::span<const mesh::Mesh> surfaces,
+                                                         const MeshPacking& packing) {
   if (auto usable = check(); !usable) return tl::unexpected(std::move(usable.error()));
   if (auto possible = check_frame(frame); !possible) return std::move(possible.error());
   for (const mesh::Mesh& surface : surfaces) {
     if (auto kept = check_places(surface, path, options.format); !kept) return std::move(kept.error());
   }
+  std::vector<mesh::Mesh> ordered;
+  if (packing.optimize_order) {
+    for (const mesh::Mesh& surface : surfaces) {
+      if (auto done = optimize_order(ordered.emplace_back(mesh::copy(surface)), context); !done) {
+        return std::move(done.error());
+      }
+    }
+    surfaces = ordered;
+  }
+  Notes found;
+  const auto pieces = pieces_of(surfaces, packing, found);
+  if (!pieces) return pieces.error();
   if (parts.empty()) {
     parts.push_back({AnimatedGlb(path, largest_file), frame, frame});
     if (auto opened = parts.back().glb.open(); !opened) return tl::unexpected(std::move(opened.error()));
@@ -148,14 +187,11 @@ Result<std::optional<Error>> AnimationWriter::State::add(const std::string& name
     return std::nullopt;
   }
 
-  Notes found;
-  std::vector<GltfPart> pieces;
-  for (const mesh::Mesh& surface : surfaces) pieces.emplace_back(surface, options.flat_normals, found);
   const std::uint64_t to_come = frames_at_most > count ? frames_at_most - count : 1;
-  auto added = parts.back().glb.add(name, pieces, time, to_come);
+  auto added = parts.back().glb.add(name, *pieces, time, to_come);
   if (added && !*added) {
     AnimatedGlb next(animation_part_path(path, parts.size() + 1), largest_file);
-    added = next.add(name, pieces, time, to_come);
+    added = next.add(name, *pieces, time, to_come);
     if (added && *added) {
       parts.back().glb.show_none(time);
       parts.push_back({std::move(next), frame, frame});
@@ -168,6 +204,12 @@ Result<std::optional<Error>> AnimationWriter::State::add(const std::string& name
                  "write each frame to a file of its own"};
   }
   take();
+  for (const GltfPart& piece : *pieces) {
+    if (piece.packed != nullptr)
+      packed.push_back(piece.packed->facts);
+    else if (packing.packs())
+      packed.emplace_back();
+  }
   tell(std::move(found));
   tell(parts.back().glb.take_notes());
   return std::nullopt;
@@ -237,9 +279,11 @@ AnimationWriter::~AnimationWriter() = default;
 
 Result<void> AnimationWriter::check() const { return state_->check(); }
 
-Result<void> AnimationWriter::add(const std::string& name, std::int64_t frame, std::span<const mesh::Mesh> surfaces) {
+Result<void> AnimationWriter::add(const std::string& name, std::int64_t frame, std::span<const mesh::Mesh> surfaces,
+                                  const MeshPacking& packing) {
   State& state = *state_;
-  auto added = state.attempt([&] { return state.add(name, frame, surfaces); });
+  state.packed.clear();
+  auto added = state.attempt([&] { return state.add(name, frame, surfaces, packing); });
   if (!added) return tl::unexpected(std::move(added.error()));
   if (*added) return tl::unexpected(std::move(**added));
   return {};
@@ -248,6 +292,10 @@ Result<void> AnimationWriter::add(const std::string& name, std::int64_t frame, s
 Result<void> AnimationWriter::add(const std::string& name, std::int64_t frame, const mesh::Mesh& surface) {
   return add(name, frame, std::span(&surface, 1));
 }
+
+std::span<const PackedFacts> AnimationWriter::packed() const { return state_->packed; }
+
+bool AnimationWriter::has_failed() const { return state_->failure.has_value(); }
 
 Result<MeshWriteResult> AnimationWriter::finish() {
   return state_->attempt([&] { return state_->finish(); });

@@ -27,6 +27,7 @@ using Reader = FileSurface (*)(const MeshSource&);
 Reader reader_of(const MeshSource& source) {
   const std::string_view text = source.text();
   if (text.starts_with("glTF")) return read_glb;
+  if (text.starts_with("DRACO")) return read_drc;
   if (text.starts_with("ply\n") || text.starts_with("ply\r")) return read_ply;
   const auto by_extension = mesh_format_by_path(source.file.path());
   if (by_extension) {
@@ -36,10 +37,12 @@ Reader reader_of(const MeshSource& source) {
       case MeshFormat::ply: return read_ply;
       case MeshFormat::glb: return read_glb;
       case MeshFormat::gltf: return read_gltf;
+      case MeshFormat::drc: return read_drc;
     }
   }
-  throw DamagedMesh(fmt::format("expected a mesh (.glb, .gltf, .ply, .obj or .stl), found a file that starts with '{}'",
-                                files::printable(text, 16)));
+  throw DamagedMesh(
+      fmt::format("expected a mesh (.glb, .gltf, .ply, .obj, .stl or .drc), found a file that starts with '{}'",
+                  files::printable(text, 16)));
 }
 
 // Numbers that float32 holds are not rounded: the origin is one that leaves them as they are, zero at the worst.

@@ -6,8 +6,9 @@
 // if they were convex. All surfaces of a file are joined into one mesh, less those that glTF scales to nothing: of a
 // sequence in one file (animation_writer.hpp) that leaves the first frame with triangles, and a note.
 //
-// Attributes of vertices are read from PLY (every number but the place and the normal) and from glTF (COLOR_0, and what
-// begins with an underscore), as the file has them: vectors do not turn with a node. The writers write them back.
+// Attributes of vertices are read from PLY and DRC (every number but the place and the normal) and from glTF (COLOR_0,
+// and what begins with an underscore), as the file has them: vectors do not turn with a node. The writers write them
+// back.
 #pragma once
 
 #include <filesystem>
@@ -32,8 +33,9 @@ struct MeshFile {
 };
 
 // The format is found by content first, and by extension for OBJ, which has no mark. STL, and glTF without indices, are
-// triangles without connectivity: corners are welded where their coordinates are equal (-0 is 0), whatever their
-// attributes: those of the first corner are kept, and a note counts the others.
+// triangles without connectivity (so is Draco's where no two triangles share a vertex): corners are welded where their
+// coordinates are equal (-0 is 0), whatever their attributes: those of the first corner are kept, and a note counts the
+// others.
 //
 // Fails with ErrorKind::input: a file that cannot be read, is damaged, has coordinates that are not finite, indices of
 // vertices that are not there, or needs more memory than is left; or glTF that requires an extension which may change

@@ -10,6 +10,7 @@
 
 #include "meshes/write/attempt.hpp"
 #include "meshes/write/mesh_format_writers.hpp"
+#include "meshes/write/vertex_order.hpp"
 #include "meshes/write/written_places.hpp"
 
 namespace isoextract::meshes {
@@ -23,6 +24,7 @@ constexpr std::array kFormats = {
     MeshFormatInfo{MeshFormat::ply, "ply", "PLY, binary little-endian or text", false, true, true, true, true},
     MeshFormatInfo{MeshFormat::obj, "obj", "Wavefront OBJ, text", true, true, true, false, false},
     MeshFormatInfo{MeshFormat::stl, "stl", "STL, binary or text", false, true, true, true, false},
+    MeshFormatInfo{MeshFormat::drc, "drc", "Draco, compressed", false, true, true, false, true},
 };
 
 std::string names_of_formats(bool MeshFormatInfo::*property) {
@@ -33,8 +35,14 @@ std::string names_of_formats(bool MeshFormatInfo::*property) {
   return names;
 }
 
+bool is_gltf(MeshFormat format) { return format == MeshFormat::glb || format == MeshFormat::gltf; }
+
 Result<void> check(std::size_t meshes, const fs::path& path, const MeshWriteOptions& options) {
   const MeshFormatInfo& info = mesh_format_info(options.format);
+  if (auto sound = check_packing(options.packing, options.format); !sound) {
+    sound.error().message = fmt::format("{}: {}", path.string(), sound.error().message);
+    return sound;
+  }
   if (options.ascii && !info.has_ascii) {
     return fail(ErrorKind::usage, fmt::format("{}: the format {} cannot be text", path.string(), info.name),
                 {Remedy::ascii_formats, names_of_formats(&MeshFormatInfo::has_ascii)});
@@ -76,6 +84,17 @@ class OneMeshWriter final : public FormatWriter {
   files::OutputFile& file_;
 };
 
+// Around all of them, in the coordinates of the output.
+mesh::Bounds bounds_of(std::span<const mesh::Mesh> meshes) {
+  std::optional<mesh::Bounds> all;
+  for (const mesh::Mesh& mesh : meshes) {
+    if (mesh.positions.empty()) continue;
+    const mesh::Bounds bounds = mesh::measure_bounds(mesh);
+    all = all ? mesh::Bounds{glm::min(all->min, bounds.min), glm::max(all->max, bounds.max)} : bounds;
+  }
+  return all.value_or(mesh::Bounds());
+}
+
 }  // namespace
 
 std::span<const MeshFormatInfo> mesh_formats() { return kFormats; }
@@ -97,6 +116,30 @@ std::optional<MeshFormat> mesh_format_by_path(const fs::path& path) {
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
   return extension.empty() ? std::nullopt : mesh_format_by_name(std::string_view(extension).substr(1));
+}
+
+Result<void> check_packing(const MeshPacking& packing, MeshFormat format) {
+  const std::string_view name = mesh_format_info(format).name;
+  const bool draco = packing.compression == Compression::draco || format == MeshFormat::drc;
+  if (packing.compression == Compression::draco && !is_gltf(format) && format != MeshFormat::drc) {
+    return fail(ErrorKind::usage, fmt::format("the format {} has no Draco compression", name),
+                {Remedy::choose_mesh_format, "glb, gltf or drc"});
+  }
+  if ((packing.quantize || packing.compression == Compression::meshopt) && !is_gltf(format)) {
+    return fail(ErrorKind::usage,
+                fmt::format("the format {} has no {}", name,
+                            packing.quantize ? "quantised positions of 16 bits" : "compression by meshoptimizer"),
+                {Remedy::choose_mesh_format, "glb or gltf"});
+  }
+  if (draco && packing.quantize) return fail(ErrorKind::usage, "Draco quantises by itself, with bits of its own");
+  if (draco && packing.optimize_order) return fail(ErrorKind::usage, "Draco has an order of its own");
+  if (!packing.position_bits) return {};
+  if (!draco) return fail(ErrorKind::usage, "only Draco's positions have a number of bits to choose");
+  if (*packing.position_bits < kMinPositionBits || *packing.position_bits > kMaxPositionBits) {
+    return fail(ErrorKind::usage, fmt::format("expected from {} to {} bits of positions, found {}", kMinPositionBits,
+                                              kMaxPositionBits, *packing.position_bits));
+  }
+  return {};
 }
 
 struct MeshWriter::State {
@@ -145,16 +188,17 @@ Result<void> MeshWriter::State::open() {
   if (!opened) return tl::unexpected<Error>(std::move(opened.error()));
   file = std::move(*opened);
   switch (options.format) {
-    case MeshFormat::glb: format = make_glb_writer(options, *file); break;
+    case MeshFormat::glb: format = make_glb_writer(options, context, *file); break;
     case MeshFormat::ply: format = std::make_unique<OneMeshWriter>(write_ply, options, *file); break;
     case MeshFormat::stl: format = std::make_unique<OneMeshWriter>(write_stl, options, *file); break;
     case MeshFormat::obj: format = make_obj_writer(options, *file); break;
+    case MeshFormat::drc: format = make_drc_writer(options, context, *file); break;
     case MeshFormat::gltf:
       const fs::path binary_path = fs::path(path).replace_extension(".bin");
       opened = files::OutputFile::create(binary_path);
       if (!opened) return tl::unexpected<Error>(std::move(opened.error()));
       binary = std::move(*opened);
-      format = make_gltf_writer(options, *file, *binary, binary_path.filename().string());
+      format = make_gltf_writer(options, context, *file, *binary, binary_path.filename().string());
   }
   return {};
 }
@@ -167,7 +211,13 @@ Result<void> MeshWriter::State::write(const mesh::Mesh& mesh) {
       if (std::find(left_out.begin(), left_out.end(), name) == left_out.end()) left_out.push_back(std::move(name));
     }
   }
-  return format->add(mesh, notes);
+  auto added = format->add(mesh, notes);
+  // What cannot be packed does not know where it would go.
+  if (!added && options.packing.packs() &&
+      !added.error().message.starts_with(fs::path(path).replace_extension().string())) {
+    added.error().message = fmt::format("{}: {}", path.string(), added.error().message);
+  }
+  return added;
 }
 
 std::string MeshWriter::State::left_out_note() const {
@@ -179,6 +229,7 @@ std::string MeshWriter::State::left_out_note() const {
 // `last` are the meshes that are not written yet.
 Result<MeshWriteResult> MeshWriter::State::finish(std::span<const mesh::Mesh> last) {
   auto done = check(count, path, options);
+  if (options.packing.quantizes() && !options.packing.box) options.packing.box = bounds_of(last);
   if (done) done = open();
   for (std::size_t m = 0; m < last.size() && done; ++m) done = write(last[m]);
   if (done) done = format->finish(notes);
@@ -186,7 +237,8 @@ Result<MeshWriteResult> MeshWriter::State::finish(std::span<const mesh::Mesh> la
   if (done) done = has_binary ? files::OutputFile::commit_pair(*binary, *file) : file->commit();
   if (!done) return tl::unexpected<Error>(std::move(done.error()));
   if (!left_out.empty()) notes.insert(notes.begin(), left_out_note());
-  MeshWriteResult result{{{path.string(), file->bytes_written()}}, std::move(notes)};
+  MeshWriteResult result{{{path.string(), file->bytes_written()}}, std::move(notes), {}};
+  if (options.packing.packs()) result.packed = format->packed();
   if (has_binary) {
     result.files.push_back({fs::path(path).replace_extension(".bin").string(), binary->bytes_written()});
   }
@@ -198,7 +250,12 @@ MeshWriter::MeshWriter(const fs::path& path, const MeshWriteOptions& options, co
   state_->path = path;
   state_->options = options;
   state_->context = context;
-  state_->holds = !mesh_format_info(options.format).writes_as_they_come || files::is_stream(path);
+  if (options.format == MeshFormat::drc && options.packing.compression == Compression::none) {
+    state_->options.packing.compression = Compression::draco;
+  }
+  const MeshPacking& packing = state_->options.packing;
+  state_->holds = !mesh_format_info(options.format).writes_as_they_come || files::is_stream(path) ||
+                  (packing.quantizes() && !packing.box);
 }
 
 MeshWriter::MeshWriter(MeshWriter&&) noexcept = default;
@@ -210,6 +267,9 @@ Result<void> MeshWriter::add(mesh::Mesh mesh) {
   return state.attempt([&]() -> Result<void> {
     if (auto possible = check(++state.count, state.path, state.options); !possible) return possible;
     if (auto kept = state.keep_places(mesh); !kept) return kept;
+    if (state.options.packing.optimize_order) {
+      if (auto ordered = optimize_order(mesh, state.context); !ordered) return ordered;
+    }
     if (!state.holds) return state.write(mesh);
     state.held.push_back(std::move(mesh));
     return {};
@@ -222,7 +282,12 @@ Result<MeshWriteResult> MeshWriter::finish() {
 
 Result<MeshWriteResult> write_meshes(std::span<const mesh::Mesh> meshes, const fs::path& path,
                                      const MeshWriteOptions& options, const Context& context) {
-  const MeshWriter writer(path, options, context);
+  MeshWriter writer(path, options, context);
+  if (options.packing.optimize_order) {
+    Result<void> added;
+    for (std::size_t m = 0; m < meshes.size() && added; ++m) added = writer.add(mesh::copy(meshes[m]));
+    return writer.finish();
+  }
   MeshWriter::State& state = *writer.state_;
   state.count = meshes.size();
   return state.attempt([&]() -> Result<MeshWriteResult> {

@@ -15,13 +15,14 @@
 #include "base/error.hpp"
 #include "base/words.hpp"
 #include "mesh/mesh.hpp"
+#include "meshes/mesh_packing.hpp"
 
 namespace isoextract::meshes {
 
-enum class MeshFormat { glb, gltf, ply, obj, stl };
+enum class MeshFormat { glb, gltf, ply, obj, stl, drc };
 constexpr auto words_of(MeshFormat /*type*/) {
   return std::array{Word{MeshFormat::glb, "glb"}, Word{MeshFormat::gltf, "gltf"}, Word{MeshFormat::ply, "ply"},
-                    Word{MeshFormat::obj, "obj"}, Word{MeshFormat::stl, "stl"}};
+                    Word{MeshFormat::obj, "obj"}, Word{MeshFormat::stl, "stl"},   Word{MeshFormat::drc, "drc"}};
 }
 
 // One row a format: detection, help and README read it.
@@ -45,6 +46,7 @@ struct MeshWriteOptions {
   MeshFormat format = MeshFormat::glb;
   bool flat_normals = false;  // one normal a triangle, from its corners; exclusive with vertex normals in the mesh
   bool ascii = false;         // PLY and STL as text
+  MeshPacking packing = {};   // DRC is Draco's whatever it says
 };
 
 struct WrittenFile {
@@ -53,9 +55,13 @@ struct WrittenFile {
 };
 
 struct MeshWriteResult {
-  std::vector<WrittenFile> files;  // glTF writes two: the model and its .bin
-  std::vector<std::string> notes;  // what the format could not hold, one sentence each
+  std::vector<WrittenFile> files;        // glTF writes two: the model and its .bin
+  std::vector<std::string> notes;        // what the format could not hold, one sentence each
+  std::vector<PackedFacts> packed = {};  // one a mesh where they were packed; of a mesh without triangles nothing is
 };
+
+// What the format cannot do of it, or what makes no sense together, is ErrorKind::usage.
+[[nodiscard]] Result<void> check_packing(const MeshPacking& packing, MeshFormat format);
 
 // One file (or, for .gltf, one pair of files) that takes its meshes one after another. Nothing is opened before the
 // first mesh, and the file gets its name in finish(): a writer that goes without it leaves nothing behind.
@@ -63,7 +69,8 @@ struct MeshWriteResult {
 // OBJ and .gltf with its .bin are written as the meshes come: after add() a mesh is gone. The file of a GLB begins with
 // where everything in it is, so its meshes are held until finish(); writing them to another file meanwhile and copying
 // that would be writing everything twice. Meshes are held for standard output, pipes and devices too: nothing can be
-// taken back there, and where a later surface fails they shall get nothing.
+// taken back there, and where a later surface fails they shall get nothing. So they are, too, where their positions
+// are quantised in a box that is not given: it is the one around all of them.
 class MeshWriter {
  public:
   MeshWriter(const std::filesystem::path& path, const MeshWriteOptions& options, const Context& context = Context());
@@ -73,8 +80,9 @@ class MeshWriter {
 
   // Vertex normals and attributes are written where the mesh has them, or noted where the format cannot hold them.
   // Fails with ErrorKind::output, also where the mesh is so far from the origin of its coordinates that the numbers of
-  // the format would destroy its triangles (write/written_places.hpp says when), or with ErrorKind::usage for what the
-  // format cannot do; then every later call fails alike.
+  // the format would destroy its triangles (write/written_places.hpp says when), where it is outside of the box of its
+  // packing, or where what was packed does not come back; or with ErrorKind::usage for what the format cannot do. Then
+  // every later call fails alike.
   [[nodiscard]] Result<void> add(mesh::Mesh mesh);
 
   // Writes what comes after the last mesh and commits. Call once, last.

@@ -5,6 +5,7 @@ import io
 import json
 import os
 import random
+import re
 import signal
 import subprocess
 import time
@@ -108,6 +109,14 @@ class BatchTest(ProgramTest):
         self.assertIn("not there: 3", run.text)
         self.assertRegex(run.text, r"memory: about \d+ MiB \(")
         self.assertEqual(run.err, "")
+
+    def test_a_dry_runs_memory_is_that_of_the_grid_that_is_extracted_from(self):
+        self.write_frames((1, 2))
+        run = self.batch("-o", "out/{:03}.ply", "--resolution", "240", "--threads", "1", "--dry-run")
+        estimate = int(re.search(r"memory: about (\d+) MiB", run.text)[1])
+        self.batch("-o", "out/{:03}.ply", "--resolution", "240", "--threads", "1", "--report", "r_{}.json")
+        report = json.loads((self.folder / "r_1.json").read_text())
+        self.assertGreaterEqual(estimate * 2**20, report["reserved_memory_bytes"])
 
     def test_iso_values_by_frame(self):
         self.write_frames((1, 2))

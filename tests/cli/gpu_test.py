@@ -1,6 +1,7 @@
 """--backend, --device, --gpu-memory, --verify and the devices: what is captured on a GPU is what the CPU extracts."""
 
 import json
+import random
 
 from support import NO_GPU, SOURCE, SPHERE, ProgramTest, main
 
@@ -44,6 +45,51 @@ class GpuTest(ProgramTest):
         run = self.convert(*whole, "--gpu-memory", "1M", "-o", "slabs.glb")
         self.assertEqual((self.folder / "whole.glb").read_bytes(), (self.folder / "slabs.glb").read_bytes())
         self.assertIn(f"to upload {72**3 * 4 / 2**20:.2f} MiB", run.err)
+
+    def test_a_batch_draws_what_conversions_of_their_own_do(self):
+        pattern = "demo:sphere?size=32&time=0.{:02}"
+        frames = (0, 10, 20, 30)
+        for frame in frames:
+            self.convert(pattern.format(frame), "--iso", 0, "--backend", "gpu", "-o", f"one_{frame:02}.glb")
+        for jobs in (1, 2):
+            self.convert(pattern, "--frames", "0-30x10", "--iso", 0, "--backend", "gpu", "--jobs", jobs, "--verify",
+                         "-o", f"{jobs}/{{:02}}.glb", "--mkdir")
+            for frame in frames:
+                self.assertEqual((self.folder / f"{jobs}/{frame:02}.glb").read_bytes(),
+                                 (self.folder / f"one_{frame:02}.glb").read_bytes(), (jobs, frame))
+
+    def test_frames_upload_the_bricks_that_changed(self):
+        samples = bytearray(random.Random(5).randbytes(32**3))
+        for frame, changed in enumerate((None, None, 32 * 32 * 12 + 32 * 12 + 12)):
+            if changed is not None:
+                samples[changed] ^= 1
+            (self.folder / f"in_{frame}.raw").write_bytes(samples)
+        self.convert("in_{}.raw", "--dims", "32,32,32", "--iso", 127.5, "--backend", "gpu", "--jobs", 1, "-o", "out/{}.ply",
+                     "--mkdir", "--report", "r_{frame}.json")
+        for frame, uploaded in enumerate((64, 0, 1)):
+            report = json.loads((self.folder / f"r_{frame}.json").read_text())
+            resident, = (fact for fact in report["extractions"][0]["work"] if fact["what"] == "resident")
+            self.assertEqual((resident["count"], resident["total"]), (64 - uploaded, 64))
+            self.assertEqual(report["bytes"]["uploaded"], 512 * uploaded)
+            self.convert(f"in_{frame}.raw", "--dims", "32,32,32", "--iso", 127.5, "--backend", "gpu", "-o", "one.ply")
+            self.assertEqual((self.folder / "one.ply").read_bytes(), (self.folder / f"out/{frame}.ply").read_bytes())
+
+    def test_surfaces_of_one_field_share_what_was_uploaded(self):
+        run = self.convert("demo:gyroid?size=40", "--iso", 0, "--iso", 0.1, "--backend", "gpu", "--explain", "-o", "two.glb")
+        self.assertIn("uploads of 0 of 216 bricks", run.err)
+        self.assertIn("uploads of 216 of 216 bricks (8x8x8 samples), which are on the device", run.err)
+        for iso in (0, 0.1):
+            one = self.convert("demo:gyroid?size=40", "--iso", iso, "--backend", "gpu", "--explain", "-o", "one.glb")
+            self.assertNotIn("uploads of", one.err)
+
+    def test_a_batch_without_a_gpu(self):
+        batch = ("demo:sphere?size=16&time=0.{}", "--frames", "0-2", "--iso", 0, "-o", "{}.glb", "--backend")
+        self.assert_fails(5, self.run_program(*batch, "gpu", env=NO_GPU), "frame 0: ", "EGL", "3 of 3 frames failed")
+        self.assertEqual([name for name in self.files() if name.endswith(".glb")], [])
+        self.assertEqual(self.run_program(*batch, "auto", env=NO_GPU).code, 0)
+        for frame in range(3):
+            self.convert(f"demo:sphere?size=16&time=0.{frame}", "--iso", 0, "-o", "one.glb")
+            self.assertEqual((self.folder / f"{frame}.glb").read_bytes(), (self.folder / "one.glb").read_bytes())
 
     def test_sparse_grids_upload_leaves(self):
         report = self.report(SOURCE / "samples" / "metaballs.vdb", "--iso", 0.5, "--backend", "gpu", "--verify", "-o", "m.glb")

@@ -1,32 +1,10 @@
 """Runs that a signal ends: nothing unfinished stays, also where a file system has no unnamed files."""
 
-import ctypes
-import errno
-import os
-import platform
 import signal
-import struct
 import subprocess
 import time
 
-from support import PROGRAM, SPHERE, ProgramTest, main
-
-# openat by machine: the number of the system call.
-OPENAT = {"x86_64": 257, "aarch64": 56}
-TMPFILE_BIT = os.O_TMPFILE & ~os.O_DIRECTORY
-
-
-def forbid_unnamed_files():
-    """From now on this process finds no file system with unnamed files (O_TMPFILE): a filter of its system calls."""
-    load, jump_equal, jump_set, give = 0x20, 0x15, 0x45, 0x06
-    rules = [(load, 0, 0, 0), (jump_equal, 0, 3, OPENAT[platform.machine()]), (load, 0, 0, 32), (jump_set, 0, 1, TMPFILE_BIT),
-             (give, 0, 0, 0x00050000 | errno.EOPNOTSUPP), (give, 0, 0, 0x7FFF0000)]
-    code = ctypes.create_string_buffer(b"".join(struct.pack("=HBBI", *rule) for rule in rules))
-    program = ctypes.create_string_buffer(struct.pack("@HP", len(rules), ctypes.addressof(code)))
-    prctl = ctypes.CDLL(None, use_errno=True).prctl
-    for arguments in ((38, 1, 0, 0, 0), (22, 2, ctypes.addressof(program), 0, 0)):
-        if prctl(*(ctypes.c_ulong(argument) for argument in arguments)) != 0:
-            raise OSError(ctypes.get_errno(), "prctl")
+from support import PROGRAM, SPHERE, ProgramTest, forbid_unnamed_files, main
 
 
 class InterruptedTest(ProgramTest):

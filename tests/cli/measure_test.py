@@ -54,6 +54,22 @@ class MeasureTest(ProgramTest):
             self.assertEqual(len(cold), 6)
         self.assertEqual([level["size"] for level in figures["creation"]["gpu_threads"]], [16, 32])
 
+    def test_sequences(self):
+        figures = self.measure("sequences")["sequences"]["figures"]
+        rows = figures["demo"]["rows"]
+        self.assertEqual(len(rows), 4)
+        self.assertEqual({(row["frames"], row["bytes"]) for row in rows}, {(6, rows[0]["bytes"])})
+        self.assertEqual(rows[0]["wall_first_to_this"], 1)
+        if figures["vdb"]:  # with the data and vdb_tool
+            ours, loop, *theirs = (row["triangles"] for row in figures["vdb"]["rows"])
+            self.assertEqual(ours, loop)
+            for triangles in theirs:
+                self.assertLess(abs(triangles - ours), 0.01 * ours)
+        tiny = figures["tiny"]
+        self.assertEqual(tiny["frames"], 300)
+        self.assertLess(tiny["last_resident"]["median"], 1.5 * tiny["first_resident"]["median"])
+        self.assertLess(tiny["last_files"]["max"], 20)
+
 
 if __name__ == "__main__":
     main()

@@ -20,6 +20,11 @@ def commands_of(page):
     return [line for line in lines if line.startswith(("isoextract ", "python3 ")) and not line.startswith(PASSED_OVER)]
 
 
+def files_of(page):
+    """What `toml` blocks hold, by the name in their first line."""
+    return re.findall(r"^```toml\n# (\S+)\n(.*?)^```$", (SOURCE / page).read_text(), re.MULTILINE | re.DOTALL)
+
+
 def ball(dims, spacing, top, code):
     """Values that fall from `top` in the middle to 0, x fastest."""
     centre = [(n - 1) * spacing / 2 for n in dims]
@@ -72,6 +77,8 @@ class ReadmeTest(ProgramTest):
         path = f"{self.folder / 'bin'}:{os.environ['PATH']}"
         outputs = 0
         for page in PAGES:
+            for name, text in files_of(page):
+                (self.folder / name).write_text(text)
             found = commands_of(page)
             self.assertTrue(found, page)
             for line in found:

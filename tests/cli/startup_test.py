@@ -19,6 +19,12 @@ class StartupTest(ProgramTest):
         self.assertIn("libc.so", loaded)
         self.assertEqual([line for line in loaded.splitlines() if UNWANTED.search(line)], [])
 
+    def test_no_second_tinygltf_is_in_it(self):
+        """Draco's archive has one of another build, whose functions would be called in place of the library's."""
+        symbols = subprocess.run(["nm", "--defined-only", PROGRAM], capture_output=True, text=True, check=True).stdout
+        self.assertIn("isoextract", symbols)
+        self.assertEqual([line for line in symbols.splitlines() if re.search(r" T .*8TinyGLTF", line)], [])
+
     def test_the_processor_needs_none_either(self):
         run = self.run_program(SPHERE, "--iso", "0", "--backend", "cpu", "-o", "a.ply",
                                env={**os.environ, "LD_DEBUG": "files"})

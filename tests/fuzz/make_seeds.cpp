@@ -245,6 +245,33 @@ void write_objs(const fs::path& folder) {
   write_bytes(folder / "many_corners", polygon + "\n");
 }
 
+// In every way of packing that the format has.
+void write_packed(const fs::path& folder, meshes::MeshFormat format) {
+  const auto seed = [&](const std::string& name, const mesh::Mesh& mesh, const meshes::MeshPacking& packing,
+                        bool flat = false) {
+    const auto written = meshes::write_meshes({&mesh, 1}, folder / name, {format, flat, false, packing});
+    if (!written) throw std::runtime_error(written.error().message);
+  };
+  mesh::Mesh attributes = sphere(2, true);
+  add_colour(attributes, mesh::ComponentType::u8, 3);
+  add_attribute(attributes, "heat", mesh::ComponentType::f32, 1);
+  // Three sheets at one edge, which Draco packs triangle by triangle.
+  const mesh::Mesh sheets =
+      make_mesh("sheets", {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {-1, -1, 0}}, {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}});
+  meshes::MeshPacking packing;
+  packing.compression = meshes::Compression::draco;
+  seed("draco", attributes, packing);
+  seed("draco_flat", sphere(2, false), packing, true);
+  seed("draco_sheets", sheets, packing);
+  if (format == meshes::MeshFormat::drc) return;
+  packing.compression = meshes::Compression::meshopt;
+  seed("meshopt", attributes, packing);
+  packing.quantize = true;
+  seed("meshopt_quantized", attributes, packing);
+  packing.compression = meshes::Compression::none;
+  seed("quantized", attributes, packing);
+}
+
 void write_stls(const fs::path& folder) {
   write_written(folder, meshes::MeshFormat::stl);
   write_bytes(folder / "capitals",
@@ -253,7 +280,12 @@ void write_stls(const fs::path& folder) {
   write_bytes(folder / "longer", read_bytes(folder / "plain") + "more");
 }
 
-void write_glbs(const fs::path& folder) { write_written(folder, meshes::MeshFormat::glb); }
+void write_glbs(const fs::path& folder) {
+  write_written(folder, meshes::MeshFormat::glb);
+  write_packed(folder, meshes::MeshFormat::glb);
+}
+
+void write_drcs(const fs::path& folder) { write_packed(folder, meshes::MeshFormat::drc); }
 
 // Of one primitive; `buffer` is what its values are read from, in base64.
 std::string one_primitive(std::string_view more, std::string_view accessors, std::string_view views, std::size_t bytes,
@@ -303,7 +335,7 @@ void write_gltfs(const fs::path& folder) {
 }
 
 void write_seeds(const fs::path& folder) {
-  const std::array<std::pair<const char*, void (*)(const fs::path&)>, 11> formats{{{"vdb", write_vdbs},
+  const std::array<std::pair<const char*, void (*)(const fs::path&)>, 12> formats{{{"vdb", write_vdbs},
                                                                                    {"nrrd", write_nrrd},
                                                                                    {"nifti", write_nifti},
                                                                                    {"npy", write_npy},
@@ -313,7 +345,8 @@ void write_seeds(const fs::path& folder) {
                                                                                    {"obj", write_objs},
                                                                                    {"stl", write_stls},
                                                                                    {"glb", write_glbs},
-                                                                                   {"gltf", write_gltfs}}};
+                                                                                   {"gltf", write_gltfs},
+                                                                                   {"drc", write_drcs}}};
   for (const auto& [name, write] : formats) {
     fs::create_directories(folder / name);
     write(folder / name);

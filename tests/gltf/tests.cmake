@@ -15,4 +15,7 @@ if(NOT NODE)
   set(validate sh -c "echo 'no node when cmake ran: scripts/setup.sh test installs it'; exit 1")
 endif()
 add_test(NAME gltf.validate COMMAND ${validate})
-set_tests_properties(gltf.validate PROPERTIES FIXTURES_REQUIRED sample_meshes)
+# The decoders that programs on the web use.
+string(REPLACE validate.mjs decode.mjs decode "${validate}")
+add_test(NAME gltf.decode COMMAND ${decode})
+set_tests_properties(gltf.validate gltf.decode PROPERTIES FIXTURES_REQUIRED sample_meshes)

@@ -3,7 +3,9 @@
 #include <cstdio>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "meshes/animation_writer.hpp"
@@ -21,6 +23,7 @@ struct Sample {
   std::function<std::vector<mesh::Mesh>()> make;
   bool flat_normals = false;
   bool ascii = false;
+  meshes::MeshPacking packing = {};
 };
 
 template <class... Meshes>
@@ -42,6 +45,41 @@ mesh::Mesh with_attributes(mesh::ComponentType colour, std::size_t components) {
   add_attribute(mesh, "label", mesh::ComponentType::u8, 1);
   add_attribute(mesh, "way", mesh::ComponentType::i16, 3, true);
   return mesh;
+}
+
+meshes::MeshPacking packing(meshes::Compression compression, bool quantize, bool optimize_order = false) {
+  meshes::MeshPacking packing;
+  packing.compression = compression;
+  packing.quantize = quantize;
+  packing.optimize_order = optimize_order;
+  packing.voxel = 0.1;
+  return packing;
+}
+
+std::vector<std::pair<std::string, meshes::MeshPacking>> ways_of_packing() {
+  using meshes::Compression;
+  return {{"draco", packing(Compression::draco, false)},
+          {"quantized", packing(Compression::none, true)},
+          {"meshopt", packing(Compression::meshopt, false)},
+          {"meshopt_quantized", packing(Compression::meshopt, true)},
+          {"meshopt_quantized_ordered", packing(Compression::meshopt, true, true)},
+          {"ordered", packing(Compression::none, false, true)}};
+}
+
+// Every way of packing, with vertices of their own for each triangle and without.
+std::vector<Sample> packed_samples() {
+  const glm::dvec3 far(4e4 + 1.0 / 3, -7e4, 1.0 / 7);
+  std::vector<Sample> samples;
+  for (const auto& [name, way] : ways_of_packing()) {
+    samples.push_back({name, [] { return list(sphere(24, true)); }, false, false, way});
+    samples.push_back({name + "_flat", [] { return list(sphere(24, false)); }, true, false, way});
+    samples.push_back({name + "_far", [far] { return list(sphere(24, true, "far", far)); }, false, false, way});
+    samples.push_back(
+        {name + "_attributes",
+         [] { return list(with_attributes(mesh::ComponentType::u8, 3), nothing("none"), one_triangle()); }, false,
+         false, way});
+  }
+  return samples;
 }
 
 std::vector<Sample> samples() {
@@ -73,23 +111,39 @@ std::vector<Sample> samples() {
 bool write(const Sample& sample, const meshes::MeshFormatInfo& format, const std::filesystem::path& folder) {
   const std::vector<mesh::Mesh> meshes = sample.make();
   if ((meshes.size() != 1 && !format.holds_several_meshes) || (sample.ascii && !format.has_ascii)) return true;
+  if (!meshes::check_packing(sample.packing, format.format)) return true;
+  if (format.format == meshes::MeshFormat::drc && meshes[0].triangles.empty()) return true;
   // One folder a format: the .bin of one model must not have the name of another's.
   const std::filesystem::path path = folder / format.name / (sample.name + "." + std::string(format.name));
   std::filesystem::create_directories(path.parent_path());
-  const auto written = meshes::write_meshes(meshes, path, {format.format, sample.flat_normals, sample.ascii});
+  const auto written =
+      meshes::write_meshes(meshes, path, {format.format, sample.flat_normals, sample.ascii, sample.packing});
   if (!written) std::fprintf(stderr, "%s\n", written.error().message.c_str());
   return written.has_value();
 }
 
+// Around all of them.
+std::optional<mesh::Bounds> box_of(const std::vector<mesh::Mesh>& surfaces) {
+  std::optional<mesh::Bounds> box;
+  for (const mesh::Mesh& surface : surfaces) {
+    for (std::size_t v = 0; v < surface.positions.size(); ++v) {
+      const glm::dvec3 p = surface.position(v);
+      box = box ? mesh::Bounds{glm::min(box->min, p), glm::max(box->max, p)} : mesh::Bounds{p, p};
+    }
+  }
+  return box;
+}
+
 // Sequences, with gaps and frames of all kinds; several files of one, where `largest` is what a file may be.
 bool write_animation(const std::string& name, bool flat_normals, const std::filesystem::path& folder,
-                     std::uint64_t largest = meshes::kLargestGlb) {
+                     std::uint64_t largest = meshes::kLargestGlb, meshes::MeshPacking packing = {}) {
   const std::filesystem::path path = folder / "animated" / (name + ".glb");
   std::filesystem::create_directories(path.parent_path());
   meshes::AnimationWriter writer(path, {meshes::MeshFormat::glb, flat_normals, false}, 24, 8, Context(), largest);
   Result<void> added;
   const auto add = [&](std::int64_t frame, const std::vector<mesh::Mesh>& surfaces) {
-    if (added) added = writer.add("frame " + std::to_string(frame), frame, surfaces);
+    packing.box = box_of(surfaces);
+    if (added) added = writer.add("frame " + std::to_string(frame), frame, surfaces, packing);
   };
   add(1, list(nothing("nothing")));
   add(2, list(sphere(24, false)));
@@ -116,13 +170,19 @@ int main(int argc, char** argv) {
     return 1;
   }
   bool good = true;
-  for (const Sample& sample : samples()) {
+  std::vector<Sample> all = samples();
+  for (Sample& sample : packed_samples()) all.push_back(std::move(sample));
+  for (const Sample& sample : all) {
     for (const meshes::MeshFormatInfo& format : meshes::mesh_formats()) good = write(sample, format, argv[1]) && good;
   }
   constexpr std::uint64_t kSmall = 80'000;  // less than two of the spheres together
   good = write_animation("smooth", false, argv[1]) && good;
   good = write_animation("flat", true, argv[1]) && good;
   good = write_animation("split", false, argv[1], kSmall) && good;
+  for (const auto& [name, way] : ways_of_packing()) {
+    good = write_animation(name + "_smooth", false, argv[1], meshes::kLargestGlb, way) && good;
+    good = write_animation(name + "_flat", true, argv[1], meshes::kLargestGlb, way) && good;
+  }
   good = write_empty_animation(argv[1]) && good;
   return good ? 0 : 1;
 }

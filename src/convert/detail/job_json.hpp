@@ -250,6 +250,10 @@ class JobJson {
     each("empty", job.empty);
     each("format", job.format);
     each("ascii", job.ascii);
+    each("compression", job.packing.compression);
+    each("quantize", job.packing.quantize);
+    each("position_bits", job.packing.position_bits);
+    each("optimize_order", job.packing.optimize_order);
     each("outputs", job.outputs);
   }
 };

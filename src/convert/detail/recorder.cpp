@@ -68,6 +68,11 @@ void Recorder::measured(const MeshError& error, const StageTime& time) {
   listener_.measured(error, time);
 }
 
+void Recorder::packed(const MeshPackingRecord& record) {
+  outcome_.packings.push_back(record);
+  listener_.packed(record);
+}
+
 void Recorder::written(const WrittenOutput& output) {
   if (!output.isos.empty()) outcome_.stages.push_back({"write", std::nullopt, output.time});
   outcome_.files.insert(outcome_.files.end(), output.files.begin(), output.files.end());

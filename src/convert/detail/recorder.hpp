@@ -20,6 +20,7 @@ class Recorder final : public Events {
   void verified(const VerificationRecord& record) override;
   void simplified(const MeshSimplification& simplification) override;
   void measured(const MeshError& error, const StageTime& time) override;
+  void packed(const MeshPackingRecord& record) override;
   void written(const WrittenOutput& output) override;
   void recorded(const std::vector<MeshRecord>& meshes, const StageTime& time) override;
 

@@ -89,8 +89,7 @@ class DenseExtraction final : private CellDecider {
         region_(region),
         table_(case_table(options.method)),
         directions_(static_cast<int>(table_.directions.size())),
-        placement_(
-            output_frame(field, options.output_from_index, {glm::ivec3(0), whole.dims - 1}, region, options.cap)),
+        placement_(output_frame(field, options, {glm::ivec3(0), whole.dims - 1}, region)),
         masks_(std::move(masks)),
         bricks_(masks_) {}
 

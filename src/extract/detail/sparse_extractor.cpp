@@ -66,7 +66,7 @@ class SparseExtraction final : private CellDecider {
         context_(context),
         rule_{field.kind, options.iso},
         table_(case_table(options.method)),
-        placement_(output_frame(field, options.output_from_index, stored_box(samples), region, options.cap)),
+        placement_(output_frame(field, options, stored_box(samples), region)),
         sites_(field, samples, region, options, context) {}
 
   [[nodiscard]] const OutputFrame& placement() const { return placement_; }

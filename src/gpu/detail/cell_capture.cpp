@@ -13,22 +13,27 @@ constexpr std::size_t kTexelsPerSite = 27;  // of the largest texture buffer, th
 
 }  // namespace
 
-CellCapture::CellCapture(const gl::GlContext& context, GpuPipeline pipeline, std::size_t words_per_vertex,
-                         std::uint64_t feedback_bytes)
+CaptureBuffers CaptureBuffers::make() {
+  return {.feedback = gl::GlBuffer::make(),
+          .staging = gl::GlBuffer::make(),
+          .size = 0,
+          .sites = gl::GlBuffer::make(),
+          .site_texture = gl::GlTexture::make(),
+          .generated = gl::GlQuery::make(),
+          .written = gl::GlQuery::make()};
+}
+
+CellCapture::CellCapture(const gl::GlContext& context, CaptureBuffers& buffers, GpuPipeline pipeline,
+                         std::size_t words_per_vertex, std::uint64_t feedback_bytes)
     : context_(context),
+      buffers_(buffers),
       pipeline_(pipeline),
       words_(words_per_vertex),
       feedback_bytes_(feedback_bytes),
       // llvmpipe repeats vertices in a draw of more than 65,536 tessellated ones.
       patches_per_draw_(context.device().software ? 65536 / kCellsPerSite : kMaxSites),
       max_sites_(0),
-      next_sites_(0),
-      feedback_(gl::GlBuffer::make()),
-      staging_(gl::GlBuffer::make()),
-      site_buffer_(gl::GlBuffer::make()),
-      site_texture_(gl::GlTexture::make()),
-      generated_(gl::GlQuery::make()),
-      written_(gl::GlQuery::make()) {
+      next_sites_(0) {
   GLint texels = 0;
   glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &texels);
   max_sites_ = std::min(kMaxSites, static_cast<std::size_t>(texels) / kTexelsPerSite);
@@ -51,11 +56,11 @@ void CellCapture::draw_sites(const gl::CellProgram& program, std::size_t sites) 
 Result<std::uint64_t> CellCapture::count(const gl::CellProgram& program, std::size_t sites) {
   const Stopwatch watch;
   program.use();
-  glBeginQuery(GL_PRIMITIVES_GENERATED, generated_.name());
+  glBeginQuery(GL_PRIMITIVES_GENERATED, buffers_.generated.name());
   draw_sites(program, sites);
   glEndQuery(GL_PRIMITIVES_GENERATED);
   GLuint64 triangles = 0;
-  glGetQueryObjectui64v(generated_.name(), GL_QUERY_RESULT, &triangles);
+  glGetQueryObjectui64v(buffers_.generated.name(), GL_QUERY_RESULT, &triangles);
   times_.count += watch.elapsed();
   if (auto checked = context_.check("counting triangles"); !checked) return tl::unexpected(checked.error());
   return triangles;
@@ -68,11 +73,11 @@ Result<void> CellCapture::draw(const gl::CellPass& pass, std::span<const glm::iv
     const std::size_t many = std::min(next_sites_, origins.size() - first);
     texels.resize(many);
     for (std::size_t s = 0; s < many; ++s) texels[s] = glm::ivec4(origins[first + s], 0);
-    glBindBuffer(GL_TEXTURE_BUFFER, site_buffer_.name());
+    glBindBuffer(GL_TEXTURE_BUFFER, buffers_.sites.name());
     glBufferData(GL_TEXTURE_BUFFER, static_cast<GLsizeiptr>(many * sizeof(glm::ivec4)), texels.data(), GL_STREAM_DRAW);
     glActiveTexture(GL_TEXTURE0);
-    glBindTexture(GL_TEXTURE_BUFFER, site_texture_.name());
-    glTexBuffer(GL_TEXTURE_BUFFER, GL_RGBA32I, site_buffer_.name());
+    glBindTexture(GL_TEXTURE_BUFFER, buffers_.site_texture.name());
+    glTexBuffer(GL_TEXTURE_BUFFER, GL_RGBA32I, buffers_.sites.name());
     for (const gl::CellProgram* program : pass.programs()) program->set("sites", 0);
     bind(first, many);
 
@@ -94,25 +99,26 @@ Result<void> CellCapture::draw(const gl::CellPass& pass, std::span<const glm::iv
     triangles_ += *triangles;
     if (*triangles > 0) {
       Stopwatch watch;
-      glBindBuffer(GL_TRANSFORM_FEEDBACK_BUFFER, feedback_.name());
-      if (bytes > feedback_size_) {
+      glBindBuffer(GL_TRANSFORM_FEEDBACK_BUFFER, buffers_.feedback.name());
+      if (bytes > buffers_.size) {
+        buffers_.size = 0;
         glBufferData(GL_TRANSFORM_FEEDBACK_BUFFER, static_cast<GLsizeiptr>(bytes), nullptr, GL_STREAM_COPY);
-        glBindBuffer(GL_COPY_WRITE_BUFFER, staging_.name());
+        glBindBuffer(GL_COPY_WRITE_BUFFER, buffers_.staging.name());
         glBufferData(GL_COPY_WRITE_BUFFER, static_cast<GLsizeiptr>(bytes), nullptr, GL_STREAM_READ);
-        feedback_size_ = bytes;
         if (auto checked = context_.check(fmt::format("taking {} for triangles", format_byte_size(bytes))); !checked) {
           return checked;
         }
+        buffers_.size = bytes;
       }
-      glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, feedback_.name());
+      glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, buffers_.feedback.name());
       pass.capture->use();
-      glBeginQuery(GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN, written_.name());
+      glBeginQuery(GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN, buffers_.written.name());
       glBeginTransformFeedback(GL_TRIANGLES);
       draw_sites(*pass.capture, many);
       glEndTransformFeedback();
       glEndQuery(GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN);
       GLuint64 written = 0;
-      glGetQueryObjectui64v(written_.name(), GL_QUERY_RESULT, &written);
+      glGetQueryObjectui64v(buffers_.written.name(), GL_QUERY_RESULT, &written);
       times_.capture += watch.elapsed();
       if (auto checked = context_.check("capturing triangles"); !checked) return checked;
       if (written != *triangles) {
@@ -123,7 +129,7 @@ Result<void> CellCapture::draw(const gl::CellPass& pass, std::span<const glm::iv
       }
       watch.restart();
       if (soup_.size() < words) soup_ = Buffer<std::uint32_t>(words);
-      glBindBuffer(GL_COPY_WRITE_BUFFER, staging_.name());
+      glBindBuffer(GL_COPY_WRITE_BUFFER, buffers_.staging.name());
       glCopyBufferSubData(GL_TRANSFORM_FEEDBACK_BUFFER, GL_COPY_WRITE_BUFFER, 0, 0, static_cast<GLsizeiptr>(bytes));
       glGetBufferSubData(GL_COPY_WRITE_BUFFER, 0, static_cast<GLsizeiptr>(bytes), soup_.data());
       times_.read_back += watch.elapsed();

@@ -47,10 +47,23 @@ struct CaptureTimes {
   StageTime read_back;
 };
 
+// Objects of the context that a capture needs, kept for the next one.
+struct CaptureBuffers {
+  [[nodiscard]] static CaptureBuffers make();
+
+  gl::GlBuffer feedback;
+  gl::GlBuffer staging;    // what is read from: reading the feedback buffer itself makes drivers move it to the host
+  std::uint64_t size = 0;  // of both
+  gl::GlBuffer sites;
+  gl::GlTexture site_texture;
+  gl::GlQuery generated;  // a query object has one target for life
+  gl::GlQuery written;
+};
+
 class CellCapture {
  public:
   // Captures no more than `feedback_bytes` at a time, or what one site needs.
-  CellCapture(const gl::GlContext& context, GpuPipeline pipeline, std::size_t words_per_vertex,
+  CellCapture(const gl::GlContext& context, CaptureBuffers& buffers, GpuPipeline pipeline, std::size_t words_per_vertex,
               std::uint64_t feedback_bytes);
 
   // Draws the sites, whose lowest samples are given; `bind` is called before each draw with the range of sites that it
@@ -74,6 +87,7 @@ class CellCapture {
   void draw_sites(const gl::CellProgram& program, std::size_t sites) const;
 
   const gl::GlContext& context_;
+  CaptureBuffers& buffers_;
   GpuPipeline pipeline_;
   std::size_t words_;
   std::uint64_t feedback_bytes_;
@@ -81,13 +95,6 @@ class CellCapture {
   std::size_t max_sites_;   // of a draw
   std::size_t next_sites_;  // of the next draw, by what the last one needed
   std::uint64_t triangles_ = 0;
-  gl::GlBuffer feedback_;
-  gl::GlBuffer staging_;  // what is read from: reading the feedback buffer itself makes drivers move it to the host
-  std::uint64_t feedback_size_ = 0;
-  gl::GlBuffer site_buffer_;
-  gl::GlTexture site_texture_;
-  gl::GlQuery generated_;  // a query object has one target for life
-  gl::GlQuery written_;
   Buffer<std::uint32_t> soup_;
   CaptureTimes times_;
   std::uint64_t captured_bytes_ = 0;

@@ -1,6 +1,9 @@
 #include "gpu/detail/dense_source.hpp"
 
 #include <algorithm>
+#include <atomic>
+
+#include <tbb/parallel_for.h>
 
 #include "gpu/detail/dense_sites.hpp"
 
@@ -40,6 +43,8 @@ DenseSource::DenseSource(const gl::GlContext& context, const field::DenseSamples
       apron_(options.gradients ? 1 : 0),
       box_(box_of(sites, region)),
       reach_(with_apron(box_, apron_, samples.dims)),
+      origin_(region.min - apron_),
+      base_(reach_.min),
       column_cells_(0),
       window_(glm::ivec3(1)) {}
 
@@ -48,11 +53,31 @@ Result<DenseSource> DenseSource::make(const gl::GlContext& context, const field:
                                       const SourceOptions& options) {
   DenseSource source(context, samples, sites, region, options);
   if (sites.empty()) return source;
+  if (auto used = source.use_resident(); !used) return tl::unexpected(used.error());
+  if (source.options_.resident != nullptr) return source;
   if (auto chosen = source.choose_window(); !chosen) return tl::unexpected(chosen.error());
   auto texture = make_sample_texture(context, samples.type, source.window_.size());
   if (!texture) return tl::unexpected(texture.error());
   source.texture_ = std::move(*texture);
   return source;
+}
+
+// All that may be needed is in the window at a time, or nothing stays.
+Result<void> DenseSource::use_resident() {
+  if (options_.resident == nullptr) return {};
+  const field::IndexBox bricks{(reach_.min - origin_) / kBrickSamples, (reach_.max - origin_) / kBrickSamples};
+  const auto room = options_.resident->make_room(*context_, {samples_->type, origin_}, bricks,
+                                                 {options_.bytes, options_.max_texture_size}, *options_.host);
+  if (!room) return tl::unexpected(room.error());
+  if (!*room) {
+    options_.resident = nullptr;
+    return {};
+  }
+  base_ = origin_;
+  window_ = ToroidalWindow(options_.resident->size());
+  column_cells_ = box_.max - box_.min;
+  columns_ = glm::ivec2(1);
+  return {};
 }
 
 // All that may be needed where it fits, else as many whole slices as do, else columns of bricks as wide as they may be.
@@ -100,12 +125,13 @@ void DenseSource::begin_column() {
   }
   column_reach_.min = glm::max(glm::ivec3(low - apron_, reach_.min.z), reach_.min);
   column_reach_.max = glm::min(glm::ivec3(high + apron_, reach_.max.z), reach_.max);
-  bricks_ = (glm::ivec3(column_reach_.dims()) + kBrickCells - 1) / kBrickCells;
+  first_brick_ = (column_reach_.min - origin_) / kBrickSamples;
+  bricks_ = (column_reach_.max - origin_) / kBrickSamples - first_brick_ + 1;
   needed_.assign(volume(bricks_), 0);
   for (const std::uint32_t s : column_sites_) {
     const field::IndexBox need = needed_samples(sites_[s]);
-    const glm::ivec3 first = (need.min - column_reach_.min) / kBrickCells;
-    const glm::ivec3 last = (need.max - column_reach_.min) / kBrickCells;
+    const glm::ivec3 first = (need.min - origin_) / kBrickSamples - first_brick_;
+    const glm::ivec3 last = (need.max - origin_) / kBrickSamples - first_brick_;
     for (int z = first.z; z <= last.z; ++z) {
       for (int y = first.y; y <= last.y; ++y) {
         std::uint8_t* row = needed_.data() + bricks_.x * (y + static_cast<std::int64_t>(bricks_.y) * z);
@@ -128,22 +154,66 @@ Result<std::span<const std::uint32_t>> DenseSource::advance() {
   while (next_ < column_sites_.size() && needed_samples(sites_[column_sites_[next_]]).max.z - low < window_.size().z) {
     ++next_;
   }
-  const glm::ivec3 from(column_reach_.min.x, column_reach_.min.y, low);
-  for (const field::IndexBox& entered : window_.move_to(from - reach_.min)) {
-    upload(
-        {glm::max(entered.min + reach_.min, column_reach_.min), glm::min(entered.max + reach_.min, column_reach_.max)});
+  std::vector<BrickHash> hashes;
+  if (options_.resident != nullptr) {
+    hashes = options_.resident->take_hashes();
+    leave_out_resident(hashes);
+    upload(column_reach_);
+  } else {
+    const glm::ivec3 from(column_reach_.min.x, column_reach_.min.y, low);
+    for (const field::IndexBox& entered : window_.move_to(from - base_)) {
+      upload({glm::max(entered.min + base_, column_reach_.min), glm::min(entered.max + base_, column_reach_.max)});
+    }
   }
   glFinish();  // uploads are made later than they are asked for
   uploads_.time += watch.elapsed();
   if (auto checked = context_->check("uploading samples"); !checked) return tl::unexpected(checked.error());
+  // Of a file that was cut off meanwhile, others may have been uploaded than were hashed.
+  if (options_.resident != nullptr && !samples_->lost()) options_.resident->give_back(std::move(hashes));
   return std::span<const std::uint32_t>(column_sites_).subspan(begin, next_ - begin);
+}
+
+// The part of a brick, given by its place in `needed_`, that the column holds.
+field::IndexBox DenseSource::brick_box(const glm::ivec3& brick) const {
+  const glm::ivec3 low = origin_ + kBrickSamples * (first_brick_ + brick);
+  return {glm::max(low, column_reach_.min), glm::min(low + kBrickSamples - 1, column_reach_.max)};
+}
+
+// Needed bricks that are on the device as they are now need no upload; the hashes of the others become theirs.
+void DenseSource::leave_out_resident(std::vector<BrickHash>& hashes) {
+  std::atomic<std::uint64_t> uploaded{0};
+  std::atomic<std::uint64_t> kept{0};
+  std::atomic<std::uint64_t> kept_samples{0};
+  tbb::parallel_for(0, bricks_.z, [&](int z) {
+    for (int y = 0; y < bricks_.y; ++y) {
+      for (int x = 0; x < bricks_.x; ++x) {
+        std::uint8_t& needed =
+            needed_[static_cast<std::size_t>(x + bricks_.x * (y + static_cast<std::int64_t>(bricks_.y) * z))];
+        if (needed == 0) continue;
+        const field::IndexBox box = brick_box({x, y, z});
+        const BrickHash now = brick_hash(*samples_, box);
+        BrickHash& resident = hashes[options_.resident->place(first_brick_ + glm::ivec3(x, y, z))];
+        if (resident == now) {
+          needed = 0;
+          kept.fetch_add(1, std::memory_order_relaxed);
+          kept_samples.fetch_add(volume(glm::ivec3(box.dims())), std::memory_order_relaxed);
+        } else {
+          resident = now;
+          uploaded.fetch_add(1, std::memory_order_relaxed);
+        }
+      }
+    }
+  });
+  uploads_.bricks += uploaded;
+  uploads_.bricks_kept += kept;
+  uploads_.samples_kept += kept_samples;
 }
 
 // The needed bricks of a box, runs of them in one piece; rows that need the same runs together.
 void DenseSource::upload(const field::IndexBox& entered) {
   if (entered.empty()) return;
-  const glm::ivec3 first = (entered.min - column_reach_.min) / kBrickCells;
-  const glm::ivec3 last = (entered.max - column_reach_.min) / kBrickCells;
+  const glm::ivec3 first = (entered.min - origin_) / kBrickSamples - first_brick_;
+  const glm::ivec3 last = (entered.max - origin_) / kBrickSamples - first_brick_;
   const auto row = [&](int y, int z) {
     return std::span<const std::uint8_t>(needed_).subspan(
         static_cast<std::size_t>(bricks_.x) *
@@ -159,9 +229,8 @@ void DenseSource::upload(const field::IndexBox& entered) {
         if (needed[static_cast<std::size_t>(x)] == 0) continue;
         const int begin = x;
         while (x < last.x && needed[static_cast<std::size_t>(x) + 1] != 0) ++x;
-        const glm::ivec3 low = column_reach_.min + kBrickCells * glm::ivec3(begin, y, z);
-        const glm::ivec3 high = column_reach_.min + kBrickCells * glm::ivec3(x + 1, y + rows, z + 1) - 1;
-        upload_pieces({glm::max(low, entered.min), glm::min(high, entered.max)});
+        const field::IndexBox run{brick_box({begin, y, z}).min, brick_box({x, y + rows - 1, z}).max};
+        upload_pieces({glm::max(run.min, entered.min), glm::min(run.max, entered.max)});
       }
       y += rows;
     }
@@ -169,15 +238,17 @@ void DenseSource::upload(const field::IndexBox& entered) {
 }
 
 void DenseSource::upload_pieces(const field::IndexBox& box) {
-  glBindTexture(GL_TEXTURE_3D, texture_.name());
+  // Before anything of the context's is changed: finding them takes memory, and may fail.
+  const auto pieces = window_.pieces({box.min - base_, box.max - base_});
+  glBindTexture(GL_TEXTURE_3D, texture().name());
   glPixelStorei(GL_UNPACK_ROW_LENGTH, samples_->dims.x);
   glPixelStorei(GL_UNPACK_IMAGE_HEIGHT, samples_->dims.y);
   const std::size_t size = field::sample_size(samples_->type);
   const glm::u64vec3 dims(samples_->dims);
-  for (const field::IndexBox& piece : window_.pieces({box.min - reach_.min, box.max - reach_.min})) {
+  for (const field::IndexBox& piece : pieces) {
     const glm::ivec3 to = window_.texel(piece.min);
     const glm::ivec3 extent(piece.dims());
-    const glm::u64vec3 at(piece.min + reach_.min);
+    const glm::u64vec3 at(piece.min + base_);
     const auto* data = static_cast<const std::byte*>(samples_->data) + size * (at.x + dims.x * (at.y + dims.y * at.z));
     glTexSubImage3D(GL_TEXTURE_3D, 0, to.x, to.y, to.z, extent.x, extent.y, extent.z, format_.format, format_.type,
                     data);
@@ -189,10 +260,10 @@ void DenseSource::upload_pieces(const field::IndexBox& box) {
 
 void DenseSource::bind(const gl::CellPass& pass, std::span<const std::uint32_t>) {
   glActiveTexture(GL_TEXTURE1);
-  glBindTexture(GL_TEXTURE_3D, texture_.name());
+  glBindTexture(GL_TEXTURE_3D, texture().name());
   for (const gl::CellProgram* program : pass.programs()) {
     program->set("field_window", 1);
-    program->set("window_base", reach_.min);
+    program->set("window_base", base_);
     program->set("window_size", window_.size());
   }
 }
@@ -201,7 +272,8 @@ UploadFigures DenseSource::uploads() const {
   UploadFigures figures = uploads_;
   figures.bytes = uploads_.samples * field::sample_size(samples_->type);
   const std::uint64_t all = volume(glm::ivec3(with_apron(region_, apron_, samples_->dims).dims()));
-  figures.left_out = all > uploads_.samples ? all - uploads_.samples : 0;
+  const std::uint64_t taken = uploads_.samples + uploads_.samples_kept;
+  figures.left_out = all > taken ? all - taken : 0;
   return figures;
 }
 

@@ -17,7 +17,7 @@ DrawnSurface::DrawnSurface(const field::ScalarField& field, const extract::Extra
       context_(context),
       pipeline_(pipeline_of(options.method, tools.options).value()),
       table_(extract::case_table(options.method)),
-      placement_(extract::output_frame(field, options.output_from_index, stored, region, options.cap)) {}
+      placement_(extract::output_frame(field, options, stored, region)) {}
 
 void DrawnSurface::found(const SurfacePlace& place, std::unique_ptr<FieldSource> source) {
   place_ = place;
@@ -85,7 +85,7 @@ Result<extract::MeshSizes> DrawnSurface::count(extract::ExtractStats& stats) {
   weld_.emplace(
       table_, place_.origins, [this](std::size_t site) { return near(site); },
       [this](const glm::ivec3& cell) { return decide(cell); });
-  CellCapture capture(*tools_.gl, pipeline_, words_a_vertex(), tools_.memory.feedback);
+  CellCapture capture(*tools_.gl, *tools_.buffers, pipeline_, words_a_vertex(), tools_.memory.feedback);
   if (auto drawn = draw(*pass, capture); !drawn) return tl::unexpected(drawn.error());
   capture.free_soup();
   soup_memory_.release();
@@ -96,6 +96,9 @@ Result<extract::MeshSizes> DrawnSurface::count(extract::ExtractStats& stats) {
   stats.hole_cells = hole_cells_.load();
   device.bytes_uploaded = uploads.bytes;
   device.samples_uploaded = uploads.samples;
+  device.samples_kept = uploads.samples_kept;
+  device.bricks_uploaded = uploads.bricks;
+  device.bricks_kept = uploads.bricks_kept;
   device.bytes_captured = capture.captured_bytes();
   device.cells_decided = weld_->decided_cells() - stats.hole_cells;  // those came to be left out
   device.upload = uploads.time;

@@ -12,6 +12,7 @@
 #include "extract/surface_run.hpp"
 #include "gpu/detail/cell_programs.hpp"
 #include "gpu/detail/field_source.hpp"
+#include "gpu/detail/resident_samples.hpp"
 #include "gpu/detail/site_weld.hpp"
 #include "gpu/gpu_extractor.hpp"
 
@@ -30,6 +31,8 @@ struct MemoryShares {
 struct DrawingTools {
   const gl::GlContext* gl;
   CellPrograms* programs;
+  CaptureBuffers* buffers;
+  ResidentSamples* resident;  // null where no sample stays on the device
   GpuOptions options;
   MemoryShares memory;
   int max_texture_size;
@@ -81,7 +84,7 @@ class DrawnSurface {
   [[nodiscard]] const DrawingTools& tools() const { return tools_; }
   [[nodiscard]] const Context& context() const { return context_; }
   [[nodiscard]] SourceOptions source_options() const {
-    return {options_.smooth_normals, tools_.memory.samples, tools_.max_texture_size};
+    return {options_.smooth_normals, tools_.memory.samples, tools_.max_texture_size, tools_.resident, &context_};
   }
 
  private:

@@ -9,6 +9,7 @@
 #include <glm/glm.hpp>
 
 #include "base/byte_size.hpp"
+#include "base/context.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
 #include "gl/gl_object.hpp"
@@ -17,16 +18,23 @@
 
 namespace isoextract::gpu {
 
+class ResidentSamples;
+
 struct SourceOptions {
-  bool gradients = false;    // samples around a vertex are read as well
-  std::uint64_t bytes = 0;   // what samples may take on the device
-  int max_texture_size = 0;  // of the device, in 3D
+  bool gradients = false;               // samples around a vertex are read as well
+  std::uint64_t bytes = 0;              // what samples may take on the device
+  int max_texture_size = 0;             // of the device, in 3D
+  ResidentSamples* resident = nullptr;  // what stays on the device for the next extraction, where anything does
+  const Context* host = nullptr;        // what is known of it is reserved there
 };
 
 struct UploadFigures {
-  std::uint64_t bytes = 0;     // of samples
-  std::uint64_t samples = 0;   // each counted as often as it was uploaded
-  std::uint64_t left_out = 0;  // samples that no crossed brick needs, less what was uploaded more than once
+  std::uint64_t bytes = 0;         // of samples
+  std::uint64_t samples = 0;       // each counted as often as it was uploaded
+  std::uint64_t left_out = 0;      // samples that no crossed brick needs, less what was uploaded more than once
+  std::uint64_t samples_kept = 0;  // needed, and on the device since an extraction before
+  std::uint64_t bricks = 0;        // that were uploaded, of 8 x 8 x 8 samples: counted where some may be kept
+  std::uint64_t bricks_kept = 0;
   StageTime time;
 };
 

@@ -21,8 +21,10 @@ IndexMesh::IndexMesh(const mesh::Mesh& mesh, const field::ScalarField& field, co
     region = {glm::max(samples.min - 1, extracted.region->min), glm::min(samples.max + 1, extracted.region->max)};
     if (sparse != nullptr) region = extract::sparse_region(field, *sparse, extracted).value_or(region);
   }
+  extract::ExtractOptions placed = extracted;
+  placed.output_from_index = output_from_index_;
   // Half of what keeps vertices off the ends of their edges: closer than that only rounding brings them.
-  tolerance_ = extract::output_frame(field, output_from_index_, samples, region, extracted.cap).margin() / 2;
+  tolerance_ = extract::output_frame(field, placed, samples, region).margin() / 2;
   if (!extracted.cap) return;
   std::optional<field::IndexBox> cap = extracted.region;
   // Unbounded samples have no other border.

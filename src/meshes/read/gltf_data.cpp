@@ -1,12 +1,14 @@
 #include "meshes/read/gltf_data.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <limits>
 
 #include <fmt/format.h>
 
 #include "base/checked.hpp"
+#include "meshes/detail/meshopt_codec.hpp"
 #include "meshes/read/gltf_json.hpp"
 
 namespace isoextract::meshes {
@@ -36,6 +38,20 @@ double value_at(const std::byte* place, int component, bool normalised) {
 std::uint64_t size_of(int component) {
   const auto type = gltf_component(component);
   return type ? mesh::component_size(*type) : sizeof(float);
+}
+
+// An object's part of an extension, or null.
+const json* extension_of(const json& object, const char* name) {
+  const auto extensions = object.find("extensions");
+  if (extensions == object.end() || !extensions->is_object()) return nullptr;
+  const auto found = extensions->find(name);
+  return found != extensions->end() && found->is_object() ? &*found : nullptr;
+}
+
+// A buffer without bytes, which views name that are packed elsewhere.
+bool is_placeholder(const json& buffer) {
+  const json* packed = extension_of(buffer, kMeshoptExtension);
+  return packed != nullptr && packed->value("fallback", json(false)) == json(true);
 }
 
 const json& part_of(const json& sparse, const char* key) {
@@ -93,6 +109,9 @@ void GltfData::load_buffer(const json& buffer, std::uint64_t index, std::span<co
   if (!uri.empty()) {
     owned_.push_back(uri.starts_with("data:") ? decode_data_uri(uri, source_.memory) : load_file(decode_percent(uri)));
     bytes = owned_.back();
+  } else if (is_placeholder(buffer)) {
+    buffers_.emplace_back();
+    return;
   } else if (index != 0) {
     throw DamagedMesh(fmt::format("expected a 'uri' of buffer {}, found none", index));
   }
@@ -119,7 +138,7 @@ GltfView GltfData::view(std::uint64_t index, std::string_view type, std::uint64_
   if (text_of(accessor, "type") != type) {
     throw DamagedMesh(fmt::format("expected an accessor of type {}, found {}", type, shown(accessor)));
   }
-  if (const auto made = sparse_views_.find(index); made != sparse_views_.end()) return made->second;
+  if (const auto made = made_views_.find(index); made != made_views_.end()) return made->second;
   GltfView view;
   view.component = static_cast<int>(whole(accessor, "componentType"));
   view.count = whole(accessor, "count");
@@ -135,29 +154,64 @@ GltfView GltfData::view(std::uint64_t index, std::string_view type, std::uint64_
     throw DamagedMesh(fmt::format("expected an accessor with values in a buffer, found {}", shown(accessor)));
   }
   if (sparse == accessor.end()) return view;
-  return sparse_views_.emplace(index, with_sparse(view, *sparse, item)).first->second;
+  return made_views_.emplace(index, with_sparse(view, *sparse, item)).first->second;
 }
 
-void GltfData::place(GltfView& view, const json& owner, std::uint64_t item) const {
-  const json& range = entry(model_, "bufferViews", whole(owner, "bufferView"));
+std::span<const std::byte> GltfData::range_of(const json& range) const {
   const std::uint64_t buffer = whole(range, "buffer");
   if (buffer >= buffers_.size()) {
     throw DamagedMesh(
         fmt::format("expected fewer than {} as the index of a buffer, found {}", buffers_.size(), buffer));
   }
-  view.stride = whole(range, "byteStride", item);
-  const std::uint64_t range_start = whole(range, "byteOffset", 0);
-  const std::uint64_t range_bytes = whole(range, "byteLength");
+  const std::uint64_t start = whole(range, "byteOffset", 0);
+  const std::uint64_t bytes = whole(range, "byteLength");
+  const auto end = checked_sum(start, bytes);
+  if (!end || *end > buffers_[buffer].size()) {
+    throw DamagedMesh(
+        fmt::format("expected a view within a buffer of {} bytes, found {}", buffers_[buffer].size(), shown(range)));
+  }
+  return buffers_[buffer].subspan(start, bytes);
+}
+
+std::span<const std::byte> GltfData::unpacked_view(std::uint64_t index, const json& packed) {
+  if (const auto found = unpacked_views_.find(index); found != unpacked_views_.end()) return found->second;
+  constexpr std::array kModes{MeshoptMode::attributes, MeshoptMode::triangles, MeshoptMode::indices};
+  constexpr std::array<std::string_view, 4> kFilters{"NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL"};
+  const auto mode = std::ranges::find(kModes, text_of(packed, "mode"), meshopt_word);
+  const auto filter =
+      packed.contains("filter") ? std::ranges::find(kFilters, text_of(packed, "filter")) : kFilters.begin();
+  MeshoptView view;
+  view.count = whole(packed, "count");
+  view.stride = whole(packed, "byteStride");
+  if (mode != kModes.end()) view.mode = *mode;
+  view.filter = static_cast<MeshoptFilter>(filter - kFilters.begin());
+  const auto bytes = checked_product(view.count, view.stride);
+  if (mode == kModes.end() || filter == kFilters.end() || !is_valid(view) || !bytes) {
+    throw DamagedMesh(fmt::format("expected values as {} has them, found {}", kMeshoptExtension, shown(packed)));
+  }
+  std::vector<std::byte>& unpacked = owned_.emplace_back();
+  source_.memory.make_room(unpacked, *bytes);
+  unpacked.resize(*bytes);
+  if (!decode_meshopt(range_of(packed), view, unpacked)) {
+    throw DamagedMesh(fmt::format("expected packed values in a buffer view, found damaged ones: {}", shown(packed)));
+  }
+  return unpacked_views_.emplace(index, unpacked).first->second;
+}
+
+void GltfData::place(GltfView& view, const json& owner, std::uint64_t item) {
+  const std::uint64_t index = whole(owner, "bufferView");
+  const json& range = entry(model_, "bufferViews", index);
+  const json* packed = extension_of(range, kMeshoptExtension);
+  const std::span<const std::byte> values = packed != nullptr ? unpacked_view(index, *packed) : range_of(range);
+  view.stride = packed != nullptr ? whole(*packed, "byteStride") : whole(range, "byteStride", item);
   const std::uint64_t start = whole(owner, "byteOffset", 0);
-  const auto range_end = checked_sum(range_start, range_bytes);
   const auto span = checked_product(view.count == 0 ? std::uint64_t{0} : view.count - 1, view.stride);
   const auto needed = span ? checked_sum(start, *span, view.count == 0 ? std::uint64_t{0} : item) : std::nullopt;
-  if (!range_end || *range_end > buffers_[buffer].size() || !needed || *needed > range_bytes || view.stride < item) {
-    throw DamagedMesh(
-        fmt::format("expected {} values within a buffer of {} bytes, found the view {} and the accessor {}", view.count,
-                    buffers_[buffer].size(), shown(range), shown(owner)));
+  if (!needed || *needed > values.size() || view.stride < item) {
+    throw DamagedMesh(fmt::format("expected {} values within a view of {} bytes, found the view {} and the accessor {}",
+                                  view.count, values.size(), shown(range), shown(owner)));
   }
-  view.first = buffers_[buffer].data() + range_start + start;
+  view.first = values.data() + start;
 }
 
 // glTF 2.0, 3.6.2.3: values of their own at some indices, which rise; the others are those of the buffer view, or zeros

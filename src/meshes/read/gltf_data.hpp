@@ -15,17 +15,12 @@
 #include <nlohmann/json.hpp>
 
 #include "mesh/attributes.hpp"
+#include "meshes/detail/gltf_codes.hpp"
 #include "meshes/read/mesh_format_readers.hpp"
 
 namespace isoextract::meshes {
 
-// Component types as glTF numbers them.
-inline constexpr int kGltfByte = 5120;
-inline constexpr int kGltfUnsignedByte = 5121;
-inline constexpr int kGltfShort = 5122;
-inline constexpr int kGltfUnsignedShort = 5123;
-inline constexpr int kGltfUnsignedInt = 5125;
-inline constexpr int kGltfFloat = 5126;
+struct DracoAttribute;
 
 [[nodiscard]] std::optional<mesh::ComponentType> gltf_component(int code);
 
@@ -56,18 +51,31 @@ class GltfData {
   // put together here, once.
   [[nodiscard]] GltfView view(std::uint64_t accessor, std::string_view type, std::uint64_t components);
 
+  // Unpacks a primitive that KHR_draco_mesh_compression packed, so that view() finds the values of its accessors. True
+  // where no two of its triangles share a vertex: vertices then come three a triangle, and there is no use for indices.
+  bool unpack_draco(const nlohmann::json& primitive);
+  [[nodiscard]] bool is_unpacked(std::uint64_t accessor) const { return made_views_.contains(accessor); }
+
  private:
   void load_buffer(const nlohmann::json& buffer, std::uint64_t index, std::span<const std::byte> binary);
   [[nodiscard]] std::vector<std::byte> load_file(const std::string& name) const;
   // Places `view`, of values of `item` bytes, in the buffer view that `owner` names: an accessor or a part of one.
-  void place(GltfView& view, const nlohmann::json& owner, std::uint64_t item) const;
+  void place(GltfView& view, const nlohmann::json& owner, std::uint64_t item);
+  // The bytes of a buffer view, or of another object that names a buffer and a place in it.
+  [[nodiscard]] std::span<const std::byte> range_of(const nlohmann::json& range) const;
+  // A buffer view that EXT_meshopt_compression packed, unpacked once.
+  [[nodiscard]] std::span<const std::byte> unpacked_view(std::uint64_t index, const nlohmann::json& packed);
+  // An accessor's values, which are taken from the attribute.
+  void provide(std::uint64_t accessor, DracoAttribute& attribute, std::uint64_t vertices);
   [[nodiscard]] GltfView with_sparse(const GltfView& dense, const nlohmann::json& sparse, std::uint64_t item);
 
   const MeshSource& source_;
   const nlohmann::json& model_;
   std::vector<std::vector<std::byte>> owned_;
   std::vector<std::span<const std::byte>> buffers_;
-  std::map<std::uint64_t, GltfView> sparse_views_;  // by accessor
+  std::map<std::uint64_t, GltfView> made_views_;                        // sparse and unpacked, by accessor
+  std::map<std::uint64_t, std::span<const std::byte>> unpacked_views_;  // by buffer view
+  std::map<std::uint64_t, bool> unpacked_draco_;                        // likewise: what unpack_draco() said
 };
 
 }  // namespace isoextract::meshes

@@ -45,10 +45,12 @@ constexpr std::array<std::string_view, 16> kOtherExtensions{"KHR_materials_",
                                                             "EXT_feature_metadata",
                                                             "AGI_",
                                                             "FB_ngon_encoding"};
-constexpr std::string_view kQuantization = "KHR_mesh_quantization";
+// What is read.
+constexpr std::array<std::string_view, 3> kPackingExtensions{kDracoExtension, kQuantizationExtension,
+                                                             kMeshoptExtension};
 
 bool changes_triangles(std::string_view extension) {
-  return extension != kQuantization &&
+  return std::ranges::find(kPackingExtensions, extension) == kPackingExtensions.end() &&
          std::none_of(kOtherExtensions.begin(), kOtherExtensions.end(),
                       [&](std::string_view start) { return extension.starts_with(start); });
 }
@@ -117,7 +119,7 @@ class ModelReader {
     for (const json& extension : *required) {
       const std::string_view name =
           extension.is_string() ? std::string_view(extension.get_ref<const std::string&>()) : "";
-      has_quantised_ = has_quantised_ || name == kQuantization;
+      has_quantised_ = has_quantised_ || name == kQuantizationExtension;
       if (!name.empty() && !changes_triangles(name)) continue;
       throw DamagedMesh(
           fmt::format("expected glTF whose triangles need no extension to be read, found that it requires {}",
@@ -192,7 +194,8 @@ class ModelReader {
     constexpr std::array<std::string_view, mesh::kMaxComponents> kTypes{"SCALAR", "VEC2", "VEC3", "VEC4"};
     const std::string_view type = text_of(accessor, "type");
     const auto* found = std::find(kTypes.begin(), kTypes.end(), type);
-    const bool has_values = accessor.contains("bufferView") || accessor.contains("sparse");
+    const bool has_values = accessor.contains("bufferView") || accessor.contains("sparse") ||
+                            data_->is_unpacked(index.get<std::uint64_t>());
     if (found == kTypes.end() || !has_values) {
       surface_.notes.push_back(fmt::format("the attribute '{}' was left out: {}", files::printable(semantic, 40),
                                            has_values ? "its values are no numbers or vectors" : "it has no values"));
@@ -350,6 +353,7 @@ class ModelReader {
     if (attributes == primitive.end() || !attributes->is_object()) {
       throw DamagedMesh(fmt::format("expected 'attributes' of a primitive, found {}", shown(primitive)));
     }
+    const bool is_soup = data_->unpack_draco(primitive);
     const GltfView places = data_->view(whole(*attributes, "POSITION"), "VEC3", 3);
     const bool is_quantised = places.component >= kGltfByte && places.component <= kGltfUnsignedShort;
     if (places.component != kGltfFloat && !(has_quantised_ && is_quantised)) {
@@ -359,7 +363,7 @@ class ModelReader {
     const std::size_t first_triangle = surface_.triangles.size();
     require_vertex_count(first_vertex + places.count);
     const std::vector<GltfView> views = attribute_views(*attributes, places.count);
-    if (primitive.contains("indices")) {
+    if (primitive.contains("indices") && !is_soup) {
       source_.memory.make_room(surface_.positions, places.count);
       for (std::uint64_t v = 0; v < places.count; ++v) surface_.positions.push_back(places.point(v));
       add_values(views, places.count, [](std::uint64_t v) { return v; });

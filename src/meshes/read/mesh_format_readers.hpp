@@ -99,6 +99,7 @@ struct MeshSource {
 [[nodiscard]] FileSurface read_stl(const MeshSource& source);
 [[nodiscard]] FileSurface read_glb(const MeshSource& source);
 [[nodiscard]] FileSurface read_gltf(const MeshSource& source);
+[[nodiscard]] FileSurface read_drc(const MeshSource& source);
 
 // "my%20mesh.bin" -> "my mesh.bin"
 [[nodiscard]] std::string decode_percent(std::string_view uri);

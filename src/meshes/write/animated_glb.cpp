@@ -172,6 +172,9 @@ std::string AnimatedGlb::describe() {
   json_.add("scenes", scene.take());
   json_.add(nlohmann::json::object({{"scene", 0}}));
   if (binary_ > 0) json_.add("buffers", nlohmann::json::object({{"byteLength", binary_}}).dump());
+  if (const nlohmann::json unpacked = model_.unpacked_buffer(); !unpacked.is_null()) {
+    json_.add("buffers", unpacked.dump());
+  }
   // For its asset, where there was no frame.
   model_.take([&](const nlohmann::json& document) { json_.add(document); });
   std::string json = json_.take();

@@ -50,6 +50,14 @@ nlohmann::json document_of(tinygltf::Model& model) {
   return nlohmann::json::parse(stream.str());
 }
 
+// Where packed positions are relative to.
+void place_packed(const GltfPackedPart& packed, tinygltf::Node& node) {
+  const glm::dvec3& origin = packed.translation;
+  node.translation.clear();
+  if (origin != glm::dvec3(0)) node.translation = {origin.x, origin.y, origin.z};
+  if (packed.scale != 1) node.scale.assign(3, packed.scale);
+}
+
 }  // namespace
 
 void GltfModel::add(const GltfPart& part) { scene_.nodes.push_back(node(part)); }
@@ -59,7 +67,8 @@ int GltfModel::add_frame(const std::string& name, std::span<const GltfPart> part
   for (const GltfPart& part : parts) {
     if (part.layout != GltfPart::Layout::nothing) frame.children.push_back(node(part));
   }
-  if (frame.children.size() == 1) {
+  // A scale of its own, as packed positions have one, is none to be animated.
+  if (frame.children.size() == 1 && model_.nodes.back().scale.empty()) {
     frame = std::move(model_.nodes.back());
     model_.nodes.pop_back();
   }
@@ -70,7 +79,9 @@ int GltfModel::add_frame(const std::string& name, std::span<const GltfPart> part
 
 void GltfModel::take(const std::function<void(nlohmann::json& document)>& look) {
   JsonTree tree(document_of(model_));
+  describe_packed_views(tree.root());
   look(tree.root());
+  meshopt_views_.clear();
   taken_ = {taken_.nodes + model_.nodes.size(), taken_.meshes + model_.meshes.size(),
             taken_.materials + model_.materials.size(), taken_.views + model_.bufferViews.size(),
             taken_.accessors + model_.accessors.size()};
@@ -103,10 +114,13 @@ int GltfModel::node(const GltfPart& part) {
   node.name = name;
   const glm::dvec3& origin = part.mesh->origin;
   if (origin != glm::dvec3(0)) node.translation = {origin.x, origin.y, origin.z};
+  if (part.packed != nullptr) place_packed(*part.packed, node);
   if (part.layout != GltfPart::Layout::nothing) {
     tinygltf::Mesh mesh;
     mesh.name = name;
-    mesh.primitives.push_back(part.layout == GltfPart::Layout::split ? split(part) : indexed(part));
+    mesh.primitives.push_back(part.packed != nullptr                   ? packed(*part.packed, part.has_colours())
+                              : part.layout == GltfPart::Layout::split ? split(part)
+                                                                       : indexed(part));
     model_.meshes.push_back(std::move(mesh));
     node.mesh = last_number(taken_.meshes, model_.meshes);
   }
@@ -133,6 +147,8 @@ std::string GltfModel::json(const std::string& uri, int indent, Notes& notes) {
     buffer["byteLength"] = offset_;
     if (!uri.empty()) buffer["uri"] = uri;
   }
+  describe_packed_views(document);
+  if (const nlohmann::json unpacked = unpacked_buffer(); !unpacked.is_null()) document["buffers"].push_back(unpacked);
   return document.dump(indent);
 }
 

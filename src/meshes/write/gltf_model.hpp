@@ -7,11 +7,13 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include <tiny_gltf.h>
 #include <nlohmann/json.hpp>
 
 #include "mesh/metrics.hpp"
+#include "meshes/write/gltf_packed_part.hpp"
 #include "meshes/write/gltf_part.hpp"
 #include "meshes/write/mesh_format_writers.hpp"
 
@@ -35,6 +37,8 @@ class GltfModel {
   void take(const std::function<void(nlohmann::json& document)>& look);
   [[nodiscard]] Notes take_notes();
   [[nodiscard]] std::uint64_t binary_bytes() const { return offset_; }
+  // The buffer after the one of the file's bytes, which stands for what views are unpacked to; null where none are.
+  [[nodiscard]] nlohmann::json unpacked_buffer() const;
 
  private:
   // How many of each were taken.
@@ -61,13 +65,31 @@ class GltfModel {
   tinygltf::Primitive indexed(const GltfPart& part);
   tinygltf::Primitive triangles(bool colours);
 
+  // Of packed parts; gltf_packed_model.cpp.
+  tinygltf::Primitive packed(const GltfPackedPart& part, bool colours);
+  int packed_view(const GltfPackedView& source);
+  int packed_accessor(const GltfPackedAccessor& source, int first_view);
+  void use_extension(const std::string& name);
+  // What the library has no members for.
+  void describe_packed_views(nlohmann::json& document) const;
+
   tinygltf::Model model_;
   tinygltf::Scene scene_;
   Taken taken_;
   std::uint64_t offset_ = 0;
   std::array<int, 2> materials_{-1, -1};  // without colours, with colours; -1: not made yet
   bool has_split_ = false;
-  Notes notes_;  // of the meshes' names
+  struct MeshoptView {
+    int view;  // of the buffer that is not there, and stands for what is unpacked
+    std::uint64_t offset;
+    std::uint64_t bytes;
+    std::uint64_t count;
+    std::size_t stride;
+    MeshoptMode mode;
+  };
+  std::vector<MeshoptView> meshopt_views_;
+  std::uint64_t unpacked_bytes_ = 0;  // of that buffer
+  Notes notes_;                       // of the meshes' names
 };
 
 }  // namespace isoextract::meshes

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "files/record_stream.hpp"
+#include "meshes/write/gltf_packed_part.hpp"
 #include "meshes/write/mesh_encoding.hpp"
 
 namespace isoextract::meshes {
@@ -131,6 +132,12 @@ Result<void> write_indices(const GltfPart& part, files::OutputFile& file) {
   return written ? file.write(std::span(kZeros).first(gltf_aligned(bytes) - bytes)) : written;
 }
 
+Result<void> write_padded(std::span<const std::byte> bytes, files::OutputFile& file) {
+  constexpr std::array<std::byte, kGltfAlignment> kZeros{};
+  auto written = file.write(bytes);
+  return written ? file.write(std::span(kZeros).first(gltf_aligned(bytes.size()) - bytes.size())) : written;
+}
+
 }  // namespace
 
 std::string as_utf8(const std::string& text) {
@@ -143,6 +150,16 @@ GltfPart::GltfPart(const mesh::Mesh& source, bool flat_normals, Notes& notes) : 
   semantics = semantics_of(source, notes);
   layout = flat_normals ? Layout::split : Layout::indexed;
   short_indices = source.positions.size() <= kMaxShortVertices;
+}
+
+Result<GltfPart> GltfPart::make(const mesh::Mesh& source, const MeshWriteOptions& options, const Context& context,
+                                Notes& notes) {
+  GltfPart part(source, options.flat_normals, notes);
+  if (!options.packing.packs() || part.layout == Layout::nothing) return part;
+  auto packed = pack_part(part, options.packing, context);
+  if (!packed) return tl::unexpected(std::move(packed.error()));
+  part.packed = std::make_shared<const GltfPackedPart>(std::move(*packed));
+  return part;
 }
 
 bool GltfPart::has_colours() const {
@@ -160,6 +177,7 @@ std::uint64_t GltfPart::index_bytes() const {
 
 std::uint64_t GltfPart::bytes() const {
   if (layout == Layout::nothing) return 0;
+  if (packed != nullptr) return packed->bytes();
   std::uint64_t attribute_bytes = 0;
   for (const GltfSemantic& semantic : semantics) attribute_bytes += vertex_count() * semantic.stride();
   if (layout == Layout::split) return vertex_count() * kSplitStride + attribute_bytes;
@@ -168,6 +186,12 @@ std::uint64_t GltfPart::bytes() const {
 
 Result<void> write_part(const GltfPart& part, files::OutputFile& file) {
   Result<void> written;
+  if (part.packed != nullptr) {
+    for (const GltfPackedView& view : part.packed->views) {
+      if (written) written = write_padded(view.bytes, file);
+    }
+    return written;
+  }
   if (part.layout == GltfPart::Layout::split) {
     written = write_split(*part.mesh, file);
     if (written) written = write_attributes(part, file);

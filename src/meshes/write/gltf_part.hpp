@@ -3,9 +3,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "base/context.hpp"
 #include "base/error.hpp"
 #include "files/output_file.hpp"
 #include "mesh/mesh.hpp"
@@ -33,7 +35,9 @@ struct GltfSemantic {
   [[nodiscard]] std::size_t stride() const { return gltf_aligned(attribute->stride()); }
 };
 
-// A mesh's vertices, their attributes one after another, then its indices.
+struct GltfPackedPart;
+
+// A mesh's vertices, their attributes one after another, then its indices; or what an extension makes of them.
 struct GltfPart {
   const mesh::Mesh* mesh = nullptr;
   std::vector<GltfSemantic> semantics;
@@ -43,18 +47,22 @@ struct GltfPart {
     indexed,  // positions, normals if any, indices
   } layout = Layout::nothing;
   bool short_indices = false;
+  std::shared_ptr<const GltfPackedPart> packed;  // where it is
 
   // 65535 restarts primitives and is no index.
   static constexpr std::size_t kMaxShortVertices = 65535;
   static constexpr std::size_t kSplitStride = 2 * sizeof(glm::vec3);
 
   GltfPart(const mesh::Mesh& source, bool flat_normals, Notes& notes);
+  // As options.packing asks; its box is known. Fails as pack_part() does.
+  [[nodiscard]] static Result<GltfPart> make(const mesh::Mesh& source, const MeshWriteOptions& options,
+                                             const Context& context, Notes& notes);
 
   [[nodiscard]] bool has_normals() const { return !mesh->normals.empty(); }
   [[nodiscard]] bool has_colours() const;
   [[nodiscard]] std::uint64_t vertex_count() const;
   [[nodiscard]] std::uint64_t index_bytes() const;
-  [[nodiscard]] std::uint64_t bytes() const;  // of all of it
+  [[nodiscard]] std::uint64_t bytes() const;  // of all of it, in the file
 };
 
 [[nodiscard]] Result<void> write_part(const GltfPart& part, files::OutputFile& file);

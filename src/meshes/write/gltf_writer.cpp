@@ -9,6 +9,7 @@
 
 #include "meshes/write/glb_container.hpp"
 #include "meshes/write/gltf_model.hpp"
+#include "meshes/write/gltf_packed_part.hpp"
 #include "meshes/write/gltf_part.hpp"
 #include "meshes/write/mesh_format_writers.hpp"
 
@@ -17,10 +18,13 @@ namespace {
 
 class GlbWriter final : public FormatWriter {
  public:
-  GlbWriter(bool flat_normals, files::OutputFile& file) : flat_normals_(flat_normals), file_(file) {}
+  GlbWriter(const MeshWriteOptions& options, const Context& context, files::OutputFile& file)
+      : options_(options), context_(context), file_(file) {}
 
   Result<void> add(const mesh::Mesh& mesh, Notes& notes) override {
-    parts_.emplace_back(mesh, flat_normals_, notes);
+    auto part = GltfPart::make(mesh, options_, context_, notes);
+    if (!part) return tl::unexpected(std::move(part.error()));
+    parts_.push_back(std::move(*part));
     return {};
   }
 
@@ -42,6 +46,12 @@ class GlbWriter final : public FormatWriter {
     return written;
   }
 
+  [[nodiscard]] std::vector<PackedFacts> packed() const override {
+    std::vector<PackedFacts> facts;
+    for (const GltfPart& part : parts_) facts.push_back(part.packed != nullptr ? part.packed->facts : PackedFacts{});
+    return facts;
+  }
+
  private:
   [[nodiscard]] Result<void> check_length(std::uint64_t length) const {
     if (length <= std::numeric_limits<std::uint32_t>::max()) return {};
@@ -50,15 +60,17 @@ class GlbWriter final : public FormatWriter {
                 {Remedy::choose_mesh_format, "gltf or ply"});
   }
 
-  bool flat_normals_;
+  MeshWriteOptions options_;
+  Context context_;
   files::OutputFile& file_;
   std::vector<GltfPart> parts_;
 };
 
 class GltfWriter final : public FormatWriter {
  public:
-  GltfWriter(bool flat_normals, files::OutputFile& model, files::OutputFile& binary, const std::string& binary_name)
-      : flat_normals_(flat_normals), model_(model), binary_(binary) {
+  GltfWriter(const MeshWriteOptions& options, const Context& context, files::OutputFile& model,
+             files::OutputFile& binary, const std::string& binary_name)
+      : options_(options), context_(context), model_(model), binary_(binary) {
     for (const char c : binary_name) {
       const bool unreserved = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
                               std::string_view("-._~").find(c) != std::string_view::npos;  // RFC 3986, 2.3
@@ -67,9 +79,11 @@ class GltfWriter final : public FormatWriter {
   }
 
   Result<void> add(const mesh::Mesh& mesh, Notes& notes) override {
-    const GltfPart part(mesh, flat_normals_, notes);
-    model_json_.add(part);
-    return write_part(part, binary_);
+    const auto part = GltfPart::make(mesh, options_, context_, notes);
+    if (!part) return tl::unexpected(part.error());
+    packed_.push_back(part->packed != nullptr ? part->packed->facts : PackedFacts{});
+    model_json_.add(*part);
+    return write_part(*part, binary_);
   }
 
   Result<void> finish(Notes& notes) override {
@@ -77,23 +91,29 @@ class GltfWriter final : public FormatWriter {
     return model_.write(model_json_.json(uri_, kIndent, notes) + "\n");
   }
 
+  [[nodiscard]] std::vector<PackedFacts> packed() const override { return packed_; }
+
  private:
-  bool flat_normals_;
+  MeshWriteOptions options_;
+  Context context_;
   files::OutputFile& model_;
   files::OutputFile& binary_;
   std::string uri_;
   GltfModel model_json_;
+  std::vector<PackedFacts> packed_;
 };
 
 }  // namespace
 
-std::unique_ptr<FormatWriter> make_glb_writer(const MeshWriteOptions& options, files::OutputFile& file) {
-  return std::make_unique<GlbWriter>(options.flat_normals, file);
+std::unique_ptr<FormatWriter> make_glb_writer(const MeshWriteOptions& options, const Context& context,
+                                              files::OutputFile& file) {
+  return std::make_unique<GlbWriter>(options, context, file);
 }
 
-std::unique_ptr<FormatWriter> make_gltf_writer(const MeshWriteOptions& options, files::OutputFile& model,
-                                               files::OutputFile& binary, const std::string& binary_name) {
-  return std::make_unique<GltfWriter>(options.flat_normals, model, binary, binary_name);
+std::unique_ptr<FormatWriter> make_gltf_writer(const MeshWriteOptions& options, const Context& context,
+                                               files::OutputFile& model, files::OutputFile& binary,
+                                               const std::string& binary_name) {
+  return std::make_unique<GltfWriter>(options, context, model, binary, binary_name);
 }
 
 }  // namespace isoextract::meshes

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <numbers>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -57,6 +59,10 @@ inline glm::vec3 face_normal(const mesh::Mesh& mesh, const glm::uvec3& triangle)
   const glm::dvec3 normal = glm::cross(b - a, c - a);
   const double length = glm::length(normal);
   return length > 0 ? glm::vec3(normal / length) : glm::vec3(0, 0, 1);
+}
+
+inline double degrees_between(const glm::dvec3& a, const glm::dvec3& b) {
+  return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * 180 / std::numbers::pi;
 }
 
 // A mesh's name for a line of text: control characters, line ends among them, become blanks.

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/context.hpp"
 #include "base/error.hpp"
 #include "files/output_file.hpp"
 #include "mesh/mesh.hpp"
@@ -23,16 +24,23 @@ class FormatWriter {
   [[nodiscard]] virtual Result<void> add(const mesh::Mesh& mesh, Notes& notes) = 0;
   // What comes after the last mesh. Called once.
   [[nodiscard]] virtual Result<void> finish(Notes& notes) = 0;
+  // One a mesh, where they were to be packed; of one without triangles nothing is packed.
+  [[nodiscard]] virtual std::vector<PackedFacts> packed() const { return {}; }
 };
 
 // The files outlive the writer.
-[[nodiscard]] std::unique_ptr<FormatWriter> make_glb_writer(const MeshWriteOptions& options, files::OutputFile& file);
+[[nodiscard]] std::unique_ptr<FormatWriter> make_glb_writer(const MeshWriteOptions& options, const Context& context,
+                                                            files::OutputFile& file);
 
 // `binary_name` is the file name of `binary`, as the model refers to it.
-[[nodiscard]] std::unique_ptr<FormatWriter> make_gltf_writer(const MeshWriteOptions& options, files::OutputFile& model,
-                                                             files::OutputFile& binary, const std::string& binary_name);
+[[nodiscard]] std::unique_ptr<FormatWriter> make_gltf_writer(const MeshWriteOptions& options, const Context& context,
+                                                             files::OutputFile& model, files::OutputFile& binary,
+                                                             const std::string& binary_name);
 
 [[nodiscard]] std::unique_ptr<FormatWriter> make_obj_writer(const MeshWriteOptions& options, files::OutputFile& file);
+
+[[nodiscard]] std::unique_ptr<FormatWriter> make_drc_writer(const MeshWriteOptions& options, const Context& context,
+                                                            files::OutputFile& file);
 
 // Formats of one mesh a file need no state.
 [[nodiscard]] Result<void> write_ply(const mesh::Mesh& mesh, const MeshWriteOptions& options, files::OutputFile& file,

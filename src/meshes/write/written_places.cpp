@@ -107,7 +107,7 @@ Loss loss_in(const mesh::Mesh& mesh, MeshFormat format) {
     return {fmt::format("expected a place of finite coordinates, found ({}, {}, {})", mesh.origin.x, mesh.origin.y,
                         mesh.origin.z)};
   }
-  if (format == MeshFormat::stl) return loss_in<float>(mesh, "float32");
+  if (format == MeshFormat::stl || format == MeshFormat::drc) return loss_in<float>(mesh, "float32");
   const bool is_gltf = format == MeshFormat::glb || format == MeshFormat::gltf;
   if (is_gltf && largest(mesh.origin) > kLargestFloat) {
     return {

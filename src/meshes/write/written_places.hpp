@@ -1,10 +1,10 @@
 // What the numbers of a file do to a mesh that is far from the origin of its coordinates.
 //
 // A mesh without an origin of its own is written as the float32 numbers that it consists of: nothing is rounded. Of one
-// with an origin, the coordinates in the file are sums: in float32 in STL, in double in PLY and OBJ, and in double for
-// whoever reads glTF, which keeps the two apart. Rounding moves each vertex by up to half the distance of such numbers
-// there. Far enough away that is more than a triangle is wide: the surface becomes a heap of triangles that are flat,
-// turned over or at one place, although their indices still make a closed mesh.
+// with an origin, the coordinates in the file are sums: in float32 in STL and DRC, in double in PLY and OBJ, and in
+// double for whoever reads glTF, which keeps the two apart. Rounding moves each vertex by up to half the distance of
+// such numbers there. Far enough away that is more than a triangle is wide: the surface becomes a heap of triangles
+// that are flat, turned over or at one place, although their indices still make a closed mesh.
 //
 // The measure is what happens to the triangles, not how far away they are: of the vectors that stand on them, as long
 // as their area (the cross products of their sides), the sum of the changes, as a fraction of the sum of the lengths.

@@ -148,6 +148,9 @@ TEST(Manifest, OnlyWhatIsByteByByteAsItWasIsTrusted) {
   std::filesystem::last_write_time(in, time);  // of the same size and time, but not the same
   EXPECT_NE(why_again(record, batch.frames[0]).find("in1.raw has changed"), std::string::npos);
   EXPECT_EQ(why_again(record, three_frames(folder, 1).frames[0]), "its options have changed");
+  FrameRecord without_inputs = convert_frame(batch.frames[0]);
+  without_inputs.inputs.clear();  // of a file that came to be readable after the frame was begun
+  EXPECT_EQ(why_again(without_inputs, batch.frames[0]), "its inputs are not known");
 }
 
 TEST(Manifest, AnotherProgramsRecordsAreNotTrustedAndOtherFilesAreNotOverwritten) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <filesystem>
 #include <map>
 #include <mutex>
 #include <numeric>
@@ -143,6 +144,129 @@ TEST(Scheduler, AFrameThatDoesNotFitAtAllFailsAndTheOthersAreDone) {
   EXPECT_EQ(counts.done, 3U);
   EXPECT_EQ(counts.failed, 1U);
   EXPECT_FALSE(watcher.ended.at(1));
+}
+
+// Notes what it gets, and can refuse a frame.
+class Basket final : public FrameReceiver {
+ public:
+  explicit Basket(const Context& context) : context_(context) {}
+
+  Result<std::vector<meshes::PackedFacts>> take(std::size_t frame, const convert::HandedMeshes& handed) override {
+    if (frame == refused) return fail(ErrorKind::output, "refused");
+    if (frame == cancels_at) context_.cancel();
+    frames.push_back(frame);
+    for (const mesh::Mesh& surface : handed.meshes) triangles.push_back(surface.triangles.size());
+    if (held.size() < frames.size()) held.push_back(context_.memory().reserved());
+    return std::vector<meshes::PackedFacts>();
+  }
+
+  std::size_t refused = std::string::npos;
+  std::size_t cancels_at = std::string::npos;
+  std::vector<std::size_t> frames;
+  std::vector<std::size_t> triangles;
+  std::vector<std::uint64_t> held;  // by all frames together, whenever one is taken
+
+ private:
+  const Context& context_;
+};
+
+// Frames of very different sizes, large ones first, so that the order in which they are made is another one.
+BatchJob uneven(const TempFolder& folder, int count) {
+  BatchJob batch;
+  for (int i = 0; i < count; ++i) {
+    batch.frames.push_back({i, sphere_job(folder, 0, "demo:sphere?size=" + std::to_string(i % 3 == 0 ? 64 : 12))});
+  }
+  return batch;
+}
+
+TEST(Scheduler, AReceiverGetsFramesInTheirOrderAndNoFileIsWritten) {
+  const TempFolder folder;
+  BatchJob batch = uneven(folder, 12);
+  batch.frames[4].job.source.input = (folder / "none.vdb").string();
+  batch.frames[7].job.outputs.front().isos = {99};  // no surface
+  batch.frames[7].job.empty = convert::EmptyPolicy::skip;
+  std::vector<std::size_t> triangles;
+  for (const int jobs : {1, 2, 5}) {
+    const Context context;
+    Basket basket(context);
+    basket.refused = 9;
+    Watcher watcher;
+    const BatchCounts counts = run(batch, every_frame(batch), {.jobs = jobs, .threads = 2}, context, watcher, &basket);
+    EXPECT_EQ(basket.frames, (std::vector<std::size_t>{0, 1, 2, 3, 5, 6, 8, 10, 11}));
+    EXPECT_EQ(counts.done, 10U);
+    EXPECT_EQ(counts.failed, 2U);
+    EXPECT_EQ(watcher.ended.size(), 12U);
+    EXPECT_TRUE(watcher.ended.at(7));
+    EXPECT_FALSE(watcher.ended.at(9));
+    EXPECT_LE(watcher.most, jobs);
+    if (jobs == 1) triangles = basket.triangles;
+    EXPECT_EQ(basket.triangles, triangles);
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+TEST(Scheduler, FramesThatWaitForTheirTurnHoldNoMoreThanOneAJob) {
+  const TempFolder folder;
+  const BatchJob batch = spheres(folder, 40, "demo:gyroid?size=32");
+  Watcher watcher;
+  const Context one;
+  Basket measured(one);
+  ASSERT_EQ(run(batch, std::vector<std::size_t>{0}, {}, one, watcher, &measured).done, 1U);
+  const Context context;
+  Basket basket(context);
+  EXPECT_EQ(run(batch, every_frame(batch), {.jobs = 3, .threads = 2}, context, watcher, &basket).done, 40U);
+  EXPECT_LE(context.memory().peak(), 3 * one.memory().peak());
+  EXPECT_EQ(context.memory().reserved(), 0U);
+  const Context alone;
+  Basket again(alone);
+  ASSERT_EQ(run(batch, every_frame(batch), {}, alone, watcher, &again).done, 40U);
+  EXPECT_EQ(alone.memory().peak(), one.memory().peak());
+  EXPECT_EQ(std::ranges::min(again.held), std::ranges::max(again.held));
+}
+
+TEST(Scheduler, AReceiverGetsTheSameWhereMemoryIsShort) {
+  const TempFolder folder;
+  const BatchJob batch = spheres(folder, 8, "demo:gyroid?size=64");
+  Watcher alone;
+  const Context measuring;
+  Basket first(measuring);
+  ASSERT_EQ(run(batch, std::vector<std::size_t>{0}, {}, measuring, alone, &first).done, 1U);
+  const std::uint64_t one = measuring.memory().peak();
+  std::size_t repeated = 0;
+  for (const std::uint64_t limit : {one + one / 8, one + one / 2, 2 * one}) {
+    const Context tight{MemoryBudget(limit)};
+    Basket basket(tight);
+    Watcher watcher;
+    const BatchCounts counts = run(batch, every_frame(batch), {.jobs = 4, .threads = 2}, tight, watcher, &basket);
+    EXPECT_EQ(counts.done, 8U);
+    EXPECT_EQ(basket.frames, every_frame(batch));
+    EXPECT_LE(tight.memory().peak(), limit);
+    repeated += counts.repeated;
+  }
+  EXPECT_GT(repeated, 0U);
+}
+
+TEST(Scheduler, WhoWaitsForItsTurnIsWokenWhereTheBatchEnds) {
+  const TempFolder folder;
+  BatchJob batch = uneven(folder, 9);
+  Watcher watcher;
+  const Context context;
+  Basket basket(context);
+  basket.refused = 3;  // while others wait behind it
+  BatchCounts counts =
+      run(batch, every_frame(batch), {.jobs = 4, .threads = 2, .fail_fast = true}, context, watcher, &basket);
+  EXPECT_EQ(basket.frames, (std::vector<std::size_t>{0, 1, 2}));
+  EXPECT_EQ(counts.done, 3U);
+  EXPECT_EQ(counts.failed + counts.not_started, 6U);
+
+  Watcher other;
+  const Context cancelled;
+  Basket ended(cancelled);
+  ended.cancels_at = 2;
+  counts = run(batch, every_frame(batch), {.jobs = 4, .threads = 2}, cancelled, other, &ended);
+  EXPECT_EQ(ended.frames, (std::vector<std::size_t>{0, 1, 2}));
+  EXPECT_EQ(counts.done, 3U);
+  EXPECT_EQ(counts.failed + counts.not_started, 6U);
 }
 
 TEST(Scheduler, NothingStartsOnceTheEndIsAskedFor) {

@@ -31,6 +31,7 @@ ConversionJob full_job() {
   job.empty = EmptyPolicy::write;
   job.format = meshes::MeshFormat::stl;
   job.ascii = true;
+  job.packing = {meshes::Compression::draco, true, 12, true};
   job.outputs = {{"a.stl", {0.1}}, {"-", {1.0 / 3, -5}}};
   return job;
 }

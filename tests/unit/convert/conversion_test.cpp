@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <new>
 #include <set>
 #include <string>
@@ -98,6 +99,65 @@ TEST_F(ConversionTest, TellsItsStagesInOrderAndRecordsThem) {
   ASSERT_EQ(outcome.files.size(), 1U);
   EXPECT_EQ(outcome.files[0].bytes, fs::file_size(folder_ / "a.ply"));
   EXPECT_EQ(outcome.backend, "cpu");
+}
+
+// Notes what it gets in place of a file.
+class Handed final : public MeshSink {
+ public:
+  Result<void> take(HandedMeshes handed) override {
+    if (fails) return fail(ErrorKind::output, "the sink is full");
+    paths.push_back(handed.output.path);
+    EXPECT_EQ(handed.isos.size(), handed.meshes.size());
+    for (const mesh::Mesh& surface : handed.meshes) {
+      names.push_back(surface.name);
+      triangles.push_back(surface.triangles.size());
+    }
+    return {};
+  }
+
+  bool fails = false;
+  std::vector<std::string> paths;
+  std::vector<std::string> names;
+  std::vector<std::size_t> triangles;
+};
+
+TEST_F(ConversionTest, ASinkGetsTheMeshesInPlaceOfFiles) {
+  const ConversionJob wanted = several(meshes::MeshFormat::glb, {0.1, 9, 0.3});
+  ConversionJob skipping = wanted;
+  skipping.empty = EmptyPolicy::skip;
+  const Outcome written = run(skipping);
+  ASSERT_TRUE(written.done()) << written.error->message;
+  std::ofstream(folder_ / "several") << "old";
+
+  Handed sink;
+  Outcome outcome = convert::run(skipping, Context(), log_, {true}, nullptr, &sink);
+  ASSERT_TRUE(outcome.done()) << outcome.error->message;
+  EXPECT_EQ(sink.paths, std::vector<std::string>{wanted.outputs[0].path});
+  EXPECT_EQ(sink.names, (std::vector<std::string>{"gyroid iso 0.1", "gyroid iso 0.3"}));
+  EXPECT_EQ(sink.triangles, (std::vector<std::size_t>{written.meshes[0].triangles, written.meshes[1].triangles}));
+  EXPECT_EQ(outcome.meshes.size(), 2U);
+  EXPECT_TRUE(outcome.files.empty());
+  EXPECT_EQ(test::read_bytes(folder_ / "several"), "old");
+
+  skipping.outputs[0].isos = {9};  // nothing to hand over, and the file of that name is not this conversion's
+  sink = {};
+  outcome = convert::run(skipping, Context(), log_, {}, nullptr, &sink);
+  EXPECT_TRUE(outcome.done());
+  EXPECT_TRUE(sink.paths.empty());
+  ASSERT_EQ(outcome.notes.size(), 1U);
+  EXPECT_NE(outcome.notes[0].find("several is without it"), std::string::npos) << outcome.notes[0];
+  EXPECT_EQ(test::read_bytes(folder_ / "several"), "old");
+
+  skipping.empty = EmptyPolicy::write;
+  EXPECT_TRUE(convert::run(skipping, Context(), log_, {}, nullptr, &sink).done());
+  EXPECT_EQ(sink.triangles, std::vector<std::size_t>{0});
+  skipping.empty = EmptyPolicy::error;
+  EXPECT_EQ(convert::run(skipping, Context(), log_, {}, nullptr, &sink).error->reason, Reason::no_surface);
+  sink.fails = true;
+  EXPECT_EQ(convert::run(wanted, Context(), log_, {}, nullptr, &sink).error->kind,
+            ErrorKind::input);  // before it is asked
+  skipping.outputs[0].isos = {0.1};
+  EXPECT_EQ(convert::run(skipping, Context(), log_, {}, nullptr, &sink).error->message, "the sink is full");
 }
 
 TEST_F(ConversionTest, AnErrorIsAValueAndLeavesNoFile) {

@@ -107,7 +107,8 @@ inline Result<void> capture_sites(
   }
   const std::size_t words = sites.kind.normals == gpu::CapturedNormals::none ? 4 : 7;
   const std::size_t known_messages = context.debug_messages().size();
-  gpu::CellCapture capture(context, sites.kind.pipeline, words, feedback_bytes);
+  gpu::CaptureBuffers buffers = gpu::CaptureBuffers::make();
+  gpu::CellCapture capture(context, buffers, sites.kind.pipeline, words, feedback_bytes);
   while (true) {
     const auto ready = source.advance();
     if (!ready) return tl::unexpected(ready.error());

@@ -2,6 +2,7 @@
 
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <cmath>
 #include <ctime>
 #include <limits>
@@ -417,6 +418,64 @@ TEST_F(Animation, EndsWhenAskedTo) {
   EXPECT_EQ(added.error().kind, ErrorKind::cancelled);
   EXPECT_FALSE(writer.finish());
   EXPECT_TRUE(folder_.names().empty());
+}
+
+TEST_F(Animation, PackedFramesAreWhatPackedFilesAre) {
+  MeshPacking draco;
+  draco.compression = Compression::draco;
+  MeshPacking meshopt;
+  meshopt.compression = Compression::meshopt;
+  meshopt.quantize = meshopt.optimize_order = true;
+  const mesh::Mesh ball = sphere(16, true);
+  for (MeshPacking packing : {draco, meshopt}) {
+    packing.box = mesh::Bounds{glm::dvec3(-2), glm::dvec3(2)};
+    const auto alone =
+        must_write(std::span(&ball, 1), folder_ / "single.glb", {MeshFormat::glb, false, false, packing});
+    AnimationWriter writer = this->writer();
+    const mesh::Mesh other = sphere(8, true);
+    const mesh::Mesh flat = triangle();
+    ASSERT_TRUE(writer.add(name_of(1), 1, std::span(&ball, 1), packing));
+    ASSERT_EQ(writer.packed().size(), 1U);
+    EXPECT_EQ(writer.packed()[0].positions->step, alone.packed[0].positions->step);
+    EXPECT_EQ(writer.packed()[0].bytes_after, alone.packed[0].bytes_after);
+    ASSERT_TRUE(writer.add(name_of(2), 2, std::span(&other, 1), packing));
+    ASSERT_TRUE(writer.add(name_of(3), 3, flat));
+    EXPECT_TRUE(writer.packed().empty());
+    ASSERT_TRUE(writer.add(name_of(4), 4, std::span(&ball, 1), packing));
+    must_finish(writer);
+    const PlayedGlb played(path_);
+    for (int frame = 1; frame <= 4; ++frame) EXPECT_EQ(played.seen_at((frame - 0.5) / 24), Names{name_of(frame)});
+    const auto single = read_mesh(folder_ / "single.glb");
+    const auto first = read_mesh(path_);
+    ASSERT_TRUE(single && first) << first.error().message;
+    EXPECT_TRUE(std::ranges::equal(first->mesh.positions.span(), single->mesh.positions.span()));
+    EXPECT_TRUE(std::ranges::equal(first->mesh.triangles.span(), single->mesh.triangles.span()));
+    EXPECT_EQ(first->mesh.origin, single->mesh.origin);
+    const auto& model = played.model();
+    EXPECT_EQ(model["extensionsRequired"].size(), packing.quantize ? 2U : 1U) << model["extensionsRequired"];
+    ASSERT_EQ(model["buffers"].size(), packing.quantize ? 2U : 1U);
+    // Scales of their own are not those that the animation changes.
+    EXPECT_EQ(model["nodes"].size(), packing.quantize ? 7U : 4U);
+  }
+}
+
+TEST_F(Animation, QuantisedPositionsNeedABoxThatHoldsThem) {
+  AnimationWriter writer = this->writer();
+  MeshPacking packing;
+  packing.quantize = true;
+  const mesh::Mesh ball = sphere(8, true);
+  const auto boxless = writer.add(name_of(1), 1, std::span(&ball, 1), packing);
+  ASSERT_FALSE(boxless);
+  EXPECT_EQ(boxless.error().kind, ErrorKind::usage);
+  packing.box = mesh::Bounds{glm::dvec3(5), glm::dvec3(7)};
+  const auto outside = writer.add(name_of(1), 1, std::span(&ball, 1), packing);
+  ASSERT_FALSE(outside);
+  EXPECT_EQ(outside.error().kind, ErrorKind::output);
+  EXPECT_NE(outside.error().message.find("water.glb: expected vertices in the quantisation box"), std::string::npos)
+      << outside.error().message;
+  must_add(writer, 2);
+  must_finish(writer);
+  EXPECT_EQ(PlayedGlb(path_).seen_at(0), Names{name_of(2)}) << "as if the others had not come";
 }
 
 TEST_F(Animation, IsReadAsItsFirstFrame) {

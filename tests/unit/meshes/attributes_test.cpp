@@ -173,7 +173,7 @@ TEST_F(AttributeTest, WhatAFormatCannotHoldIsToldOf) {
        {Form{"a.obj", {MeshFormat::obj, false, false}}, Form{"a.stl", {MeshFormat::stl, false, false}}}) {
     const auto written = write(copy(mesh), form);
     ASSERT_EQ(written.notes.size(), 1U);
-    EXPECT_NE(written.notes[0].find("'wide', 'nan', 'fraction' were left out; glb, gltf, ply keep them"),
+    EXPECT_NE(written.notes[0].find("'wide', 'nan', 'fraction' were left out; glb, gltf, ply, drc keep them"),
               std::string::npos)
         << written.notes[0];
     EXPECT_TRUE(read(form.name).mesh.attributes.empty());
@@ -283,7 +283,7 @@ TEST_F(GltfAttributeTest, DamagedGltf) {
   damaged(R"("_A":1)", R"({"bufferView":0,"componentType":5121,"count":2,"type":"SCALAR"})",
           "expected 3 values as '_A', one a vertex, found 2");
   damaged(R"("_A":1)", R"({"bufferView":0,"componentType":5121,"byteOffset":62,"count":3,"type":"SCALAR"})",
-          "expected 3 values within a buffer of 64 bytes");
+          "expected 3 values within a view of 64 bytes");
   damaged(R"("_A":1)", R"({"bufferView":0,"componentType":5124,"count":3,"type":"SCALAR"})",
           "expected a component type");
   damaged(R"("_A":7)", kBytes, "expected fewer than 2 as an index into 'accessors'");

@@ -1,0 +1,102 @@
+#include "batch/animation.hpp"
+
+#include <filesystem>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "batch/frame_pattern.hpp"
+#include "convert/output_checks.hpp"
+#include "files/content_hash.hpp"
+#include "files/output_file.hpp"
+
+namespace isoextract::batch {
+namespace {
+
+constexpr int kNodeDigits = 4;
+
+// Records of an animation go by other names than those of jobs, which write files of their own.
+std::string key_of(const BatchJob& batch) { return files::content_hash("animation " + hash_of(batch)); }
+
+std::string key_of(const std::string& animation, const FrameJob& frame) {
+  return files::content_hash(fmt::format("{} frame {}", animation, frame.number));
+}
+
+meshes::MeshWriteOptions write_options(const BatchJob& batch) {
+  const convert::ConversionJob& job = batch.frames.front().job;
+  return {job.format, job.normals == convert::Normals::flat, job.ascii, {}};
+}
+
+}  // namespace
+
+Animation::Animation(const BatchJob& batch, const Context& context, std::uint64_t largest_file)
+    : batch_(batch),
+      writer_(batch.animation->path, write_options(batch), batch.animation->frames_per_second, batch.frames.size(),
+              context, largest_file) {}
+
+Result<void> Animation::check() const {
+  if (auto usable = writer_.check(); !usable) return usable;
+  return convert::check_output_file(batch_.animation->path, batch_.frames.front().job.source.input);
+}
+
+Result<std::vector<meshes::PackedFacts>> Animation::take(std::size_t frame, const convert::HandedMeshes& handed) {
+  const std::int64_t number = batch_.frames[frame].number;
+  const std::string stem = std::filesystem::path(batch_.animation->path).stem().string();
+  auto added =
+      writer_.add(fmt::format("{}_{}", stem, frame_digits(number, kNodeDigits)), number, handed.meshes, handed.packing);
+  if (!added && writer_.has_failed()) {
+    const std::lock_guard lock(mutex_);
+    lost_ = added.error();
+  }
+  if (!added) return tl::unexpected(std::move(added.error()));
+  is_empty_ = false;
+  const auto packed = writer_.packed();
+  return std::vector(packed.begin(), packed.end());
+}
+
+std::optional<Error> Animation::lost() const {
+  const std::lock_guard lock(mutex_);
+  return lost_;
+}
+
+Result<meshes::MeshWriteResult> Animation::finish() {
+  if (!is_empty_) return writer_.finish();
+  const auto removed = files::remove_old_file(batch_.animation->path);
+  if (!removed) return tl::unexpected(removed.error());
+  return meshes::MeshWriteResult{{},
+                                 {fmt::format("no frame has a surface; {} was not written{}", batch_.animation->path,
+                                              *removed ? "; the old one was removed" : "")},
+                                 {}};
+}
+
+Result<void> keep_animation(Manifest& manifest, const BatchJob& batch, std::vector<FrameRecord> frames,
+                            const meshes::MeshWriteResult& written) {
+  const std::string key = key_of(batch);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    frames[i].job = key_of(key, batch.frames[i]);
+    if (auto added = manifest.add(frames[i]); !added) return added;
+  }
+  // Last: without it the others stand for nothing.
+  convert::Outcome whole;
+  whole.files = written.files;
+  auto record = record_of(batch.frames.front(), {}, whole);
+  if (!record) return tl::unexpected(std::move(record.error()));
+  record->job = key;
+  return manifest.add(*record);
+}
+
+std::optional<std::vector<FrameRecord>> kept_animation(const Manifest& manifest, const BatchJob& batch) {
+  const std::string key = key_of(batch);
+  const FrameRecord* const whole = manifest.find(key);
+  if (whole == nullptr || !what_changed(*whole).empty()) return std::nullopt;
+  std::vector<FrameRecord> frames;
+  for (const FrameJob& frame : batch.frames) {
+    const FrameRecord* const record = manifest.find(key_of(key, frame));
+    if (record == nullptr || !knows_inputs(*record, frame) || !what_changed(*record).empty()) return std::nullopt;
+    frames.push_back(*record);
+    frames.back().outputs = whole->outputs;
+  }
+  return frames;
+}
+
+}  // namespace isoextract::batch

@@ -1,0 +1,47 @@
+#include "batch/detail/frame_queue.hpp"
+
+namespace isoextract::batch {
+
+std::optional<std::size_t> FrameQueue::next() const {
+  const bool repeats = !again_.empty() && (in_order_ || fresh_ == count_);
+  if (!repeats && fresh_ == count_) return std::nullopt;
+  const std::size_t place = repeats ? *again_.begin() : fresh_;
+  // One that runs alone is the only one that runs.
+  const bool waits = is_alone(place) || (running_.size() == 1 && is_alone(*running_.begin()));
+  return waits && !running_.empty() ? std::nullopt : std::optional(place);
+}
+
+void FrameQueue::start(std::size_t place) {
+  if (place == fresh_) {
+    ++fresh_;
+  } else {
+    again_.erase(place);
+  }
+  running_.insert(place);
+}
+
+void FrameQueue::end(std::size_t place) {
+  running_.erase(place);
+  alone_.erase(place);
+  turned_away_.erase(place);
+}
+
+void FrameQueue::run_again_alone(std::size_t place) {
+  run_again(place);
+  alone_.insert(place);
+  if (in_order_) turned_away_.insert(running_.upper_bound(place), running_.end());
+}
+
+void FrameQueue::run_again(std::size_t place) {
+  running_.erase(place);
+  turned_away_.erase(place);
+  again_.insert(place);
+}
+
+FrameQueue::Turn FrameQueue::turn(std::size_t place) const {
+  if (turned_away_.contains(place)) return Turn::turned_away;
+  // What is to be run again before it would have turned it away.
+  return *running_.begin() == place ? Turn::now : Turn::later;
+}
+
+}  // namespace isoextract::batch

@@ -1,0 +1,198 @@
+#include "cli/config_file.hpp"
+
+#include <algorithm>
+#include <span>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <toml++/toml.h>
+
+#include "base/printable.hpp"
+#include "cli/command_line.hpp"
+#include "files/file_bytes.hpp"
+
+namespace isoextract::cli {
+namespace {
+
+constexpr std::string_view kInputKey = "input";
+
+// An option as words of the command line; of one that is false none.
+struct ConfigOption {
+  const CLI::Option* option = nullptr;
+  std::vector<std::string> words;
+};
+
+struct ConfigFile {
+  std::vector<std::string> inputs;
+  std::vector<ConfigOption> options;
+};
+
+class ConfigReader {
+ public:
+  ConfigReader(const std::string& path, const CLI::App& command) : path_(path), command_(command) {}
+
+  Result<ConfigFile> read() {
+    const auto text = content();
+    if (!text) return tl::unexpected(text.error());
+    try {
+      for (const auto& [key, node] : toml::parse(std::string_view(*text), std::string_view(path_))) {
+        if (auto taken = take(std::string(key.str()), node); !taken) return tl::unexpected(taken.error());
+      }
+    } catch (const toml::parse_error& error) {
+      return fail(ErrorKind::usage, fmt::format("{}:{}: {}", printable(path_), error.source().begin.line,
+                                                printable(error.description())));
+    }
+    return std::move(file_);
+  }
+
+ private:
+  [[nodiscard]] tl::unexpected<Error> bad(const toml::node& node, const std::string& what, Hint hint = {}) const {
+    return fail(ErrorKind::usage, fmt::format("{}:{}: {}", printable(path_), node.source().begin.line, what),
+                std::move(hint));
+  }
+
+  [[nodiscard]] Result<std::string> content() const {
+    const auto file = files::InputFile::open(path_);
+    if (!file) return tl::unexpected(file.error());
+    std::string text(file->size(), '\0');
+    auto read = file->read_at(0, std::as_writable_bytes(std::span(text)));
+    return read ? Result<std::string>(std::move(text)) : tl::unexpected(read.error());
+  }
+
+  Result<void> take(const std::string& key, const toml::node& node) {
+    if (key == kInputKey) {
+      auto inputs = texts_of(key, node);
+      if (!inputs) return tl::unexpected(inputs.error());
+      file_.inputs = std::move(*inputs);
+      return {};
+    }
+    const CLI::Option* const option = key.empty() ? nullptr : command_.get_option_no_throw("--" + key);
+    if (option == nullptr || !may_stand_in_file(*option)) return unknown(key, node);
+    auto words = words_of_value(key, *option, node);
+    if (!words) return tl::unexpected(words.error());
+    file_.options.push_back({option, std::move(*words)});
+    return {};
+  }
+
+  [[nodiscard]] bool may_stand_in_file(const CLI::Option& option) const {
+    return &option != command_.get_help_ptr() && &option != command_.get_option_no_throw("--config");
+  }
+
+  [[nodiscard]] tl::unexpected<Error> unknown(const std::string& key, const toml::node& node) const {
+    std::vector<std::string> known{std::string(kInputKey)};
+    for (const CLI::Option* option : command_.get_options()) {
+      if (!may_stand_in_file(*option)) continue;
+      known.insert(known.end(), option->get_lnames().begin(), option->get_lnames().end());
+    }
+    const std::string near = nearest_name(key, known);
+    return bad(node, fmt::format("unknown key '{}'", printable(key)),
+               near.empty() ? "keys are the long names of the options of convert, and input"
+                            : fmt::format("did you mean '{}'?", near));
+  }
+
+  Result<std::vector<std::string>> words_of_value(const std::string& key, const CLI::Option& option,
+                                                  const toml::node& node) const {
+    const std::string name = "--" + key;
+    if (const auto is_on = node.value_exact<bool>(); is_on && (!takes_value(option) || value_is_optional(option))) {
+      if (!*is_on) return std::vector<std::string>();
+      return std::vector<std::string>{takes_value(option) ? fmt::format("{}={}", name, choices(option).front()) : name};
+    }
+    if (!takes_value(option)) return bad(node, fmt::format("{}: expected true or false, found {}", key, kind_of(node)));
+    auto texts = texts_of(key, node);
+    if (!texts) return tl::unexpected(texts.error());
+    const bool is_repeatable = option.get_items_expected_max() > 1;
+    if (!is_repeatable && node.is_array()) {
+      if (option.get_type_name().find(',') == std::string::npos) {
+        return bad(node, fmt::format("{}: expected one value, found a list of {}", key, texts->size()));
+      }
+      *texts = {fmt::format("{}", fmt::join(*texts, ","))};
+    }
+    for (std::string& text : *texts) text = fmt::format("{}={}", name, text);
+    return texts;
+  }
+
+  // Of a value, or of each of a list.
+  Result<std::vector<std::string>> texts_of(const std::string& key, const toml::node& node) const {
+    std::vector<std::string> texts;
+    const auto add = [&](const toml::node& value) {
+      if (const auto* text = value.as_string()) {
+        texts.push_back(text->get());
+      } else if (const auto* whole = value.as_integer()) {
+        texts.push_back(fmt::format("{}", whole->get()));
+      } else if (const auto* number = value.as_floating_point()) {
+        texts.push_back(fmt::format("{}", number->get()));
+      } else {
+        return false;
+      }
+      return true;
+    };
+    const toml::node* wrong = nullptr;
+    if (const auto* list = node.as_array()) {
+      for (const toml::node& value : *list) {
+        if (wrong == nullptr && !add(value)) wrong = &value;
+      }
+    } else if (!add(node)) {
+      wrong = &node;
+    }
+    if (wrong == nullptr) return texts;
+    return bad(*wrong, fmt::format("{}: expected a text, a number or a list of them, found {}", key, kind_of(*wrong)));
+  }
+
+  static std::string_view kind_of(const toml::node& node) {
+    if (node.is_table()) return "a table";
+    if (node.is_array()) return "a list";
+    if (node.is_boolean()) return "true or false";
+    if (node.is_string()) return "a text";
+    return node.is_number() ? "a number" : "a date or time";
+  }
+
+  const std::string& path_;
+  const CLI::App& command_;
+  ConfigFile file_;
+};
+
+void append(std::vector<std::string>& words, const std::vector<std::string>& more) {
+  words.insert(words.end(), more.begin(), more.end());
+}
+
+}  // namespace
+
+Result<ConfiguredLine> with_config(const CommandLine& line, const std::vector<std::string>& arguments) {
+  const std::string& path = *line.convert_flags.config;
+  if (files::is_standard_input(path)) return fail(ErrorKind::usage, "--config needs the name of a file, found '-'");
+  const auto file = ConfigReader(path, *line.convert).read();
+  if (!file) return tl::unexpected(file.error());
+  const std::string& command = line.convert->get_name();
+  std::vector<std::string> all{command};  // that the file has
+  std::vector<std::string> words{command};
+  for (const ConfigOption& option : file->options) {
+    append(all, option.words);
+    if (option.option->count() == 0) append(words, option.words);
+  }
+  // By themselves, so that what is wrong with them is said of the file.
+  if (auto checked = parse_command_line(*declare_command_line(), all); !checked) {
+    Error error = std::move(checked.error());
+    error.message = fmt::format("{}: {}", printable(path), error.message);
+    return tl::unexpected(std::move(error));
+  }
+
+  const std::ptrdiff_t named = arguments.front() == command ? 1 : 0;
+  const std::vector<std::string> given(arguments.begin() + named, arguments.end());
+  ConfiguredLine configured{declare_command_line(), {words.begin() + 1 - named, words.end()}};
+  append(words, given);
+  if (auto parsed = parse_command_line(*configured.line, words); !parsed) {
+    return tl::unexpected(std::move(parsed.error()));
+  }
+  // Not as words: they may look like options.
+  std::vector<std::string>& inputs = configured.line->convert_flags.input.inputs;
+  if (inputs.empty()) {
+    inputs = file->inputs;
+    append(configured.arguments, inputs);
+  }
+  append(configured.arguments, given);
+  return configured;
+}
+
+}  // namespace isoextract::cli

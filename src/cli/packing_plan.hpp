@@ -1,0 +1,12 @@
+// How meshes are packed into their files: what the options of it make together.
+#pragma once
+
+#include "base/error.hpp"
+#include "cli/options.hpp"
+#include "convert/conversion_job.hpp"
+
+namespace isoextract::cli {
+
+[[nodiscard]] Result<convert::PackingOptions> plan_packing(const ConvertFlags& flags, meshes::MeshFormat format);
+
+}  // namespace isoextract::cli

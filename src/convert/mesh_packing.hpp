@@ -1,0 +1,29 @@
+// The packing of meshes: what the field gives to it, and what it did, in voxels too.
+#pragma once
+
+#include <string>
+
+#include "convert/conversion_job.hpp"
+#include "field/affine.hpp"
+#include "meshes/mesh_packing.hpp"
+
+namespace isoextract::convert {
+
+struct Source;
+
+// Of a mesh that was packed into its file.
+struct MeshPackingRecord {
+  double iso = 0;
+  std::string file;
+  PackingOptions asked;
+  double voxel = 0;  // the shortest side of one, in the mesh's units
+  meshes::PackedFacts facts;
+};
+
+// The box is that of the whole volume, whatever region is extracted, so that regions of one volume meet.
+[[nodiscard]] meshes::MeshPacking mesh_packing(const PackingOptions& options, const Source& source);
+
+// The shortest side of a voxel that `output_from_index` places.
+[[nodiscard]] double shortest_voxel_side(const field::Affine& output_from_index);
+
+}  // namespace isoextract::convert

@@ -1,0 +1,32 @@
+// Who takes the meshes of a conversion where they are not written to its files.
+#pragma once
+
+#include <vector>
+
+#include "base/error.hpp"
+#include "convert/conversion_job.hpp"
+#include "mesh/mesh.hpp"
+#include "meshes/mesh_packing.hpp"
+
+namespace isoextract::convert {
+
+// The surfaces of one output: at least one, in the order of its iso values, as they would be written: placed,
+// simplified, verified. Those that EmptyPolicy::skip leaves out are not among them; where it leaves out all of them the
+// output is passed over, and no old file is removed. Where there are several iso values, each mesh is named after its
+// own. The meshes keep what they have reserved.
+struct HandedMeshes {
+  OutputFileJob output;
+  std::vector<double> isos;  // one a mesh
+  std::vector<mesh::Mesh> meshes;
+  meshes::MeshPacking packing;  // how they are to be packed
+};
+
+class MeshSink {
+ public:
+  virtual ~MeshSink() = default;
+
+  // Told on the thread of the conversion, which fails as this does.
+  [[nodiscard]] virtual Result<void> take(HandedMeshes handed) = 0;
+};
+
+}  // namespace isoextract::convert
