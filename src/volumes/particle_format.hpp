@@ -14,9 +14,9 @@ namespace isoextract::volumes {
 
 // What is to be read, as plain values.
 struct ParticleReadOptions {
-  std::optional<std::string> format;  // the id of one; default: by content, then by extension
-  std::optional<std::int64_t> frame;  // of a file with several, such as time steps; counted from 0
-  bool all_attributes = false;        // every one that is made of numbers; otherwise those that are named here,
+  std::optional<std::string> format;    // the id of one; default: by content, then by extension
+  std::optional<std::int64_t> frame;    // of a file with several, such as time steps; counted from 0
+  bool all_attributes = false;          // every one that is made of numbers; otherwise those that are named here,
   std::vector<std::string> attributes;  // by ParticleQuantity::name, or the name of a column of a table
   // Which columns are x, y and z: names of columns, or their numbers, counted from 1. For formats with has_columns.
   std::optional<std::array<std::string, 3>> columns;
@@ -46,8 +46,8 @@ struct ParticleQuantity {
 
 // What is in a file, or in one frame of it.
 struct ParticleInfo {
-  std::string format;        // the id of one
-  std::uint64_t frames = 1;  // in the file; ParticleReadOptions::frame chooses one
+  std::string format;                        // the id of one
+  std::uint64_t frames = 1;                  // in the file; ParticleReadOptions::frame chooses one
   std::uint64_t particles = 0;               // in the chosen frame, in the first one where none is chosen
   std::string frame_name;                    // what the file calls that frame: "time step 1000"; may be empty
   std::vector<ParticleQuantity> quantities;  // without the position

@@ -35,7 +35,8 @@ Result<std::size_t> GzipStream::inflate(std::span<std::byte> out) {
   // zlib starts its text with its own name of the file: "<fd:5>: ".
   std::string_view text = ::gzerror(gzip_.get(), &code);
   if (const std::size_t colon = text.find(": "); colon != std::string_view::npos) text.remove_prefix(colon + 2);
-  if (::gzdirect(gzip_.get()) != 0) return fail(ErrorKind::input, file.name() + ": expected gzip data, found other bytes");
+  if (::gzdirect(gzip_.get()) != 0)
+    return fail(ErrorKind::input, file.name() + ": expected gzip data, found other bytes");
   if (got < 0 || (code != Z_OK && code != Z_STREAM_END)) {
     return fail(ErrorKind::input, fmt::format("{}: the gzip data is damaged or cut off: {}", file.name(), text));
   }
