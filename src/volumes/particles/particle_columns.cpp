@@ -26,11 +26,16 @@ std::string column_list(const ParticleTable& table) {
   return list;
 }
 
-std::string attribute_list(const ParticleTable& table) {
+bool is_position(const ColumnGroup& group, const std::array<std::size_t, 3>& position) {
+  return std::ranges::all_of(group.columns,
+                             [&](std::size_t column) { return std::ranges::count(position, column) > 0; });
+}
+
+std::string attribute_list(const ParticleTable& table, const std::array<std::size_t, 3>& position) {
   std::string list;
   std::size_t named = 0;
   for (const ColumnGroup& group : table.groups) {
-    if (!table.columns[group.columns.front()].numeric) continue;
+    if (!table.columns[group.columns.front()].numeric || is_position(group, position)) continue;
     if (++named > kMostNamed) return list + ", ...";
     list += fmt::format("{}{}", named == 1 ? "" : ", ", printable(group.name, 80));
   }
@@ -92,13 +97,14 @@ std::array<std::size_t, 3> find_position(const ParticleTable& table, const Parti
   return position;
 }
 
-ColumnGroup named_attribute(const ParticleTable& table, const std::string& name) {
+ColumnGroup named_attribute(const ParticleTable& table, const std::array<std::size_t, 3>& position,
+                            const std::string& name) {
   for (const ColumnGroup& group : table.groups) {
     if (group.name == name) return group;
   }
   if (const auto column = find_column(table, name)) return {name, {*column}};
   throw DamagedParticles(fmt::format("there is no attribute '{}'", printable(name, 80)),
-                         "it has: " + attribute_list(table));
+                         "it has: " + attribute_list(table, position));
 }
 
 // "vx" -> "v" and 0; "Points:2" -> "Points" and 2. An empty stem is one of x, y and z alone.
@@ -203,8 +209,7 @@ ColumnChoice choose_columns(const ParticleTable& table, const ParticleReadOption
   if (columns[x].unit == columns[y].unit && columns[y].unit == columns[z].unit) choice.length_unit = columns[x].unit;
   if (options.all_attributes) {
     for (const ColumnGroup& group : table.groups) {
-      const auto is_position = [&](std::size_t column) { return std::ranges::count(choice.position, column) > 0; };
-      if (std::ranges::all_of(group.columns, is_position)) continue;
+      if (is_position(group, choice.position)) continue;
       if (columns[group.columns.front()].numeric) {
         choice.attributes.push_back(group);
       } else {
@@ -213,11 +218,11 @@ ColumnChoice choose_columns(const ParticleTable& table, const ParticleReadOption
     }
   }
   for (const std::string& name : options.attributes) {
-    ColumnGroup attribute = named_attribute(table, name);
+    ColumnGroup attribute = named_attribute(table, choice.position, name);
     if (!columns[attribute.columns.front()].numeric) {
       throw DamagedParticles(fmt::format("expected numbers as '{}', found {}", printable(name, 80),
                                          columns[attribute.columns.front()].type),
-                             "attributes of numbers are: " + attribute_list(table));
+                             "attributes of numbers are: " + attribute_list(table, choice.position));
     }
     if (std::ranges::count(choice.attributes, attribute.name, &ColumnGroup::name) > 0) continue;
     choice.attributes.push_back(std::move(attribute));
@@ -237,10 +242,7 @@ void describe_table(const ParticleTable& table, const ParticleReadOptions& optio
     info.notes.emplace_back(why.what());
   }
   for (const ColumnGroup& group : table.groups) {
-    const auto is_position = [&](std::size_t column) {
-      return choice && std::ranges::count(choice->position, column) > 0;
-    };
-    if (std::ranges::all_of(group.columns, is_position)) continue;
+    if (choice && is_position(group, choice->position)) continue;
     const ParticleColumn& first = table.columns[group.columns.front()];
     info.quantities.push_back({group.name, first.type, first.unit, group.columns.size(), first.numeric});
   }

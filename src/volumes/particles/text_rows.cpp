@@ -1,6 +1,7 @@
 #include "volumes/particles/text_rows.hpp"
 
 #include <charconv>
+#include <cmath>
 #include <limits>
 
 #include <fmt/format.h>
@@ -38,12 +39,17 @@ std::optional<double> number_in(std::string_view word) {
   if (end != last) return std::nullopt;
   if (status == std::errc{}) return value;
   if (status != std::errc::result_out_of_range) return std::nullopt;
-  // The wider type tells on which side of double's range it is.
+  // A wider type tells on which side of double's range it is, and beyond that the exponent.
   long double wide = 0;
-  if (std::from_chars(word.data(), last, wide).ec != std::errc{}) return std::nullopt;
-  const long double size = wide < 0 ? -wide : wide;
-  const double magnitude = size > 1 ? std::numeric_limits<double>::infinity() : static_cast<double>(size);
-  return wide < 0 ? -magnitude : magnitude;
+  if (std::from_chars(word.data(), last, wide).ec != std::errc{}) {
+    const std::size_t exponent = word.find_first_of("eE");
+    if (exponent == std::string_view::npos) return std::nullopt;
+    wide = word.substr(exponent).find('-') != std::string_view::npos ? 0 : std::numeric_limits<long double>::infinity();
+    if (word.starts_with('-')) wide = -wide;
+  }
+  const bool is_small = wide > -1 && wide < 1;
+  const double size = is_small ? 0 : std::numeric_limits<double>::infinity();
+  return std::signbit(wide) ? -size : size;
 }
 
 std::optional<std::uint64_t> whole_number_in(std::string_view word) {
