@@ -17,10 +17,12 @@ namespace {
 
 constexpr char kWords = ' ';  // fields are words
 
+bool is_space(char c) { return c == ' ' || c == '\t'; }
+
 std::string_view trimmed(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(" \t");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
+  while (!text.empty() && is_space(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_space(text.back())) text.remove_suffix(1);
+  return text;
 }
 
 bool is_blank(std::string_view line) { return trimmed(line).empty(); }
@@ -60,7 +62,7 @@ class FieldSplitter {
         line.remove_prefix(1);
         continue;
       }
-      const std::size_t end = line.find_first_of(delimiter_ == kWords ? " \t" : std::string_view(&delimiter_, 1));
+      const std::size_t end = delimiter_ == kWords ? line.find_first_of(" \t") : line.find(delimiter_);
       fields.push_back(trimmed(line.substr(0, end)));
       if (end == std::string_view::npos) return true;
       line.remove_prefix(end + 1);
