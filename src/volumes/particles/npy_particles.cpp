@@ -148,11 +148,12 @@ void read_npy_columns(ContentReader& content, const NpyParticleFile& npy, std::s
     one.fields[column] = npy.layout.fields[column];
     one.fields[column].offset = 0;
     one.bytes = number_size(one.fields[column].type);
-    const auto of_column = std::ranges::equal_range(sinks, column, {}, &ColumnSink::column);
-    if (of_column.empty()) {
+    const auto first = std::ranges::lower_bound(sinks, column, {}, &ColumnSink::column);
+    const auto last = std::ranges::upper_bound(sinks, column, {}, &ColumnSink::column);
+    if (first == last) {
       content.skip(npy.particles * one.bytes, "a column");
     } else {
-      read_records(content, one, npy.particles, {of_column.begin(), of_column.end()});
+      read_records(content, one, npy.particles, {first, last});
     }
   }
 }
