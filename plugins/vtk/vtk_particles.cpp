@@ -18,6 +18,7 @@
 #include <vtkCellType.h>
 #include <vtkDataArray.h>
 #include <vtkGenericDataObjectReader.h>
+#include <vtkLogger.h>
 #include <vtkOutputWindow.h>
 #include <vtkPointData.h>
 #include <vtkPointSet.h>
@@ -50,7 +51,10 @@ class SilentWindow : public vtkOutputWindow {
 
 void silence_vtk() {
   static std::once_flag once;
-  std::call_once(once, [] { vtkOutputWindow::SetInstance(vtkSmartPointer<SilentWindow>::New()); });
+  std::call_once(once, [] {
+    vtkOutputWindow::SetInstance(vtkSmartPointer<SilentWindow>::New());
+    vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
+  });
 }
 
 struct Problem : std::exception {
