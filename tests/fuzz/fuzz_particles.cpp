@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <string>
+#include <vector>
 
 #include "support/temp_folder.hpp"
 #include "volumes/particle_reader.hpp"
@@ -27,7 +28,11 @@ volumes::ParticleReadOptions options_of(const volumes::ParticleFormatDescription
 void read_one(const std::uint8_t* data, std::size_t size) {
   if (size < 3) return;
   static const test::TempFolder folder;
-  static const std::vector<volumes::ParticleFormatDescription> formats = volumes::particle_format_descriptions();
+  static const std::vector<volumes::ParticleFormatDescription> formats = [] {
+    auto all = volumes::particle_format_descriptions();
+    std::erase_if(all, [](const auto& about) { return !about.from_standard_input; });  // those of plug-ins
+    return all;
+  }();
   const volumes::ParticleFormatDescription& about = formats[data[0] % formats.size()];
   const volumes::ParticleReadOptions options = options_of(about, data[1]);
   const std::string input = folder / ("particles" + about.extensions.front());

@@ -58,7 +58,7 @@ HoudiniJson::HoudiniJson(ContentReader& content) : content_(content) {
 
 void HoudiniJson::expected(std::string_view what) const {
   throw DamagedParticles(
-      fmt::format("expected {} before byte {}{}", what, content_.position(), ", found something else or the end"));
+      fmt::format("expected {} before byte {}, found something else or the end", what, content_.position()));
 }
 
 std::uint64_t HoudiniJson::whole(std::size_t bytes) {
