@@ -38,6 +38,14 @@ decltype(auto) visit_number_type(NumberType type, F&& f) {
 // "u8", "f32", ...
 [[nodiscard]] std::string_view number_name(NumberType type);
 
+template <class Bits>
+[[nodiscard]] Bits swapped_bytes(Bits bits) {
+  if constexpr (sizeof(Bits) == 2) return __builtin_bswap16(bits);
+  if constexpr (sizeof(Bits) == 4) return __builtin_bswap32(bits);
+  if constexpr (sizeof(Bits) == 8) return __builtin_bswap64(bits);
+  return bits;
+}
+
 // Calls take(i, value as double) for `count` numbers that lie `stride` bytes apart, the first one at the start of
 // `bytes`.
 template <class F>
@@ -62,14 +70,10 @@ void for_each_number(NumberType type, std::endian endian, const std::byte* bytes
         }
       }
     };
-    if (sizeof(T) == 1 || endian == std::endian::native) {
+    if (endian == std::endian::native) {
       run([](Bits bits) { return bits; });
-    } else if constexpr (sizeof(T) == 2) {
-      run([](Bits bits) { return __builtin_bswap16(bits); });
-    } else if constexpr (sizeof(T) == 4) {
-      run([](Bits bits) { return __builtin_bswap32(bits); });
-    } else if constexpr (sizeof(T) == 8) {
-      run([](Bits bits) { return __builtin_bswap64(bits); });
+    } else {
+      run([](Bits bits) { return swapped_bytes(bits); });
     }
   });
 }
