@@ -30,21 +30,21 @@ extern "C" {
 /* What is told of each particle under one name, besides its position. */
 typedef struct isoextract_particle_quantity {
   const char* name;
-  const char* type_name;  /* what people call its values: "float" */
-  uint64_t components;    /* 1 or more */
-  int32_t is_numeric;     /* not 0 if its values can be had as numbers */
+  const char* type_name; /* what people call its values: "float" */
+  uint64_t components;   /* 1 or more */
+  int32_t is_numeric;    /* not 0 if its values can be had as numbers */
 } isoextract_particle_quantity;
 
 /* One frame of a file, opened. Valid until it is closed. */
 typedef struct isoextract_particle_file {
   uint64_t particles;
-  uint64_t frames;        /* in the file */
-  const char* frame_name; /* what the file calls this one; may be empty */
+  uint64_t frames;         /* in the file */
+  const char* frame_name;  /* what the file calls this one; may be empty */
   const char* length_unit; /* of the positions; may be empty */
   const isoextract_particle_quantity* quantities;
   size_t quantity_count;
-  uint64_t held_bytes;    /* memory that the plug-in has taken for it */
-  void* owner;            /* the plug-in's own */
+  uint64_t held_bytes; /* memory that the plug-in has taken for it */
+  void* owner;         /* the plug-in's own */
 } isoextract_particle_file;
 
 typedef struct isoextract_particle_plugin_v1 {
