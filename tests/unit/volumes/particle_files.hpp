@@ -224,6 +224,11 @@ inline std::string houdini_geometry(std::endian endian = std::endian::little, st
     h.numbers<float>('\x19', {-f, 0.5F, f + 0.25F});
   }
   h.end().end().end().end();
+  // A number that is the same in all of the first page.
+  h.begin().begin().ref(2).ref(3).ref(4).text("heat").end().begin().ref(5).whole(1).ref(6).ref(7);
+  h.ref(8).begin().ref(5).whole(1).ref(6).ref(7).text("pagesize").whole(2);
+  h.text("constantpageflags").begin().begin().raw("10").end().end().text("rawpagedata");
+  h.numbers<float>('\x19', {5, 6}).end().end().end();
   // id, in one array; a text, and something of a later version
   h.begin().begin().ref(2).ref(3).ref(4).text("id").end().begin().ref(5).whole(1).ref(6).text("int32");
   h.ref(8).begin().ref(5).whole(1).ref(6).text("int32").text("arrays").begin();

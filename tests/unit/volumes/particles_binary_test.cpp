@@ -136,7 +136,8 @@ TEST(ParticlesBgeo, NewOnes) {
   for (const std::string& bytes : {houdini_geometry(), houdini_geometry(std::endian::big), gzip(houdini_geometry())}) {
     const volumes::ParticleFile file = must_read_particles({"a.bgeo", bytes}, with_all());
     expect_positions(file.particles, kThree);
-    EXPECT_EQ(file.particles.attributes.size(), 2U);
+    EXPECT_EQ(file.particles.attributes.size(), 3U);
+    expect_attribute(file.particles, "heat", 1, {5, 5, 6});
     expect_attribute(file.particles, "v", 3, kVelocities);
     expect_attribute(file.particles, "id", 1, {70, 71, 72});
     ASSERT_EQ(file.notes.size(), 2U);
@@ -144,8 +145,8 @@ TEST(ParticlesBgeo, NewOnes) {
     expect_in(file.notes[1], "'odd'");
     const volumes::ParticleInfo info = must_inform({"a.bgeo", bytes});
     EXPECT_EQ(info.particles, 3U);
-    EXPECT_EQ(quantities_of(info),
-              (std::vector<std::string>{"v:3 fpreal32", "id:1 int32", "(tag:1 text)", "(odd:1 hologram)"}));
+    EXPECT_EQ(quantities_of(info), (std::vector<std::string>{"v:3 fpreal32", "heat:1 fpreal32", "id:1 int32",
+                                                             "(tag:1 text)", "(odd:1 hologram)"}));
     expect_positions(must_read_particles({"a.bgeo", bytes}).particles, kThree);
   }
 }

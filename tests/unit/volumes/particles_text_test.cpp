@@ -214,17 +214,17 @@ TEST(ParticlesLammps, TimeStepsScaledAndNot) {
 }
 
 TEST(ParticlesLammps, TriclinicBoxesAndOtherColumns) {
-  // lx = 4, ly = 5, lz = 6, xy = 1, xz = -2, yz = 0.5 from (10, 20, 30): bounds as LAMMPS writes them,
+  // lx = 4, ly = 5, lz = 6, xy = -1, xz = -2, yz = 0.5 from (10, 20, 30): bounds as LAMMPS writes them,
   // xlo + min(0, xy, xz, xy + xz) .. xhi + max(...), ylo + min(0, yz) .. yhi + max(0, yz).
   const std::string head = "ITEM: TIMESTEP\n7\nITEM: NUMBER OF ATOMS\n1\n";
-  const std::string box = "ITEM: BOX BOUNDS xy xz yz pp pp pp\n8 15 1\n20 25.5 -2\n30 36 0.5\n";
+  const std::string box = "ITEM: BOX BOUNDS xy xz yz pp pp pp\n7 14 -1\n20 25.5 -2\n30 36 0.5\n";
   expect_positions(must_read_particles({"a.dump", head + box + "ITEM: ATOMS xs ys zs\n0.5 0.25 0.75\n"}).particles,
-                   {{10 + 0.5 * 4 + 0.25 * 1 + 0.75 * -2, 20 + 0.25 * 5 + 0.75 * 0.5, 30 + 0.75 * 6}});
+                   {{10 + 0.5 * 4 + 0.25 * -1 + 0.75 * -2, 20 + 0.25 * 5 + 0.75 * 0.5, 30 + 0.75 * 6}});
   expect_positions(must_read_particles({"a.dump", head + box + "ITEM: ATOMS xsu ysu zsu\n1 1 1\n"}).particles,
-                   {{10 + 4 + 1 - 2, 20 + 5.5, 36}});
-  const std::string general = "ITEM: BOX BOUNDS abc origin pp pp pp\n4 0 0 10\n1 5 0 20\n-2 0.5 6 30\n";
+                   {{10 + 4 - 1 - 2, 20 + 5.5, 36}});
+  const std::string general = "ITEM: BOX BOUNDS abc origin pp pp pp\n4 0 0 10\n-1 5 0 20\n-2 0.5 6 30\n";
   expect_positions(must_read_particles({"a.dump", head + general + "ITEM: ATOMS xs ys zs\n0.5 0.25 0.75\n"}).particles,
-                   {{10 + 0.5 * 4 + 0.25 * 1 + 0.75 * -2, 20 + 0.25 * 5 + 0.75 * 0.5, 30 + 0.75 * 6}});
+                   {{10 + 0.5 * 4 + 0.25 * -1 + 0.75 * -2, 20 + 0.25 * 5 + 0.75 * 0.5, 30 + 0.75 * 6}});
   expect_positions(must_read_particles({"a.dump", head + box + "ITEM: ATOMS xu yu zu id\n-1 200 3 1\n"}).particles,
                    {{-1, 200, 3}});
   // Coordinates as they are go before fractions.
