@@ -20,6 +20,7 @@
 #include "support/sample_attributes.hpp"
 #include "support/sample_meshes.hpp"
 #include "support/temp_folder.hpp"
+#include "unit/volumes/particle_files.hpp"
 #include "unit/volumes/vdb_files.hpp"
 #include "unit/volumes/volume_files.hpp"
 
@@ -192,6 +193,44 @@ void write_vdbs(const fs::path& folder) {
   write_vdb_stream(folder / "stream_blosc", {precise, fog}, openvdb::io::COMPRESS_BLOSC, false);
 }
 
+// The target's first two bytes, then a file.
+void write_particles(const fs::path& folder) {
+  const auto seed = [&](const std::string& name, const std::string& id, const std::string& bytes) {
+    const auto formats = volumes::particle_format_descriptions();
+    const auto format = std::ranges::find(formats, id, &volumes::ParticleFormatDescription::id);
+    for (const char bits : {'\1', '\x0e', '\x12'}) {
+      write_bytes(folder / fmt::format("{}_{}", name, static_cast<int>(bits)),
+                  std::string(1, static_cast<char>(format - formats.begin())) + bits + bytes);
+    }
+  };
+  seed("ply_little", "ply", ply_header("binary_little_endian") + ply_body(std::endian::little));
+  seed("ply_text", "ply", ply_header("ascii") + "1 2 3 200 0 0.5 0.25\n4 5 6 201 -3 0.5 3\n7 8 9.5 202 -6 0.5 6\n");
+  seed("ply_lists", "ply",
+       "ply\nformat binary_big_endian 1.0\nelement cell 1\nproperty list uchar int ids\nelement vertex 1\n"
+       "property float x\nproperty list ushort float near\nproperty float y\nproperty float z\nend_header\n" +
+           std::string("\1abcd"
+                       "1234"
+                       "\0\1abcd"
+                       "12345678",
+                       24));
+  seed("bgeo_old", "bgeo", bgeo_classic());
+  seed("bgeo_gzip", "bgeo", gzip(bgeo_classic()));
+  seed("bgeo_new", "bgeo", houdini_geometry());
+  seed("bgeo_big", "bgeo", houdini_geometry(std::endian::big));
+  seed("npy_rows", "npy", npy_bytes("'>f4'", "(2, 4)", std::string(32, '\1')));
+  seed("npy_columns", "npy", npy_bytes("'<i8'", "(2, 3)", std::string(48, '\1'), true));
+  seed("npy_fields", "npy",
+       npy_bytes("[('id', '<i2'), ('tag', '|S4'), ('pos', '<f8', (3,))]", "(2,)", std::string(60, '\1')));
+  seed("xyz", "xyz", "3\nwater\nO 1 2 3 0.5\nH 4 5 6 1\nH 7 8 9.5 2\n1\n\n1 2 3\n");
+  seed("xyz_extended", "xyz", std::string(kExtendedXyz));
+  seed("lammps", "lammps", std::string(kLammpsDump));
+  seed("lammps_tilted", "lammps",
+       "ITEM: TIMESTEP\n7\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS xy xz yz pp pp pp\n8 15 1\n20 25.5 -2\n"
+       "30 36 0.5\nITEM: ATOMS xs ys zs id\n0.5 0.25 0.75 1\n");
+  seed("csv", "csv", "\xEF\xBB\xBFid;x [mm];y [mm];z [mm];\"a \"\"b\"\r\n1;2;3;4;\"q\"\r\n2;;1e400;nan;-1\r\n");
+  seed("csv_words", "csv", "# x y z\n1 2 3\n4 5 6\n");
+}
+
 mesh::Mesh coloured(mesh::ComponentType type, std::size_t components) {
   mesh::Mesh mesh = tetrahedron("coloured", {1e7, 0.25, -3});
   add_colour(mesh, type, components);
@@ -341,6 +380,7 @@ void write_seeds(const fs::path& folder) {
                                                                                    {"npy", write_npy},
                                                                                    {"raw", write_raw},
                                                                                    {"demo", write_demo},
+                                                                                   {"particles", write_particles},
                                                                                    {"ply", write_plys},
                                                                                    {"obj", write_objs},
                                                                                    {"stl", write_stls},

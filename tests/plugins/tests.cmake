@@ -9,3 +9,10 @@ target_compile_definitions(isoextract_volume_newer PRIVATE TEXT_VOLUME_VERSION=2
 add_dependencies(test_volumes isoextract_volume_text isoextract_volume_newer)
 set_source_files_properties(unit/volumes/plugin_host_test.cpp PROPERTIES
   COMPILE_DEFINITIONS TEST_PLUGINS="${test_plugins}")
+
+# The one for VTK's particles, which is built where VTK is found.
+set_source_files_properties(unit/volumes/particles_vtk_test.cpp PROPERTIES
+  COMPILE_DEFINITIONS "BUILT_PLUGINS=\"${PROJECT_BINARY_DIR}/plugins\";BUILT_VTK=$<TARGET_EXISTS:isoextract_particles_vtk>")
+if(TARGET isoextract_particles_vtk)
+  add_dependencies(test_volumes isoextract_particles_vtk)
+endif()

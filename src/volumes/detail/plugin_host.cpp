@@ -1,17 +1,9 @@
 #include "volumes/detail/plugin_host.hpp"
 
 #include <algorithm>
-#include <cstdlib>
-#include <fstream>
-#include <map>
-#include <mutex>
 #include <optional>
-#include <sstream>
-#include <string_view>
 
-#include <dlfcn.h>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <volume_plugin.h>
 #include "base/printable.hpp"
@@ -24,9 +16,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using Plugin = isoextract_volume_plugin_v1;
-using Folders = std::vector<fs::path>;
 
-constexpr std::string_view kNameStart = "isoextract-volume-";
+const PluginKind kVolumePlugins{"isoextract-volume-", "isoextract_volume_plugin", ISOEXTRACT_VOLUME_PLUGIN_VERSION};
 
 std::optional<field::SampleType> sample_type_of(std::int32_t type) {
   switch (type) {
@@ -77,8 +68,8 @@ struct PluginSamples {
 
 class PluginFormat final : public VolumeFormat {
  public:
-  PluginFormat(FormatDescription about, Folders folders)
-      : VolumeFormat(std::move(about)), folders_(std::move(folders)) {}
+  PluginFormat(FormatDescription described, PluginFolders folders)
+      : VolumeFormat(std::move(described)), library_(kVolumePlugins, about().id, std::move(folders)) {}
 
   [[nodiscard]] Result<std::vector<GridInfo>> list(const std::string& input, const ReadOptions& /*options*/,
                                                    const Context& context) const override {
@@ -142,55 +133,19 @@ class PluginFormat final : public VolumeFormat {
                               files::kStandardInputName, about().id),
                   "write the data to a file first");
     }
-    auto plugin = opened(input);
-    if (!plugin) return plugin;
+    const auto opened = library_.opened(input);
+    if (!opened) return tl::unexpected(opened.error());
+    const auto* plugin = static_cast<const Plugin*>(*opened);
     const auto file = files::InputFile::open(input, context);
     if (!file) return tl::unexpected(file.error());
     // As they lie in the file: first_bytes() would unpack them.
     std::vector<std::byte> start(static_cast<std::size_t>(std::min<std::uint64_t>(file->size(), kStartBytes)));
     if (auto read = file->read_at(0, start); !read) return tl::unexpected(read.error());
-    if ((*plugin)->probe(reinterpret_cast<const unsigned char*>(start.data()), start.size(), input.c_str()) == 0) {
+    if (plugin->probe(reinterpret_cast<const unsigned char*>(start.data()), start.size(), input.c_str()) == 0) {
       return fail(ErrorKind::input, fmt::format("{}: not a file of the format {}; it starts with '{}'", input,
                                                 about().id, printable(start, 16)));
     }
     return plugin;
-  }
-
-  Result<const Plugin*> opened(const std::string& input) const {
-    const std::scoped_lock lock(mutex_);
-    if (plugin_ != nullptr) return plugin_;
-    const std::string name = fmt::format("{}{}.so", kNameStart, about().id);
-    std::optional<fs::path> found;
-    for (const fs::path& folder : folders_) {
-      std::error_code none;
-      if (!found && fs::exists(folder / name, none)) found = folder / name;
-    }
-    if (!found) {
-      std::vector<std::string> looked;
-      for (const fs::path& folder : folders_) looked.push_back(folder.string());
-      return fail(ErrorKind::unavailable,
-                  fmt::format("{}: the format {} is read by the plug-in {}, which is in none of: {}", input, about().id,
-                              name, fmt::join(looked, ", ")),
-                  "install it, or name the folder it is in with the environment variable ISOEXTRACT_PLUGINS");
-    }
-    const auto refuse = [&](const std::string& why) {
-      return fail(ErrorKind::unavailable, fmt::format("{}: the plug-in {} {}", input, found->string(), why),
-                  "install the plug-in that belongs to this version of isoextract");
-    };
-    // Not closed again: the samples may outlive the format, and libraries seldom like it.
-    void* library = ::dlopen(found->c_str(), RTLD_NOW | RTLD_LOCAL);
-    if (library == nullptr) return refuse(fmt::format("cannot be opened: {}", ::dlerror()));
-    const auto get =
-        reinterpret_cast<decltype(&::isoextract_volume_plugin)>(::dlsym(library, "isoextract_volume_plugin"));
-    const Plugin* plugin = get == nullptr ? nullptr : get();
-    if (plugin == nullptr) return refuse("is none: it has no function isoextract_volume_plugin, or that gives nothing");
-    if (plugin->version != ISOEXTRACT_VOLUME_PLUGIN_VERSION) {
-      return refuse(fmt::format("has version {} of the interface, expected {}", plugin->version,
-                                ISOEXTRACT_VOLUME_PLUGIN_VERSION));
-    }
-    if (text_of(plugin->id) != about().id) return refuse(fmt::format("calls itself {}", text_of(plugin->id)));
-    plugin_ = plugin;
-    return plugin_;
   }
 
   Error failed(const Plugin& plugin, const std::string& input) const {
@@ -258,73 +213,24 @@ class PluginFormat final : public VolumeFormat {
     return dense;
   }
 
-  Folders folders_;
-  mutable std::mutex mutex_;
-  mutable const Plugin* plugin_ = nullptr;
+  PluginLibrary library_;
 };
 
-// "key: value"; what is not understood is left to later versions.
-FormatDescription read_table(const std::string& id, const fs::path& path) {
+FormatDescription describe_plugin(PluginTable table) {
   FormatDescription about;
-  about.id = id;
+  about.id = std::move(table.id);
+  about.title = std::move(table.title);
+  about.extensions = std::move(table.extensions);
   about.has_grids = true;
-  std::ifstream file(path);
-  for (std::string line; std::getline(file, line);) {
-    const std::size_t colon = line.find(": ");
-    if (colon == std::string::npos) continue;
-    const std::string key = line.substr(0, colon);
-    const std::string value = line.substr(colon + 2);
-    if (key == "title") about.title = printable(value, 200);
-    if (key != "extensions") continue;
-    std::istringstream words(value);
-    for (std::string word; words >> word;) {
-      if (word.starts_with('.')) about.extensions.push_back(word);
-    }
-  }
   return about;
-}
-
-// "isoextract-volume-abc.txt" -> "abc"
-std::optional<std::string> id_of_table(const fs::path& path) {
-  const std::string stem = path.stem().string();
-  if (path.extension() != ".txt" || !stem.starts_with(kNameStart)) return std::nullopt;
-  std::string id = stem.substr(kNameStart.size());
-  const bool plain = id.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-_") == std::string::npos;
-  return plain && !id.empty() ? std::optional(std::move(id)) : std::nullopt;
 }
 
 }  // namespace
 
-std::vector<fs::path> plugin_folders() {
-  std::vector<fs::path> folders;
-  if (const char* given = std::getenv("ISOEXTRACT_PLUGINS")) {
-    std::istringstream list{std::string(given)};
-    for (std::string folder; std::getline(list, folder, ':');) {
-      if (!folder.empty()) folders.emplace_back(folder);
-    }
-  }
-  std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  if (!error) {
-    folders.push_back(program.parent_path() / "plugins");
-    folders.push_back(program.parent_path().parent_path() / "lib" / "isoextract" / "plugins");
-  }
-  return folders;
-}
-
-std::vector<std::unique_ptr<const VolumeFormat>> find_plugin_formats(const Folders& folders) {
+std::vector<std::unique_ptr<const VolumeFormat>> find_plugin_formats(const PluginFolders& folders) {
   std::vector<std::unique_ptr<const VolumeFormat>> formats;
-  for (const fs::path& folder : folders) {
-    std::error_code error;
-    std::map<std::string, fs::path> tables;
-    for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
-      if (auto id = id_of_table(at->path())) tables.emplace(std::move(*id), at->path());
-    }
-    for (const auto& [id, path] : tables) {
-      const auto same = [&id = id](const auto& format) { return format->about().id == id; };
-      if (std::ranges::any_of(formats, same)) continue;
-      formats.push_back(std::make_unique<const PluginFormat>(read_table(id, path), folders));
-    }
+  for (PluginTable& table : find_plugin_tables(folders, kVolumePlugins.name_start)) {
+    formats.push_back(std::make_unique<const PluginFormat>(describe_plugin(std::move(table)), folders));
   }
   return formats;
 }

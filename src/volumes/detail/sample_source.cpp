@@ -4,19 +4,17 @@
 #include <atomic>
 #include <cstring>
 #include <functional>
-#include <memory>
 #include <mutex>
+#include <new>
 #include <optional>
 #include <span>
-#include <string_view>
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
-#include <unistd.h>
-#include <zlib.h>
 
 #include "base/checked.hpp"
 #include "files/file_bytes.hpp"
+#include "volumes/detail/gzip_stream.hpp"
 
 namespace isoextract::volumes {
 namespace {
@@ -105,49 +103,10 @@ Result<void> read_range(const files::InputFile& file, const SamplePiece& piece, 
   });
 }
 
-struct GzipClose {
-  const files::InputFile* file = nullptr;
-  std::uint64_t start = 0;  // where in the file the packed data begins
-  void operator()(gzFile gzip) const {
-    const auto end = static_cast<std::int64_t>(::gzoffset(gzip));
-    if (end > static_cast<std::int64_t>(start)) file->count_bytes_read(static_cast<std::uint64_t>(end) - start);
-    ::gzclose_r(gzip);
-  }
-};
-using GzipFile = std::unique_ptr<gzFile_s, GzipClose>;
-
-Result<GzipFile> open_gzip(const files::InputFile& file, std::uint64_t offset) {
-  const int descriptor = ::dup(file.descriptor());
-  const auto cannot = [&] { return fail(ErrorKind::input, file.name() + ": cannot be read as gzip"); };
-  if (descriptor < 0) return cannot();
-  gzFile gzip = nullptr;
-  if (::lseek(descriptor, static_cast<off_t>(offset), SEEK_SET) >= 0) gzip = ::gzdopen(descriptor, "rb");
-  if (gzip == nullptr) {
-    ::close(descriptor);
-    return cannot();
-  }
-  ::gzbuffer(gzip, 1 << 18);
-  return GzipFile(gzip, GzipClose{&file, offset});
-}
-
-// How many bytes came; fewer than asked for only at the end of intact data.
-Result<std::size_t> inflate_into(gzFile gzip, const files::InputFile& file, std::span<std::byte> out) {
-  const int got = ::gzread(gzip, out.data(), static_cast<unsigned>(out.size()));
-  int code = Z_OK;
-  // zlib starts its text with its own name of the file: "<fd:5>: ".
-  std::string_view text = ::gzerror(gzip, &code);
-  if (const std::size_t colon = text.find(": "); colon != std::string_view::npos) text.remove_prefix(colon + 2);
-  if (::gzdirect(gzip) != 0) return fail(ErrorKind::input, file.name() + ": expected gzip data, found other bytes");
-  if (got < 0 || (code != Z_OK && code != Z_STREAM_END)) {
-    return fail(ErrorKind::input, fmt::format("{}: the gzip data is damaged or cut off: {}", file.name(), text));
-  }
-  return static_cast<std::size_t>(got);
-}
-
 // True if there is more after the samples.
 Result<bool> read_gzip(const files::InputFile& file, const SamplePiece& piece, std::span<std::byte> out,
                        const SampleSource& source, const Context& context) {
-  const auto gzip = open_gzip(file, piece.offset);
+  auto gzip = GzipStream::open(file, piece.offset);
   if (!gzip) return tl::unexpected(gzip.error());
   const auto ends_early = [&](std::uint64_t at) {
     return fail(ErrorKind::input, fmt::format("{}: the gzip data holds {} bytes, expected {}", file.name(), at,
@@ -156,7 +115,7 @@ Result<bool> read_gzip(const files::InputFile& file, const SamplePiece& piece, s
   std::vector<std::byte> skipped(std::min<std::uint64_t>(piece.skip, kChunk));
   for (std::uint64_t at = 0; at < piece.skip;) {
     const std::size_t want = static_cast<std::size_t>(std::min<std::uint64_t>(piece.skip - at, skipped.size()));
-    const auto got = inflate_into(gzip->get(), file, std::span(skipped).first(want));
+    const auto got = gzip->inflate(std::span(skipped).first(want));
     if (!got) return tl::unexpected(got.error());
     at += *got;
     if (*got < want) return ends_early(at);
@@ -165,7 +124,7 @@ Result<bool> read_gzip(const files::InputFile& file, const SamplePiece& piece, s
     if (auto wanted = context.check(); !wanted) return tl::unexpected(wanted.error());
     const auto chunk = out.subspan(at, std::min(kChunk, out.size() - at));
     auto filled = fill_from_lane(chunk, source, [&](std::size_t done, std::span<std::byte> bytes) -> Result<void> {
-      const auto got = inflate_into(gzip->get(), file, bytes);
+      const auto got = gzip->inflate(bytes);
       if (!got) return tl::unexpected(got.error());
       if (*got < bytes.size()) return ends_early(piece.skip + (at + done) * source.stride + *got);
       return {};
@@ -177,7 +136,7 @@ Result<bool> read_gzip(const files::InputFile& file, const SamplePiece& piece, s
   }
   // One byte further, so that the checksum at the end is compared.
   std::byte next{};
-  const auto got = inflate_into(gzip->get(), file, std::span(&next, 1));
+  const auto got = gzip->inflate(std::span(&next, 1));
   if (!got) return tl::unexpected(got.error());
   return *got > 0;
 }
@@ -234,10 +193,8 @@ Result<std::uint64_t> check_source(const SampleSource& source, const std::string
     const std::string of_what =
         source.pieces.size() == 1 ? what : fmt::format("one of {} parts of {}", source.pieces.size(), what);
     if (piece.gzip) {
-      // Deflate cannot shrink anything below 1/1032 of its size.
-      constexpr std::uint64_t kMaxRatio = 1032;
       const auto inflated = checked_sum(expected, piece.skip);
-      if (!inflated || *inflated / kMaxRatio > found) {
+      if (!inflated || *inflated / kMostInflated > found) {
         return fail(ErrorKind::input, fmt::format("{}: {} bytes of gzip data cannot hold {} bytes ({})", file->name(),
                                                   found, inflated.value_or(expected), of_what));
       }

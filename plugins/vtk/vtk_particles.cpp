@@ -1,0 +1,239 @@
+// Particles as VTK's files hold them: the points of an unstructured grid or of poly data, legacy or XML, with the
+// arrays of its point data. Cells other than points make a grid of it, which is refused.
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstring>
+#include <exception>
+#include <fstream>
+#include <memory>
+#include <mutex>
+#include <new>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <vtkAbstractArray.h>
+#include <vtkCell.h>
+#include <vtkCellType.h>
+#include <vtkDataArray.h>
+#include <vtkGenericDataObjectReader.h>
+#include <vtkLogger.h>
+#include <vtkOutputWindow.h>
+#include <vtkPointData.h>
+#include <vtkPointSet.h>
+#include <vtkPolyData.h>
+#include <vtkSmartPointer.h>
+#include <vtkUnstructuredGrid.h>
+#include <vtkXMLPolyDataReader.h>
+#include <vtkXMLUnstructuredGridReader.h>
+
+#include <particle_plugin.h>
+
+namespace {
+
+thread_local std::string problem;     // of the last call
+thread_local std::string complaints;  // what VTK has said meanwhile
+
+// Takes what VTK would print.
+class SilentWindow : public vtkOutputWindow {
+ public:
+  static SilentWindow* New() {  // NOLINT(readability-identifier-naming): as VTK has it
+    auto* window = new SilentWindow;
+    window->InitializeObjectBase();
+    return window;
+  }
+  void DisplayText(const char* text) override {  // NOLINT(readability-identifier-naming)
+    constexpr std::size_t kMost = 2000;
+    if (text != nullptr && complaints.size() < kMost) complaints += text;
+  }
+};
+
+void silence_vtk() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    vtkOutputWindow::SetInstance(vtkSmartPointer<SilentWindow>::New());
+    vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
+  });
+}
+
+struct Problem : std::exception {
+  explicit Problem(std::string words) : text(std::move(words)) {}
+  std::string text;
+};
+
+// The last sentence of VTK's complaint: "ERROR: In file.cxx, line 12\nvtkClass (0x55..): sentence\n\n".
+std::string sentence_of(const std::string& complaint) {
+  std::size_t at = complaint.find("): ");
+  at = at == std::string::npos ? 0 : at + 3;
+  std::string text = complaint.substr(at, complaint.find('\n', at) - at);
+  return text.empty() ? "the file is damaged" : text;
+}
+
+std::string start_of(const char* path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string start(8192, '\0');
+  file.read(start.data(), static_cast<std::streamsize>(start.size()));
+  start.resize(static_cast<std::size_t>(file.gcount()));
+  return start;
+}
+
+std::uint64_t size_of(const char* path) {
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  return file ? static_cast<std::uint64_t>(file.tellg()) : 0;
+}
+
+// VTK takes the memory for as many points as a legacy header tells of before it looks for them.
+void check_point_count(std::string_view start, std::uint64_t bytes) {
+  const std::size_t at = start.find("\nPOINTS ");
+  if (at == std::string_view::npos) return;
+  const std::string_view text = start.substr(at + std::strlen("\nPOINTS "));
+  std::uint64_t count = 0;
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), count);
+  // A coordinate of a text is a digit and what ends it; of a binary file at least a byte.
+  if (status != std::errc{} || count > bytes / 3) {
+    throw Problem("expected as many points as the file has room for, found POINTS " +
+                  std::string(text.substr(0, text.find('\n'))).substr(0, 40));
+  }
+}
+
+vtkSmartPointer<vtkPointSet> read_points(const char* path) {
+  const std::string start = start_of(path);
+  complaints.clear();
+  vtkSmartPointer<vtkPointSet> points;
+  const auto read = [&](auto reader) {
+    reader->SetFileName(path);
+    reader->Update();
+    points = vtkPointSet::SafeDownCast(reader->GetOutputDataObject(0));
+    if (reader->GetErrorCode() != 0 && complaints.empty()) complaints = "the file is damaged";
+  };
+  if (start.starts_with("# vtk")) {
+    check_point_count(start, size_of(path));
+    auto reader = vtkSmartPointer<vtkGenericDataObjectReader>::New();
+    reader->ReadAllScalarsOn();
+    reader->ReadAllVectorsOn();
+    reader->ReadAllNormalsOn();
+    reader->ReadAllTensorsOn();
+    reader->ReadAllFieldsOn();
+    read(reader);
+  } else if (start.find("\"PolyData\"") != std::string::npos) {
+    read(vtkSmartPointer<vtkXMLPolyDataReader>::New());
+  } else {
+    read(vtkSmartPointer<vtkXMLUnstructuredGridReader>::New());
+  }
+  if (!complaints.empty()) throw Problem("VTK cannot read it: " + sentence_of(complaints));
+  if (points == nullptr) throw Problem("expected an unstructured grid or poly data of VTK, found neither");
+  return points;
+}
+
+bool is_point(int cell_type) {
+  return cell_type == VTK_EMPTY_CELL || cell_type == VTK_VERTEX || cell_type == VTK_POLY_VERTEX;
+}
+
+// Cells that are more than points.
+vtkIdType other_cells(vtkPointSet* points) {
+  if (auto* poly = vtkPolyData::SafeDownCast(points)) {
+    return poly->GetNumberOfLines() + poly->GetNumberOfPolys() + poly->GetNumberOfStrips();
+  }
+  vtkIdType count = 0;
+  for (vtkIdType i = 0; i < points->GetNumberOfCells(); ++i) count += is_point(points->GetCellType(i)) ? 0 : 1;
+  return count;
+}
+
+// A file in memory, and what is told of it.
+struct Opened {
+  vtkSmartPointer<vtkPointSet> points;
+  std::vector<std::string> names;  // of the quantities, and of their types
+  std::vector<isoextract_particle_quantity> quantities;
+};
+
+std::unique_ptr<Opened> open_points(const char* path) {
+  auto opened = std::make_unique<Opened>();
+  opened->points = read_points(path);
+  if (const vtkIdType cells = other_cells(opened->points); cells > 0) {
+    throw Problem("expected particles, found a grid with " + std::to_string(cells) + " cells that are no points");
+  }
+  vtkPointData* data = opened->points->GetPointData();
+  const int count = data->GetNumberOfArrays();
+  opened->names.reserve(2 * static_cast<std::size_t>(count));
+  for (int i = 0; i < count; ++i) {
+    vtkAbstractArray* array = data->GetAbstractArray(i);
+    if (array->GetNumberOfTuples() != opened->points->GetNumberOfPoints()) {
+      throw Problem("expected " + std::to_string(opened->points->GetNumberOfPoints()) +
+                    " values of each array, found " + std::to_string(array->GetNumberOfTuples()));
+    }
+    const std::string& name = opened->names.emplace_back(array->GetName() == nullptr ? "" : array->GetName());
+    const std::string& type = opened->names.emplace_back(array->GetDataTypeAsString());
+    const bool is_numeric = vtkDataArray::SafeDownCast(array) != nullptr;
+    opened->quantities.push_back(
+        {name.c_str(), type.c_str(), static_cast<std::uint64_t>(array->GetNumberOfComponents()), is_numeric ? 1 : 0});
+  }
+  return opened;
+}
+
+// Calls work(); its exceptions become texts.
+template <class F>
+int guarded(F&& work) {
+  try {
+    silence_vtk();
+    work();
+    return 0;
+  } catch (const Problem& found) {
+    problem = found.text;
+  } catch (const std::bad_alloc&) {
+    problem = "not enough memory to read it";
+  } catch (const std::exception& error) {
+    problem = error.what();
+  }
+  return 1;
+}
+
+Opened& opened_of(const isoextract_particle_file* file) { return *static_cast<Opened*>(file->owner); }
+
+int open(const char* path, std::uint64_t frame, isoextract_particle_file* file) {
+  return guarded([&] {
+    *file = {};
+    file->frames = 1;
+    file->frame_name = file->length_unit = "";
+    auto opened = std::make_unique<Opened>();
+    if (frame == 0) opened = open_points(path);
+    if (opened->points != nullptr) {
+      file->particles = static_cast<std::uint64_t>(opened->points->GetNumberOfPoints());
+      file->held_bytes = std::uint64_t{1024} * opened->points->GetActualMemorySize();  // told in KiB
+    }
+    file->quantities = opened->quantities.data();
+    file->quantity_count = opened->quantities.size();
+    file->owner = opened.release();
+  });
+}
+
+void close(isoextract_particle_file* file) { delete static_cast<Opened*>(file->owner); }
+
+int positions(const isoextract_particle_file* file, double* values) {
+  return guarded([&] {
+    vtkPointSet* points = opened_of(file).points;
+    for (vtkIdType i = 0; i < points->GetNumberOfPoints(); ++i) points->GetPoint(i, values + 3 * i);
+  });
+}
+
+int quantity(const isoextract_particle_file* file, std::size_t index, float* values) {
+  return guarded([&] {
+    vtkDataArray* array = opened_of(file).points->GetPointData()->GetArray(static_cast<int>(index));
+    if (array == nullptr) throw Problem("expected an array of numbers");
+    const int components = array->GetNumberOfComponents();
+    std::vector<double> tuple(static_cast<std::size_t>(components));
+    for (vtkIdType i = 0; i < array->GetNumberOfTuples(); ++i) {
+      array->GetTuple(i, tuple.data());
+      values = std::ranges::transform(tuple, values, [](double v) { return static_cast<float>(v); }).out;
+    }
+  });
+}
+
+const char* error_text() { return problem.c_str(); }
+
+constexpr isoextract_particle_plugin_v1 kPlugin{
+    ISOEXTRACT_PARTICLE_PLUGIN_VERSION, "vtk", open, close, positions, quantity, error_text};
+
+}  // namespace
+
+const isoextract_particle_plugin_v1* isoextract_particle_plugin() { return &kPlugin; }

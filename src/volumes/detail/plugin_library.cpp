@@ -1,0 +1,132 @@
+#include "volumes/detail/plugin_library.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <optional>
+#include <sstream>
+#include <utility>
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/printable.hpp"
+
+namespace isoextract::volumes {
+namespace {
+
+namespace fs = std::filesystem;
+
+// What the structs of all kinds start with.
+struct PluginHead {
+  std::uint32_t version;
+  const char* id;
+};
+
+// "key: value"; what is not understood is left to later versions.
+PluginTable read_table(const std::string& id, const fs::path& path) {
+  PluginTable table;
+  table.id = id;
+  std::ifstream file(path);
+  for (std::string line; std::getline(file, line);) {
+    const std::size_t colon = line.find(": ");
+    if (colon == std::string::npos) continue;
+    const std::string key = line.substr(0, colon);
+    const std::string value = line.substr(colon + 2);
+    if (key == "title") table.title = printable(value, 200);
+    if (key != "extensions") continue;
+    std::istringstream words(value);
+    for (std::string word; words >> word;) {
+      if (word.starts_with('.')) table.extensions.push_back(word);
+    }
+  }
+  return table;
+}
+
+// "isoextract-volume-abc.txt" -> "abc"
+std::optional<std::string> id_of_table(const fs::path& path, const std::string& name_start) {
+  const std::string stem = path.stem().string();
+  if (path.extension() != ".txt" || !stem.starts_with(name_start)) return std::nullopt;
+  std::string id = stem.substr(name_start.size());
+  const bool plain = id.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-_") == std::string::npos;
+  return plain && !id.empty() ? std::optional(std::move(id)) : std::nullopt;
+}
+
+}  // namespace
+
+PluginFolders plugin_folders() {
+  PluginFolders folders;
+  if (const char* given = std::getenv("ISOEXTRACT_PLUGINS")) {
+    std::istringstream list{std::string(given)};
+    for (std::string folder; std::getline(list, folder, ':');) {
+      if (!folder.empty()) folders.emplace_back(folder);
+    }
+  }
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  if (!error) {
+    folders.push_back(program.parent_path() / "plugins");
+    folders.push_back(program.parent_path().parent_path() / "lib" / "isoextract" / "plugins");
+  }
+  return folders;
+}
+
+std::vector<PluginTable> find_plugin_tables(const PluginFolders& folders, const std::string& name_start) {
+  std::vector<PluginTable> found;
+  for (const fs::path& folder : folders) {
+    std::error_code error;
+    std::map<std::string, fs::path> tables;
+    for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+      if (auto id = id_of_table(at->path(), name_start)) tables.emplace(std::move(*id), at->path());
+    }
+    for (const auto& [id, path] : tables) {
+      if (std::ranges::count(found, id, &PluginTable::id) == 0) found.push_back(read_table(id, path));
+    }
+  }
+  return found;
+}
+
+PluginLibrary::PluginLibrary(PluginKind kind, std::string id, PluginFolders folders)
+    : kind_(std::move(kind)), id_(std::move(id)), folders_(std::move(folders)) {}
+
+Result<const void*> PluginLibrary::opened(const std::string& input) const {
+  const std::scoped_lock lock(mutex_);
+  if (plugin_ != nullptr) return plugin_;
+  const std::string name = fmt::format("{}{}.so", kind_.name_start, id_);
+  std::optional<fs::path> found;
+  for (const fs::path& folder : folders_) {
+    std::error_code none;
+    if (!found && fs::exists(folder / name, none)) found = folder / name;
+  }
+  if (!found) {
+    std::vector<std::string> looked;
+    for (const fs::path& folder : folders_) looked.push_back(folder.string());
+    return fail(ErrorKind::unavailable,
+                fmt::format("{}: the format {} is read by the plug-in {}, which is in none of: {}", input, id_, name,
+                            fmt::join(looked, ", ")),
+                "install it, or name the folder it is in with the environment variable ISOEXTRACT_PLUGINS");
+  }
+  const auto refuse = [&](const std::string& why) {
+    return fail(ErrorKind::unavailable, fmt::format("{}: the plug-in {} {}", input, found->string(), why),
+                "install the plug-in that belongs to this version of isoextract");
+  };
+  // Not closed again: what it gave may outlive the format, and libraries seldom like it.
+  void* library = ::dlopen(found->c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (library == nullptr) return refuse(fmt::format("cannot be opened: {}", ::dlerror()));
+  const auto get = reinterpret_cast<const void* (*)()>(::dlsym(library, kind_.function.c_str()));
+  const void* plugin = get == nullptr ? nullptr : get();
+  if (plugin == nullptr)
+    return refuse(fmt::format("is none: it has no function {}, or that gives nothing", kind_.function));
+  const auto* head = static_cast<const PluginHead*>(plugin);
+  if (head->version != kind_.version) {
+    return refuse(fmt::format("has version {} of the interface, expected {}", head->version, kind_.version));
+  }
+  const std::string id = head->id == nullptr ? "" : head->id;
+  if (id != id_) return refuse(fmt::format("calls itself {}", printable(id, 80)));
+  plugin_ = plugin;
+  return plugin_;
+}
+
+}  // namespace isoextract::volumes

@@ -1,0 +1,37 @@
+#include "volumes/particle_format.hpp"
+
+#include <algorithm>
+#include <memory>
+
+#include "volumes/particles/particle_source.hpp"
+#include "volumes/particles/plugin_particles.hpp"
+
+namespace isoextract::volumes {
+
+const std::vector<const ParticleFormat*>& particle_formats() {
+  static const std::vector<std::unique_ptr<const ParticleFormat>> plugins = find_particle_plugins(plugin_folders());
+  static const std::vector<const ParticleFormat*> formats = [] {
+    std::vector<const ParticleFormat*> all{
+        &ply_particles(),     //
+        &lammps_particles(),  //
+        &bgeo_particles(),    //
+        &npy_particles(),     //
+        &xyz_particles(),     //
+        &csv_particles(),     //
+    };
+    for (const auto& plugin : plugins) {
+      const auto same = [&](const ParticleFormat* format) { return format->about().id == plugin->about().id; };
+      if (std::ranges::none_of(all, same)) all.push_back(plugin.get());
+    }
+    return all;
+  }();
+  return formats;
+}
+
+std::vector<ParticleFormatDescription> particle_format_descriptions() {
+  std::vector<ParticleFormatDescription> all;
+  for (const ParticleFormat* format : particle_formats()) all.push_back(format->about());
+  return all;
+}
+
+}  // namespace isoextract::volumes

@@ -1,0 +1,321 @@
+// An attribute is [definition, values]; numbers are in "tuples", in "arrays" of one component each, or in
+// "rawpagedata": the elements page by page, in each page one sub-vector of the components after the other ("packing"),
+// as one tuple where "constantpageflags" says that it is the same in all of the page.
+#include "volumes/particles/houdini_geometry.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "base/checked.hpp"
+#include "base/printable.hpp"
+#include "volumes/particles/houdini_json.hpp"
+
+namespace isoextract::volumes {
+namespace {
+
+constexpr std::uint64_t kMostComponents = 1024;
+constexpr std::uint64_t kMostPage = 65536;  // elements; Houdini has 1024
+
+struct HoudiniAttribute {
+  std::string name;
+  std::string type;  // "numeric", "string", ...
+  std::uint64_t size = 0;
+  std::string storage;
+};
+
+struct HoudiniFile {
+  std::uint64_t points = 0;
+  std::uint64_t primitives = 0;
+  std::vector<HoudiniAttribute> attributes;  // of points
+  std::vector<std::string> notes;
+};
+
+// Names and values one after the other, in an array or a map: use(name, first token of the value) takes the value.
+template <class F>
+void each_pair(HoudiniJson& json, const JsonToken& first, F&& use) {
+  if (first.kind != JsonToken::Kind::begin) json.expected("an array of names and values");
+  while (true) {
+    const JsonToken name = json.next();
+    if (name.kind == JsonToken::Kind::end) return;
+    if (name.kind != JsonToken::Kind::text) json.expected("a name");
+    const JsonToken value = json.next();
+    if (value.kind == JsonToken::Kind::end) json.expected("a value behind a name");
+    use(name.text, value);
+  }
+}
+
+std::uint64_t whole_of(HoudiniJson& json, const JsonToken& token, std::string_view what, std::uint64_t most) {
+  const bool fits = token.kind == JsonToken::Kind::number && token.number >= 0 &&
+                    token.number <= static_cast<double>(most) && token.number == std::floor(token.number);
+  if (!fits) json.expected(fmt::format("{}, a whole number from 0 to {},", what, most));
+  return static_cast<std::uint64_t>(token.number);
+}
+
+// Where the numbers of an attribute go, in the order in which they come.
+class AttributeSinks {
+ public:
+  AttributeSinks(std::uint64_t points, std::uint64_t size, std::span<const ColumnSink> sinks, std::size_t first_column)
+      : points_(points), components_(static_cast<std::size_t>(size)) {
+    for (const ColumnSink& sink : sinks) {
+      if (sink.column >= first_column && sink.column - first_column < components_.size()) {
+        components_[sink.column - first_column].push_back(sink);
+      }
+    }
+  }
+
+  [[nodiscard]] std::uint64_t points() const { return points_; }
+  [[nodiscard]] std::uint64_t size() const { return components_.size(); }
+
+  void put(std::uint64_t point, std::uint64_t count, std::size_t component, double value) const {
+    for (const ColumnSink& sink : components_[component]) {
+      for (std::uint64_t i = 0; i < count; ++i) sink.put(static_cast<std::size_t>(point + i), value);
+    }
+  }
+
+ private:
+  std::uint64_t points_;
+  std::vector<std::vector<ColumnSink>> components_;
+};
+
+// Pages of an attribute, walked as its numbers come.
+class PageWalk {
+ public:
+  PageWalk(const AttributeSinks& sinks, std::uint64_t page, std::vector<std::uint64_t> packing,
+           const std::vector<std::vector<bool>>& constant)
+      : sinks_(sinks), page_(page), packing_(std::move(packing)), constant_(constant) {}
+
+  // False where there are more numbers than there should be.
+  bool take(double value) {
+    if (done()) return false;
+    const std::uint64_t in_page = std::min(page_, sinks_.points() - first_);
+    const bool same = part_ < constant_.size() && page_number_ < constant_[part_].size() &&
+                      constant_[part_][static_cast<std::size_t>(page_number_)];
+    sinks_.put(first_ + element_, same ? in_page : 1, static_cast<std::size_t>(before_ + component_), value);
+    if (++component_ < packing_[part_]) return true;
+    component_ = 0;
+    if (!same && ++element_ < in_page) return true;
+    element_ = 0;
+    before_ += packing_[part_];
+    if (++part_ < packing_.size()) return true;
+    part_ = 0;
+    before_ = 0;
+    first_ += in_page;
+    ++page_number_;
+    return true;
+  }
+  [[nodiscard]] bool done() const { return first_ == sinks_.points(); }
+
+ private:
+  const AttributeSinks& sinks_;
+  std::uint64_t page_;
+  std::vector<std::uint64_t> packing_;  // components of each sub-vector
+  const std::vector<std::vector<bool>>& constant_;
+  std::uint64_t first_ = 0;  // element of the page
+  std::uint64_t page_number_ = 0;
+  std::size_t part_ = 0;         // sub-vector
+  std::uint64_t before_ = 0;     // components of those before it
+  std::uint64_t element_ = 0;    // in the page
+  std::uint64_t component_ = 0;  // in the sub-vector
+};
+
+// What is said of the pages before their data.
+struct Paging {
+  std::uint64_t page = 0;
+  std::vector<std::uint64_t> packing;
+  std::vector<std::vector<bool>> constant;  // of each sub-vector, of each page
+};
+
+void read_constant_flags(HoudiniJson& json, const JsonToken& first, std::uint64_t points, Paging& paging) {
+  if (first.kind != JsonToken::Kind::begin) json.expected("an array of flags of pages");
+  while (true) {
+    const JsonToken flags = json.next();
+    if (flags.kind == JsonToken::Kind::end) return;
+    if (paging.constant.size() == kMostComponents) json.expected("fewer sub-vectors");
+    std::vector<bool>& of_part = paging.constant.emplace_back();
+    json.each_number(flags, [&](double value) {
+      if (of_part.size() > points) json.expected("flags of as many pages as there are");
+      of_part.push_back(value != 0);
+    });
+  }
+}
+
+void read_pages(HoudiniJson& json, const JsonToken& first, Paging& paging, const AttributeSinks& sinks) {
+  if (paging.page == 0) json.expected("the size of pages before their data");
+  if (paging.packing.empty()) paging.packing = {sinks.size()};
+  std::uint64_t components = 0;
+  for (const std::uint64_t part : paging.packing) components += part;
+  const bool has_empty = std::ranges::count(paging.packing, 0U) > 0;
+  if (components != sinks.size() || has_empty) json.expected("sub-vectors of all components of an attribute");
+  PageWalk walk(sinks, paging.page, std::move(paging.packing), paging.constant);
+  json.each_number(first, [&](double value) {
+    if (!walk.take(value)) json.expected("the end of the data of pages");
+  });
+  if (!walk.done()) json.expected("more data of pages");
+}
+
+// Numbers that all are there: element by element, or component by component.
+void read_all_numbers(HoudiniJson& json, const JsonToken& first, bool by_component, const AttributeSinks& sinks) {
+  std::uint64_t taken = 0;
+  const std::uint64_t all = checked_product(sinks.points(), sinks.size()).value_or(0);
+  json.each_number(first, [&](double value) {
+    if (taken == all) json.expected("the end of an attribute's numbers");
+    const std::uint64_t point = by_component ? taken % sinks.points() : taken / sinks.size();
+    const std::uint64_t component = by_component ? taken / sinks.points() : taken % sinks.size();
+    sinks.put(point, 1, static_cast<std::size_t>(component), value);
+    ++taken;
+  });
+  if (taken != all) json.expected("more numbers of an attribute");
+}
+
+// The value of "values".
+void read_attribute_numbers(HoudiniJson& json, const JsonToken& first, const AttributeSinks& sinks) {
+  Paging paging;
+  bool found = false;
+  each_pair(json, first, [&](const std::string& name, const JsonToken& value) {
+    if (name == "size") {
+      if (whole_of(json, value, "the size of an attribute", kMostComponents) != sinks.size()) {
+        json.expected("values of the size of their attribute");
+      }
+    } else if (name == "pagesize") {
+      paging.page = whole_of(json, value, "the size of a page", kMostPage);
+    } else if (name == "packing") {
+      json.each_number(value, [&](double part) {
+        if (!(part >= 0 && part <= kMostComponents) || paging.packing.size() == kMostComponents) {
+          json.expected("numbers of components");
+        }
+        paging.packing.push_back(static_cast<std::uint64_t>(part));
+      });
+    } else if (name == "constantpageflags") {
+      read_constant_flags(json, value, sinks.points(), paging);
+    } else if (name == "rawpagedata" && !found) {
+      read_pages(json, value, paging, sinks);
+      found = true;
+    } else if ((name == "tuples" || name == "arrays") && !found) {
+      read_all_numbers(json, value, name == "arrays", sinks);
+      found = true;
+    } else {
+      json.skip_value(value);
+    }
+  });
+  if (!found) json.expected("the values of an attribute");
+}
+
+// One attribute of points. Where `sinks` are given its numbers go there, its first component to `first_column`.
+HoudiniAttribute read_attribute(HoudiniJson& json, const JsonToken& first, std::uint64_t points,
+                                std::span<const ColumnSink> sinks, std::size_t first_column) {
+  if (first.kind != JsonToken::Kind::begin) json.expected("an attribute");
+  HoudiniAttribute attribute;
+  each_pair(json, json.next(), [&](const std::string& name, const JsonToken& value) {
+    if (name == "name" && value.kind == JsonToken::Kind::text) attribute.name = value.text;
+    if (name == "type" && value.kind == JsonToken::Kind::text) attribute.type = value.text;
+    json.skip_value(value);
+  });
+  each_pair(json, json.next(), [&](const std::string& name, const JsonToken& value) {
+    if (name == "size") attribute.size = whole_of(json, value, "the size of an attribute", kMostComponents);
+    if (name == "storage" && value.kind == JsonToken::Kind::text) attribute.storage = value.text;
+    const auto is_wanted = [&](const ColumnSink& sink) {
+      return sink.column >= first_column && sink.column - first_column < attribute.size;
+    };
+    if (name == "values" && attribute.type == "numeric" && std::ranges::any_of(sinks, is_wanted)) {
+      read_attribute_numbers(json, value, AttributeSinks(points, attribute.size, sinks, first_column));
+    } else {
+      json.skip_value(value);
+    }
+  });
+  if (json.next().kind != JsonToken::Kind::end) json.expected("the end of an attribute");
+  return attribute;
+}
+
+std::size_t columns_of(const HoudiniAttribute& attribute) {
+  return attribute.type == "numeric" ? static_cast<std::size_t>(attribute.size) : 1;
+}
+
+// All of the file; numbers of attributes only where there are sinks for them.
+HoudiniFile walk_houdini(ContentReader& content, std::span<const ColumnSink> sinks) {
+  HoudiniJson json(content);
+  HoudiniFile found;
+  std::size_t columns = 0;
+  bool has_count = false;
+  const auto read_points = [&](const JsonToken& list) {
+    if (list.kind != JsonToken::Kind::begin) json.expected("a list of attributes");
+    if (!has_count) json.expected("the number of points before their attributes");
+    for (JsonToken token = json.next(); token.kind != JsonToken::Kind::end; token = json.next()) {
+      found.attributes.push_back(read_attribute(json, token, found.points, sinks, columns));
+      columns += columns_of(found.attributes.back());
+      if (columns > kMostColumns) json.expected("fewer attributes");
+    }
+  };
+  each_pair(json, json.next(), [&](const std::string& name, const JsonToken& value) {
+    constexpr std::uint64_t kMost = std::uint64_t{1} << 48;
+    if (name == "pointcount") {
+      found.points = whole_of(json, value, "the number of points", kMost);
+      has_count = true;
+    } else if (name == "primitivecount") {
+      found.primitives = whole_of(json, value, "the number of primitives", kMost);
+    } else if (name == "attributes") {
+      each_pair(json, value, [&](const std::string& owner, const JsonToken& list) {
+        if (owner == "pointattributes") {
+          read_points(list);
+        } else {
+          json.skip_value(list);
+        }
+      });
+    } else {
+      json.skip_value(value);
+    }
+  });
+  if (found.primitives > 0) {
+    found.notes.push_back(fmt::format("{} primitives were left out, their points were read", found.primitives));
+  }
+  return found;
+}
+
+ParticleTable houdini_table(const HoudiniFile& file) {
+  ParticleTable table;
+  for (const HoudiniAttribute& attribute : file.attributes) {
+    const bool numeric = attribute.type == "numeric" && attribute.size > 0;
+    if (attribute.name == "P" && numeric && attribute.size >= 3 && !table.position) {
+      const std::size_t first = table.columns.size();
+      table.position = {first, first + 1, first + 2};
+    }
+    const std::string type = numeric ? attribute.storage : attribute.type == "string" ? "text" : attribute.type;
+    add_tuple(table, attribute.name, printable(type, 40), columns_of(attribute), numeric);
+  }
+  make_group_names_unique(table);
+  if (!table.position) throw DamagedParticles("expected the attribute P of points, found none");
+  return table;
+}
+
+}  // namespace
+
+ParticleInfo houdini_info(const files::InputFile& file, const ParticleReadOptions& options) {
+  ContentReader content(file);
+  const HoudiniFile found = walk_houdini(content, {});
+  ParticleInfo info;
+  info.particles = found.points;
+  info.notes = found.notes;
+  describe_table(houdini_table(found), options, info);
+  return info;
+}
+
+ParticleFile read_houdini(const files::InputFile& file, const ParticleReadOptions& options) {
+  HoudiniFile found;
+  {
+    ContentReader content(file);
+    found = walk_houdini(content, {});
+  }
+  const ColumnChoice choice = choose_columns(houdini_table(found), options);
+  ContentReader content(file);
+  // A page of P is one tuple at least.
+  check_count(content, (found.points + kMostPage - 1) / kMostPage, 3);
+  ParticleFile result;
+  result.particles = make_particles(file.context(), file.name(), found.points, choice);
+  if (found.points > 0) walk_houdini(content, sinks_of(result.particles, choice));
+  result.notes = std::move(found.notes);
+  result.notes.insert(result.notes.end(), choice.notes.begin(), choice.notes.end());
+  return result;
+}
+
+}  // namespace isoextract::volumes

@@ -1,0 +1,216 @@
+// NumPy's array files: a row a particle, N x 3 or wider, or a structured array, whose fields have names.
+#include <algorithm>
+#include <charconv>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/checked.hpp"
+#include "base/printable.hpp"
+#include "volumes/detail/file_start.hpp"
+#include "volumes/formats/npy_header.hpp"
+#include "volumes/particles/particle_columns.hpp"
+
+namespace isoextract::volumes {
+namespace {
+
+constexpr std::size_t kMostFieldBytes = 4096;
+
+struct NpyNumber {
+  std::optional<NumberType> type;  // none of what is no number
+  std::endian endian = std::endian::native;
+  std::size_t bytes = 0;
+};
+
+// "<f4"; also of what is no number, as long as its size is known.
+std::optional<NpyNumber> npy_number(std::string_view descr) {
+  constexpr std::array<std::pair<std::string_view, NumberType>, 12> kTypes{{{"u1", NumberType::u8},
+                                                                            {"b1", NumberType::u8},
+                                                                            {"i1", NumberType::i8},
+                                                                            {"u2", NumberType::u16},
+                                                                            {"i2", NumberType::i16},
+                                                                            {"u4", NumberType::u32},
+                                                                            {"i4", NumberType::i32},
+                                                                            {"u8", NumberType::u64},
+                                                                            {"i8", NumberType::i64},
+                                                                            {"f2", NumberType::f16},
+                                                                            {"f4", NumberType::f32},
+                                                                            {"f8", NumberType::f64}}};
+  if (descr.size() < 3) return std::nullopt;
+  NpyNumber number;
+  switch (descr.front()) {
+    case '<': number.endian = std::endian::little; break;
+    case '>': number.endian = std::endian::big; break;
+    case '=':
+    case '|': break;
+    default: return std::nullopt;
+  }
+  const std::string_view type = descr.substr(1);
+  for (const auto& [name, known] : kTypes) {
+    if (name == type) return NpyNumber{known, number.endian, number_size(known)};
+  }
+  // Texts, raw bytes, dates, complex numbers, long doubles.
+  const std::size_t unit = type.front() == 'U' ? 4 : std::string_view("SVaMmcf").find(type.front()) < 7 ? 1 : 0;
+  std::size_t count = 0;
+  const auto [end, status] = std::from_chars(type.data() + 1, type.data() + type.size(), count);
+  const bool has_end = end == type.data() + type.size() || *end == '[';
+  if (unit == 0 || status != std::errc{} || !has_end || count > ContentReader::kMostPeeked) return std::nullopt;
+  number.bytes = unit * count;
+  return number;
+}
+
+struct NpyParticleFile {
+  NpyHeader header;
+  std::uint64_t particles = 0;
+  ParticleTable table;
+  RecordLayout layout;
+  bool by_column = false;  // all of a column before the next one
+  std::vector<std::string> notes;
+};
+
+[[noreturn]] void refuse_npy_type(std::string_view descr) {
+  throw DamagedParticles(fmt::format("expected numbers, found the type {}", printable(descr, 40)),
+                         "convert the array in NumPy, for example with a.astype('f4')");
+}
+
+bool are_rows(const NpyHeader& header) {
+  if (!header.fields.empty()) return header.shape.size() == 1;
+  return header.shape.size() == 2 && header.shape[1] >= 3 && header.shape[1] <= kMostColumns;
+}
+
+void add_npy_fields(NpyParticleFile& npy) {
+  for (const NpyField& field : npy.header.fields) {
+    const auto number = npy_number(field.descr);
+    if (!number) refuse_npy_type(field.descr);
+    std::uint64_t components = 1;
+    for (const std::uint64_t size : field.shape) {
+      components = checked_product(components, size).value_or(~std::uint64_t{0});
+    }
+    if (components > kMostColumns - npy.table.columns.size() || number->bytes > kMostFieldBytes) {
+      throw DamagedParticles(fmt::format("expected a smaller field '{}'", printable(field.name, 80)));
+    }
+    const bool numeric = number->type.has_value();
+    add_tuple(npy.table, field.name, numeric ? std::string(number_name(*number->type)) : printable(field.descr, 40),
+              static_cast<std::size_t>(components), numeric);
+    for (std::uint64_t i = 0; i < components; ++i) {
+      npy.layout.fields.push_back({number->type.value_or(NumberType::u8), npy.layout.bytes, number->endian});
+      npy.layout.bytes += number->bytes;
+    }
+  }
+  make_group_names_unique(npy.table);
+  // Names of single columns may make groups: x, y, z, vx, vy, vz.
+  if (std::ranges::all_of(npy.table.groups, [](const ColumnGroup& group) { return group.columns.size() == 1; })) {
+    npy.table.groups.clear();
+    group_by_names(npy.table);
+  }
+}
+
+void add_npy_columns(NpyParticleFile& npy) {
+  const auto number = npy_number(npy.header.descr);
+  if (!number || !number->type) refuse_npy_type(npy.header.descr);
+  const std::size_t count = static_cast<std::size_t>(npy.header.shape[1]);
+  for (std::size_t i = 0; i < count; ++i) {
+    add_tuple(npy.table, fmt::format("column {}", i + 1), std::string(number_name(*number->type)), 1);
+    npy.layout.fields.push_back({*number->type, npy.layout.bytes, number->endian});
+    npy.layout.bytes += number->bytes;
+  }
+  npy.table.position = {0, 1, 2};
+  if (count > 3) npy.notes.push_back(fmt::format("the first three of {} columns were taken as x, y and z", count));
+}
+
+NpyParticleFile open_npy_particles(const files::InputFile& file) {
+  NpyParticleFile npy;
+  npy.header = must(read_npy_header(file));
+  if (!are_rows(npy.header)) {
+    throw DamagedParticles(
+        fmt::format("expected an array of particles with a row each, N x 3 to N x {}, or a structured "
+                    "array with one axis, found shape ({}) of {}",
+                    kMostColumns, fmt::join(npy.header.shape, ", "), printable(npy.header.descr, 40)));
+  }
+  npy.particles = npy.header.shape[0];
+  if (npy.header.fields.empty()) {
+    add_npy_columns(npy);
+    npy.by_column = npy.header.fortran_order;
+  } else {
+    add_npy_fields(npy);
+  }
+  if (npy.layout.bytes == 0 || npy.layout.bytes > ContentReader::kMostPeeked) {
+    throw DamagedParticles(
+        fmt::format("expected records of 1 to {} bytes, found {}", ContentReader::kMostPeeked, npy.layout.bytes));
+  }
+  return npy;
+}
+
+void read_npy_columns(ContentReader& content, const NpyParticleFile& npy, std::span<const ColumnSink> sinks) {
+  for (std::size_t column = 0; column < npy.layout.fields.size(); ++column) {
+    RecordLayout one;
+    one.fields.resize(column + 1);
+    one.fields[column] = npy.layout.fields[column];
+    one.fields[column].offset = 0;
+    one.bytes = number_size(one.fields[column].type);
+    const auto first = std::ranges::lower_bound(sinks, column, {}, &ColumnSink::column);
+    const auto last = std::ranges::upper_bound(sinks, column, {}, &ColumnSink::column);
+    if (first == last) {
+      content.skip(npy.particles * one.bytes, "a column");
+    } else {
+      read_records(content, one, npy.particles, {first, last});
+    }
+  }
+}
+
+class NpyParticles final : public ParticleFormat {
+ public:
+  NpyParticles()
+      : ParticleFormat({.id = "npy",
+                        .title = "NumPy array, a row a particle, or structured",
+                        .extensions = {".npy"},
+                        .has_columns = true}) {}
+
+  // Arrays with more axes are volumes.
+  [[nodiscard]] bool probe(const FileStart& start) const override {
+    if (start.packed) return false;
+    const auto header = npy_header_in(start.bytes);
+    return header && are_rows(*header);
+  }
+
+  [[nodiscard]] ParticleInfo info(const files::InputFile& file, const ParticleReadOptions& options) const override {
+    const NpyParticleFile npy = open_npy_particles(file);
+    ParticleInfo info;
+    info.particles = npy.particles;
+    if (!options.columns) info.notes = npy.notes;
+    describe_table(npy.table, options, info);
+    return info;
+  }
+
+  [[nodiscard]] ParticleFile read(const files::InputFile& file, const ParticleReadOptions& options) const override {
+    NpyParticleFile npy = open_npy_particles(file);
+    const ColumnChoice choice = choose_columns(npy.table, options);
+    ContentReader content(file);
+    content.skip(npy.header.data_offset, "the header");
+    check_count(content, npy.particles, npy.layout.bytes);
+    ParticleFile result;
+    result.particles = make_particles(file.context(), file.name(), npy.particles, choice);
+    const auto sinks = sinks_of(result.particles, choice);
+    if (npy.by_column) {
+      read_npy_columns(content, npy, sinks);
+    } else {
+      read_records(content, npy.layout, npy.particles, sinks);
+    }
+    if (content.most_left() > 0) {
+      throw DamagedParticles(fmt::format("expected {} particles of {} bytes, found {} bytes more", npy.particles,
+                                         npy.layout.bytes, content.most_left()));
+    }
+    if (!options.columns) result.notes = std::move(npy.notes);
+    result.notes.insert(result.notes.end(), choice.notes.begin(), choice.notes.end());
+    return result;
+  }
+};
+
+}  // namespace
+
+const ParticleFormat& npy_particles() {
+  static const NpyParticles format;
+  return format;
+}
+
+}  // namespace isoextract::volumes

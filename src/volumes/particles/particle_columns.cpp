@@ -1,0 +1,315 @@
+#include "volumes/particles/particle_columns.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <numeric>
+#include <unordered_map>
+#include <unordered_set>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/checked.hpp"
+#include "base/printable.hpp"
+
+namespace isoextract::volumes {
+namespace {
+
+constexpr std::size_t kMostNamed = 100;  // columns or attributes that a message lists
+
+std::string column_list(const ParticleTable& table) {
+  std::string list;
+  for (std::size_t i = 0; i < table.columns.size() && i < kMostNamed; ++i) {
+    list += fmt::format("{}{}", i == 0 ? "" : ", ", printable(table.columns[i].name, 80));
+  }
+  if (table.columns.size() > kMostNamed) list += ", ...";
+  return list;
+}
+
+bool is_position(const ColumnGroup& group, const std::array<std::size_t, 3>& position) {
+  return std::ranges::all_of(group.columns,
+                             [&](std::size_t column) { return std::ranges::count(position, column) > 0; });
+}
+
+std::string attribute_list(const ParticleTable& table, const std::array<std::size_t, 3>& position) {
+  std::string list;
+  std::size_t named = 0;
+  for (const ColumnGroup& group : table.groups) {
+    if (!table.columns[group.columns.front()].numeric || is_position(group, position)) continue;
+    if (++named > kMostNamed) return list + ", ...";
+    list += fmt::format("{}{}", named == 1 ? "" : ", ", printable(group.name, 80));
+  }
+  return list;
+}
+
+std::optional<std::size_t> find_column(const ParticleTable& table, std::string_view name) {
+  for (std::size_t i = 0; i < table.columns.size(); ++i) {
+    if (table.columns[i].name == name) return i;
+  }
+  return std::nullopt;
+}
+
+// By its name, without regard to case where that finds nothing, or by its number.
+std::size_t named_column(const ParticleTable& table, const std::string& name) {
+  if (const auto found = find_column(table, name)) return *found;
+  for (std::size_t i = 0; i < table.columns.size(); ++i) {
+    if (lower_case(table.columns[i].name) == lower_case(name)) return i;
+  }
+  const bool digits = !name.empty() && name.size() < 9 && name.find_first_not_of("0123456789") == std::string::npos;
+  const std::size_t number = digits ? std::stoul(name) : 0;
+  if (number >= 1 && number <= table.columns.size()) return number - 1;
+  throw DamagedParticles(fmt::format("there is no column '{}'", printable(name, 80)),
+                         fmt::format("it has {}: {}", table.columns.size(), column_list(table)));
+}
+
+// The names of a position, the surest first.
+constexpr std::array<std::string_view, 13> kPositionNames{"x y z",    "position",    "positions",  "pos",    "points",
+                                                          "point",    "coordinates", "coordinate", "coords", "coord",
+                                                          "location", "centre",      "center"};
+
+std::array<std::size_t, 3> find_position(const ParticleTable& table, const ParticleReadOptions& options) {
+  if (options.columns) {
+    std::array<std::size_t, 3> position{};
+    std::ranges::transform(*options.columns, position.begin(),
+                           [&](const std::string& name) { return named_column(table, name); });
+    return position;
+  }
+  if (table.position) return *table.position;
+  for (const std::string_view name : kPositionNames) {
+    for (const ColumnGroup& group : table.groups) {
+      if (group.columns.size() != 3 || lower_case(group.name) != name) continue;
+      return {group.columns[0], group.columns[1], group.columns[2]};
+    }
+  }
+  std::array<std::size_t, 3> position{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto is_axis = [&](const ParticleColumn& column) {
+      return lower_case(column.name) == std::string_view("xyz").substr(axis, 1);
+    };
+    const auto found = std::ranges::find_if(table.columns, is_axis);
+    if (found == table.columns.end()) {
+      throw DamagedParticles(
+          fmt::format("expected columns x, y and z, found {}: {}", table.columns.size(), column_list(table)),
+          "say which columns are x, y and z");
+    }
+    position[axis] = static_cast<std::size_t>(found - table.columns.begin());
+  }
+  return position;
+}
+
+ColumnGroup named_attribute(const ParticleTable& table, const std::array<std::size_t, 3>& position,
+                            const std::string& name) {
+  for (const ColumnGroup& group : table.groups) {
+    if (group.name == name) return group;
+  }
+  if (const auto column = find_column(table, name)) return {name, {*column}};
+  throw DamagedParticles(fmt::format("there is no attribute '{}'", printable(name, 80)),
+                         "it has: " + attribute_list(table, position));
+}
+
+// "vx" -> "v" and 0; "Points:2" -> "Points" and 2. An empty stem is one of x, y and z alone.
+struct Component {
+  std::string_view stem;
+  std::size_t index;
+  bool is_letter;
+};
+std::optional<Component> component_of(std::string_view name) {
+  constexpr std::string_view kBetween = ":_.- ";
+  if (name.empty()) return std::nullopt;
+  std::string_view stem = name;
+  if (name.back() == ']') {
+    const std::size_t open = name.rfind('[');
+    if (open == 0 || open + 3 != name.size()) return std::nullopt;
+    stem = name.substr(0, open);
+    name.remove_suffix(1);
+  } else {
+    stem.remove_suffix(1);
+    if (!stem.empty() && kBetween.find(stem.back()) != std::string_view::npos) stem.remove_suffix(1);
+  }
+  const char last = name.back();
+  if (const std::size_t axis = std::string_view("xyzXYZ").find(last); axis != std::string_view::npos) {
+    return Component{stem, axis % 3, true};
+  }
+  if (last >= '0' && last <= '9' && !stem.empty()) return Component{stem, static_cast<std::size_t>(last - '0'), false};
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::string lower_case(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c + ('a' - 'A'));
+  }
+  return lower;
+}
+
+void add_tuple(ParticleTable& table, const std::string& name, const std::string& type, std::size_t components,
+               bool numeric) {
+  ColumnGroup group{name, {}};
+  for (std::size_t i = 0; i < components; ++i) {
+    group.columns.push_back(table.columns.size());
+    table.columns.push_back({components == 1 ? name : fmt::format("{}:{}", name, i), {}, type, numeric});
+  }
+  if (components > 0) table.groups.push_back(std::move(group));
+}
+
+void group_by_names(ParticleTable& table) {
+  const std::vector<ParticleColumn>& columns = table.columns;
+  for (std::size_t first = 0; first < columns.size();) {
+    const auto start = component_of(columns[first].name);
+    std::size_t count = 1;
+    const auto follows = [&] {
+      const std::size_t next = first + count;
+      if (next == columns.size() || columns[next].numeric != columns[first].numeric) return false;
+      const auto component = component_of(columns[next].name);
+      return component && component->stem == start->stem && component->index == count &&
+             component->is_letter == start->is_letter;
+    };
+    if (start && start->index == 0) {
+      while (count < 10 && follows()) ++count;
+    }
+    const bool together = count > 1 && (count == 3 || !start->is_letter);
+    if (!together) count = 1;
+    ColumnGroup group{columns[first].name, {}};
+    if (together) group.name = start->stem.empty() ? "x y z" : std::string(start->stem);
+    for (std::size_t i = 0; i < count; ++i) group.columns.push_back(first + i);
+    table.groups.push_back(std::move(group));
+    first += count;
+  }
+  make_group_names_unique(table);
+}
+
+void make_group_names_unique(ParticleTable& table) {
+  std::unordered_set<std::string> taken;
+  std::unordered_map<std::string, std::size_t> repeats;
+  for (ColumnGroup& group : table.groups) {
+    const std::string name = group.name;
+    while (!taken.insert(group.name).second) group.name = fmt::format("{}[{}]", name, ++repeats[name]);
+  }
+}
+
+NameAndUnit split_unit(std::string_view header) {
+  const char close = header.empty() ? ' ' : header.back();
+  const std::size_t open = close == ']' ? header.rfind('[') : close == ')' ? header.rfind('(') : std::string_view::npos;
+  if (open == std::string_view::npos || open == 0) return {std::string(header), {}};
+  const std::string_view unit = header.substr(open + 1, header.size() - open - 2);
+  // A number in brackets counts components.
+  if (unit.find_first_not_of("0123456789") == std::string_view::npos) return {std::string(header), {}};
+  std::string_view name = header.substr(0, open);
+  while (!name.empty() && name.back() == ' ') name.remove_suffix(1);
+  return {std::string(name), std::string(unit)};
+}
+
+ColumnChoice choose_columns(const ParticleTable& table, const ParticleReadOptions& options) {
+  ColumnChoice choice;
+  choice.position = find_position(table, options);
+  const auto& [x, y, z] = choice.position;
+  const auto& columns = table.columns;
+  if (columns[x].unit == columns[y].unit && columns[y].unit == columns[z].unit) choice.length_unit = columns[x].unit;
+  if (options.all_attributes) {
+    for (const ColumnGroup& group : table.groups) {
+      if (is_position(group, choice.position)) continue;
+      if (columns[group.columns.front()].numeric) {
+        choice.attributes.push_back(group);
+      } else {
+        choice.notes.push_back(fmt::format("'{}' is not made of numbers, and was left out", printable(group.name, 80)));
+      }
+    }
+  }
+  for (const std::string& name : options.attributes) {
+    ColumnGroup attribute = named_attribute(table, choice.position, name);
+    if (!columns[attribute.columns.front()].numeric) {
+      throw DamagedParticles(fmt::format("expected numbers as '{}', found {}", printable(name, 80),
+                                         columns[attribute.columns.front()].type),
+                             "attributes of numbers are: " + attribute_list(table, choice.position));
+    }
+    if (std::ranges::count(choice.attributes, attribute.name, &ColumnGroup::name) > 0) continue;
+    choice.attributes.push_back(std::move(attribute));
+  }
+  return choice;
+}
+
+void describe_table(const ParticleTable& table, const ParticleReadOptions& options, ParticleInfo& info) {
+  std::optional<ColumnChoice> choice;
+  try {
+    ParticleReadOptions positions;
+    positions.columns = options.columns;
+    choice = choose_columns(table, positions);
+    info.length_unit = choice->length_unit;
+  } catch (const DamagedParticles& why) {
+    if (options.columns) throw;
+    info.notes.emplace_back(why.what());
+  }
+  for (const ColumnGroup& group : table.groups) {
+    if (choice && is_position(group, choice->position)) continue;
+    const ParticleColumn& first = table.columns[group.columns.front()];
+    info.quantities.push_back({group.name, first.type, first.unit, group.columns.size(), first.numeric});
+  }
+}
+
+void check_count(const ContentReader& content, std::uint64_t count, std::uint64_t least_bytes) {
+  const auto least = checked_product(count, least_bytes);
+  if (least && *least <= content.most_left()) return;
+  throw DamagedParticles(fmt::format("{} particles need at least {} bytes, at most {} follow from byte {} on", count,
+                                     least ? std::to_string(*least) : "2^64", content.most_left(), content.position()));
+}
+
+points::ParticleSet make_particles(const Context& context, const std::string& label, std::uint64_t count,
+                                   const ColumnChoice& choice) {
+  const auto numbers =
+      std::accumulate(choice.attributes.begin(), choice.attributes.end(), std::uint64_t{0},
+                      [](std::uint64_t sum, const ColumnGroup& group) { return sum + group.columns.size(); });
+  const auto bytes = checked_product(count, sizeof(glm::dvec3) + numbers * sizeof(float));
+  points::ParticleSet set;
+  set.memory = must(context.reserve(bytes.value_or(~std::uint64_t{0}), fmt::format("{}: {} particles", label, count)));
+  set.label = label;
+  set.positions = Buffer<glm::dvec3>(count);
+  for (const ColumnGroup& group : choice.attributes) {
+    set.attributes.push_back({group.name, group.columns.size(), Buffer<float>(count * group.columns.size())});
+  }
+  return set;
+}
+
+std::vector<ColumnSink> sinks_of(points::ParticleSet& set, const ColumnChoice& choice) {
+  std::vector<ColumnSink> sinks;
+  if (set.size() == 0) return sinks;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    sinks.push_back({choice.position[axis], &set.positions[0][static_cast<glm::length_t>(axis)], nullptr, 3});
+  }
+  for (std::size_t a = 0; a < choice.attributes.size(); ++a) {
+    const std::vector<std::size_t>& columns = choice.attributes[a].columns;
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      sinks.push_back({columns[c], nullptr, set.attributes[a].values.data() + c, columns.size()});
+    }
+  }
+  std::ranges::stable_sort(sinks, {}, &ColumnSink::column);
+  return sinks;
+}
+
+void put_records(const RecordLayout& layout, const std::byte* records, std::size_t first, std::size_t count,
+                 std::span<const ColumnSink> sinks) {
+  for (const ColumnSink& sink : sinks) {
+    const RecordLayout::Field& field = layout.fields[sink.column];
+    for_each_number(field.type, field.endian, records + field.offset, layout.bytes, count,
+                    [&](std::size_t i, double value) { sink.put(first + i, value); });
+  }
+}
+
+void read_records(ContentReader& content, const RecordLayout& layout, std::uint64_t count,
+                  std::span<const ColumnSink> sinks) {
+  for (std::uint64_t done = 0; done < count;) {
+    const auto bytes = content.peek(layout.bytes);
+    const std::uint64_t at_hand = std::min<std::uint64_t>(count - done, bytes.size() / layout.bytes);
+    if (at_hand == 0) {
+      throw DamagedParticles(
+          fmt::format("expected {} particles of {} bytes, found {} before the end of the file at byte {}", count,
+                      layout.bytes, done, content.position() + bytes.size()));
+    }
+    put_records(layout, bytes.data(), static_cast<std::size_t>(done), static_cast<std::size_t>(at_hand), sinks);
+    content.advance(static_cast<std::size_t>(at_hand) * layout.bytes);
+    done += at_hand;
+  }
+}
+
+}  // namespace isoextract::volumes

@@ -1,0 +1,121 @@
+// The numbers of a particle as a file has them side by side, what belongs together, and where those that are wanted go.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "points/particle_set.hpp"
+#include "volumes/particles/content_reader.hpp"
+#include "volumes/particles/number_type.hpp"
+#include "volumes/particles/particle_source.hpp"
+
+namespace isoextract::volumes {
+
+inline constexpr std::size_t kMostColumns = 4096;
+
+// A to Z alone, whatever the locale.
+[[nodiscard]] std::string lower_case(std::string_view text);
+
+// One number, or word, of each particle.
+struct ParticleColumn {
+  std::string name;  // "vx"; of a part of a tuple "velocity:0"
+  std::string unit;
+  std::string type;
+  bool numeric = true;
+};
+
+// Columns that are one quantity, in the order of its components.
+struct ColumnGroup {
+  std::string name;
+  std::vector<std::size_t> columns;
+};
+
+struct ParticleTable {
+  std::vector<ParticleColumn> columns;
+  std::vector<ColumnGroup> groups;  // no two of one name; each column is in one
+  // Where the format itself says what the position is, and the options say nothing.
+  std::optional<std::array<std::size_t, 3>> position;
+};
+
+// Adds a column for each component, and the group of them.
+void add_tuple(ParticleTable& table, const std::string& name, const std::string& type, std::size_t components,
+               bool numeric = true);
+// Makes the groups of columns that only have names: those that follow each other and are named NAME:0, NAME:1, ... or
+// NAMEx, NAMEy, NAMEz belong together, with one of ": _ . -" or a space between or nothing, or the number in brackets.
+// NAME is the group's, "x y z" the one of the columns x, y and z.
+void group_by_names(ParticleTable& table);
+// Makes names of groups that are not the first of their kind NAME[1], NAME[2], ...
+void make_group_names_unique(ParticleTable& table);
+
+// "x [mm]" -> "x" and "mm"; also "x (mm)".
+struct NameAndUnit {
+  std::string name;
+  std::string unit;
+};
+[[nodiscard]] NameAndUnit split_unit(std::string_view header);
+
+// Which columns are wanted.
+struct ColumnChoice {
+  std::array<std::size_t, 3> position{};
+  std::vector<ColumnGroup> attributes;
+  std::string length_unit;
+  std::vector<std::string> notes;
+};
+
+// Throws DamagedParticles where there is no position, or no such column or attribute; the hint lists what there is.
+[[nodiscard]] ColumnChoice choose_columns(const ParticleTable& table, const ParticleReadOptions& options);
+
+// What is told of a table besides its position. Of one whose position cannot be found all columns, and a note of why.
+void describe_table(const ParticleTable& table, const ParticleReadOptions& options, ParticleInfo& info);
+
+// Throws DamagedParticles where `count` particles of at least `least_bytes` cannot be in what is left of the content.
+void check_count(const ContentReader& content, std::uint64_t count, std::uint64_t least_bytes);
+
+// A set without values; its memory is reserved before it is taken. `label` starts the message where that fails.
+[[nodiscard]] points::ParticleSet make_particles(const Context& context, const std::string& label, std::uint64_t count,
+                                                 const ColumnChoice& choice);
+
+// Where the values of one column go; either doubles or floats is null.
+struct ColumnSink {
+  std::size_t column = 0;
+  double* doubles = nullptr;
+  float* floats = nullptr;
+  std::size_t stride = 1;  // from one particle to the next
+
+  void put(std::size_t particle, double value) const {
+    if (doubles != nullptr) {
+      doubles[particle * stride] = value;
+    } else {
+      floats[particle * stride] = static_cast<float>(value);
+    }
+  }
+};
+// By column. They point into `set`, which is not to be moved from meanwhile.
+[[nodiscard]] std::vector<ColumnSink> sinks_of(points::ParticleSet& set, const ColumnChoice& choice);
+
+// Records of one size in a binary file, and where in them the columns are.
+struct RecordLayout {
+  struct Field {
+    NumberType type = NumberType::f32;
+    std::size_t offset = 0;
+    std::endian endian = std::endian::little;
+  };
+  std::size_t bytes = 0;      // at most ContentReader::kMostPeeked
+  std::vector<Field> fields;  // of each column
+};
+
+// The values of `count` records, the first of them at particle `first`.
+void put_records(const RecordLayout& layout, const std::byte* records, std::size_t first, std::size_t count,
+                 std::span<const ColumnSink> sinks);
+// Those of the next `count` records of the content.
+void read_records(ContentReader& content, const RecordLayout& layout, std::uint64_t count,
+                  std::span<const ColumnSink> sinks);
+
+}  // namespace isoextract::volumes

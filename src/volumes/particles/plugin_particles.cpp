@@ -1,0 +1,190 @@
+#include "volumes/particles/plugin_particles.hpp"
+
+#include <algorithm>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include <particle_plugin.h>
+#include "base/checked.hpp"
+#include "base/printable.hpp"
+#include "volumes/detail/file_start.hpp"
+#include "volumes/particles/particle_columns.hpp"
+
+namespace isoextract::volumes {
+namespace {
+
+using Plugin = isoextract_particle_plugin_v1;
+
+const PluginKind kParticlePlugins{"isoextract-particles-", "isoextract_particle_plugin",
+                                  ISOEXTRACT_PARTICLE_PLUGIN_VERSION};
+
+std::string plain_text(const char* text, std::size_t most) { return text == nullptr ? "" : printable(text, most); }
+
+class PluginParticles : public ParticleFormat {
+ public:
+  PluginParticles(ParticleFormatDescription described, PluginFolders folders)
+      : ParticleFormat(std::move(described)), library_(kParticlePlugins, about().id, std::move(folders)) {}
+
+  [[nodiscard]] ParticleInfo info(const files::InputFile& file, const ParticleReadOptions& options) const override {
+    const OpenedFile opened(*this, file, options);
+    ParticleInfo info;
+    info.frames = opened.value().frames;
+    info.particles = opened.value().particles;
+    info.frame_name = plain_text(opened.value().frame_name, 80);
+    describe_table(opened.table(), options, info);
+    info.length_unit = plain_text(opened.value().length_unit, 80);
+    return info;
+  }
+
+  [[nodiscard]] ParticleFile read(const files::InputFile& file, const ParticleReadOptions& options) const override {
+    const OpenedFile opened(*this, file, options);
+    if (!options.frame && opened.value().frames > 1) refuse_frame(options, opened.value().frames);
+    const ColumnChoice choice = choose_columns(opened.table(), options);
+    std::string label = file.name();
+    if (options.frame) label += fmt::format(", frame {}", *options.frame);
+    ParticleFile result;
+    result.particles = make_particles(file.context(), label, opened.value().particles, choice);
+    if (result.particles.size() > 0) opened.fill(result.particles, choice);
+    result.length_unit = plain_text(opened.value().length_unit, 80);
+    result.notes = choice.notes;
+    return result;
+  }
+
+ private:
+  // A file in the hands of the plug-in, and what it takes reserved meanwhile.
+  class OpenedFile {
+   public:
+    OpenedFile(const PluginParticles& format, const files::InputFile& file, const ParticleReadOptions& options)
+        : name_(file.name()), id_(format.about().id) {
+      if (files::is_standard_input(file.path())) {
+        throw DamagedParticles(fmt::format("plug-ins, such as the one for {}, read files by their paths", id_),
+                               "write the data to a file first");
+      }
+      plugin_ = static_cast<const Plugin*>(must(format.library_.opened(name_)));
+      const std::string what = name_ + ": what the plug-in takes to read it";
+      // How much that is shows afterwards; until then the file's own size, twice.
+      memory_ = must(
+          file.context().reserve(checked_product(file.size(), std::uint64_t{2}).value_or(~std::uint64_t{0}), what));
+      file.context().progress().begin("reading", 0);
+      if (plugin_->open(file.path().c_str(), wanted_frame(options), &file_) != 0) failed();
+      is_open_ = true;
+      try {
+        memory_.release();
+        memory_ = must(file.context().reserve(file_.held_bytes, what));
+        check(options);
+        make_table();
+      } catch (...) {
+        plugin_->close(&file_);
+        throw;
+      }
+    }
+    OpenedFile(const OpenedFile&) = delete;
+    OpenedFile& operator=(const OpenedFile&) = delete;
+    ~OpenedFile() {
+      if (is_open_) plugin_->close(&file_);
+    }
+
+    [[nodiscard]] const isoextract_particle_file& value() const { return file_; }
+    [[nodiscard]] const ParticleTable& table() const { return table_; }
+
+    void fill(points::ParticleSet& set, const ColumnChoice& choice) const {
+      static_assert(sizeof(glm::dvec3) == 3 * sizeof(double));
+      if (plugin_->positions(&file_, &set.positions[0].x) != 0) failed();
+      for (std::size_t a = 0; a < choice.attributes.size(); ++a) {
+        const std::size_t first = choice.attributes[a].columns.front();
+        const auto group = std::ranges::find_if(
+            table_.groups, [&](const ColumnGroup& g) { return g.columns == choice.attributes[a].columns; });
+        if (group == table_.groups.end()) {
+          throw DamagedParticles(fmt::format("expected the name of a whole attribute, found '{}'",
+                                             printable(table_.columns[first].name, 80)));
+        }
+        // The first group is the position.
+        const auto index = static_cast<std::size_t>(group - table_.groups.begin()) - 1;
+        if (plugin_->quantity(&file_, index, set.attributes[a].values.data()) != 0) failed();
+      }
+    }
+
+   private:
+    [[noreturn]] void failed() const {
+      const std::string text = plain_text(plugin_->error_text(), 400);
+      throw DamagedParticles(text.empty() ? "cannot be read" : text);
+    }
+
+    void check(const ParticleReadOptions& options) const {
+      const auto refused = [&](std::string_view what) {
+        throw DamagedParticles(fmt::format("the plug-in for {} gives {}", id_, what));
+      };
+      if (file_.quantities == nullptr && file_.quantity_count > 0) refused("a list of attributes that is not there");
+      if (file_.frames == 0) refused("a file without frames");
+      if (wanted_frame(options) >= file_.frames) refuse_frame(options, file_.frames);
+      std::uint64_t columns = 3;
+      for (std::size_t i = 0; i < file_.quantity_count; ++i) {
+        const std::uint64_t components = file_.quantities[i].components;
+        if (components == 0 || components > kMostColumns - columns) refused("an attribute of that many components");
+        columns += components;
+      }
+    }
+
+    void make_table() {
+      add_tuple(table_, "position", "number", 3);
+      table_.position = {0, 1, 2};
+      for (std::size_t i = 0; i < file_.quantity_count; ++i) {
+        const isoextract_particle_quantity& quantity = file_.quantities[i];
+        add_tuple(table_, quantity.name == nullptr ? "" : quantity.name, plain_text(quantity.type_name, 80),
+                  static_cast<std::size_t>(quantity.components), quantity.is_numeric != 0);
+      }
+      make_group_names_unique(table_);
+    }
+
+    std::string name_;
+    std::string id_;
+    const Plugin* plugin_ = nullptr;
+    Reservation memory_;
+    isoextract_particle_file file_{};
+    bool is_open_ = false;
+    ParticleTable table_;
+  };
+
+  PluginLibrary library_;
+};
+
+class VtkParticles final : public PluginParticles {
+ public:
+  explicit VtkParticles(PluginFolders folders)
+      : PluginParticles({.id = "vtk",
+                         .title = "VTK, legacy and XML: unstructured grids and poly data of points",
+                         .extensions = {".vtk", ".vtu", ".vtp"},
+                         .from_standard_input = false},
+                        std::move(folders)) {}
+
+  // Other kinds of data are volumes or tables.
+  [[nodiscard]] bool probe(const FileStart& start) const override {
+    if (start.packed) return false;
+    const std::string_view text(reinterpret_cast<const char*>(start.bytes.data()), start.bytes.size());
+    const auto has = [&](std::string_view part) { return text.find(part) != std::string_view::npos; };
+    if (text.starts_with("# vtk DataFile")) return has("DATASET UNSTRUCTURED_GRID") || has("DATASET POLYDATA");
+    return has("<VTKFile") && (has("\"UnstructuredGrid\"") || has("\"PolyData\""));
+  }
+};
+
+}  // namespace
+
+std::vector<std::unique_ptr<const ParticleFormat>> find_particle_plugins(const PluginFolders& folders) {
+  std::vector<std::unique_ptr<const ParticleFormat>> formats;
+  formats.push_back(std::make_unique<const VtkParticles>(folders));
+  for (PluginTable& table : find_plugin_tables(folders, kParticlePlugins.name_start)) {
+    if (table.id == formats.front()->about().id) continue;
+    formats.push_back(
+        std::make_unique<const PluginParticles>(ParticleFormatDescription{.id = std::move(table.id),
+                                                                          .title = std::move(table.title),
+                                                                          .extensions = std::move(table.extensions),
+                                                                          .has_frames = true,
+                                                                          .known_by_name = true,
+                                                                          .from_standard_input = false},
+                                                folders));
+  }
+  return formats;
+}
+
+}  // namespace isoextract::volumes

@@ -1,0 +1,17 @@
+// Formats of particles that plug-ins read (plugins/particle_plugin.h). The one of VTK is known without its plug-in, so
+// that its files can be told from others where that is missing.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "volumes/detail/plugin_library.hpp"
+#include "volumes/particles/particle_source.hpp"
+
+namespace isoextract::volumes {
+
+// VTK, and what the tables in the folders say. Besides the errors of all formats theirs are ErrorKind::unavailable
+// (PluginLibrary::opened).
+[[nodiscard]] std::vector<std::unique_ptr<const ParticleFormat>> find_particle_plugins(const PluginFolders& folders);
+
+}  // namespace isoextract::volumes

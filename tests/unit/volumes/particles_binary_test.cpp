@@ -1,0 +1,274 @@
+// PLY, BGEO and NPY: records, and arrays of numbers.
+#include "unit/volumes/particle_files.hpp"
+
+namespace isoextract::test {
+namespace {
+
+const std::vector<glm::dvec3> kThree{{1, 2, 3}, {4, 5, 6}, {7, 8, 9.5}};
+const std::vector<float> kVelocities{-0.0F, 0.5F, 0.25F, -3, 0.5F, 3.25F, -6, 0.5F, 6.25F};
+
+TEST(ParticlesPly, BinaryAndText) {
+  const std::string text_body = "1 2 3 200 0 0.5 0.25\n4 5 6 201 -3 0.5 3.25\n7 8 9.5 202 -6 0.5 6.25\n";
+  const ParticleInput little{"a.ply", ply_header("binary_little_endian") + ply_body(std::endian::little)};
+  const ParticleInput big{"a.ply", ply_header("binary_big_endian") + ply_body(std::endian::big)};
+  for (const ParticleInput& input : {little, big, ParticleInput{"a.ply", ply_header("ascii") + text_body},
+                                     ParticleInput{"named.otherwise", gzip(little.bytes)}}) {
+    const volumes::ParticleFile file = must_read_particles(input, with_attributes({"v", "kind", "vy"}));
+    EXPECT_EQ(file.format, "ply");
+    expect_positions(file.particles, kThree);
+    expect_attribute(file.particles, "v", 3, kVelocities);
+    expect_attribute(file.particles, "kind", 1, {200, 201, 202});
+    expect_attribute(file.particles, "vy", 1, {0.5F, 0.5F, 0.5F});
+    const volumes::ParticleInfo info = must_inform(input);
+    EXPECT_EQ(info.particles, 3U);
+    EXPECT_EQ(quantities_of(info), (std::vector<std::string>{"kind:1 u8", "v:3 f32"}));
+  }
+}
+
+TEST(ParticlesPly, OtherElementsAndListsArePassedOver) {
+  for (const std::endian endian : {std::endian::little, std::endian::big}) {
+    const std::string header = fmt::format(
+        "ply\nformat binary_{}_endian 1.0\nelement cell 2\nproperty list uchar int ids\nproperty short s\n"
+        "element box 2\nproperty double w\nelement vertex 2\nproperty float x\nproperty list ushort float near\n"
+        "property float y\nproperty float z\nelement face 0\nproperty list uchar int vertex_index\nend_header\n",
+        endian == std::endian::big ? "big" : "little");
+    std::string body =
+        pack(std::uint8_t{2}) + std::string(8, 'i') + "ss" + pack(std::uint8_t{0}) + "ss" + std::string(16, 'w');
+    for (const float f : {1.0F, 4.0F}) {
+      body += pack(f, endian) + pack(std::uint16_t{3}, endian) + std::string(12, 'n') + pack(f + 1, endian) +
+              pack(f + 2, endian);
+    }
+    const volumes::ParticleFile file = must_read_particles({"a.ply", header + body});
+    expect_positions(file.particles, {{1, 2, 3}, {4, 5, 6}});
+    ASSERT_EQ(file.notes.size(), 1U);
+    expect_in(file.notes.front(), "'near'");
+  }
+  const std::string text =
+      "ply\nformat ascii 1.0\nelement cell 1\nproperty int a\nelement vertex 2\nproperty list uchar int near\n"
+      "property float x\nproperty float y\nproperty float z\nend_header\n9\n3 7 8 9 1 2 3\n0 4 5 6\n";
+  expect_positions(must_read_particles({"a.ply", text}).particles, {{1, 2, 3}, {4, 5, 6}});
+}
+
+TEST(ParticlesPly, AMeshIsToldApart) {
+  const std::string mesh = ply_header("ascii", "element face 1\nproperty list uchar int vertex_index\n") + "1 2 3\n";
+  const Error error = particle_refusal({"a.ply", mesh});
+  expect_in(error.message, "expected particles, found a mesh: a PLY file with 1 faces");
+  EXPECT_FALSE(error.hint.empty());
+}
+
+TEST(ParticlesPly, WrongFilesAreRefused) {
+  const std::string body = ply_body(std::endian::little);
+  const auto without = [](std::string text, const std::string& part) {
+    return text.erase(text.find(part), part.size());
+  };
+  const std::string header = ply_header("binary_little_endian");
+  const struct {
+    std::string bytes;
+    const char* message;
+  } bad[]{
+      {header + body.substr(1), "3 particles need at least 87 bytes, at most 86 follow"},
+      {ply_header("binary_little_endian", {}, 4294967296) + body, "4294967296 particles need at least 124554051584"},
+      {ply_header("binary_little_endian", {}, 18446744073709551615U) + body, "need at least 2^64 bytes"},
+      {ply_header("binary_middle_endian") + body, "line 2: expected ascii, binary_little_endian or"},
+      {without(header, "format binary_little_endian 1.0\n") + body, "expected a line 'format ...'"},
+      {without(header, "property float x\n") + body, "expected columns x, y and z"},
+      {without(header, "end_header\n"), "expected 'end_header'"},
+      {without(header, "element vertex 3\n") + body, "expected an element before its properties"},
+      {"ply\nformat ascii 1.0\nelement vertex -1\n", "line 3: expected a number of elements, found '-1'"},
+      {"ply\nformat ascii 1.0\nelement vertex 1\nproperty quad x\n", "expected a type such as float"},
+      {"ply\nformat ascii 1.0\nelement vertex 1\nproperty float\n", "expected a type and a name of a property"},
+      {"ply\nformat ascii 1.0\nelement face 0\nend_header\n", "expected the element 'vertex'"},
+      {"ply\nformat ascii 1.0\nwhat is this\n", "line 3: expected format, element, property or comment"},
+      {ply_header("ascii") + "1 2 3 4 5 6 7\n1 x 3 4 5 6 7\n1 2 3 4 5 6 7\n",
+       "line 14: expected a number as 'y', found 'x'"},
+      {ply_header("ascii") + "1 2 3 4 5 6 7\n1 2 3 4 5 6\n1 2 3 4 5 6 7\n", "expected 7 values of a particle, not 6"}};
+  for (const auto& [bytes, message] : bad) {
+    SCOPED_TRACE(message);
+    expect_in(particle_refusal({"a.ply", bytes}).message, message);
+  }
+}
+
+TEST(ParticlesBgeo, OldOnes) {
+  for (const ParticleInput& input :
+       {ParticleInput{"a.bgeo", bgeo_classic()}, ParticleInput{"a.bgeo.gz", gzip(bgeo_classic())}}) {
+    const volumes::ParticleFile file = must_read_particles(input, with_all());
+    expect_positions(file.particles, kThree);
+    EXPECT_EQ(file.particles.attributes.size(), 2U);
+    expect_attribute(file.particles, "id", 1, {70, 71, 72});
+    expect_attribute(file.particles, "velocity", 3, kVelocities);
+    ASSERT_EQ(file.notes.size(), 1U);
+    expect_in(file.notes.front(), "'tag'");
+    const volumes::ParticleInfo info = must_inform(input);
+    EXPECT_EQ(info.format, "bgeo");
+    EXPECT_EQ(quantities_of(info), (std::vector<std::string>{"id:1 i32", "(tag:1 text)", "velocity:3 f32"}));
+  }
+}
+
+TEST(ParticlesBgeo, WrongOldOnesAreRefused) {
+  const std::string good = bgeo_classic();
+  const auto changed = [&](std::size_t at, std::int32_t value) {
+    std::string bytes = good;
+    put(bytes, at, value, std::endian::big);
+    return bytes;
+  };
+  std::string odd_type = good;
+  put(odd_type, 41 + 2 + 2 + 2, std::int32_t{2}, std::endian::big);
+  const struct {
+    std::string bytes;
+    const char* message;
+  } bad[]{{changed(5, 6), "expected BGEO version 5, found 6"},
+          {changed(9, -3), "expected the number of points before byte 13, found -3"},
+          {changed(9, 0x7fffffff), "2147483647 particles need at least 77309411292 bytes"},
+          {changed(25, 0x7fffffff), "particles need at least"},
+          {odd_type, "found type 2"},
+          {good.substr(0, good.size() - 3), "3 particles need at least 108 bytes, at most 107 follow"},
+          {good.substr(0, 30), "found 1"},
+          {"scf1" + good, "packed by blosc"},
+          {"hello", "not BGEO: expected 'BgeoV'"},
+          {gzip(good).substr(0, 100), "the gzip data is damaged or cut off"}};
+  for (const auto& [bytes, message] : bad) {
+    SCOPED_TRACE(message);
+    expect_in(particle_refusal({"a.bgeo", bytes}).message, message);
+  }
+}
+
+TEST(ParticlesBgeo, NewOnes) {
+  for (const std::string& bytes : {houdini_geometry(), houdini_geometry(std::endian::big), gzip(houdini_geometry())}) {
+    const volumes::ParticleFile file = must_read_particles({"a.bgeo", bytes}, with_all());
+    expect_positions(file.particles, kThree);
+    EXPECT_EQ(file.particles.attributes.size(), 3U);
+    expect_attribute(file.particles, "heat", 1, {5, 5, 6});
+    expect_attribute(file.particles, "v", 3, kVelocities);
+    expect_attribute(file.particles, "id", 1, {70, 71, 72});
+    ASSERT_EQ(file.notes.size(), 2U);
+    expect_in(file.notes[0], "'tag'");
+    expect_in(file.notes[1], "'odd'");
+    const volumes::ParticleInfo info = must_inform({"a.bgeo", bytes});
+    EXPECT_EQ(info.particles, 3U);
+    EXPECT_EQ(quantities_of(info), (std::vector<std::string>{"v:3 fpreal32", "heat:1 fpreal32", "id:1 int32",
+                                                             "(tag:1 text)", "(odd:1 hologram)"}));
+    expect_positions(must_read_particles({"a.bgeo", bytes}).particles, kThree);
+  }
+}
+
+TEST(ParticlesBgeo, WrongNewOnesAreRefused) {
+  const std::string good = houdini_geometry();
+  const auto replaced = [&](const std::string& from, const std::string& to) {
+    std::string bytes = good;
+    const std::size_t at = bytes.find(from);
+    if (at == std::string::npos) throw std::runtime_error("no " + from);
+    return bytes.replace(at, from.size(), to);
+  };
+  const struct {
+    std::string bytes;
+    const char* message;
+  } bad[]{{houdini_geometry(std::endian::little, 2), "expected the end of the data of pages"},
+          {houdini_geometry(std::endian::little, 4), "expected"},
+          {houdini_geometry(std::endian::little, 5), "expected more data of pages"},
+          {houdini_geometry(std::endian::little, -1), "expected the number of points, a whole number from 0"},
+          {replaced("pagesize\x13\2", std::string("pagesize\x13\0", 10)), "expected the size of pages before"},
+          {replaced("rawpagedata@\x19\xf2\x09", "rawpagedata@\x19\xf2\x08"), "expected"},
+          {replaced("rawpagedata@\x19", "rawpagedata@\x55"), "expected a type of the elements of an array"},
+          {replaced("\x27\1P", "\x27\1Q"), "expected the attribute P of points, found none"},
+          {good.substr(0, good.size() / 2), "expected"}};
+  for (const auto& [bytes, message] : bad) {
+    SCOPED_TRACE(message);
+    expect_in(particle_refusal({"a.bgeo", bytes}).message, message);
+  }
+}
+
+TEST(ParticlesNpy, RowsOfBothOrders) {
+  for (const std::endian endian : {std::endian::little, std::endian::big}) {
+    std::string rows;
+    std::string columns;
+    for (const glm::dvec3& p : kThree)
+      rows += pack(p.x, endian) + pack(p.y, endian) + pack(p.z, endian) + pack(-p.x, endian);
+    for (int axis = 0; axis < 4; ++axis) {
+      for (const glm::dvec3& p : kThree) columns += pack(axis == 3 ? -p.x : p[axis], endian);
+    }
+    const std::string descr = endian == std::endian::big ? "'>f8'" : "'<f8'";
+    for (const std::string& bytes : {npy_bytes(descr, "(3, 4)", rows), npy_bytes(descr, "(3, 4)", columns, true)}) {
+      const volumes::ParticleFile file = must_read_particles({"a.npy", bytes}, with_attributes({"column 4"}));
+      expect_positions(file.particles, kThree);
+      expect_attribute(file.particles, "column 4", 1, {-1, -4, -7});
+      ASSERT_EQ(file.notes.size(), 1U);
+      expect_in(file.notes.front(), "the first three of 4 columns");
+      volumes::ParticleReadOptions options;
+      options.columns = {"4", "3", "2"};
+      const volumes::ParticleFile turned = must_read_particles({"a.npy", bytes}, options);
+      expect_positions(turned.particles, {{-1, 3, 2}, {-4, 6, 5}, {-7, 9.5, 8}});
+      EXPECT_TRUE(turned.notes.empty());
+    }
+  }
+}
+
+TEST(ParticlesNpy, AllTypesOfNumbers) {
+  const auto read = [](const std::string& descr, const std::string& data) {
+    return must_read_particles({"a.npy", npy_bytes("'" + descr + "'", "(1, 3)", data)}).particles.positions[0];
+  };
+  const auto data = []<class T>(T) { return pack(T(1)) + pack(T(2)) + pack(static_cast<T>(100)); };
+  EXPECT_EQ(read("|u1", data(std::uint8_t{})), glm::dvec3(1, 2, 100));
+  EXPECT_EQ(read("|i1", pack(std::int8_t{-1}) + pack(std::int8_t{2}) + pack(std::int8_t{-100})),
+            glm::dvec3(-1, 2, -100));
+  EXPECT_EQ(read("<u2", data(std::uint16_t{})), glm::dvec3(1, 2, 100));
+  EXPECT_EQ(read("<i4", data(std::int32_t{})), glm::dvec3(1, 2, 100));
+  EXPECT_EQ(read("<u8", data(std::uint64_t{})), glm::dvec3(1, 2, 100));
+  EXPECT_EQ(read("<i8", pack(std::int64_t{-1}) + pack(std::int64_t{2}) + pack(std::int64_t{1} << 40)),
+            glm::dvec3(-1, 2, 1099511627776.0));
+  EXPECT_EQ(read("<f2", pack(field::Half(1.5F)) + pack(field::Half(-2.0F)) + pack(field::Half(0.25F))),
+            glm::dvec3(1.5, -2, 0.25));
+  EXPECT_EQ(read("<f4", data(float{})), glm::dvec3(1, 2, 100));
+}
+
+TEST(ParticlesNpy, StructuredArrays) {
+  std::string tuples;
+  std::string singles;
+  for (int i = 0; i < 3; ++i) {
+    const glm::dvec3& p = kThree[static_cast<std::size_t>(i)];
+    const std::size_t at = 3 * static_cast<std::size_t>(i);
+    const std::string velocity = pack(kVelocities[at]) + pack(kVelocities[at + 1]) + pack(kVelocities[at + 2]);
+    tuples += pack(std::int64_t{70 + i}) + "name" + pack(p.x) + pack(p.y) + pack(p.z) + velocity;
+    singles += pack(p.x) + pack(p.y) + pack(p.z, std::endian::big) + velocity;
+  }
+  const ParticleInput first{
+      "a.npy", npy_bytes("[('id', '<i8'), ('tag', '|S4'), ('pos', '<f8', (3,)), ('v', '<f4', (3,))]", "(3,)", tuples)};
+  const volumes::ParticleFile file = must_read_particles(first, with_all());
+  expect_positions(file.particles, kThree);
+  EXPECT_EQ(file.particles.attributes.size(), 2U);
+  expect_attribute(file.particles, "id", 1, {70, 71, 72});
+  expect_attribute(file.particles, "v", 3, kVelocities);
+  EXPECT_EQ(quantities_of(must_inform(first)), (std::vector<std::string>{"id:1 i64", "(tag:1 |S4)", "v:3 f32"}));
+  const ParticleInput second{"a.npy",
+                             npy_bytes("[('x', '<f8'), ('y', '<f8'), ('z', '>f8'), ('vx', '<f4'), ('vy', '<f4'), "
+                                       "('vz', '<f4')]",
+                                       "(3,)", singles)};
+  const volumes::ParticleFile flat = must_read_particles(second, with_attributes({"v"}));
+  expect_positions(flat.particles, kThree);
+  expect_attribute(flat.particles, "v", 3, kVelocities);
+}
+
+TEST(ParticlesNpy, WrongArraysAreRefused) {
+  const std::string data(72, '\0');
+  const struct {
+    std::string bytes;
+    const char* message;
+  } bad[]{{npy_bytes("'<f8'", "(3, 3)", data.substr(1)), "3 particles need at least 72 bytes, at most 71 follow"},
+          {npy_bytes("'<f8'", "(3, 3)", data + "x"), "found 1 bytes more"},
+          {npy_bytes("'<f8'", "(4294967296, 3)", data), "4294967296 particles need at least"},
+          {npy_bytes("'<f8'", "(18446744073709551615, 3)", data), "need at least 2^64 bytes"},
+          {npy_bytes("'<f8'", "(3, 2)", data), "expected an array of particles"},
+          {npy_bytes("'<f8'", "(3, 3, 1)", data), "found shape (3, 3, 1)"},
+          {npy_bytes("'<f8'", "(3, 100000)", data), "expected an array of particles"},
+          {npy_bytes("'|O'", "(3, 3)", data), "expected numbers, found the type |O"},
+          {npy_bytes("[('x', '|O')]", "(3,)", data), "expected numbers, found the type |O"},
+          {npy_bytes("[('x', '<f8', (99999999999,))]", "(3,)", data), "expected a smaller field 'x'"},
+          {npy_bytes("[('x', '<f8')]", "(9,)", data), "expected columns x, y and z"},
+          {npy_bytes("[('x', [('y', '<f8')])]", "(9,)", data), "found shape (9) of a structure"}};
+  for (const auto& [bytes, message] : bad) {
+    SCOPED_TRACE(message);
+    expect_in(particle_refusal({"a.npy", bytes}).message, message);
+  }
+}
+
+}  // namespace
+}  // namespace isoextract::test
