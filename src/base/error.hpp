@@ -72,6 +72,13 @@ enum class Remedy {
   report_gpu,            // what the GPU did is a fault of it or of ours; the CPU backend needs none
   choose_volume,         // text: the numbers that the file's volumes have
   leave_out_volume,      // there is one volume in the file
+  read_as_particles,     // rows of an array that is no volume may be particles
+  leave_out_particles,   // options of particles do nothing for a volume
+  choose_frame,          // of several in a file of particles
+  leave_out_volumes,     // options of volumes do nothing for particles
+  choose_radius,         // the particles do not tell how large they are
+  skip_particles,        // those at places that are no numbers can be left out
+  fewer_attributes,      // of particles, for vertices
 };
 
 struct Hint {

@@ -59,6 +59,15 @@ std::string words_of(const Hint& hint) {
       return "put what tells them apart into the name after -o: {frame:04} or {}, {stem}, {grid}, {iso}; or write "
              "all frames into one .glb with --animate";
     case Remedy::report_gpu: return "please report it with 'isoextract devices'; --backend cpu needs no GPU";
+    case Remedy::read_as_particles:
+      return "--particles METHOD takes the rows of an array for particles, such as --particles sph";
+    case Remedy::leave_out_particles: return "leave out the options of particles: 'isoextract help particles' lists them";
+    case Remedy::leave_out_volumes:
+      return "leave out --grid, --dims, --dtype, --endian, --skip, --spacing, --origin and --inside";
+    case Remedy::choose_frame: return "choose one of them with --volume K, or take each of them with --volume all";
+    case Remedy::choose_radius: return "give --radius R, in the units of the file";
+    case Remedy::skip_particles: return "use --nan outside to leave such particles out";
+    case Remedy::fewer_attributes: return "leave --attribute out for it";
   }
   return text;
 }

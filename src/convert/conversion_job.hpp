@@ -17,6 +17,7 @@
 #include "extract/extractor.hpp"
 #include "field/interpolant.hpp"
 #include "meshes/mesh_writer.hpp"
+#include "points/method.hpp"
 #include "volumes/volume_reader.hpp"
 
 namespace isoextract::convert {
@@ -45,10 +46,29 @@ struct SimplifyBound {
   friend bool operator==(const SimplifyBound&, const SimplifyBound&) = default;
 };
 
+// How particles become the field that is extracted, and what of them its vertices carry. A volume needs none of it.
+struct ParticleOptions {
+  // The input is of particles: one that could be either is read so, and a volume is refused. Otherwise its content
+  // decides.
+  bool expected = false;
+  points::Method method = points::Method::sph;
+  std::optional<double> radius;     // of a particle, world units; else by the distances of the particles
+  std::optional<double> cell_size;  // spacing of the samples, in radii; else that of the method
+  double smoothing_length = 2;      // sph, anisotropic: in radii
+  double weight = 0.1;              // weight: what a particle adds
+  points::Deposit deposit = points::Deposit::trilinear;
+  points::BadParticles bad = points::BadParticles::error;
+  std::optional<std::array<std::string, 3>> columns;  // x, y and z: names, or numbers counted from 1
+  std::vector<std::string> attributes;                // that become attributes of the vertices
+
+  friend bool operator==(const ParticleOptions&, const ParticleOptions&) = default;
+};
+
 // What is read, what of it is wanted, and where it goes.
 struct SourceOptions {
-  std::string input;  // a path, "-" for standard input, or demo:NAME
-  volumes::ReadOptions read;
+  std::string input;          // a path, "-" for standard input, or demo:NAME
+  volumes::ReadOptions read;  // of particles its format, and its volume as the number of a frame
+  ParticleOptions particles;
   std::optional<glm::ivec3> resolution;  // of the grid to extract from, in place of the input's own samples
   std::optional<field::Box> roi;         // in the coordinates of placement.space
   Placement placement;

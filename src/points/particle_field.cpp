@@ -47,7 +47,7 @@ Result<GridFrame> index_frame(const ParticleSet& particles, const ParticleBounds
     return fail(ErrorKind::input,
                 fmt::format("{}: particles as far from 0 as {} cannot be told apart at a spacing of {}",
                             particles.label, farthest, spacing),
-                Remedy::place_nearer);
+                Hint("positions nearer to 0 would do"));
   }
   return GridFrame{glm::round(centre / (kBrickSide * spacing)) * (kBrickSide * spacing), spacing};
 }
@@ -65,7 +65,8 @@ Result<void> settle_lengths(const ParticleSet& particles, const FieldOptions& op
       return fail(ErrorKind::input,
                   fmt::format("{}: expected particles at two places at least, to take their radius from, or a radius; "
                               "found {} at one place",
-                              particles.label, statistics->bounds.finite));
+                              particles.label, statistics->bounds.finite),
+                  Remedy::choose_radius);
     }
     figures.radius = *radius;
     figures.radius_suggested = true;
@@ -155,7 +156,8 @@ Result<ParticleField> make_field(const ParticleSet& particles, const FieldOption
   if (bounds.first_broken && options.bad == BadParticles::error) {
     const glm::dvec3& p = positions[*bounds.first_broken];
     return fail(ErrorKind::input, fmt::format("{}: expected finite positions, found ({}, {}, {}) at particle {}",
-                                              particles.label, p.x, p.y, p.z, *bounds.first_broken));
+                                              particles.label, p.x, p.y, p.z, *bounds.first_broken),
+                Remedy::skip_particles);
   }
   ParticleField result;
   FieldFigures& figures = result.figures;

@@ -122,7 +122,7 @@ void refuse_frame(const ParticleReadOptions& options, std::uint64_t frames) {
   const std::string there_are = frames == 1
                                     ? "there is one frame in the file, 0"
                                     : fmt::format("there are {} frames in the file, from 0 to {}", frames, frames - 1);
-  if (!options.frame) throw DamagedParticles(there_are, "choose one of them");
+  if (!options.frame) throw DamagedParticles(there_are, Remedy::choose_frame);
   throw DamagedParticles(fmt::format("there is no frame {}", *options.frame), there_are);
 }
 

@@ -12,6 +12,11 @@
 
 namespace isoextract::volumes {
 
+// Whether an input is a volume beyond doubt: demo:NAME, of the format or the raw layout that `options` name, or by its
+// content. An array of numbers in rows may be one of particles all the same. Reads the beginning of the file.
+[[nodiscard]] Result<bool> is_surely_volume(const std::string& input, const ReadOptions& options,
+                                            const Context& context = Context());
+
 // `input` is a path, "-" for standard input (files::InputFile tells how it is kept) or demo:NAME. Never reads samples.
 [[nodiscard]] Result<std::vector<GridInfo>> list_grids(const std::string& input, const ReadOptions& options,
                                                        const Context& context = Context());

@@ -3,6 +3,8 @@
 // else.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <concepts>
 #include <cstdint>
@@ -33,8 +35,8 @@ concept JsonValue = std::same_as<T, bool> || std::same_as<T, double> || std::sam
     std::same_as<T, std::int64_t> || std::same_as<T, std::string>;
 
 template <class T>
-concept JobStructure = std::same_as<T, volumes::RawLayout> || std::same_as<T, SimplifyBound> ||
-    std::same_as<T, OutputFileJob> || std::same_as<T, ConversionJob>;
+concept JobStructure = std::same_as<T, volumes::RawLayout> || std::same_as<T, ParticleOptions> ||
+    std::same_as<T, SimplifyBound> || std::same_as<T, OutputFileJob> || std::same_as<T, ConversionJob>;
 
 class JobJson {
  public:
@@ -102,6 +104,14 @@ class JobJson {
     for (std::size_t axis = 0; fits && axis < 3; ++axis) fits = json[axis].is_number();
     if (!fits) return "three numbers";
     target = {json[0].get<double>(), json[1].get<double>(), json[2].get<double>()};
+    return {};
+  }
+
+  static Json encode(const std::array<std::string, 3>& texts) { return texts; }
+  static Expected decode(const Json& json, std::array<std::string, 3>& target) {
+    const auto is_text = [](const Json& value) { return value.is_string(); };
+    if (!json.is_array() || json.size() != 3 || !std::all_of(json.begin(), json.end(), is_text)) return "three texts";
+    target = json.get<std::array<std::string, 3>>();
     return {};
   }
 
@@ -209,6 +219,17 @@ class JobJson {
       each("dtype", value.type);
       each("endian", value.endian);
       each("skip", value.skip);
+    } else if constexpr (std::same_as<Structure, ParticleOptions>) {
+      each("expected", value.expected);
+      each("method", value.method);
+      each("radius", value.radius);
+      each("cell_size", value.cell_size);
+      each("smoothing_length", value.smoothing_length);
+      each("weight", value.weight);
+      each("deposit", value.deposit);
+      each("not_finite", value.bad);
+      each("columns", value.columns);
+      each("attributes", value.attributes);
     } else if constexpr (std::same_as<Structure, SimplifyBound>) {
       each("distance", value.distance);
       each("in_world_units", value.in_world_units);
@@ -230,6 +251,7 @@ class JobJson {
     each("spacing", job.source.read.spacing);
     each("origin", job.source.read.origin);
     each("inside", job.source.read.kind);
+    each("particles", job.source.particles);
     each("resolution", job.source.resolution);
     each("roi", job.source.roi);
     each("space", job.source.placement.space);

@@ -9,6 +9,7 @@
 #include "base/printable.hpp"
 #include "files/file_bytes.hpp"
 #include "volumes/detail/formats.hpp"
+#include "volumes/volume_reader.hpp"
 
 namespace isoextract::volumes {
 namespace {
@@ -62,6 +63,14 @@ Result<DetectedFormat> chosen_format(const std::string& input, const std::string
   return DetectedFormat{format, {}};
 }
 
+Result<const VolumeFormat*> known_by_content(const files::InputFile& file, std::span<const std::byte> content) {
+  std::byte start[2] = {};
+  if (file.size() >= sizeof start) {
+    if (auto read = file.read_at(0, start); !read) return tl::unexpected(read.error());
+  }
+  return format_by_content({file.path(), content, files::is_gzip(start)});
+}
+
 }  // namespace
 
 Result<DetectedFormat> detect_format(const std::string& input, const ReadOptions& options, const Context& context) {
@@ -69,13 +78,11 @@ Result<DetectedFormat> detect_format(const std::string& input, const ReadOptions
   const auto file = files::InputFile::open(input, context);
   if (!file) return tl::unexpected(file.error());
   if (options.format) return chosen_format(file->name(), *options.format);
-  std::byte start[2] = {};
-  if (file->size() >= sizeof start) {
-    if (auto read = file->read_at(0, start); !read) return tl::unexpected(read.error());
-  }
   const auto content = files::first_bytes(*file, kStartBytes);
   if (!content) return tl::unexpected(content.error());
-  const VolumeFormat* by_content = format_by_content({file->path(), *content, files::is_gzip(start)});
+  const auto known = known_by_content(*file, *content);
+  if (!known) return tl::unexpected(known.error());
+  const VolumeFormat* by_content = *known;
   const VolumeFormat* by_extension = format_by_extension(file->path());
   if (by_content != nullptr) {
     DetectedFormat detected{by_content, {}};
@@ -89,6 +96,18 @@ Result<DetectedFormat> detect_format(const std::string& input, const ReadOptions
   // The reader of that format says what is wrong with the content.
   if (by_extension != nullptr) return DetectedFormat{by_extension, {}};
   return fail_unknown(*file, *content);
+}
+
+Result<bool> is_surely_volume(const std::string& input, const ReadOptions& options, const Context& context) {
+  if (format_by_prefix(input) != nullptr || options.raw) return true;
+  if (options.format) return find_volume_format(*options.format) != nullptr;
+  const auto file = files::InputFile::open(input, context);
+  if (!file) return tl::unexpected(file.error());
+  const auto content = files::first_bytes(*file, kStartBytes);
+  if (!content) return tl::unexpected(content.error());
+  const auto known = known_by_content(*file, *content);
+  if (!known) return tl::unexpected(known.error());
+  return *known != nullptr;
 }
 
 }  // namespace isoextract::volumes

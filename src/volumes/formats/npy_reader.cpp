@@ -62,7 +62,8 @@ Result<DenseFile> open_npy(const files::InputFile& file) {
   if (kept != 3 && kept != 4) {
     return fail(ErrorKind::input,
                 fmt::format("{}: expected an array with 3 axes [z, y, x], or 4 [t, z, y, x], found shape ({})",
-                            file.name(), fmt::join(header->shape, ", ")));
+                            file.name(), fmt::join(header->shape, ", ")),
+                kept <= 2 ? Hint(Remedy::read_as_particles) : Hint());
   }
   if (axes > kept) dense.notes.push_back(fmt::format("{} leading axes of length 1 were dropped", axes - kept));
   if (kept == 4) {

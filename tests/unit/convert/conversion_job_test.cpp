@@ -1,6 +1,7 @@
 #include "convert/conversion_job.hpp"
 
 #include <algorithm>
+#include <array>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -19,6 +20,16 @@ ConversionJob full_job() {
   job.source.read.spacing = glm::dvec3(0.1, 1e-300, 3);
   job.source.read.origin = glm::dvec3(-1, 2, 0.30000000000000004);
   job.source.read.kind = field::FieldKind::level_set;
+  job.source.particles = {.expected = true,
+                          .method = points::Method::anisotropic,
+                          .radius = 0.025,
+                          .cell_size = 0.5,
+                          .smoothing_length = 1.2,
+                          .weight = 0.3,
+                          .deposit = points::Deposit::nearest,
+                          .bad = points::BadParticles::skip,
+                          .columns = std::array<std::string, 3>{"x", "2", "z"},
+                          .attributes = {"density", "velocity"}};
   job.source.resolution = glm::ivec3(10, 20, 30);
   job.source.roi = field::Box{{-1, -2, -3}, {1, 2, 3}};
   job.source.placement = {Space::index, UpAxis::y, true, 0.001, "mm"};
@@ -72,6 +83,20 @@ TEST(ConversionJob, EveryMemberCounts) {
   EXPECT_EQ(full.size(), plain.size());
 }
 
+TEST(ConversionJob, EveryMemberOfParticlesCounts) {
+  const Json full = json_of(full_job())["particles"];
+  std::set<std::string> hashes{hash_of(ConversionJob{})};
+  for (const auto& [name, value] : full.items()) {
+    Json changed = json_of(ConversionJob{});
+    changed["particles"][name] = value;
+    const auto job = job_of(changed);
+    ASSERT_TRUE(job) << name << ": " << job.error().message;
+    EXPECT_NE(*job, ConversionJob{}) << name;
+    EXPECT_TRUE(hashes.insert(hash_of(*job)).second) << name;
+  }
+  EXPECT_EQ(full.size(), json_of(ConversionJob{})["particles"].size());
+}
+
 TEST(ConversionJob, HashesAreTheSameEverywhere) {
   EXPECT_EQ(hash_of(full_job()), hash_of(full_job()));
   EXPECT_EQ(hash_of(full_job()).size(), 32U);
@@ -95,6 +120,8 @@ TEST(ConversionJob, RefusesWhatItDoesNotUnderstand) {
   EXPECT_NE(refusal(R"({"resolution": [1, 2, 3000000000]})").find("three whole numbers"), std::string::npos);
   EXPECT_NE(refusal(R"({"outputs": [{"path": "a", "iso": ["0"]}]})").find("'outputs'"), std::string::npos);
   EXPECT_NE(refusal(R"({"gpu_memory": -1})").find("whole number from 0 on"), std::string::npos);
+  EXPECT_NE(refusal(R"({"particles": {"method": "spline"}})").find("one of weight, sph, anisotropic"), std::string::npos);
+  EXPECT_NE(refusal(R"({"particles": {"columns": ["x", "y"]}})").find("three texts, or null"), std::string::npos);
   EXPECT_NE(refusal(R"([1])").find("an object"), std::string::npos);
 }
 

@@ -1,0 +1,163 @@
+#include "convert/particle_source.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <span>
+#include <utility>
+
+#include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include "base/printable.hpp"
+#include "base/reserved_buffer.hpp"
+#include "files/file_bytes.hpp"
+
+namespace isoextract::convert {
+namespace {
+
+// What is said of a volume and means nothing of particles.
+Result<void> check_no_volume_options(const SourceOptions& options) {
+  const volumes::ReadOptions& read = options.read;
+  if (!read.grid && !read.raw && !read.spacing && !read.origin && !read.kind) return {};
+  return fail(ErrorKind::usage,
+              fmt::format("{}: this is read as particles, which have no grid, layout, spacing, origin or inside to be "
+                          "chosen",
+                          files::shown_input_name(options.input)),
+              Remedy::leave_out_volumes);
+}
+
+tl::unexpected<Error> refuse_volume(const SourceOptions& options) {
+  return fail(
+      ErrorKind::usage,
+      fmt::format("{}: this is a volume, and options of particles were given", files::shown_input_name(options.input)),
+      Remedy::leave_out_particles);
+}
+
+bool is_particle_format(const std::string& id) {
+  const auto formats = volumes::particle_format_descriptions();
+  return std::ranges::find(formats, id, &volumes::ParticleFormatDescription::id) != formats.end();
+}
+
+// The vertices where the particles are.
+Result<ReservedBuffer<glm::dvec3>> world_positions(const AttributeSource& source, const mesh::Mesh& mesh,
+                                                   const Context& context) {
+  auto places = make_reserved_buffer<glm::dvec3>(mesh.positions.size(), context, "places of vertices");
+  if (!places) return tl::unexpected(std::move(places.error()));
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.positions.size(), 4096), [&](const auto& range) {
+    for (std::size_t v = range.begin(); v < range.end(); ++v) {
+      (*places)->values[v] = source.world_from_output(mesh.position(v));
+    }
+  });
+  return std::move(**places);
+}
+
+}  // namespace
+
+Result<bool> is_particles(const SourceOptions& options, const Context& context) {
+  const volumes::ParticleReadOptions read = particle_read_options(options);
+  const bool named_both_ways =  // such as npy
+      options.read.format && is_particle_format(*options.read.format);
+  auto volume = volumes::is_surely_volume(options.input, options.read, context);
+  if (!volume) return tl::unexpected(std::move(volume.error()));
+  if (!options.particles.expected && *volume) return false;
+  bool particles = named_both_ways;
+  if (!options.read.format && (!*volume || options.particles.expected)) {
+    if (options.input.starts_with("demo:") || options.read.raw) return refuse_volume(options);
+    auto detected = volumes::detect_particles(options.input, read, context);
+    if (!detected) return tl::unexpected(std::move(detected.error()));
+    particles = detected->has_value();
+  }
+  if (options.particles.expected) {
+    if (*volume && !particles) return refuse_volume(options);
+    particles = true;  // what it is not, its reader says best
+  }
+  if (!particles) return false;
+  if (auto fine = check_no_volume_options(options); !fine) return tl::unexpected(std::move(fine.error()));
+  return true;
+}
+
+Result<std::vector<std::filesystem::path>> list_source_files(const SourceOptions& options, const Context& context) {
+  const auto particles = is_particles(options, context);
+  if (!particles) return tl::unexpected(particles.error());
+  if (*particles) return std::vector<std::filesystem::path>{options.input};
+  return volumes::list_input_files(options.input, options.read, context);
+}
+
+Result<std::uint64_t> count_frames(const SourceOptions& options, const Context& context) {
+  const auto particles = is_particles(options, context);
+  if (!particles) return tl::unexpected(particles.error());
+  if (!*particles) return volumes::count_volumes(options.input, options.read, context);
+  volumes::ParticleReadOptions read = particle_read_options(options);
+  read.frame.reset();
+  const auto info = volumes::particle_info(options.input, read, context);
+  if (!info) return tl::unexpected(info.error());
+  return info->frames;
+}
+
+volumes::ParticleReadOptions particle_read_options(const SourceOptions& options) {
+  volumes::ParticleReadOptions read;
+  read.format = options.read.format;
+  read.frame = options.read.volume;
+  read.attributes = options.particles.attributes;
+  read.columns = options.particles.columns;
+  return read;
+}
+
+points::FieldOptions field_options(const ParticleOptions& options, std::optional<double> only_iso) {
+  points::FieldOptions field;
+  field.method = options.method;
+  field.radius = options.radius;
+  field.cell_size = options.cell_size;
+  field.smoothing_length = options.smoothing_length;
+  field.weight = options.weight;
+  field.deposit = options.deposit;
+  field.bad = options.bad;
+  field.leave_out_inside = only_iso;
+  return field;
+}
+
+Result<std::vector<std::size_t>> find_attributes(const points::ParticleSet& particles,
+                                                 const std::vector<std::string>& names) {
+  std::vector<std::size_t> found;
+  for (const std::string& name : names) {
+    const auto at = std::ranges::find(particles.attributes, name, &points::ParticleAttribute::name);
+    if (at == particles.attributes.end()) {
+      return fail(ErrorKind::input, fmt::format("{}: expected an attribute '{}', found none of that name",
+                                                particles.label, printable(name)));
+    }
+    if (at->components > mesh::kMaxComponents) {
+      return fail(ErrorKind::input,
+                  fmt::format("{}: expected attributes of at most {} components, which a vertex can carry; '{}' has {}",
+                              particles.label, mesh::kMaxComponents, printable(name), at->components),
+                  Remedy::fewer_attributes);
+    }
+    found.push_back(static_cast<std::size_t>(at - particles.attributes.begin()));
+  }
+  return found;
+}
+
+Result<std::uint64_t> add_attributes(const AttributeSource& source, mesh::Mesh& mesh, const Context& context) {
+  const auto places = world_positions(source, mesh, context);
+  if (!places) return tl::unexpected(places.error());
+  auto sampled = points::sample_attributes(source.particles, source.attributes, places->values.span(), source.radius,
+                                           source.smoothing_length, context);
+  if (!sampled) return tl::unexpected(std::move(sampled.error()));
+  std::uint64_t bytes = 0;
+  for (const points::SampledAttribute& attribute : sampled->attributes) bytes += attribute.values.size_bytes();
+  auto memory = context.reserve(bytes, "attributes of vertices");
+  if (!memory) return tl::unexpected(std::move(memory.error()));
+  std::vector<mesh::Attribute> added;
+  for (const points::SampledAttribute& attribute : sampled->attributes) {
+    mesh::Attribute& made = added.emplace_back();
+    made.name = attribute.name;
+    made.components = attribute.components;
+    made.values = Buffer<std::byte>(attribute.values.size_bytes());
+    if (!made.values.empty()) std::memcpy(made.values.data(), attribute.values.data(), attribute.values.size_bytes());
+  }
+  for (mesh::Attribute& attribute : added) mesh.attributes.push_back(std::move(attribute));
+  mesh.memory.merge(std::move(*memory));
+  return sampled->out_of_reach;
+}
+
+}  // namespace isoextract::convert

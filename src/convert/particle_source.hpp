@@ -1,0 +1,66 @@
+// Inputs that are particles: told from volumes, read, and made a field.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/context.hpp"
+#include "base/error.hpp"
+#include "base/stopwatch.hpp"
+#include "convert/conversion_job.hpp"
+#include "field/affine.hpp"
+#include "field/scalar_field.hpp"
+#include "mesh/mesh.hpp"
+#include "points/particle_field.hpp"
+#include "volumes/particle_reader.hpp"
+
+namespace isoextract::convert {
+
+// Whether the input is read as particles: where that is expected, and else where its content or, of formats that only
+// their names tell, its name says so. Volumes come first. Fails with ErrorKind::usage where particles are expected and
+// the input is a volume, and where it is of particles and options are about volumes; and where it cannot be read.
+[[nodiscard]] Result<bool> is_particles(const SourceOptions& options, const Context& context = Context());
+
+// list_input_files() or count_volumes(), of particles the file and its frames.
+[[nodiscard]] Result<std::vector<std::filesystem::path>> list_source_files(const SourceOptions& options,
+                                                                           const Context& context = Context());
+[[nodiscard]] Result<std::uint64_t> count_frames(const SourceOptions& options, const Context& context = Context());
+
+// How such an input is read.
+[[nodiscard]] volumes::ParticleReadOptions particle_read_options(const SourceOptions& options);
+// How it becomes a field. `only_iso` is FieldOptions::leave_out_inside.
+[[nodiscard]] points::FieldOptions field_options(const ParticleOptions& options, std::optional<double> only_iso);
+
+// What particles were made of them.
+struct ParticleRecord {
+  std::string format;       // "bgeo"
+  std::string length_unit;  // of the positions, where the file says so
+  points::Method method = points::Method::sph;
+  std::optional<double> smoothing_length;  // in radii, of methods that have one
+  points::FieldFigures figures;
+  StageTime time;  // from particles to the field
+};
+
+// Particles that are kept for the attributes of vertices.
+struct AttributeSource {
+  points::ParticleSet particles;
+  std::vector<std::size_t> attributes;  // of the particles, in the order asked for
+  double radius = 0;
+  double smoothing_length = 0;
+  field::Affine world_from_output;
+};
+
+// Fails with ErrorKind::input where an attribute has more components than a vertex can carry, or no name that is asked
+// for is there.
+[[nodiscard]] Result<std::vector<std::size_t>> find_attributes(const points::ParticleSet& particles,
+                                                               const std::vector<std::string>& names);
+
+// Adds the attributes to the vertices of `mesh`, as float32. Gives the number of vertices that no kernel reaches. Fails
+// as points::sample_attributes() does; the mesh is then without them.
+[[nodiscard]] Result<std::uint64_t> add_attributes(const AttributeSource& source, mesh::Mesh& mesh,
+                                                   const Context& context);
+
+}  // namespace isoextract::convert
