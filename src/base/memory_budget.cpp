@@ -1,6 +1,7 @@
 #include "base/memory_budget.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <atomic>
 #include <fstream>
 #include <mutex>
@@ -116,6 +117,15 @@ void Reservation::shrink(std::uint64_t bytes) {
   if (account_ == nullptr || bytes >= bytes_) return;
   account_->remove(bytes_ - bytes);
   bytes_ = bytes;
+}
+
+void Reservation::take(Reservation&& other) {
+  if (bytes_ == 0) {
+    *this = std::move(other);
+    return;
+  }
+  assert(other.bytes_ == 0 || other.account_ == account_);
+  bytes_ += std::exchange(other.bytes_, 0);
 }
 
 MemoryBudget::MemoryBudget(std::uint64_t limit_bytes) : account_(std::make_shared<detail::MemoryAccount>()) {

@@ -30,6 +30,8 @@ class [[nodiscard]] Reservation {
   void release();
   // To what is still needed: `bytes` are at most those that are held.
   void shrink(std::uint64_t bytes);
+  // Takes over what the other one holds, which is of the same context; either may hold nothing.
+  void take(Reservation&& other);
 
  private:
   friend class MemoryBudget;

@@ -135,7 +135,7 @@ FrameFigures figures_of(const convert::Outcome& outcome) {
 Result<std::vector<FileRecord>> input_states(const FrameJob& frame) {
   if (is_demo(frame)) return std::vector<FileRecord>();
   const convert::SourceOptions& source = frame.job.source;
-  const auto files = volumes::list_input_files(source.input, source.read);
+  const auto files = convert::list_source_files(source);
   if (!files) return tl::unexpected(files.error());
   std::vector<std::string> paths;
   for (const std::filesystem::path& file : *files) paths.push_back(file.string());

@@ -46,7 +46,7 @@ class Conversion {
   Result<void> run() {
     if (auto opened = open_backends(); !opened) return opened;
     if (auto checked = check_mesh_files(job_); !checked) return checked;
-    auto source = open_source(job_.source, job_.error.has_value(), context_, events_);
+    auto source = open_source(job_.source, use_of(job_), context_, events_);
     if (!source) return tl::unexpected(std::move(source.error()));
     source_ = std::move(*source);
     for (const OutputFileJob& output : job_.outputs) {
@@ -124,6 +124,7 @@ class Conversion {
       return std::optional<Surface>();
     }
     Surface surface{iso, std::move(*mesh), {}};
+    if (auto carried = carry_attributes(surface); !carried) return tl::unexpected(std::move(carried.error()));
     if (job_.simplify) {
       auto simplified = simplify_mesh(surface.mesh, iso, *job_.simplify, source_.output_from_index, context_);
       if (!simplified) return tl::unexpected(std::move(simplified.error()));
@@ -140,6 +141,26 @@ class Conversion {
       events_.measured(*surface.error, watch.elapsed());
     }
     return surface;
+  }
+
+  // While every vertex is where the field puts it.
+  Result<void> carry_attributes(Surface& surface) {
+    if (!source_.attributes) return {};
+    const Stopwatch watch;
+    CarriedAttributes carried{surface.iso, surface.mesh.positions.size(), 0, {}};
+    if (carried.vertices > 0) {
+      auto out_of_reach = add_attributes(*source_.attributes, surface.mesh, context_);
+      if (!out_of_reach) return tl::unexpected(std::move(out_of_reach.error()));
+      carried.out_of_reach = *out_of_reach;
+    }
+    carried.time = watch.elapsed();
+    if (carried.out_of_reach > 0) {
+      events_.note(fmt::format("{} iso {}: {} of {} vertices have the attributes of the nearest particle, as none is "
+                               "near enough to be interpolated",
+                               source_.label, surface.iso, carried.out_of_reach, carried.vertices));
+    }
+    events_.carried(carried);
+    return {};
   }
 
   [[nodiscard]] const extract::MethodInfo& method() const { return extract::method_info(job_.surface.method); }
@@ -186,7 +207,8 @@ class Conversion {
 
   Error no_surface(double iso) {
     if (source_.empty) {
-      return {ErrorKind::input, fmt::format("{}: the grid is empty: it has no voxels", source_.label),
+      return {ErrorKind::input, fmt::format("{}: {}", source_.label,
+                          source_.of_particles ? "there are no particles" : "the grid is empty: it has no voxels"),
               Remedy::allow_empty, Reason::empty_grid};
     }
     const Stopwatch watch;

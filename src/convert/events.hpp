@@ -11,6 +11,7 @@
 #include "convert/mesh_packing.hpp"
 #include "convert/mesh_simplify.hpp"
 #include "convert/outcome.hpp"
+#include "convert/particle_source.hpp"
 #include "convert/placement.hpp"
 #include "convert/verification.hpp"
 #include "convert/work_facts.hpp"
@@ -25,6 +26,14 @@ struct ExtractedSurface {
   std::uint64_t triangles = 0;
   const extract::ExtractStats& stats;
   std::vector<WorkFact> work;
+  StageTime time;
+};
+
+// Attributes of particles that the vertices of a surface got.
+struct CarriedAttributes {
+  double iso = 0;
+  std::uint64_t vertices = 0;
+  std::uint64_t out_of_reach = 0;  // of no kernel: they have the values of the nearest particle
   StageTime time;
 };
 
@@ -49,11 +58,13 @@ class Events {
   // that cannot do the work. Where the choice was the program's, a note says why.
   virtual void opened(const extract::Extractor&, const StageTime&) {}
   virtual void read(const std::string& /*input*/, const field::ScalarField&, const StageTime&) {}
+  virtual void made_field(const ParticleRecord&) {}  // of particles, told after they are read
   virtual void resampled(const field::ScalarField& /*grid*/, const WorkFact&, const StageTime&) {}
   virtual void worked(const WorkFact&) {}  // of reading
   virtual void placed(const PlacedField&) {}
   virtual void extracted(const ExtractedSurface&) {}
   virtual void verified(const VerificationRecord&) {}
+  virtual void carried(const CarriedAttributes&) {}  // told before the mesh is simplified
   virtual void simplified(const MeshSimplification&) {}
   virtual void measured(const MeshError&, const StageTime&) {}
   virtual void packed(const MeshPackingRecord&) {}  // before its file is written

@@ -47,6 +47,24 @@ Json json_of(const InputFacts& input) {
   return json;
 }
 
+Json json_of(const ParticleRecord& record) {
+  const points::FieldFigures& figures = record.figures;
+  return {{"format", record.format},
+          {"length_unit", record.length_unit},
+          {"method", word_of(record.method)},
+          {"radius", figures.radius},
+          {"radius_suggested", figures.radius_suggested},
+          {"smoothing_length", optional_json(record.smoothing_length)},
+          {"spacing", figures.spacing},
+          {"support", figures.support},
+          {"particles", figures.particles},
+          {"not_finite", figures.particles_dropped},
+          {"left_out_inside", figures.particles_left_out},
+          {"bricks_stored", figures.bricks_stored},
+          {"bricks_inside", figures.bricks_inside},
+          {"time", json_of(record.time)}};
+}
+
 Json json_of(const StageRecord& stage) {
   Json json{{"stage", stage.stage}};
   if (stage.iso) json["iso"] = *stage.iso;
@@ -182,6 +200,7 @@ Json report_of(const ConversionJob* job, const Outcome& report, const std::vecto
   json["options"] = job != nullptr ? options_of(*job, memory_limit) : Json(nullptr);
   json["device"] = device_of(report);
   json["input"] = report.input ? json_of(*report.input) : Json(nullptr);
+  if (report.particles) json["particles"] = json_of(*report.particles);
   json["output_from_index"] = report.output_from_index ? json_of(*report.output_from_index) : Json(nullptr);
   json["region"] = report.region ? json_of(*report.region) : Json(nullptr);
   json["stages"] = array_of(report.stages);

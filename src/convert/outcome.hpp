@@ -16,6 +16,7 @@
 #include "convert/mesh_error.hpp"
 #include "convert/mesh_packing.hpp"
 #include "convert/mesh_simplify.hpp"
+#include "convert/particle_source.hpp"
 #include "convert/verification.hpp"
 #include "convert/work_facts.hpp"
 #include "mesh/metrics.hpp"
@@ -44,8 +45,8 @@ struct InputFacts {
 [[nodiscard]] InputFacts input_facts(const std::string& path, const field::ScalarField& field);
 
 struct StageRecord {
-  std::string stage;          // "open", "read", "resample", "classify", "compile", "upload", "count", "emit", "verify",
-                              // "simplify", "error", "mesh facts", "statistics", "write"
+  std::string stage;          // "open", "read", "particles to field", "resample", "classify", "compile", "upload", "count",
+                              // "emit", "verify", "attributes", "simplify", "error", "mesh facts", "statistics", "write"
   std::optional<double> iso;  // where the stage belongs to one surface
   StageTime time;
 };
@@ -80,6 +81,7 @@ struct Outcome {
   std::string device;   // the processor's or the GPU's name; empty if it could not be opened
   int threads = 0;
   std::optional<InputFacts> input;                 // absent if it could not be read
+  std::optional<ParticleRecord> particles;         // absent for volumes
   std::optional<field::Affine> output_from_index;  // what placed the meshes
   std::optional<field::IndexBox> region;           // samples that the region asked for holds
   std::vector<StageRecord> stages;

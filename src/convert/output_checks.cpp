@@ -4,9 +4,9 @@
 
 #include <fmt/format.h>
 
+#include "convert/particle_source.hpp"
 #include "files/file_bytes.hpp"
 #include "files/output_file.hpp"
-#include "volumes/volume_reader.hpp"
 
 namespace isoextract::convert {
 namespace {
@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 // input is read.
 Result<void> check_data_files(const fs::path& output, const ConversionJob& job) {
   if (files::is_standard_input(job.source.input)) return {};  // all is in it
-  const auto inputs = volumes::list_input_files(job.source.input, job.source.read);
+  const auto inputs = list_source_files(job.source);
   if (!inputs) return {};
   for (const fs::path& input : *inputs) {
     std::error_code none;

@@ -11,6 +11,7 @@
 
 #include "base/printable.hpp"
 #include "base/reserved_buffer.hpp"
+#include "field/demo_field.hpp"
 #include "files/file_bytes.hpp"
 
 namespace isoextract::convert {
@@ -25,13 +26,6 @@ Result<void> check_no_volume_options(const SourceOptions& options) {
                           "chosen",
                           files::shown_input_name(options.input)),
               Remedy::leave_out_volumes);
-}
-
-tl::unexpected<Error> refuse_volume(const SourceOptions& options) {
-  return fail(
-      ErrorKind::usage,
-      fmt::format("{}: this is a volume, and options of particles were given", files::shown_input_name(options.input)),
-      Remedy::leave_out_particles);
 }
 
 bool is_particle_format(const std::string& id) {
@@ -55,24 +49,25 @@ Result<ReservedBuffer<glm::dvec3>> world_positions(const AttributeSource& source
 }  // namespace
 
 Result<bool> is_particles(const SourceOptions& options, const Context& context) {
-  const volumes::ParticleReadOptions read = particle_read_options(options);
-  const bool named_both_ways =  // such as npy
-      options.read.format && is_particle_format(*options.read.format);
-  auto volume = volumes::is_surely_volume(options.input, options.read, context);
-  if (!volume) return tl::unexpected(std::move(volume.error()));
-  if (!options.particles.expected && *volume) return false;
-  bool particles = named_both_ways;
-  if (!options.read.format && (!*volume || options.particles.expected)) {
-    if (options.input.starts_with("demo:") || options.read.raw) return refuse_volume(options);
-    auto detected = volumes::detect_particles(options.input, read, context);
-    if (!detected) return tl::unexpected(std::move(detected.error()));
+  const bool expected = options.particles.expected;
+  const auto volume = volumes::is_surely_volume(options.input, options.read, context);
+  if (!volume) return tl::unexpected(volume.error());
+  if (*volume && !expected) return false;
+  bool particles = false;
+  if (options.read.format) {
+    particles = is_particle_format(*options.read.format);
+  } else if (!options.read.raw && !options.input.starts_with(field::kDemoPrefix)) {
+    const auto detected = volumes::detect_particles(options.input, particle_read_options(options), context);
+    if (!detected) return tl::unexpected(detected.error());
     particles = detected->has_value();
   }
-  if (options.particles.expected) {
-    if (*volume && !particles) return refuse_volume(options);
-    particles = true;  // what it is not, its reader says best
+  if (!particles && *volume) {
+    return fail(ErrorKind::usage,
+                fmt::format("{}: this is a volume, and options of particles were given",
+                            files::shown_input_name(options.input)),
+                Remedy::leave_out_particles);
   }
-  if (!particles) return false;
+  if (!particles && !expected) return false;  // where it is expected, the reader says best what it is not
   if (auto fine = check_no_volume_options(options); !fine) return tl::unexpected(std::move(fine.error()));
   return true;
 }
@@ -156,7 +151,7 @@ Result<std::uint64_t> add_attributes(const AttributeSource& source, mesh::Mesh& 
     if (!made.values.empty()) std::memcpy(made.values.data(), attribute.values.data(), attribute.values.size_bytes());
   }
   for (mesh::Attribute& attribute : added) mesh.attributes.push_back(std::move(attribute));
-  mesh.memory.merge(std::move(*memory));
+  mesh.memory.take(std::move(*memory));
   return sampled->out_of_reach;
 }
 

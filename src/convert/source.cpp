@@ -1,9 +1,11 @@
 #include "convert/source.hpp"
 
+#include <filesystem>
 #include <utility>
 
 #include "convert/field_label.hpp"
 #include "field/resample.hpp"
+#include "files/file_bytes.hpp"
 
 namespace isoextract::convert {
 namespace {
@@ -22,6 +24,35 @@ Result<void> change_resolution(const SourceOptions& options, bool keep_data, con
   return context.check();
 }
 
+Result<void> read_volume_field(const SourceOptions& options, const Context& context, Events& events, Source& source) {
+  auto field = read_field(options.input, options.read, context, events);
+  if (!field) return tl::unexpected(std::move(field.error()));
+  source.field = std::move(*field);
+  for (const WorkFact& fact : reading_facts(source.field)) events.worked(fact);
+  return {};
+}
+
+Result<void> read_particle_field(const SourceOptions& options, const SourceUse& use, const Context& context,
+                                 Events& events, Source& source) {
+  auto read = read_particle_source(options, use, context, events);
+  if (!read) return tl::unexpected(std::move(read.error()));
+  source.field = std::move(read->made.field);
+  for (const WorkFact& fact : particle_facts(read->made.figures)) events.worked(fact);
+  if (options.particles.attributes.empty()) return {};
+  auto found = find_attributes(read->file.particles, options.particles.attributes);
+  if (!found) return tl::unexpected(std::move(found.error()));
+  source.attributes = AttributeSource{std::move(read->file.particles), std::move(*found), read->made.figures.radius,
+                                      options.particles.smoothing_length, {}};
+  return {};
+}
+
+// The name of a file without what comes after the point that begins its extension, and without .gz.
+std::string stem_of_file(const std::string& input) {
+  std::filesystem::path path(input);
+  if (path.extension() == ".gz") path = path.stem();
+  return path.stem().string();
+}
+
 }  // namespace
 
 Result<field::ScalarField> read_field(const std::string& input, const volumes::ReadOptions& options,
@@ -37,6 +68,26 @@ Result<field::ScalarField> read_field(const std::string& input, const volumes::R
   return field;
 }
 
+Result<ParticleSource> read_particle_source(const SourceOptions& options, const SourceUse& use, const Context& context,
+                                            Events& events) {
+  Stopwatch watch;
+  auto file = volumes::read_particles(options.input, particle_read_options(options), context);
+  if (!file) return tl::unexpected(std::move(file.error()));
+  const StageTime reading = watch.elapsed();
+  for (const std::string& text : file->notes) events.note(text);
+  if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
+  watch.restart();
+  const points::FieldOptions asked = field_options(options.particles, use.only_iso);
+  auto made = points::make_field(file->particles, asked, context);
+  if (!made) return tl::unexpected(std::move(made.error()));
+  made->field.name = stem_of_file(files::shown_input_name(options.input));
+  ParticleRecord record{file->format, file->length_unit, asked.method, {}, made->figures, watch.elapsed()};
+  if (asked.method != points::Method::weight) record.smoothing_length = asked.smoothing_length;
+  events.read(options.input, made->field, reading);
+  events.made_field(record);
+  return ParticleSource{std::move(*file), std::move(*made), std::move(record)};
+}
+
 extract::ExtractOptions Source::extract_options(const SurfaceOptions& surface, double iso) const {
   extract::ExtractOptions options;
   options.method = surface.method;
@@ -48,17 +99,28 @@ extract::ExtractOptions Source::extract_options(const SurfaceOptions& surface, d
   return options;
 }
 
-Result<Source> open_source(const SourceOptions& options, bool keep_data, const Context& context, Events& events) {
-  auto field = read_field(options.input, options.read, context, events);
-  if (!field) return tl::unexpected(std::move(field.error()));
+SourceUse use_of(const ConversionJob& job) {
+  SourceUse use;
+  use.keep_data = job.error.has_value();
+  const std::vector<double> isos = job.isos();
+  if (isos.size() == 1 && !job.error && !job.source.resolution) use.only_iso = isos.front();
+  return use;
+}
+
+Result<Source> open_source(const SourceOptions& options, const SourceUse& use, const Context& context,
+                           Events& events) {
+  const auto of_particles = is_particles(options, context);
+  if (!of_particles) return tl::unexpected(of_particles.error());
   Source source;
-  source.label = field_label(*field);
-  const auto* sparse = std::get_if<field::SparseSamples>(&field->samples);
+  source.of_particles = *of_particles;
+  auto read = *of_particles ? read_particle_field(options, use, context, events, source)
+                            : read_volume_field(options, context, events, source);
+  if (!read) return tl::unexpected(std::move(read.error()));
+  source.label = field_label(source.field);
+  const auto* sparse = std::get_if<field::SparseSamples>(&source.field.samples);
   source.empty = sparse != nullptr && sparse->blocks.empty() && sparse->tiles.empty() && sparse->active_voxels == 0;
-  source.field = std::move(*field);
-  for (const WorkFact& fact : reading_facts(source.field)) events.worked(fact);
   if (options.resolution) {
-    auto changed = change_resolution(options, keep_data, context, events, source);
+    auto changed = change_resolution(options, use.keep_data, context, events, source);
     if (!changed) return tl::unexpected(std::move(changed.error()));
   }
   auto placed = place_field(source.field, options.placement, options.roi);
@@ -67,6 +129,10 @@ Result<Source> open_source(const SourceOptions& options, bool keep_data, const C
   for (const std::string& text : placed->notes) events.note(text);
   source.output_from_index = placed->output_from_index;
   source.region = placed->region;
+  if (source.attributes) {
+    source.attributes->world_from_output =
+        source.field.index_to_world.after(source.output_from_index.inverse());
+  }
   return source;
 }
 

@@ -8,6 +8,7 @@
 #include "base/error.hpp"
 #include "convert/conversion_job.hpp"
 #include "convert/events.hpp"
+#include "convert/particle_source.hpp"
 
 namespace isoextract::convert {
 
@@ -21,14 +22,34 @@ struct Source {
   field::Affine output_from_index;
   std::optional<field::IndexBox> region;
   std::string label;   // what messages call it
-  bool empty = false;  // what was read has no voxels
+  bool empty = false;  // what was read has no voxels, or no particles
+  bool of_particles = false;
+  std::optional<AttributeSource> attributes;  // of the vertices, where some were asked for
 
   // How a surface of it is extracted.
   [[nodiscard]] extract::ExtractOptions extract_options(const SurfaceOptions& surface, double iso) const;
 };
 
-// Source::data is there only with `keep_data`. Fails as read_volume(), resample() and place_field() do.
-[[nodiscard]] Result<Source> open_source(const SourceOptions& options, bool keep_data, const Context& context,
+// What will be done with a source.
+struct SourceUse {
+  bool keep_data = false;          // Source::data is asked for
+  std::optional<double> only_iso;  // nothing is asked of the samples but the surface at this iso value
+};
+[[nodiscard]] SourceUse use_of(const ConversionJob& job);
+
+// Fails as read_volume(), resample() and place_field() do, and for particles as is_particles(), read_particles(),
+// points::make_field() and find_attributes() do.
+[[nodiscard]] Result<Source> open_source(const SourceOptions& options, const SourceUse& use, const Context& context,
                                          Events& events);
+
+// The particles as they are read, and the field that they make.
+struct ParticleSource {
+  volumes::ParticleFile file;
+  points::ParticleField made;
+  ParticleRecord record;
+};
+// Tells what was read and made.
+[[nodiscard]] Result<ParticleSource> read_particle_source(const SourceOptions& options, const SourceUse& use,
+                                                          const Context& context, Events& events);
 
 }  // namespace isoextract::convert

@@ -39,6 +39,26 @@ std::vector<WorkFact> reading_facts(const field::ScalarField& field) {
   return facts;
 }
 
+std::vector<WorkFact> particle_facts(const points::FieldFigures& figures) {
+  std::vector<WorkFact> facts;
+  const std::uint64_t all = figures.particles + figures.particles_dropped;
+  facts.push_back({"particles", "made into a field", figures.particles, all,
+                   fmt::format("{} particles of radius {:.6g}{}, by samples {:.6g} apart in {} bricks (8x8x8)",
+                               figures.particles, figures.radius,
+                               figures.radius_suggested ? ", half the median distance to the nearest one" : "",
+                               figures.spacing, figures.bricks_stored)});
+  if (figures.particles_dropped > 0) {
+    facts.push_back({"particles_not_finite", "left out", figures.particles_dropped, all,
+                     fmt::format("{} of {} particles, at places that are no numbers", figures.particles_dropped, all)});
+  }
+  if (figures.bricks_inside > 0 || figures.particles_left_out > 0) {
+    facts.push_back({"particles_inside", "left out", figures.particles_left_out, figures.particles,
+                     fmt::format("{} of {} particles, interior ones; {} bricks, which are inside as a whole",
+                                 figures.particles_left_out, figures.particles, figures.bricks_inside)});
+  }
+  return facts;
+}
+
 WorkFact resolution_fact(const field::ScalarField& data, const field::ScalarField& grid) {
   const auto& made = std::get<field::DenseSamples>(grid.samples);
   const auto* dense = std::get_if<field::DenseSamples>(&data.samples);

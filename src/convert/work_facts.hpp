@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "extract/extractor.hpp"
+#include "points/particle_field.hpp"
 
 namespace isoextract::convert {
 
@@ -21,6 +22,9 @@ struct WorkFact {
 
 // Of reading `field`.
 [[nodiscard]] std::vector<WorkFact> reading_facts(const field::ScalarField& field);
+
+// Of the field that particles made.
+[[nodiscard]] std::vector<WorkFact> particle_facts(const points::FieldFigures& figures);
 
 // Of resample(), which made `grid` of `data`.
 [[nodiscard]] WorkFact resolution_fact(const field::ScalarField& data, const field::ScalarField& grid);

@@ -20,6 +20,12 @@ void Recorder::read(const std::string& input, const field::ScalarField& field, c
   listener_.read(input, field, time);
 }
 
+void Recorder::made_field(const ParticleRecord& record) {
+  outcome_.stages.push_back({"particles to field", std::nullopt, record.time});
+  outcome_.particles = record;
+  listener_.made_field(record);
+}
+
 void Recorder::resampled(const field::ScalarField& grid, const WorkFact& fact, const StageTime& time) {
   outcome_.stages.push_back({"resample", std::nullopt, time});
   outcome_.work.push_back(fact);
@@ -55,6 +61,11 @@ void Recorder::verified(const VerificationRecord& record) {
   outcome_.stages.push_back({"verify", record.iso, record.time});
   outcome_.verifications.push_back(record);
   listener_.verified(record);
+}
+
+void Recorder::carried(const CarriedAttributes& attributes) {
+  outcome_.stages.push_back({"attributes", attributes.iso, attributes.time});
+  listener_.carried(attributes);
 }
 
 void Recorder::simplified(const MeshSimplification& simplification) {

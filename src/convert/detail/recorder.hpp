@@ -13,11 +13,13 @@ class Recorder final : public Events {
   void note(const std::string& text) override;
   void opened(const extract::Extractor& extractor, const StageTime& time) override;
   void read(const std::string& input, const field::ScalarField& field, const StageTime& time) override;
+  void made_field(const ParticleRecord& record) override;
   void resampled(const field::ScalarField& grid, const WorkFact& fact, const StageTime& time) override;
   void worked(const WorkFact& fact) override;
   void placed(const PlacedField& placed) override;
   void extracted(const ExtractedSurface& surface) override;
   void verified(const VerificationRecord& record) override;
+  void carried(const CarriedAttributes& attributes) override;
   void simplified(const MeshSimplification& simplification) override;
   void measured(const MeshError& error, const StageTime& time) override;
   void packed(const MeshPackingRecord& record) override;
