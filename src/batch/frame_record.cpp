@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "convert/particle_source.hpp"
 #include "field/demo_field.hpp"
-#include "volumes/volume_reader.hpp"
 
 namespace isoextract::batch {
 namespace {

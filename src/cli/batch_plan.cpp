@@ -12,9 +12,10 @@
 #include "batch/frame_pattern.hpp"
 #include "batch/iso_table.hpp"
 #include "batch/output_names.hpp"
+#include "cli/particle_plan.hpp"
 #include "convert/output_checks.hpp"
+#include "convert/particle_source.hpp"
 #include "field/demo_field.hpp"
-#include "volumes/volume_reader.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -72,7 +73,13 @@ bool wants_all_volumes(const ConvertFlags& flags) {
 Result<batch::Frames> volumes_of(const ConvertFlags& flags, const volumes::ReadOptions& read) {
   const std::vector<std::string>& inputs = flags.input.inputs;
   if (inputs.size() > 1) return usage("--volume all takes the volumes of one file, and several were given");
-  const auto count = volumes::count_volumes(inputs.front(), read);
+  auto particles = plan_particles(flags.particles, flags.surface.nan);
+  if (!particles) return tl::unexpected(particles.error());
+  convert::SourceOptions source;
+  source.input = inputs.front();
+  source.read = read;
+  source.particles = std::move(*particles);
+  const auto count = convert::count_frames(source);
   if (!count) return tl::unexpected(count.error());
   if (*count > batch::kMaxFrames) {
     return usage(
@@ -187,7 +194,8 @@ bool is_batch(const ConvertFlags& flags) {
   return !pattern || pattern->has_value();  // what is wrong with it is told where frames are looked for
 }
 
-Result<BatchPlan> plan_batch(const ConvertFlags& flags, const char* (*environment)(const char*)) {
+Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environment)(const char*)) {
+  ConvertFlags flags = given;
   if (flags.output == "-") return usage("frames are written into files, not to stdout", "give a name with -o");
   if (flags.explain) return usage("--explain is about one conversion", "--table and -v tell about frames");
   if (flags.batch.fps && !flags.batch.animate) {
@@ -201,6 +209,12 @@ Result<BatchPlan> plan_batch(const ConvertFlags& flags, const char* (*environmen
   auto found =
       wants_all_volumes(flags) ? volumes_of(flags, *read) : batch::find_frames(flags.input.inputs, flags.batch.frames);
   if (!found) return tl::unexpected(found.error());
+  if (!flags.batch.iso_table) {
+    auto note = take_iso_of_method(one, found->frames.front().input);
+    if (!note) return tl::unexpected(note.error());
+    if (!note->empty()) found->notes.push_back(std::move(*note));
+    flags.isos = one.isos;
+  }
   auto sources = sources_of(flags, *found);
   if (!sources) return tl::unexpected(sources.error());
   auto common = plan_conversion(one, sources->front().input, sources->front().isos);

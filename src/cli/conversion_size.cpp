@@ -35,7 +35,6 @@ std::uint64_t estimated_triangles(const ConversionSize& size) { return 2 * size.
 
 std::uint64_t estimated_bytes(const ConversionSize& size) {
   constexpr std::uint64_t kVertexBytes = 2 * sizeof(glm::vec3);  // position and normal
-  constexpr std::uint64_t kProgramBytes = std::uint64_t{40} << 20U;
   constexpr std::uint64_t kPlaceBytes = 400;  // how to find it, and the numbers of its vertices
   return kProgramBytes + size.sample_bytes + size.samples / 4 + size.lookup_bytes + size.places * kPlaceBytes +
          size.vertices * kVertexBytes + estimated_triangles(size) * sizeof(glm::uvec3);
@@ -43,9 +42,11 @@ std::uint64_t estimated_bytes(const ConversionSize& size) {
 
 Result<std::uint64_t> estimated_memory(const convert::ConversionJob& job, const MemoryBudget& memory) {
   convert::Events unheard;
-  const auto source = convert::open_source(job.source, false, Context(memory), unheard);
+  const Context context(memory.part());
+  const auto source = convert::open_source(job.source, convert::use_of(job), context, unheard);
   if (!source) return tl::unexpected(source.error());
-  std::uint64_t most = 0;
+  // To make a field of particles takes more than to keep it.
+  std::uint64_t most = source->of_particles ? kProgramBytes + context.memory().peak() : 0;
   for (const double iso : job.isos()) most = std::max(most, estimated_bytes(size_of(source->field, iso)));
   return most;
 }

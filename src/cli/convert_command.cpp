@@ -98,6 +98,10 @@ class Narrator final : public convert::Events {
 
   void worked(const convert::WorkFact& fact) override { explain(fact); }
 
+  void made_field(const convert::ParticleRecord& record) override {
+    tell_stage(fmt::format("{}: particles to field in {}", label_, times_text(record.time)));
+  }
+
   void resampled(const field::ScalarField& /*grid*/, const convert::WorkFact& fact, const StageTime& time) override {
     tell_stage(fmt::format("{}: resampled in {}", label_, times_text(time)));
     explain(fact);
@@ -129,6 +133,11 @@ class Narrator final : public convert::Events {
       tell_stage(fmt::format("{} iso {}: verified in {}", label_, record.iso, times_text(record.time)));
     }
     verified_.push_back(verification_summary(record));
+  }
+
+  void carried(const convert::CarriedAttributes& attributes) override {
+    tell_stage(fmt::format("{} iso {}: attributes of {} vertices in {}", label_, attributes.iso, attributes.vertices,
+                           times_text(attributes.time)));
   }
 
   void simplified(const convert::MeshSimplification& simplification) override {

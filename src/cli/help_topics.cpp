@@ -10,11 +10,12 @@
 #include "base/version.hpp"
 #include "cli/options.hpp"
 #include "field/demo_field.hpp"
+#include "volumes/particle_format.hpp"
 
 namespace isoextract::cli {
 namespace {
 
-constexpr std::array<std::string_view, 6> kGroups{"Input", "Frames", "Surface", "Placement", "Output", "Run"};
+constexpr std::array<std::string_view, 7> kGroups{"Input", "Particles", "Frames", "Surface", "Placement", "Output", "Run"};
 constexpr std::array<std::string_view, 10> kCommands{"convert",   "info",  "verify",  "compare", "bench",
                                                      "stability", "merge", "devices", "help",    "generate"};
 
@@ -26,6 +27,7 @@ constexpr std::array kExamples{
     Example{"isoextract head.raw --dims 48,62,42 --spacing 4 --iso 60 -o head.ply", "A file without a header."},
     Example{"isoextract 'sim_{:04}.vdb' --iso 0.5 -o 'out/sim_{:04}.glb' --mkdir", "A sequence, a mesh a frame."},
     Example{"isoextract 'sim_{:04}.vdb' --iso 0.5 -o sim.glb --animate", "The same as one file that plays."},
+    Example{"isoextract dam.bgeo --radius 0.025 -o dam.glb", "Particles of a fluid, as the surface around them."},
     Example{"isoextract verify smoke.vdb --iso 0.5 smoke.glb", "Whether a mesh is what its volume gives."},
     Example{"isoextract compare a.glb b.ply --max-distance 0.1", "Whether two meshes are the same surface, to 0.1."},
     Example{"isoextract 'demo:gyroid?size=128' --iso 0 --format ply -o - > gyroid.ply", "No file at all, and a pipe."},
@@ -44,6 +46,13 @@ HelpTopic formats_topic() {
     if (!about.extensions.empty()) text += fmt::format(" ({})", fmt::join(about.extensions, " "));
     read.rows.push_back({about.id, text});
   }
+  HelpBlock particles{
+      "Particles that can be read. They become a field, as 'isoextract help particles' says, and that a surface.", {}};
+  for (const volumes::ParticleFormatDescription& about : volumes::particle_format_descriptions()) {
+    std::string text = about.title;
+    if (about.has_frames) text += "; a file may hold several frames";
+    particles.rows.push_back({about.id, fmt::format("{} ({})", text, fmt::join(about.extensions, " "))});
+  }
   HelpBlock written{"Meshes that can be written. The format is chosen by the extension of the output, or by --format.",
                     {}};
   for (const meshes::MeshFormatInfo& info : meshes::mesh_formats()) {
@@ -52,7 +61,7 @@ HelpTopic formats_topic() {
     if (!info.can_stream) text += "; not to stdout";
     written.rows.push_back({std::string(info.name), text});
   }
-  topic.blocks = {std::move(read), std::move(written)};
+  topic.blocks = {std::move(read), std::move(particles), std::move(written)};
   return topic;
 }
 

@@ -12,6 +12,7 @@
 #include "cli/help_topics.hpp"
 #include "cli/option_group.hpp"
 #include "field/demo_field.hpp"
+#include "volumes/particle_format.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -22,6 +23,10 @@ std::vector<Choice<std::string>> input_formats() {
   for (const volumes::VolumeFormat* format : volumes::volume_formats()) {
     const volumes::FormatDescription& about = format->about();
     if (about.prefix.empty()) formats.push_back({about.id, about.id});
+  }
+  for (const volumes::ParticleFormatDescription& about : volumes::particle_format_descriptions()) {
+    const auto is_it = [&](const Choice<std::string>& other) { return other.name == about.id; };
+    if (std::ranges::none_of(formats, is_it)) formats.push_back({about.id, about.id});
   }
   return formats;
 }
@@ -47,8 +52,8 @@ void declare_input(CLI::App& app, InputFlags& flags, const std::string& metavar,
   group.value<std::string>("--grid", "NAME", flags.grid, parse_text,
                            "Grid of a VDB file, as 'isoextract info' lists it: NAME, or NAME[k] where names repeat.");
   group.value("--volume", "K|all", flags.volume, parse_volume,
-              "Volume of a NIfTI, NRRD or NPY file that holds several, such as time steps: its number, counted from 0, "
-              "or each of them. 'isoextract info' tells how many there are.");
+              "Volume of a NIfTI, NRRD or NPY file that holds several, such as time steps, or frame of a file of "
+              "particles: its number, counted from 0, or each of them. 'isoextract info' tells how many there are.");
   group.choice("--input-format", flags.format, input_formats(),
                "Format of the input (default: by content, then by extension).");
   group.value("--dims", "NX,NY,NZ", flags.dims, parse_dims,
@@ -65,6 +70,41 @@ void declare_input(CLI::App& app, InputFlags& flags, const std::string& metavar,
                "Which side of the iso value is inside: above as in densities, or below as in level sets (default: as "
                "the file says, else above). A value equal to the iso value is outside.");
   group.value("--memory-limit", "SIZE", flags.memory_limit, parse_size, kMemoryLimitText);
+}
+
+// "weight (a fixed weight for each particle), sph (...)"
+std::string particle_methods() {
+  std::vector<std::string> methods;
+  for (const points::MethodInfo& method : points::kMethods) {
+    methods.push_back(fmt::format("{} ({}; iso {} and cells of {} radii by default)", method.id, method.help,
+                                  method.iso, method.cell_size));
+  }
+  return fmt::format("{}", fmt::join(methods, ", "));
+}
+
+void declare_particles(CLI::App& app, ParticleFlags& flags) {
+  const Group group(app, "Particles");
+  const convert::ParticleOptions usual;
+  group.choice("--particles", flags.method,
+               fmt::format("The input is particles, and becomes a field by {} (default: {}). Files that can only be "
+                           "particles need no option; an NPY array of N rows does.",
+                           particle_methods(), word_of(usual.method)));
+  group.value("--radius", "R", flags.radius, parse_positive,
+              "Radius of a particle, in the units of the file (default: half the median distance to the nearest one, "
+              "of each file by itself; give one for a sequence).");
+  group.value("--smoothing-length", "L", flags.smoothing_length, parse_positive,
+              fmt::format("Smoothing length of the kernels, in radii; they reach twice as far (default: {}).",
+                          usual.smoothing_length));
+  group.value("--cell-size", "C", flags.cell_size, parse_positive,
+              "Distance of the field's samples, in radii (default: that of the method).");
+  group.value("--weight", "W", flags.weight, parse_positive,
+              fmt::format("What a particle adds with --particles weight (default: {}).", usual.weight));
+  group.choice("--deposit", flags.deposit,
+               fmt::format("Where that goes: to the nearest sample, or shared among the eight around (default: {}).",
+                           word_of(usual.deposit)));
+  group.value("--columns", "x=A,y=B,z=C", flags.columns, parse_columns,
+              "Which columns of a table are x, y and z: their names, or their numbers counted from 1 (default: as the "
+              "file names them).");
 }
 
 constexpr const char* kQuietText = "Say nothing but errors and, on stdout, results.";
@@ -86,7 +126,8 @@ void declare_run(CLI::App& app, RunFlags& flags) {
 void declare_nan(const Group& group, std::optional<extract::NanPolicy>& policy) {
   group.choice("--nan", policy,
                "What a sample that is not a number means: the end, outside, or a hole in the surface, left by the "
-               "cells that touch it (default: error).");
+               "cells that touch it (default: error). With outside, particles at places that are no numbers are left "
+               "out and counted.");
 }
 
 void declare_device(const Group& group, DeviceFlags& flags) {
@@ -133,8 +174,8 @@ void declare_surface(const Group& group, SurfaceFlags& flags) {
 void declare_convert_surface(CLI::App& app, ConvertFlags& flags) {
   const Group group(app, "Surface");
   group.values("--iso", "V", flags.isos, parse_number,
-               "The value whose surface is extracted. Required; several times for several surfaces. 'isoextract info "
-               "INPUT' suggests one.");
+               "The value whose surface is extracted. Required but for particles, whose method has one; several times "
+               "for several surfaces. 'isoextract info INPUT' suggests one.");
   declare_surface(group, flags.surface);
   group.choice("--normals", flags.normals,
 
@@ -263,6 +304,7 @@ void declare_verify(CLI::App& app, VerifyFlags& flags) {
           "MESH", "MESH", flags.mesh, parse_text,
           "A mesh that was written from it: .glb, .gltf, .ply, .obj, .stl or .drc; its extension says how it "
           "was placed unless options do. Without one the backends are compared with each other.");
+  declare_particles(app, flags.particles);
   const Group surface(app, "Surface");
   surface.values("--iso", "V", flags.isos, parse_number,
                  "The value whose surface is verified. Required; several times for the several surfaces of a mesh.");
@@ -357,7 +399,7 @@ std::unique_ptr<CommandLine> declare_command_line() {
   auto line = std::make_unique<CommandLine>();
   CLI::App& app = line->app;
   app.name("isoextract");
-  app.description("Extract isosurfaces from volumes and write them as meshes.");
+  app.description("Extract isosurfaces from volumes and particles and write them as meshes.");
   app.allow_extras();
   app.set_help_flag("-h,--help", "Show an overview and exit.")->group("Run");
   app.set_version_flag("--version", "isoextract " + std::string(version()), "Show the version and exit.")->group("Run");
@@ -365,7 +407,12 @@ std::unique_ptr<CommandLine> declare_command_line() {
 
   line->convert = add_command(app, "convert", "Extract a surface and write it as a mesh. The default command.");
   ConvertFlags& convert = line->convert_flags;
-  declare_input(*line->convert, convert.input, "INPUT", "The volume to convert");
+  declare_input(*line->convert, convert.input, "INPUT", "The volume or particles to convert");
+  declare_particles(*line->convert, convert.particles);
+  Group(*line->convert, "Particles")
+      .values("--attribute", "NAME", convert.particles.attributes, parse_text,
+              "Carry this attribute of the particles over to the vertices, interpolated; several times for several. "
+              "'isoextract info' lists them. For glb, gltf and ply.");
   declare_convert_surface(*line->convert, convert);
   declare_frames(*line->convert, convert.batch);
   declare_placement(*line->convert, convert.placement);
@@ -393,8 +440,9 @@ std::unique_ptr<CommandLine> declare_command_line() {
   convert_run.flag("--explain", convert.explain, "Tell what was left out and why, with counts and times.");
   declare_run(*line->convert, convert.run);
 
-  line->info = add_command(app, "info", "Show what a volume holds, and suggest an iso value.");
-  declare_input(*line->info, line->info_flags.input, "INPUT...", "The volumes to look at, each");
+  line->info = add_command(app, "info", "Show what a volume or particles hold, and suggest an iso value.");
+  declare_input(*line->info, line->info_flags.input, "INPUT...", "The volumes or particles to look at, each");
+  declare_particles(*line->info, line->info_flags.particles);
   Group(*line->info, "Output")
       .flag("--json", line->info_flags.json, "Report as JSON, an array with one entry an input.");
   declare_run(*line->info, line->info_flags.run);

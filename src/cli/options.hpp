@@ -28,6 +28,7 @@
 #include "field/interpolant.hpp"
 #include "field/scalar_field.hpp"
 #include "meshes/mesh_writer.hpp"
+#include "points/method.hpp"
 #include "volumes/volume_reader.hpp"
 
 namespace isoextract::cli {
@@ -46,6 +47,18 @@ struct InputFlags {
   std::optional<glm::dvec3> origin;
   std::optional<field::FieldKind> inside;
   std::optional<std::uint64_t> memory_limit;
+};
+
+// How particles become a field.
+struct ParticleFlags {
+  std::optional<points::Method> method;
+  std::optional<double> radius;
+  std::optional<double> smoothing_length;
+  std::optional<double> cell_size;
+  std::optional<double> weight;
+  std::optional<points::Deposit> deposit;
+  std::optional<std::array<std::string, 3>> columns;
+  std::vector<std::string> attributes;  // of convert
 };
 
 struct RunFlags {
@@ -106,6 +119,7 @@ struct BatchFlags {
 
 struct ConvertFlags {
   InputFlags input;
+  ParticleFlags particles;
   BatchFlags batch;
   std::optional<convert::Backend> backend;
   DeviceFlags device;
@@ -133,12 +147,14 @@ struct ConvertFlags {
 
 struct InfoFlags {
   InputFlags input;
+  ParticleFlags particles;
   bool json = false;
   RunFlags run;
 };
 
 struct VerifyFlags {
   InputFlags input;
+  ParticleFlags particles;
   std::optional<std::string> mesh;
   std::vector<double> isos;
   SurfaceFlags surface;

@@ -9,6 +9,7 @@
 
 #include "batch/output_names.hpp"
 #include "cli/packing_plan.hpp"
+#include "cli/particle_plan.hpp"
 #include "field/demo_field.hpp"
 #include "files/file_bytes.hpp"
 
@@ -213,6 +214,22 @@ Result<Verbosity> plan_verbosity(const RunFlags& flags) {
   return flags.quiet ? Verbosity::quiet : flags.verbose ? Verbosity::verbose : Verbosity::normal;
 }
 
+Result<std::string> take_iso_of_method(ConvertFlags& flags, const std::string& input) {
+  if (!flags.isos.empty()) return std::string();
+  auto read = plan_read(flags.input);
+  if (!read) return tl::unexpected(read.error());
+  auto particles = plan_particles(flags.particles, flags.surface.nan);
+  if (!particles) return tl::unexpected(particles.error());
+  convert::SourceOptions source;
+  source.input = input;
+  source.read = std::move(*read);
+  source.particles = std::move(*particles);
+  auto found = iso_of_method(source);
+  if (!found) return std::string();
+  flags.isos.push_back(found->iso);
+  return std::move(found->note);
+}
+
 Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string& input,
                                     const std::vector<double>& isos) {
   if (flags.report && (flags.report->empty() || *flags.report == "-")) {
@@ -230,6 +247,9 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string
   auto read = plan_read(flags.input);
   if (!read) return tl::unexpected(read.error());
   job.source.read = std::move(*read);
+  auto particles = plan_particles(flags.particles, flags.surface.nan);
+  if (!particles) return tl::unexpected(particles.error());
+  job.source.particles = std::move(*particles);
   plan.memory = plan_memory(flags.input.memory_limit);
 
   const auto format = plan_format(flags);
@@ -242,6 +262,7 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string
   if (flags.ascii && !info.has_ascii) {
     return usage(fmt::format("--ascii does not go with {}", info.name), "ply and stl can be written as text");
   }
+  if (auto fine = check_attributes(flags.particles, info); !fine) return tl::unexpected(fine.error());
   const auto normals = plan_normals(flags, *format);
   if (!normals) return tl::unexpected(normals.error());
   job.normals = *normals;
@@ -273,11 +294,15 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string
   return plan;
 }
 
-Result<ConvertPlan> plan_convert(const ConvertFlags& flags) {
-  const std::vector<std::string>& inputs = flags.input.inputs;
+Result<ConvertPlan> plan_convert(const ConvertFlags& given) {
+  const std::vector<std::string>& inputs = given.input.inputs;
   if (inputs.empty()) return usage("no INPUT was given", "isoextract INPUT --iso V -o OUT.glb");
+  ConvertFlags flags = given;
+  auto note = take_iso_of_method(flags, inputs.front());
+  if (!note) return tl::unexpected(note.error());
   auto plan = plan_conversion(flags, inputs.front(), flags.isos);
   if (!plan) return plan;
+  if (!note->empty()) plan->notes.push_back(std::move(*note));
   plan->job.source.input = inputs.front();
   auto outputs = plan_outputs(flags, meshes::mesh_format_info(plan->job.format));
   if (!outputs) return tl::unexpected(outputs.error());
@@ -315,14 +340,19 @@ Result<InfoPlan> plan_info(const InfoFlags& flags, const CLI::App& command) {
   InfoPlan plan;
   auto read = plan_read(flags.input);
   if (!read) return tl::unexpected(read.error());
+  auto particles = plan_particles(flags.particles, std::nullopt);
+  if (!particles) return tl::unexpected(particles.error());
   plan.inputs = flags.input.inputs;
   plan.read = std::move(*read);
+  plan.particles = std::move(*particles);
   plan.memory = plan_memory(flags.input.memory_limit);
   plan.json = flags.json;
-  for (const CLI::Option* option : options_in_group(command, "Input")) {
-    if (option->get_positional() || option->count() == 0) continue;
-    plan.input_arguments.push_back(option->get_name());
-    plan.input_arguments.push_back(shell_quoted(option->results().front()));
+  for (const char* group : {"Input", "Particles"}) {
+    for (const CLI::Option* option : options_in_group(command, group)) {
+      if (option->get_positional() || option->count() == 0) continue;
+      plan.input_arguments.push_back(option->get_name());
+      plan.input_arguments.push_back(shell_quoted(option->results().front()));
+    }
   }
   return plan;
 }
@@ -337,6 +367,9 @@ Result<VerifyPlan> plan_verify(const VerifyFlags& flags) {
   auto read = plan_read(flags.input);
   if (!read) return tl::unexpected(read.error());
   plan.source.read = std::move(*read);
+  auto particles = plan_particles(flags.particles, flags.surface.nan);
+  if (!particles) return tl::unexpected(particles.error());
+  plan.source.particles = std::move(*particles);
   plan.memory = plan_memory(flags.input.memory_limit);
   meshes::MeshFormat format = meshes::MeshFormat::glb;  // backends are compared where the default output would be
   if (plan.mesh) {

@@ -1,4 +1,5 @@
-// From flags to a plan: defaults applied, combinations checked. Nothing is opened here.
+// From flags to a plan: defaults applied, combinations checked. Nothing is opened here, but an input of which it has to
+// be known whether it is of particles, for these have an iso value of their own.
 #pragma once
 
 #include <array>
@@ -31,6 +32,7 @@ struct InfoPlan {
   MemoryBudget memory;
   std::vector<std::string> inputs;
   volumes::ReadOptions read;
+  convert::ParticleOptions particles;
   std::vector<std::string> input_arguments;  // the input options as they were given, to repeat in an example
   bool json = false;
 };
@@ -83,6 +85,9 @@ struct BenchPlan {
 // are the first that there are, for messages.
 [[nodiscard]] Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string& input,
                                                   const std::vector<double>& isos);
+// Where no iso value was given and the input is of particles: gives the flags that of their method, and returns a note
+// of it. Else nothing is changed, and the note is empty.
+[[nodiscard]] Result<std::string> take_iso_of_method(ConvertFlags& flags, const std::string& input);
 // By the extension of a picture's name.
 [[nodiscard]] Result<PictureFormat> picture_format_of(const std::string& path);
 // Of options that make no plan: what they name all the same, as a job an input with its files and nothing else. There

@@ -140,6 +140,23 @@ Result<glm::dvec3> parse_vector(std::string_view text) {
   return glm::dvec3((*numbers)[0], (*numbers)[1], (*numbers)[2]);
 }
 
+Result<std::array<std::string, 3>> parse_columns(std::string_view text) {
+  const auto refused = [&] { return expected_found("the columns of x, y and z, such as x=3,y=4,z=5 or x=Px,y=Py,z=Pz", text); };
+  std::array<std::string, 3> columns;
+  std::string_view rest = text;
+  for (int part = 0; part < 3; ++part) {
+    const std::size_t comma = rest.find(',');
+    if ((comma == std::string_view::npos) != (part == 2)) return refused();
+    const std::string_view pair = rest.substr(0, comma);
+    rest = part == 2 ? std::string_view() : rest.substr(comma + 1);
+    if (pair.size() < 3 || pair[0] < 'x' || pair[0] > 'z' || pair[1] != '=') return refused();
+    std::string& column = columns[static_cast<std::size_t>(pair[0] - 'x')];
+    if (!column.empty()) return refused();
+    column = pair.substr(2);
+  }
+  return columns;
+}
+
 Result<glm::dvec3> parse_spacing(std::string_view text) {
   auto numbers = numbers_in(text, 3);
   if (!numbers) numbers = numbers_in(text, 1);

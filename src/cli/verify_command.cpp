@@ -62,7 +62,7 @@ Result<void> verify_backends(const VerifyPlan& plan, const Messages& messages, c
   {
     ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
     Notes notes(messages, bar);
-    const auto source = convert::open_source(plan.source, false, context, notes);
+    const auto source = convert::open_source(plan.source, {}, context, notes);
     if (!source) return tl::unexpected(source.error());
     label = source->label;
     for (const double iso : plan.isos) {
@@ -145,7 +145,7 @@ Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages, const
     auto file = meshes::read_mesh(*plan.mesh, context);
     if (!file) return tl::unexpected(std::move(file.error()));
     for (const std::string& text : file->notes) notes.note(text);
-    const auto source = convert::open_source(plan.source, false, context, notes);
+    const auto source = convert::open_source(plan.source, {}, context, notes);
     if (!source) return tl::unexpected(source.error());
     surface = fmt::format("{} iso {}", source->label, fmt::join(plan.isos, ", "));
     const auto extracted = extract_all(plan, *source, context);

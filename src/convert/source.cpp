@@ -3,6 +3,9 @@
 #include <filesystem>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "base/printable.hpp"
 #include "convert/field_label.hpp"
 #include "field/resample.hpp"
 #include "files/file_bytes.hpp"
@@ -32,25 +35,45 @@ Result<void> read_volume_field(const SourceOptions& options, const Context& cont
   return {};
 }
 
-Result<void> read_particle_field(const SourceOptions& options, const SourceUse& use, const Context& context,
-                                 Events& events, Source& source) {
-  auto read = read_particle_source(options, use, context, events);
-  if (!read) return tl::unexpected(std::move(read.error()));
-  source.field = std::move(read->made.field);
-  for (const WorkFact& fact : particle_facts(read->made.figures)) events.worked(fact);
-  if (options.particles.attributes.empty()) return {};
-  auto found = find_attributes(read->file.particles, options.particles.attributes);
-  if (!found) return tl::unexpected(std::move(found.error()));
-  source.attributes = AttributeSource{std::move(read->file.particles), std::move(*found), read->made.figures.radius,
-                                      options.particles.smoothing_length, {}};
-  return {};
-}
-
 // The name of a file without what comes after the point that begins its extension, and without .gz.
 std::string stem_of_file(const std::string& input) {
   std::filesystem::path path(input);
   if (path.extension() == ".gz") path = path.stem();
   return path.stem().string();
+}
+
+// The stage that reads particles, and the one that makes a field of them.
+Result<void> read_particle_field(const SourceOptions& options, const SourceUse& use, const Context& context,
+                                 Events& events, Source& source) {
+  Stopwatch watch;
+  auto file = volumes::read_particles(options.input, particle_read_options(options), context);
+  if (!file) return tl::unexpected(std::move(file.error()));
+  const StageTime reading = watch.elapsed();
+  for (const std::string& text : file->notes) events.note(text);
+  if (auto go_on = context.check(); !go_on) return go_on;
+  auto found = find_attributes(file->particles, options.particles.attributes);
+  if (!found) return tl::unexpected(std::move(found.error()));
+  watch.restart();
+  const points::FieldOptions asked = field_options(options.particles, use.only_iso);
+  auto made = points::make_field(file->particles, asked, context);
+  if (!made) return tl::unexpected(std::move(made.error()));
+  made->field.name = stem_of_file(files::shown_input_name(options.input));
+  events.read(options.input, made->field, reading);
+  const points::FieldFigures& figures = made->figures;
+  ParticleRecord record{file->format, file->length_unit, asked.method, {}, figures, watch.elapsed()};
+  if (asked.method != points::Method::weight) record.smoothing_length = asked.smoothing_length;
+  events.made_field(record);
+  if (figures.particles_dropped > 0) {
+    events.note(fmt::format("{}: {} particles at places that are no numbers were left out",
+                            printable(file->particles.label), figures.particles_dropped));
+  }
+  for (const WorkFact& fact : particle_facts(figures)) events.worked(fact);
+  source.field = std::move(made->field);
+  if (!found->empty()) {
+    source.attributes = AttributeSource{std::move(file->particles), std::move(*found), figures.radius,
+                                        options.particles.smoothing_length, {}};
+  }
+  return context.check();
 }
 
 }  // namespace
@@ -66,26 +89,6 @@ Result<field::ScalarField> read_field(const std::string& input, const volumes::R
   if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
   if (auto whole = volumes::check_not_lost(*field); !whole) return tl::unexpected(std::move(whole.error()));
   return field;
-}
-
-Result<ParticleSource> read_particle_source(const SourceOptions& options, const SourceUse& use, const Context& context,
-                                            Events& events) {
-  Stopwatch watch;
-  auto file = volumes::read_particles(options.input, particle_read_options(options), context);
-  if (!file) return tl::unexpected(std::move(file.error()));
-  const StageTime reading = watch.elapsed();
-  for (const std::string& text : file->notes) events.note(text);
-  if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
-  watch.restart();
-  const points::FieldOptions asked = field_options(options.particles, use.only_iso);
-  auto made = points::make_field(file->particles, asked, context);
-  if (!made) return tl::unexpected(std::move(made.error()));
-  made->field.name = stem_of_file(files::shown_input_name(options.input));
-  ParticleRecord record{file->format, file->length_unit, asked.method, {}, made->figures, watch.elapsed()};
-  if (asked.method != points::Method::weight) record.smoothing_length = asked.smoothing_length;
-  events.read(options.input, made->field, reading);
-  events.made_field(record);
-  return ParticleSource{std::move(*file), std::move(*made), std::move(record)};
 }
 
 extract::ExtractOptions Source::extract_options(const SurfaceOptions& surface, double iso) const {

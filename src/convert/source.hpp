@@ -42,14 +42,4 @@ struct SourceUse {
 [[nodiscard]] Result<Source> open_source(const SourceOptions& options, const SourceUse& use, const Context& context,
                                          Events& events);
 
-// The particles as they are read, and the field that they make.
-struct ParticleSource {
-  volumes::ParticleFile file;
-  points::ParticleField made;
-  ParticleRecord record;
-};
-// Tells what was read and made.
-[[nodiscard]] Result<ParticleSource> read_particle_source(const SourceOptions& options, const SourceUse& use,
-                                                          const Context& context, Events& events);
-
 }  // namespace isoextract::convert

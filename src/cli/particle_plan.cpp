@@ -1,0 +1,88 @@
+#include "cli/particle_plan.hpp"
+
+#include <algorithm>
+#include <array>
+#include <set>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "convert/particle_source.hpp"
+#include "files/file_bytes.hpp"
+
+namespace isoextract::cli {
+namespace {
+
+tl::unexpected<Error> refuse(std::string message, Hint hint = {}) {
+  return fail(ErrorKind::usage, std::move(message), std::move(hint));
+}
+
+// Options that do nothing with the method.
+Result<void> check_method(const ParticleFlags& flags, points::Method method) {
+  const bool weighs = method == points::Method::weight;
+  if (!weighs && (flags.weight || flags.deposit)) {
+    return refuse(fmt::format("{} is about --particles weight, and the method is {}",
+                              flags.weight ? "--weight" : "--deposit", word_of(method)),
+                  "give --particles weight");
+  }
+  // Attributes are interpolated by such kernels whatever makes the field.
+  if (weighs && flags.smoothing_length && flags.attributes.empty()) {
+    return refuse("--smoothing-length is about kernels, which --particles weight has not",
+                  "--particles sph and --particles anisotropic have them");
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<convert::ParticleOptions> plan_particles(const ParticleFlags& flags, std::optional<extract::NanPolicy> nan) {
+  convert::ParticleOptions options;
+  options.expected = flags.method || flags.radius || flags.smoothing_length || flags.cell_size || flags.weight ||
+                     flags.deposit || flags.columns || !flags.attributes.empty();
+  options.method = flags.method.value_or(options.method);
+  if (auto fine = check_method(flags, options.method); !fine) return tl::unexpected(fine.error());
+  if (options.expected && nan == extract::NanPolicy::hole) {
+    return refuse("--nan hole is about samples of a volume, and particles leave no holes",
+                  "--nan outside leaves out particles at places that are no numbers");
+  }
+  options.bad = nan == extract::NanPolicy::outside ? points::BadParticles::skip : points::BadParticles::error;
+  options.radius = flags.radius;
+  options.cell_size = flags.cell_size;
+  options.smoothing_length = flags.smoothing_length.value_or(options.smoothing_length);
+  options.weight = flags.weight.value_or(options.weight);
+  options.deposit = flags.deposit.value_or(options.deposit);
+  options.columns = flags.columns;
+  options.attributes = flags.attributes;
+  std::set<std::string_view> seen;
+  for (const std::string& name : options.attributes) {
+    if (name.empty()) return refuse("--attribute needs the name of an attribute");
+    if (!seen.insert(name).second) return refuse(fmt::format("--attribute {} was given twice", name));
+  }
+  return options;
+}
+
+Result<void> check_attributes(const ParticleFlags& flags, const meshes::MeshFormatInfo& format) {
+  if (flags.attributes.empty() || format.has_attributes) return {};
+  std::vector<std::string_view> names;
+  for (const meshes::MeshFormatInfo& info : meshes::mesh_formats()) {
+    if (info.has_attributes) names.push_back(info.name);
+  }
+  return refuse(fmt::format("--attribute: {} has no attributes of vertices", format.name),
+                fmt::format("{} have them", fmt::join(names, ", ")));
+}
+
+std::optional<MethodIso> iso_of_method(const convert::SourceOptions& source) {
+  if (!source.particles.expected) {
+    if (files::is_standard_input(source.input)) return std::nullopt;
+    const auto particles = convert::is_particles(source);
+    if (!particles || !*particles) return std::nullopt;
+  }
+  const points::MethodInfo& method = points::method_info(source.particles.method);
+  return MethodIso{method.iso, fmt::format("iso {}, the usual one of {}; --iso V takes another", method.iso,
+                                           method.title)};
+}
+
+}  // namespace isoextract::cli
