@@ -12,6 +12,7 @@
 #include "batch/output_names.hpp"
 #include "cli/info_report.hpp"
 #include "cli/progress_bar.hpp"
+#include "convert/particle_source.hpp"
 #include "convert/source.hpp"
 #include "extract/edge_geometry.hpp"
 #include "extract/sparse_blocks.hpp"
@@ -38,6 +39,21 @@ bool fits_one_mesh(const field::ScalarField& field) {
   return stored.empty() || extract::output_frame(field, options, stored, stored).fits_float32();
 }
 
+// Of a field that was read or made, with the iso value to suggest.
+FieldReport report_of(const InfoPlan& plan, const std::string& input, const std::optional<std::int64_t>& volume,
+                      FieldReport report) {
+  const bool separates = report.suggestion.separates;
+  report.size = separates ? size_of(report.field, report.suggestion.iso) : size_of_samples(report.field);
+  report.bytes = estimated_bytes(report.size);
+  report.fits_one_mesh = fits_one_mesh(report.field);
+  if (separates && report.fits_one_mesh) {
+    const bool chosen_here = volume && !plan.read.volume;
+    report.command = example_command(plan, input, chosen_here ? volume : std::nullopt, report.suggestion.iso);
+    if (printable(report.command) != report.command) report.command.clear();  // as it is shown it names no file
+  }
+  return report;
+}
+
 Result<FieldReport> measure(const InfoPlan& plan, const std::string& input, std::optional<std::int64_t> volume,
                             const Messages& messages) {
   const Context context{plan.memory};
@@ -51,20 +67,51 @@ Result<FieldReport> measure(const InfoPlan& plan, const std::string& input, std:
   report.field = std::move(*field);
   report.statistics = field::measure_statistics(report.field, &context.progress());
   report.suggestion = field::suggest_iso(report.field, report.statistics);
-  report.size =
-      report.suggestion.separates ? size_of(report.field, report.suggestion.iso) : size_of_samples(report.field);
-  report.fits_one_mesh = fits_one_mesh(report.field);
-  if (report.suggestion.separates && report.fits_one_mesh) {
-    const bool chosen_here = volume && !plan.read.volume;
-    report.command = example_command(plan, input, chosen_here ? volume : std::nullopt, report.suggestion.iso);
-    if (printable(report.command) != report.command) report.command.clear();  // as it is shown it names no file
+  return report_of(plan, input, volume, std::move(report));
+}
+
+convert::SourceOptions source_of(const InfoPlan& plan, const std::string& input) {
+  convert::SourceOptions source;
+  source.input = input;
+  source.read = plan.read;
+  source.particles = plan.particles;
+  return source;
+}
+
+InputReport look_at_particles(const InfoPlan& plan, const std::string& input, const Messages& messages) {
+  InputReport report;
+  report.input = input;
+  const Context context{plan.memory.part()};
+  const ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
+  auto measured = measure_particles(source_of(plan, input), context);
+  if (!measured) {
+    report.error = std::move(measured.error());
+    return report;
   }
+  report.volume = measured->report.frame;
+  report.particles = std::move(measured->report);
+  if (!measured->field) return report;
+  FieldReport field;
+  field.field = std::move(*measured->field);
+  field.statistics = field::measure_statistics(field.field, &context.progress());
+  const points::MethodInfo& method = points::method_info(plan.particles.method);
+  field.suggestion = {method.iso, fmt::format("the usual one of {}", method.title),
+                      method.iso >= field.statistics.min && method.iso < field.statistics.max};
+  const std::uint64_t made = kProgramBytes + context.memory().peak();
+  report.field = report_of(plan, input, report.volume, std::move(field));
+  report.field->bytes = std::max(report.field->bytes, made);
   return report;
 }
 
 InputReport look_at(const InfoPlan& plan, const std::string& input, const Messages& messages) {
   InputReport report;
   report.input = input;
+  const auto of_particles = convert::is_particles(source_of(plan, input), Context(plan.memory));
+  if (!of_particles) {
+    report.error = of_particles.error();
+    return report;
+  }
+  if (*of_particles) return look_at_particles(plan, input, messages);
   auto grids = volumes::list_grids(input, plan.read, Context(plan.memory));
   if (!grids) {
     report.error = std::move(grids.error());
@@ -104,6 +151,9 @@ std::optional<Error> run_info(const InfoPlan& plan, const Messages& messages) {
     }
     if (report.field) {
       for (const std::string& note : report.field->field.notes) messages.note(note);
+    }
+    if (report.particles) {
+      for (const std::string& note : report.particles->notes) messages.note(note);
     }
     messages.detail(fmt::format("{}: {:.2f} s, peak memory {}", files::shown_input_name(input),
                                 watch.elapsed().wall_seconds, format_byte_size(peak_memory())));

@@ -135,7 +135,7 @@ void add_advice(NamedLines& lines, const FieldReport& report) {
   }
   lines.add("suggestion", fmt::format("--iso {}: {}", suggestion.iso, suggestion.method));
   lines.add("", fmt::format("about {} triangles; converting takes about {} of memory", estimated_triangles(report.size),
-                            format_byte_size(estimated_bytes(report.size))));
+                            format_byte_size(report.bytes)));
   if (!report.fits_one_mesh) lines.add("", "its voxels lie too far apart for one mesh: extract parts with --roi");
   if (!report.command.empty()) lines.plain(fmt::format("\n  {}", report.command));
 }
@@ -190,7 +190,7 @@ convert::Json json_of(const FieldReport& report) {
                           {"triangles", estimated_triangles(report.size)},
                           {"command", report.command}};
   }
-  json["memory"] = {{"samples", report.size.sample_bytes}, {"conversion", estimated_bytes(report.size)}};
+  json["memory"] = {{"samples", report.size.sample_bytes}, {"conversion", report.bytes}};
   json["notes"] = field.notes;
   return json;
 }
@@ -204,7 +204,10 @@ std::string text_of(const InputReport& report) {
   lines.plain(printable(files::shown_input_name(report.input)));
   add_grids(lines, report);
   add_volumes(lines, report);
-  if (report.field) {
+  if (report.particles) {
+    add_particles(lines, *report.particles);
+    if (report.field) add_advice(lines, *report.field);
+  } else if (report.field) {
     add_shape(lines, *report.field);
     add_values(lines, *report.field);
     add_advice(lines, *report.field);
@@ -219,6 +222,7 @@ convert::Json json_of(const InputReport& report) {
   json["grids"] = convert::Json::array();
   for (const volumes::GridInfo& grid : report.grids) json["grids"].push_back(json_of(grid));
   json["volume"] = report.volume ? convert::Json(*report.volume) : convert::Json(nullptr);
+  json["particles"] = report.particles ? json_of(*report.particles) : convert::Json(nullptr);
   json["field"] = report.field ? json_of(*report.field) : convert::Json(nullptr);
   if (report.error) json["error"] = {{"message", report.error->message}, {"hint", words_of(report.error->hint)}};
   return json;

@@ -8,6 +8,7 @@
 
 #include "base/error.hpp"
 #include "cli/conversion_size.hpp"
+#include "cli/particle_report.hpp"
 #include "convert/json_values.hpp"
 #include "field/scalar_field.hpp"
 #include "field/statistics.hpp"
@@ -21,6 +22,7 @@ struct FieldReport {
   field::FieldStatistics statistics;
   field::IsoSuggestion suggestion;
   ConversionSize size;
+  std::uint64_t bytes = 0;  // of memory that converting takes
   bool fits_one_mesh = true;  // else only parts of it can be extracted
   std::string command;        // line that extracts it, if there is one that does
 };
@@ -29,6 +31,7 @@ struct InputReport {
   std::string input;
   std::vector<volumes::GridInfo> grids;
   std::optional<std::int64_t> volume;  // that is described, where one was chosen or there are several
+  std::optional<ParticleReport> particles;  // where the input is of particles, which have no grids
   std::optional<FieldReport> field;    // not there if a choice of grid or a place for it is missing, or on an error
   std::optional<Error> error;
 };

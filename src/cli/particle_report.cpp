@@ -1,0 +1,183 @@
+#include "cli/particle_report.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/printable.hpp"
+#include "cli/remedies.hpp"
+#include "convert/particle_source.hpp"
+#include "convert/placement.hpp"
+
+namespace isoextract::cli {
+namespace {
+
+constexpr std::size_t kShownName = 80;  // bytes
+
+std::vector<AttributeRange> ranges_of(const std::vector<volumes::ParticleQuantity>& quantities,
+                                      const points::ParticleSet& particles) {
+  std::vector<AttributeRange> ranges;
+  for (const volumes::ParticleQuantity& quantity : quantities) {
+    AttributeRange& range = ranges.emplace_back();
+    range.quantity = quantity;
+    const auto found = std::ranges::find(particles.attributes, quantity.name, &points::ParticleAttribute::name);
+    if (found == particles.attributes.end()) continue;
+    range.read = true;
+    for (const float value : found->values) {
+      if (!std::isfinite(value)) {
+        ++range.not_finite;
+        continue;
+      }
+      range.min = std::min<double>(range.min.value_or(value), value);
+      range.max = std::max<double>(range.max.value_or(value), value);
+    }
+  }
+  return ranges;
+}
+
+std::string range_text(const AttributeRange& range) {
+  if (!range.read) return "no numbers";
+  std::string text = range.min ? fmt::format("{:.6g} .. {:.6g}", *range.min, *range.max) : std::string("no values");
+  if (range.not_finite > 0) text += fmt::format(", {} not finite", range.not_finite);
+  return text;
+}
+
+void add_attributes(NamedLines& lines, const std::vector<AttributeRange>& ranges) {
+  lines.add("attributes", fmt::format("{}", ranges.size()));
+  std::size_t width = 4;
+  for (const AttributeRange& range : ranges) {
+    width = std::max(width, printable(range.quantity.name, kShownName).size());
+  }
+  for (const AttributeRange& range : ranges) {
+    const volumes::ParticleQuantity& quantity = range.quantity;
+    lines.plain(fmt::format("    {:<{}}  {:<10}  {}{}", printable(quantity.name, kShownName), width,
+                            quantity.components == 1 ? quantity.type
+                                                     : fmt::format("{} x {}", quantity.type, quantity.components),
+                            range_text(range),
+                            quantity.unit.empty() ? "" : fmt::format(" ({})", printable(quantity.unit, kShownName))));
+  }
+}
+
+void add_field(NamedLines& lines, const ParticleReport& report) {
+  const points::MethodInfo& method = points::method_info(report.method);
+  if (report.no_field) {
+    const std::string hint = words_of(report.no_field->hint);
+    lines.add("field", fmt::format("none: {}{}", report.no_field->message, hint.empty() ? "" : "; " + hint));
+    return;
+  }
+  if (!report.figures || report.figures->particles == 0) return;
+  lines.add("field", fmt::format("{}: samples {:.6g} apart, in {} bricks (8x8x8)", method.title,
+                                 report.figures->spacing, report.figures->bricks_stored));
+}
+
+}  // namespace
+
+Result<MeasuredParticles> measure_particles(const convert::SourceOptions& source, const Context& context) {
+  convert::SourceOptions asked = source;
+  MeasuredParticles measured;
+  ParticleReport& report = measured.report;
+  volumes::ParticleReadOptions read = convert::particle_read_options(asked);
+  auto info = volumes::particle_info(asked.input, read, context);
+  if (!info) return tl::unexpected(std::move(info.error()));
+  report.info = std::move(*info);
+  for (const volumes::ParticleFormatDescription& about : volumes::particle_format_descriptions()) {
+    if (about.id == report.info.format) report.title = about.title;
+  }
+  if (report.info.frames > 1 && !read.frame) read.frame = 0;
+  report.frame = read.frame;
+  read.attributes.clear();
+  read.all_attributes = true;
+  auto file = volumes::read_particles(asked.input, read, context);
+  if (!file) return tl::unexpected(std::move(file.error()));
+  report.notes = file->notes;
+  report.particles = file->particles.size();
+  report.attributes = ranges_of(report.info.quantities, file->particles);
+  file->particles.attributes.clear();
+  auto statistics = points::measure_statistics(file->particles, context);
+  if (!statistics) return tl::unexpected(std::move(statistics.error()));
+  report.statistics = std::move(*statistics);
+  report.method = asked.particles.method;
+  asked.particles.bad = points::BadParticles::skip;
+  auto made = points::make_field(file->particles, convert::field_options(asked.particles, std::nullopt), context);
+  if (!made) {
+    if (made.error().kind == ErrorKind::cancelled) return tl::unexpected(std::move(made.error()));
+    report.no_field = std::move(made.error());
+    return measured;
+  }
+  report.figures = made->figures;
+  if (made->figures.particles > 0) measured.field = std::move(made->field);
+  return measured;
+}
+
+void add_particles(NamedLines& lines, const ParticleReport& report) {
+  lines.add("format", fmt::format("{}: {}", report.info.format, report.title));
+  lines.add("particles", fmt::format("{}", report.particles));
+  if (report.info.frames > 1) {
+    lines.add("frames", fmt::format("{}, counted from 0; {} is described, --volume K chooses another",
+                                    report.info.frames, report.frame.value_or(0)));
+  }
+  if (!report.info.frame_name.empty()) lines.add("frame", printable(report.info.frame_name, kShownName));
+  const points::ParticleBounds& bounds = report.statistics.bounds;
+  if (bounds.finite > 0) lines.add("bounds", convert::box_text(bounds.box));
+  if (!report.info.length_unit.empty()) lines.add("unit", printable(report.info.length_unit, kShownName));
+  if (bounds.not_finite > 0) {
+    lines.add("not finite", fmt::format("{} particles; --nan outside leaves them out", bounds.not_finite));
+  }
+  if (const auto& neighbours = report.statistics.neighbours) {
+    lines.add("neighbours", fmt::format("{:.6g} .. {:.6g} to the nearest, median {:.6g}, of {} particles",
+                                        neighbours->min, neighbours->max, neighbours->median, neighbours->asked));
+    lines.add("radius", fmt::format("{:.6g}: half that median; --radius R says another",
+                                    *report.statistics.suggested_radius()));
+  }
+  add_attributes(lines, report.attributes);
+  add_field(lines, report);
+}
+
+convert::Json json_of(const ParticleReport& report) {
+  const points::ParticleBounds& bounds = report.statistics.bounds;
+  convert::Json json{{"format", report.info.format},
+                     {"count", report.particles},
+                     {"frames", report.info.frames},
+                     {"frame", convert::optional_json(report.frame)},
+                     {"frame_name", report.info.frame_name},
+                     {"length_unit", report.info.length_unit},
+                     {"finite", bounds.finite},
+                     {"not_finite", bounds.not_finite}};
+  json["bounds"] = bounds.finite > 0 ? convert::json_of(bounds.box) : convert::Json(nullptr);
+  json["neighbours"] = nullptr;
+  if (const auto& neighbours = report.statistics.neighbours) {
+    json["neighbours"] = {{"asked", neighbours->asked},
+                          {"min", neighbours->min},
+                          {"median", neighbours->median},
+                          {"max", neighbours->max}};
+  }
+  json["suggested_radius"] = convert::optional_json(report.statistics.suggested_radius());
+  json["attributes"] = convert::Json::array();
+  for (const AttributeRange& range : report.attributes) {
+    json["attributes"].push_back({{"name", range.quantity.name},
+                                  {"type", range.quantity.type},
+                                  {"components", range.quantity.components},
+                                  {"unit", range.quantity.unit},
+                                  {"numeric", range.read},
+                                  {"min", convert::optional_json(range.min)},
+                                  {"max", convert::optional_json(range.max)},
+                                  {"not_finite", range.not_finite}});
+  }
+  json["method"] = word_of(report.method);
+  json["field"] = nullptr;
+  if (report.figures) {
+    json["field"] = {{"radius", report.figures->radius},
+                     {"spacing", report.figures->spacing},
+                     {"support", report.figures->support},
+                     {"bricks", report.figures->bricks_stored}};
+  }
+  if (report.no_field) {
+    json["no_field"] = {{"message", report.no_field->message}, {"hint", words_of(report.no_field->hint)}};
+  }
+  json["notes"] = report.notes;
+  return json;
+}
+
+}  // namespace isoextract::cli
