@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "cli/plan.hpp"
 #include "convert/particle_source.hpp"
 #include "files/file_bytes.hpp"
 
@@ -74,15 +75,24 @@ Result<void> check_attributes(const ParticleFlags& flags, const meshes::MeshForm
                 fmt::format("{} have them", fmt::join(names, ", ")));
 }
 
-std::optional<MethodIso> iso_of_method(const convert::SourceOptions& source) {
-  if (!source.particles.expected) {
-    if (files::is_standard_input(source.input)) return std::nullopt;
-    const auto particles = convert::is_particles(source);
-    if (!particles || !*particles) return std::nullopt;
+Result<std::string> take_iso_of_method(ConvertFlags& flags, const std::string& input) {
+  if (!flags.isos.empty()) return std::string();
+  auto read = plan_read(flags.input);
+  if (!read) return tl::unexpected(read.error());
+  auto particles = plan_particles(flags.particles, flags.surface.nan);
+  if (!particles) return tl::unexpected(particles.error());
+  const bool expected = particles->expected;
+  const points::MethodInfo& method = points::method_info(particles->method);
+  if (!expected) {
+    if (files::is_standard_input(input)) return std::string();
+    convert::SourceOptions source;
+    source.input = input;
+    source.read = std::move(*read);
+    source.particles = std::move(*particles);
+    if (!convert::is_particles(source).value_or(false)) return std::string();
   }
-  const points::MethodInfo& method = points::method_info(source.particles.method);
-  return MethodIso{method.iso, fmt::format("iso {}, the usual one of {}; --iso V takes another", method.iso,
-                                           method.title)};
+  flags.isos.push_back(method.iso);
+  return fmt::format("iso {}, the usual one of {}; --iso V takes another", method.iso, method.title);
 }
 
 }  // namespace isoextract::cli

@@ -17,14 +17,9 @@ namespace isoextract::cli {
 // Formats that have no place for attributes are refused where some are asked for.
 [[nodiscard]] Result<void> check_attributes(const ParticleFlags& flags, const meshes::MeshFormatInfo& format);
 
-struct MethodIso {
-  double iso = 0;
-  std::string note;  // that it was taken
-};
-
-// The iso value of particles where none was given: that of their method. Nothing where `source` is a volume, or cannot
-// be read; who opens it tells that. Looks into the file where no option says that it is of particles, but not into
-// standard input, which would have to be kept.
-[[nodiscard]] std::optional<MethodIso> iso_of_method(const convert::SourceOptions& source);
+// Where no iso value was given and `input` is of particles: gives the flags that of their method, and returns a note of
+// it. Else nothing is changed and the note is empty; who opens the input tells what is wrong with it. Looks into the
+// file where no option says that it is of particles, but not into standard input, which would have to be kept.
+[[nodiscard]] Result<std::string> take_iso_of_method(ConvertFlags& flags, const std::string& input);
 
 }  // namespace isoextract::cli

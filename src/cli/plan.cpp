@@ -214,22 +214,6 @@ Result<Verbosity> plan_verbosity(const RunFlags& flags) {
   return flags.quiet ? Verbosity::quiet : flags.verbose ? Verbosity::verbose : Verbosity::normal;
 }
 
-Result<std::string> take_iso_of_method(ConvertFlags& flags, const std::string& input) {
-  if (!flags.isos.empty()) return std::string();
-  auto read = plan_read(flags.input);
-  if (!read) return tl::unexpected(read.error());
-  auto particles = plan_particles(flags.particles, flags.surface.nan);
-  if (!particles) return tl::unexpected(particles.error());
-  convert::SourceOptions source;
-  source.input = input;
-  source.read = std::move(*read);
-  source.particles = std::move(*particles);
-  auto found = iso_of_method(source);
-  if (!found) return std::string();
-  flags.isos.push_back(found->iso);
-  return std::move(found->note);
-}
-
 Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string& input,
                                     const std::vector<double>& isos) {
   if (flags.report && (flags.report->empty() || *flags.report == "-")) {

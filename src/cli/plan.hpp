@@ -85,9 +85,6 @@ struct BenchPlan {
 // are the first that there are, for messages.
 [[nodiscard]] Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string& input,
                                                   const std::vector<double>& isos);
-// Where no iso value was given and the input is of particles: gives the flags that of their method, and returns a note
-// of it. Else nothing is changed, and the note is empty.
-[[nodiscard]] Result<std::string> take_iso_of_method(ConvertFlags& flags, const std::string& input);
 // By the extension of a picture's name.
 [[nodiscard]] Result<PictureFormat> picture_format_of(const std::string& path);
 // Of options that make no plan: what they name all the same, as a job an input with its files and nothing else. There

@@ -13,6 +13,7 @@
 #include "base/reserved_buffer.hpp"
 #include "field/demo_field.hpp"
 #include "files/file_bytes.hpp"
+#include "points/attribute_sampling.hpp"
 
 namespace isoextract::convert {
 namespace {

@@ -1,12 +1,12 @@
 # Whole command lines: stdout, stderr, exit codes, and what was written.
-foreach(name animate batch batch_faults config startup usage surface placement output interrupted streams inputs lost_input plugin memory info grids compare simplify compression resolution error bench documents report stability far verify gpu readme)
+foreach(name animate batch batch_faults particles config startup usage surface placement output interrupted streams inputs lost_input plugin memory info grids compare simplify compression resolution error bench documents report stability far verify gpu readme)
   add_test(NAME cli.${name}
     COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_CURRENT_SOURCE_DIR}/cli/${name}_test.py)
   set_tests_properties(cli.${name} PROPERTIES
     ENVIRONMENT "ISOEXTRACT_PROGRAM=$<TARGET_FILE:isoextract>;ISOEXTRACT_SOURCE_DIR=${PROJECT_SOURCE_DIR}"
     TIMEOUT 120)
 endforeach()
-set_tests_properties(cli.memory cli.animate cli.batch PROPERTIES TIMEOUT 300)
+set_tests_properties(cli.memory cli.animate cli.batch cli.particles PROPERTIES TIMEOUT 300)
 # Its plug-ins are those of tests/plugins.
 set_property(TEST cli.plugin APPEND PROPERTY ENVIRONMENT "ISOEXTRACT_TEST_PLUGINS=${test_plugins}")
 
