@@ -1,8 +1,8 @@
 #include "base/memory_budget.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <atomic>
+#include <cassert>
 #include <fstream>
 #include <mutex>
 #include <optional>

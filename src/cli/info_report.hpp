@@ -22,7 +22,7 @@ struct FieldReport {
   field::FieldStatistics statistics;
   field::IsoSuggestion suggestion;
   ConversionSize size;
-  std::uint64_t bytes = 0;  // of memory that converting takes
+  std::uint64_t bytes = 0;    // of memory that converting takes
   bool fits_one_mesh = true;  // else only parts of it can be extracted
   std::string command;        // line that extracts it, if there is one that does
 };
@@ -30,9 +30,9 @@ struct FieldReport {
 struct InputReport {
   std::string input;
   std::vector<volumes::GridInfo> grids;
-  std::optional<std::int64_t> volume;  // that is described, where one was chosen or there are several
+  std::optional<std::int64_t> volume;       // that is described, where one was chosen or there are several
   std::optional<ParticleReport> particles;  // where the input is of particles, which have no grids
-  std::optional<FieldReport> field;    // not there if a choice of grid or a place for it is missing, or on an error
+  std::optional<FieldReport> field;  // not there if a choice of grid or a place for it is missing, or on an error
   std::optional<Error> error;
 };
 

@@ -52,11 +52,10 @@ void add_attributes(NamedLines& lines, const std::vector<AttributeRange>& ranges
   }
   for (const AttributeRange& range : ranges) {
     const volumes::ParticleQuantity& quantity = range.quantity;
-    lines.plain(fmt::format("    {:<{}}  {:<10}  {}{}", printable(quantity.name, kShownName), width,
-                            quantity.components == 1 ? quantity.type
-                                                     : fmt::format("{} x {}", quantity.type, quantity.components),
-                            range_text(range),
-                            quantity.unit.empty() ? "" : fmt::format(" ({})", printable(quantity.unit, kShownName))));
+    lines.plain(fmt::format(
+        "    {:<{}}  {:<10}  {}{}", printable(quantity.name, kShownName), width,
+        quantity.components == 1 ? quantity.type : fmt::format("{} x {}", quantity.type, quantity.components),
+        range_text(range), quantity.unit.empty() ? "" : fmt::format(" ({})", printable(quantity.unit, kShownName))));
   }
 }
 
@@ -128,8 +127,8 @@ void add_particles(NamedLines& lines, const ParticleReport& report) {
   if (const auto& neighbours = report.statistics.neighbours) {
     lines.add("neighbours", fmt::format("{:.6g} .. {:.6g} to the nearest, median {:.6g}, of {} particles",
                                         neighbours->min, neighbours->max, neighbours->median, neighbours->asked));
-    lines.add("radius", fmt::format("{:.6g}: half that median; --radius R says another",
-                                    *report.statistics.suggested_radius()));
+    lines.add("radius",
+              fmt::format("{:.6g}: half that median; --radius R says another", *report.statistics.suggested_radius()));
   }
   add_attributes(lines, report.attributes);
   add_field(lines, report);

@@ -61,7 +61,8 @@ std::string words_of(const Hint& hint) {
     case Remedy::report_gpu: return "please report it with 'isoextract devices'; --backend cpu needs no GPU";
     case Remedy::read_as_particles:
       return "--particles METHOD takes the rows of an array for particles, such as --particles sph";
-    case Remedy::leave_out_particles: return "leave out the options of particles: 'isoextract help particles' lists them";
+    case Remedy::leave_out_particles:
+      return "leave out the options of particles: 'isoextract help particles' lists them";
     case Remedy::leave_out_volumes:
       return "leave out --grid, --dims, --dtype, --endian, --skip, --spacing, --origin and --inside";
     case Remedy::choose_frame: return "choose one of them with --volume K, or take each of them with --volume all";

@@ -141,7 +141,9 @@ Result<glm::dvec3> parse_vector(std::string_view text) {
 }
 
 Result<std::array<std::string, 3>> parse_columns(std::string_view text) {
-  const auto refused = [&] { return expected_found("the columns of x, y and z, such as x=3,y=4,z=5 or x=Px,y=Py,z=Pz", text); };
+  const auto refused = [&] {
+    return expected_found("the columns of x, y and z, such as x=3,y=4,z=5 or x=Px,y=Py,z=Pz", text);
+  };
   std::array<std::string, 3> columns;
   std::string_view rest = text;
   for (int part = 0; part < 3; ++part) {

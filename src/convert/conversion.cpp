@@ -155,9 +155,10 @@ class Conversion {
     }
     carried.time = watch.elapsed();
     if (carried.out_of_reach > 0) {
-      events_.note(fmt::format("{} iso {}: {} of {} vertices have the attributes of the nearest particle, as none is "
-                               "near enough to be interpolated",
-                               source_.label, surface.iso, carried.out_of_reach, carried.vertices));
+      events_.note(
+          fmt::format("{} iso {}: {} of {} vertices have the attributes of the nearest particle, as none is "
+                      "near enough to be interpolated",
+                      source_.label, surface.iso, carried.out_of_reach, carried.vertices));
     }
     events_.carried(carried);
     return {};
@@ -207,7 +208,8 @@ class Conversion {
 
   Error no_surface(double iso) {
     if (source_.empty) {
-      return {ErrorKind::input, fmt::format("{}: {}", source_.label,
+      return {ErrorKind::input,
+              fmt::format("{}: {}", source_.label,
                           source_.of_particles ? "there are no particles" : "the grid is empty: it has no voxels"),
               Remedy::allow_empty, Reason::empty_grid};
     }

@@ -45,8 +45,8 @@ struct InputFacts {
 [[nodiscard]] InputFacts input_facts(const std::string& path, const field::ScalarField& field);
 
 struct StageRecord {
-  std::string stage;          // "open", "read", "particles to field", "resample", "classify", "compile", "upload", "count",
-                              // "emit", "verify", "attributes", "simplify", "error", "mesh facts", "statistics", "write"
+  std::string stage;  // "open", "read", "particles to field", "resample", "classify", "compile", "upload", "count",
+                      // "emit", "verify", "attributes", "simplify", "error", "mesh facts", "statistics", "write"
   std::optional<double> iso;  // where the stage belongs to one surface
   StageTime time;
 };

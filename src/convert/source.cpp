@@ -70,8 +70,8 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
   for (const WorkFact& fact : particle_facts(figures)) events.worked(fact);
   source.field = std::move(made->field);
   if (!found->empty()) {
-    source.attributes = AttributeSource{std::move(file->particles), std::move(*found), figures.radius,
-                                        options.particles.smoothing_length, {}};
+    source.attributes = AttributeSource{
+        std::move(file->particles), std::move(*found), figures.radius, options.particles.smoothing_length, {}};
   }
   return context.check();
 }
@@ -110,8 +110,7 @@ SourceUse use_of(const ConversionJob& job) {
   return use;
 }
 
-Result<Source> open_source(const SourceOptions& options, const SourceUse& use, const Context& context,
-                           Events& events) {
+Result<Source> open_source(const SourceOptions& options, const SourceUse& use, const Context& context, Events& events) {
   const auto of_particles = is_particles(options, context);
   if (!of_particles) return tl::unexpected(of_particles.error());
   Source source;
@@ -133,8 +132,7 @@ Result<Source> open_source(const SourceOptions& options, const SourceUse& use, c
   source.output_from_index = placed->output_from_index;
   source.region = placed->region;
   if (source.attributes) {
-    source.attributes->world_from_output =
-        source.field.index_to_world.after(source.output_from_index.inverse());
+    source.attributes->world_from_output = source.field.index_to_world.after(source.output_from_index.inverse());
   }
   return source;
 }

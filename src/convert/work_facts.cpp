@@ -42,11 +42,11 @@ std::vector<WorkFact> reading_facts(const field::ScalarField& field) {
 std::vector<WorkFact> particle_facts(const points::FieldFigures& figures) {
   std::vector<WorkFact> facts;
   const std::uint64_t all = figures.particles + figures.particles_dropped;
-  facts.push_back({"particles", "made into a field", figures.particles, all,
-                   fmt::format("{} particles of radius {:.6g}{}, by samples {:.6g} apart in {} bricks (8x8x8)",
-                               figures.particles, figures.radius,
-                               figures.radius_suggested ? ", half the median distance to the nearest one" : "",
-                               figures.spacing, figures.bricks_stored)});
+  facts.push_back(
+      {"particles", "made into a field", figures.particles, all,
+       fmt::format("{} particles of radius {:.6g}{}, by samples {:.6g} apart in {} bricks (8x8x8)", figures.particles,
+                   figures.radius, figures.radius_suggested ? ", half the median distance to the nearest one" : "",
+                   figures.spacing, figures.bricks_stored)});
   if (figures.particles_dropped > 0) {
     facts.push_back({"particles_not_finite", "left out", figures.particles_dropped, all,
                      fmt::format("{} of {} particles, at places that are no numbers", figures.particles_dropped, all)});

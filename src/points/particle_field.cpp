@@ -155,8 +155,9 @@ Result<ParticleField> make_field(const ParticleSet& particles, const FieldOption
   }
   if (bounds.first_broken && options.bad == BadParticles::error) {
     const glm::dvec3& p = positions[*bounds.first_broken];
-    return fail(ErrorKind::input, fmt::format("{}: expected finite positions, found ({}, {}, {}) at particle {}",
-                                              particles.label, p.x, p.y, p.z, *bounds.first_broken),
+    return fail(ErrorKind::input,
+                fmt::format("{}: expected finite positions, found ({}, {}, {}) at particle {}", particles.label, p.x,
+                            p.y, p.z, *bounds.first_broken),
                 Remedy::skip_particles);
   }
   ParticleField result;

@@ -120,7 +120,8 @@ TEST(ConversionJob, RefusesWhatItDoesNotUnderstand) {
   EXPECT_NE(refusal(R"({"resolution": [1, 2, 3000000000]})").find("three whole numbers"), std::string::npos);
   EXPECT_NE(refusal(R"({"outputs": [{"path": "a", "iso": ["0"]}]})").find("'outputs'"), std::string::npos);
   EXPECT_NE(refusal(R"({"gpu_memory": -1})").find("whole number from 0 on"), std::string::npos);
-  EXPECT_NE(refusal(R"({"particles": {"method": "spline"}})").find("one of weight, sph, anisotropic"), std::string::npos);
+  EXPECT_NE(refusal(R"({"particles": {"method": "spline"}})").find("one of weight, sph, anisotropic"),
+            std::string::npos);
   EXPECT_NE(refusal(R"({"particles": {"columns": ["x", "y"]}})").find("three texts, or null"), std::string::npos);
   EXPECT_NE(refusal(R"([1])").find("an object"), std::string::npos);
 }
