@@ -71,6 +71,18 @@ auto with_format(const std::string& input, const ReadOptions& options, const Con
 
 }  // namespace
 
+Result<bool> is_surely_volume(const std::string& input, const ReadOptions& options, const Context& context) {
+  if (is_named_by_prefix(input) || options.raw) return true;
+  if (options.format) return find_volume_format(*options.format) != nullptr;
+  try {
+    return has_volume_content(input, context);
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorKind::input, files::shown_input_name(input) + ": not enough memory to read it");
+  } catch (const std::exception& error) {
+    return fail(ErrorKind::input, fmt::format("{}: {}", files::shown_input_name(input), error.what()));
+  }
+}
+
 Result<std::vector<GridInfo>> list_grids(const std::string& input, const ReadOptions& options, const Context& context) {
   return with_format(input, options, context,
                      [&](const DetectedFormat& detected) { return detected.format->list(input, options, context); });

@@ -9,7 +9,6 @@
 #include "base/printable.hpp"
 #include "files/file_bytes.hpp"
 #include "volumes/detail/formats.hpp"
-#include "volumes/volume_reader.hpp"
 
 namespace isoextract::volumes {
 namespace {
@@ -73,6 +72,8 @@ Result<const VolumeFormat*> known_by_content(const files::InputFile& file, std::
 
 }  // namespace
 
+bool is_named_by_prefix(const std::string& input) { return format_by_prefix(input) != nullptr; }
+
 Result<DetectedFormat> detect_format(const std::string& input, const ReadOptions& options, const Context& context) {
   if (const VolumeFormat* format = format_by_prefix(input)) return DetectedFormat{format, {}};
   const auto file = files::InputFile::open(input, context);
@@ -98,9 +99,7 @@ Result<DetectedFormat> detect_format(const std::string& input, const ReadOptions
   return fail_unknown(*file, *content);
 }
 
-Result<bool> is_surely_volume(const std::string& input, const ReadOptions& options, const Context& context) {
-  if (format_by_prefix(input) != nullptr || options.raw) return true;
-  if (options.format) return find_volume_format(*options.format) != nullptr;
+Result<bool> has_volume_content(const std::string& input, const Context& context) {
   const auto file = files::InputFile::open(input, context);
   if (!file) return tl::unexpected(file.error());
   const auto content = files::first_bytes(*file, kStartBytes);

@@ -20,4 +20,9 @@ struct DetectedFormat {
 [[nodiscard]] Result<DetectedFormat> detect_format(const std::string& input, const ReadOptions& options,
                                                    const Context& context);
 
+// Whether the input is no file but begins like demo:.
+[[nodiscard]] bool is_named_by_prefix(const std::string& input);
+// Whether a format knows the file by its content.
+[[nodiscard]] Result<bool> has_volume_content(const std::string& input, const Context& context);
+
 }  // namespace isoextract::volumes
