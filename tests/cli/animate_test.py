@@ -87,7 +87,7 @@ class AnimateTest(ProgramTest):
 
     def test_packed_frames_need_memory_beside_others(self):
         """Where packing finds no room beside frames that wait, they give way."""
-        for limit, jobs in ((None, 1), ("800K", 1), ("800K", 6), ("1M", 6)):
+        for limit, jobs in ((None, 1), ("360K", 1), ("360K", 6), ("450K", 6)):
             limits = ["--memory-limit", limit] if limit else []
             self.moving(8, "--draco", "--jobs", jobs, "--threads", "6", *limits, "-o", f"{limit}{jobs}/w.glb", "--mkdir")
         files = {path.read_bytes() for path in self.folder.glob("*/w.glb")}
