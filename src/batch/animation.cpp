@@ -36,6 +36,9 @@ Animation::Animation(const BatchJob& batch, const Context& context, std::uint64_
 
 Result<void> Animation::check() const {
   if (auto usable = writer_.check(); !usable) return usable;
+  std::vector<std::int64_t> numbers;
+  for (const FrameJob& frame : batch_.frames) numbers.push_back(frame.number);
+  if (auto told_apart = writer_.check_times(numbers); !told_apart) return told_apart;
   return convert::check_output_file(batch_.animation->path, batch_.frames.front().job.source.input);
 }
 
@@ -49,7 +52,7 @@ Result<std::vector<meshes::PackedFacts>> Animation::take(std::size_t frame, cons
     lost_ = added.error();
   }
   if (!added) return tl::unexpected(std::move(added.error()));
-  is_empty_ = false;
+  is_empty_ = is_empty_ && handed.meshes.empty();
   const auto packed = writer_.packed();
   return std::vector(packed.begin(), packed.end());
 }
@@ -89,6 +92,9 @@ std::optional<std::vector<FrameRecord>> kept_animation(const Manifest& manifest,
   const std::string key = key_of(batch);
   const FrameRecord* const whole = manifest.find(key);
   if (whole == nullptr || !what_changed(*whole).empty()) return std::nullopt;
+  // Nothing was written, as no frame has a surface: what is there now is another's.
+  std::error_code none;
+  if (whole->outputs.empty() && std::filesystem::exists(batch.animation->path, none)) return std::nullopt;
   std::vector<FrameRecord> frames;
   for (const FrameJob& frame : batch.frames) {
     const FrameRecord* const record = manifest.find(key_of(key, frame));

@@ -118,9 +118,9 @@ class Scheduler {
     });
     lock.lock();
     memory_of_one_ = std::max(memory_of_one_, outcome.reserved_memory);
+    const bool turned_away = receiver_ != nullptr && outcome.done() && !hand_over(place, held.handed, outcome, lock);
+    // Packing it may have been too much as well.
     const bool for_memory = running->beside_others && outcome.error && is_for_memory(*outcome.error) && !ended();
-    const bool turned_away =
-        outcome.done() && !held.handed.meshes.empty() && !hand_over(place, held.handed, outcome, lock);
     running_.erase(running);
     if (for_memory || turned_away) {
       for_memory ? queue_.run_again_alone(place) : queue_.run_again(place);

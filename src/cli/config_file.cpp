@@ -116,9 +116,11 @@ class ConfigReader {
   // Of a value, or of each of a list.
   Result<std::vector<std::string>> texts_of(const std::string& key, const toml::node& node) const {
     std::vector<std::string> texts;
+    const toml::node* cut = nullptr;  // one that a path would end in the middle of
     const auto add = [&](const toml::node& value) {
       if (const auto* text = value.as_string()) {
         texts.push_back(text->get());
+        if (texts.back().find('\0') != std::string::npos) cut = &value;
       } else if (const auto* whole = value.as_integer()) {
         texts.push_back(fmt::format("{}", whole->get()));
       } else if (const auto* number = value.as_floating_point()) {
@@ -136,6 +138,7 @@ class ConfigReader {
     } else if (!add(node)) {
       wrong = &node;
     }
+    if (cut != nullptr) return bad(*cut, fmt::format("{}: a text cannot have a character of code 0", key));
     if (wrong == nullptr) return texts;
     return bad(*wrong, fmt::format("{}: expected a text, a number or a list of them, found {}", key, kind_of(*wrong)));
   }

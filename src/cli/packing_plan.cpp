@@ -23,7 +23,7 @@ Result<convert::PackingOptions> plan_packing(const ConvertFlags& flags, meshes::
                                                            : "";
     if (!option.empty()) {
       return excluded(fmt::format("{} does not go with {}, which has no such packing", option, name),
-                   is_drc ? "drc is Draco's already; glb and gltf have it" : "glb and gltf have it");
+                      is_drc ? "drc is Draco's already; glb and gltf have it" : "glb and gltf have it");
     }
   }
   const bool draco = flags.draco || is_drc;
@@ -32,12 +32,13 @@ Result<convert::PackingOptions> plan_packing(const ConvertFlags& flags, meshes::
     return excluded("--draco and --meshopt exclude each other: a mesh is compressed once", "leave out one of them");
   }
   if (draco && flags.quantize) {
-    return excluded("--draco and --quantize exclude each other: Draco rounds positions by itself, to the bits it is given",
-                 "--draco=16 has as many bits as --quantize");
+    return excluded(
+        "--draco and --quantize exclude each other: Draco rounds positions by itself, to the bits it is given",
+        "--draco=16 has as many bits as --quantize");
   }
   if (draco && flags.optimize_order) {
     return excluded(fmt::format("--optimize-order does not go with {}: Draco has an order of its own", by_draco),
-                 "leave it out");
+                    "leave it out");
   }
   convert::PackingOptions packing;
   packing.quantize = flags.quantize;

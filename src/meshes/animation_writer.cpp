@@ -126,7 +126,7 @@ Result<void> AnimationWriter::State::check_frame(std::int64_t frame) const {
       fmt::format("{}: frame {} is at {} seconds, where float32 cannot tell it from its neighbours at {} frames "
                   "per second",
                   path.string(), frame, time, frames_per_second),
-      "number the frames one after another");
+      "number the frames one after another, and play some of them in a second");
 }
 
 Result<std::vector<GltfPart>> AnimationWriter::State::pieces_of(std::span<const mesh::Mesh> surfaces,
@@ -158,8 +158,14 @@ Result<std::optional<Error>> AnimationWriter::State::add(const std::string& name
     if (auto kept = check_places(surface, path, options.format); !kept) return std::move(kept.error());
   }
   std::vector<mesh::Mesh> ordered;
+  std::vector<Reservation> copies;
   if (packing.optimize_order) {
     for (const mesh::Mesh& surface : surfaces) {
+      auto memory = context.reserve(
+          surface.positions.size() * std::uint64_t{mesh::vertex_bytes(surface)} + surface.triangles.size_bytes(),
+          "a copy of the mesh in another order");
+      if (!memory) return std::move(memory.error());
+      copies.push_back(std::move(*memory));
       if (auto done = optimize_order(ordered.emplace_back(mesh::copy(surface)), context); !done) {
         return std::move(done.error());
       }
@@ -278,6 +284,21 @@ AnimationWriter& AnimationWriter::operator=(AnimationWriter&&) noexcept = defaul
 AnimationWriter::~AnimationWriter() = default;
 
 Result<void> AnimationWriter::check() const { return state_->check(); }
+
+Result<void> AnimationWriter::check_times(std::span<const std::int64_t> frames) const {
+  State trial;
+  trial.path = state_->path;
+  trial.frames_per_second = state_->frames_per_second;
+  for (const std::int64_t frame : frames) {
+    if (auto possible = trial.check_frame(frame); !possible) {
+      possible.error().kind = ErrorKind::usage;
+      return possible;
+    }
+    if (!trial.first) trial.first = frame;
+    trial.last = frame;
+  }
+  return {};
+}
 
 Result<void> AnimationWriter::add(const std::string& name, std::int64_t frame, std::span<const mesh::Mesh> surfaces,
                                   const MeshPacking& packing) {

@@ -49,6 +49,10 @@ class AnimationWriter {
   // finish() then do.
   [[nodiscard]] Result<void> check() const;
 
+  // Whether frames of these numbers, which grow, could be told apart in time, were they the first that come: else
+  // add() refuses some of them. Fails with ErrorKind::usage, naming the first.
+  [[nodiscard]] Result<void> check_times(std::span<const std::int64_t> frames) const;
+
   // The surfaces of a frame, none of which is needed afterwards. Numbers grow from call to call. `name` is the node's;
   // where there are several surfaces, theirs are those of nodes below it. `packing` is the frame's: options.packing
   // does not count here, and its box must be there where positions are quantised. Frames share a lattice where

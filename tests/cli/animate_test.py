@@ -85,6 +85,31 @@ class AnimateTest(ProgramTest):
                              text=True, check=False)
         self.assertEqual(run.returncode, 0, run.stdout + run.stderr)
 
+    def test_packed_frames_need_memory_beside_others(self):
+        """Where packing finds no room beside frames that wait, they give way."""
+        for limit, jobs in ((None, 1), ("360K", 1), ("360K", 6), ("450K", 6)):
+            limits = ["--memory-limit", limit] if limit else []
+            self.moving(8, "--draco", "--jobs", jobs, "--threads", "6", *limits, "-o", f"{limit}{jobs}/w.glb", "--mkdir")
+        files = {path.read_bytes() for path in self.folder.glob("*/w.glb")}
+        self.assertEqual(len(files), 1)
+
+    def test_what_is_there_in_place_of_nothing_is_not_left(self):
+        self.write_frames((1, 2))
+        arguments = ("-o", "e.glb", "--empty", "skip", "--iso", "250")
+        inputs = ("in_{:03}.raw", "--dims", "6,6,6")
+        self.animate(*arguments, inputs=inputs)
+        self.assertIn("left as it is", self.animate(*arguments, "--resume", inputs=inputs).err)
+        (self.folder / "e.glb").write_text("foreign")
+        self.animate(*arguments, "--resume", inputs=inputs)
+        self.assertFalse((self.folder / "e.glb").exists())
+
+    def test_rates_that_no_frame_can_have_are_refused_at_once(self):
+        self.write_frames((1, 2, 3))
+        for rate in ("1e-300", "1e300", "1e-39"):
+            run = self.animate("-o", "w.glb", "--fps", rate, code=1)
+            self.assertIn("frames per second", run.err)
+        self.assertEqual([name for name in self.files() if not name.endswith(".raw")], [])
+
     @needs_program("node")
     def test_packed_frames(self):
         """Each as a conversion of its own packs it, on one lattice, and told in the frame's report."""
@@ -119,13 +144,12 @@ class AnimateTest(ProgramTest):
         (self.folder / "in_002.raw").write_bytes(bytes(216))
         run = self.animate("-o", "w.glb", code=5)
         self.assertIn("frame 2: ", run.err)
-        self.animate("-o", "skip.glb", "--empty", "skip")
-        self.assertEqual(Animated(self.folder / "skip.glb").shown["skip_0001"][1],
-                         Animated(self.folder / "w.glb").shown["w_0003"][0])
-        self.animate("-o", "write.glb", "--empty", "write")
-        shown = Animated(self.folder / "write.glb").shown
-        self.assertEqual(sorted(shown), ["write_0001", "write_0003"])
-        self.assertAlmostEqual(shown["write_0001"][1], 1 / 24, places=6)
+        self.assertEqual(Animated(self.folder / "w.glb").shown["w_0001"][1], Animated(self.folder / "w.glb").shown["w_0003"][0])
+        for empty in ("skip", "write"):
+            self.animate("-o", f"{empty}.glb", "--empty", empty)
+            shown = Animated(self.folder / f"{empty}.glb").shown
+            self.assertEqual(sorted(shown), [f"{empty}_0001", f"{empty}_0003"])
+            self.assertAlmostEqual(shown[f"{empty}_0001"][1], 1 / 24, places=6)
         run = self.animate("-o", "w.glb", "--empty", "skip", inputs=("in_{:03}.raw", "--dims", "6,6,6", "--iso", "250"))
         self.assertIn("no frame has a surface; w.glb was not written; the old one was removed", run.err)
         self.assertNotIn("w.glb", self.files())

@@ -107,6 +107,46 @@ class CompressionTest(ProgramTest):
             (self.folder / "bad.drc").write_bytes(damage)
             self.assert_fails(2, self.run_program("compare", "plain.ply", "bad.drc"), "bad.drc")
 
+    def test_files_of_other_programs(self):
+        """Semantics that share one packed attribute, primitives that share one packed mesh, indices that are none."""
+        self.convert("demo:sphere?size=12", "--iso", "0", "--draco", "-o", "h.gltf")
+        whole = json.loads((self.folder / "h.gltf").read_text())
+        (primitive,) = whole["meshes"][0]["primitives"]
+        ids = primitive["extensions"]["KHR_draco_mesh_compression"]["attributes"]
+
+        def changed(change):
+            model = json.loads(json.dumps(whole))
+            change(model, model["meshes"][0]["primitives"])
+            (self.folder / "c.gltf").write_text(json.dumps(model))
+            return "c.gltf"
+
+        def share_normals(_, primitives):
+            primitives[0]["extensions"]["KHR_draco_mesh_compression"]["attributes"]["NORMAL"] = ids["POSITION"]
+
+        def share_custom(model, primitives):
+            model["accessors"].append(dict(model["accessors"][primitive["attributes"]["POSITION"]]))
+            primitives[0]["attributes"]["_ZZ"] = len(model["accessors"]) - 1
+            primitives[0]["extensions"]["KHR_draco_mesh_compression"]["attributes"]["_ZZ"] = ids["POSITION"]
+
+        def twice(model, primitives):
+            second = json.loads(json.dumps(primitive))
+            for name, accessor in second["attributes"].items():
+                model["accessors"].append(dict(model["accessors"][accessor]))
+                second["attributes"][name] = len(model["accessors"]) - 1
+            model["accessors"].append(dict(model["accessors"][second["indices"]]))
+            second["indices"] = len(model["accessors"]) - 1
+            primitives.append(second)
+
+        def positions_as_indices(model, primitives):
+            primitives[0]["indices"] = primitive["attributes"]["POSITION"]
+            model["accessors"][primitives[0]["indices"]]["count"] = model["accessors"][primitive["indices"]]["count"]
+
+        triangles = self.compare("h.gltf", "h.gltf")["a"]["triangles"]
+        for change, factor in ((share_normals, 1), (share_custom, 1), (twice, 2)):
+            with self.subTest(change=change.__name__):
+                self.assertEqual(self.compare("h.gltf", changed(change))["b"]["triangles"], factor * triangles)
+        self.assert_fails(2, self.run_program("compare", "h.gltf", changed(positions_as_indices)), "c.gltf")
+
     def test_regions_share_their_border(self):
         """Two halves of one volume, each in its own file with its own number of bits to reach: no cracks between."""
         full = json.loads(self.convert("info", "--json", GYROID).text)[0]

@@ -33,6 +33,12 @@ class ConfigTest(ProgramTest):
         run = self.convert("--config", "job.toml", "-o", "c.ply", "--", SPHERE)
         self.assertIn("iso 0.1 -> c.ply", run.err)
 
+    def test_texts_that_a_path_would_cut_are_refused(self):
+        (self.folder / "a").write_text("mine")
+        self.write(f'input = "{SPHERE}"\niso = 0\noutput = "a\\u0000b.glb"\n')
+        self.assert_fails(1, self.run_program("--config", "job.toml"), "job.toml:3: output:", "code 0")
+        self.assertEqual((self.folder / "a").read_text(), "mine")
+
     def test_frames(self):
         """Numbering is no comment; what was used stands in the manifest and the reports."""
         self.write('input = "in_####.raw"\ndims = "6x6x6"\niso = 50\noutput = "w.glb"\nanimate = true\nfps = 12\n'

@@ -12,9 +12,16 @@ class InterruptedTest(ProgramTest):
         """A conversion that has begun to write its file, which has a name from the start."""
         process = subprocess.Popen([PROGRAM, "demo:random?size=128", "--iso", "0", "-o", "out.obj"], cwd=self.folder,
                                    stderr=subprocess.PIPE, preexec_fn=forbid_unnamed_files)
-        while process.poll() is None and not any(name.startswith(".isoextract-") for name in self.files()):
+        while process.poll() is None and not self.has_begun():
             time.sleep(0.002)
         return process
+
+    def has_begun(self):
+        """Not an empty file: by making one the program tries whether it may write there, before it reads."""
+        try:
+            return any(path.stat().st_size > 0 for path in self.folder.glob(".isoextract-*"))
+        except FileNotFoundError:
+            return False
 
     def end(self, number, wait=0.0):
         """A run that the signal ended. On a busy machine one may be over before: then its file is whole."""

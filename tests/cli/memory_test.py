@@ -108,6 +108,11 @@ class MemoryTest(ProgramTest):
     def test_simplification(self):
         self.check("demo:gyroid?size=96", "--iso", "0", "--simplify", "0.1", "-o", "a.ply", peak_at_least=32 * MIB)
 
+    def test_packing(self):
+        self.check("demo:gyroid?size=112", "--iso", "0", "--draco", "-o", "a.glb")
+        self.check("demo:gyroid?size=80", "--iso", "0", "--draco", "--normals", "flat", "-o", "a.glb")
+        self.check(GYROID, "--iso", "0", "--quantize", "--meshopt", "--optimize-order", "-o", "a.glb")
+
     def test_the_error(self):
         self.check(GYROID, "--iso", "0", "--error", "-o", "a.ply")
 

@@ -15,12 +15,11 @@
 #include <nlohmann/json.hpp>
 
 #include "mesh/attributes.hpp"
+#include "meshes/detail/draco_codec.hpp"
 #include "meshes/detail/gltf_codes.hpp"
 #include "meshes/read/mesh_format_readers.hpp"
 
 namespace isoextract::meshes {
-
-struct DracoAttribute;
 
 [[nodiscard]] std::optional<mesh::ComponentType> gltf_component(int code);
 
@@ -65,8 +64,14 @@ class GltfData {
   [[nodiscard]] std::span<const std::byte> range_of(const nlohmann::json& range) const;
   // A buffer view that EXT_meshopt_compression packed, unpacked once.
   [[nodiscard]] std::span<const std::byte> unpacked_view(std::uint64_t index, const nlohmann::json& packed);
-  // An accessor's values, which are taken from the attribute.
-  void provide(std::uint64_t accessor, DracoAttribute& attribute, std::uint64_t vertices);
+  // What Draco packed into a buffer view, unpacked once; it stays where it is.
+  struct UnpackedDraco {
+    DracoSurface surface;
+    bool is_soup = false;  // no two triangles share a vertex
+  };
+  [[nodiscard]] const UnpackedDraco& unpacked_draco(std::uint64_t view);
+  // An accessor's values, which stay those of the attribute.
+  void provide(std::uint64_t accessor, const DracoAttribute& attribute, std::uint64_t vertices);
   [[nodiscard]] GltfView with_sparse(const GltfView& dense, const nlohmann::json& sparse, std::uint64_t item);
 
   const MeshSource& source_;
@@ -75,7 +80,7 @@ class GltfData {
   std::vector<std::span<const std::byte>> buffers_;
   std::map<std::uint64_t, GltfView> made_views_;                        // sparse and unpacked, by accessor
   std::map<std::uint64_t, std::span<const std::byte>> unpacked_views_;  // by buffer view
-  std::map<std::uint64_t, bool> unpacked_draco_;                        // likewise: what unpack_draco() said
+  std::map<std::uint64_t, UnpackedDraco> unpacked_draco_;               // likewise
 };
 
 }  // namespace isoextract::meshes

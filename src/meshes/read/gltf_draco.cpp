@@ -1,5 +1,5 @@
 // KHR_draco_mesh_compression: the accessors of a primitive have their values from Draco's bytes.
-#include <cstring>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
@@ -33,40 +33,44 @@ bool GltfData::unpack_draco(const json& primitive) {
   const json& semantics = primitive.at("attributes");
   // Whoever has both need not unpack.
   if (entry(model_, "accessors", whole(semantics, "POSITION")).contains("bufferView")) return false;
-  const std::uint64_t packed = whole(*draco, "bufferView");
-  if (const auto made = unpacked_draco_.find(packed); made != unpacked_draco_.end()) return made->second;
   const auto ids = draco->find("attributes");
   if (ids == draco->end() || !ids->is_object()) {
     throw DamagedMesh(fmt::format("expected 'attributes' of packed triangles, found {}", shown(*draco)));
   }
-  DracoSurface surface = unpack_draco_surface(range_of(entry(model_, "bufferViews", packed)), source_.memory);
-  const bool is_soup = order_as_corners(surface, source_.memory);
-  unpacked_draco_.emplace(packed, is_soup);
+  const UnpackedDraco& unpacked = unpacked_draco(whole(*draco, "bufferView"));
+  const DracoSurface& surface = unpacked.surface;
   for (const auto& [semantic, id] : ids->items()) {
-    DracoAttribute* attribute = id.is_number_unsigned() ? surface.find(id.get<std::uint64_t>()) : nullptr;
+    const DracoAttribute* attribute = id.is_number_unsigned() ? surface.find(id.get<std::uint64_t>()) : nullptr;
     if (attribute == nullptr) {
       throw DamagedMesh(fmt::format("expected packed attributes that are there, found '{}' as {}",
                                     files::printable(semantic, 40), shown(id)));
     }
     provide(whole(semantics, semantic.c_str()), *attribute, surface.vertices);
   }
-  if (is_soup || !primitive.contains("indices")) return is_soup;
+  if (unpacked.is_soup || !primitive.contains("indices")) return unpacked.is_soup;
   const std::uint64_t accessor = whole(primitive, "indices");
+  const json& description = entry(model_, "accessors", accessor);
   GltfView view;
   view.count = 3 * surface.triangles.size();
   view.stride = sizeof(std::uint32_t);
   view.component = kGltfUnsignedInt;
-  require_count(entry(model_, "accessors", accessor), view.count);
-  std::vector<std::byte>& values = owned_.emplace_back();
-  source_.memory.make_room(values, view.count * view.stride);
-  values.resize(view.count * view.stride);
-  if (!values.empty()) std::memcpy(values.data(), surface.triangles.data(), values.size());
-  view.first = values.data();
+  require_count(description, view.count);
+  if (text_of(description, "type") != "SCALAR") {
+    throw DamagedMesh(fmt::format("expected indices of type SCALAR, found {}", shown(description)));
+  }
+  view.first = std::as_bytes(std::span(surface.triangles)).data();
   made_views_.insert_or_assign(accessor, view);
   return false;
 }
 
-void GltfData::provide(std::uint64_t accessor, DracoAttribute& attribute, std::uint64_t vertices) {
+const GltfData::UnpackedDraco& GltfData::unpacked_draco(std::uint64_t view) {
+  if (const auto found = unpacked_draco_.find(view); found != unpacked_draco_.end()) return found->second;
+  UnpackedDraco unpacked{unpack_draco_surface(range_of(entry(model_, "bufferViews", view)), source_.memory)};
+  unpacked.is_soup = order_as_corners(unpacked.surface, source_.memory);
+  return unpacked_draco_.emplace(view, std::move(unpacked)).first->second;
+}
+
+void GltfData::provide(std::uint64_t accessor, const DracoAttribute& attribute, std::uint64_t vertices) {
   const json& description = entry(model_, "accessors", accessor);
   require_count(description, vertices);
   const std::uint64_t code = whole(description, "componentType");
@@ -84,7 +88,7 @@ void GltfData::provide(std::uint64_t accessor, DracoAttribute& attribute, std::u
   view.component = static_cast<int>(code);
   view.normalised = normalised != description.end() && normalised->is_boolean() && normalised->get<bool>() &&
                     view.component != kGltfFloat;
-  view.first = owned_.emplace_back(std::move(attribute.values)).data();
+  view.first = attribute.values.data();
   made_views_.insert_or_assign(accessor, view);
 }
 

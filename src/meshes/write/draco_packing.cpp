@@ -19,9 +19,10 @@
 namespace isoextract::meshes {
 namespace {
 
-// The library's meshes and corner tables, packing and unpacking, and what is compared: found by trial.
-constexpr std::uint64_t kTriangleBytes = 320;
-constexpr std::uint64_t kVertexBytes = 240;
+// The library's meshes and corner tables, packing and unpacking, and what is compared. By trial it takes about two
+// thirds of it (94 and 69 bytes at the peak of a gyroid of 1.5 million triangles).
+constexpr std::uint64_t kTriangleBytes = 144;
+constexpr std::uint64_t kVertexBytes = 96;
 
 std::uint64_t hash_of(std::span<const std::byte> value, std::uint64_t seed) {
   for (std::size_t at = 0; at < value.size(); at += sizeof(std::uint64_t)) {

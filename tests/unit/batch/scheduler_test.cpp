@@ -153,6 +153,9 @@ class Basket final : public FrameReceiver {
 
   Result<std::vector<meshes::PackedFacts>> take(std::size_t frame, const convert::HandedMeshes& handed) override {
     if (frame == refused) return fail(ErrorKind::output, "refused");
+    if (std::exchange(has_no_memory, has_no_memory && frame != 1) && frame == 1) {
+      return fail(ErrorKind::input, "no memory", Remedy::raise_memory_limit);
+    }
     if (frame == cancels_at) context_.cancel();
     frames.push_back(frame);
     for (const mesh::Mesh& surface : handed.meshes) triangles.push_back(surface.triangles.size());
@@ -161,6 +164,7 @@ class Basket final : public FrameReceiver {
   }
 
   std::size_t refused = std::string::npos;
+  bool has_no_memory = false;  // when it gets frame 1 for the first time
   std::size_t cancels_at = std::string::npos;
   std::vector<std::size_t> frames;
   std::vector<std::size_t> triangles;
@@ -192,7 +196,7 @@ TEST(Scheduler, AReceiverGetsFramesInTheirOrderAndNoFileIsWritten) {
     basket.refused = 9;
     Watcher watcher;
     const BatchCounts counts = run(batch, every_frame(batch), {.jobs = jobs, .threads = 2}, context, watcher, &basket);
-    EXPECT_EQ(basket.frames, (std::vector<std::size_t>{0, 1, 2, 3, 5, 6, 8, 10, 11}));
+    EXPECT_EQ(basket.frames, (std::vector<std::size_t>{0, 1, 2, 3, 5, 6, 7, 8, 10, 11}));
     EXPECT_EQ(counts.done, 10U);
     EXPECT_EQ(counts.failed, 2U);
     EXPECT_EQ(watcher.ended.size(), 12U);
@@ -222,6 +226,19 @@ TEST(Scheduler, FramesThatWaitForTheirTurnHoldNoMoreThanOneAJob) {
   ASSERT_EQ(run(batch, every_frame(batch), {}, alone, watcher, &again).done, 40U);
   EXPECT_EQ(alone.memory().peak(), one.memory().peak());
   EXPECT_EQ(std::ranges::min(again.held), std::ranges::max(again.held));
+}
+
+TEST(Scheduler, AReceiverThatHasNoMemoryBesideOthersIsAskedAgainAlone) {
+  const TempFolder folder;
+  const BatchJob batch = spheres(folder, 6, "demo:gyroid?size=48");
+  const Context context;
+  Basket basket(context);
+  basket.has_no_memory = true;
+  Watcher watcher;
+  const BatchCounts counts = run(batch, every_frame(batch), {.jobs = 3, .threads = 2}, context, watcher, &basket);
+  EXPECT_EQ(counts.done, 6U);
+  EXPECT_GE(counts.repeated, 1U);
+  EXPECT_EQ(basket.frames, every_frame(batch));
 }
 
 TEST(Scheduler, AReceiverGetsTheSameWhereMemoryIsShort) {
