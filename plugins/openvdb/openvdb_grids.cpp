@@ -246,15 +246,12 @@ class Particles {
   std::vector<std::uint64_t> kept_;
 };
 
-struct CoordHash {
-  std::size_t operator()(const openvdb::Coord& c) const { return c.hash<20>(); }
-};
 
 // How many leaves the narrow band, and what is filled meanwhile, can touch at most. Particles in one leaf count once,
 // with the farthest reach among them; beyond `kMost` it is not counted any further.
 std::uint64_t leaves_touched(const Particles& particles, const isoextract_sphere_job& job) {
   constexpr std::size_t kMost = std::size_t{1} << 24;
-  std::unordered_map<openvdb::Coord, int, CoordHash> reach;  // of a leaf's particles, in leaves
+  std::unordered_map<openvdb::Coord, int> reach;  // of a leaf's particles, in leaves
   for (std::size_t i = 0; i < particles.size(); ++i) {
     openvdb::Vec3R at;
     double radius = 0;
@@ -266,7 +263,7 @@ std::uint64_t leaves_touched(const Particles& particles, const isoextract_sphere
     int& known = reach[openvdb::Coord::floor(place)];
     known = std::max(known, static_cast<int>(leaves));
   }
-  std::unordered_set<openvdb::Coord, CoordHash> touched;
+  std::unordered_set<openvdb::Coord> touched;
   for (const auto& [leaf, leaves] : reach) {
     for (auto at = openvdb::CoordBBox(leaf.offsetBy(-leaves), leaf.offsetBy(leaves)).begin(); at; ++at) {
       touched.insert(*at);
