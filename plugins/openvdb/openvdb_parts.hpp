@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <openvdb/openvdb.h>
+#include <openvdb/util/NullInterrupter.h>
 
 #include <plugin_samples.h>
 
