@@ -21,9 +21,10 @@ namespace {
 
 using Tools = isoextract_grid_tools_plugin_v1;
 
+// Looked for each time, which is little beside the work; once loaded it stays.
 Result<const Tools*> grid_tools_for(const std::string& work) {
-  static const PluginLibrary library(
-      {"isoextract-grids-", "isoextract_grid_tools_plugin", ISOEXTRACT_GRID_TOOLS_PLUGIN_VERSION}, kOpenVdbPlugin,
+  const PluginLibrary library(
+      {"isoextract-grids-", "isoextract_grid_tools_plugin", ISOEXTRACT_GRID_TOOLS_PLUGIN_VERSION, false}, kOpenVdbPlugin,
       plugin_folders());
   const auto opened = library.opened(work);
   if (!opened) return tl::unexpected(opened.error());

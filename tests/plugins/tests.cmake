@@ -16,3 +16,11 @@ set_source_files_properties(unit/volumes/particles_vtk_test.cpp PROPERTIES
 if(TARGET isoextract_particles_vtk)
   add_dependencies(test_volumes isoextract_particles_vtk)
 endif()
+
+# Likewise those around OpenVDB.
+set_source_files_properties(unit/volumes/openvdb_plugin_test.cpp PROPERTIES
+  COMPILE_DEFINITIONS
+  "BUILT_PLUGINS=\"${PROJECT_BINARY_DIR}/plugins\";BUILT_OPENVDB=$<TARGET_EXISTS:isoextract_volume_openvdb>")
+if(TARGET isoextract_volume_openvdb)
+  add_dependencies(test_volumes isoextract_volume_openvdb isoextract_particles_openvdb isoextract_grids_openvdb)
+endif()
