@@ -14,6 +14,7 @@
 #include <unordered_set>
 
 #include <openvdb/io/Archive.h>
+#include <openvdb/points/PointAttribute.h>
 #include <openvdb/points/PointConversion.h>
 #include <openvdb/points/PointRasterizeSDF.h>
 #include <openvdb/tools/LevelSetFilter.h>
@@ -203,6 +204,7 @@ void give(const FloatGrid& grid, std::int32_t kind, Reserved& memory, isoextract
 class Particles {
  public:
   using PosType = openvdb::Vec3R;
+  using value_type = PosType;
 
   Particles(const isoextract_sphere_job& job, Reserved& memory) : job_(job) {
     memory.take(job.count * sizeof(std::uint64_t));
@@ -228,9 +230,11 @@ class Particles {
     at = position_of(kept_[n]);
     radius = radius_of(kept_[n]);
   }
-  // As points::populateAttribute asks for radii.
-  using value_type = float;
-  void get(float& radius, std::size_t n) const { radius = static_cast<float>(radius_of(kept_[n])); }
+  [[nodiscard]] std::vector<float> radii() const {
+    std::vector<float> all(size());
+    std::ranges::transform(kept_, all.begin(), [&](std::uint64_t i) { return static_cast<float>(radius_of(i)); });
+    return all;
+  }
 
   [[nodiscard]] std::uint64_t left_out() const { return job_.count - kept_.size(); }
 
@@ -292,12 +296,13 @@ FloatGrid::Ptr smooth_spheres(const Particles& particles, const isoextract_spher
   const auto transform = openvdb::math::Transform::createLinearTransform(job.voxel);
   const auto index = openvdb::tools::createPointIndexGrid<openvdb::tools::PointIndexGrid>(particles, *transform);
   const auto grid = points::createPointDataGrid<points::NullCodec, points::PointDataGrid>(*index, particles, *transform);
-  constexpr const char* kRadius = "pscale";
-  points::appendAttribute<float>(grid->tree(), kRadius);
-  points::populateAttribute(grid->tree(), index->tree(), kRadius, particles);
+  const std::string radius = "pscale";
+  points::appendAttribute<float>(grid->tree(), radius);
+  const std::vector<float> radii = particles.radii();
+  points::populateAttribute(grid->tree(), index->tree(), radius, points::PointAttributeVector<float>(radii));
   interrupter.check();
   auto surface = points::rasterizeSmoothSpheres<points::PointDataGrid, float, FloatGrid, points::NullFilter, Interrupter>(
-      *grid, kRadius, 1.0, job.search_radius, job.half_band, transform, points::NullFilter(), &interrupter);
+      *grid, radius, 1.0, job.search_radius, job.half_band, transform, points::NullFilter(), &interrupter);
   interrupter.check();
   return surface;
 }

@@ -3,6 +3,7 @@
 
 #include <openvdb/io/File.h>
 #include <openvdb/points/AttributeArray.h>
+#include <openvdb/points/AttributeGroup.h>
 #include <openvdb/points/PointCount.h>
 #include <openvdb/points/PointDataGrid.h>
 
@@ -55,7 +56,12 @@ std::string chosen_grid(openvdb::io::File& file, const char* wanted) {
   std::string all;
   std::string others;
   for (auto name = file.beginName(); name != file.endName(); ++name) {
-    const auto grid = file.readGridMetadata(*name);
+    openvdb::GridBase::Ptr grid;
+    try {
+      grid = file.readGridMetadata(*name);
+    } catch (const openvdb::Exception&) {
+      continue;  // of a type that OpenVDB does not know, so not of points
+    }
     if (!grid->isType<points::PointDataGrid>()) {
       others += (others.empty() ? "" : ", ") + grid->type() + " '" + *name + "'";
       continue;
@@ -90,7 +96,7 @@ void describe_attributes(Opened& opened) {
   for (std::size_t i = 0; i < found.size(); ++i) {
     const points::AttributeArray& array = *set.getConst(std::get<0>(found[i]));
     std::uint64_t components = 1;
-    bool is_numeric = array.hasConstantStride() && visit_attribute(opened.types[i], [&](auto, std::uint64_t values) {
+    const bool is_numeric = array.hasConstantStride() && visit_attribute(opened.types[i], [&](auto, std::uint64_t values) {
       components = values * array.stride();
     });
     opened.quantities.push_back(

@@ -8,6 +8,7 @@
 // is the shortest edge of the voxel in the middle of the frustum; one of its samples is at the world's origin.
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <fstream>
 #include <memory>
 #include <optional>
@@ -22,6 +23,10 @@
 namespace {
 
 using namespace isoextract_openvdb;  // NOLINT(google-build-using-namespace): all of this file is of it
+
+constexpr std::int32_t kNotScalar = ISOEXTRACT_NOT_SCALAR;
+constexpr std::int32_t kFloat = ISOEXTRACT_F32;
+constexpr std::int32_t kDouble = ISOEXTRACT_F64;
 
 enum class Part { all, x, y, z, length };
 constexpr std::array kVectorParts{std::pair{Part::x, "[x]"}, std::pair{Part::y, "[y]"}, std::pair{Part::z, "[z]"},
@@ -47,14 +52,23 @@ bool visit_grid_type(const openvdb::GridBase& grid, F&& use) {
 template <class Grid>
 constexpr bool kIsVector = openvdb::VecTraits<typename Grid::ValueType>::IsVec;
 
-// Calls use(T{}) with the type of samples.
-template <class F>
-void visit_sample_type(std::int32_t type, F&& use) {
-  if (type == ISOEXTRACT_U8) return use(std::uint8_t{});
-  if (type == ISOEXTRACT_I32) return use(std::int32_t{});
-  if (type == ISOEXTRACT_F32) return use(float{});
-  use(double{});
-}
+// The type of a grid's samples, but for lengths of integer vectors.
+template <class Value>
+struct SampleOf {
+  using type = Value;
+};
+template <>
+struct SampleOf<bool> {
+  using type = std::uint8_t;
+};
+template <>
+struct SampleOf<std::int64_t> {
+  using type = double;
+};
+template <class Number>
+struct SampleOf<openvdb::math::Vec3<Number>> {
+  using type = Number;
+};
 
 // One value of a grid as a sample. `rounded` is set where that is not exact.
 template <class T>
@@ -88,7 +102,7 @@ struct Entry {
   std::string name;
   std::string type;
   Part part = Part::all;
-  std::int32_t sample_type = ISOEXTRACT_NOT_SCALAR;
+  std::int32_t sample_type = kNotScalar;
   bool in_frustum = false;
   double spacing = 0;  // of the grid that a frustum is resampled to
 };
@@ -98,14 +112,14 @@ struct Listed {
   std::vector<isoextract_volume_grid> grids;
 };
 
+// 0 where there is none.
 double frustum_spacing(const openvdb::math::Transform& transform) {
   const auto map = transform.constMap<openvdb::math::NonlinearFrustumMap>();
-  if (map == nullptr) throw Problem("expected a linear transform or a frustum, found " + transform.mapType());
+  if (map == nullptr) return 0;
   const openvdb::Vec3d middle = map->getBBox().getCenter();
   const openvdb::Vec3d edges = transform.voxelSize(middle);
   const double least = std::min({std::abs(edges.x()), std::abs(edges.y()), std::abs(edges.z())});
-  if (!std::isfinite(least) || least <= 0) throw Problem("expected a frustum with a middle, found voxels without size");
-  return least;
+  return std::isfinite(least) ? least : 0;
 }
 
 void add_grid(Listed& listed, const std::string& stored_name, const openvdb::GridBase& grid) {
@@ -116,12 +130,18 @@ void add_grid(Listed& listed, const std::string& stored_name, const openvdb::Gri
     entry.type = grid.valueType();
     entry.part = part;
     entry.in_frustum = !grid.transform().isLinear();
-    entry.sample_type = entry.in_frustum && sample_type != ISOEXTRACT_NOT_SCALAR ? ISOEXTRACT_F32 : sample_type;
+    if (entry.in_frustum) {
+      entry.spacing = frustum_spacing(grid.transform());
+      if (entry.spacing == 0) {
+        entry.type += " in a place that is not known";
+        sample_type = kNotScalar;
+      }
+    }
+    entry.sample_type = entry.in_frustum && sample_type != kNotScalar ? kFloat : sample_type;
     isoextract_volume_grid told{};
     told.kind = grid.getGridClass() == openvdb::GRID_LEVEL_SET ? ISOEXTRACT_LEVEL_SET : ISOEXTRACT_DENSITY;
     told.is_sparse = 1;
     if (entry.in_frustum) {
-      entry.spacing = frustum_spacing(grid.transform());
       for (int axis = 0; axis < 3; ++axis) told.index_to_world[5 * axis] = entry.spacing;
     } else {
       put_transform(grid.transform(), told.index_to_world);
@@ -145,19 +165,25 @@ void add_grid(Listed& listed, const std::string& stored_name, const openvdb::Gri
     if constexpr (kIsVector<Grid>) {
       for (const auto& [part, suffix] : kVectorParts) {
         const bool is_root = part == Part::length && sample_type == ISOEXTRACT_I32;
-        add(part, suffix, is_root ? ISOEXTRACT_F64 : sample_type);
+        add(part, suffix, is_root ? kDouble : sample_type);
       }
     } else {
       add(Part::all, "", sample_type);
     }
   });
-  if (!known) add(Part::all, "", ISOEXTRACT_NOT_SCALAR);
+  if (!known) add(Part::all, "", kNotScalar);
 }
 
 std::unique_ptr<Listed> list_file(openvdb::io::File& file) {
   auto listed = std::make_unique<Listed>();
   for (auto name = file.beginName(); name != file.endName(); ++name) {
-    add_grid(*listed, *name, *file.readGridMetadata(*name));
+    try {
+      add_grid(*listed, *name, *file.readGridMetadata(*name));
+    } catch (const openvdb::Exception& unknown) {
+      // A type that OpenVDB does not know, which hides no other grid.
+      listed->entries.push_back({*name, *name, unknown.what(), Part::all, kNotScalar, false, 0});
+      listed->grids.emplace_back();
+    }
   }
   for (std::size_t i = 0; i < listed->grids.size(); ++i) {
     listed->grids[i].name = listed->entries[i].name.c_str();
@@ -188,6 +214,7 @@ openvdb::FloatGrid::Ptr as_floats(const Grid& grid, const Conversion<float>& con
     to->setValueMask(leaf->getValueMask());
   }
   floats->setTransform(grid.transform().copy());
+  floats->setGridClass(grid.getGridClass());  // says whether signs are to be spread
   return floats;
 }
 
@@ -204,7 +231,7 @@ std::uint64_t resampled_bytes(const openvdb::FloatGrid& source, double spacing) 
       low = openvdb::math::minComponent(low, world);
       high = openvdb::math::maxComponent(high, world);
     }
-    const openvdb::Vec3d leaves = (high - low) / (8 * spacing) + openvdb::Vec3d(2);
+    const openvdb::Vec3d leaves = (high - low) / (8 * spacing) + openvdb::Vec3d(2.0);
     return leaves.x() * leaves.y() * leaves.z();
   };
   double sum = 0;
@@ -222,16 +249,14 @@ std::uint64_t resampled_bytes(const openvdb::FloatGrid& source, double spacing) 
   return !(bytes < kMost) ? ~std::uint64_t{0} : static_cast<std::uint64_t>(bytes);
 }
 
-openvdb::FloatGrid::Ptr resampled(const openvdb::FloatGrid& source, double spacing, bool is_level_set,
-                                  const isoextract_plugin_host& host, Reserved& memory) {
+openvdb::FloatGrid::Ptr resampled(const openvdb::FloatGrid& source, double spacing, const isoextract_plugin_host& host,
+                                  Reserved& memory) {
   memory.take(resampled_bytes(source, spacing));
   auto target = openvdb::FloatGrid::create(source.background());
   target->setTransform(openvdb::math::Transform::createLinearTransform(spacing));
-  auto typed = source.copy();  // shares the tree; its class says whether signs are to be spread
-  typed->setGridClass(is_level_set ? openvdb::GRID_LEVEL_SET : openvdb::GRID_FOG_VOLUME);
-  target->setGridClass(typed->getGridClass());
+  target->setGridClass(source.getGridClass());
   Interrupter interrupter(host);
-  openvdb::tools::doResampleToMatch<openvdb::tools::BoxSampler>(*typed, *target, interrupter);
+  openvdb::tools::doResampleToMatch<openvdb::tools::BoxSampler>(source, *target, interrupter);
   interrupter.check();
   return target;
 }
@@ -259,16 +284,19 @@ void read_grid(openvdb::io::File& file, const char* path, const Entry& entry, co
     if (entry.in_frustum) {
       Reserved for_floats(host);
       Reserved for_target(host);
-      const bool is_level_set = typed.getGridClass() == openvdb::GRID_LEVEL_SET;
       const auto floats = as_floats(typed, {entry.part, &rounded}, for_floats);
-      const auto target = resampled(*floats, entry.spacing, is_level_set, host, for_target);
+      const auto target = resampled(*floats, entry.spacing, host, for_target);
       store_tree<float>(target->tree(), ISOEXTRACT_F32, for_samples, store, [](float value) { return value; });
       store.note = spacing_note(entry);
       return;
     }
-    visit_sample_type(entry.sample_type, [&]<class T>(T) {
+    const auto put = [&]<class T>(T) {
       store_tree<T>(typed.tree(), entry.sample_type, for_samples, store, Conversion<T>{entry.part, &rounded});
-    });
+    };
+    if constexpr (std::is_same_v<Grid, openvdb::Vec3IGrid>) {
+      if (entry.part == Part::length) return put(double{});
+    }
+    put(typename SampleOf<typename Grid::ValueType>::type{});
   });
   if (rounded) store.note += std::string(store.note.empty() ? "" : "; ") + "integers beyond 2^53 were rounded";
   for_samples.keep();

@@ -39,12 +39,14 @@ class OpenVdbTest(ProgramTest):
         self.assertIn("lies in a frustum and was resampled, trilinearly, to cubic voxels with a spacing of", run.err)
         mesh = read_ply((self.folder / "bent.ply").read_bytes())
         self.assertEqual(mesh.open_edges(), 0)
-        # The box of the frustum is 1 by 1 in the world at its near end, and 1 deep: the block is in its middle.
+        # The box of the frustum is 1 by 1 in the world at its near end, twice that 1 further on. The block is in its
+        # middle: from 2.5 to 6.5 of 9 voxels.
         low, high = mesh.bounds()
         for axis in range(2):
             self.assertAlmostEqual(low[axis], -high[axis], places=3)
-            self.assertTrue(0.15 < high[axis] < 0.3, high)
-        self.assertTrue(0.25 < low[2] < 0.4 and 0.6 < high[2] < 0.75, (low, high))
+            self.assertAlmostEqual(high[axis], 2 / 9 * (1 + 6.5 / 9), delta=0.05)
+        self.assertAlmostEqual(low[2], 2.5 / 9, delta=0.05)
+        self.assertAlmostEqual(high[2], 6.5 / 9, delta=0.05)
 
 
 if __name__ == "__main__":

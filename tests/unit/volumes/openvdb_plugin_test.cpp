@@ -131,7 +131,7 @@ TEST(OpenVdbVolume, ABoolGridBesideAFloatNeedsItsName) {
 TEST(OpenVdbVolume, FrustumsAreResampled) {
   NEEDS_OPENVDB_PLUGIN();
   openvdb::initialize();
-  // Voxels of 0.1 at the near plane, of 0.05 at the far one.
+  // Voxels at the far plane are twice as large as at the near one.
   const auto transform =
       openvdb::math::Transform::createFrustumTransform(openvdb::BBoxd({0, 0, 0}, {40, 40, 40}), 0.5, 4, 0.1);
   const auto grid = openvdb::FloatGrid::create();
