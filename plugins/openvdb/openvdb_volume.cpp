@@ -14,8 +14,10 @@
 #include <optional>
 
 #include <openvdb/io/File.h>
-#include <openvdb/tools/GridTransformer.h>
 #include <openvdb/tools/Interpolation.h>
+#include <openvdb/tools/Prune.h>
+#include <openvdb/tools/SignedFloodFill.h>
+#include <openvdb/tree/LeafManager.h>
 
 #include <volume_plugin.h>
 #include "openvdb_parts.hpp"
@@ -205,7 +207,7 @@ openvdb::FloatGrid::Ptr as_floats(const Grid& grid, const Conversion<float>& con
   auto floats = openvdb::FloatGrid::create(convert(grid.background()));
   visit_tiles(grid.tree(), [&](const auto& tile) {
     const float value = convert(tile.getValue());
-    if (tile.isValueOff() && value == floats->background()) return;
+    if (!tile.isValueOn() && value == floats->background()) return;
     floats->tree().addTile(static_cast<openvdb::Index>(tile.getLevel()), tile.getCoord(), value, tile.isValueOn());
   });
   for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
@@ -218,48 +220,105 @@ openvdb::FloatGrid::Ptr as_floats(const Grid& grid, const Conversion<float>& con
   return floats;
 }
 
-// The most that the grid which `source` is resampled to can take: that of all leaves that its leaves and tiles reach.
-std::uint64_t resampled_bytes(const openvdb::FloatGrid& source, double spacing) {
-  const auto leaves_of = [&](const openvdb::CoordBBox& box) {
-    openvdb::Vec3d low(std::numeric_limits<double>::infinity());
-    openvdb::Vec3d high(-std::numeric_limits<double>::infinity());
+// A grid in a frustum, sampled where the samples of a cubic grid along the world's axes are. OpenVDB's own resampler does
+// not compile as C++20 with oneTBB.
+class Resampling {
+ public:
+  Resampling(const openvdb::FloatGrid& source, double spacing)
+      : source_(source), target_(openvdb::FloatGrid::create(source.background())) {
+    target_->setTransform(openvdb::math::Transform::createLinearTransform(spacing));
+    target_->setGridClass(source.getGridClass());
+  }
+
+  openvdb::FloatGrid::Ptr run(const isoextract_plugin_host& host, Reserved& memory) {
+    Interrupter interrupter(host);
+    memory.take(bytes());
+    visit_source([&](const openvdb::CoordBBox& box) {
+      interrupter.check();
+      const openvdb::CoordBBox leaves = leaves_of(box);
+      for (auto at = leaves.begin(); at; ++at) target_->tree().touchLeaf({8 * at->x(), 8 * at->y(), 8 * at->z()});
+    });
+    openvdb::tree::LeafManager<openvdb::FloatTree> leaves(target_->tree());
+    leaves.foreach([&](Leaf& leaf, std::size_t) {
+      if (!interrupter.wasInterrupted()) sample(leaf);
+    });
+    interrupter.check();
+    if (target_->getGridClass() == openvdb::GRID_LEVEL_SET) {
+      openvdb::tools::signedFloodFill(target_->tree());
+      openvdb::tools::pruneLevelSet(target_->tree());
+    } else {
+      openvdb::tools::pruneInactive(target_->tree());
+    }
+    return target_;
+  }
+
+ private:
+  using Leaf = openvdb::FloatTree::LeafNodeType;
+
+  // Calls use(box) with what is not constant, and with active tiles.
+  template <class F>
+  void visit_source(F&& use) const {
+    for (auto leaf = source_.tree().cbeginLeaf(); leaf; ++leaf) use(leaf->getNodeBoundingBox());
+    visit_tiles(source_.tree(), [&](const auto& tile) {
+      if (!tile.isValueOn()) return;
+      openvdb::CoordBBox box;
+      tile.getBoundingBox(box);
+      use(box);
+    });
+  }
+
+  // The box around a box's image, in leaves: a frustum keeps the edges of a box straight.
+  [[nodiscard]] openvdb::BBoxd image_of(const openvdb::CoordBBox& box) const {
+    openvdb::BBoxd image;
     for (int corner = 0; corner < 8; ++corner) {
       const openvdb::Vec3d p((corner & 1) != 0 ? box.max().x() + 1.0 : box.min().x() - 1.0,
                              (corner & 2) != 0 ? box.max().y() + 1.0 : box.min().y() - 1.0,
                              (corner & 4) != 0 ? box.max().z() + 1.0 : box.min().z() - 1.0);
-      const openvdb::Vec3d world = source.transform().indexToWorld(p);
-      low = openvdb::math::minComponent(low, world);
-      high = openvdb::math::maxComponent(high, world);
+      image.expand(target_->worldToIndex(source_.indexToWorld(p)) / 8.0);
     }
-    const openvdb::Vec3d leaves = (high - low) / (8 * spacing) + openvdb::Vec3d(2.0);
-    return leaves.x() * leaves.y() * leaves.z();
-  };
-  double sum = 0;
-  for (auto leaf = source.tree().cbeginLeaf(); leaf; ++leaf) sum += leaves_of(leaf->getNodeBoundingBox());
-  visit_tiles(source.tree(), [&](const auto& tile) {
-    if (tile.isValueOff()) return;
-    openvdb::CoordBBox box;
-    tile.getBoundingBox(box);
-    sum += leaves_of(box);
-  });
-  const openvdb::CoordBBox all = source.evalActiveVoxelBoundingBox();
-  if (!all.empty()) sum = std::min(sum, leaves_of(all));
-  const double bytes = 2.0 * sum * sizeof(openvdb::FloatTree::LeafNodeType);
-  constexpr double kMost = 1e18;
-  return !(bytes < kMost) ? ~std::uint64_t{0} : static_cast<std::uint64_t>(bytes);
-}
+    return image;
+  }
+  [[nodiscard]] openvdb::CoordBBox leaves_of(const openvdb::CoordBBox& box) const {
+    const openvdb::BBoxd image = image_of(box);
+    return {openvdb::Coord::floor(image.min()), openvdb::Coord::floor(image.max())};
+  }
 
-openvdb::FloatGrid::Ptr resampled(const openvdb::FloatGrid& source, double spacing, const isoextract_plugin_host& host,
-                                  Reserved& memory) {
-  memory.take(resampled_bytes(source, spacing));
-  auto target = openvdb::FloatGrid::create(source.background());
-  target->setTransform(openvdb::math::Transform::createLinearTransform(spacing));
-  target->setGridClass(source.getGridClass());
-  Interrupter interrupter(host);
-  openvdb::tools::doResampleToMatch<openvdb::tools::BoxSampler>(source, *target, interrupter);
-  interrupter.check();
-  return target;
-}
+  // The most that the target can take. Throws where it is too far from the world's origin.
+  [[nodiscard]] std::uint64_t bytes() const {
+    const auto leaves_in = [&](const openvdb::CoordBBox& box) {
+      constexpr double kMostIndex = 1 << 26;  // of leaves
+      const openvdb::BBoxd image = image_of(box);
+      for (int axis = 0; axis < 3; ++axis) {
+        if (!(image.min()[axis] > -kMostIndex && image.max()[axis] < kMostIndex)) {
+          throw Problem("expected a frustum within 2^29 voxels of the world's origin");
+        }
+      }
+      const openvdb::Vec3d size = image.extents() + openvdb::Vec3d(2.0);
+      return size.x() * size.y() * size.z();
+    };
+    double sum = 0;
+    visit_source([&](const openvdb::CoordBBox& box) { sum += leaves_in(box); });
+    // A quarter more for the nodes above the leaves, of which there is one at least.
+    const double most = sum * sizeof(Leaf) * 1.25 + (1 << 20);
+    constexpr double kMost = 1e18;
+    return most < kMost ? static_cast<std::uint64_t>(most) : ~std::uint64_t{0};
+  }
+
+  void sample(Leaf& leaf) const {
+    const auto values = source_.getConstAccessor();
+    for (openvdb::Index n = 0; n < kLeafValues; ++n) {
+      const openvdb::Vec3d world = target_->indexToWorld(leaf.offsetToGlobalCoord(n));
+      const openvdb::Vec3d at = source_.worldToIndex(world);
+      constexpr double kFar = 1e9;  // behind the frustum's apex there is no place
+      if (!(std::abs(at.x()) < kFar && std::abs(at.y()) < kFar && std::abs(at.z()) < kFar)) continue;
+      float value = 0;
+      if (openvdb::tools::BoxSampler::sample(values, at, value)) leaf.setValueOn(n, value);
+    }
+  }
+
+  const openvdb::FloatGrid& source_;
+  openvdb::FloatGrid::Ptr target_;
+};
 
 std::string spacing_note(const Entry& entry) {
   std::array<char, 64> number{};
@@ -285,7 +344,7 @@ void read_grid(openvdb::io::File& file, const char* path, const Entry& entry, co
       Reserved for_floats(host);
       Reserved for_target(host);
       const auto floats = as_floats(typed, {entry.part, &rounded}, for_floats);
-      const auto target = resampled(*floats, entry.spacing, host, for_target);
+      const auto target = Resampling(*floats, entry.spacing).run(host, for_target);
       store_tree<float>(target->tree(), ISOEXTRACT_F32, for_samples, store, [](float value) { return value; });
       store.note = spacing_note(entry);
       return;
