@@ -297,7 +297,12 @@ class Resampling {
       return size.x() * size.y() * size.z();
     };
     double sum = 0;
-    visit_source([&](const openvdb::CoordBBox& box) { sum += leaves_in(box); });
+    openvdb::CoordBBox all;
+    visit_source([&](const openvdb::CoordBBox& box) {
+      sum += leaves_in(box);
+      all.expand(box);
+    });
+    if (!all.empty()) sum = std::min(sum, leaves_in(all));
     // A quarter more for the nodes above the leaves, of which there is one at least.
     const double most = sum * sizeof(Leaf) * 1.25 + (1 << 20);
     constexpr double kMost = 1e18;
