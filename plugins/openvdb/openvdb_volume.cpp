@@ -236,7 +236,7 @@ class Resampling {
     visit_source([&](const openvdb::CoordBBox& box) {
       interrupter.check();
       const openvdb::CoordBBox leaves = leaves_of(box);
-      for (auto at = leaves.begin(); at; ++at) target_->tree().touchLeaf({8 * at->x(), 8 * at->y(), 8 * at->z()});
+      for (const openvdb::Coord& at : leaves) target_->tree().touchLeaf({8 * at.x(), 8 * at.y(), 8 * at.z()});
     });
     openvdb::tree::LeafManager<openvdb::FloatTree> leaves(target_->tree());
     leaves.foreach([&](Leaf& leaf, std::size_t) {
