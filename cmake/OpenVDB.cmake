@@ -1,5 +1,5 @@
-# OpenVDB, as the target openvdb_library where it is installed: for tests, seeds and samples, which write VDB files with
-# it, and for benchmarks; the program does without. Debian's FindOpenVDB asks for Imath's CMake package, which names a
+# OpenVDB, as the target openvdb_library where it is installed: for the plug-ins around it, for tests, seeds and samples,
+# which write VDB files with it, and for benchmarks; the program itself does without. Debian's FindOpenVDB asks for Imath's CMake package, which names a
 # Python library that is not installed with it.
 if(TARGET openvdb_library)
   return()

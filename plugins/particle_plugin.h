@@ -25,7 +25,7 @@ extern "C" {
 #endif
 
 /* Goes up with every change of this file. A plug-in of another version is refused. */
-#define ISOEXTRACT_PARTICLE_PLUGIN_VERSION 1
+#define ISOEXTRACT_PARTICLE_PLUGIN_VERSION 2
 
 /* What is told of each particle under one name, besides its position. */
 typedef struct isoextract_particle_quantity {
@@ -47,13 +47,14 @@ typedef struct isoextract_particle_file {
   void* owner;         /* the plug-in's own */
 } isoextract_particle_file;
 
-typedef struct isoextract_particle_plugin_v1 {
+typedef struct isoextract_particle_plugin_v2 {
   uint32_t version; /* ISOEXTRACT_PARTICLE_PLUGIN_VERSION; the first member in every version */
   const char* id;   /* the ID of the file's name */
 
   /* A frame of the file, counted from 0. 0 if all is well; then close is called once. A frame beyond the last one is no
-   * failure where `frames` is told: `particles` is 0 then. */
-  int (*open)(const char* path, uint64_t frame, isoextract_particle_file* file);
+   * failure where `frames` is told: `particles` is 0 then. `grid` is null or, of a format whose files hold sets of
+   * particles by name, the name of one. */
+  int (*open)(const char* path, const char* grid, uint64_t frame, isoextract_particle_file* file);
   void (*close)(isoextract_particle_file* file);
 
   /* Fills 3 * particles numbers: x, y and z of each. 0 if all is well. */
@@ -63,13 +64,13 @@ typedef struct isoextract_particle_plugin_v1 {
 
   /* Why the last call of this thread failed: what was expected and what was found, without the file's name. */
   const char* (*error_text)(void);
-} isoextract_particle_plugin_v1;
+} isoextract_particle_plugin_v2;
 
 /* The one function that a plug-in exports. What it returns lives as long as the process. */
 #if defined(__GNUC__)
 __attribute__((visibility("default")))
 #endif
-const isoextract_particle_plugin_v1*
+const isoextract_particle_plugin_v2*
 isoextract_particle_plugin(void);
 
 #ifdef __cplusplus

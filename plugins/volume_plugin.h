@@ -22,40 +22,29 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "plugin_samples.h"
+
 #ifdef __cplusplus
 extern "C" {
 #endif
 
 /* Goes up with every change of this file. A plug-in of another version is refused. */
-#define ISOEXTRACT_VOLUME_PLUGIN_VERSION 1
+#define ISOEXTRACT_VOLUME_PLUGIN_VERSION 2
 
-enum isoextract_sample_type {
-  ISOEXTRACT_NOT_SCALAR = 0, /* no surface can be extracted from it: it is listed, and not opened */
-  ISOEXTRACT_U8 = 1,
-  ISOEXTRACT_I8 = 2,
-  ISOEXTRACT_U16 = 3,
-  ISOEXTRACT_I16 = 4,
-  ISOEXTRACT_U32 = 5,
-  ISOEXTRACT_I32 = 6,
-  ISOEXTRACT_F16 = 7,
-  ISOEXTRACT_F32 = 8,
-  ISOEXTRACT_F64 = 9
-};
-
-enum isoextract_volume_kind {
-  ISOEXTRACT_DENSITY = 0,  /* inside is value > iso */
-  ISOEXTRACT_LEVEL_SET = 1 /* inside is value < iso */
-};
-
-/* One grid of a file: a full box of samples. */
+/* One grid of a file: a full box of samples, or sparse ones. */
 typedef struct isoextract_volume_grid {
   const char* name;          /* "" where the format has one volume without a name */
   const char* type_name;     /* what people call its values: "float", "vec3" */
   const char* world_space;   /* what the file calls its world; "" where it does not */
   int32_t sample_type;       /* isoextract_sample_type */
   int32_t kind;              /* isoextract_volume_kind */
-  uint64_t dims[3];          /* samples along x (fastest), y, z */
+  int32_t is_sparse;         /* not 0 if its samples come as blocks and tiles */
+  uint64_t dims[3];          /* of a full box: samples along x (fastest), y, z */
   double index_to_world[12]; /* three rows of four: x, y and z of the world from (i, j, k, 1) of a sample's centre */
+  int32_t has_counts;        /* of sparse samples: not 0 if the file tells the following */
+  uint64_t active_voxels;
+  int32_t active_min[3]; /* the box of them, both corners included */
+  int32_t active_max[3];
 } isoextract_volume_grid;
 
 typedef struct isoextract_volume_list {
@@ -64,13 +53,16 @@ typedef struct isoextract_volume_list {
   void* owner; /* the plug-in's own */
 } isoextract_volume_list;
 
+/* The samples of a grid: `data`, or `sparse` where the grid is_sparse. */
 typedef struct isoextract_volume_samples {
   const void* data; /* dims[0] * dims[1] * dims[2] samples, x fastest, in native byte order, aligned for their type */
   uint64_t bytes;   /* of all of them */
+  const isoextract_sparse_samples* sparse;
+  const char* note; /* a sentence for the user without a full stop, about what was assumed or changed; null or "" */
   void* owner;      /* the plug-in's own */
 } isoextract_volume_samples;
 
-typedef struct isoextract_volume_plugin_v1 {
+typedef struct isoextract_volume_plugin_v2 {
   uint32_t version;   /* ISOEXTRACT_VOLUME_PLUGIN_VERSION; the first member in every version */
   const char* id;     /* the ID of the file's name */
   const char* format; /* what reports call the format: "DICOM" */
@@ -82,19 +74,21 @@ typedef struct isoextract_volume_plugin_v1 {
   int (*list)(const char* path, isoextract_volume_list* list);
   void (*free_list)(isoextract_volume_list* list);
 
-  /* The samples of a grid, by its place in the list. 0 if all is well; then free_samples is called once. */
-  int (*open)(const char* path, size_t grid, isoextract_volume_samples* samples);
+  /* The samples of a grid, by its place in the list. 0 if all is well; then free_samples is called once. Memory for a
+   * full box is reserved by the host before it calls; what sparse samples take, and what reading needs besides, the
+   * plug-in reserves. */
+  int (*open)(const char* path, size_t grid, const isoextract_plugin_host* host, isoextract_volume_samples* samples);
   void (*free_samples)(isoextract_volume_samples* samples);
 
   /* Why the last call of this thread failed: what was expected and what was found, without the file's name. */
   const char* (*error_text)(void);
-} isoextract_volume_plugin_v1;
+} isoextract_volume_plugin_v2;
 
 /* The one function that a plug-in exports. What it returns lives as long as the process. */
 #if defined(__GNUC__)
 __attribute__((visibility("default")))
 #endif
-const isoextract_volume_plugin_v1*
+const isoextract_volume_plugin_v2*
 isoextract_volume_plugin(void);
 
 #ifdef __cplusplus

@@ -5,6 +5,7 @@
 #   scripts/setup.sh test       the tests' packages as well
 #   scripts/setup.sh test fuzz  and those of the fuzz targets
 #   scripts/setup.sh vtk        what the plug-in for VTK's particles needs: VTK
+#   scripts/setup.sh openvdb    what the plug-ins around OpenVDB need: OpenVDB
 #   scripts/setup.sh bench      what building the program needs, and what it is compared with
 #   scripts/setup.sh measure    what scripts/measure needs: that, and whose topology is compared
 #   scripts/setup.sh blender    what scripts/blender/check needs besides the program
@@ -29,6 +30,7 @@ test_packages=(
 )
 fuzz_packages=(clang libclang-rt-14-dev)
 vtk_packages=(libvtk9-dev)
+openvdb_packages=(libopenvdb-dev libboost-dev)
 bench_packages=(libvtk9-dev libopenvdb-dev libboost-dev libimath-dev libopenvdb-tools python3)
 # Building the random fields needs the packages of the tests' CMake files.
 measure_packages=(gnuplot-nox libgtest-dev python3-numpy python3-vtk9 python3-skimage)
@@ -55,6 +57,7 @@ for group in "$@"; do
       ;;
     fuzz) wanted+=("${fuzz_packages[@]}") ;;
     vtk) wanted+=("${vtk_packages[@]}") ;;
+    openvdb) wanted+=("${openvdb_packages[@]}") ;;
     bench) wanted+=("${bench_packages[@]}") ;;
     measure)
       wanted+=("${bench_packages[@]}" "${measure_packages[@]}")
@@ -64,7 +67,7 @@ for group in "$@"; do
     viewers) wanted+=("${viewers_packages[@]}") ;;
     cluster) wanted+=("${cluster_packages[@]}") ;;
     *)
-      say "unknown group '$group': expected build, test, fuzz, vtk, bench, measure, blender, viewers or cluster"
+      say "unknown group '$group': expected build, test, fuzz, vtk, openvdb, bench, measure, blender, viewers or cluster"
       exit 1
       ;;
   esac

@@ -190,7 +190,7 @@ int guarded(F&& work) {
 
 Opened& opened_of(const isoextract_particle_file* file) { return *static_cast<Opened*>(file->owner); }
 
-int open(const char* path, std::uint64_t frame, isoextract_particle_file* file) {
+int open(const char* path, const char* /*grid*/, std::uint64_t frame, isoextract_particle_file* file) {
   return guarded([&] {
     *file = {};
     file->frames = 1;
@@ -231,9 +231,9 @@ int quantity(const isoextract_particle_file* file, std::size_t index, float* val
 
 const char* error_text() { return problem.c_str(); }
 
-constexpr isoextract_particle_plugin_v1 kPlugin{
+constexpr isoextract_particle_plugin_v2 kPlugin{
     ISOEXTRACT_PARTICLE_PLUGIN_VERSION, "vtk", open, close, positions, quantity, error_text};
 
 }  // namespace
 
-const isoextract_particle_plugin_v1* isoextract_particle_plugin() { return &kPlugin; }
+const isoextract_particle_plugin_v2* isoextract_particle_plugin() { return &kPlugin; }

@@ -37,12 +37,12 @@ const ParticleFormat* particles_by_extension(const std::filesystem::path& path, 
   return nullptr;
 }
 
-const ParticleFormat* particles_by_content(const files::InputFile& file) {
+const ParticleFormat* particles_by_content(const files::InputFile& file, const ParticleReadOptions& options) {
   std::array<std::byte, 2> start{};
   if (file.size() >= start.size()) must(file.read_at(0, start));
   const auto content = must(files::first_bytes(file, kStartBytes));
   for (const ParticleFormat* format : particle_formats()) {
-    if (format->probe({file.path(), content, files::is_gzip(start)})) return format;
+    if (format->claims(file, {file.path(), content, files::is_gzip(start)}, options)) return format;
   }
   return nullptr;
 }
@@ -56,7 +56,7 @@ const ParticleFormat* format_of(const files::InputFile& file, const ParticleRead
                    fmt::format("{}: there is no particle format '{}'", file.name(), printable(*options.format, 40)),
                    {}}};
   }
-  if (const ParticleFormat* format = particles_by_content(file)) return format;
+  if (const ParticleFormat* format = particles_by_content(file, options)) return format;
   return particles_by_extension(file.path(), only_tellable);
 }
 
@@ -79,6 +79,7 @@ void check_options(const files::InputFile& file, const ParticleFormatDescription
     throw Refused{{ErrorKind::usage, fmt::format("{}: {}; this is read as {}", file.name(), what, about.id), {}}};
   };
   if (options.frame && !about.has_frames) refuse("the number of a frame is for files that may hold several");
+  if (options.grid && !about.has_grids) refuse("the name of a grid is for files that may hold several");
   if (options.columns && !about.has_columns) refuse("columns of x, y and z are for tables");
 }
 

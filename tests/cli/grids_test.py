@@ -4,7 +4,7 @@ import json
 import time
 
 from support import ProgramTest, main, read_ply
-from vdb_files import frustum, grid, text, vdb
+from vdb_files import frustum, grid, scale, text, vdb
 
 VOXELS = {(1, 2, 3): 1.0, (2, 2, 3): 1.0}
 ODD = b"\x1b[31mred\nline\0nul\xff"
@@ -93,10 +93,12 @@ class GridsTest(ProgramTest):
             bent, velocity = self.grids("bent.vdb")
             self.assertIn(reason, bent["problem"])
             self.assertEqual((bent["voxels"], velocity["voxels"], velocity["problem"]), (2, None, None))
-            self.assert_fails(2, self.run_program("bent.vdb", "--iso", "0.5"), reason)
-        self.write("bent.vdb", grid("bent", VOXELS, transform=frustum()))
-        self.assert_fails(2, self.run_program("info", "bent.vdb", "--grid", "bent"), "--spacing")
-        self.assertIn("percentiles", self.convert("info", "bent.vdb", "--spacing", "1").text)
+        self.assert_fails(2, self.run_program("bent.vdb", "--iso", "0.5"), reason)
+        self.write("flat.vdb", grid("flat", VOXELS, transform=scale(float("inf"))))
+        self.assert_fails(2, self.run_program("info", "flat.vdb", "--grid", "flat"), "--spacing")
+        for name, transform in (("flat.vdb", scale(float("inf"))), ("bent.vdb", frustum())):
+            self.write(name, grid("v", VOXELS, transform=transform))
+            self.assertIn("percentiles", self.convert("info", name, "--spacing", "1").text)
 
     def test_a_region_of_voxels_far_apart(self):
         far = 1 << 24

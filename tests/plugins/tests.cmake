@@ -2,10 +2,10 @@
 set(test_plugins ${PROJECT_BINARY_DIR}/test-plugins)
 isoextract_volume_plugin(text TITLE "volumes as text" EXTENSIONS .tvol .textvol FOLDER ${test_plugins}
   SOURCES ${CMAKE_CURRENT_SOURCE_DIR}/plugins/text_volume.cpp)
-target_compile_definitions(isoextract_volume_text PRIVATE TEXT_VOLUME_VERSION=1 TEXT_VOLUME_ID="text")
+target_compile_definitions(isoextract_volume_text PRIVATE TEXT_VOLUME_VERSION=2 TEXT_VOLUME_ID="text")
 isoextract_volume_plugin(newer TITLE "volumes of another version" EXTENSIONS .newer FOLDER ${test_plugins}
   SOURCES ${CMAKE_CURRENT_SOURCE_DIR}/plugins/text_volume.cpp)
-target_compile_definitions(isoextract_volume_newer PRIVATE TEXT_VOLUME_VERSION=2 TEXT_VOLUME_ID="newer")
+target_compile_definitions(isoextract_volume_newer PRIVATE TEXT_VOLUME_VERSION=3 TEXT_VOLUME_ID="newer")
 add_dependencies(test_volumes isoextract_volume_text isoextract_volume_newer)
 set_source_files_properties(unit/volumes/plugin_host_test.cpp PROPERTIES
   COMPILE_DEFINITIONS TEST_PLUGINS="${test_plugins}")
@@ -15,4 +15,12 @@ set_source_files_properties(unit/volumes/particles_vtk_test.cpp PROPERTIES
   COMPILE_DEFINITIONS "BUILT_PLUGINS=\"${PROJECT_BINARY_DIR}/plugins\";BUILT_VTK=$<TARGET_EXISTS:isoextract_particles_vtk>")
 if(TARGET isoextract_particles_vtk)
   add_dependencies(test_volumes isoextract_particles_vtk)
+endif()
+
+# Likewise those around OpenVDB.
+set_source_files_properties(unit/volumes/openvdb_plugin_test.cpp unit/volumes/openvdb_tools_test.cpp PROPERTIES
+  COMPILE_DEFINITIONS
+  "BUILT_PLUGINS=\"${PROJECT_BINARY_DIR}/plugins\";BUILT_OPENVDB=$<TARGET_EXISTS:isoextract_volume_openvdb>")
+if(TARGET isoextract_volume_openvdb)
+  add_dependencies(test_volumes isoextract_volume_openvdb isoextract_particles_openvdb isoextract_grids_openvdb)
 endif()

@@ -63,12 +63,12 @@ int list(const char* path, isoextract_volume_list* list) {
 
 void free_list(isoextract_volume_list* list) { delete static_cast<TextVolume*>(list->owner); }
 
-int open(const char* path, size_t grid, isoextract_volume_samples* samples) {
+int open(const char* path, size_t grid, const isoextract_plugin_host* /*host*/, isoextract_volume_samples* samples) {
   auto volume = read_text(path);
   if (!volume) return 1;
   const TextGrid& text = volume->texts[grid];
   *samples = {text.name == "hollow" ? nullptr : text.values.data(),
-              (text.values.size() - (text.name == "short" ? 1 : 0)) * sizeof(float), volume.get()};
+              (text.values.size() - (text.name == "short" ? 1 : 0)) * sizeof(float), nullptr, nullptr, volume.get()};
   static_cast<void>(volume.release());
   return 0;
 }
@@ -77,9 +77,9 @@ void free_samples(isoextract_volume_samples* samples) { delete static_cast<TextV
 
 const char* error_text() { return problem.c_str(); }
 
-constexpr isoextract_volume_plugin_v1 kPlugin{TEXT_VOLUME_VERSION, TEXT_VOLUME_ID, "text",       probe,     list,
+constexpr isoextract_volume_plugin_v2 kPlugin{TEXT_VOLUME_VERSION, TEXT_VOLUME_ID, "text",       probe,     list,
                                               free_list,           open,           free_samples, error_text};
 
 }  // namespace
 
-const isoextract_volume_plugin_v1* isoextract_volume_plugin() { return &kPlugin; }
+const isoextract_volume_plugin_v2* isoextract_volume_plugin() { return &kPlugin; }

@@ -1,11 +1,16 @@
 // The formats that are built in, one file each.
 #pragma once
 
+#include <memory>
+
+#include "volumes/detail/plugin_library.hpp"
 #include "volumes/volume_format.hpp"
 
 namespace isoextract::volumes {
 
 [[nodiscard]] const VolumeFormat& vdb_format();
+// The same, with plug-ins from elsewhere.
+[[nodiscard]] std::unique_ptr<const VolumeFormat> make_vdb_format(PluginFolders folders);
 [[nodiscard]] const VolumeFormat& nrrd_format();
 [[nodiscard]] const VolumeFormat& nifti_format();
 [[nodiscard]] const VolumeFormat& npy_format();

@@ -10,29 +10,15 @@
 #include "volumes/detail/dense_format.hpp"
 #include "volumes/detail/file_start.hpp"
 #include "volumes/detail/grid_choice.hpp"
+#include "volumes/detail/plugin_samples.hpp"
 
 namespace isoextract::volumes {
 namespace {
 
 namespace fs = std::filesystem;
-using Plugin = isoextract_volume_plugin_v1;
+using Plugin = isoextract_volume_plugin_v2;
 
 const PluginKind kVolumePlugins{"isoextract-volume-", "isoextract_volume_plugin", ISOEXTRACT_VOLUME_PLUGIN_VERSION};
-
-std::optional<field::SampleType> sample_type_of(std::int32_t type) {
-  switch (type) {
-    case ISOEXTRACT_U8: return field::SampleType::u8;
-    case ISOEXTRACT_I8: return field::SampleType::i8;
-    case ISOEXTRACT_U16: return field::SampleType::u16;
-    case ISOEXTRACT_I16: return field::SampleType::i16;
-    case ISOEXTRACT_U32: return field::SampleType::u32;
-    case ISOEXTRACT_I32: return field::SampleType::i32;
-    case ISOEXTRACT_F16: return field::SampleType::f16;
-    case ISOEXTRACT_F32: return field::SampleType::f32;
-    case ISOEXTRACT_F64: return field::SampleType::f64;
-    default: return std::nullopt;
-  }
-}
 
 std::string text_of(const char* text) { return text == nullptr ? std::string() : std::string(text); }
 
@@ -59,11 +45,12 @@ using GivenList = Given<isoextract_volume_list>;
 
 // Samples of a plug-in, and what is reserved for them.
 struct PluginSamples {
-  PluginSamples(Given<isoextract_volume_samples>::Free free, Reservation reserved)
-      : samples(free), memory(std::move(reserved)) {}
+  PluginSamples(Given<isoextract_volume_samples>::Free free, const Context& context, std::string what)
+      : memory(context, std::move(what)), samples(free) {}
 
+  Reservation box_memory;  // of a full box
+  PluginMemory memory;     // of what the plug-in asks for
   Given<isoextract_volume_samples> samples;
-  Reservation memory;
 };
 
 class PluginFormat final : public VolumeFormat {
@@ -110,17 +97,10 @@ class PluginFormat final : public VolumeFormat {
     field.format = text_of((*plugin)->format);
     field.world_space = text_of(grid.world_space);
     if (grid.kind == ISOEXTRACT_LEVEL_SET) field.kind = field::FieldKind::level_set;
-    auto samples = read_samples(**plugin, input, *chosen, grid, context);
-    if (!samples) return tl::unexpected(samples.error());
-    field.samples = std::move(*samples);
-    Frame frame;
-    for (int row = 0; row < 3; ++row) {
-      for (int column = 0; column < 3; ++column) {
-        frame.index_to_world.linear[column][row] = grid.index_to_world[4 * row + column];
-      }
-      frame.index_to_world.offset[row] = grid.index_to_world[4 * row + 3];
+    if (auto read = read_samples(**plugin, input, *chosen, grid, context, field); !read) {
+      return tl::unexpected(read.error());
     }
-    if (auto placed = set_frame(field, frame, options); !placed) return tl::unexpected(placed.error());
+    if (auto placed = set_frame(field, {affine_of(grid.index_to_world), {}}, options); !placed) return tl::unexpected(placed.error());
     return field;
   }
 
@@ -172,14 +152,21 @@ class PluginFormat final : public VolumeFormat {
       const auto type = sample_type_of(grid.sample_type);
       GridInfo info;
       info.name = text_of(grid.name);
-      if (type) {
+      if (type && grid.is_sparse != 0) {
+        info.scalar = true;
+        if (grid.has_counts != 0) {
+          info.voxels = grid.active_voxels;
+          info.box = {{grid.active_min[0], grid.active_min[1], grid.active_min[2]},
+                      {grid.active_max[0], grid.active_max[1], grid.active_max[2]}};
+        }
+      } else if (type) {
         const auto dims = checked_dims(input, {grid.dims[0], grid.dims[1], grid.dims[2]}, *type);
         if (!dims) return tl::unexpected(dims.error());
         info = dense_grid(std::move(info.name), *dims, *type);
-        info.kind = grid.kind == ISOEXTRACT_LEVEL_SET ? field::FieldKind::level_set : field::FieldKind::density;
       } else if (grid.sample_type != ISOEXTRACT_NOT_SCALAR) {
         return refused(input, fmt::format("samples of an unknown type ({})", grid.sample_type));
       }
+      if (type) info.kind = grid.kind == ISOEXTRACT_LEVEL_SET ? field::FieldKind::level_set : field::FieldKind::density;
       info.type = printable(text_of(grid.type_name), 80);
       grids.push_back(std::move(info));
     }
@@ -187,20 +174,46 @@ class PluginFormat final : public VolumeFormat {
     return grids;
   }
 
-  // Those of a scalar grid, whose sizes were checked.
-  Result<field::DenseSamples> read_samples(const Plugin& plugin, const std::string& input, std::size_t index,
-                                           const isoextract_volume_grid& grid, const Context& context) const {
+  // Those of a scalar grid; the sizes of a full box were checked.
+  Result<void> read_samples(const Plugin& plugin, const std::string& input, std::size_t index,
+                            const isoextract_volume_grid& grid, const Context& context,
+                            field::ScalarField& field) const {
+    const auto owner = std::make_shared<PluginSamples>(
+        plugin.free_samples, context, input + ": what the plug-in for " + about().id + " takes to read it");
     field::DenseSamples dense;
-    dense.type = *sample_type_of(grid.sample_type);
-    dense.dims = {static_cast<int>(grid.dims[0]), static_cast<int>(grid.dims[1]), static_cast<int>(grid.dims[2])};
-    const std::uint64_t expected = sample_bytes(dense.dims, dense.type);
-    const std::string what = describe_samples(dense.dims, dense.type);
-    auto memory = context.reserve(expected, fmt::format("{}: {}", input, what));
-    if (!memory) return tl::unexpected(memory.error());
-    const auto owner = std::make_shared<PluginSamples>(plugin.free_samples, std::move(*memory));
-    if (plugin.open(input.c_str(), index, &owner->samples.value) != 0) return tl::unexpected(failed(plugin, input));
+    if (grid.is_sparse == 0) {
+      dense.type = *sample_type_of(grid.sample_type);
+      dense.dims = {static_cast<int>(grid.dims[0]), static_cast<int>(grid.dims[1]), static_cast<int>(grid.dims[2])};
+      auto memory = context.reserve(sample_bytes(dense.dims, dense.type),
+                                    fmt::format("{}: {}", input, describe_samples(dense.dims, dense.type)));
+      if (!memory) return tl::unexpected(memory.error());
+      owner->box_memory = std::move(*memory);
+    }
+    if (plugin.open(input.c_str(), index, &owner->memory.host(), &owner->samples.value) != 0) {
+      return tl::unexpected(owner->memory.failure_or(failed(plugin, input)));
+    }
     owner->samples.is_given = true;
     const isoextract_volume_samples& samples = owner->samples.value;
+    if (const std::string note = printable(text_of(samples.note), 300); !note.empty()) field.notes.push_back(note);
+    return grid.is_sparse != 0 ? put_sparse(input, grid, owner, field) : put_box(input, std::move(dense), owner, field);
+  }
+
+  Result<void> put_sparse(const std::string& input, const isoextract_volume_grid& grid,
+                          const std::shared_ptr<PluginSamples>& owner, field::ScalarField& field) const {
+    const isoextract_sparse_samples* given = owner->samples.value.sparse;
+    if (given == nullptr) return refused(input, "no samples, expected sparse ones");
+    if (given->sample_type != grid.sample_type) return refused(input, "samples of another type than it has told");
+    auto sparse = sparse_samples_of(*given, owner);
+    if (!sparse) return refused(input, sparse.error());
+    field.samples = std::move(*sparse);
+    return {};
+  }
+
+  Result<void> put_box(const std::string& input, field::DenseSamples dense, const std::shared_ptr<PluginSamples>& owner,
+                       field::ScalarField& field) const {
+    const isoextract_volume_samples& samples = owner->samples.value;
+    const std::uint64_t expected = sample_bytes(dense.dims, dense.type);
+    const std::string what = describe_samples(dense.dims, dense.type);
     if (samples.data == nullptr) return refused(input, fmt::format("no samples, expected {}", what));
     if (samples.bytes != expected) {
       return refused(input, fmt::format("{} bytes, expected {} ({})", samples.bytes, expected, what));
@@ -210,7 +223,8 @@ class PluginFormat final : public VolumeFormat {
     }
     dense.data = samples.data;
     dense.owner = owner;
-    return dense;
+    field.samples = std::move(dense);
+    return {};
   }
 
   PluginLibrary library_;
@@ -227,10 +241,14 @@ FormatDescription describe_plugin(PluginTable table) {
 
 }  // namespace
 
+std::unique_ptr<const VolumeFormat> make_plugin_format(FormatDescription about, PluginFolders folders) {
+  return std::make_unique<const PluginFormat>(std::move(about), std::move(folders));
+}
+
 std::vector<std::unique_ptr<const VolumeFormat>> find_plugin_formats(const PluginFolders& folders) {
   std::vector<std::unique_ptr<const VolumeFormat>> formats;
   for (PluginTable& table : find_plugin_tables(folders, kVolumePlugins.name_start)) {
-    formats.push_back(std::make_unique<const PluginFormat>(describe_plugin(std::move(table)), folders));
+    if (table.id != kOpenVdbPlugin) formats.push_back(make_plugin_format(describe_plugin(std::move(table)), folders));
   }
   return formats;
 }

@@ -10,7 +10,15 @@
 
 namespace isoextract::volumes {
 
-// What the tables in the folders say, by folder and then by name; the first of an id counts. Besides the errors of all
+// The plug-ins around OpenVDB. They have no format of volumes of their own: the built-in one asks them for what it does
+// not read itself.
+inline constexpr const char* kOpenVdbPlugin = "openvdb";
+
+// One format, which is the description's id, without a look at tables.
+[[nodiscard]] std::unique_ptr<const VolumeFormat> make_plugin_format(FormatDescription about, PluginFolders folders);
+
+// What the tables in the folders say, by folder and then by name; the first of an id counts. kOpenVdbPlugin
+// is left out. Besides the errors of all
 // formats theirs are ErrorKind::unavailable: the plug-in is in none of the folders, cannot be opened, or is of another
 // version.
 [[nodiscard]] std::vector<std::unique_ptr<const VolumeFormat>> find_plugin_formats(const PluginFolders& folders);

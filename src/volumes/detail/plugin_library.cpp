@@ -104,7 +104,8 @@ Result<const void*> PluginLibrary::opened(const std::string& input) const {
     std::vector<std::string> looked;
     for (const fs::path& folder : folders_) looked.push_back(folder.string());
     return fail(ErrorKind::unavailable,
-                fmt::format("{}: the format {} is read by the plug-in {}, which is in none of: {}", input, id_, name,
+                fmt::format("{}: {} by the plug-in {}, which is in none of: {}", input,
+                            kind_.is_format ? fmt::format("the format {} is read", id_) : "this is done", name,
                             fmt::join(looked, ", ")),
                 "install it, or name the folder it is in with the environment variable ISOEXTRACT_PLUGINS");
   }

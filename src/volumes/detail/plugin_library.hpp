@@ -32,6 +32,7 @@ struct PluginKind {
   std::string name_start;  // "isoextract-volume-"
   std::string function;    // gives a struct that starts with a version (uint32_t) and an id (const char*)
   std::uint32_t version = 0;
+  bool is_format = true;  // it reads one; else it is for work that messages name
 };
 
 // The shared object of one plug-in.

@@ -53,6 +53,12 @@ class ParticleFormat {
   // Whether a file that starts so is one of particles in this format, beyond doubt.
   [[nodiscard]] virtual bool probe(const FileStart& /*start*/) const { return false; }
 
+  // Likewise, for formats of which the start of a file does not tell enough.
+  [[nodiscard]] virtual bool claims(const files::InputFile& /*file*/, const FileStart& start,
+                                    const ParticleReadOptions& /*options*/) const {
+    return probe(start);
+  }
+
   // All but ParticleInfo::format.
   [[nodiscard]] virtual ParticleInfo info(const files::InputFile& file, const ParticleReadOptions& options) const = 0;
   // All but ParticleFile::format. Its set is labelled where the file's name is not enough.

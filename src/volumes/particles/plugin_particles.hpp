@@ -1,5 +1,5 @@
-// Formats of particles that plug-ins read (plugins/particle_plugin.h). The one of VTK is known without its plug-in, so
-// that its files can be told from others where that is missing.
+// Formats of particles that plug-ins read (plugins/particle_plugin.h). Those of VTK and OpenVDB are known without
+// their plug-ins, so that their files can be told from others where those are missing.
 #pragma once
 
 #include <memory>
@@ -10,7 +10,7 @@
 
 namespace isoextract::volumes {
 
-// VTK, and what the tables in the folders say. Besides the errors of all formats theirs are ErrorKind::unavailable
+// VTK, OpenVDB, and what the tables in the folders say. Besides the errors of all formats theirs are ErrorKind::unavailable
 // (PluginLibrary::opened).
 [[nodiscard]] std::vector<std::unique_ptr<const ParticleFormat>> find_particle_plugins(const PluginFolders& folders);
 

@@ -78,7 +78,9 @@ std::string value_type_of(const std::string& tree_type) {
 // Leaves the cursor behind the transform. False where nobody knows where that is.
 bool read_frame(VdbCursor& cursor, VdbGridRecord& grid) {
   try {
-    grid.frame_problem = read_vdb_transform(cursor).problem;
+    const VdbFrame frame = read_vdb_transform(cursor);
+    grid.frame_problem = frame.problem;
+    grid.in_frustum = frame.is_frustum;
     return true;
   } catch (const VdbUnsupported& unknown) {
     grid.frame_problem = unknown.what();
@@ -111,7 +113,8 @@ void read_streamed_grid(VdbCursor& cursor, VdbGridRecord& grid, bool last) {
   }
 }
 
-VdbGridRecord read_descriptor(VdbCursor& cursor, bool streamed, bool last) {
+// The names with which a grid's descriptor begins.
+VdbGridRecord read_names(VdbCursor& cursor) {
   VdbGridRecord grid;
   grid.unique_name = cursor.read_name();
   grid.name = grid.unique_name.substr(0, grid.unique_name.find(kNameSeparator));
@@ -119,6 +122,11 @@ VdbGridRecord read_descriptor(VdbCursor& cursor, bool streamed, bool last) {
   // OpenVDB too goes by the metadata when it reads the values.
   if (grid.tree_type.ends_with(kHalfSuffix)) grid.tree_type.resize(grid.tree_type.size() - kHalfSuffix.size());
   grid.value_type = value_type_of(grid.tree_type);
+  return grid;
+}
+
+VdbGridRecord read_descriptor(VdbCursor& cursor, bool streamed, bool last) {
+  VdbGridRecord grid = read_names(cursor);
   grid.instance_parent = cursor.read_name();
   const auto grid_position = cursor.read_value<std::int64_t>();
   static_cast<void>(cursor.read_value<std::int64_t>());  // of its values: they follow the tree's nodes
@@ -158,25 +166,56 @@ VdbValueLayout value_layout(const VdbGridRecord& grid, std::size_t value_size, s
   return {value_size, grid.half ? half_size : value_size, grid.compression};
 }
 
-VdbHeader read_vdb_header(VdbCursor& cursor) {
-  VdbHeader header;
+namespace {
+
+// What is before the grids.
+struct FileHead {
+  std::uint32_t version = 0;
+  bool streamed = false;  // without the places of its grids
+  std::int32_t grids = 0;
+};
+
+FileHead read_file_head(VdbCursor& cursor) {
+  FileHead head;
   if (cursor.read_value<std::int64_t>() != kVdbMagic) throw VdbDamaged("expected 'VDB' at the start");
-  header.file_version = cursor.read_value<std::uint32_t>();
-  if (header.file_version < kOldestVersion) {
+  head.version = cursor.read_value<std::uint32_t>();
+  if (head.version < kOldestVersion) {
     throw VdbUnsupported(
         fmt::format("expected file version {} or later, found {}: load and save it with a newer OpenVDB",
-                    kOldestVersion, header.file_version));
+                    kOldestVersion, head.version));
   }
   static_cast<void>(cursor.take(2 * sizeof(std::uint32_t)));     // the library's version
-  const bool streamed = cursor.read_value<std::uint8_t>() == 0;  // without the places of its grids
+  head.streamed = cursor.read_value<std::uint8_t>() == 0;
   cursor.seek(cursor.position() + kUuidLength);
   read_metadata(cursor, [](const std::string&, const std::string&, const std::string&) {});
-  const auto count = cursor.read_value<std::int32_t>();
-  if (count < 0) throw VdbDamaged(fmt::format("said to hold {} grids", count));
-  for (std::int32_t i = 0; i < count; ++i) {
-    header.grids.push_back(read_descriptor(cursor, streamed, i + 1 == count));
+  head.grids = cursor.read_value<std::int32_t>();
+  if (head.grids < 0) throw VdbDamaged(fmt::format("said to hold {} grids", head.grids));
+  return head;
+}
+
+}  // namespace
+
+VdbHeader read_vdb_header(VdbCursor& cursor) {
+  const FileHead head = read_file_head(cursor);
+  VdbHeader header;
+  header.file_version = head.version;
+  for (std::int32_t i = 0; i < head.grids; ++i) {
+    header.grids.push_back(read_descriptor(cursor, head.streamed, i + 1 == head.grids));
   }
   return header;
+}
+
+bool is_point_grid(const VdbGridRecord& grid) { return grid.tree_type.starts_with("Tree_ptdataidx"); }
+
+bool holds_only_points(VdbCursor& cursor) {
+  const FileHead head = read_file_head(cursor);
+  for (std::int32_t i = 0; i < head.grids; ++i) {
+    const std::uint64_t place = cursor.position();
+    if (!is_point_grid(read_names(cursor))) return false;
+    cursor.seek(place);
+    static_cast<void>(read_descriptor(cursor, head.streamed, i + 1 == head.grids));
+  }
+  return head.grids > 0;
 }
 
 }  // namespace isoextract::volumes

@@ -26,6 +26,7 @@ struct VdbGridRecord {
   std::uint32_t compression = 0;
   std::uint64_t transform_position = 0;  // in the file; the tree follows the transform
   std::string frame_problem;             // why the transform cannot be used; empty if it can
+  bool in_frustum = false;               // which is why
   std::uint64_t end_position = 0;        // of the grid, at which the next one's description begins
 };
 
@@ -44,5 +45,11 @@ struct VdbHeader {
 // Of a file that was written as a stream, which has no places of grids, this reads all there is: a grid's end is found
 // by passing over its tree. Throws VdbDamaged and VdbUnsupported.
 [[nodiscard]] VdbHeader read_vdb_header(VdbCursor& cursor);
+
+// Whether the grids of a file are points, all of them, and there is one. Reads no further than it must. Throws
+// VdbDamaged and VdbUnsupported.
+[[nodiscard]] bool holds_only_points(VdbCursor& cursor);
+// Points of which nothing but their descriptors is read here.
+[[nodiscard]] bool is_point_grid(const VdbGridRecord& grid);
 
 }  // namespace isoextract::volumes

@@ -10,7 +10,9 @@
 #include "volumes/detail/formats.hpp"
 #include "volumes/detail/grid_choice.hpp"
 #include "volumes/detail/placing.hpp"
+#include "volumes/detail/plugin_host.hpp"
 #include "volumes/vdb/vdb_header.hpp"
+#include "volumes/vdb/vdb_plugin.hpp"
 #include "volumes/vdb/vdb_transform.hpp"
 #include "volumes/vdb/vdb_tree.hpp"
 
@@ -189,12 +191,16 @@ Result<std::vector<GridInfo>> list_vdb_grids(const files::InputFile& file) {
   });
 }
 
-Result<field::ScalarField> read_vdb(const files::InputFile& file, const ReadOptions& options) {
+Result<field::ScalarField> read_vdb(const std::string& input, const files::InputFile& file,
+                                    const VolumeFormat& plugin, const ReadOptions& options) {
   return with_messages(file, [&]() -> Result<field::ScalarField> {
     file.context().progress().begin("reading", 0);
     VdbCursor cursor(file);
     const VdbHeader header = read_vdb_header(cursor);
     const std::vector<GridInfo> grids = describe_grids(cursor, file, header);
+    if (const auto wanted = grid_for_plugin(cursor, header, grids, options)) {
+      return read_by_plugin(plugin, input, *wanted, options, file.context());
+    }
     const auto chosen = choose_grid(file.name(), grids, options.grid);
     if (!chosen) return tl::unexpected(chosen.error());
     auto field = read_grid(file, cursor, header, header.grids[*chosen], options);
@@ -215,12 +221,14 @@ Result<field::ScalarField> read_vdb(const files::InputFile& file, const ReadOpti
 
 class VdbFormat final : public VolumeFormat {
  public:
-  VdbFormat()
+  explicit VdbFormat(PluginFolders folders)
       : VolumeFormat({.id = "vdb",
-                      .title = "OpenVDB grids of float, double or int32",
+                      .title = "OpenVDB grids of float, double or int32; others by a plug-in",
                       .extensions = {".vdb"},
                       .prefix = {},
-                      .has_grids = true}) {}
+                      .has_grids = true}),
+        plugin_(make_plugin_format({.id = kOpenVdbPlugin, .title = about().title, .has_grids = true},
+                                   std::move(folders))) {}
 
   [[nodiscard]] bool probe(const FileStart& start) const override {
     return !start.packed && starts_with(start.bytes, kVdbStart);
@@ -243,14 +251,21 @@ class VdbFormat final : public VolumeFormat {
                                                 const Context& context) const override {
     const auto file = files::InputFile::open(input, context);
     if (!file) return tl::unexpected(file.error());
-    return read_vdb(*file, options);
+    return read_vdb(input, *file, *plugin_, options);
   }
+
+ private:
+  std::unique_ptr<const VolumeFormat> plugin_;
 };
 
 }  // namespace
 
+std::unique_ptr<const VolumeFormat> make_vdb_format(PluginFolders folders) {
+  return std::make_unique<const VdbFormat>(std::move(folders));
+}
+
 const VolumeFormat& vdb_format() {
-  static const VdbFormat format;
+  static const VdbFormat format(plugin_folders());
   return format;
 }
 

@@ -48,17 +48,17 @@ Frame read_linear_map(VdbCursor& cursor, const std::string& name) {
 
 }  // namespace
 
-Frame read_vdb_transform(VdbCursor& cursor) {
+VdbFrame read_vdb_transform(VdbCursor& cursor) {
   const std::string name = cursor.read_name();
   if (name == kFrustum) {
     // A box of six doubles, taper and depth; then the map behind the frustum.
     static_cast<void>(cursor.take(8 * sizeof(double)));
     const std::string second = cursor.read_name();
-    Frame frame = read_linear_map(cursor, second);
+    VdbFrame frame{read_linear_map(cursor, second), true};
     frame.problem = fmt::format("expected a linear transform, found {}", kFrustum);
     return frame;
   }
-  Frame frame = read_linear_map(cursor, name);
+  VdbFrame frame{read_linear_map(cursor, name)};
   if (frame.problem.empty() && !frame.index_to_world.is_regular()) {
     frame.problem = "expected a transform with an inverse: its matrix is singular or not finite";
   }

@@ -49,7 +49,7 @@ TEST(ParticlesPlugin, KnownWhereTheirPluginIsMissing) {
   write_bytes(folder / "b.vtp", std::string(kXml));
   write_bytes(folder / "c.vti", R"(<VTKFile type="ImageData">)");
   const auto missing = volumes::find_particle_plugins({folder.path()});
-  ASSERT_EQ(missing.size(), 1U);
+  ASSERT_EQ(missing.size(), 2U);
   EXPECT_EQ(missing.front()->about().id, "vtk");
   try {
     static_cast<void>(missing.front()->read(volumes::must(files::InputFile::open(folder / "a.vtk")), {}));
@@ -71,9 +71,9 @@ TEST(ParticlesPlugin, TablesSayWhatThereIs) {
   const TempFolder folder;
   write_bytes(folder / "isoextract-particles-abc.txt", "title: particles of abc\nextensions: .abc .abcd\n");
   const auto formats = volumes::find_particle_plugins({folder.path()});
-  ASSERT_EQ(formats.size(), 2U);
-  EXPECT_EQ(formats[1]->about().id, "abc");
-  EXPECT_EQ(formats[1]->about().extensions, (std::vector<std::string>{".abc", ".abcd"}));
+  ASSERT_EQ(formats.size(), 3U);
+  EXPECT_EQ(formats[2]->about().id, "abc");
+  EXPECT_EQ(formats[2]->about().extensions, (std::vector<std::string>{".abc", ".abcd"}));
 }
 
 TEST(ParticlesVtk, LegacyAndXml) {

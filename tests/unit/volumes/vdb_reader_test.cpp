@@ -2,6 +2,7 @@
 
 #include "unit/volumes/vdb_files.hpp"
 #include "unit/volumes/volume_files.hpp"
+#include "volumes/detail/formats.hpp"
 
 namespace isoextract::test {
 namespace {
@@ -193,16 +194,17 @@ TEST(VdbReaderPlace, EveryLinearMap) {
   }
 }
 
-TEST(VdbReaderPlace, FrustumsAreRefusedUnlessTheOptionsPlaceTheGrid) {
+TEST(VdbReaderPlace, FrustumsNeedAPluginUnlessTheOptionsPlaceTheGrid) {
   openvdb::initialize();
   const auto grid = ball("v");
   grid->setTransform(
       openvdb::math::Transform::createFrustumTransform(openvdb::BBoxd({0, 0, 0}, {100, 100, 100}), 0.5, 10, 0.1));
   const TempFolder folder;
   write_vdb(folder / "v.vdb", {grid});
-  const Error error = refusal(folder / "v.vdb");
-  EXPECT_EQ(error.kind, ErrorKind::input);
-  expect_in(error.message, "expected a linear transform, found NonlinearFrustumMap");
+  const auto refused = volumes::make_vdb_format({"/nowhere"})->open((folder / "v.vdb").string(), {}, Context());
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, ErrorKind::unavailable);
+  expect_in(refused.error().message, "the grid 'v' lies in a frustum");
   volumes::ReadOptions options;
   options.spacing = glm::dvec3(0.5);
   options.origin = glm::dvec3(1, 2, 3);

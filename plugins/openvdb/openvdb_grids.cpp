@@ -1,0 +1,459 @@
+// Work on grids with OpenVDB: particles to level sets, filters of level sets, and grids as files (grid_tools_plugin.h).
+//
+// Spheres are united by openvdb::tools::ParticlesToLevelSet; the smooth surface is that of
+// openvdb::points::rasterizeSmoothSpheres: Y. Zhu and R. Bridson, "Animating sand as a fluid", SIGGRAPH 2005.
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <ostream>
+#include <streambuf>
+#include <unordered_map>
+#include <unordered_set>
+
+#include <openvdb/io/Archive.h>
+#include <openvdb/points/PointAttribute.h>
+#include <openvdb/points/PointConversion.h>
+#include <openvdb/points/PointRasterizeSDF.h>
+#include <openvdb/tools/LevelSetFilter.h>
+#include <openvdb/tools/LevelSetUtil.h>
+#include <openvdb/tools/ParticlesToLevelSet.h>
+
+#include <grid_tools_plugin.h>
+#include "openvdb_parts.hpp"
+
+namespace {
+
+using namespace isoextract_openvdb;  // NOLINT(google-build-using-namespace): all of this file is of it
+using openvdb::FloatGrid;
+using openvdb::FloatTree;
+using Leaf = FloatTree::LeafNodeType;
+
+constexpr double kMostIndex = 1 << 29;  // of voxels, so that arithmetic on them stays within an int
+
+// Grids that come in.
+
+template <class F>
+void visit_samples(std::int32_t type, const void* data, F&& use) {
+  const auto as = [&]<class T>(std::type_identity<T>) { use(static_cast<const T*>(data)); };
+  switch (type) {
+    case ISOEXTRACT_U8: return as(std::type_identity<std::uint8_t>{});
+    case ISOEXTRACT_I8: return as(std::type_identity<std::int8_t>{});
+    case ISOEXTRACT_U16: return as(std::type_identity<std::uint16_t>{});
+    case ISOEXTRACT_I16: return as(std::type_identity<std::int16_t>{});
+    case ISOEXTRACT_U32: return as(std::type_identity<std::uint32_t>{});
+    case ISOEXTRACT_I32: return as(std::type_identity<std::int32_t>{});
+    case ISOEXTRACT_F16: return as(std::type_identity<openvdb::math::half>{});
+    case ISOEXTRACT_F32: return as(std::type_identity<float>{});
+    case ISOEXTRACT_F64: return as(std::type_identity<double>{});
+    default: throw Problem("expected samples of a known type, found type " + std::to_string(type));
+  }
+}
+
+bool same_bits(float a, float b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
+class GridBuilder {
+ public:
+  GridBuilder(const isoextract_grid_input& input, Reserved& memory) : input_(input), memory_(memory) {}
+
+  FloatGrid::Ptr build() {
+    if (input_.sparse != nullptr) {
+      from_sparse(*input_.sparse);
+    } else {
+      from_box();
+    }
+    const bool is_level_set = input_.kind == ISOEXTRACT_LEVEL_SET;
+    grid_->setGridClass(is_level_set ? openvdb::GRID_LEVEL_SET : openvdb::GRID_FOG_VOLUME);
+    openvdb::Mat4d matrix = openvdb::Mat4d::identity();
+    for (int row = 0; row < 3; ++row) {
+      for (int column = 0; column < 4; ++column) matrix[column][row] = input_.index_to_world[4 * row + column];
+    }
+    grid_->setTransform(openvdb::math::Transform::createLinearTransform(matrix));
+    return grid_;
+  }
+
+ private:
+  [[nodiscard]] float value_of(double stored) const {
+    const bool as_it_is = input_.slope == 1 && input_.intercept == 0;
+    return static_cast<float>(as_it_is ? stored : input_.slope * stored + input_.intercept);
+  }
+
+  // Floats keep their bits.
+  template <class T>
+  [[nodiscard]] float sample(T stored) const {
+    if constexpr (std::is_same_v<T, float>) {
+      if (input_.slope == 1 && input_.intercept == 0) return stored;
+    }
+    return value_of(static_cast<double>(stored));
+  }
+
+  // Whether a voxel of that value is of interest: what else there is comes back from the background alone.
+  [[nodiscard]] bool is_active(float value) const {
+    const float background = grid_->background();
+    if (input_.kind == ISOEXTRACT_LEVEL_SET && same_bits(value, -background)) return false;
+    return !same_bits(value, background);
+  }
+
+  void from_sparse(const isoextract_sparse_samples& samples) {
+    grid_ = FloatGrid::create(value_of(samples.background));
+    memory_.take(samples.block_count * sizeof(Leaf) + (std::uint64_t{1} << 20));
+    for (std::size_t i = 0; i < samples.tile_count; ++i) add_tile(samples.tiles[i]);
+    for (std::size_t i = 0; i < samples.block_count; ++i) {
+      const isoextract_sparse_block& block = samples.blocks[i];
+      Leaf& leaf = *grid_->tree().touchLeaf({block.origin[0], block.origin[1], block.origin[2]});
+      visit_samples(samples.sample_type, block.values, [&](const auto* values) {
+        for (openvdb::Index n = 0; n < kLeafValues; ++n) put(leaf, n, sample(values[n]));
+      });
+    }
+  }
+
+  void put(Leaf& leaf, openvdb::Index n, float value) const {
+    leaf.setValueOnly(n, value);
+    leaf.setActiveState(n, is_active(value));
+  }
+
+  // In cubes of the tree's own sizes.
+  void add_tile(const isoextract_sparse_tile& tile) {
+    const float value = value_of(tile.value);
+    openvdb::Index level = 1;
+    int size = 8;
+    if (tile.size >= 4096) {
+      level = 3;
+      size = 4096;
+    } else if (tile.size >= 128) {
+      level = 2;
+      size = 128;
+    }
+    for (int x = 0; x < tile.size; x += size) {
+      for (int y = 0; y < tile.size; y += size) {
+        for (int z = 0; z < tile.size; z += size) {
+          grid_->tree().addTile(level, {tile.origin[0] + x, tile.origin[1] + y, tile.origin[2] + z}, value,
+                                is_active(value));
+        }
+      }
+    }
+  }
+
+  void from_box() {
+    std::array<int, 3> dims{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (input_.dims[axis] == 0 || input_.dims[axis] >= static_cast<std::uint64_t>(kMostIndex)) {
+        throw Problem("expected fewer than 2^29 samples along each axis");
+      }
+      dims[axis] = static_cast<int>(input_.dims[axis]);
+    }
+    std::uint64_t leaves = 1;
+    for (const int dim : dims) leaves *= static_cast<std::uint64_t>((dim + 7) / 8);
+    memory_.take(leaves * sizeof(Leaf));
+    visit_samples(input_.sample_type, input_.data, [&](const auto* data) {
+      const std::size_t count = input_.dims[0] * input_.dims[1] * input_.dims[2];
+      grid_ = FloatGrid::create(outside(data, count));
+      for (int x = 0; x < dims[0]; x += 8) {
+        for (int y = 0; y < dims[1]; y += 8) {
+          for (int z = 0; z < dims[2]; z += 8) put_box(data, dims, {x, y, z});
+        }
+      }
+    });
+  }
+
+  // Of a density its least value, of a level set its greatest: what is outside, wherever iso is.
+  template <class T>
+  [[nodiscard]] float outside(const T* data, std::size_t count) const {
+    const bool greatest = input_.kind == ISOEXTRACT_LEVEL_SET;
+    std::optional<float> found;
+    for (std::size_t i = 0; i < count; ++i) {
+      const float value = sample(data[i]);
+      if (std::isfinite(value) && (!found || (greatest ? value > *found : value < *found))) found = value;
+    }
+    return found.value_or(0.0F);
+  }
+
+  template <class T>
+  void put_box(const T* data, const std::array<int, 3>& dims, const openvdb::Coord& origin) {
+    Leaf& leaf = *grid_->tree().touchLeaf(origin);
+    for (openvdb::Index n = 0; n < kLeafValues; ++n) {
+      const openvdb::Coord at = leaf.offsetToGlobalCoord(n);
+      if (at.x() >= dims[0] || at.y() >= dims[1] || at.z() >= dims[2]) continue;
+      const auto row = static_cast<std::size_t>(at.y()) + input_.dims[1] * static_cast<std::size_t>(at.z());
+      put(leaf, n, sample(data[static_cast<std::size_t>(at.x()) + input_.dims[0] * row]));
+    }
+  }
+
+  const isoextract_grid_input& input_;
+  Reserved& memory_;
+  FloatGrid::Ptr grid_;
+};
+
+// Grids that go out.
+
+void give(const FloatGrid& grid, std::int32_t kind, Reserved& memory, isoextract_grid_output* output) {
+  auto store = std::make_unique<SparseStore>();
+  store_tree<float>(grid.tree(), ISOEXTRACT_F32, memory, *store, [](float value) { return value; });
+  output->samples = store->samples;
+  put_transform(grid.transform(), output->index_to_world);
+  output->kind = kind;
+  output->owner = store.release();
+  memory.keep();
+}
+
+// Particles.
+
+// Those that are large enough, as OpenVDB asks for them.
+class Particles {
+ public:
+  using PosType = openvdb::Vec3R;
+  using value_type = PosType;
+
+  Particles(const isoextract_sphere_job& job, Reserved& memory) : job_(job) {
+    memory.take(job.count * sizeof(std::uint64_t));
+    kept_.reserve(job.count);
+    for (std::uint64_t i = 0; i < job.count; ++i) {
+      const double radius = radius_of(i);
+      if (!(std::isfinite(radius) && radius >= 0)) {
+        throw Problem("expected radii of 0 and more, found " + std::to_string(radius));
+      }
+      const openvdb::Vec3d at = position_of(i);
+      for (int axis = 0; axis < 3; ++axis) {
+        if (!(std::abs(at[axis]) + radius < (kMostIndex - 64) * job.voxel)) {
+          throw Problem("expected particles within 2^29 voxels of the origin, found one at " + at.str());
+        }
+      }
+      if (radius >= job.least_radius * job.voxel) kept_.push_back(i);
+    }
+  }
+
+  [[nodiscard]] std::size_t size() const { return kept_.size(); }
+  void getPos(std::size_t n, openvdb::Vec3R& at) const { at = position_of(kept_[n]); }
+  void getPosRad(std::size_t n, openvdb::Vec3R& at, openvdb::Real& radius) const {
+    at = position_of(kept_[n]);
+    radius = radius_of(kept_[n]);
+  }
+  [[nodiscard]] std::vector<float> radii() const {
+    std::vector<float> all(size());
+    std::ranges::transform(kept_, all.begin(), [&](std::uint64_t i) { return static_cast<float>(radius_of(i)); });
+    return all;
+  }
+
+  [[nodiscard]] std::uint64_t left_out() const { return job_.count - kept_.size(); }
+
+ private:
+  [[nodiscard]] double radius_of(std::uint64_t i) const {
+    return job_.radii == nullptr ? job_.radius : static_cast<double>(job_.radii[i]);
+  }
+  [[nodiscard]] openvdb::Vec3d position_of(std::uint64_t i) const {
+    return {job_.positions[3 * i], job_.positions[3 * i + 1], job_.positions[3 * i + 2]};
+  }
+
+  const isoextract_sphere_job& job_;
+  std::vector<std::uint64_t> kept_;
+};
+
+
+// How many leaves the narrow band, and what is filled meanwhile, can touch at most. Particles in one leaf count once,
+// with the farthest reach among them; beyond `kMost` it is not counted any further.
+std::uint64_t leaves_touched(const Particles& particles, const isoextract_sphere_job& job) {
+  constexpr std::size_t kMost = std::size_t{1} << 24;
+  std::unordered_map<openvdb::Coord, int> reach;  // of a leaf's particles, in leaves
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    openvdb::Vec3R at;
+    double radius = 0;
+    particles.getPosRad(i, at, radius);
+    if (job.method == ISOEXTRACT_SMOOTH_SPHERES) radius = std::max(radius, job.search_radius);
+    const double leaves = std::ceil((radius / job.voxel + job.half_band + 2) / 8);
+    if (leaves > 1e4) return std::numeric_limits<std::uint32_t>::max();
+    const openvdb::Vec3d place = at / (8 * job.voxel);
+    int& known = reach[openvdb::Coord::floor(place)];
+    known = std::max(known, static_cast<int>(leaves));
+  }
+  std::unordered_set<openvdb::Coord> touched;
+  for (const auto& [leaf, leaves] : reach) {
+    for (auto at = openvdb::CoordBBox(leaf.offsetBy(-leaves), leaf.offsetBy(leaves)).begin(); at; ++at) {
+      touched.insert(*at);
+      if (touched.size() > kMost) return std::numeric_limits<std::uint32_t>::max();
+    }
+  }
+  return touched.size();
+}
+
+FloatGrid::Ptr united_spheres(const Particles& particles, const isoextract_sphere_job& job, Interrupter& interrupter) {
+  FloatGrid::Ptr grid = openvdb::createLevelSet<FloatGrid>(job.voxel, job.half_band);
+  openvdb::tools::ParticlesToLevelSet<FloatGrid, void, Interrupter> raster(*grid, &interrupter);
+  raster.setRmin(0);
+  raster.setRmax(std::numeric_limits<double>::max());
+  raster.rasterizeSpheres(particles);
+  interrupter.check();
+  raster.finalize(true);
+  return grid;
+}
+
+FloatGrid::Ptr smooth_spheres(const Particles& particles, const isoextract_sphere_job& job, Interrupter& interrupter,
+                              Reserved& memory) {
+  namespace points = openvdb::points;
+  constexpr std::uint64_t kBytesPerPoint = 64;  // its index, place and radius, and lists on the way to them
+  memory.take(particles.size() * kBytesPerPoint);
+  const auto transform = openvdb::math::Transform::createLinearTransform(job.voxel);
+  const auto index = openvdb::tools::createPointIndexGrid<openvdb::tools::PointIndexGrid>(particles, *transform);
+  const auto grid = points::createPointDataGrid<points::NullCodec, points::PointDataGrid>(*index, particles, *transform);
+  const std::string radius = "pscale";
+  points::appendAttribute<float>(grid->tree(), radius);
+  const std::vector<float> radii = particles.radii();
+  points::populateAttribute(grid->tree(), index->tree(), radius, points::PointAttributeVector<float>(radii));
+  interrupter.check();
+  auto surface = points::rasterizeSmoothSpheres<points::PointDataGrid, float, FloatGrid, points::NullFilter, Interrupter>(
+      *grid, radius, 1.0, job.search_radius, job.half_band, transform, points::NullFilter(), &interrupter);
+  interrupter.check();
+  return surface;
+}
+
+void check_spheres(const isoextract_sphere_job& job) {
+  const auto positive = [](double value) { return std::isfinite(value) && value > 0; };
+  if (!positive(job.voxel)) throw Problem("expected voxels of a size above 0");
+  if (!(job.half_band >= 2 && job.half_band < 1000)) {
+    throw Problem("expected a band of 2 to 1000 voxels on either side of the surface");
+  }
+  if (job.method == ISOEXTRACT_SMOOTH_SPHERES && !positive(job.search_radius)) {
+    throw Problem("expected a search radius above 0");
+  }
+}
+
+int spheres(const isoextract_sphere_job* job, const isoextract_plugin_host* host, isoextract_grid_output* output) {
+  return guarded([&] {
+    *output = {};
+    check_spheres(*job);
+    Reserved for_work(*host);
+    Reserved for_samples(*host);
+    Interrupter interrupter(*host);
+    const Particles particles(*job, for_work);
+    output->left_out = particles.left_out();
+    FloatGrid::Ptr grid = openvdb::createLevelSet<FloatGrid>(job->voxel, job->half_band);
+    if (particles.size() > 0) {
+      // Threads have grids of their own, which overlap where their particles do.
+      Reserved for_grid(*host);
+      for_grid.take(2 * leaves_touched(particles, *job) * sizeof(Leaf));
+      grid = job->method == ISOEXTRACT_SMOOTH_SPHERES ? smooth_spheres(particles, *job, interrupter, for_work)
+                                                      : united_spheres(particles, *job, interrupter);
+      for_work.take(grid->memUsage());
+    }
+    if (job->kind == ISOEXTRACT_DENSITY) {
+      openvdb::tools::sdfToFogVolume(*grid);
+    } else {
+      openvdb::tools::pruneLevelSet(grid->tree());
+    }
+    give(*grid, job->kind, for_samples, output);
+  });
+}
+
+// Filters.
+
+int filter(const isoextract_filter_job* job, const isoextract_plugin_host* host, isoextract_grid_output* output) {
+  return guarded([&] {
+    *output = {};
+    Reserved for_work(*host);
+    Reserved for_samples(*host);
+    Interrupter interrupter(*host);
+    if (job->grid.kind != ISOEXTRACT_LEVEL_SET) throw Problem("expected a level set, found a density");
+    FloatGrid::Ptr grid = GridBuilder(job->grid, for_work).build();
+    if (!grid->hasUniformVoxels()) throw Problem("expected cubic voxels");
+    if (!(grid->background() > 0)) {
+      throw Problem("expected a level set that is positive far outside, found " + std::to_string(grid->background()));
+    }
+    // Two buffers beside the grid's own, and leaves that the band moves into.
+    for_work.take(3 * grid->memUsage());
+    openvdb::tools::LevelSetFilter<FloatGrid, FloatGrid, Interrupter> work(*grid, &interrupter);
+    const auto width = static_cast<int>(std::clamp<std::uint32_t>(job->width, 1, 64));
+    for (std::uint32_t i = 0; i < job->iterations; ++i) {
+      switch (job->filter) {
+        case ISOEXTRACT_GAUSSIAN: work.gaussian(width); break;
+        case ISOEXTRACT_MEDIAN: work.median(width); break;
+        case ISOEXTRACT_MEAN: work.mean(width); break;
+        default: throw Problem("expected a known filter, found " + std::to_string(job->filter));
+      }
+      interrupter.check();
+    }
+    give(*grid, ISOEXTRACT_LEVEL_SET, for_samples, output);
+  });
+}
+
+void free_output(isoextract_grid_output* output) { delete static_cast<SparseStore*>(output->owner); }
+
+// Files.
+
+// Passes bytes on to the host; a place that was passed can be gone back to.
+class HostStream : public std::streambuf {
+ public:
+  explicit HostStream(const isoextract_vdb_job& job) : job_(job) {}
+  [[nodiscard]] bool failed() const { return failed_; }
+
+ protected:
+  std::streamsize xsputn(const char* bytes, std::streamsize count) override {
+    const auto n = static_cast<std::uint64_t>(count);
+    const std::uint64_t in_place = std::min(n, size_ - place_);
+    if (in_place > 0) failed_ |= job_.overwrite(job_.sink, place_, bytes, in_place) != 0;
+    if (n > in_place && !failed_) failed_ |= job_.append(job_.sink, bytes + in_place, n - in_place) != 0;
+    if (failed_) return 0;
+    place_ += n;
+    size_ = std::max(size_, place_);
+    return count;
+  }
+
+  int_type overflow(int_type symbol) override {
+    const char byte = traits_type::to_char_type(symbol);
+    return xsputn(&byte, 1) == 1 ? symbol : traits_type::eof();
+  }
+
+  pos_type seekoff(off_type offset, std::ios_base::seekdir from, std::ios_base::openmode which) override {
+    const std::uint64_t base = from == std::ios_base::beg ? 0 : from == std::ios_base::end ? size_ : place_;
+    return seekpos(static_cast<off_type>(base) + offset, which);
+  }
+
+  pos_type seekpos(pos_type place, std::ios_base::openmode /*which*/) override {
+    const off_type wanted = place;
+    if (wanted < 0 || static_cast<std::uint64_t>(wanted) > size_) return {off_type(-1)};
+    if (static_cast<std::uint64_t>(wanted) < size_ && job_.overwrite == nullptr) return {off_type(-1)};
+    place_ = static_cast<std::uint64_t>(wanted);
+    return place;
+  }
+
+ private:
+  const isoextract_vdb_job& job_;
+  std::uint64_t place_ = 0;
+  std::uint64_t size_ = 0;
+  bool failed_ = false;
+};
+
+// What io::File and io::Stream do, for a stream of one's own.
+class HostArchive : public openvdb::io::Archive {
+ public:
+  void put(std::ostream& stream, const openvdb::GridCPtrVec& grids, bool with_places) const {
+    write(stream, grids, with_places);
+  }
+};
+
+int write_vdb(const isoextract_vdb_job* job, const isoextract_plugin_host* host) {
+  return guarded([&] {
+    Reserved memory(*host);
+    FloatGrid::Ptr grid = GridBuilder(job->grid, memory).build();
+    grid->setName(job->name);
+    grid->setSaveFloatAsHalf(job->is_half != 0);
+    HostStream buffer(*job);
+    std::ostream stream(&buffer);
+    stream.exceptions(std::ios_base::badbit);
+    try {
+      HostArchive().put(stream, {grid}, job->overwrite != nullptr);
+    } catch (const std::ios_base::failure&) {
+      if (!buffer.failed()) throw;
+    }
+    if (buffer.failed()) throw Problem("the file cannot be written");
+  });
+}
+
+const char* error_text() { return problem.c_str(); }
+
+constexpr isoextract_grid_tools_plugin_v1 kPlugin{
+    ISOEXTRACT_GRID_TOOLS_PLUGIN_VERSION, "openvdb", spheres, filter, free_output, write_vdb, error_text};
+
+}  // namespace
+
+const isoextract_grid_tools_plugin_v1* isoextract_grid_tools_plugin() { return &kPlugin; }

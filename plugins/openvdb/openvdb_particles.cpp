@@ -1,0 +1,199 @@
+// Particles as OpenVDB's point grids hold them: each at a place relative to its voxel, with attributes by name.
+#include <memory>
+
+#include <openvdb/io/File.h>
+#include <openvdb/points/AttributeArray.h>
+#include <openvdb/points/AttributeGroup.h>
+#include <openvdb/points/PointCount.h>
+#include <openvdb/points/PointDataGrid.h>
+
+#include <particle_plugin.h>
+#include "openvdb_parts.hpp"
+
+namespace {
+
+using namespace isoextract_openvdb;  // NOLINT(google-build-using-namespace): all of this file is of it
+namespace points = openvdb::points;
+using Leaf = points::PointDataTree::LeafNodeType;
+
+constexpr const char* kPosition = "P";
+
+// A grid in memory, and what is told of it.
+struct Opened {
+  points::PointDataGrid::Ptr grid;
+  std::vector<std::string> attributes;  // names
+  std::vector<std::string> types;
+  std::vector<isoextract_particle_quantity> quantities;
+};
+
+// Calls use(Value{}, values of one element) with the type of a numeric attribute; false for all others.
+template <class F>
+bool visit_attribute(const std::string& type, F&& use) {
+  if (type == "float") return use(float{}, 1), true;
+  if (type == "double") return use(double{}, 1), true;
+  if (type == "bool") return use(bool{}, 1), true;
+  if (type == "int8") return use(std::int8_t{}, 1), true;
+  if (type == "int16") return use(std::int16_t{}, 1), true;
+  if (type == "int32") return use(std::int32_t{}, 1), true;
+  if (type == "int64") return use(std::int64_t{}, 1), true;
+  if (type == "vec3s") return use(openvdb::Vec3f{}, 3), true;
+  if (type == "vec3d") return use(openvdb::Vec3d{}, 3), true;
+  if (type == "vec3i") return use(openvdb::Vec3i{}, 3), true;
+  return false;
+}
+
+void put(float*& to, const auto& value) {
+  if constexpr (requires { value[2]; }) {
+    for (int i = 0; i < 3; ++i) *to++ = static_cast<float>(value[i]);
+  } else {
+    *to++ = static_cast<float>(value);
+  }
+}
+
+// The name, as the file's iterator has it, of the one set of points that is meant.
+std::string chosen_grid(openvdb::io::File& file, const char* wanted) {
+  std::vector<std::string> sets;
+  std::string all;
+  std::string others;
+  for (auto name = file.beginName(); name != file.endName(); ++name) {
+    openvdb::GridBase::Ptr grid;
+    try {
+      grid = file.readGridMetadata(*name);
+    } catch (const openvdb::Exception&) {
+      continue;  // of a type that OpenVDB does not know, so not of points
+    }
+    if (!grid->isType<points::PointDataGrid>()) {
+      others += (others.empty() ? "" : ", ") + grid->type() + " '" + *name + "'";
+      continue;
+    }
+    if (wanted != nullptr && (*name == wanted || grid->getName() == wanted)) return *name;
+    all += (sets.empty() ? "'" : ", '") + *name + "'";
+    sets.push_back(*name);
+  }
+  if (sets.empty()) {
+    throw Problem("expected a grid of points, found " + (others.empty() ? std::string("no grid") : others));
+  }
+  if (wanted != nullptr) throw Problem("there is no grid of points '" + std::string(wanted) + "'; there is " + all);
+  if (sets.size() > 1) throw Problem("expected the name of one of its grids of points: " + all);
+  return sets.front();
+}
+
+void describe_attributes(Opened& opened) {
+  const auto first = opened.grid->tree().cbeginLeaf();
+  if (!first) return;
+  const points::AttributeSet& set = first->attributeSet();
+  std::vector<std::tuple<std::size_t, std::string, std::string>> found;
+  for (const auto& [name, position] : set.descriptor().map()) {
+    if (name == kPosition) continue;
+    if (points::isGroup(*set.getConst(position))) continue;
+    found.emplace_back(position, name, set.getConst(position)->type().first);
+  }
+  std::ranges::sort(found);
+  for (auto& [position, name, type] : found) {
+    opened.attributes.push_back(name);
+    opened.types.push_back(type);
+  }
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const points::AttributeArray& array = *set.getConst(std::get<0>(found[i]));
+    std::uint64_t components = 1;
+    const bool is_numeric = array.hasConstantStride() && visit_attribute(opened.types[i], [&](auto, std::uint64_t values) {
+      components = values * array.stride();
+    });
+    opened.quantities.push_back(
+        {opened.attributes[i].c_str(), opened.types[i].c_str(), components, is_numeric ? 1 : 0});
+  }
+}
+
+std::unique_ptr<Opened> open_points(const char* path, const char* wanted) {
+  openvdb::io::File file(path);
+  file.setCopyMaxBytes(0);
+  file.open(false);
+  auto opened = std::make_unique<Opened>();
+  const auto grid = file.readGrid(chosen_grid(file, wanted));
+  opened->grid = openvdb::gridPtrCast<points::PointDataGrid>(grid);
+  if (opened->grid == nullptr) throw Problem("expected a grid of points, found " + grid->type());
+  for (auto leaf = opened->grid->tree().cbeginLeaf(); leaf; ++leaf) {
+    // Offsets that a damaged file has wrong would be read beyond the arrays.
+    const points::AttributeArray* places = leaf->attributeSet().getConst(kPosition);
+    if (places == nullptr || places->type().first != "vec3s") throw Problem("expected positions P of vec3s");
+    openvdb::Index32 before = 0;
+    for (openvdb::Index i = 0; i < Leaf::SIZE; ++i) {
+      const auto end = static_cast<openvdb::Index32>(leaf->getValue(i));
+      if (end < before || end > places->size()) throw Problem("the file is damaged: points that are not there");
+      before = end;
+    }
+    if (before != places->size()) throw Problem("the file is damaged: points of no voxel");
+  }
+  describe_attributes(*opened);
+  return opened;
+}
+
+Opened& opened_of(const isoextract_particle_file* file) { return *static_cast<Opened*>(file->owner); }
+
+int open(const char* path, const char* grid, std::uint64_t frame, isoextract_particle_file* file) {
+  return guarded([&] {
+    *file = {};
+    file->frames = 1;
+    file->frame_name = file->length_unit = "";
+    auto opened = std::make_unique<Opened>();
+    if (frame == 0) {
+      opened = open_points(path, grid);
+      for (auto leaf = opened->grid->tree().cbeginLeaf(); leaf; ++leaf) {
+        file->particles += leaf->attributeSet().getConst(kPosition)->size();
+      }
+      file->held_bytes = opened->grid->memUsage();
+    }
+    file->quantities = opened->quantities.data();
+    file->quantity_count = opened->quantities.size();
+    file->owner = opened.release();
+  });
+}
+
+void close(isoextract_particle_file* file) { delete static_cast<Opened*>(file->owner); }
+
+// Leaf by leaf in the tree's order, voxel by voxel within.
+int positions(const isoextract_particle_file* file, double* values) {
+  return guarded([&] {
+    const points::PointDataGrid& grid = *opened_of(file).grid;
+    for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
+      const points::AttributeHandle<openvdb::Vec3f> place(leaf->constAttributeArray(kPosition));
+      for (auto index = leaf->beginIndexAll(); index; ++index) {
+        const openvdb::Vec3d world =
+            grid.transform().indexToWorld(openvdb::Vec3d(place.get(*index)) + index.getCoord().asVec3d());
+        values = std::copy_n(world.asPointer(), 3, values);
+      }
+    }
+  });
+}
+
+int quantity(const isoextract_particle_file* file, std::size_t number, float* values) {
+  return guarded([&] {
+    const Opened& opened = opened_of(file);
+    const std::string& name = opened.attributes[number];
+    const std::string& type = opened.types[number];
+    const std::uint64_t components = opened.quantities[number].components;
+    for (auto leaf = opened.grid->tree().cbeginLeaf(); leaf; ++leaf) {
+      const points::AttributeArray* array = leaf->attributeSet().getConst(name);
+      const bool known = array != nullptr && array->type().first == type &&
+                         visit_attribute(type, [&]<class Value>(Value, std::uint64_t in_value) {
+                           if (array->stride() * in_value != components) {
+                             throw Problem("expected as many values of '" + name + "' at every point");
+                           }
+                           const points::AttributeHandle<Value> handle(*array);
+                           for (auto index = leaf->beginIndexAll(); index; ++index) {
+                             for (openvdb::Index i = 0; i < handle.stride(); ++i) put(values, handle.get(*index, i));
+                           }
+                         });
+      if (!known) throw Problem("expected '" + name + "' of " + type + " at every point");
+    }
+  });
+}
+
+const char* error_text() { return problem.c_str(); }
+
+constexpr isoextract_particle_plugin_v2 kPlugin{
+    ISOEXTRACT_PARTICLE_PLUGIN_VERSION, "openvdb", open, close, positions, quantity, error_text};
+
+}  // namespace
+
+const isoextract_particle_plugin_v2* isoextract_particle_plugin() { return &kPlugin; }

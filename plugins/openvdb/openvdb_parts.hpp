@@ -1,0 +1,160 @@
+// What the plug-ins of OpenVDB share: failures as texts, memory of the host, and trees as sparse samples.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <exception>
+#include <new>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include <openvdb/openvdb.h>
+#include <openvdb/util/NullInterrupter.h>
+
+#include <plugin_samples.h>
+
+namespace isoextract_openvdb {
+
+inline thread_local std::string problem;  // of the last call
+
+struct Problem : std::exception {
+  explicit Problem(std::string words) : text(std::move(words)) {}
+  [[nodiscard]] const char* what() const noexcept override { return text.c_str(); }
+  std::string text;
+};
+
+// Calls work(); its exceptions become texts of one line.
+template <class F>
+int guarded(F&& work) {
+  try {
+    openvdb::initialize();
+    work();
+    return 0;
+  } catch (const Problem& found) {
+    problem = found.text;
+  } catch (const std::bad_alloc&) {
+    problem = "not enough memory";
+  } catch (const std::exception& error) {
+    problem = std::string("OpenVDB says: ") + error.what();
+  } catch (...) {
+    problem = "OpenVDB failed and does not say why";
+  }
+  std::ranges::replace(problem, '\n', ' ');
+  return 1;
+}
+
+// Memory of the host, given back in the end unless it is kept.
+class Reserved {
+ public:
+  explicit Reserved(const isoextract_plugin_host& host) : host_(host) {}
+  Reserved(const Reserved&) = delete;
+  Reserved& operator=(const Reserved&) = delete;
+  ~Reserved() { host_.release(host_.self, bytes_); }
+
+  void take(std::uint64_t bytes) {
+    if (host_.reserve(host_.self, bytes) != 0) throw Problem("not enough memory: it needs " + std::to_string(bytes));
+    bytes_ += bytes;
+  }
+  // What was taken in all becomes `bytes`.
+  void set(std::uint64_t bytes) {
+    if (bytes > bytes_) return take(bytes - bytes_);
+    host_.release(host_.self, bytes_ - bytes);
+    bytes_ = bytes;
+  }
+  // It belongs to what is given out.
+  void keep() { bytes_ = 0; }
+
+ private:
+  const isoextract_plugin_host& host_;
+  std::uint64_t bytes_ = 0;
+};
+
+// Ends OpenVDB's loops when the host wants it.
+class Interrupter : public openvdb::util::NullInterrupter {
+ public:
+  explicit Interrupter(const isoextract_plugin_host& host) : host_(host) {}
+  bool wasInterrupted(int /*percent*/ = -1) override { return host_.is_cancelled(host_.self) != 0; }
+  void check() {
+    if (wasInterrupted()) throw Problem("cancelled");
+  }
+
+ private:
+  const isoextract_plugin_host& host_;
+};
+
+constexpr std::size_t kLeafValues = 512;
+
+// Rows of x, y, z of the world, from OpenVDB's matrix, which multiplies row vectors.
+inline void put_transform(const openvdb::math::Transform& transform, double* index_to_world) {
+  const openvdb::Mat4d m = transform.baseMap()->getAffineMap()->getMat4();
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 4; ++column) index_to_world[4 * row + column] = m[column][row];
+  }
+}
+
+// Sparse samples with their memory.
+struct SparseStore {
+  std::vector<isoextract_sparse_block> blocks;
+  std::vector<isoextract_sparse_tile> tiles;
+  std::vector<std::uint64_t> values;  // of the blocks; words of 8 bytes, so that every type is aligned
+  isoextract_sparse_samples samples{};
+  std::string note;
+};
+
+// Calls use(cube, value) for every tile of a tree, active or not.
+template <class Tree, class F>
+void visit_tiles(const Tree& tree, F&& use) {
+  auto tile = tree.cbeginValueAll();
+  tile.setMaxDepth(Tree::ValueAllCIter::LEAF_DEPTH - 1);
+  for (; tile; ++tile) use(tile);
+}
+
+// Puts a tree into `store`, its values as `convert` gives them: a sample of type T. Reserves what that takes.
+template <class T, class Tree, class Convert>
+void store_tree(const Tree& tree, std::int32_t sample_type, Reserved& memory, SparseStore& store, Convert&& convert) {
+  using Leaf = typename Tree::LeafNodeType;
+  const std::uint64_t leaf_count = tree.leafCount();
+  memory.take(leaf_count * (kLeafValues * sizeof(T) + sizeof(isoextract_sparse_block) + sizeof(const Leaf*)));
+  std::vector<const Leaf*> leaves;
+  leaves.reserve(leaf_count);
+  for (auto leaf = tree.cbeginLeaf(); leaf; ++leaf) leaves.push_back(&*leaf);
+  std::ranges::sort(leaves, [](const Leaf* a, const Leaf* b) { return a->origin() < b->origin(); });
+
+  store.values.resize(leaf_count * kLeafValues * sizeof(T) / sizeof(std::uint64_t));
+  store.blocks.reserve(leaf_count);
+  T* values = reinterpret_cast<T*>(store.values.data());
+  for (const Leaf* leaf : leaves) {
+    for (openvdb::Index i = 0; i < kLeafValues; ++i) values[i] = convert(leaf->getValue(i));
+    const openvdb::Coord& o = leaf->origin();
+    store.blocks.push_back({{o.x(), o.y(), o.z()}, values});
+    values += kLeafValues;
+  }
+
+  const auto background = static_cast<double>(convert(tree.background()));
+  visit_tiles(tree, [&](const auto& tile) {
+    const auto value = static_cast<double>(convert(tile.getValue()));
+    if (value == background) return;
+    openvdb::CoordBBox box;
+    tile.getBoundingBox(box);
+    if (store.tiles.size() == store.tiles.capacity()) {
+      memory.take(sizeof(isoextract_sparse_tile) * std::max<std::size_t>(store.tiles.size(), 64));
+      store.tiles.reserve(2 * store.tiles.size() + 64);
+    }
+    store.tiles.push_back({{box.min().x(), box.min().y(), box.min().z()}, box.dim().x(), value});
+  });
+
+  isoextract_sparse_samples& samples = store.samples;
+  samples = {sample_type, store.blocks.data(), store.blocks.size(), store.tiles.data(), store.tiles.size(),
+             background,  {0, 0, 0},           {-1, -1, -1},        tree.activeVoxelCount()};
+  openvdb::CoordBBox active;
+  if (tree.evalActiveVoxelBoundingBox(active)) {
+    for (int axis = 0; axis < 3; ++axis) {
+      samples.active_min[axis] = active.min()[axis];
+      samples.active_max[axis] = active.max()[axis];
+    }
+  }
+}
+
+}  // namespace isoextract_openvdb

@@ -1,0 +1,81 @@
+#include "volumes/vdb/vdb_plugin.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "base/printable.hpp"
+#include "files/file_bytes.hpp"
+#include "volumes/detail/grid_choice.hpp"
+#include "volumes/vdb/vdb_skip.hpp"
+#include "volumes/vdb/vdb_transform.hpp"
+
+namespace isoextract::volumes {
+namespace {
+
+constexpr std::array<std::string_view, 6> kPluginValues{"bool", "mask", "int64", "vec3s", "vec3d", "vec3i"};
+constexpr std::array<std::string_view, 4> kVectorParts{"[x]", "[y]", "[z]", "[length]"};
+
+// Trees of the usual shape alone: others have it in their value_type.
+bool is_left_to_plugin(const VdbGridRecord& record) { return std::ranges::count(kPluginValues, record.value_type) > 0; }
+
+// "velocity[x]" -> "velocity"; other names as they are.
+std::string_view without_part(std::string_view name) {
+  for (const std::string_view part : kVectorParts) {
+    if (name.ends_with(part)) return name.substr(0, name.size() - part.size());
+  }
+  return name;
+}
+
+bool is_called(const GridInfo& grid, std::string_view wanted) { return grid.label == wanted || grid.name == wanted; }
+
+// Of trees whose form is known, which are all that the plug-in is asked for.
+void check_tree_ends(VdbCursor& cursor, const VdbGridRecord& record) {
+  if (!record.instance_parent.empty()) return;
+  cursor.set_end(record.end_position);
+  cursor.seek(record.transform_position);
+  static_cast<void>(read_vdb_transform(cursor));
+  skip_vdb_tree(cursor, record);
+  cursor.set_end(cursor.size());
+}
+
+}  // namespace
+
+std::optional<PluginGrid> grid_for_plugin(VdbCursor& cursor, const VdbHeader& header, std::span<const GridInfo> grids,
+                                          const ReadOptions& options) {
+  if (const auto chosen = choose_grid({}, grids, options.grid)) {
+    const VdbGridRecord& record = header.grids[*chosen];
+    if (!record.in_frustum || options.spacing) return std::nullopt;
+    check_tree_ends(cursor, record);
+    return PluginGrid{grids[*chosen].label, fmt::format("'{}' lies in a frustum", grids[*chosen].label)};
+  }
+  // No scalar grid of that name; or one of several, which is for the user to choose.
+  if (!options.grid && std::ranges::count(grids, true, &GridInfo::scalar) > 0) return std::nullopt;
+  std::optional<PluginGrid> found;
+  for (std::size_t i = 0; i < grids.size(); ++i) {
+    const VdbGridRecord& record = header.grids[i];
+    if (!is_left_to_plugin(record)) continue;
+    const std::string wanted = options.grid.value_or("");
+    if (options.grid && !is_called(grids[i], wanted) && !is_called(grids[i], without_part(wanted))) continue;
+    check_tree_ends(cursor, record);
+    if (!found) found = PluginGrid{options.grid, fmt::format("'{}' holds {}", grids[i].label, grids[i].type)};
+  }
+  return found;
+}
+
+Result<field::ScalarField> read_by_plugin(const VolumeFormat& plugin, const std::string& input,
+                                          const PluginGrid& wanted, const ReadOptions& options,
+                                          const Context& context) {
+  ReadOptions asked = options;
+  asked.grid = wanted.grid;
+  auto field = plugin.open(input, asked, context);
+  const std::string start = input + ": ";
+  if (!field && field.error().kind == ErrorKind::unavailable && field.error().message.starts_with(start)) {
+    field.error().message.insert(start.size(), fmt::format("the grid {}; ", wanted.reason));
+  }
+  return field;
+}
+
+}  // namespace isoextract::volumes

@@ -1,0 +1,32 @@
+// What of a VDB file is left to the plug-in around OpenVDB: grids of bool, mask and int64, vectors by a component or by
+// their length, and grids in a frustum. Private to io.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+
+#include "base/context.hpp"
+#include "base/error.hpp"
+#include "field/scalar_field.hpp"
+#include "volumes/vdb/vdb_header.hpp"
+#include "volumes/volume_format.hpp"
+
+namespace isoextract::volumes {
+
+struct PluginGrid {
+  std::optional<std::string> grid;  // which one the plug-in is to read; none where it is the only one
+  std::string reason;               // "'velocity' holds vec3s"
+};
+
+// Nothing where the built-in reader reads what `options` ask for, or where nobody does. Throws VdbDamaged where a grid
+// that is left to the plug-in does not end within its place in the file: OpenVDB believes what it reads.
+[[nodiscard]] std::optional<PluginGrid> grid_for_plugin(VdbCursor& cursor, const VdbHeader& header,
+                                                        std::span<const GridInfo> grids, const ReadOptions& options);
+
+// Reads it. Where the plug-in is missing the error is ErrorKind::unavailable, and says what it is needed for.
+[[nodiscard]] Result<field::ScalarField> read_by_plugin(const VolumeFormat& plugin, const std::string& input,
+                                                        const PluginGrid& wanted, const ReadOptions& options,
+                                                        const Context& context);
+
+}  // namespace isoextract::volumes

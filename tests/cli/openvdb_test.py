@@ -1,0 +1,53 @@
+"""Grids of VDB files that plug-ins around OpenVDB read: opened only for them, and said to be missing where they are."""
+
+import pathlib
+import shutil
+import subprocess
+import unittest
+
+from support import PROGRAM, ProgramTest, main, read_ply
+from vdb_files import frustum, grid, vdb
+
+VOXELS = {(x, y, z): 1.0 for x in range(3, 7) for y in range(3, 7) for z in range(3, 7)}
+PLUGIN = pathlib.Path(PROGRAM).parent / "plugins" / "isoextract-volume-openvdb.so"
+
+
+class OpenVdbTest(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        (self.folder / "bent.vdb").write_bytes(vdb(grid("bent", VOXELS, transform=frustum())))
+
+    def test_the_program_itself_is_not_linked_with_it(self):
+        linked = subprocess.run(["ldd", PROGRAM], check=True, capture_output=True, text=True).stdout
+        self.assertIn("libtbb", linked)
+        self.assertNotIn("openvdb", linked)
+
+    def test_what_is_missing_is_named(self):
+        alone = self.folder / "alone" / "isoextract"
+        alone.parent.mkdir()
+        shutil.copy(PROGRAM, alone)
+        run = subprocess.run([alone, "bent.vdb", "--iso", "0.5", "-o", "bent.ply"], cwd=self.folder, check=False,
+                             capture_output=True, text=True)
+        self.assertEqual(run.returncode, 3, run.stderr)
+        for part in ("bent.vdb: the grid 'bent' lies in a frustum", "isoextract-volume-openvdb.so", "ISOEXTRACT_PLUGINS"):
+            self.assertIn(part, run.stderr)
+        self.assertFalse((self.folder / "bent.ply").exists())
+
+    @unittest.skipUnless(PLUGIN.exists(), "the plug-ins around OpenVDB were not built")
+    def test_a_frustum_becomes_a_mesh(self):
+        run = self.convert("bent.vdb", "--iso", "0.5", "-o", "bent.ply")
+        self.assertIn("lies in a frustum and was resampled, trilinearly, to cubic voxels with a spacing of", run.err)
+        mesh = read_ply((self.folder / "bent.ply").read_bytes())
+        self.assertEqual(mesh.open_edges(), 0)
+        # The box of the frustum is 1 by 1 in the world at its near end, twice that 1 further on. The block is in its
+        # middle: from 2.5 to 6.5 of 9 voxels.
+        low, high = mesh.bounds()
+        for axis in range(2):
+            self.assertAlmostEqual(low[axis], -high[axis], places=3)
+            self.assertAlmostEqual(high[axis], 2 / 9 * (1 + 6.5 / 9), delta=0.05)
+        self.assertAlmostEqual(low[2], 2.5 / 9, delta=0.05)
+        self.assertAlmostEqual(high[2], 6.5 / 9, delta=0.05)
+
+
+if __name__ == "__main__":
+    main()
