@@ -13,6 +13,7 @@
 #include "batch/iso_table.hpp"
 #include "batch/output_names.hpp"
 #include "cli/particle_plan.hpp"
+#include "cli/plan_parts.hpp"
 #include "convert/output_checks.hpp"
 #include "convert/particle_source.hpp"
 #include "field/demo_field.hpp"
@@ -21,10 +22,6 @@ namespace isoextract::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-tl::unexpected<Error> usage(std::string message, Hint hint = {}) {
-  return fail(ErrorKind::usage, std::move(message), std::move(hint));
-}
 
 // The deepest folder that all of the files are in.
 fs::path common_folder(const batch::BatchJob& batch) {
@@ -45,7 +42,7 @@ fs::path common_folder(const batch::BatchJob& batch) {
 Result<std::vector<batch::OutputSource>> sources_of(const ConvertFlags& flags, const batch::Frames& found) {
   std::optional<batch::IsoTable> table;
   if (flags.batch.iso_table) {
-    if (!flags.isos.empty()) return usage("--iso and --iso-table exclude each other");
+    if (!flags.isos.empty()) return refuse_usage("--iso and --iso-table exclude each other");
     auto read = batch::IsoTable::read(*flags.batch.iso_table);
     if (!read) return tl::unexpected(read.error());
     table = std::move(*read);
@@ -72,7 +69,7 @@ bool wants_all_volumes(const ConvertFlags& flags) {
 // The volumes of one file as frames, by their number.
 Result<batch::Frames> volumes_of(const ConvertFlags& flags, const volumes::ReadOptions& read) {
   const std::vector<std::string>& inputs = flags.input.inputs;
-  if (inputs.size() > 1) return usage("--volume all takes the volumes of one file, and several were given");
+  if (inputs.size() > 1) return refuse_usage("--volume all takes the volumes of one file, and several were given");
   auto particles = plan_particles(flags.particles, flags.surface.nan);
   if (!particles) return tl::unexpected(particles.error());
   convert::SourceOptions source;
@@ -82,7 +79,7 @@ Result<batch::Frames> volumes_of(const ConvertFlags& flags, const volumes::ReadO
   const auto count = convert::count_frames(source);
   if (!count) return tl::unexpected(count.error());
   if (*count > batch::kMaxFrames) {
-    return usage(
+    return refuse_usage(
         fmt::format("{}: {} volumes are more than {}, the most frames", inputs.front(), *count, batch::kMaxFrames));
   }
   batch::Frames found;
@@ -90,7 +87,7 @@ Result<batch::Frames> volumes_of(const ConvertFlags& flags, const volumes::ReadO
     if (!flags.batch.frames || flags.batch.frames->contains(k)) found.frames.push_back({k, inputs.front(), k});
   }
   if (found.frames.empty()) {
-    return usage(fmt::format("--frames: {} has the volumes 0 to {}", inputs.front(), *count - 1));
+    return refuse_usage(fmt::format("--frames: {} has the volumes 0 to {}", inputs.front(), *count - 1));
   }
   return found;
 }
@@ -100,9 +97,10 @@ Result<void> plan_report(const ConvertFlags& flags, BatchPlan& plan) {
   auto name = batch::OutputTemplate::parse(*flags.report);
   if (!name) return tl::unexpected(name.error());
   if (!name->uses(batch::OutputWord::frame)) {
-    return usage(fmt::format("--report {}: frames have a report each, and this name has no place for their number",
-                             *flags.report),
-                 "write --report r_{:04}.json; --table is one file for all frames");
+    return refuse_usage(
+        fmt::format("--report {}: frames have a report each, and this name has no place for their number",
+                    *flags.report),
+        "write --report r_{:04}.json; --table is one file for all frames");
   }
   plan.report = std::move(*name);
   return {};
@@ -110,12 +108,12 @@ Result<void> plan_report(const ConvertFlags& flags, BatchPlan& plan) {
 
 Result<void> plan_tables(const BatchFlags& flags, BatchPlan& plan) {
   for (const auto& path : {flags.table, flags.plot}) {
-    if (path && (path->empty() || *path == "-")) return usage("--table and --plot need the name of a file");
+    if (path && (path->empty() || *path == "-")) return refuse_usage("--table and --plot need the name of a file");
   }
   if (flags.table) {
     const std::string extension = fs::path(*flags.table).extension();
     if (extension != ".csv" && extension != ".json") {
-      return usage(fmt::format("{}: expected a name that ends in .csv or .json", *flags.table));
+      return refuse_usage(fmt::format("{}: expected a name that ends in .csv or .json", *flags.table));
     }
   }
   if (!flags.plot) return {};
@@ -130,23 +128,25 @@ Result<std::vector<batch::OutputFiles>> plan_animation(const ConvertFlags& flags
                                                        const std::vector<batch::OutputSource>& sources,
                                                        meshes::MeshFormat format, batch::BatchJob& job) {
   const std::string example = "for example -o water.glb";
-  if (!flags.output) return usage("--animate makes one file of all frames, whose name has to be given", example);
+  if (!flags.output) return refuse_usage("--animate makes one file of all frames, whose name has to be given", example);
   const std::string& output = *flags.output;
   std::error_code none;
   if (output.ends_with('/') || fs::is_directory(output, none)) {
-    return usage(fmt::format("-o {}: --animate makes one file of all frames, and this is a folder", output), example);
+    return refuse_usage(fmt::format("-o {}: --animate makes one file of all frames, and this is a folder", output),
+                        example);
   }
   const auto name = batch::OutputTemplate::parse(output);
   if (!name) return tl::unexpected(name.error());
   for (const auto& word : words_of(batch::OutputWord{})) {
     if (!name->uses(word.value)) continue;
-    return usage(fmt::format("-o {}: --animate makes one file of all frames, and this name has a place for {{{}}}",
-                             output, word.word),
-                 example + "; without --animate each frame has its file");
+    return refuse_usage(
+        fmt::format("-o {}: --animate makes one file of all frames, and this name has a place for {{{}}}", output,
+                    word.word),
+        example + "; without --animate each frame has its file");
   }
   if (format != meshes::MeshFormat::glb) {
-    return usage(fmt::format("--animate writes glb, found {}", meshes::mesh_format_info(format).name),
-                 "name the file .glb; without --animate each frame has its file, in any format");
+    return refuse_usage(fmt::format("--animate writes glb, found {}", meshes::mesh_format_info(format).name),
+                        "name the file .glb; without --animate each frame has its file, in any format");
   }
   job.animation =
       batch::AnimationJob{name->expand({}), flags.batch.fps.value_or(batch::AnimationJob().frames_per_second)};
@@ -163,10 +163,10 @@ Result<batch::Shard> plan_shard(const BatchFlags& flags, const char* (*environme
   if (!shard) return tl::unexpected(shard.error());
   const batch::Shard found = shard->value_or(batch::Shard());
   if (!flags.animate || found.is_all()) return found;
-  return usage(fmt::format("--animate needs all frames in one process, and this one is shard {}/{}{}", found.number,
-                           found.count, flags.shard ? "" : " as its environment says"),
-               flags.shard ? "convert the shards to files of their own, or use one machine without --shard"
-                           : "convert the shards to files of their own, or say --shard 1/1 in one of them");
+  return refuse_usage(fmt::format("--animate needs all frames in one process, and this one is shard {}/{}{}",
+                                  found.number, found.count, flags.shard ? "" : " as its environment says"),
+                      flags.shard ? "convert the shards to files of their own, or use one machine without --shard"
+                                  : "convert the shards to files of their own, or say --shard 1/1 in one of them");
 }
 
 }  // namespace
@@ -196,10 +196,10 @@ bool is_batch(const ConvertFlags& flags) {
 
 Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environment)(const char*)) {
   ConvertFlags flags = given;
-  if (flags.output == "-") return usage("frames are written into files, not to stdout", "give a name with -o");
-  if (flags.explain) return usage("--explain is about one conversion", "--table and -v tell about frames");
+  if (flags.output == "-") return refuse_usage("frames are written into files, not to stdout", "give a name with -o");
+  if (flags.explain) return refuse_usage("--explain is about one conversion", "--table and -v tell about frames");
   if (flags.batch.fps && !flags.batch.animate) {
-    return usage("--fps is how fast an animation plays, and none is made", "--animate makes one");
+    return refuse_usage("--fps is how fast an animation plays, and none is made", "--animate makes one");
   }
   BatchPlan plan;
   ConvertFlags one = flags;  // of one frame
@@ -246,7 +246,7 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
   plan.jobs = flags.batch.jobs.value_or(threads);
   plan.flags = flags.batch;
   if (plan.flags.resume && plan.flags.no_clobber) {
-    return usage("--resume and --no-clobber exclude each other", "--resume does only what is not done yet");
+    return refuse_usage("--resume and --no-clobber exclude each other", "--resume does only what is not done yet");
   }
   plan.make_folders = flags.batch.make_folders || (flags.output && flags.output->ends_with('/'));
   plan.progress = flags.batch.progress.value_or(ProgressStyle::bar);

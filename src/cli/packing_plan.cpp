@@ -4,15 +4,9 @@
 
 #include <fmt/format.h>
 
+#include "cli/plan_parts.hpp"
+
 namespace isoextract::cli {
-namespace {
-
-tl::unexpected<Error> excluded(std::string message, const char* hint) {
-  return fail(ErrorKind::usage, std::move(message), hint);
-}
-
-}  // namespace
-
 Result<convert::PackingOptions> plan_packing(const ConvertFlags& flags, meshes::MeshFormat format) {
   const std::string_view name = meshes::mesh_format_info(format).name;
   const bool is_drc = format == meshes::MeshFormat::drc;
@@ -22,23 +16,23 @@ Result<convert::PackingOptions> plan_packing(const ConvertFlags& flags, meshes::
                                     : flags.meshopt        ? "--meshopt"
                                                            : "";
     if (!option.empty()) {
-      return excluded(fmt::format("{} does not go with {}, which has no such packing", option, name),
-                      is_drc ? "drc is Draco's already; glb and gltf have it" : "glb and gltf have it");
+      return refuse_usage(fmt::format("{} does not go with {}, which has no such packing", option, name),
+                          is_drc ? "drc is Draco's already; glb and gltf have it" : "glb and gltf have it");
     }
   }
   const bool draco = flags.draco || is_drc;
   const std::string_view by_draco = flags.draco ? "--draco" : "drc";
   if (draco && flags.meshopt) {
-    return excluded("--draco and --meshopt exclude each other: a mesh is compressed once", "leave out one of them");
+    return refuse_usage("--draco and --meshopt exclude each other: a mesh is compressed once", "leave out one of them");
   }
   if (draco && flags.quantize) {
-    return excluded(
+    return refuse_usage(
         "--draco and --quantize exclude each other: Draco rounds positions by itself, to the bits it is given",
         "--draco=16 has as many bits as --quantize");
   }
   if (draco && flags.optimize_order) {
-    return excluded(fmt::format("--optimize-order does not go with {}: Draco has an order of its own", by_draco),
-                    "leave it out");
+    return refuse_usage(fmt::format("--optimize-order does not go with {}: Draco has an order of its own", by_draco),
+                        "leave it out");
   }
   convert::PackingOptions packing;
   packing.quantize = flags.quantize;

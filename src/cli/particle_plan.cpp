@@ -11,28 +11,25 @@
 #include <fmt/ranges.h>
 
 #include "cli/plan.hpp"
+#include "cli/plan_parts.hpp"
 #include "convert/particle_source.hpp"
 #include "files/file_bytes.hpp"
 
 namespace isoextract::cli {
 namespace {
 
-tl::unexpected<Error> refuse(std::string message, Hint hint = {}) {
-  return fail(ErrorKind::usage, std::move(message), std::move(hint));
-}
-
 // Options that do nothing with the method.
 Result<void> check_method(const ParticleFlags& flags, points::Method method) {
   const bool weighs = method == points::Method::weight;
   if (!weighs && (flags.weight || flags.deposit)) {
-    return refuse(fmt::format("{} is about --particles weight, and the method is {}",
-                              flags.weight ? "--weight" : "--deposit", word_of(method)),
-                  "give --particles weight");
+    return refuse_usage(fmt::format("{} is about --particles weight, and the method is {}",
+                                    flags.weight ? "--weight" : "--deposit", word_of(method)),
+                        "give --particles weight");
   }
   // Attributes are interpolated by such kernels whatever makes the field.
   if (weighs && flags.smoothing_length && flags.attributes.empty()) {
-    return refuse("--smoothing-length is about kernels, which --particles weight has not",
-                  "--particles sph and --particles anisotropic have them");
+    return refuse_usage("--smoothing-length is about kernels, which --particles weight has not",
+                        "--particles sph and --particles anisotropic have them");
   }
   return {};
 }
@@ -46,8 +43,8 @@ Result<convert::ParticleOptions> plan_particles(const ParticleFlags& flags, std:
   options.method = flags.method.value_or(options.method);
   if (auto fine = check_method(flags, options.method); !fine) return tl::unexpected(fine.error());
   if (options.expected && nan == extract::NanPolicy::hole) {
-    return refuse("--nan hole is about samples of a volume, and particles leave no holes",
-                  "--nan outside leaves out particles at places that are no numbers");
+    return refuse_usage("--nan hole is about samples of a volume, and particles leave no holes",
+                        "--nan outside leaves out particles at places that are no numbers");
   }
   options.bad = nan == extract::NanPolicy::outside ? points::BadParticles::skip : points::BadParticles::error;
   options.radius = flags.radius;
@@ -59,8 +56,8 @@ Result<convert::ParticleOptions> plan_particles(const ParticleFlags& flags, std:
   options.attributes = flags.attributes;
   std::set<std::string_view> seen;
   for (const std::string& name : options.attributes) {
-    if (name.empty()) return refuse("--attribute needs the name of an attribute");
-    if (!seen.insert(name).second) return refuse(fmt::format("--attribute {} was given twice", name));
+    if (name.empty()) return refuse_usage("--attribute needs the name of an attribute");
+    if (!seen.insert(name).second) return refuse_usage(fmt::format("--attribute {} was given twice", name));
   }
   return options;
 }
@@ -71,8 +68,8 @@ Result<void> check_attributes(const ParticleFlags& flags, const meshes::MeshForm
   for (const meshes::MeshFormatInfo& info : meshes::mesh_formats()) {
     if (info.has_attributes) names.push_back(info.name);
   }
-  return refuse(fmt::format("--attribute: {} has no attributes of vertices", format.name),
-                fmt::format("{} have them", fmt::join(names, ", ")));
+  return refuse_usage(fmt::format("--attribute: {} has no attributes of vertices", format.name),
+                      fmt::format("{} have them", fmt::join(names, ", ")));
 }
 
 Result<std::string> take_iso_of_method(ConvertFlags& flags, const std::string& input) {

@@ -1,0 +1,118 @@
+#include <algorithm>
+#include <array>
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <tbb/task_arena.h>
+
+#include "cli/plan.hpp"
+#include "cli/plan_parts.hpp"
+#include "field/demo_field.hpp"
+#include "files/file_bytes.hpp"
+
+namespace isoextract::cli {
+
+Result<PictureFormat> picture_format_of(const std::string& path) {
+  const std::string extension = std::filesystem::path(path).extension();
+  if (extension == ".svg") return PictureFormat::svg;
+  if (extension == ".png") return PictureFormat::png;
+  return refuse_usage(fmt::format("{}: expected a name that ends in .svg or .png", path));
+}
+
+static Result<BenchPlan> plan_gpu_threads(const BenchFlags& flags, BenchPlan plan) {
+  const std::array<std::pair<bool, std::string_view>, 8> others{{{flags.iso.has_value(), "--iso"},
+                                                                 {flags.coarser.has_value(), "--coarser"},
+                                                                 {flags.methods.has_value(), "--methods"},
+                                                                 {flags.nan.has_value(), "--nan"},
+                                                                 {flags.backends.has_value(), "--backends"},
+                                                                 {flags.threads.has_value(), "--threads"},
+                                                                 {flags.csv.has_value(), "--csv"},
+                                                                 {flags.plot.has_value(), "--plot"}}};
+  for (const auto& [given, name] : others) {
+    if (given) return refuse_usage(fmt::format("bench gpu-threads extracts no surface: leave out {}", name));
+  }
+  plan.gpu_threads = true;
+  plan.gpu = plan_gpu(flags.device);
+  plan.sizes = flags.sizes.value_or(std::vector<int>{32, 64, 128, 256});
+  plan.json = flags.json;
+  return plan;
+}
+
+Result<BenchPlan> plan_bench(const BenchFlags& flags) {
+  BenchPlan plan;
+  auto read = plan_read(flags.input);
+  if (!read) return tl::unexpected(read.error());
+  plan.read = std::move(*read);
+  plan.memory = plan_memory(flags.input.memory_limit);
+  plan.inputs = flags.input.inputs;
+  plan.options.repeats = flags.repeats.value_or(plan.options.repeats);
+  if (std::ranges::find(plan.inputs, "gpu-threads") != plan.inputs.end()) {
+    if (plan.inputs.size() == 1) return plan_gpu_threads(flags, std::move(plan));
+    return refuse_usage("bench gpu-threads extracts no surface, so it takes no other input beside it",
+                        "run bench twice");
+  }
+  if (plan.inputs.empty()) plan.inputs.push_back(fmt::format("{}torus", field::kDemoPrefix));
+  const auto is_demo = [](const std::string& input) { return input.starts_with(field::kDemoPrefix); };
+  const auto file = std::ranges::find_if_not(plan.inputs, is_demo);
+  const auto demo = std::ranges::find_if(plan.inputs, is_demo);
+  if (file != plan.inputs.end() && !flags.iso) {
+    std::error_code unknown;
+    if (!files::is_standard_input(*file) && !std::filesystem::exists(*file, unknown)) {
+      return fail(ErrorKind::input, fmt::format("{}: there is no such file", *file));
+    }
+    return refuse_usage(fmt::format("{}: a file needs --iso V, the value whose surface is extracted", *file),
+                        fmt::format("'isoextract info {}' shows the values and suggests one", shell_quoted(*file)));
+  }
+  if (flags.sizes && demo == plan.inputs.end()) {
+    return refuse_usage("--sizes are those of demo fields",
+                        "files have their own size, and coarser ones with --coarser");
+  }
+  if (flags.coarser && file == plan.inputs.end()) {
+    return refuse_usage("--coarser is for files", "demo fields are made in the --sizes that are asked for");
+  }
+  for (const std::string& input : plan.inputs) {
+    if (!is_demo(input)) continue;
+    const auto spec = field::parse_demo_spec(input);
+    if (!spec) return tl::unexpected(spec.error());
+    if (input.find('?') != std::string::npos) {
+      return refuse_usage(
+          fmt::format("{}: expected a demo field without settings, found '{}'", input, input.substr(input.find('?'))),
+          fmt::format("bench measures several sizes: {}{} --sizes {}", field::kDemoPrefix, spec->name, spec->size));
+    }
+  }
+  plan.iso = flags.iso;
+  plan.sizes = flags.sizes.value_or(std::vector<int>{32, 64, 128, 256});
+  plan.coarser = flags.coarser.value_or(std::vector<int>{});
+  std::ranges::reverse(plan.coarser);
+  plan.options.nan = flags.nan.value_or(extract::NanPolicy::error);
+  if (flags.methods) {
+    for (const extract::Method method : *flags.methods) plan.options.methods.push_back(extract::method_info(method));
+  } else {
+    plan.options.methods.assign(extract::kMethods.begin(), extract::kMethods.end());
+  }
+  if (flags.backends) plan.backends = plan_backends(*flags.backends, flags.device);
+  plan.gpu = plan_gpu(flags.device);
+  plan.options.threads = flags.threads.value_or(std::vector<int>{1});
+  if (auto checked = measure::check_thread_counts(plan.options.threads); !checked) {
+    return refuse_usage("--threads: " + checked.error().message, checked.error().hint);
+  }
+  const int all = tbb::this_task_arena::max_concurrency();
+  if (!flags.threads && all > 1) plan.options.threads.push_back(all);
+
+  for (const auto& path : {flags.csv, flags.json, flags.plot}) {
+    if (path && (path->empty() || *path == "-")) {
+      return refuse_usage("--csv, --json and --plot need the name of a file", "the table goes to stdout");
+    }
+  }
+  plan.csv = flags.csv;
+  plan.json = flags.json;
+  plan.plot = flags.plot;
+  if (plan.plot) {
+    const auto picture = picture_format_of(*plan.plot);
+    if (!picture) return tl::unexpected(picture.error());
+    plan.picture = *picture;
+  }
+  return plan;
+}
+
+}  // namespace isoextract::cli

@@ -1,0 +1,143 @@
+#include "cli/convert_options.hpp"
+
+#include <fmt/format.h>
+
+#include "cli/shared_options.hpp"
+
+namespace isoextract::cli {
+namespace {
+
+void declare_convert_surface(CLI::App& app, ConvertFlags& flags) {
+  const Group group(app, "Surface");
+  group.values("--iso", "V", flags.isos, parse_number,
+               "The value whose surface is extracted. Required but for particles, whose method has one; several times "
+               "for several surfaces. 'isoextract info INPUT' suggests one.");
+  declare_surface(group, flags.surface);
+  group.choice("--normals", flags.normals,
+               "Normals to store: none, one a triangle, or the field's gradient at each vertex (default: smooth for "
+               "glb and gltf, none for ply, obj and drc; stl always has one a triangle).");
+  group.value("--simplify", "ERR", flags.simplify, parse_simplify_bound,
+              "Leave out triangles as long as no point of either mesh is farther than ERR from the other: 0.1 or "
+              "0.1voxel in voxels, 0.5world in the units of the written mesh. The distance is measured and told. Open "
+              "borders keep their vertices.");
+  group.choice("--empty", flags.empty,
+               "What to do where there is no surface: fail, write no file and remove an old one of that name, or write "
+               "an empty one (default: error).");
+}
+
+Result<batch::FrameRange> parse_frames(std::string_view text) { return batch::FrameRange::parse(text); }
+Result<batch::Shard> parse_shard(std::string_view text) { return batch::parse_shard(std::string(text)); }
+
+void declare_frames(CLI::App& app, BatchFlags& flags) {
+  const Group group(app, "Frames");
+  group.value("--frames", "A-BxS,...", flags.frames, parse_frames,
+              "Frames to convert, such as 1-240, 1-240x2 or 1-10,20 (default: all that match INPUT). Those that are "
+              "not there are told.");
+  group.value<std::string>("--iso-table", "FILE", flags.iso_table, parse_text,
+                           "Iso values by frame, in place of --iso: a CSV file with the columns frame and iso.");
+  group.flag("--animate", flags.animate,
+             "Write all frames into one .glb that plays them, named after -o. The first frame is at 0 seconds, gaps in "
+             "the numbering keep their time, and a frame that fails is left out: the one before it is shown longer. "
+             "What does not fit into one file of 4 GiB goes on in NAME.part2.glb.");
+  group.value("--fps", "N", flags.fps, parse_positive,
+              "Frames per second of --animate (default: 24). Blender 3.4 rounds it to a whole number when it opens the "
+              "file.");
+  group.value("--jobs", "N", flags.jobs, parse_thread_count,
+              "Frames to convert at a time, as far as --memory-limit lets them; they share --threads, and a GPU draws "
+              "one after another (default: as many as threads). The output does not depend on it.");
+  group.flag("--resume", flags.resume,
+             "Do only what is not done: frames whose record, input and output are what the manifest in the folder of "
+             "the outputs says are left alone.");
+  group.flag("--fail-fast", flags.fail_fast, "End with the first frame that fails (default: go on, and exit with 5).");
+  group.flag("--no-clobber", flags.no_clobber, "Leave out frames of which a file is there, whoever wrote it.");
+  group.flag("--mkdir", flags.make_folders, "Make the folders of the outputs; so does a slash at the end of -o.");
+  group.flag("--dry-run", flags.dry_run,
+             "Show the frames, their files and an estimate of memory on stdout, and do nothing.");
+  group.value<std::string>("--table", "FILE", flags.table, parse_text,
+                           "Write a table of all frames, .csv or .json: triangles, area, volume, time, memory.");
+  group.value<std::string>("--plot", "FILE", flags.plot, parse_text,
+                           "Draw the table over the frames with gnuplot, as .svg or .png.");
+  group.choice("--progress", flags.progress,
+               "How to tell on stderr how far it is: a bar on a terminal, a line of JSON an event, or not at all "
+               "(default: bar).");
+  group.value("--shard", "K/N", flags.shard, parse_shard,
+              "Convert every N-th frame from the K-th on, for N machines; 'isoextract merge' joins what they did "
+              "(default: as the variables of a Slurm array or an indexed Kubernetes job say).");
+}
+
+void declare_packing(const Group& group, ConvertFlags& flags) {
+  using Bits = std::optional<std::uint64_t>;
+  std::vector<Choice<Bits>> bits{{"auto", Bits()}};
+  for (std::uint64_t b = meshes::kMinPositionBits; b <= meshes::kMaxPositionBits; ++b) {
+    bits.push_back({fmt::format("{}", b), b});
+  }
+  group
+      .choice("--draco", flags.draco, std::move(bits),
+              "Compress glb or gltf with Draco (KHR_draco_mesh_compression); drc always is. Positions are rounded to a "
+              "lattice that all regions of a volume share: its step is at most a 32nd of a voxel (auto, the default), "
+              "or such that the whole volume takes so many bits. What the file unpacks to is compared with the mesh, "
+              "and how far vertices moved is told.")
+      ->expected(0, 1);
+  group.flag("--quantize", flags.quantize,
+             "Write glb or gltf with positions of 16 bits, on the same lattice, and normals of 8 "
+             "(KHR_mesh_quantization).");
+  group.flag("--meshopt", flags.meshopt,
+             "Compress glb or gltf with meshoptimizer (EXT_meshopt_compression), without loss; smaller with --quantize "
+             "and --optimize-order.");
+  group.flag("--optimize-order", flags.optimize_order,
+             "Put vertices and triangles into an order that graphics cards and compression like.");
+}
+
+void declare_output(CLI::App& app, ConvertFlags& flags) {
+  const Group group(app, "Output");
+  group.value<std::string>("-o,--output", "FILE", flags.output, parse_text,
+                           "The mesh file; its extension chooses the format (default: the input's name with .glb, in "
+                           "the current folder; an input from stdin has none). '-' is stdout and needs --format. "
+                           "'{iso}' stands for the iso value and gives each its own file. A file gets its name when it "
+                           "is whole. What a killed run leaves, on some file systems, is called "
+                           ".isoextract-HOST-PID-N and stays until the next run writes into that folder.");
+  group.choice("--format", flags.format, "Format of the mesh, whatever the extension.");
+  group.value<std::string>("--report", "FILE", flags.report, parse_text,
+                           "Write a JSON report of the conversion: options, input, stages with time and memory, what "
+                           "was left out, and the facts of each mesh, which take time and memory of their own. Of a "
+                           "conversion that fails, it says why.");
+  group.flag("--ascii", flags.ascii, "Write ply or stl as text instead of binary.");
+  declare_packing(group, flags);
+}
+
+}  // namespace
+
+void declare_convert(CLI::App& app, ConvertFlags& flags) {
+  declare_input(app, flags.input, "INPUT", "The volume or particles to convert");
+  declare_particles(app, flags.particles);
+  Group(app, "Particles")
+      .values("--attribute", "NAME", flags.particles.attributes, parse_text,
+              "Carry this attribute of the particles over to the vertices, interpolated; several times for several. "
+              "'isoextract info' lists them. For glb, gltf and ply.");
+  declare_convert_surface(app, flags);
+  declare_frames(app, flags.batch);
+  declare_placement(app, flags.placement);
+  declare_output(app, flags);
+  const Group convert_run(app, "Run");
+  convert_run
+      .choice("--error", flags.error,
+              "Measure how far the mesh is from the isosurface of the data, interpolated linearly along each axis "
+              "(the default) or smoothly; of demo fields also how far from the formula.")
+      ->expected(0, 1);
+  convert_run.choice("--backend", flags.backend,
+                     "What extracts: the processor, a GPU, or a GPU where there is one that is not software (default: "
+                     "cpu). The triangles are the same.");
+  declare_device(convert_run, flags.device);
+  convert_run.flag("--verify", flags.verify,
+                   "Extract with the other backend as well, CPU or GPU, and compare triangle by triangle. Where they "
+                   "differ, exit with code 6 and do not write the file.");
+  convert_run.value<std::string>(
+      "--config", "FILE", flags.config, parse_text,
+      "Take options from a TOML file: keys are their long names without dashes, and input; an option that may be given "
+      "several times takes a list, one without a value takes true. What the command line has as well wins over the "
+      "file. Relative paths in it are relative to the current folder.");
+  convert_run.flag("--explain", flags.explain, "Tell what was left out and why, with counts and times.");
+  declare_run(app, flags.run);
+}
+
+}  // namespace isoextract::cli

@@ -1,0 +1,186 @@
+#include <algorithm>
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "batch/output_names.hpp"
+#include "cli/packing_plan.hpp"
+#include "cli/particle_plan.hpp"
+#include "cli/plan.hpp"
+#include "cli/plan_parts.hpp"
+#include "files/file_bytes.hpp"
+
+namespace isoextract::cli {
+namespace {
+
+constexpr std::string_view kIsoPattern = "{iso}";
+
+bool is_folder(const std::string& path) {
+  std::error_code none;
+  return path.ends_with('/') || std::filesystem::is_directory(path, none);
+}
+
+Result<meshes::MeshFormat> plan_format(const ConvertFlags& flags) {
+  if (flags.format) return *flags.format;
+  if (!flags.output || is_folder(*flags.output)) return meshes::MeshFormat::glb;
+  if (*flags.output == "-") return refuse_usage("-o - needs --format", "for example --format ply");
+  return format_of_path(*flags.output, "choose the format with --format");
+}
+
+Result<convert::Normals> plan_normals(const ConvertFlags& flags, meshes::MeshFormat format) {
+  if (format == meshes::MeshFormat::stl) {
+    if (flags.normals.value_or(convert::Normals::flat) == convert::Normals::flat) return convert::Normals::flat;
+    return refuse_usage(fmt::format("--normals {} does not go with stl, which always stores one normal a triangle",
+                                    word_of(*flags.normals)),
+                        "leave out --normals, or choose another format");
+  }
+  const extract::MethodInfo& method = extract::method_info(plan_surface(flags.surface).method);
+  if (!method.traits.gradient_normals) {
+    if (flags.normals != convert::Normals::smooth) return flags.normals.value_or(convert::Normals::none);
+    return refuse_usage(fmt::format("--normals smooth: {}", extract::why_no_gradient_normals(method)),
+                        "--normals flat needs none");
+  }
+  return flags.normals.value_or(is_gltf(format) ? convert::Normals::smooth : convert::Normals::none);
+}
+
+std::string with_iso(std::string path, double iso) {
+  const std::string text = fmt::format("{}", iso);
+  for (std::size_t at = path.find(kIsoPattern); at != std::string::npos; at = path.find(kIsoPattern, at)) {
+    path.replace(at, kIsoPattern.size(), text);
+    at += text.size();
+  }
+  return path;
+}
+
+std::string output_path(const ConvertFlags& flags, const std::string& input, const meshes::MeshFormatInfo& format) {
+  return flags.output ? *flags.output : fmt::format("{}.{}", batch::stem_of(input), format.name);
+}
+
+Result<std::vector<convert::OutputFileJob>> plan_outputs(const ConvertFlags& flags,
+                                                         const meshes::MeshFormatInfo& format) {
+  const std::string path = output_path(flags, flags.input.inputs.front(), format);
+  if (path.empty()) return refuse_usage("-o needs the name of a file");
+  if (!flags.output && files::is_standard_input(flags.input.inputs.front())) {
+    return refuse_usage("an input from stdin has no name that the mesh could have", "give -o FILE, or -o - for stdout");
+  }
+  if (path == "-" && !format.can_stream) {
+    return refuse_usage(
+        fmt::format("{} cannot be written to stdout", format.name),
+        format.format == meshes::MeshFormat::gltf ? "it is two files; use --format glb" : "give a file with -o");
+  }
+  if (path.find(kIsoPattern) != std::string::npos) {
+    std::vector<convert::OutputFileJob> jobs;
+    for (const double iso : flags.isos) jobs.push_back({with_iso(path, iso), {iso}});
+    return jobs;
+  }
+  if (flags.isos.size() > 1 && !format.holds_several_meshes) {
+    return refuse_usage(
+        fmt::format("one {} file holds one surface, and {} iso values were given", format.name, flags.isos.size()),
+        fmt::format("write one file each with -o {}_{{iso}}.{}, or all into a glb",
+                    batch::stem_of(flags.input.inputs.front()), format.name));
+  }
+  return std::vector<convert::OutputFileJob>{{path, flags.isos}};
+}
+
+}  // namespace
+
+Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string& input,
+                                    const std::vector<double>& isos) {
+  if (flags.report && (flags.report->empty() || *flags.report == "-")) {
+    return refuse_usage(fmt::format("--report needs the name of a file, found '{}'", *flags.report));
+  }
+  if (auto checked = check_isos(isos, input); !checked) return tl::unexpected(checked.error());
+  const auto verbosity = plan_verbosity(flags.run);
+  if (!verbosity) return tl::unexpected(verbosity.error());
+  if (flags.explain && flags.run.quiet) return refuse_usage("--quiet and --explain exclude each other");
+
+  ConvertPlan plan;
+  plan.verbosity = *verbosity;
+  plan.threads = flags.run.threads;
+  convert::ConversionJob& job = plan.job;
+  auto read = plan_read(flags.input);
+  if (!read) return tl::unexpected(read.error());
+  job.source.read = std::move(*read);
+  auto particles = plan_particles(flags.particles, flags.surface.nan);
+  if (!particles) return tl::unexpected(particles.error());
+  job.source.particles = std::move(*particles);
+  plan.memory = plan_memory(flags.input.memory_limit);
+
+  const auto format = plan_format(flags);
+  if (!format) return tl::unexpected(format.error());
+  const meshes::MeshFormatInfo& info = meshes::mesh_format_info(*format);
+  if (flags.output && meshes::mesh_format_by_path(*flags.output).value_or(*format) != *format) {
+    plan.notes.push_back(
+        fmt::format("{}: its format is {}, as --format says, and not what its name says", *flags.output, info.name));
+  }
+  if (flags.ascii && !info.has_ascii) {
+    return refuse_usage(fmt::format("--ascii does not go with {}", info.name), "ply and stl can be written as text");
+  }
+  if (auto fine = check_attributes(flags.particles, info); !fine) return tl::unexpected(fine.error());
+  const auto normals = plan_normals(flags, *format);
+  if (!normals) return tl::unexpected(normals.error());
+  job.normals = *normals;
+  job.format = *format;
+  job.ascii = flags.ascii;
+  const auto packing = plan_packing(flags, *format);
+  if (!packing) return tl::unexpected(packing.error());
+  job.packing = *packing;
+
+  auto placement = plan_placement(flags.placement, *format, plan.notes);
+  if (!placement) return tl::unexpected(placement.error());
+  job.source.placement = std::move(*placement);
+
+  job.surface = plan_surface(flags.surface);
+  job.verify = flags.verify;
+  job.backend = {flags.backend.value_or(convert::Backend::cpu), plan_gpu(flags.device)};
+  if (job.backend.backend == convert::Backend::cpu && !job.verify && (flags.device.device || flags.device.gpu_memory)) {
+    return refuse_usage(fmt::format("{} is about the GPU, which --backend cpu does not use",
+                                    flags.device.device ? "--device" : "--gpu-memory"),
+                        "give --backend gpu or --backend auto");
+  }
+  job.source.roi = flags.surface.roi;
+  job.source.resolution = flags.surface.resolution;
+  job.simplify = flags.simplify;
+  job.empty = flags.empty.value_or(job.empty);
+  job.error = flags.error;
+  plan.explain = flags.explain;
+  plan.report = flags.report;
+  return plan;
+}
+
+Result<ConvertPlan> plan_convert(const ConvertFlags& given) {
+  const std::vector<std::string>& inputs = given.input.inputs;
+  if (inputs.empty()) return refuse_usage("no INPUT was given", "isoextract INPUT --iso V -o OUT.glb");
+  ConvertFlags flags = given;
+  auto note = take_iso_of_method(flags, inputs.front());
+  if (!note) return tl::unexpected(note.error());
+  auto plan = plan_conversion(flags, inputs.front(), flags.isos);
+  if (!plan) return plan;
+  if (!note->empty()) plan->notes.push_back(std::move(*note));
+  plan->job.source.input = inputs.front();
+  auto outputs = plan_outputs(flags, meshes::mesh_format_info(plan->job.format));
+  if (!outputs) return tl::unexpected(outputs.error());
+  plan->job.outputs = std::move(*outputs);
+  return plan;
+}
+
+std::vector<convert::ConversionJob> plan_files(const ConvertFlags& flags) {
+  std::vector<std::string> inputs = flags.input.inputs;
+  if (inputs.empty()) inputs.emplace_back();
+  const auto by_name = flags.output ? meshes::mesh_format_by_path(*flags.output) : std::nullopt;
+  const meshes::MeshFormat format = flags.format.value_or(by_name.value_or(meshes::MeshFormat::glb));
+  std::vector<convert::ConversionJob> jobs;
+  for (const std::string& input : inputs) {
+    convert::ConversionJob& job = jobs.emplace_back();
+    job.source.input = input;
+    job.source.read = plan_read(flags.input).value_or(volumes::ReadOptions{});
+    job.format = format;
+    const std::string path = output_path(flags, input, meshes::mesh_format_info(format));
+    job.outputs.push_back({path, {}});
+    for (const double iso : flags.isos) job.outputs.push_back({with_iso(path, iso), {iso}});
+  }
+  return jobs;
+}
+
+}  // namespace isoextract::cli

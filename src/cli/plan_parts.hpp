@@ -1,0 +1,30 @@
+// What the plans of several commands are made of.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/error.hpp"
+#include "cli/options.hpp"
+#include "cli/plan.hpp"
+
+namespace isoextract::cli {
+
+[[nodiscard]] inline tl::unexpected<Error> refuse_usage(std::string message, Hint hint = {}) {
+  return fail(ErrorKind::usage, std::move(message), std::move(hint));
+}
+
+[[nodiscard]] bool is_gltf(meshes::MeshFormat format);
+[[nodiscard]] Result<meshes::MeshFormat> format_of_path(const std::string& path, std::string hint);
+
+// What --memory-limit says.
+[[nodiscard]] MemoryBudget plan_memory(const std::optional<std::uint64_t>& limit);
+[[nodiscard]] convert::SurfaceOptions plan_surface(const SurfaceFlags& flags);
+[[nodiscard]] Result<convert::Placement> plan_placement(const PlacementFlags& flags, meshes::MeshFormat format,
+                                                        std::vector<std::string>& notes);
+// Some, and each once.
+[[nodiscard]] Result<void> check_isos(const std::vector<double>& isos, const std::string& input);
+
+}  // namespace isoextract::cli
