@@ -245,8 +245,8 @@ void declare_output(CLI::App& app, ConvertFlags& flags) {
                            "The mesh file; its extension chooses the format (default: the input's name with .glb, in "
                            "the current folder; an input from stdin has none). '-' is stdout and needs --format. "
                            "'{iso}' stands for the iso value and gives each its own file. A file gets its name when it "
-                           "is whole. Where the file system has no files without a name, one that a killed run did not "
-                           "finish stays as .isoextract-HOST-PID-N until the next run writes into that folder.");
+                           "is whole. What a killed run leaves, on some file systems, is called "
+                           ".isoextract-HOST-PID-N and stays until the next run writes into that folder.");
   group.choice("--format", flags.format, "Format of the mesh, whatever the extension.");
   group.value<std::string>("--report", "FILE", flags.report, parse_text,
                            "Write a JSON report of the conversion: options, input, stages with time and memory, what "
