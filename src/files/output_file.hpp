@@ -4,9 +4,10 @@
 // What is promised: whoever opens the target sees the old file or the whole new one, also if this process fails, is
 // killed or runs out of space. Not promised: that a committed file survives a power cut. The data is not forced to the
 // disk, which would cost as much as writing it again.
-// On file systems without unnamed files (O_TMPFILE) the bytes go to a file `.isoextract-HOST-PID-N` beside the target,
-// which is removed when this process ends in any way but SIGKILL or a crash; what those leave behind, the next process
-// of the same user and machine removes that writes into that folder.
+// On file systems without unnamed files (O_TMPFILE) the bytes go to a file `.isoextract-HOST-PID-N` beside the target;
+// elsewhere a file has such a name for the moment before it takes the target's. It is removed when this process ends in
+// any way but SIGKILL or a crash; what those leave behind, the next process of the same user and machine removes that
+// writes into that folder.
 #pragma once
 
 #include <cstddef>

@@ -177,10 +177,22 @@ std::optional<TemporaryName::File> TemporaryName::make_file(const fs::path& fold
 }
 
 std::optional<TemporaryName> TemporaryName::name_file(const fs::path& folder, int fd) {
+  clean_once(folder);
+  const int lock = ::fcntl(fd, F_DUPFD_CLOEXEC, 0);
+  if (lock < 0) return std::nullopt;
+  static_cast<void>(::flock(lock, LOCK_EX | LOCK_NB));  // nobody else knows the file; not all file systems have locks
   const std::string from = fmt::format("/proc/self/fd/{}", fd);
-  return make(folder, [&](const char* fresh) {
+  auto name = make(folder, [&](const char* fresh) {
     return ::linkat(AT_FDCWD, from.c_str(), AT_FDCWD, fresh, AT_SYMLINK_FOLLOW) == 0;
   });
+  if (name) {
+    name->lock_ = lock;
+  } else {
+    const int reason = errno;
+    ::close(lock);
+    errno = reason;
+  }
+  return name;
 }
 
 std::optional<TemporaryName> TemporaryName::name_again(const fs::path& folder, const fs::path& path) {

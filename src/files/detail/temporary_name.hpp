@@ -11,14 +11,15 @@ namespace isoextract::files {
 
 class TemporaryName {
  public:
-  // Makes a new file in `folder`, open for reading and writing, of its own name, and locks it as long as the name
-  // stands: by the lock others see that it has an owner. Nothing, with errno set, where that fails. Removes before,
-  // once a process and folder, what processes that are gone left there.
+  // Both lock the file as long as the name stands, by which others see that it has an owner, and remove before, once a
+  // process and folder, what processes that are gone left there. Nothing, with errno set, where they fail.
+  // A new file in `folder`, open for reading and writing, of its own name.
   struct File;
   [[nodiscard]] static std::optional<File> make_file(const std::filesystem::path& folder);
-
-  // A new name for an open file without one (O_TMPFILE), or a second one for the file `path`. Nothing with errno set.
+  // A new name for an open file without one (O_TMPFILE).
   [[nodiscard]] static std::optional<TemporaryName> name_file(const std::filesystem::path& folder, int fd);
+
+  // A second name for the file `path`. Nothing with errno set.
   [[nodiscard]] static std::optional<TemporaryName> name_again(const std::filesystem::path& folder,
                                                                const std::filesystem::path& path);
 

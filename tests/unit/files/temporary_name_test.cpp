@@ -44,6 +44,17 @@ TEST(TemporaryName, WithoutUnnamedFilesTheNextProcessRemovesWhatAKilledOneLeft) 
   EXPECT_EQ(folder.names(), Names{"out.bin"});
 }
 
+// With unnamed files a file has such a name only while it is put into the place of an old one.
+TEST(TemporaryName, WithUnnamedFilesTheNextProcessRemovesItToo) {
+  const TempFolder folder;
+  const std::string left = leave_one_behind(folder);
+  if (left.empty()) GTEST_SKIP() << "this system does not let a process filter its system calls";
+  auto file = must_create(folder / "out.bin");
+  ASSERT_TRUE(file.write(std::string("whole")));
+  ASSERT_TRUE(file.commit());
+  EXPECT_EQ(folder.names(), Names{"out.bin"});
+}
+
 TEST(TemporaryName, WhatHasAnOwnerOrIsOfAnotherMachineStays) {
   const TempFolder folder;
   const std::string left = leave_one_behind(folder);
