@@ -7,6 +7,7 @@
 #include "cli/plan_parts.hpp"
 
 namespace isoextract::cli {
+
 Result<convert::PackingOptions> plan_packing(const ConvertFlags& flags, meshes::MeshFormat format) {
   const std::string_view name = meshes::mesh_format_info(format).name;
   const bool is_drc = format == meshes::MeshFormat::drc;
