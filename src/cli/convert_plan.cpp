@@ -118,9 +118,10 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string
   if (!format) return tl::unexpected(format.error());
   const meshes::MeshFormatInfo& info = meshes::mesh_format_info(*format);
   if (as_field) job.field_file = convert::FieldFileOptions{flags.half};
-  if (!as_field && flags.output && meshes::mesh_format_by_path(*flags.output).value_or(*format) != *format) {
-    plan.notes.push_back(
-        fmt::format("{}: its format is {}, as --format says, and not what its name says", *flags.output, info.name));
+  const auto by_name = flags.output ? meshes::mesh_format_by_path(*flags.output) : std::nullopt;
+  if (by_name && (as_field || *by_name != *format)) {
+    plan.notes.push_back(fmt::format("{}: its format is {}, as --format says, and not what its name says",
+                                     *flags.output, as_field ? kFieldFormat : info.name));
   }
   if (flags.ascii && !info.has_ascii) {
     return refuse_usage(fmt::format("--ascii does not go with {}", info.name), "ply and stl can be written as text");

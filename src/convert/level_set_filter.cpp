@@ -6,6 +6,7 @@
 
 #include "base/stopwatch.hpp"
 #include "volumes/grid_tools.hpp"
+#include "volumes/volume_reader.hpp"
 
 namespace isoextract::convert {
 
@@ -26,6 +27,7 @@ Result<void> filter_field(const std::vector<FilterStep>& steps, const std::strin
     const field::SampleType before = field.type();
     auto filtered = volumes::filter_level_set(field, step.filter, static_cast<int>(step.width), 1, context);
     if (!filtered) return tl::unexpected(std::move(filtered.error()));
+    if (auto whole = volumes::check_not_lost(field); !whole) return whole;
     field = std::move(*filtered);
     const auto& samples = std::get<field::SparseSamples>(field.samples);
     const std::string rounded =

@@ -319,6 +319,8 @@ class FieldFileTest(FieldsTest):
         self.convert("in_{:04}.csv", "--radius", "0.1", "--format", "vdb", "-o", "sub/")
         self.assertTrue((self.folder / "sub/in_0001.vdb").exists())
         self.assertIn("out_0003.vdb", self.convert(*command, "--dry-run").text)
+        run = self.convert("in_0001.csv", "--radius", "0.1", "--format", "vdb", "-o", "other.ply")
+        self.assertIn("other.ply: its format is vdb, as --format says", run.err)
 
     def test_options_of_surfaces_are_refused(self):
         for options in (("--iso", "0"), ("--method", "mt"), ("--normals", "flat"), ("--simplify", "0.1"), ("--cap",),
