@@ -160,9 +160,10 @@ void declare_surface(const Group& group, SurfaceFlags& flags) {
               "input's samples, values are linear along each axis (default: the input's samples themselves). A sparse "
               "grid becomes dense: its active voxels and one of background around them. --space index and --roi keep "
               "the input's voxel coordinates, --error its voxels; those of --simplify are the grid's.");
-  group.values("--filter", "gaussian|median|mean[:N]", flags.filters, parse_filter,
+  group.values("--filter", "gaussian|median|mean", flags.filters, parse_filter,
                "Smooth a level set, of a VDB file or of --particles spheres or smooth, before anything else is done "
-               "with it: each value is taken from those up to N voxels away (default: 1). Several times for several "
+               "with it: each value is taken from those up to 1 voxel away or, as in gaussian:3, up to 3. Several "
+               "times for several "
                "filters, one after the other. Needs the plug-in around OpenVDB.");
   group.flag("--cap", flags.cap, "Close the surface where it leaves the data or the --roi.");
   declare_nan(group, flags.nan);
