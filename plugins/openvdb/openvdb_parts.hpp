@@ -146,7 +146,7 @@ void store_tree(const Tree& tree, std::int32_t sample_type, Reserved& memory, Sp
   });
 
   isoextract_sparse_samples& samples = store.samples;
-  samples = {sample_type, store.blocks.data(), store.blocks.size(), store.tiles.data(), store.tiles.size(),
+  samples = {sample_type, store.blocks.data(), store.blocks.size(), store.tiles.data(),     store.tiles.size(),
              background,  {0, 0, 0},           {-1, -1, -1},        tree.activeVoxelCount()};
   openvdb::CoordBBox active;
   if (tree.evalActiveVoxelBoundingBox(active)) {

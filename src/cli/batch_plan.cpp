@@ -12,6 +12,7 @@
 #include "batch/frame_pattern.hpp"
 #include "batch/iso_table.hpp"
 #include "batch/output_names.hpp"
+#include "cli/field_plan.hpp"
 #include "cli/particle_plan.hpp"
 #include "cli/plan_parts.hpp"
 #include "convert/output_checks.hpp"
@@ -209,7 +210,7 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
   auto found =
       wants_all_volumes(flags) ? volumes_of(flags, *read) : batch::find_frames(flags.input.inputs, flags.batch.frames);
   if (!found) return tl::unexpected(found.error());
-  if (!flags.batch.iso_table) {
+  if (!flags.batch.iso_table && !writes_field(flags)) {
     auto note = take_iso_of_method(one, found->frames.front().input);
     if (!note) return tl::unexpected(note.error());
     if (!note->empty()) found->notes.push_back(std::move(*note));
@@ -222,7 +223,8 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
   plan.common = std::move(*common);
   for (std::string& note : found->notes) plan.common.notes.push_back(std::move(note));
   auto outputs = flags.batch.animate ? plan_animation(flags, *sources, plan.common.job.format, plan.batch)
-                                     : batch::name_outputs(*sources, flags.output, plan.common.job.format);
+                                     : batch::name_outputs(*sources, flags.output, plan.common.job.format,
+                                                           writes_field(flags) ? kFieldFormat : std::string_view());
   if (!outputs) return tl::unexpected(outputs.error());
   for (std::size_t i = 0; i < sources->size(); ++i) {
     batch::FrameJob& frame = plan.batch.frames.emplace_back();

@@ -47,6 +47,11 @@ Result<std::uint64_t> estimated_memory(const convert::ConversionJob& job, const 
   if (!source) return tl::unexpected(source.error());
   // To make a field of particles takes more than to keep it.
   std::uint64_t most = source->of_particles ? kProgramBytes + context.memory().peak() : 0;
+  if (job.field_file) {
+    // The tree that is written, and the samples that it is made of.
+    const ConversionSize size = size_of_samples(source->field);
+    most = std::max(most, kProgramBytes + size.sample_bytes + size.samples * 2 * sizeof(float));
+  }
   for (const double iso : job.isos()) most = std::max(most, estimated_bytes(size_of(source->field, iso)));
   return most;
 }

@@ -12,6 +12,7 @@
 #include "base/byte_size.hpp"
 #include "base/machine.hpp"
 #include "base/stopwatch.hpp"
+#include "cli/field_plan.hpp"
 #include "cli/mesh_error_text.hpp"
 #include "cli/messages.hpp"
 #include "cli/packing_text.hpp"
@@ -102,6 +103,11 @@ class Narrator final : public convert::Events {
     tell_stage(fmt::format("{}: particles to field in {}", label_, times_text(record.time)));
   }
 
+  void filtered(const convert::WorkFact& fact, const StageTime& time) override {
+    tell_stage(fmt::format("{}: filtered in {}", label_, times_text(time)));
+    explain(fact);
+  }
+
   void resampled(const field::ScalarField& /*grid*/, const convert::WorkFact& fact, const StageTime& time) override {
     tell_stage(fmt::format("{}: resampled in {}", label_, times_text(time)));
     explain(fact);
@@ -179,6 +185,18 @@ class Narrator final : public convert::Events {
     forget();
   }
 
+  void wrote_field(const convert::WrittenField& field) override {
+    const std::string path = shown_path(field.job.path);
+    tell_stage(fmt::format("{}: written in {}", path, times_text(field.time)));
+    for (const convert::WorkFact& fact : field.work) explain(fact);
+    bar_.above([&] {
+      messages_.summary(fmt::format("{} -> {}: {}, as {} bits each; {}; {:.2f} s", label_, path, field.samples,
+                                    field.as_half ? 16 : 32, format_byte_size(field.bytes),
+                                    watch_.elapsed().wall_seconds));
+    });
+    forget();
+  }
+
  private:
   void tell_stage(const std::string& line) {
     bar_.above([&] { plan_.explain ? messages_.explanation(line) : messages_.detail(line); });
@@ -219,10 +237,11 @@ class Narrator final : public convert::Events {
 
 Result<void> check_stdout(const convert::ConversionJob& job) {
   const bool to_stdout = std::ranges::find(job.outputs, "-", &convert::OutputFileJob::path) != job.outputs.end();
-  const bool is_text = job.ascii || job.format == meshes::MeshFormat::obj;
+  const bool is_text = !job.field_file && (job.ascii || job.format == meshes::MeshFormat::obj);
   if (!to_stdout || is_text || ::isatty(STDOUT_FILENO) == 0) return {};
   return fail(ErrorKind::usage,
-              fmt::format("stdout is a terminal, and {} is binary data", meshes::mesh_format_info(job.format).name),
+              fmt::format("stdout is a terminal, and {} is binary data",
+                          job.field_file ? kFieldFormat : meshes::mesh_format_info(job.format).name),
               "redirect it to a file or a pipe");
 }
 

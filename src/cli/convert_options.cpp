@@ -1,7 +1,10 @@
 #include "cli/convert_options.hpp"
 
+#include <utility>
+
 #include <fmt/format.h>
 
+#include "cli/field_plan.hpp"
 #include "cli/shared_options.hpp"
 
 namespace isoextract::cli {
@@ -90,13 +93,22 @@ void declare_packing(const Group& group, ConvertFlags& flags) {
 
 void declare_output(CLI::App& app, ConvertFlags& flags) {
   const Group group(app, "Output");
-  group.value<std::string>("-o,--output", "FILE", flags.output, parse_text,
-                           "The mesh file; its extension chooses the format (default: the input's name with .glb, in "
-                           "the current folder; an input from stdin has none). '-' is stdout and needs --format. "
-                           "'{iso}' stands for the iso value and gives each its own file. A file gets its name when it "
-                           "is whole. What a killed run leaves, on some file systems, is called "
-                           ".isoextract-HOST-PID-N and stays until the next run writes into that folder.");
-  group.choice("--format", flags.format, "Format of the mesh, whatever the extension.");
+  group.value<std::string>(
+      "-o,--output", "FILE", flags.output, parse_text,
+      "The mesh file; its extension chooses the format. A name that ends in .vdb is that of the field "
+      "itself, resampled and filtered where that is asked for, as an OpenVDB file in place of a "
+      "mesh, which needs no --iso and takes no option of surfaces (default: the input's name with .glb, in "
+      "the current folder; an input from stdin has none). '-' is stdout and needs --format. "
+      "'{iso}' stands for the iso value and gives each its own file. A file gets its name when it "
+      "is whole. What a killed run leaves, on some file systems, is called "
+      ".isoextract-HOST-PID-N and stays until the next run writes into that folder.");
+  std::vector<Choice<OutputFormat>> formats;
+  for (const meshes::MeshFormatInfo& info : meshes::mesh_formats()) {
+    formats.push_back({std::string(info.name), {info.format}});
+  }
+  formats.push_back({std::string(kFieldFormat), {}});
+  group.choice("--format", flags.format, std::move(formats), "Format of the output, whatever the extension.");
+  group.flag("--half", flags.half, "Store a field with values of 16 bits: files of half the size or less.");
   group.value<std::string>("--report", "FILE", flags.report, parse_text,
                            "Write a JSON report of the conversion: options, input, stages with time and memory, what "
                            "was left out, and the facts of each mesh, which take time and memory of their own. Of a "

@@ -72,6 +72,7 @@ struct SurfaceFlags {
   std::optional<extract::Method> method;
   std::optional<field::Box> roi;
   std::optional<glm::ivec3> resolution;
+  std::vector<convert::FilterStep> filters;
   bool cap = false;
   std::optional<extract::NanPolicy> nan;
 };
@@ -117,6 +118,11 @@ struct BatchFlags {
   std::optional<ProgressStyle> progress;
 };
 
+// What -o is written as: a format of meshes or, without one, the field itself as an OpenVDB file.
+struct OutputFormat {
+  std::optional<meshes::MeshFormat> mesh;
+};
+
 struct ConvertFlags {
   InputFlags input;
   ParticleFlags particles;
@@ -130,7 +136,8 @@ struct ConvertFlags {
   std::optional<convert::EmptyPolicy> empty;
   PlacementFlags placement;
   std::optional<std::string> output;
-  std::optional<meshes::MeshFormat> format;
+  std::optional<OutputFormat> format;
+  bool half = false;
   bool ascii = false;
   // Of --draco: its bits, or nothing in it where the voxel says.
   std::optional<std::optional<std::uint64_t>> draco;

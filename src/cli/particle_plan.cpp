@@ -21,15 +21,17 @@ namespace {
 // Options that do nothing with the method.
 Result<void> check_method(const ParticleFlags& flags, points::Method method) {
   const bool weighs = method == points::Method::weight;
+  const bool has_kernels = !weighs && method != points::Method::spheres;
   if (!weighs && (flags.weight || flags.deposit)) {
     return refuse_usage(fmt::format("{} is about --particles weight, and the method is {}",
                                     flags.weight ? "--weight" : "--deposit", word_of(method)),
                         "give --particles weight");
   }
   // Attributes are interpolated by such kernels whatever makes the field.
-  if (weighs && flags.smoothing_length && flags.attributes.empty()) {
-    return refuse_usage("--smoothing-length is about kernels, which --particles weight has not",
-                        "--particles sph and --particles anisotropic have them");
+  if (!has_kernels && flags.smoothing_length && flags.attributes.empty()) {
+    return refuse_usage(
+        fmt::format("--smoothing-length is about kernels, which --particles {} has not", word_of(method)),
+        "--particles sph, anisotropic and smooth have them");
   }
   return {};
 }

@@ -15,6 +15,7 @@
 #include "base/machine.hpp"
 #include "base/stopwatch.hpp"
 #include "convert/detail/recorder.hpp"
+#include "convert/field_file.hpp"
 #include "convert/mesh_packing.hpp"
 #include "convert/output_checks.hpp"
 #include "convert/source.hpp"
@@ -44,13 +45,13 @@ class Conversion {
         sink_(sink) {}
 
   Result<void> run() {
-    if (auto opened = open_backends(); !opened) return opened;
+    if (auto opened = job_.field_file ? open_tools() : open_backends(); !opened) return opened;
     if (auto checked = check_mesh_files(job_); !checked) return checked;
     auto source = open_source(job_.source, use_of(job_), context_, events_);
     if (!source) return tl::unexpected(std::move(source.error()));
     source_ = std::move(*source);
     for (const OutputFileJob& output : job_.outputs) {
-      if (auto done = write(output); !done) return done;
+      if (auto done = job_.field_file ? write_samples(output) : write(output); !done) return done;
     }
     return {};
   }
@@ -87,6 +88,23 @@ class Conversion {
     opened = open(extractor_->name() == word_of(Backend::gpu) ? Backend::cpu : Backend::gpu);
     if (!opened) return tl::unexpected(std::move(opened.error()));
     other_extractor_ = std::move(opened->extractor);
+    return {};
+  }
+
+  // Before the input is read, too.
+  Result<void> open_tools() {
+    return volumes::check_grid_tools(job_.outputs.empty() ? source_.label : job_.outputs.front().path);
+  }
+
+  Result<void> write_samples(const OutputFileJob& output) {
+    if (auto go_on = context_.check(); !go_on) return go_on;
+    if (!source_.empty || job_.empty == EmptyPolicy::write)
+      return write_field(source_, job_, output, context_, events_);
+    if (job_.empty == EmptyPolicy::error) return tl::unexpected(empty_source());
+    const auto removed = remove_old_files(output);
+    if (!removed) return tl::unexpected(removed.error());
+    events_.note(fmt::format("{}: {}; {} was not written{}", source_.label, why_empty(), shown(output),
+                             removed->empty() ? "" : "; the old one was removed"));
     return {};
   }
 
@@ -206,13 +224,21 @@ class Conversion {
     return true;
   }
 
+  [[nodiscard]] const char* why_empty() const {
+    return source_.of_particles ? "there are no particles" : "the grid is empty: it has no voxels";
+  }
+
+  [[nodiscard]] Error empty_source() const {
+    return {ErrorKind::input, fmt::format("{}: {}", source_.label, why_empty()), Remedy::allow_empty,
+            Reason::empty_grid};
+  }
+
+  [[nodiscard]] static std::string shown(const OutputFileJob& output) {
+    return output.path == "-" ? "stdout" : output.path;
+  }
+
   Error no_surface(double iso) {
-    if (source_.empty) {
-      return {ErrorKind::input,
-              fmt::format("{}: {}", source_.label,
-                          source_.of_particles ? "there are no particles" : "the grid is empty: it has no voxels"),
-              Remedy::allow_empty, Reason::empty_grid};
-    }
+    if (source_.empty) return empty_source();
     const Stopwatch watch;
     const field::FieldStatistics statistics = field::measure_statistics(source_.field);
     outcome_.stages.push_back({"statistics", std::nullopt, watch.elapsed()});
@@ -331,7 +357,7 @@ class Conversion {
       if (std::ranges::find(isos, iso) == isos.end()) skipped.push_back(iso);
     }
     if (skipped.empty()) return;
-    const std::string path = output.path == "-" ? "stdout" : output.path;
+    const std::string path = shown(output);
     events_.note(fmt::format("{}: no surface at iso {}; {}{}", source_.label, fmt::join(skipped, ", "),
                              isos.empty() && sink_ == nullptr ? path + " was not written" : path + " is without it",
                              besides));

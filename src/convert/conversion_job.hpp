@@ -18,6 +18,7 @@
 #include "field/interpolant.hpp"
 #include "meshes/mesh_writer.hpp"
 #include "points/method.hpp"
+#include "volumes/grid_tools.hpp"
 #include "volumes/volume_reader.hpp"
 
 namespace isoextract::convert {
@@ -52,9 +53,10 @@ struct ParticleOptions {
   // decides.
   bool expected = false;
   points::Method method = points::Method::sph;
-  std::optional<double> radius;     // of a particle, world units; else by the distances of the particles
+  std::optional<double> radius;     // of a particle, world units; else by the distances of the particles, and for level
+                                    // sets first of all by points::kRadiusAttributes
   std::optional<double> cell_size;  // spacing of the samples, in radii; else that of the method
-  double smoothing_length = 2;      // sph, anisotropic: in radii
+  double smoothing_length = 2;      // sph, anisotropic, smooth: in radii
   double weight = 0.1;              // weight: what a particle adds
   points::Deposit deposit = points::Deposit::trilinear;
   points::BadParticles bad = points::BadParticles::error;
@@ -64,11 +66,20 @@ struct ParticleOptions {
   friend bool operator==(const ParticleOptions&, const ParticleOptions&) = default;
 };
 
+// One filter of a level set.
+struct FilterStep {
+  volumes::LevelSetFilter filter = volumes::LevelSetFilter::gaussian;
+  std::uint64_t width = 1;  // voxels on either side that a value is taken from
+
+  friend bool operator==(const FilterStep&, const FilterStep&) = default;
+};
+
 // What is read, what of it is wanted, and where it goes.
 struct SourceOptions {
   std::string input;          // a path, "-" for standard input, or demo:NAME
   volumes::ReadOptions read;  // of particles its format, and its volume as the number of a frame
   ParticleOptions particles;
+  std::vector<FilterStep> filters;       // of what was read or made, one after the other
   std::optional<glm::ivec3> resolution;  // of the grid to extract from, in place of the input's own samples
   std::optional<field::Box> roi;         // in the coordinates of placement.space
   Placement placement;
@@ -103,6 +114,13 @@ struct PackingOptions {
   friend bool operator==(const PackingOptions&, const PackingOptions&) = default;
 };
 
+// The field itself, as an OpenVDB file.
+struct FieldFileOptions {
+  bool as_half = false;  // values of 16 bits
+
+  friend bool operator==(const FieldFileOptions&, const FieldFileOptions&) = default;
+};
+
 struct ConversionJob {
   SourceOptions source;
   SurfaceOptions surface;
@@ -115,6 +133,8 @@ struct ConversionJob {
   meshes::MeshFormat format = meshes::MeshFormat::glb;
   bool ascii = false;
   PackingOptions packing;
+  // In place of surfaces: outputs have no iso values then, and what is about meshes does nothing.
+  std::optional<FieldFileOptions> field_file;
   std::vector<OutputFileJob> outputs;
 
   // Of all outputs, in their order.

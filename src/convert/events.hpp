@@ -47,6 +47,16 @@ struct WrittenOutput {
   StageTime time;
 };
 
+// A file that holds the field itself.
+struct WrittenField {
+  const OutputFileJob& job;
+  std::string samples;  // "64 x 64 x 64 samples"
+  bool as_half = false;
+  std::uint64_t bytes = 0;
+  std::vector<WorkFact> work;
+  StageTime time;
+};
+
 // Every function does nothing unless it is overridden.
 class Events {
  public:
@@ -58,7 +68,8 @@ class Events {
   // that cannot do the work. Where the choice was the program's, a note says why.
   virtual void opened(const extract::Extractor&, const StageTime&) {}
   virtual void read(const std::string& /*input*/, const field::ScalarField&, const StageTime&) {}
-  virtual void made_field(const ParticleRecord&) {}  // of particles, told after they are read
+  virtual void made_field(const ParticleRecord&) {}            // of particles, told after they are read
+  virtual void filtered(const WorkFact&, const StageTime&) {}  // a level set, told once a filter
   virtual void resampled(const field::ScalarField& /*grid*/, const WorkFact&, const StageTime&) {}
   virtual void worked(const WorkFact&) {}  // of reading
   virtual void placed(const PlacedField&) {}
@@ -69,6 +80,7 @@ class Events {
   virtual void measured(const MeshError&, const StageTime&) {}
   virtual void packed(const MeshPackingRecord&) {}  // before its file is written
   virtual void written(const WrittenOutput&) {}
+  virtual void wrote_field(const WrittenField&) {}
   virtual void recorded(const std::vector<MeshRecord>&, const StageTime&) {}
 };
 

@@ -20,6 +20,7 @@ Json options_of(const ConversionJob& job, std::uint64_t memory_limit) {
   if (job.simplify) {
     json["simplify"] = fmt::format("{}{}", job.simplify->distance, job.simplify->in_world_units ? "world" : "voxel");
   }
+  if (job.field_file) json["format"] = "vdb";
   json["memory_limit"] = memory_limit;
   return json;
 }
@@ -60,6 +61,8 @@ Json json_of(const ParticleRecord& record) {
           {"particles", figures.particles},
           {"not_finite", figures.particles_dropped},
           {"left_out_inside", figures.particles_left_out},
+          {"too_small", figures.particles_too_small},
+          {"radius_attribute", figures.radius_attribute.empty() ? Json(nullptr) : Json(figures.radius_attribute)},
           {"bricks_stored", figures.bricks_stored},
           {"bricks_inside", figures.bricks_inside},
           {"time", json_of(record.time)}};

@@ -45,8 +45,9 @@ struct InputFacts {
 [[nodiscard]] InputFacts input_facts(const std::string& path, const field::ScalarField& field);
 
 struct StageRecord {
-  std::string stage;  // "open", "read", "particles to field", "resample", "classify", "compile", "upload", "count",
-                      // "emit", "verify", "attributes", "simplify", "error", "mesh facts", "statistics", "write"
+  std::string
+      stage;  // "open", "read", "particles to field", "filter", "resample", "classify", "compile", "upload", "count",
+              // "emit", "verify", "attributes", "simplify", "error", "mesh facts", "statistics", "write"
   std::optional<double> iso;  // where the stage belongs to one surface
   StageTime time;
 };
@@ -90,7 +91,7 @@ struct Outcome {
   std::uint64_t bytes_uploaded = 0;   // to a device; 0 on the CPU
   std::uint64_t peak_memory = 0;      // of the process
   std::uint64_t reserved_memory = 0;  // the most that this conversion reserved at a time
-  std::vector<WorkFact> work;         // of reading and resampling
+  std::vector<WorkFact> work;         // of reading, filtering, resampling and writing a field
   std::vector<ExtractionRecord> extractions;
   std::vector<VerificationRecord> verifications;
   std::vector<MeshSimplification> simplifications;

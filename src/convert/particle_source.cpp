@@ -14,6 +14,7 @@
 #include "field/demo_field.hpp"
 #include "files/file_bytes.hpp"
 #include "points/attribute_sampling.hpp"
+#include "points/sphere_set.hpp"
 
 namespace isoextract::convert {
 namespace {
@@ -97,6 +98,10 @@ volumes::ParticleReadOptions particle_read_options(const SourceOptions& options)
   read.frame = options.read.volume;
   read.attributes = options.particles.attributes;
   read.columns = options.particles.columns;
+  const bool are_spheres = points::method_info(options.particles.method).kind == field::FieldKind::level_set;
+  if (are_spheres && !options.particles.radius) {
+    read.first_of.assign(points::kRadiusAttributes.begin(), points::kRadiusAttributes.end());
+  }
   return read;
 }
 

@@ -7,6 +7,8 @@
 
 #include "base/printable.hpp"
 #include "convert/field_label.hpp"
+#include "convert/level_set_filter.hpp"
+#include "convert/particle_field.hpp"
 #include "field/resample.hpp"
 #include "files/file_bytes.hpp"
 
@@ -54,18 +56,21 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
   auto found = find_attributes(file->particles, options.particles.attributes);
   if (!found) return tl::unexpected(std::move(found.error()));
   watch.restart();
-  const points::FieldOptions asked = field_options(options.particles, use.only_iso);
-  auto made = points::make_field(file->particles, asked, context);
+  auto made = make_particle_field(file->particles, options.particles, use.only_iso, context);
   if (!made) return tl::unexpected(std::move(made.error()));
   made->field.name = stem_of_file(files::shown_input_name(options.input));
   events.read(options.input, made->field, reading);
   const points::FieldFigures& figures = made->figures;
-  ParticleRecord record{file->format, file->length_unit, asked.method, {}, figures, watch.elapsed()};
-  if (asked.method != points::Method::weight) record.smoothing_length = asked.smoothing_length;
+  ParticleRecord record{file->format, file->length_unit, options.particles.method, {}, figures, watch.elapsed()};
+  const bool has_kernels = record.method != points::Method::weight && record.method != points::Method::spheres;
+  if (has_kernels) record.smoothing_length = options.particles.smoothing_length;
   events.made_field(record);
   if (figures.particles_dropped > 0) {
     events.note(fmt::format("{}: {} particles at places that are no numbers were left out",
                             printable(file->particles.label), figures.particles_dropped));
+  }
+  for (const std::string& text : made->field.notes) {
+    events.note(fmt::format("{}: {}", printable(file->particles.label), text));
   }
   for (const WorkFact& fact : particle_facts(figures)) events.worked(fact);
   source.field = std::move(made->field);
@@ -121,6 +126,9 @@ Result<Source> open_source(const SourceOptions& options, const SourceUse& use, c
   source.label = field_label(source.field);
   const auto* sparse = std::get_if<field::SparseSamples>(&source.field.samples);
   source.empty = sparse != nullptr && sparse->blocks.empty() && sparse->tiles.empty() && sparse->active_voxels == 0;
+  if (auto filtered = filter_field(options.filters, source.label, context, events, source.field); !filtered) {
+    return tl::unexpected(std::move(filtered.error()));
+  }
   if (options.resolution) {
     auto changed = change_resolution(options, use.keep_data, context, events, source);
     if (!changed) return tl::unexpected(std::move(changed.error()));

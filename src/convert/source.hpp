@@ -37,8 +37,8 @@ struct SourceUse {
 };
 [[nodiscard]] SourceUse use_of(const ConversionJob& job);
 
-// Fails as read_volume(), resample() and place_field() do, and for particles as is_particles(), read_particles(),
-// points::make_field() and find_attributes() do.
+// Fails as read_volume(), filter_field(), resample() and place_field() do, and for particles as is_particles(),
+// read_particles(), make_particle_field() and find_attributes() do.
 [[nodiscard]] Result<Source> open_source(const SourceOptions& options, const SourceUse& use, const Context& context,
                                          Events& events);
 

@@ -41,15 +41,21 @@ std::vector<WorkFact> reading_facts(const field::ScalarField& field) {
 
 std::vector<WorkFact> particle_facts(const points::FieldFigures& figures) {
   std::vector<WorkFact> facts;
-  const std::uint64_t all = figures.particles + figures.particles_dropped;
-  facts.push_back(
-      {"particles", "made into a field", figures.particles, all,
-       fmt::format("{} particles of radius {:.6g}{}, by samples {:.6g} apart in {} bricks (8x8x8)", figures.particles,
-                   figures.radius, figures.radius_suggested ? ", half the median distance to the nearest one" : "",
-                   figures.spacing, figures.bricks_stored)});
+  const std::uint64_t all = figures.particles + figures.particles_dropped + figures.particles_too_small;
+  const std::string radius = !figures.radius_attribute.empty() ? ", the median of theirs"
+                             : figures.radius_suggested        ? ", half the median distance to the nearest one"
+                                                               : "";
+  facts.push_back({"particles", "made into a field", figures.particles, all,
+                   fmt::format("{} particles of radius {:.6g}{}, by samples {:.6g} apart in {} bricks (8x8x8)",
+                               figures.particles, figures.radius, radius, figures.spacing, figures.bricks_stored)});
   if (figures.particles_dropped > 0) {
     facts.push_back({"particles_not_finite", "left out", figures.particles_dropped, all,
                      fmt::format("{} of {} particles, at places that are no numbers", figures.particles_dropped, all)});
+  }
+  if (figures.particles_too_small > 0) {
+    facts.push_back({"particles_too_small", "left out", figures.particles_too_small, all,
+                     fmt::format("{} of {} particles, of less radius than {} samples", figures.particles_too_small, all,
+                                 points::kLeastSphere)});
   }
   if (figures.bricks_inside > 0 || figures.particles_left_out > 0) {
     facts.push_back({"particles_inside", "left out", figures.particles_left_out, figures.particles,

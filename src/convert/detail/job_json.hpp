@@ -36,7 +36,8 @@ concept JsonValue = std::same_as<T, bool> || std::same_as<T, double> || std::sam
 
 template <class T>
 concept JobStructure = std::same_as<T, volumes::RawLayout> || std::same_as<T, ParticleOptions> ||
-    std::same_as<T, SimplifyBound> || std::same_as<T, OutputFileJob> || std::same_as<T, ConversionJob>;
+    std::same_as<T, SimplifyBound> || std::same_as<T, OutputFileJob> || std::same_as<T, FilterStep> ||
+    std::same_as<T, FieldFileOptions> || std::same_as<T, ConversionJob>;
 
 class JobJson {
  public:
@@ -233,6 +234,11 @@ class JobJson {
     } else if constexpr (std::same_as<Structure, SimplifyBound>) {
       each("distance", value.distance);
       each("in_world_units", value.in_world_units);
+    } else if constexpr (std::same_as<Structure, FilterStep>) {
+      each("filter", value.filter);
+      each("width", value.width);
+    } else if constexpr (std::same_as<Structure, FieldFileOptions>) {
+      each("half", value.as_half);
     } else if constexpr (std::same_as<Structure, OutputFileJob>) {
       each("path", value.path);
       each("iso", value.isos);
@@ -252,6 +258,7 @@ class JobJson {
     each("origin", job.source.read.origin);
     each("inside", job.source.read.kind);
     each("particles", job.source.particles);
+    each("filters", job.source.filters);
     each("resolution", job.source.resolution);
     each("roi", job.source.roi);
     each("space", job.source.placement.space);
@@ -276,6 +283,7 @@ class JobJson {
     each("quantize", job.packing.quantize);
     each("position_bits", job.packing.position_bits);
     each("optimize_order", job.packing.optimize_order);
+    each("field_file", job.field_file);
     each("outputs", job.outputs);
   }
 };

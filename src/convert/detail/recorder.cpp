@@ -26,6 +26,12 @@ void Recorder::made_field(const ParticleRecord& record) {
   listener_.made_field(record);
 }
 
+void Recorder::filtered(const WorkFact& fact, const StageTime& time) {
+  outcome_.stages.push_back({"filter", std::nullopt, time});
+  outcome_.work.push_back(fact);
+  listener_.filtered(fact, time);
+}
+
 void Recorder::resampled(const field::ScalarField& grid, const WorkFact& fact, const StageTime& time) {
   outcome_.stages.push_back({"resample", std::nullopt, time});
   outcome_.work.push_back(fact);
@@ -88,6 +94,13 @@ void Recorder::written(const WrittenOutput& output) {
   if (!output.isos.empty()) outcome_.stages.push_back({"write", std::nullopt, output.time});
   outcome_.files.insert(outcome_.files.end(), output.files.begin(), output.files.end());
   listener_.written(output);
+}
+
+void Recorder::wrote_field(const WrittenField& field) {
+  outcome_.stages.push_back({"write", std::nullopt, field.time});
+  outcome_.work.insert(outcome_.work.end(), field.work.begin(), field.work.end());
+  outcome_.files.push_back({field.job.path, field.bytes});
+  listener_.wrote_field(field);
 }
 
 void Recorder::recorded(const std::vector<MeshRecord>& meshes, const StageTime& time) {

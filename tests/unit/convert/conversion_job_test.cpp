@@ -30,6 +30,7 @@ ConversionJob full_job() {
                           .bad = points::BadParticles::skip,
                           .columns = std::array<std::string, 3>{"x", "2", "z"},
                           .attributes = {"density", "velocity"}};
+  job.source.filters = {{volumes::LevelSetFilter::median, 2}, {volumes::LevelSetFilter::mean, 1}};
   job.source.resolution = glm::ivec3(10, 20, 30);
   job.source.roi = field::Box{{-1, -2, -3}, {1, 2, 3}};
   job.source.placement = {Space::index, UpAxis::y, true, 0.001, "mm"};
@@ -43,6 +44,7 @@ ConversionJob full_job() {
   job.format = meshes::MeshFormat::stl;
   job.ascii = true;
   job.packing = {meshes::Compression::draco, true, 12, true};
+  job.field_file = FieldFileOptions{true};
   job.outputs = {{"a.stl", {0.1}}, {"-", {1.0 / 3, -5}}};
   return job;
 }
