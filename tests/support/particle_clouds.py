@@ -119,13 +119,16 @@ def polygons_of_ply(path):
 
 
 def volume_of(vertices, polygons):
-    """Whichever way the polygons wind: OpenVDB's face inwards."""
+    """Whichever way the polygons wind: OpenVDB's face inwards. Around a vertex, as products of far coordinates cancel."""
     total = 0.0
+    x, y, z = vertices[0]
     for first, *others in polygons:
         ax, ay, az = vertices[first]
+        ax, ay, az = ax - x, ay - y, az - z
         for b, c in zip(others, others[1:]):
             bx, by, bz = vertices[b]
             cx, cy, cz = vertices[c]
+            bx, by, bz, cx, cy, cz = bx - x, by - y, bz - z, cx - x, cy - y, cz - z
             total += ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
     return abs(total) / 6
 
