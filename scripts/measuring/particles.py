@@ -339,7 +339,8 @@ def page(measured):
     figures = measured["figures"]
     cloud, dented = figures["clouds"]["ball"], figures["clouds"]["dented"]
     return f"""Whole commands, from PLY to PLY. All are warm: the median of {figures['rounds']} rounds in which the commands ran in turn, after one that
-is thrown away. Peaks are resident memory of the process, as its report has it; *reserved* is what was counted against the memory limit.
+is thrown away. Peaks are resident memory of the process, of which none below {number(figures['peak_floor'])} MiB can be told, as the measuring
+process has as much; *reserved* is what was counted against the memory limit.
 
 ## A ball
 
