@@ -20,6 +20,8 @@ class ContentReader {
  public:
   explicit ContentReader(const files::InputFile& file);
 
+  [[nodiscard]] const Context& context() const { return file_.context(); }
+
   // Where in the content the next byte is.
   [[nodiscard]] std::uint64_t position() const { return start_ + begin_; }
   // No more bytes than that follow, however much a header tells of.
