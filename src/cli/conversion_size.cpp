@@ -47,7 +47,9 @@ Result<std::uint64_t> estimated_memory(const convert::ConversionJob& job, const 
   if (!source) return tl::unexpected(source.error());
   // To make a field of particles takes more than to keep it.
   std::uint64_t most = source->of_particles ? kProgramBytes + context.memory().peak() : 0;
-  for (const double iso : job.isos()) most = std::max(most, estimated_bytes(size_of(source->field, iso)));
+  for (const convert::ResolvedIso& iso : source->isos) {
+    most = std::max(most, estimated_bytes(size_of(source->field, iso.value)));
+  }
   return most;
 }
 

@@ -88,7 +88,7 @@ Result<std::string> take_iso_of_method(ConvertFlags& flags, const std::string& i
     source.particles = std::move(*particles);
     if (!convert::is_particles(source).value_or(false)) return std::string();
   }
-  flags.isos.push_back(method.iso);
+  flags.isos.emplace_back(method.iso);
   return fmt::format("iso {}, the usual one of {}; --iso V takes another", method.iso, method.title);
 }
 

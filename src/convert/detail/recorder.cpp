@@ -26,6 +26,12 @@ void Recorder::made_field(const ParticleRecord& record) {
   listener_.made_field(record);
 }
 
+void Recorder::resolved(const std::vector<ResolvedIso>& isos, const std::optional<StageTime>& time) {
+  if (time) outcome_.stages.push_back({"statistics", std::nullopt, *time});
+  outcome_.isos = isos;
+  listener_.resolved(isos, time);
+}
+
 void Recorder::resampled(const field::ScalarField& grid, const WorkFact& fact, const StageTime& time) {
   outcome_.stages.push_back({"resample", std::nullopt, time});
   outcome_.work.push_back(fact);
@@ -53,7 +59,7 @@ void Recorder::extracted(const ExtractedSurface& surface) {
   }
   outcome_.stages.push_back({"count", surface.iso, stats.count});
   outcome_.stages.push_back({"emit", surface.iso, stats.emit});
-  outcome_.extractions.push_back({surface.iso, surface.triangles, surface.work});
+  outcome_.extractions.push_back({surface.iso, surface.asked, surface.triangles, surface.work});
   listener_.extracted(surface);
 }
 
