@@ -1,11 +1,11 @@
 // Grids of OpenVDB that the built-in reader leaves: bool, mask and int64; vectors, by component or length; and those in
 // a frustum, resampled.
 //
-// A grid of vectors is listed as four: NAME[x], NAME[y], NAME[z] and NAME[length]. Masks and bools are 1 and 0. int64 is
-// double, which holds whole numbers up to 2^53.
+// A grid of vectors is listed as four: NAME[x], NAME[y], NAME[z] and NAME[length]. Masks and bools are 1 and 0. int64
+// is double, which holds whole numbers up to 2^53.
 //
-// A frustum's samples are taken, by trilinear interpolation, at those of a cubic grid along the world's axes. Its spacing
-// is the shortest edge of the voxel in the middle of the frustum; one of its samples is at the world's origin.
+// A frustum's samples are taken, by trilinear interpolation, at those of a cubic grid along the world's axes. Its
+// spacing is the shortest edge of the voxel in the middle of the frustum; one of its samples is at the world's origin.
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -128,7 +128,7 @@ void add_grid(Listed& listed, const std::string& stored_name, const openvdb::Gri
   const auto add = [&](Part part, const char* suffix, std::int32_t sample_type) {
     Entry entry;
     entry.stored_name = stored_name;
-    entry.name = grid.getName() + suffix;
+    entry.name = (grid.getName().empty() ? stored_name : grid.getName()) + suffix;  // not all writers repeat it
     entry.type = grid.valueType();
     entry.part = part;
     entry.in_frustum = !grid.transform().isLinear();
@@ -220,8 +220,8 @@ openvdb::FloatGrid::Ptr as_floats(const Grid& grid, const Conversion<float>& con
   return floats;
 }
 
-// A grid in a frustum, sampled where the samples of a cubic grid along the world's axes are. OpenVDB's own resampler does
-// not compile as C++20 with oneTBB.
+// A grid in a frustum, sampled where the samples of a cubic grid along the world's axes are. OpenVDB's own resampler
+// does not compile as C++20 with oneTBB.
 class Resampling {
  public:
   Resampling(const openvdb::FloatGrid& source, double spacing)
@@ -239,7 +239,7 @@ class Resampling {
       for (const openvdb::Coord& at : leaves) target_->tree().touchLeaf({8 * at.x(), 8 * at.y(), 8 * at.z()});
     });
     openvdb::tree::LeafManager<openvdb::FloatTree> leaves(target_->tree());
-    leaves.foreach([&](Leaf& leaf, std::size_t) {
+    leaves.foreach ([&](Leaf& leaf, std::size_t) {
       if (!interrupter.wasInterrupted()) sample(leaf);
     });
     interrupter.check();
@@ -402,15 +402,8 @@ void free_samples(isoextract_volume_samples* samples) { delete static_cast<Spars
 
 const char* error_text() { return problem.c_str(); }
 
-constexpr isoextract_volume_plugin_v2 kPlugin{ISOEXTRACT_VOLUME_PLUGIN_VERSION,
-                                              "openvdb",
-                                              "OpenVDB",
-                                              probe,
-                                              list,
-                                              free_list,
-                                              open,
-                                              free_samples,
-                                              error_text};
+constexpr isoextract_volume_plugin_v2 kPlugin{
+    ISOEXTRACT_VOLUME_PLUGIN_VERSION, "openvdb", "OpenVDB", probe, list, free_list, open, free_samples, error_text};
 
 }  // namespace
 

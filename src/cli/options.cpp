@@ -124,7 +124,7 @@ std::unique_ptr<CommandLine> declare_command_line() {
   auto line = std::make_unique<CommandLine>();
   CLI::App& app = line->app;
   app.name("isoextract");
-  app.description("Extract isosurfaces from volumes and particles and write them as meshes.");
+  app.description("Extract isosurfaces from volumes and particles as meshes.");
   app.allow_extras();
   app.set_help_flag("-h,--help", "Show an overview and exit.")->group("Run");
   app.set_version_flag("--version", "isoextract " + std::string(version()), "Show the version and exit.")->group("Run");

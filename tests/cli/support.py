@@ -64,7 +64,7 @@ class ProgramTest(unittest.TestCase):
         """Exit code, the form of the message, and what the message and hint must contain. stdout stays empty."""
         self.assertEqual(run.code, code, run.err)
         self.assertEqual(run.out or b"", b"")
-        self.assertTrue(run.err.startswith("isoextract: error: "), run.err)
+        self.assertRegex(run.err, r"\A(isoextract: note: .*\n)*isoextract: error: ")
         for part in parts:
             self.assertIn(part, run.err)
 

@@ -83,7 +83,8 @@ def grid(name="density", voxels=None, background=0.0, transform=None, kind="floa
 
 def vdb(*grids, stream=False):
     """The bytes of a file. Grids of one name are told apart as OpenVDB does it: by what follows a separator."""
-    out = struct.pack("<qIIIB", 0x56444220, 224, 10, 0, NO_OFFSETS if stream else OFFSETS) + b"-" * 36
+    out = struct.pack("<qIIIB", 0x56444220, 224, 10, 0, NO_OFFSETS if stream else OFFSETS)
+    out += b"01234567-89ab-cdef-0123-456789abcdef"  # OpenVDB finds no grid behind what is no UUID
     out += metadata({}) + struct.pack("<i", len(grids))
     numbers = {}
     for name, kind, body in grids:

@@ -178,20 +178,14 @@ std::optional<TemporaryName::File> TemporaryName::make_file(const fs::path& fold
 
 std::optional<TemporaryName> TemporaryName::name_file(const fs::path& folder, int fd) {
   clean_once(folder);
-  const int lock = ::fcntl(fd, F_DUPFD_CLOEXEC, 0);
-  if (lock < 0) return std::nullopt;
-  static_cast<void>(::flock(lock, LOCK_EX | LOCK_NB));  // nobody else knows the file; not all file systems have locks
   const std::string from = fmt::format("/proc/self/fd/{}", fd);
   auto name = make(folder, [&](const char* fresh) {
     return ::linkat(AT_FDCWD, from.c_str(), AT_FDCWD, fresh, AT_SYMLINK_FOLLOW) == 0;
   });
-  if (name) {
-    name->lock_ = lock;
-  } else {
-    const int reason = errno;
-    ::close(lock);
-    errno = reason;
-  }
+  if (!name) return std::nullopt;
+  // For other containers, which do not see that its owner is alive. Not all file systems have locks.
+  name->lock_ = ::fcntl(fd, F_DUPFD_CLOEXEC, 0);
+  if (name->lock_ >= 0) static_cast<void>(::flock(name->lock_, LOCK_EX | LOCK_NB));
   return name;
 }
 

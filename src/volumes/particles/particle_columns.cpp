@@ -31,15 +31,16 @@ bool is_position(const ColumnGroup& group, const std::array<std::size_t, 3>& pos
                              [&](std::size_t column) { return std::ranges::count(position, column) > 0; });
 }
 
+// "it has: density, velocity"
 std::string attribute_list(const ParticleTable& table, const std::array<std::size_t, 3>& position) {
   std::string list;
   std::size_t named = 0;
   for (const ColumnGroup& group : table.groups) {
     if (!table.columns[group.columns.front()].numeric || is_position(group, position)) continue;
     if (++named > kMostNamed) return list + ", ...";
-    list += fmt::format("{}{}", named == 1 ? "" : ", ", printable(group.name, 80));
+    list += fmt::format("{}{}", named == 1 ? "it has: " : ", ", printable(group.name, 80));
   }
-  return list;
+  return named > 0 ? list : "it has none";
 }
 
 std::optional<std::size_t> find_column(const ParticleTable& table, std::string_view name) {
@@ -104,7 +105,7 @@ ColumnGroup named_attribute(const ParticleTable& table, const std::array<std::si
   }
   if (const auto column = find_column(table, name)) return {name, {*column}};
   throw DamagedParticles(fmt::format("there is no attribute '{}'", printable(name, 80)),
-                         "it has: " + attribute_list(table, position));
+                         attribute_list(table, position));
 }
 
 // "vx" -> "v" and 0; "Points:2" -> "Points" and 2. An empty stem is one of x, y and z alone.

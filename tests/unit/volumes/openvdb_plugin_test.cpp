@@ -121,8 +121,8 @@ TEST(OpenVdbVolume, VectorsByComponentAndLength) {
 TEST(OpenVdbVolume, ABoolGridBesideAFloatNeedsItsName) {
   NEEDS_OPENVDB_PLUGIN();
   const TempFolder folder;
-  write_vdb(folder / "v.vdb", {two_voxels<openvdb::FloatGrid>("density", 1, 2),
-                               two_voxels<openvdb::BoolGrid>("flags", true, true)});
+  write_vdb(folder / "v.vdb",
+            {two_voxels<openvdb::FloatGrid>("density", 1, 2), two_voxels<openvdb::BoolGrid>("flags", true, true)});
   EXPECT_EQ(must_grid(folder / "v.vdb").name, "density");
   EXPECT_EQ(must_grid(folder / "v.vdb", "flags").type(), field::SampleType::u8);
   EXPECT_FALSE(try_grid(folder / "v.vdb", "density[x]"));
