@@ -82,6 +82,7 @@ Json json_of(const FrameFigures& figures) {
   Json surfaces = Json::array();
   for (const SurfaceFigures& surface : figures.surfaces) {
     surfaces.push_back({{"iso", surface.iso},
+                        {"asked", surface.asked},
                         {"triangles", surface.triangles},
                         {"vertices", convert::optional_json(surface.vertices)},
                         {"components", convert::optional_json(surface.components)},
@@ -98,7 +99,8 @@ Json json_of(const FrameFigures& figures) {
 FrameFigures figures_of(const Json& json) {
   FrameFigures figures;
   for (const Json& surface : json.at("surfaces")) {
-    figures.surfaces.push_back({surface.at("iso").get<double>(), surface.at("triangles").get<std::uint64_t>(),
+    figures.surfaces.push_back({surface.at("iso").get<double>(), surface.value("asked", std::string()),
+                                surface.at("triangles").get<std::uint64_t>(),
                                 optional_of<std::uint64_t>(surface, "vertices"),
                                 optional_of<std::uint64_t>(surface, "components"), optional_of<bool>(surface, "closed"),
                                 optional_of<double>(surface, "area"), optional_of<double>(surface, "volume")});
@@ -114,7 +116,8 @@ FrameFigures figures_of(const Json& json) {
 FrameFigures figures_of(const convert::Outcome& outcome) {
   FrameFigures figures;
   for (const convert::ExtractionRecord& extraction : outcome.extractions) {
-    SurfaceFigures surface{extraction.iso, extraction.triangles, {}, {}, {}, {}, {}};
+    SurfaceFigures surface{extraction.iso, {}, extraction.triangles, {}, {}, {}, {}, {}};
+    if (!extraction.asked.is_number()) surface.asked = text_of(extraction.asked);
     const auto mesh = std::ranges::find(outcome.meshes, extraction.iso, &convert::MeshRecord::iso);
     if (mesh != outcome.meshes.end()) {
       surface.triangles = mesh->triangles;  // of the simplified mesh, where it was

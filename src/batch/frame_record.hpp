@@ -16,6 +16,7 @@ namespace isoextract::batch {
 
 struct SurfaceFigures {
   double iso = 0;
+  std::string asked;  // "p99"; empty where that was the number
   std::uint64_t triangles = 0;
   // Where the facts of meshes were asked for.
   std::optional<std::uint64_t> vertices;

@@ -32,18 +32,19 @@ bool has_figures(const FrameRow& row) { return row.status == FrameStatus::done |
 
 std::string table_csv(std::span<const FrameRow> rows) {
   std::string text =
-      "frame,input,output,status,iso,triangles,vertices,area,volume,closed,components,seconds,memory,bytes,error\r\n";
+      "frame,input,output,status,iso,asked,triangles,vertices,area,volume,closed,components,seconds,memory,bytes,"
+      "error\r\n";
   for (const FrameRow& row : rows) {
     const auto line = [&](const SurfaceFigures* surface) {
       std::vector<std::string> cells{fmt::format("{}", row.frame), quoted(row.input),
                                      row.outputs.empty() ? std::string() : quoted(row.outputs.front()),
                                      std::string(word_of(row.status))};
       if (surface != nullptr) {
-        cells.insert(cells.end(),
-                     {fmt::format("{}", surface->iso), fmt::format("{}", surface->triangles), cell(surface->vertices),
-                      cell(surface->area), cell(surface->volume), cell(surface->closed), cell(surface->components)});
+        cells.insert(cells.end(), {fmt::format("{}", surface->iso), surface->asked,
+                                   fmt::format("{}", surface->triangles), cell(surface->vertices), cell(surface->area),
+                                   cell(surface->volume), cell(surface->closed), cell(surface->components)});
       } else {
-        cells.insert(cells.end(), 7, std::string());
+        cells.insert(cells.end(), 8, std::string());
       }
       if (has_figures(row)) {
         cells.insert(cells.end(), {fmt::format("{:.6f}", row.figures.wall_seconds),
@@ -66,6 +67,7 @@ Json table_json(std::span<const FrameRow> rows) {
     Json surfaces = Json::array();
     for (const SurfaceFigures& surface : row.figures.surfaces) {
       surfaces.push_back({{"iso", surface.iso},
+                          {"asked", surface.asked.empty() ? Json(nullptr) : Json(surface.asked)},
                           {"triangles", surface.triangles},
                           {"vertices", convert::optional_json(surface.vertices)},
                           {"area", convert::optional_json(surface.area)},

@@ -33,8 +33,9 @@ struct FrameRow {
 };
 
 // RFC 4180, with a header, one row a surface; a frame without any has one row, whose iso is empty. Columns: frame,
-// input, output (the first of its files), status, iso, triangles, vertices, area, volume, closed, components, seconds,
-// memory, bytes, error. Cells of what is not known are empty. Figures of the whole frame stand in each of its rows.
+// input, output (the first of its files), status, iso, asked (auto, p99, ...; empty where that was the number),
+// triangles, vertices, area, volume, closed, components, seconds, memory, bytes, error. Cells of what is not known are
+// empty. Figures of the whole frame stand in each of its rows.
 [[nodiscard]] std::string table_csv(std::span<const FrameRow> rows);
 
 // A list of the frames, each with the list of its surfaces; what is not known is null.

@@ -76,6 +76,12 @@ std::optional<T> field_number(std::string_view text) {
   return number;
 }
 
+std::optional<convert::IsoChoice> iso_of(std::string_view text) {
+  const auto number = field_number<double>(text);
+  if (!number) return convert::iso_choice_of(text);
+  return std::isfinite(*number) ? std::optional<convert::IsoChoice>(*number) : std::nullopt;
+}
+
 char separator_of(std::string_view header) {
   for (const char separator : {'\t', ';'}) {
     if (header.find(separator) != std::string_view::npos) return separator;
@@ -162,10 +168,11 @@ Result<IsoTable> IsoTable::parse(std::string_view text, const std::string& name)
                                                 printable(frame_field, kShownField)));
     }
     const std::string& iso_field = (*fields)[columns->iso];
-    const auto iso = field_number<double>(iso_field);
-    if (!iso || !std::isfinite(*iso)) {
+    const auto iso = iso_of(iso_field);
+    if (!iso) {
       return fail(ErrorKind::input,
-                  fmt::format("{}: expected a finite iso value, found '{}'", place, printable(iso_field, kShownField)),
+                  fmt::format("{}: expected a finite iso value, auto or a percentile such as p99, found '{}'", place,
+                              printable(iso_field, kShownField)),
                   iso_field.find(',') == std::string::npos ? "" : "decimals have a point");
     }
     table.rows_.push_back({*frame, number, *iso});
@@ -184,8 +191,9 @@ Result<void> IsoTable::sort_rows() {
   const auto repeats = [](const Row& a, const Row& b) { return a.frame == b.frame && a.iso == b.iso; };
   const auto twice = std::ranges::adjacent_find(rows_, repeats);
   if (twice != rows_.end()) {
-    return fail(ErrorKind::input, fmt::format("{}:{}: expected iso {} of frame {} once, found it in line {} as well",
-                                              name_, std::next(twice)->line, twice->iso, twice->frame, twice->line));
+    return fail(ErrorKind::input,
+                fmt::format("{}:{}: expected iso {} of frame {} once, found it in line {} as well", name_,
+                            std::next(twice)->line, text_of(twice->iso), twice->frame, twice->line));
   }
   std::ranges::sort(rows_, {}, [](const Row& row) { return std::pair(row.frame, row.line); });
   isos_.reserve(rows_.size());
@@ -193,7 +201,7 @@ Result<void> IsoTable::sort_rows() {
   return {};
 }
 
-std::span<const double> IsoTable::isos_of(std::int64_t frame) const {
+std::span<const convert::IsoChoice> IsoTable::isos_of(std::int64_t frame) const {
   const auto first = std::ranges::lower_bound(rows_, frame, {}, &Row::frame);
   const auto end = std::ranges::upper_bound(rows_, frame, {}, &Row::frame);
   return {isos_.data() + (first - rows_.begin()), static_cast<std::size_t>(end - first)};

@@ -9,7 +9,8 @@
 // once each, in any order, and others are not looked at. Fields are separated by tabs, semicolons or commas: by the
 // first of these that the header has. They may be quoted ("0.15", with "" for a quote), but not go on over the end of a
 // line. All lines have as many fields as the header. A frame with several iso values has a row for each.
-// Numbers are written with a decimal point. A byte order mark, CR before line ends and blanks around fields are
+// An iso value may be auto or a percentile such as p99 as well (convert/iso_choice.hpp). Numbers are written with a
+// decimal point. A byte order mark, CR before line ends and blanks around fields are
 // ignored.
 #pragma once
 
@@ -23,6 +24,7 @@
 
 #include "base/context.hpp"
 #include "base/error.hpp"
+#include "convert/iso_choice.hpp"
 
 namespace isoextract::batch {
 
@@ -32,11 +34,11 @@ class IsoTable {
   [[nodiscard]] static Result<IsoTable> read(const std::filesystem::path& path, const Context& context = Context());
 
   // `name` is what messages call the text. Fails with ErrorKind::input for columns or fields that are missing, for what
-  // is no finite number or no frame, and for a row that is there twice; the message begins with "name:line".
+  // is no iso value or no frame, and for a row that is there twice; the message begins with "name:line".
   [[nodiscard]] static Result<IsoTable> parse(std::string_view text, const std::string& name);
 
   // In the order of the rows; empty where the frame has none.
-  [[nodiscard]] std::span<const double> isos_of(std::int64_t frame) const;
+  [[nodiscard]] std::span<const convert::IsoChoice> isos_of(std::int64_t frame) const;
 
   // Fails with ErrorKind::input where a frame has no row. Rows of other frames are no error: there may be more of them
   // than are converted this time.
@@ -46,13 +48,13 @@ class IsoTable {
   struct Row {
     std::int64_t frame = 0;
     std::size_t line = 0;
-    double iso = 0;
+    convert::IsoChoice iso;
   };
   [[nodiscard]] Result<void> sort_rows();
 
   std::string name_;
-  std::vector<Row> rows_;     // by frame, then as they were in the text
-  std::vector<double> isos_;  // of the rows
+  std::vector<Row> rows_;                 // by frame, then as they were in the text
+  std::vector<convert::IsoChoice> isos_;  // of the rows
 };
 
 }  // namespace isoextract::batch

@@ -112,11 +112,11 @@ Result<void> check_words(const OutputSource& source, const OutputTemplate& names
 }
 
 OutputFiles files_of(const OutputSource& source, const OutputTemplate& names) {
-  OutputWords words{stem_of(source.input), source.frame, source.grid, 0};
+  OutputWords words{stem_of(source.input), source.frame, source.grid, {}};
   if (!names.uses(OutputWord::iso)) return {{names.expand(words), source.isos}};
   OutputFiles files;
-  for (const double iso : source.isos) {
-    words.iso = iso;
+  for (const convert::IsoChoice& iso : source.isos) {
+    words.iso = text_of(iso);
     files.push_back({names.expand(words), {iso}});
   }
   return files;

@@ -17,8 +17,8 @@ namespace isoextract::batch {
 struct OutputSource {
   std::int64_t frame = 0;
   std::string input;
-  std::string grid;          // the one that was chosen; empty where none was
-  std::vector<double> isos;  // each once
+  std::string grid;                      // the one that was chosen; empty where none was
+  std::vector<convert::IsoChoice> isos;  // each once
 
   friend bool operator==(const OutputSource&, const OutputSource&) = default;
 };

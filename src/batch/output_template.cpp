@@ -44,7 +44,7 @@ std::string OutputTemplate::expand(const OutputWords& words) const {
       case OutputWord::stem: name += safe_in_file_names(words.stem); break;
       case OutputWord::frame: name += frame_digits(words.frame, part.width); break;
       case OutputWord::grid: name += safe_in_file_names(words.grid); break;
-      case OutputWord::iso: name += fmt::format("{}", words.iso); break;
+      case OutputWord::iso: name += words.iso; break;
     }
   }
   return name + end_;

@@ -23,7 +23,7 @@ struct OutputWords {
   std::string stem;
   std::int64_t frame = 0;
   std::string grid;
-  double iso = 0;
+  std::string iso;  // as convert::text_of() has it
 };
 
 class OutputTemplate {
@@ -35,7 +35,7 @@ class OutputTemplate {
 
   [[nodiscard]] bool uses(OutputWord word) const;
 
-  // The iso value has as many digits as tell it from its neighbours. Stem and grid come out as safe_in_file_names().
+  // Stem and grid come out as safe_in_file_names().
   [[nodiscard]] std::string expand(const OutputWords& words) const;
 
  private:

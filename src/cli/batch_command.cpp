@@ -176,9 +176,10 @@ class FrameKeeper final : public batch::FrameEvents {
 
   Result<void> report(const batch::FrameJob& frame, const convert::Outcome& outcome) const {
     const convert::SourceOptions& source = frame.job.source;
-    const std::vector<double> isos = frame.job.isos();
-    const std::string path = plan_.report->expand(
-        {batch::stem_of(source.input), frame.number, source.read.grid.value_or(""), isos.empty() ? 0 : isos.front()});
+    const std::vector<convert::IsoChoice> isos = frame.job.isos();
+    const std::string path =
+        plan_.report->expand({batch::stem_of(source.input), frame.number, source.read.grid.value_or(""),
+                              isos.empty() ? "" : text_of(isos.front())});
     if (auto checked = check_report_file(path, frame.job); !checked) return checked;
     return write_report(path, &frame.job, outcome, arguments_, plan_.common.memory.limit());
   }

@@ -6,6 +6,7 @@
 #include <variant>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <tbb/task_arena.h>
 
 #include "batch/find_frames.hpp"
@@ -61,6 +62,19 @@ Result<std::vector<batch::OutputSource>> sources_of(const ConvertFlags& flags, c
     sources.push_back(std::move(source));
   }
   return sources;
+}
+
+// Values that each frame gives itself. Those of a table were chosen by frame.
+std::string changing_isos(const ConvertFlags& flags, std::size_t frames) {
+  std::vector<std::string> words;
+  for (const convert::IsoChoice& iso : flags.isos) {
+    if (!iso.is_number()) words.push_back(text_of(iso));
+  }
+  if (words.empty() || frames < 2) return {};
+  return fmt::format(
+      "--iso {}: found for each frame by itself, so surfaces may jump from one to the next; a number is "
+      "the same for all",
+      fmt::join(words, ", "));
 }
 
 bool wants_all_volumes(const ConvertFlags& flags) {
@@ -221,6 +235,7 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
   auto common = plan_conversion(one, sources->front().input, sources->front().isos);
   if (!common) return tl::unexpected(common.error());
   plan.common = std::move(*common);
+  if (std::string note = changing_isos(flags, sources->size()); !note.empty()) found->notes.push_back(std::move(note));
   for (std::string& note : found->notes) plan.common.notes.push_back(std::move(note));
   auto outputs = flags.batch.animate ? plan_animation(flags, *sources, plan.common.job.format, plan.batch)
                                      : batch::name_outputs(*sources, flags.output, plan.common.job.format,

@@ -7,13 +7,16 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/printable.hpp"
 #include "cli/bench_report.hpp"
 #include "cli/gnuplot.hpp"
 #include "cli/gpu_threads_report.hpp"
 #include "cli/progress_bar.hpp"
 #include "convert/output_checks.hpp"
+#include "convert/particle_source.hpp"
 #include "convert/source.hpp"
 #include "field/demo_field.hpp"
+#include "files/file_bytes.hpp"
 #include "files/output_file.hpp"
 
 namespace isoextract::cli {
@@ -105,9 +108,23 @@ class Bench {
     return measure::bench_demo(spec->name, plan_.sizes, options, context);
   }
 
+  // Coarser versions of the field of particles are no fields of theirs.
+  [[nodiscard]] Result<void> check_volume(const std::string& input, const Context& context) const {
+    convert::SourceOptions source;
+    source.input = input;
+    source.read = plan_.read;
+    if (!convert::is_particles(source, context).value_or(false)) return {};  // the reader says best what else is wrong
+    return fail(ErrorKind::usage,
+                fmt::format("{}: expected a volume, found particles: bench compares resolutions of a volume's samples, "
+                            "and particles have none",
+                            printable(files::shown_input_name(input))),
+                "--report FILE of a conversion has the time of each stage, and --error measures its mesh");
+  }
+
   Result<measure::BenchResult> measure_file(const std::string& input) const {
     std::optional<field::ScalarField> field;
     const Context context{plan_.memory};
+    if (auto checked = check_volume(input, context); !checked) return tl::unexpected(checked.error());
     {
       const ProgressBar bar(context.progress(), bar_wanted());
       convert::Events unheard;

@@ -52,7 +52,9 @@ Result<std::uint64_t> estimated_memory(const convert::ConversionJob& job, const 
     const ConversionSize size = size_of_samples(source->field);
     most = std::max(most, kProgramBytes + size.sample_bytes + size.samples * 2 * sizeof(float));
   }
-  for (const double iso : job.isos()) most = std::max(most, estimated_bytes(size_of(source->field, iso)));
+  for (const convert::ResolvedIso& iso : source->isos) {
+    most = std::max(most, estimated_bytes(size_of(source->field, iso.value)));
+  }
   return most;
 }
 

@@ -19,7 +19,8 @@ struct ConversionSize {
   std::uint64_t vertices = 0;
 };
 
-inline constexpr std::uint64_t kProgramBytes = std::uint64_t{40} << 20U;  // the program itself
+// The program itself, on a few threads and without the libraries that plug-ins load.
+inline constexpr std::uint64_t kProgramBytes = std::uint64_t{14} << 20U;
 
 // Only of the samples.
 [[nodiscard]] ConversionSize size_of_samples(const field::ScalarField& field);

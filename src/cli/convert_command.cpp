@@ -108,6 +108,10 @@ class Narrator final : public convert::Events {
     explain(fact);
   }
 
+  void resolved(const std::vector<convert::ResolvedIso>& /*isos*/, const std::optional<StageTime>& time) override {
+    if (time) tell_stage(fmt::format("{}: iso values found in {}", label_, times_text(*time)));
+  }
+
   void resampled(const field::ScalarField& /*grid*/, const convert::WorkFact& fact, const StageTime& time) override {
     tell_stage(fmt::format("{}: resampled in {}", label_, times_text(time)));
     explain(fact);

@@ -12,9 +12,9 @@ namespace {
 
 void declare_convert_surface(CLI::App& app, ConvertFlags& flags) {
   const Group group(app, "Surface");
-  group.values("--iso", "V", flags.isos, parse_number,
-               "The value whose surface is extracted. Required but for particles, whose method has one; several times "
-               "for several surfaces. 'isoextract info INPUT' suggests one.");
+  group.values("--iso", "V", flags.isos, parse_iso,
+               fmt::format("{} Required but for particles, whose method has one; several times for several surfaces.",
+                           kIsoText));
   declare_surface(group, flags.surface);
   group.choice("--normals", flags.normals,
                "Normals to store: none, one a triangle, or the field's gradient at each vertex (default: smooth for "
@@ -36,8 +36,9 @@ void declare_frames(CLI::App& app, BatchFlags& flags) {
   group.value("--frames", "A-BxS,...", flags.frames, parse_frames,
               "Frames to convert, such as 1-240, 1-240x2 or 1-10,20 (default: all that match INPUT). Those that are "
               "not there are told.");
-  group.value<std::string>("--iso-table", "FILE", flags.iso_table, parse_text,
-                           "Iso values by frame, in place of --iso: a CSV file with the columns frame and iso.");
+  group.value<std::string>(
+      "--iso-table", "FILE", flags.iso_table, parse_text,
+      "Iso values by frame, in place of --iso and in its words: a CSV file with the columns frame and iso.");
   group.flag("--animate", flags.animate,
              "Write all frames into one .glb that plays them, named after -o. The first frame is at 0 seconds, gaps in "
              "the numbering keep their time, and a frame that fails is left out: the one before it is shown longer. "
@@ -99,8 +100,8 @@ void declare_output(CLI::App& app, ConvertFlags& flags) {
       "itself, resampled and filtered where that is asked for, as an OpenVDB file in place of a "
       "mesh, which needs no --iso and takes no option of surfaces (default: the input's name with .glb, in "
       "the current folder; an input from stdin has none). '-' is stdout and needs --format. "
-      "'{iso}' stands for the iso value and gives each its own file. A file gets its name when it "
-      "is whole. What a killed run leaves, on some file systems, is called "
+      "'{iso}' stands for the iso value as it was given, be it a number or a word such as p99, and gives each "
+      "its own file. A file gets its name when it is whole. What a killed run leaves, on some file systems, is called "
       ".isoextract-HOST-PID-N and stays until the next run writes into that folder.");
   std::vector<Choice<OutputFormat>> formats;
   for (const meshes::MeshFormatInfo& info : meshes::mesh_formats()) {

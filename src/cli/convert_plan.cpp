@@ -46,8 +46,8 @@ Result<convert::Normals> plan_normals(const ConvertFlags& flags, meshes::MeshFor
   return flags.normals.value_or(is_gltf(format) ? convert::Normals::smooth : convert::Normals::none);
 }
 
-std::string with_iso(std::string path, double iso) {
-  const std::string text = fmt::format("{}", iso);
+std::string with_iso(std::string path, const convert::IsoChoice& iso) {
+  const std::string text = text_of(iso);
   for (std::size_t at = path.find(kIsoPattern); at != std::string::npos; at = path.find(kIsoPattern, at)) {
     path.replace(at, kIsoPattern.size(), text);
     at += text.size();
@@ -73,7 +73,7 @@ Result<std::vector<convert::OutputFileJob>> plan_outputs(const ConvertFlags& fla
   }
   if (path.find(kIsoPattern) != std::string::npos) {
     std::vector<convert::OutputFileJob> jobs;
-    for (const double iso : flags.isos) jobs.push_back({with_iso(path, iso), {iso}});
+    for (const convert::IsoChoice& iso : flags.isos) jobs.push_back({with_iso(path, iso), {iso}});
     return jobs;
   }
   if (flags.isos.size() > 1 && !format.holds_several_meshes) {
@@ -88,7 +88,7 @@ Result<std::vector<convert::OutputFileJob>> plan_outputs(const ConvertFlags& fla
 }  // namespace
 
 Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string& input,
-                                    const std::vector<double>& isos) {
+                                    const std::vector<convert::IsoChoice>& isos) {
   if (flags.report && (flags.report->empty() || *flags.report == "-")) {
     return refuse_usage(fmt::format("--report needs the name of a file, found '{}'", *flags.report));
   }
@@ -192,7 +192,7 @@ std::vector<convert::ConversionJob> plan_files(const ConvertFlags& flags) {
                                  ? fmt::format("{}.{}", batch::stem_of(input), kFieldFormat)
                                  : output_path(flags, input, meshes::mesh_format_info(format));
     job.outputs.push_back({path, {}});
-    for (const double iso : flags.isos) job.outputs.push_back({with_iso(path, iso), {iso}});
+    for (const convert::IsoChoice& iso : flags.isos) job.outputs.push_back({with_iso(path, iso), {iso}});
   }
   return jobs;
 }

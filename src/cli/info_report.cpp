@@ -33,7 +33,7 @@ glm::dvec3 spacing_of(const field::Affine& map) {
 }
 
 void add_grids(NamedLines& lines, const InputReport& report) {
-  if (report.grids.size() == 1 && report.field) return;
+  if (report.particles || (report.grids.size() == 1 && report.field)) return;
   lines.add("grids", fmt::format("{}", report.grids.size()));
   std::size_t name_width = 4;
   for (const volumes::GridInfo& grid : report.grids) name_width = std::max(name_width, grid.label.size());

@@ -33,8 +33,8 @@ void declare_verify(CLI::App& app, VerifyFlags& flags) {
           "was placed unless options do. Without one the backends are compared with each other.");
   declare_particles(app, flags.particles);
   const Group surface(app, "Surface");
-  surface.values("--iso", "V", flags.isos, parse_number,
-                 "The value whose surface is verified. Required; several times for the several surfaces of a mesh.");
+  surface.values("--iso", "V", flags.isos, parse_iso,
+                 fmt::format("{} Required; several times for the several surfaces of a mesh.", kIsoText));
   declare_surface(surface, flags.surface);
   declare_placement(app, flags.placement);
   Group(app, "Output").flag("--json", flags.json, "Report as JSON.");

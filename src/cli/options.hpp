@@ -129,7 +129,7 @@ struct ConvertFlags {
   BatchFlags batch;
   std::optional<convert::Backend> backend;
   DeviceFlags device;
-  std::vector<double> isos;
+  std::vector<convert::IsoChoice> isos;
   SurfaceFlags surface;
   std::optional<convert::Normals> normals;
   std::optional<convert::SimplifyBound> simplify;
@@ -163,7 +163,7 @@ struct VerifyFlags {
   InputFlags input;
   ParticleFlags particles;
   std::optional<std::string> mesh;
-  std::vector<double> isos;
+  std::vector<convert::IsoChoice> isos;
   SurfaceFlags surface;
   PlacementFlags placement;
   DeviceFlags device;

@@ -92,7 +92,7 @@ Result<std::string> take_iso_of_method(ConvertFlags& flags, const std::string& i
     if (!of_particles && of_particles.error().kind == ErrorKind::usage) return tl::unexpected(of_particles.error());
     if (!of_particles.value_or(false)) return std::string();  // what cannot be read is told where it is read
   }
-  flags.isos.push_back(method.iso);
+  flags.isos.emplace_back(method.iso);
   return fmt::format("iso {}, the usual one of {}; --iso V takes another", method.iso, method.title);
 }
 

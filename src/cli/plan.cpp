@@ -73,15 +73,16 @@ Result<convert::Placement> plan_placement(const PlacementFlags& flags, meshes::M
   return placement;
 }
 
-Result<void> check_isos(const std::vector<double>& isos, const std::string& input) {
+Result<void> check_isos(const std::vector<convert::IsoChoice>& isos, const std::string& input) {
   if (isos.empty()) {
     return refuse_usage("--iso V is missing: the value whose surface is extracted",
-                        fmt::format("'isoextract info {}' shows the values and suggests one", shell_quoted(input)));
+                        fmt::format("'isoextract info {}' shows the values and suggests one, which --iso auto takes",
+                                    shell_quoted(input)));
   }
-  std::vector<double> sorted = isos;
+  std::vector<convert::IsoChoice> sorted = isos;
   std::sort(sorted.begin(), sorted.end());
   const auto repeated = std::adjacent_find(sorted.begin(), sorted.end());
-  if (repeated != sorted.end()) return refuse_usage(fmt::format("--iso {} was given twice", *repeated));
+  if (repeated != sorted.end()) return refuse_usage(fmt::format("--iso {} was given twice", text_of(*repeated)));
   return {};
 }
 

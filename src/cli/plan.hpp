@@ -41,7 +41,7 @@ struct VerifyPlan {
   MemoryBudget memory;
   convert::SourceOptions source;
   convert::SurfaceOptions surface;
-  std::vector<double> isos;
+  std::vector<convert::IsoChoice> isos;
   std::optional<std::string> mesh;  // none: the backends are compared
   gpu::GpuChoice gpu;
   bool float32_world = false;  // the mesh's format has float32 world coordinates only
@@ -84,7 +84,7 @@ struct BenchPlan {
 // All of it but which files are read and written: the job's input is empty, and it has no outputs. `input` and `isos`
 // are the first that there are, for messages.
 [[nodiscard]] Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string& input,
-                                                  const std::vector<double>& isos);
+                                                  const std::vector<convert::IsoChoice>& isos);
 // By the extension of a picture's name.
 [[nodiscard]] Result<PictureFormat> picture_format_of(const std::string& path);
 // Of options that make no plan: what they name all the same, as a job an input with its files and nothing else. There

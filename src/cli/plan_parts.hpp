@@ -28,6 +28,6 @@ namespace isoextract::cli {
 [[nodiscard]] Result<convert::Placement> plan_placement(const PlacementFlags& flags, meshes::MeshFormat format,
                                                         std::vector<std::string>& notes);
 // Some, and each once.
-[[nodiscard]] Result<void> check_isos(const std::vector<double>& isos, const std::string& input);
+[[nodiscard]] Result<void> check_isos(const std::vector<convert::IsoChoice>& isos, const std::string& input);
 
 }  // namespace isoextract::cli

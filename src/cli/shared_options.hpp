@@ -15,6 +15,14 @@ inline constexpr const char* kMemoryLimitText =
     "Refuse an input that needs more memory than this, such as 512M or 8G (default: the machine's memory). Samples "
     "that are mapped from their file, not copied, need none.";
 
+// What --iso takes.
+inline constexpr const char* kIsoText =
+    "The value whose surface is extracted: a number; p99, p0.5 and so on, the percentile of the input's samples; or "
+    "auto, "
+    "what 'isoextract info INPUT' suggests, for particles the usual value of the method. Percentiles are of all "
+    "samples "
+    "that are numbers, without the background of sparse grids, whatever --roi and --resolution leave of them.";
+
 // `what` says of the inputs what they are for.
 void declare_input(CLI::App& app, InputFlags& flags, const std::string& metavar, const std::string& what);
 void declare_particles(CLI::App& app, ParticleFlags& flags);

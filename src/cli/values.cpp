@@ -107,6 +107,15 @@ Result<double> parse_number(std::string_view text) {
   return *number;
 }
 
+Result<convert::IsoChoice> parse_iso(std::string_view text) {
+  if (const auto choice = convert::iso_choice_of(text)) return *choice;
+  const auto number = whole_text_as<double>(text);
+  if (!number || !std::isfinite(*number)) {
+    return expected_found("a finite number, auto or a percentile from p0 to p100", text);
+  }
+  return convert::IsoChoice(*number);
+}
+
 Result<double> parse_positive(std::string_view text) {
   const auto number = whole_text_as<double>(text);
   if (!number || !std::isfinite(*number) || *number <= 0) return expected_found("a number above 0", text);

@@ -32,6 +32,15 @@ class Notes final : public convert::Events {
   ProgressBar& bar_;
 };
 
+// The samples of the source with the iso values that were asked for.
+Result<convert::Source> open_source(const VerifyPlan& plan, const Context& context, convert::Events& events) {
+  convert::SourceUse use;
+  use.isos = plan.isos;
+  auto source = convert::open_source(plan.source, use, context, events);
+  if (source) source->isos = convert::each_once(source->isos);  // a mesh has one surface of each value
+  return source;
+}
+
 // Of one surface.
 Result<convert::VerificationRecord> compare_surface(const VerifyPlan& plan, double iso, const convert::Source& source,
                                                     extract::Extractor& first, extract::Extractor& second,
@@ -62,11 +71,11 @@ Result<void> verify_backends(const VerifyPlan& plan, const Messages& messages, c
   {
     ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
     Notes notes(messages, bar);
-    const auto source = convert::open_source(plan.source, {}, context, notes);
+    const auto source = open_source(plan, context, notes);
     if (!source) return tl::unexpected(source.error());
     label = source->label;
-    for (const double iso : plan.isos) {
-      auto record = compare_surface(plan, iso, *source, *first, *second->extractor, context);
+    for (const convert::ResolvedIso& iso : source->isos) {
+      auto record = compare_surface(plan, iso.value, *source, *first, *second->extractor, context);
       if (!record) return tl::unexpected(std::move(record.error()));
       records.push_back(std::move(*record));
     }
@@ -126,8 +135,8 @@ std::string hint_for(const measure::MeshMatch& match) {
 Result<mesh::Mesh> extract_all(const VerifyPlan& plan, const convert::Source& source, const Context& context) {
   const std::unique_ptr<extract::Extractor> extractor = extract::make_cpu_extractor();
   std::vector<mesh::Mesh> meshes;
-  for (const double iso : plan.isos) {
-    auto extraction = extractor->extract(source.field, source.extract_options(plan.surface, iso), context);
+  for (const convert::ResolvedIso& iso : source.isos) {
+    auto extraction = extractor->extract(source.field, source.extract_options(plan.surface, iso.value), context);
     if (!extraction) return tl::unexpected(std::move(extraction.error()));
     meshes.push_back(std::move(extraction->mesh));
   }
@@ -145,9 +154,11 @@ Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages, const
     auto file = meshes::read_mesh(*plan.mesh, context);
     if (!file) return tl::unexpected(std::move(file.error()));
     for (const std::string& text : file->notes) notes.note(text);
-    const auto source = convert::open_source(plan.source, {}, context, notes);
+    const auto source = open_source(plan, context, notes);
     if (!source) return tl::unexpected(source.error());
-    surface = fmt::format("{} iso {}", source->label, fmt::join(plan.isos, ", "));
+    std::vector<std::string> isos;
+    for (const convert::ResolvedIso& iso : source->isos) isos.push_back(text_of(iso));
+    surface = fmt::format("{} iso {}", source->label, fmt::join(isos, ", "));
     const auto extracted = extract_all(plan, *source, context);
     if (!extracted) return tl::unexpected(extracted.error());
     const auto matched = measure::match_meshes(file->mesh, *extracted, plan.float32_world, context);

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <new>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
@@ -50,8 +51,11 @@ class Conversion {
     auto source = open_source(job_.source, use_of(job_), context_, events_);
     if (!source) return tl::unexpected(std::move(source.error()));
     source_ = std::move(*source);
+    std::span<const ResolvedIso> isos = source_.isos;
     for (const OutputFileJob& output : job_.outputs) {
-      if (auto done = job_.field_file ? write_samples(output) : write(output); !done) return done;
+      if (auto done = job_.field_file ? write_samples(output) : write(output, isos.first(output.isos.size())); !done)
+        return done;
+      isos = isos.subspan(output.isos.size());
     }
     return {};
   }
@@ -116,17 +120,21 @@ class Conversion {
   }
 
   // One surface is made, written and let go after the other, where the format allows.
-  Result<void> write(const OutputFileJob& output) {
+  Result<void> write(const OutputFileJob& output, std::span<const ResolvedIso> asked) {
     OutputFile file{{output, {}, 0, 0, {}, {}}, meshes::MeshWriter(output.path, write_options(), context_), {}, {}, {}};
-    for (const double iso : output.isos) {
+    const std::vector<ResolvedIso> isos = each_once(asked);
+    if (isos.size() < asked.size()) tell_repeated(output, asked);
+    for (const ResolvedIso& iso : isos) {
       if (auto go_on = context_.check(); !go_on) return go_on;
       auto surface = make_surface(iso);
       if (!surface) return tl::unexpected(std::move(surface.error()));
       if (!*surface) continue;
-      if (output.isos.size() > 1) (*surface)->mesh.name = fmt::format("{} iso {}", (*surface)->mesh.name, iso);
+      if (output.isos.size() > 1) {
+        (*surface)->mesh.name = fmt::format("{} iso {}", (*surface)->mesh.name, text_of(iso.asked));
+      }
       if (auto added = add(std::move(**surface), file); !added) return added;
     }
-    return file.written.isos.empty() ? leave_out(output) : finish(file);
+    return file.written.isos.empty() ? leave_out(output, isos) : finish(file, isos);
   }
 
   [[nodiscard]] meshes::MeshWriteOptions write_options() const {
@@ -134,11 +142,12 @@ class Conversion {
   }
 
   // Nothing where it is empty and empty surfaces are skipped.
-  Result<std::optional<Surface>> make_surface(double iso) {
-    auto mesh = extract(iso);
+  Result<std::optional<Surface>> make_surface(const ResolvedIso& asked) {
+    const double iso = asked.value;
+    auto mesh = extract(asked);
     if (!mesh) return tl::unexpected(std::move(mesh.error()));
     if (mesh->triangles.empty() && job_.empty != EmptyPolicy::write) {
-      if (job_.empty == EmptyPolicy::error) return tl::unexpected(no_surface(iso));
+      if (job_.empty == EmptyPolicy::error) return tl::unexpected(no_surface(asked));
       return std::optional<Surface>();
     }
     Surface surface{iso, std::move(*mesh), {}};
@@ -192,7 +201,8 @@ class Conversion {
     return options;
   }
 
-  Result<mesh::Mesh> extract(double iso) {
+  Result<mesh::Mesh> extract(const ResolvedIso& asked_iso) {
+    const double iso = asked_iso.value;
     const Stopwatch watch;
     const extract::ExtractOptions options = extract_options(iso);
     auto extraction = extractor_->extract(source_.field, options, context_);
@@ -200,7 +210,7 @@ class Conversion {
     if (!extraction) return tl::unexpected(std::move(extraction.error()));
     if (auto whole = volumes::check_not_lost(source_.field); !whole) return tl::unexpected(std::move(whole.error()));
     const AskedFor asked{.flat_normals = job_.normals == Normals::flat, .error = job_.error.has_value()};
-    events_.extracted({iso, extraction->mesh.triangles.size(), extraction->stats,
+    events_.extracted({iso, asked_iso.asked, extraction->mesh.triangles.size(), extraction->stats,
                        extraction_facts(extraction->stats, options, asked), watch.elapsed()});
     if (other_extractor_ != nullptr) {
       auto record = compare_backends(source_.field, options, method(), extraction->mesh, *extractor_, *other_extractor_,
@@ -237,7 +247,8 @@ class Conversion {
     return output.path == "-" ? "stdout" : output.path;
   }
 
-  Error no_surface(double iso) {
+  Error no_surface(const ResolvedIso& asked) {
+    const double iso = asked.value;
     if (source_.empty) return empty_source();
     const Stopwatch watch;
     const field::FieldStatistics statistics = field::measure_statistics(source_.field);
@@ -256,8 +267,8 @@ class Conversion {
                            ? Hint(Remedy::try_iso, fmt::format("{} ({})", suggestion.iso, suggestion.method))
                            : Hint(Remedy::no_surface_or_skip);
     return {ErrorKind::input,
-            fmt::format("{}: no surface at iso {}{}{}; the values {}run from {:.6g} to {:.6g}", source_.label, iso,
-                        source_.region ? " in the region" : "",
+            fmt::format("{}: no surface at iso {}{}{}; the values {}run from {:.6g} to {:.6g}", source_.label,
+                        text_of(asked), source_.region ? " in the region" : "",
                         job_.source.resolution ? " on the grid of another resolution" : "",
                         source_.region ? "of the whole field " : "", statistics.min, statistics.max),
             region_hides_it ? Hint(Remedy::widen_region_or_skip) : other, Reason::no_surface};
@@ -291,7 +302,7 @@ class Conversion {
     return meshes::MeshWriteResult();
   }
 
-  Result<void> finish(OutputFile& file) {
+  Result<void> finish(OutputFile& file, std::span<const ResolvedIso> asked) {
     context_.progress().begin("writing", 0);
     const Stopwatch watch;
     auto result = complete(file);
@@ -301,7 +312,7 @@ class Conversion {
     file.written.time += watch.elapsed();
     if (extras_.mesh_facts) events_.recorded(file.records, file.recording);
     for (const std::string& text : result->notes) events_.note(text);
-    tell_skipped(file.written.job, file.written.isos, "");
+    tell_skipped(file.written.job, asked, file.written.isos, "");
     events_.written(file.written);
     return {};
   }
@@ -314,10 +325,10 @@ class Conversion {
     }
   }
 
-  Result<void> leave_out(const OutputFileJob& output) {
+  Result<void> leave_out(const OutputFileJob& output, std::span<const ResolvedIso> asked) {
     const auto removed = sink_ == nullptr ? remove_old_files(output) : Result<std::vector<std::string>>();
     if (!removed) return tl::unexpected(removed.error());
-    tell_skipped(output, {},
+    tell_skipped(output, asked, {},
                  removed->empty() ? "" : fmt::format("; the old {} was removed", fmt::join(*removed, " and ")));
     events_.written({output, {}, 0, 0, {}, {}});
     return {};
@@ -351,10 +362,22 @@ class Conversion {
     return {};
   }
 
-  void tell_skipped(const OutputFileJob& output, const std::vector<double>& isos, const std::string& besides) {
-    std::vector<double> skipped;
-    for (const double iso : output.isos) {
-      if (std::ranges::find(isos, iso) == isos.end()) skipped.push_back(iso);
+  // Values that were found may be the same, which nobody could know who asked for them.
+  void tell_repeated(const OutputFileJob& output, std::span<const ResolvedIso> asked) {
+    for (std::size_t i = 1; i < asked.size(); ++i) {
+      const auto before = asked.first(i);
+      const auto same = std::ranges::find_if(before, [&](const auto& iso) { return is_repeated(iso, asked[i]); });
+      if (same == before.end()) continue;
+      events_.note(fmt::format("{}: iso {} and {} are the same value, {}: {} has one surface for both", source_.label,
+                               text_of(same->asked), text_of(asked[i].asked), asked[i].value, shown(output)));
+    }
+  }
+
+  void tell_skipped(const OutputFileJob& output, std::span<const ResolvedIso> asked, const std::vector<double>& isos,
+                    const std::string& besides) {
+    std::vector<std::string> skipped;
+    for (const ResolvedIso& iso : asked) {
+      if (std::ranges::find(isos, iso.value) == isos.end()) skipped.push_back(text_of(iso));
     }
     if (skipped.empty()) return;
     const std::string path = shown(output);

@@ -9,8 +9,8 @@
 
 namespace isoextract::convert {
 
-std::vector<double> ConversionJob::isos() const {
-  std::vector<double> all;
+std::vector<IsoChoice> ConversionJob::isos() const {
+  std::vector<IsoChoice> all;
   for (const OutputFileJob& output : outputs) all.insert(all.end(), output.isos.begin(), output.isos.end());
   return all;
 }

@@ -12,6 +12,7 @@
 #include "base/error.hpp"
 #include "base/words.hpp"
 #include "convert/backends.hpp"
+#include "convert/iso_choice.hpp"
 #include "convert/json_values.hpp"
 #include "convert/placement.hpp"
 #include "extract/extractor.hpp"
@@ -98,7 +99,7 @@ struct SurfaceOptions {
 // One file to write (glTF: one pair of files), and the surfaces in it.
 struct OutputFileJob {
   std::string path;  // "-" is standard output
-  std::vector<double> isos;
+  std::vector<IsoChoice> isos;
 
   friend bool operator==(const OutputFileJob&, const OutputFileJob&) = default;
 };
@@ -138,7 +139,7 @@ struct ConversionJob {
   std::vector<OutputFileJob> outputs;
 
   // Of all outputs, in their order.
-  [[nodiscard]] std::vector<double> isos() const;
+  [[nodiscard]] std::vector<IsoChoice> isos() const;
 
   friend bool operator==(const ConversionJob&, const ConversionJob&) = default;
 };

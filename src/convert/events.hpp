@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/stopwatch.hpp"
+#include "convert/iso_values.hpp"
 #include "convert/mesh_error.hpp"
 #include "convert/mesh_packing.hpp"
 #include "convert/mesh_simplify.hpp"
@@ -23,6 +24,7 @@ namespace isoextract::convert {
 // One surface that was extracted.
 struct ExtractedSurface {
   double iso = 0;
+  IsoChoice asked;
   std::uint64_t triangles = 0;
   const extract::ExtractStats& stats;
   std::vector<WorkFact> work;
@@ -70,6 +72,9 @@ class Events {
   virtual void read(const std::string& /*input*/, const field::ScalarField&, const StageTime&) {}
   virtual void made_field(const ParticleRecord&) {}            // of particles, told after they are read
   virtual void filtered(const WorkFact&, const StageTime&) {}  // a level set, told once a filter
+  // The iso values, where some were no numbers; a note tells of each of these. The time is that of looking at samples,
+  // none for particles.
+  virtual void resolved(const std::vector<ResolvedIso>&, const std::optional<StageTime>&) {}
   virtual void resampled(const field::ScalarField& /*grid*/, const WorkFact&, const StageTime&) {}
   virtual void worked(const WorkFact&) {}  // of reading
   virtual void placed(const PlacedField&) {}

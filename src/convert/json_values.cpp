@@ -3,7 +3,7 @@
 namespace isoextract::convert {
 namespace {
 
-std::string_view kind_name(ErrorKind kind) {
+std::string_view name_of(ErrorKind kind) {
   switch (kind) {
     case ErrorKind::usage: return "usage";
     case ErrorKind::input: return "input";
@@ -48,7 +48,7 @@ Json json_of(const field::Affine& map) {
 }
 
 Json json_of(const Error& error) {
-  return {{"kind", kind_name(error.kind)},
+  return {{"kind", name_of(error.kind)},
           {"exit_code", static_cast<int>(error.kind)},
           {"reason", reason_name(error.reason)},
           {"message", error.message},

@@ -15,7 +15,8 @@ using convert::json_of;
 // The job, and what is made of it for readers of the document.
 Json options_of(const ConversionJob& job, std::uint64_t memory_limit) {
   Json json = json_of(job);
-  json["iso"] = job.isos();
+  json["iso"] = Json::array();
+  for (const IsoChoice& iso : job.isos()) json["iso"].push_back(json_of(iso));
   json["unit"] = job.source.placement.unit.empty() ? Json(nullptr) : Json(job.source.placement.unit);
   if (job.simplify) {
     json["simplify"] = fmt::format("{}{}", job.simplify->distance, job.simplify->in_world_units ? "world" : "voxel");
@@ -141,7 +142,11 @@ Json array_of(const std::vector<T>& records) {
 }
 
 Json json_of(const ExtractionRecord& extraction) {
-  return {{"iso", extraction.iso}, {"triangles", extraction.triangles}, {"work", array_of(extraction.work)}};
+  Json json{{"iso", extraction.iso}};
+  if (!extraction.asked.is_number()) json["asked"] = json_of(extraction.asked);
+  json["triangles"] = extraction.triangles;
+  json["work"] = array_of(extraction.work);
+  return json;
 }
 
 }  // namespace
@@ -206,6 +211,7 @@ Json report_of(const ConversionJob* job, const Outcome& report, const std::vecto
   if (report.particles) json["particles"] = json_of(*report.particles);
   json["output_from_index"] = report.output_from_index ? json_of(*report.output_from_index) : Json(nullptr);
   json["region"] = report.region ? json_of(*report.region) : Json(nullptr);
+  if (!report.isos.empty()) json["iso_values"] = array_of(report.isos);
   json["stages"] = array_of(report.stages);
   json["total"] = json_of(report.total);
   const std::uint64_t written =

@@ -12,6 +12,7 @@
 
 #include "base/stopwatch.hpp"
 #include "convert/conversion_job.hpp"
+#include "convert/iso_values.hpp"
 #include "convert/json_values.hpp"
 #include "convert/mesh_error.hpp"
 #include "convert/mesh_packing.hpp"
@@ -54,6 +55,7 @@ struct StageRecord {
 
 struct ExtractionRecord {
   double iso = 0;
+  IsoChoice asked;
   std::uint64_t triangles = 0;
   std::vector<WorkFact> work;
 };
@@ -85,6 +87,7 @@ struct Outcome {
   std::optional<ParticleRecord> particles;         // absent for volumes
   std::optional<field::Affine> output_from_index;  // what placed the meshes
   std::optional<field::IndexBox> region;           // samples that the region asked for holds
+  std::vector<ResolvedIso> isos;                   // of all outputs, where some were no numbers
   std::vector<StageRecord> stages;
   StageTime total;
   std::uint64_t bytes_read = 0;

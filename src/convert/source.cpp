@@ -1,5 +1,6 @@
 #include "convert/source.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <utility>
 
@@ -29,11 +30,28 @@ Result<void> change_resolution(const SourceOptions& options, bool keep_data, con
   return context.check();
 }
 
-Result<void> read_volume_field(const SourceOptions& options, const Context& context, Events& events, Source& source) {
+// The iso values of what was read.
+void tell_isos(const std::optional<StageTime>& time, Events& events, const Source& source) {
+  if (std::ranges::all_of(source.isos, [](const ResolvedIso& iso) { return iso.asked.is_number(); })) return;
+  events.resolved(source.isos, time);
+  for (const ResolvedIso& iso : source.isos) {
+    if (iso.asked.is_number()) continue;
+    events.note(
+        fmt::format("{}: iso {} is {}: {}", field_label(source.field), text_of(iso.asked), iso.value, iso.found_by));
+  }
+}
+
+Result<void> read_volume_field(const SourceOptions& options, const SourceUse& use, const Context& context,
+                               Events& events, Source& source) {
   auto field = read_field(options.input, options.read, context, events);
   if (!field) return tl::unexpected(std::move(field.error()));
   source.field = std::move(*field);
   for (const WorkFact& fact : reading_facts(source.field)) events.worked(fact);
+  const Stopwatch watch;
+  auto isos = resolve_isos(use.isos, source.field, use.empty_is_fine, context);
+  if (!isos) return tl::unexpected(std::move(isos.error()));
+  source.isos = std::move(*isos);
+  tell_isos(watch.elapsed(), events, source);
   return {};
 }
 
@@ -47,6 +65,9 @@ std::string stem_of_file(const std::string& input) {
 // The stage that reads particles, and the one that makes a field of them.
 Result<void> read_particle_field(const SourceOptions& options, const SourceUse& use, const Context& context,
                                  Events& events, Source& source) {
+  auto isos = resolve_isos(use.isos, options.particles.method, printable(files::shown_input_name(options.input)));
+  if (!isos) return tl::unexpected(std::move(isos.error()));
+  source.isos = std::move(*isos);
   Stopwatch watch;
   auto file = volumes::read_particles(options.input, particle_read_options(options), context);
   if (!file) return tl::unexpected(std::move(file.error()));
@@ -74,6 +95,7 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
   }
   for (const WorkFact& fact : particle_facts(figures)) events.worked(fact);
   source.field = std::move(made->field);
+  tell_isos(std::nullopt, events, source);
   if (!found->empty()) {
     source.attributes = AttributeSource{
         std::move(file->particles), std::move(*found), figures.radius, options.particles.smoothing_length, {}};
@@ -110,8 +132,12 @@ extract::ExtractOptions Source::extract_options(const SurfaceOptions& surface, d
 SourceUse use_of(const ConversionJob& job) {
   SourceUse use;
   use.keep_data = job.error.has_value();
-  const std::vector<double> isos = job.isos();
-  if (isos.size() == 1 && !job.error && !job.source.resolution) use.only_iso = isos.front();
+  use.isos = job.isos();
+  use.empty_is_fine = job.empty != EmptyPolicy::error;
+  if (use.isos.size() != 1 || job.error || job.source.resolution) return use;
+  const IsoChoice& only = use.isos.front();
+  if (only.is_number()) use.only_iso = only.number;
+  if (only.kind == IsoChoice::Kind::suggested) use.only_iso = points::method_info(job.source.particles.method).iso;
   return use;
 }
 
@@ -121,7 +147,7 @@ Result<Source> open_source(const SourceOptions& options, const SourceUse& use, c
   Source source;
   source.of_particles = *of_particles;
   auto read = *of_particles ? read_particle_field(options, use, context, events, source)
-                            : read_volume_field(options, context, events, source);
+                            : read_volume_field(options, use, context, events, source);
   if (!read) return tl::unexpected(std::move(read.error()));
   source.label = field_label(source.field);
   const auto* sparse = std::get_if<field::SparseSamples>(&source.field.samples);

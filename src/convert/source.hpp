@@ -3,11 +3,13 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/context.hpp"
 #include "base/error.hpp"
 #include "convert/conversion_job.hpp"
 #include "convert/events.hpp"
+#include "convert/iso_values.hpp"
 #include "convert/particle_source.hpp"
 
 namespace isoextract::convert {
@@ -21,8 +23,9 @@ struct Source {
   std::optional<field::ScalarField> data;  // what was read, where `field` is another grid and the data were asked for
   field::Affine output_from_index;
   std::optional<field::IndexBox> region;
-  std::string label;   // what messages call it
-  bool empty = false;  // what was read has no voxels, or no particles
+  std::vector<ResolvedIso> isos;  // one for each that was asked for
+  std::string label;              // what messages call it
+  bool empty = false;             // what was read has no voxels, or no particles
   bool of_particles = false;
   std::optional<AttributeSource> attributes;  // of the vertices, where some were asked for
 
@@ -33,12 +36,14 @@ struct Source {
 // What will be done with a source.
 struct SourceUse {
   bool keep_data = false;          // Source::data is asked for
-  std::optional<double> only_iso;  // nothing is asked of the samples but the surface at this iso value
+  std::optional<double> only_iso;  // nothing is asked of the samples of particles but the surface at this iso value
+  std::vector<IsoChoice> isos;     // whose values are asked for
+  bool empty_is_fine = false;      // as in resolve_isos()
 };
 [[nodiscard]] SourceUse use_of(const ConversionJob& job);
 
 // Fails as read_volume(), filter_field(), resample() and place_field() do, and for particles as is_particles(),
-// read_particles(), make_particle_field() and find_attributes() do.
+// read_particles(), make_particle_field() and find_attributes() do, and as resolve_isos().
 [[nodiscard]] Result<Source> open_source(const SourceOptions& options, const SourceUse& use, const Context& context,
                                          Events& events);
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -12,6 +11,7 @@
 
 #include "field/demo_field.hpp"
 #include "field/detail/sample_passes.hpp"
+#include "field/detail/value_tally.hpp"
 
 namespace isoextract::field {
 namespace {
@@ -175,51 +175,14 @@ void describe(const Range& range, const Histogram& histogram, FieldStatistics& s
   statistics.histogram.assign(histogram.bins.begin(), histogram.bins.end());
 }
 
-// How many samples come before the one that a percentile is.
-std::uint64_t rank_of(int percent, std::uint64_t samples) {
-  const std::uint64_t hundredths = samples % 100 * static_cast<std::uint64_t>(percent);
-  return samples / 100 * static_cast<std::uint64_t>(percent) + (hundredths + 99) / 100 - 1;
+std::array<Percent, FieldStatistics::kPercents.size()> told_percents() {
+  std::array<Percent, FieldStatistics::kPercents.size()> percents;
+  std::ranges::transform(FieldStatistics::kPercents, percents.begin(),
+                         [](int whole) { return Percent(static_cast<std::uint32_t>(whole)); });
+  return percents;
 }
 
-// Types whose numbers are few enough to count how often each occurs.
-template <class T>
-inline constexpr bool kCountable = sizeof(T) <= 2;
-
-// How often each number of a small type occurs.
-template <class T>
-class Tally {
- public:
-  Tally(const Samples& samples, Progress* progress) {
-    counts_ = count_samples<T>(
-        samples, kNumbers,
-        [](std::vector<std::uint64_t>& counts, std::span<const T> values) {
-          for (const T value : values) ++counts[std::bit_cast<Bits>(value)];
-        },
-        progress);
-    for_each_tile(samples, [&](double value, std::uint64_t voxels) {
-      counts_[std::bit_cast<Bits>(static_cast<T>(static_cast<WorkOf>(value)))] += voxels;
-    });
-  }
-
-  // Each value that occurs, scaled, and how often.
-  [[nodiscard]] std::vector<std::pair<double, std::uint64_t>> values(const ValueScale& scale) const {
-    std::vector<std::pair<double, std::uint64_t>> values;
-    for (std::size_t bits = 0; bits < kNumbers; ++bits) {
-      if (counts_[bits] == 0) continue;
-      const auto stored = static_cast<double>(std::bit_cast<T>(static_cast<Bits>(bits)));
-      values.emplace_back(scale(stored), counts_[bits]);
-    }
-    return values;
-  }
-
- private:
-  using Bits = std::conditional_t<sizeof(T) == 1, std::uint8_t, std::uint16_t>;
-  using WorkOf = std::conditional_t<std::is_integral_v<T>, T, float>;
-  static constexpr std::size_t kNumbers = std::size_t{1} << (8 * sizeof(T));
-  std::vector<std::uint64_t> counts_;
-};
-
-FieldStatistics statistics_of(std::vector<std::pair<double, std::uint64_t>> values) {
+FieldStatistics statistics_of(std::vector<CountedValue> values) {
   FieldStatistics statistics;
   Range range;
   for (const auto& [value, count] : values) range.add(value, count);
@@ -227,98 +190,13 @@ FieldStatistics statistics_of(std::vector<std::pair<double, std::uint64_t>> valu
   statistics.nan = range.nan;
   statistics.infinite = range.infinite;
   if (range.finite == 0) return statistics;
-  std::erase_if(values, [](const auto& value) { return !std::isfinite(value.first); });
-  std::ranges::sort(values);
+  order_finite(values);
   const RangeMap position_of(range.min, range.max);
   Histogram histogram;
   for (const auto& [value, count] : values) histogram.add(position_of(value), count);
   describe(range, histogram, statistics);
-  auto value = values.begin();
-  std::uint64_t upto = value->second;
-  for (std::size_t p = 0; p < statistics.percentiles.size(); ++p) {
-    const std::uint64_t rank = rank_of(FieldStatistics::kPercents[p], range.finite);
-    while (upto <= rank) upto += (++value)->second;
-    statistics.percentiles[p] = value->first;
-  }
+  std::ranges::copy(percentiles_of(values, range.finite, told_percents()), statistics.percentiles.begin());
   return statistics;
-}
-
-// Numbers of T as unsigned ones of the same size and order.
-template <class T>
-class OrderedKeys {
- public:
-  using Key = std::conditional_t<sizeof(T) == 4, std::uint32_t, std::uint64_t>;
-
-  [[nodiscard]] static Key of(T value) {
-    const auto bits = std::bit_cast<Key>(value);
-    if constexpr (std::is_floating_point_v<T>) return (bits & kSign) != 0 ? ~bits : bits | kSign;
-    return std::is_signed_v<T> ? bits ^ kSign : bits;
-  }
-
-  [[nodiscard]] static T value(Key key) {
-    if constexpr (std::is_floating_point_v<T>) return std::bit_cast<T>((key & kSign) != 0 ? key & ~kSign : ~key);
-    return std::bit_cast<T>(std::is_signed_v<T> ? key ^ kSign : key);
-  }
-
- private:
-  static constexpr Key kSign = Key{1} << (8 * sizeof(Key) - 1);
-};
-
-// The samples of some ranks, found 16 bits of their keys at a time, in the order of the scaled values: each pass counts
-// the next bits of those samples whose bits before are the ones that were found.
-template <class T>
-std::array<double, FieldStatistics::kPercents.size()> exact_percentiles(const ScalarField& field, std::uint64_t finite,
-                                                                        Progress* progress) {
-  using Key = typename OrderedKeys<T>::Key;
-  constexpr std::size_t kPercents = FieldStatistics::kPercents.size();
-  constexpr int kDigitBits = 16;
-  constexpr std::size_t kDigits = std::size_t{1} << kDigitBits;
-  const ValueScale scale = field.scale;
-  const auto key_of = [falling = scale.slope < 0](T stored) {
-    const Key key = OrderedKeys<T>::of(stored);
-    return falling ? static_cast<Key>(~key) : key;
-  };
-  std::array<std::uint64_t, kPercents> ranks{};
-  for (std::size_t p = 0; p < kPercents; ++p) ranks[p] = rank_of(FieldStatistics::kPercents[p], finite);
-  std::array<Key, kPercents> found{};  // the bits so far
-  for (int shift = 8 * static_cast<int>(sizeof(Key)) - kDigitBits; shift >= 0; shift -= kDigitBits) {
-    const bool first = shift + kDigitBits == 8 * static_cast<int>(sizeof(Key));
-    std::vector<Key> prefixes;  // each once
-    for (const Key prefix : found) {
-      if (prefixes.empty() || prefixes.back() != prefix) prefixes.push_back(prefix);
-    }
-    const auto add = [&](std::vector<std::uint64_t>& counts, T stored, std::uint64_t times) {
-      if (!std::isfinite(scale(static_cast<double>(stored)))) return;
-      const Key key = key_of(stored);
-      const Key before = first ? 0 : key >> (shift + kDigitBits) % (8 * sizeof(Key));
-      for (std::size_t slot = 0; slot < prefixes.size(); ++slot) {
-        if (prefixes[slot] == before) counts[slot * kDigits + (key >> shift) % kDigits] += times;
-      }
-    };
-    std::vector<std::uint64_t> counts = count_samples<T>(
-        field.samples, prefixes.size() * kDigits,
-        [&](std::vector<std::uint64_t>& part, std::span<const T> values) {
-          for (const T stored : values) add(part, stored, 1);
-        },
-        progress);
-    for_each_tile(field.samples,
-                  [&](double stored, std::uint64_t voxels) { add(counts, static_cast<T>(stored), voxels); });
-    for (std::size_t p = 0; p < kPercents; ++p) {
-      const auto slot = static_cast<std::size_t>(std::ranges::find(prefixes, found[p]) - prefixes.begin());
-      // Samples of a file that somebody writes to may have become others since they were counted.
-      Key digit = 0;
-      for (; digit + 1 < kDigits && ranks[p] >= counts[slot * kDigits + digit]; ++digit) {
-        ranks[p] -= counts[slot * kDigits + digit];
-      }
-      found[p] = (first ? 0 : found[p] << kDigitBits) | digit;
-    }
-  }
-  std::array<double, kPercents> percentiles{};
-  for (std::size_t p = 0; p < kPercents; ++p) {
-    const Key key = scale.slope < 0 ? static_cast<Key>(~found[p]) : found[p];
-    percentiles[p] = scale(static_cast<double>(OrderedKeys<T>::value(key))) + 0.0;  // -0 is 0
-  }
-  return percentiles;
 }
 
 // Between which two bins Otsu's criterion, the variance between the classes, is largest: in (0, 1) of the range.
@@ -373,7 +251,7 @@ Range whole_range(const ScalarField& field, const FieldStatistics& statistics) {
 
 }  // namespace
 
-FieldStatistics measure_statistics(const ScalarField& field, Progress* progress) {
+FieldStatistics measure_statistics(const ScalarField& field, Progress* progress, WithPercentiles percentiles) {
   return visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) {
     if constexpr (kCountable<T>) {
       return statistics_of(Tally<T>(field.samples, progress).values(field.scale));
@@ -386,10 +264,23 @@ FieldStatistics measure_statistics(const ScalarField& field, Progress* progress)
       if (range.finite == 0) return statistics;
       const Histogram histogram = measure_histogram<T>(field, range, progress);
       describe(range, histogram, statistics);
-      statistics.percentiles = exact_percentiles<T>(field, statistics.samples, progress);
+      if (percentiles == WithPercentiles::yes) {
+        std::ranges::copy(percentiles_of(field, statistics.samples, told_percents(), progress),
+                          statistics.percentiles.begin());
+      }
       return statistics;
     }
   });
+}
+
+std::optional<KnownIso> known_iso(const ScalarField& field) {
+  if (field.kind == FieldKind::level_set) return KnownIso{0, "the zero of the level set"};
+  for (const DemoDescription& demo : demo_fields()) {
+    if (field.source.starts_with(kDemoPrefix) && field.name == demo.name) {
+      return KnownIso{demo.iso, "the demo field's own"};
+    }
+  }
+  return std::nullopt;
 }
 
 IsoSuggestion suggest_iso(const ScalarField& field, const FieldStatistics& statistics) {
@@ -399,12 +290,7 @@ IsoSuggestion suggest_iso(const ScalarField& field, const FieldStatistics& stati
     const bool separates = level_set ? range.min < iso && iso <= range.max : range.min <= iso && iso < range.max;
     return IsoSuggestion{iso, std::move(method), separates};
   };
-  if (field.kind == FieldKind::level_set) return suggestion(0, "the zero of the level set");
-  for (const DemoDescription& demo : demo_fields()) {
-    if (field.source.starts_with(kDemoPrefix) && field.name == demo.name) {
-      return suggestion(demo.iso, "the demo field's own");
-    }
-  }
+  if (const auto known = known_iso(field)) return suggestion(known->iso, known->method);
   if (statistics.samples == 0) return suggestion(0, "no finite sample to go by");
   if (statistics.min == statistics.max && range.min < range.max) {
     return suggestion(interpolate(range.min, range.max, 0.5), "halfway between the only value and the background");

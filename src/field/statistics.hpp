@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,7 +28,11 @@ struct FieldStatistics {
   std::array<double, kPercents.size()> percentiles{};
 };
 
-[[nodiscard]] FieldStatistics measure_statistics(const ScalarField& field, Progress* progress = nullptr);
+// Percentiles of samples of 32 and 64 bits take passes of their own; where they are left out they are 0.
+enum class WithPercentiles { yes, no };
+
+[[nodiscard]] FieldStatistics measure_statistics(const ScalarField& field, Progress* progress = nullptr,
+                                                 WithPercentiles percentiles = WithPercentiles::yes);
 
 struct IsoSuggestion {
   double iso;
@@ -35,8 +40,15 @@ struct IsoSuggestion {
   bool separates = false;  // there are samples inside and outside, and so a surface
 };
 
-// A value that separates the field in two, if there is one; for level sets 0, for demo fields their own. `statistics`
-// must be of `field`.
+// What the kind of a field says without a look at its samples: for level sets 0, for demo fields their own.
+struct KnownIso {
+  double iso;
+  std::string method;  // as in IsoSuggestion
+};
+[[nodiscard]] std::optional<KnownIso> known_iso(const ScalarField& field);
+
+// A value that separates the field in two, if there is one: the known one, or else by the histogram. `statistics` must
+// be of `field`, with percentiles or without.
 [[nodiscard]] IsoSuggestion suggest_iso(const ScalarField& field, const FieldStatistics& statistics);
 
 }  // namespace isoextract::field

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <functional>
 #include <span>
 #include <tuple>
@@ -13,6 +14,8 @@
 
 namespace isoextract::field {
 namespace {
+
+constexpr std::size_t kBlockSamples = std::size_t{SparseBlock::kSize} * SparseBlock::kSize * SparseBlock::kSize;
 
 bool is_inside(const ScalarField& field, double iso, double stored) {
   const double value = field.scale(stored);
@@ -31,17 +34,31 @@ std::uint64_t count_crossings(std::span<const T> row, const ScalarField& field, 
   return crossings;
 }
 
-// Of a block: bit y << 3 | z of word x is a sample that is not on the background's side.
+// One bit a sample of a block: bit y << 3 | z of word x.
+using BlockBits = std::array<std::uint64_t, 8>;
+constexpr std::uint64_t kFirstAlongY = 0xFF;
+constexpr std::uint64_t kFirstAlongZ = 0x0101010101010101ULL;
+
+// The samples that are not on the background's side.
 template <class T>
-std::array<std::uint64_t, 8> off_background(const SparseBlock& block, const ScalarField& field, double iso,
-                                            bool background) {
-  const auto* values = static_cast<const T*>(block.values);
-  std::array<std::uint64_t, 8> bits{};
-  for (std::size_t v = 0; v < 512; ++v) {
+BlockBits off_background(std::span<const T> values, const ScalarField& field, double iso, bool background) {
+  BlockBits bits{};
+  for (std::size_t v = 0; v < values.size(); ++v) {
     if (is_inside(field, iso, static_cast<double>(values[v])) != background)
       bits[v >> 6] |= std::uint64_t{1} << (v & 63);
   }
   return bits;
+}
+
+// Edges between samples of the block, along each axis, whose ends are on different sides.
+std::uint64_t count_crossings(const BlockBits& bits) {
+  int crossings = 0;
+  for (std::size_t x = 0; x < bits.size(); ++x) {
+    if (x > 0) crossings += std::popcount(bits[x] ^ bits[x - 1]);
+    crossings += std::popcount((bits[x] ^ bits[x] << 8U) & ~kFirstAlongY);
+    crossings += std::popcount((bits[x] ^ bits[x] << 1U) & ~kFirstAlongZ);
+  }
+  return static_cast<std::uint64_t>(crossings);
 }
 
 bool is_stored(const SparseSamples& samples, const glm::ivec3& origin) {
@@ -55,9 +72,8 @@ bool is_stored(const SparseSamples& samples, const glm::ivec3& origin) {
 template <class T>
 std::uint64_t places_at(const SparseBlock& block, const SparseSamples& samples, const ScalarField& field, double iso,
                         bool background) {
-  constexpr std::uint64_t kFirstAlongY = 0xFF;
-  constexpr std::uint64_t kFirstAlongZ = 0x0101010101010101ULL;
-  const auto off = off_background<T>(block, field, iso, background);
+  const BlockBits off =
+      off_background(std::span(static_cast<const T*>(block.values), kBlockSamples), field, iso, background);
   if (std::ranges::all_of(off, [](std::uint64_t word) { return word == 0; })) return 0;
   bool passes = std::ranges::any_of(off, [](std::uint64_t word) { return ~word != 0; });
   std::uint64_t places = 0;
@@ -90,15 +106,15 @@ std::uint64_t estimate_vertices(const ScalarField& field, double iso) {
                      },
                      std::plus<>{});
     }
-    constexpr std::size_t kRow = SparseBlock::kSize;
+    // A liquid at rest faces one axis alone.
     const std::uint64_t crossings = reduce_samples<T>(
         field.samples, std::uint64_t{0},
         [&](std::uint64_t& partial, std::span<const T> block) {
-          for (std::size_t i = 0; i < block.size(); i += kRow)
-            partial += count_crossings(block.subspan(i, kRow), field, iso);
+          partial += count_crossings(off_background(block, field, iso, false));
         },
         std::plus<>{}, nullptr);
-    return 3 * crossings * kRow / (kRow - 1);  // one edge in eight leaves its block
+    constexpr std::uint64_t kSide = SparseBlock::kSize;
+    return crossings * kSide / (kSide - 1);  // one edge in eight leaves its block
   });
 }
 

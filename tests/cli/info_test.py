@@ -4,8 +4,16 @@ import json
 import math
 import pathlib
 import subprocess
+import sys
 
-from support import DATA, PROGRAM, SPHERE, ProgramTest, main, needs_data
+from support import DATA, INSTALL, PROGRAM, SOURCE, SPHERE, ProgramTest, main, needs_data
+
+try:
+    import jsonschema
+except ImportError:
+    sys.exit(f"{sys.executable} has no module jsonschema: {INSTALL}, as python3-jsonschema, for Debian's own python3")
+
+SCHEMA = json.loads((SOURCE / "docs" / "info.schema.json").read_text())
 
 RAMP = ("ramp.raw", "--dims", "4,5,6", "--dtype", "f32")
 
@@ -21,7 +29,16 @@ class InfoTest(ProgramTest):
         return run.text
 
     def json(self, *arguments):
-        return json.loads(self.info("--json", *arguments))
+        document = json.loads(self.info("--json", *arguments))
+        jsonschema.Draft202012Validator(SCHEMA).validate(document)
+        return document
+
+    def test_the_schema_is_one_and_refuses_what_it_does_not_know(self):
+        jsonschema.Draft202012Validator.check_schema(SCHEMA)
+        (report,) = self.json(*RAMP)
+        valid = jsonschema.Draft202012Validator(SCHEMA).is_valid
+        for change in ({"new": 1}, {"particles": {}}, {"field": {}}, {"grids": None}, {"error": "none"}):
+            self.assertFalse(valid([dict(report, **change)]), change)
 
     def test_text(self):
         text = self.info(*RAMP, "--spacing", "2,3,4", "--origin", "10,20,30")
@@ -108,6 +125,30 @@ class InfoTest(ProgramTest):
         triangles = int(run.err.split(": ")[1].split()[0])
         self.assertAlmostEqual(report["field"]["suggestion"]["triangles"], triangles, delta=0.25 * triangles)
 
+    def test_particles_as_json(self):
+        rows = [f"{x},{y},0,{x * y},w\n" for x in range(4) for y in range(4)]
+        (self.folder / "p.csv").write_text("x,y,z,mass,kind\n" + "".join(rows))
+        (self.folder / "one.csv").write_text("x,y,z\n1,2,3\nnan,0,0\n")
+        (self.folder / "f.xyz").write_text("".join(f"2\nstep {k}\nW {k} 0 0\nW {k + 1 + k} 0 0\n" for k in range(3)))
+        run = self.convert("info", "--json", "p.csv", "one.csv", "f.xyz")
+        entries = json.loads(run.text)
+        jsonschema.Draft202012Validator(SCHEMA).validate(entries)
+        plane, one, frames = (entry["particles"] for entry in entries)
+        self.assertEqual((plane["count"], plane["frames"], plane["frame"], plane["neighbours"]["median"]), (16, 1, None, 1))
+        self.assertEqual([(a["name"], a["numeric"], a["max"]) for a in plane["attributes"]], [("mass", True, 9), ("kind", False, None)])
+        self.assertEqual((one["finite"], one["not_finite"], one["neighbours"], one["field"]), (1, 1, None, None))
+        self.assertIn("--radius", one["no_field"]["hint"])
+        self.assertEqual((frames["frames"], frames["frame"], frames["suggested_radius"]), (3, 0, 0.5))
+        self.assertNotIn("grids", self.convert("info", "p.csv").text)
+        # A frame that is chosen, and from stdin.
+        for more in ({}, {"stdin": (self.folder / "f.xyz").open("rb")}):
+            name = "-" if more else "f.xyz"
+            (entry,) = json.loads(self.convert("info", "--json", name, "--volume", "2", **more).text)
+            told = entry["particles"]
+            self.assertEqual((entry["volume"], told["frame"], told["suggested_radius"], told["bounds"]["min"]), (2, 2, 1.5, [2, 0, 0]))
+        run = self.run_program("info", "f.xyz", "--volume", "3")
+        self.assert_fails(2, run, "f.xyz: there is no frame 3", "from 0 to 2")
+
     def test_several_inputs(self):
         text = self.info(SPHERE, "demo:torus?size=24")
         self.assertIn(SPHERE + "\n", text)
@@ -124,6 +165,7 @@ class InfoTest(ProgramTest):
         run = self.run_program("info", "--json", SPHERE, "missing.vdb")
         self.assertEqual(run.code, 2)
         entries = json.loads(run.text)
+        jsonschema.Draft202012Validator(SCHEMA).validate(entries)
         self.assertIn("missing.vdb", entries[1]["error"]["message"])
 
     def test_same_figures_for_any_number_of_threads(self):

@@ -203,6 +203,41 @@ class ParticlesTest(ProgramTest):
         self.convert("none.ply", "--empty", "write", "--attribute", "pressure", "-o", "a.ply")
         self.assertEqual(self.mesh("a.ply").vertices, [])
 
+    def test_bench_is_about_volumes(self):
+        self.write_csv("a.csv", block())
+        self.write_xyz("a.xyz", [block(3)])
+        for words in (("a.csv",), ("a.xyz", "--input-format", "xyz")):
+            self.assert_fails(1, self.run_program("bench", *words, "--iso", "0.6"), f"{words[0]}: expected a volume, found particles")
+        self.assert_fails(1, self.run_program("bench", "-", "--iso", "0.6", stdin=(self.folder / "a.xyz").open("rb")),
+                          "standard input: expected a volume, found particles")
+
+    def estimate(self, *arguments):
+        (told,) = json.loads(self.convert("info", "--json", *arguments).text)
+        return told["field"]["memory"]["conversion"], told["field"]["suggestion"]["triangles"]
+
+    def check_estimate(self, *arguments):
+        memory, triangles = self.estimate(*arguments)
+        report, _ = self.report(*arguments, "-o", "a.glb")
+        dry = int(re.search(r"memory: about (\d+) MiB", self.convert(*arguments, "--dry-run", "-o", "a.glb").text)[1])
+        made = report["extractions"][0]["triangles"]
+        # What the report needs besides the conversion is not estimated: the reservations are told from the peak.
+        taken = report["reserved_memory_bytes"] + 12 * 2**20
+        for told in (memory, dry * 2**20):
+            self.assertAlmostEqual(told / taken, 1, delta=0.3, msg=str((arguments, told, taken)))
+        self.assertAlmostEqual(triangles / made, 1, delta=0.5, msg=str((arguments, triangles, made)))
+
+    @needs_data("particles/octocat_32614_particles.bgeo")
+    def test_memory_is_estimated(self):
+        for method in ("sph", "anisotropic"):
+            self.check_estimate(OCTOCAT, "--particles", method, "--radius", "0.02")
+        self.check_estimate(OCTOCAT, "--particles", "weight")
+
+    def test_memory_of_a_sheet_is_estimated(self):
+        """It faces one axis alone."""
+        for axis in range(3):
+            self.write_ply("a.ply", [p[axis:] + p[:axis] for p in ((0, STEP * i, STEP * j) for i in range(60) for j in range(60))])
+            self.check_estimate("a.ply", "--radius", "0.25", "--cell-size", "0.3")
+
     def test_one_particle(self):
         self.write_csv("one.csv", [(1, 2, 3)])
         self.assert_fails(2, self.run_program("one.csv", "-o", "a.ply"), "two places", "give --radius R")

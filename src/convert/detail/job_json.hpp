@@ -126,6 +126,14 @@ class JobJson {
     return {};
   }
 
+  static Json encode(const IsoChoice& choice) { return json_of(choice); }
+  static Expected decode(const Json& json, IsoChoice& target) {
+    const auto choice = json.is_string() ? iso_choice_of(json.get<std::string>()) : std::nullopt;
+    if (!json.is_number() && !choice) return "a number, auto or a percentile such as p99";
+    target = choice ? *choice : IsoChoice(json.get<double>());
+    return {};
+  }
+
   // A number, "cuda:N" or a name; null is whichever there is.
   static Json encode(const gl::DeviceChoice& device) {
     if (const auto* index = std::get_if<int>(&device)) return *index;

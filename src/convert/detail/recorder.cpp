@@ -32,6 +32,12 @@ void Recorder::filtered(const WorkFact& fact, const StageTime& time) {
   listener_.filtered(fact, time);
 }
 
+void Recorder::resolved(const std::vector<ResolvedIso>& isos, const std::optional<StageTime>& time) {
+  if (time) outcome_.stages.push_back({"statistics", std::nullopt, *time});
+  outcome_.isos = isos;
+  listener_.resolved(isos, time);
+}
+
 void Recorder::resampled(const field::ScalarField& grid, const WorkFact& fact, const StageTime& time) {
   outcome_.stages.push_back({"resample", std::nullopt, time});
   outcome_.work.push_back(fact);
@@ -59,7 +65,7 @@ void Recorder::extracted(const ExtractedSurface& surface) {
   }
   outcome_.stages.push_back({"count", surface.iso, stats.count});
   outcome_.stages.push_back({"emit", surface.iso, stats.emit});
-  outcome_.extractions.push_back({surface.iso, surface.triangles, surface.work});
+  outcome_.extractions.push_back({surface.iso, surface.asked, surface.triangles, surface.work});
   listener_.extracted(surface);
 }
 

@@ -15,6 +15,7 @@ class Recorder final : public Events {
   void read(const std::string& input, const field::ScalarField& field, const StageTime& time) override;
   void made_field(const ParticleRecord& record) override;
   void filtered(const WorkFact& fact, const StageTime& time) override;
+  void resolved(const std::vector<ResolvedIso>& isos, const std::optional<StageTime>& time) override;
   void resampled(const field::ScalarField& grid, const WorkFact& fact, const StageTime& time) override;
   void worked(const WorkFact& fact) override;
   void placed(const PlacedField& placed) override;

@@ -9,7 +9,8 @@
 namespace isoextract::batch {
 namespace {
 
-using Isos = std::vector<double>;
+using convert::IsoChoice;
+using Isos = std::vector<IsoChoice>;
 
 IsoTable parsed_table(const std::string& text) {
   const auto parsed = IsoTable::parse(text, "iso.csv");
@@ -35,6 +36,17 @@ TEST(IsoTable, GivesEachFrameItsValues) {
   EXPECT_EQ(isos_of_frame(some, -2), Isos{0.001});
   EXPECT_EQ(isos_of_frame(some, 3), Isos{-4});
   EXPECT_TRUE(isos_of_frame(some, 2).empty());
+}
+
+TEST(IsoTable, TakesTheWordsOfIsoValues) {
+  const IsoTable some = parsed_table("frame,iso\n1,auto\n2,p99.9\n1,p50\n2,0.5\n");
+  EXPECT_EQ(isos_of_frame(some, 1), (Isos{IsoChoice::suggested(), IsoChoice::percentile(field::Percent(50))}));
+  EXPECT_EQ(isos_of_frame(some, 2), (Isos{*convert::iso_choice_of("p99.9"), 0.5}));
+  EXPECT_EQ(table_refusal("frame,iso\n1,p50\n1,0.5\n1,p50.0\n"),
+            "iso.csv:4: expected iso p50 of frame 1 once, found it in line 2 as well");
+  for (const char* word : {"Auto", "p", "p101", "50%", "P9", "inf"}) {
+    EXPECT_NE(table_refusal(std::string("frame,iso\n1,") + word + "\n"), "accepted") << word;
+  }
 }
 
 TEST(IsoTable, OtherColumnsAndSeparators) {
@@ -74,20 +86,23 @@ TEST(IsoTable, TheHeaderHasBothColumnsOnce) {
 
 TEST(IsoTable, WhatIsNoNumberIsRefusedWithItsLine) {
   const std::string header = "frame,iso\n1,0.5\n";
-  EXPECT_EQ(table_refusal(header + "2,abc\n"), "iso.csv:3: expected a finite iso value, found 'abc'");
+  EXPECT_EQ(table_refusal(header + "2,abc\n"),
+            "iso.csv:3: expected a finite iso value, auto or a percentile such as p99, found 'abc'");
   EXPECT_EQ(table_refusal(header + "\n#\n2.5,1\n"), "iso.csv:5: expected the number of a frame, found '2.5'");
   for (const char* row : {"2,", ",1", "2,nan", "2,inf", "2,1e999", "2,0x10", "2,1 2", "2,--1", "9223372036854775807,1",
                           "1000000000000000000,1", "2,1\r\r3", "2,\x1b", "x"}) {
     EXPECT_NE(table_refusal(header + row + "\n"), "accepted") << row;
   }
-  EXPECT_EQ(table_refusal(header + "2,\x1b[2J\n"), "iso.csv:3: expected a finite iso value, found '\\x1b[2J'");
+  EXPECT_EQ(table_refusal(header + "2,\x1b[2J\n"),
+            "iso.csv:3: expected a finite iso value, auto or a percentile such as p99, found '\\x1b[2J'");
   EXPECT_NE(table_refusal(header + std::string("2,1\0", 4)), "accepted");
   EXPECT_LT(table_refusal(header + "2," + std::string(1 << 20, 'x')).size(), 120U);
 }
 
 TEST(IsoTable, DecimalCommasAreNoSeparators) {
   EXPECT_EQ(table_refusal("frame,iso\n1,0,15\n"), "iso.csv:2: expected 2 fields as in the header, found 3");
-  EXPECT_EQ(table_refusal("frame;iso\n1;0,15\n"), "iso.csv:2: expected a finite iso value, found '0,15'");
+  EXPECT_EQ(table_refusal("frame;iso\n1;0,15\n"),
+            "iso.csv:2: expected a finite iso value, auto or a percentile such as p99, found '0,15'");
   EXPECT_EQ(table_refusal("frame,iso,x\n1,2\n"), "iso.csv:2: expected 3 fields as in the header, found 2");
 }
 

@@ -16,7 +16,7 @@ using meshes::MeshFormat;
 using Lines = std::vector<std::string>;
 
 OutputSource output_source(std::int64_t frame, const std::string& input, const std::string& grid = {},
-                           std::vector<double> isos = {0.5}) {
+                           std::vector<convert::IsoChoice> isos = {0.5}) {
   return {frame, input, grid, std::move(isos)};
 }
 
@@ -26,13 +26,12 @@ std::string expanded_name(const std::string& name, const OutputWords& words) {
 }
 
 TEST(OutputTemplate, WordsAndNumbers) {
-  const OutputWords words{"sim", 7, "density", 0.1};
+  const OutputWords words{"sim", 7, "density", "0.1"};
   EXPECT_EQ(expanded_name("o/{stem}_{frame:04}_{grid}_{iso}.glb", words), "o/sim_0007_density_0.1.glb");
   EXPECT_EQ(expanded_name("{:03}/m_####_%02d_{}_{frame}.ply", words), "007/m_0007_07_7_7.ply");
   EXPECT_EQ(expanded_name("a{{stem}}%%04d{#}#c#.ply", words), "a{stem}%04d##c#.ply");
-  EXPECT_EQ(expanded_name("{iso}", {"", 0, "", 1.0 / 3}), "0.3333333333333333");
-  EXPECT_EQ(expanded_name("{iso}", {"", 0, "", -1e-30}), "-1e-30");
-  EXPECT_EQ(expanded_name("f{:04}", {"", -1, "", 0}), "f-0001");
+  EXPECT_EQ(expanded_name("{iso}_{iso}", {"", 0, "", "p99"}), "p99_p99");
+  EXPECT_EQ(expanded_name("f{:04}", {"", -1, "", ""}), "f-0001");
   EXPECT_EQ(expanded_name("{stem", words), "{stem");
 }
 
@@ -99,7 +98,7 @@ class OutputNames : public testing::Test {
     for (const OutputFiles& files : *names) {
       for (const convert::OutputFileJob& file : files) {
         std::string line = file.path + ":";
-        for (const double iso : file.isos) line += fmt::format(" {}", iso);
+        for (const convert::IsoChoice& iso : file.isos) line += " " + text_of(iso);
         lines.push_back(line);
       }
     }

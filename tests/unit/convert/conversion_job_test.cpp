@@ -45,7 +45,8 @@ ConversionJob full_job() {
   job.ascii = true;
   job.packing = {meshes::Compression::draco, true, 12, true};
   job.field_file = FieldFileOptions{true};
-  job.outputs = {{"a.stl", {0.1}}, {"-", {1.0 / 3, -5}}};
+  job.outputs = {{"a.stl", {0.1}},
+                 {"-", {1.0 / 3, -5, IsoChoice::suggested(), IsoChoice::percentile(*field::Percent::parse("99.9"))}}};
   return job;
 }
 
@@ -85,6 +86,17 @@ TEST(ConversionJob, EveryMemberCounts) {
   EXPECT_EQ(full.size(), plain.size());
 }
 
+TEST(ConversionJob, IsoValuesAreNumbersOrWords) {
+  EXPECT_EQ(json_of(full_job())["outputs"][1]["iso"].dump(), R"([0.3333333333333333,-5.0,"auto","p99.9"])");
+  std::set<std::string> hashes;
+  for (const IsoChoice& iso : {IsoChoice(), IsoChoice(99), IsoChoice::suggested(),
+                               IsoChoice::percentile(field::Percent(99)), IsoChoice::percentile(field::Percent(0))}) {
+    ConversionJob job;
+    job.outputs = {{"a.ply", {iso}}};
+    EXPECT_TRUE(hashes.insert(hash_of(job)).second) << text_of(iso);
+  }
+}
+
 TEST(ConversionJob, EveryMemberOfParticlesCounts) {
   const Json full = json_of(full_job())["particles"];
   std::set<std::string> hashes{hash_of(ConversionJob{})};
@@ -121,6 +133,8 @@ TEST(ConversionJob, RefusesWhatItDoesNotUnderstand) {
   EXPECT_NE(refusal(R"({"resolution": [1, 2]})").find("three whole numbers, or null"), std::string::npos);
   EXPECT_NE(refusal(R"({"resolution": [1, 2, 3000000000]})").find("three whole numbers"), std::string::npos);
   EXPECT_NE(refusal(R"({"outputs": [{"path": "a", "iso": ["0"]}]})").find("'outputs'"), std::string::npos);
+  EXPECT_NE(refusal(R"({"outputs": [{"path": "a", "iso": ["p101"]}]})").find("a number, auto or a percentile"),
+            std::string::npos);
   EXPECT_NE(refusal(R"({"gpu_memory": -1})").find("whole number from 0 on"), std::string::npos);
   EXPECT_NE(refusal(R"({"particles": {"method": "spline"}})").find("one of weight, sph, anisotropic"),
             std::string::npos);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -54,6 +55,23 @@ ScalarField blocks_with(const std::vector<std::pair<glm::ivec3, std::vector<glm:
   ScalarField field;
   field.samples = std::move(sparse);
   return field;
+}
+
+// A sheet that faces one axis, whichever: 64 edges of a block cross it, and as many more leave the block.
+TEST(EstimateVertices, OfBlocksLooksAlongEveryAxis) {
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<glm::ivec3> sheet;
+    for (int a = 0; a < 8; ++a) {
+      for (int b = 0; b < 8; ++b) {
+        glm::ivec3 p(a, b, 0);
+        std::swap(p.z, p[axis]);
+        sheet.push_back(p);
+      }
+    }
+    EXPECT_EQ(estimate_vertices(blocks_with({{glm::ivec3(0), sheet}}), 0.5), 64U * 8 / 7) << axis;
+  }
+  EXPECT_EQ(estimate_vertices(blocks_with({{glm::ivec3(0), {glm::ivec3(3)}}}), 0.5), 6U * 8 / 7);
+  EXPECT_EQ(estimate_vertices(blocks_with({{glm::ivec3(0), {}}}), 0.5), 0U);
 }
 
 TEST(EstimatePlaces, CountsBlocksAndWhatLiesBesideThem) {

@@ -1,0 +1,117 @@
+#include "convert/iso_values.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "convert/field_label.hpp"
+#include "field/percentiles.hpp"
+#include "field/statistics.hpp"
+#include "volumes/volume_reader.hpp"
+
+namespace isoextract::convert {
+namespace {
+
+constexpr std::string_view kNoSample = "no finite sample to go by";
+
+Result<ResolvedIso> suggested_iso(const IsoChoice& choice, const field::ScalarField& field, bool empty_is_fine,
+                                  const Context& context) {
+  if (const auto known = field::known_iso(field)) return ResolvedIso{choice, known->iso, known->method};
+  const field::FieldStatistics statistics =
+      field::measure_statistics(field, &context.progress(), field::WithPercentiles::no);
+  field::IsoSuggestion suggestion = field::suggest_iso(field, statistics);
+  // Where there is no finite sample, whoever extracts says best why there is no surface.
+  if (suggestion.separates || empty_is_fine || statistics.samples == 0) {
+    return ResolvedIso{choice, suggestion.iso, std::move(suggestion.method)};
+  }
+  return tl::unexpected(Error{
+      ErrorKind::input,
+      fmt::format("{}: expected samples of two kinds, to take an iso value between them; found {}", field_label(field),
+                  statistics.min == statistics.max
+                      ? fmt::format("{:.6g} everywhere", statistics.min)
+                      : fmt::format("values from {:.6g} to {:.6g}", statistics.min, statistics.max)),
+      Remedy::no_surface_or_skip, Reason::no_surface});
+}
+
+}  // namespace
+
+std::string text_of(const ResolvedIso& iso) {
+  return iso.asked.is_number() ? text_of(iso.asked) : fmt::format("{} ({})", text_of(iso.asked), iso.value);
+}
+
+Json json_of(const ResolvedIso& iso) {
+  return {{"asked", json_of(iso.asked)},
+          {"iso", iso.value},
+          {"found_by", iso.asked.is_number() ? Json(nullptr) : Json(iso.found_by)}};
+}
+
+bool all_numbers(std::span<const IsoChoice> choices) { return std::ranges::all_of(choices, &IsoChoice::is_number); }
+
+Result<std::vector<ResolvedIso>> resolve_isos(std::span<const IsoChoice> choices, const field::ScalarField& field,
+                                              bool empty_is_fine, const Context& context) {
+  std::vector<ResolvedIso> isos;
+  std::vector<field::Percent> percents;
+  for (const IsoChoice& choice : choices) {
+    isos.push_back({choice, choice.number, {}});
+    if (choice.kind == IsoChoice::Kind::percentile) percents.push_back(choice.percent);
+  }
+  if (all_numbers(choices)) return isos;
+  auto memory = context.reserve(field::measuring_bytes(percents.size()), "statistics of the samples");
+  if (!memory) return tl::unexpected(std::move(memory.error()));
+  std::optional<std::vector<double>> percentiles;
+  if (!percents.empty()) percentiles = field::measure_percentiles(field, percents, &context.progress());
+  std::size_t next = 0;
+  for (ResolvedIso& iso : isos) {
+    if (iso.asked.kind == IsoChoice::Kind::percentile) {
+      if (percentiles) iso.value = (*percentiles)[next++];
+      iso.found_by =
+          percentiles ? fmt::format("percentile {} of the samples", iso.asked.percent.text()) : std::string(kNoSample);
+    } else if (iso.asked.kind == IsoChoice::Kind::suggested) {
+      auto suggested = suggested_iso(iso.asked, field, empty_is_fine, context);
+      if (!suggested) return tl::unexpected(std::move(suggested.error()));
+      iso = std::move(*suggested);
+    }
+  }
+  if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
+  if (auto whole = volumes::check_not_lost(field); !whole) return tl::unexpected(std::move(whole.error()));
+  return isos;
+}
+
+Result<std::vector<ResolvedIso>> resolve_isos(std::span<const IsoChoice> choices, points::Method method,
+                                              const std::string& label) {
+  const points::MethodInfo& info = points::method_info(method);
+  std::vector<ResolvedIso> isos;
+  for (const IsoChoice& choice : choices) {
+    if (choice.kind == IsoChoice::Kind::percentile) {
+      return fail(ErrorKind::usage,
+                  fmt::format("{}: expected a number or '{}' as the iso value of particles, found '{}': percentiles of "
+                              "their field tell how far its samples reach, not where the surface is",
+                              label, text_of(IsoChoice::suggested()), text_of(choice)),
+                  fmt::format("the usual value of {} is {}", info.title, info.iso));
+    }
+    if (choice.is_number()) {
+      isos.push_back({choice, choice.number, {}});
+    } else {
+      isos.push_back({choice, info.iso, fmt::format("the usual one of {}", info.title)});
+    }
+  }
+  return isos;
+}
+
+bool is_repeated(const ResolvedIso& before, const ResolvedIso& iso) {
+  return before.value == iso.value && !(before.asked.is_number() && iso.asked.is_number());
+}
+
+std::vector<ResolvedIso> each_once(std::span<const ResolvedIso> isos) {
+  std::vector<ResolvedIso> once;
+  for (const ResolvedIso& iso : isos) {
+    const auto repeats = [&](const ResolvedIso& before) { return is_repeated(before, iso); };
+    if (std::ranges::none_of(once, repeats)) once.push_back(iso);
+  }
+  return once;
+}
+
+}  // namespace isoextract::convert

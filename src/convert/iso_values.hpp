@@ -1,0 +1,45 @@
+// The iso values that were asked for, found in the field that was read.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/context.hpp"
+#include "base/error.hpp"
+#include "convert/iso_choice.hpp"
+#include "convert/json_values.hpp"
+#include "field/scalar_field.hpp"
+#include "points/method.hpp"
+
+namespace isoextract::convert {
+
+struct ResolvedIso {
+  IsoChoice asked;
+  double value = 0;
+  std::string found_by;  // "Otsu's threshold (1979) of the histogram"; empty of numbers
+};
+
+// "0.3", and of what is no number "p99 (0.3)".
+[[nodiscard]] std::string text_of(const ResolvedIso& iso);
+[[nodiscard]] Json json_of(const ResolvedIso& iso);
+
+[[nodiscard]] bool all_numbers(std::span<const IsoChoice> choices);
+
+// One a choice, in their order. The samples are looked at only for choices that are no numbers and that the kind of the
+// field does not settle. Where no sample is finite, values that need one are 0. Fails with ErrorKind::input,
+// Reason::no_surface where a value is to be suggested and none separates the samples; with `empty_is_fine` it is then
+// one that gives no surface. As Context::reserve() does, and where the context is cancelled or the field is lost.
+[[nodiscard]] Result<std::vector<ResolvedIso>> resolve_isos(std::span<const IsoChoice> choices,
+                                                            const field::ScalarField& field, bool empty_is_fine,
+                                                            const Context& context);
+
+// Of particles, by the method that makes them a field. Percentiles of that would tell how far its bricks reach.
+[[nodiscard]] Result<std::vector<ResolvedIso>> resolve_isos(std::span<const IsoChoice> choices, points::Method method,
+                                                            const std::string& label);
+
+// Whether the second happens to have the first one's value: one of the two is no number. And all without such ones.
+[[nodiscard]] bool is_repeated(const ResolvedIso& before, const ResolvedIso& iso);
+[[nodiscard]] std::vector<ResolvedIso> each_once(std::span<const ResolvedIso> isos);
+
+}  // namespace isoextract::convert

@@ -1,0 +1,176 @@
+#include "convert/iso_values.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "convert/conversion.hpp"
+#include "field/statistics.hpp"
+#include "support/temp_folder.hpp"
+
+namespace isoextract::convert {
+namespace {
+
+IsoChoice choice(const std::string& word) {
+  const auto found = iso_choice_of(word);
+  EXPECT_TRUE(found) << word;
+  return found.value_or(IsoChoice());
+}
+
+// 0, 1, ..., 9 and far from them 90, 91, ..., 99.
+field::ScalarField two_heaps(const std::string& name = "heaps") {
+  auto owner = std::make_shared<std::vector<float>>();
+  for (int i = 0; i < 20; ++i) owner->push_back(static_cast<float>(i < 10 ? i : 80 + i));
+  field::ScalarField field;
+  field.samples = field::DenseSamples{field::SampleType::f32, {5, 2, 2}, owner, owner->data()};
+  field.name = name;
+  return field;
+}
+
+field::ScalarField constant_field() {
+  auto owner = std::make_shared<std::vector<float>>(8, 5.0F);
+  field::ScalarField field;
+  field.samples = field::DenseSamples{field::SampleType::f32, {2, 2, 2}, owner, owner->data()};
+  field.source = "flat.raw";
+  return field;
+}
+
+TEST(IsoChoice, WordsComeBack) {
+  for (const char* word : {"auto", "p0", "p99", "p99.9", "p0.000001", "p100"}) EXPECT_EQ(text_of(choice(word)), word);
+  EXPECT_EQ(text_of(choice("p050.50")), "p50.5");
+  for (const char* word : {"", "p", "Auto", "AUTO", "auto ", "p-1", "p101", "p1e1", "99", "P99", "p99%", "pnan"}) {
+    EXPECT_FALSE(iso_choice_of(word)) << word;
+  }
+  EXPECT_EQ(text_of(IsoChoice(1.0 / 3)), "0.3333333333333333");
+  EXPECT_EQ(text_of(IsoChoice(-1e-30)), "-1e-30");
+  EXPECT_NE(IsoChoice(50), IsoChoice::percentile(field::Percent(50)));
+}
+
+TEST(ResolveIsos, EachInItsPlace) {
+  const std::vector<IsoChoice> asked{choice("p50"), -3, choice("auto"), choice("p100"), choice("p5.1")};
+  const field::ScalarField field = two_heaps();
+  const auto found = resolve_isos(asked, field, false, Context());
+  ASSERT_TRUE(found) << found.error().message;
+  ASSERT_EQ(found->size(), asked.size());
+  for (std::size_t i = 0; i < asked.size(); ++i) EXPECT_EQ((*found)[i].asked, asked[i]);
+  EXPECT_EQ((*found)[0].value, 9);
+  EXPECT_EQ((*found)[0].found_by, "percentile 50 of the samples");
+  EXPECT_EQ((*found)[1].value, -3);
+  EXPECT_EQ((*found)[1].found_by, "");
+  const field::IsoSuggestion suggested = field::suggest_iso(field, field::measure_statistics(field));
+  EXPECT_EQ((*found)[2].value, suggested.iso);
+  EXPECT_EQ((*found)[2].found_by, suggested.method);
+  EXPECT_EQ((*found)[3].value, 99);
+  EXPECT_EQ((*found)[4].value, 1);
+  EXPECT_EQ(text_of((*found)[0]), "p50 (9)");
+  EXPECT_EQ(text_of((*found)[1]), "-3");
+}
+
+TEST(ResolveIsos, ALevelSetHasItsZeroWhateverItsSamples) {
+  field::ScalarField field = constant_field();
+  field.kind = field::FieldKind::level_set;
+  const auto found = resolve_isos(std::vector{choice("auto")}, field, false, Context());
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(found->front().value, 0);
+  EXPECT_EQ(found->front().found_by, "the zero of the level set");
+}
+
+TEST(ResolveIsos, NothingIsGuessedWhereNothingSeparates) {
+  const std::vector<IsoChoice> asked{choice("auto")};
+  const auto refused = resolve_isos(asked, constant_field(), false, Context());
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, ErrorKind::input);
+  EXPECT_EQ(refused.error().reason, Reason::no_surface);
+  EXPECT_EQ(refused.error().message,
+            "flat.raw: expected samples of two kinds, to take an iso value between them; found 5 everywhere");
+  const auto fine = resolve_isos(asked, constant_field(), true, Context());
+  ASSERT_TRUE(fine);
+  EXPECT_EQ(fine->front().value, 5);  // equal is outside, so there is no surface
+  // Percentiles are there.
+  EXPECT_EQ(resolve_isos(std::vector{choice("p50")}, constant_field(), false, Context())->front().value, 5);
+}
+
+TEST(ResolveIsos, MemoryIsReservedFirst) {
+  const Context small{MemoryBudget(1000)};
+  const auto refused = resolve_isos(std::vector{choice("p50")}, two_heaps(), false, small);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().hint.remedy, Remedy::raise_memory_limit);
+  EXPECT_TRUE(resolve_isos(std::vector<IsoChoice>{0.5}, two_heaps(), false, small));
+}
+
+TEST(ResolveIsos, ParticlesHaveTheValueOfTheirMethod) {
+  const auto found = resolve_isos(std::vector<IsoChoice>{choice("auto"), 0.2}, points::Method::weight, "a.csv");
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->at(0).value, 0.15);
+  EXPECT_EQ(found->at(0).found_by, "the usual one of summed weights");
+  EXPECT_EQ(found->at(1).value, 0.2);
+  const auto refused = resolve_isos(std::vector{choice("p99")}, points::Method::sph, "a.csv");
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, ErrorKind::usage);
+  EXPECT_NE(refused.error().message.find("a.csv: expected a number or 'auto'"), std::string::npos);
+  EXPECT_NE(refused.error().message.find("found 'p99'"), std::string::npos);
+}
+
+TEST(EachOnce, DropsValuesThatWereFoundTwice) {
+  const std::vector<ResolvedIso> isos{
+      {choice("p50"), 3, {}}, {3, 3, {}}, {choice("p60"), 3, {}}, {4, 4, {}}, {4, 4, {}}, {choice("auto"), 4, {}}};
+  const std::vector<ResolvedIso> once = each_once(isos);
+  ASSERT_EQ(once.size(), 3U);  // numbers are as they were asked for
+  EXPECT_EQ(text_of(once[0].asked), "p50");
+  EXPECT_EQ(text_of(once[1].asked), "4");
+  EXPECT_EQ(text_of(once[2].asked), "4");
+}
+
+// A conversion asks the whole input, whatever of it is extracted, and tells what it took.
+class IsoConversionTest : public testing::Test {
+ protected:
+  Outcome run(const std::vector<IsoChoice>& isos) {
+    job_.source.input = "demo:gyroid?size=24";
+    job_.format = meshes::MeshFormat::obj;
+    job_.outputs = {{(folder_ / "a.obj").string(), isos}};
+    Events unheard;
+    return convert::run(job_, Context(), unheard);
+  }
+  test::TempFolder folder_;
+  ConversionJob job_;
+};
+
+TEST_F(IsoConversionTest, TheValueDoesNotDependOnRegionAndResolution) {
+  const Outcome whole = run({choice("p80")});
+  ASSERT_TRUE(whole.done()) << whole.error->message;
+  const double iso = whole.isos.at(0).value;
+  EXPECT_EQ(whole.extractions.at(0).iso, iso);
+  EXPECT_EQ(whole.extractions.at(0).asked, choice("p80"));
+  EXPECT_NE(whole.notes.at(0).find("iso p80 is "), std::string::npos) << whole.notes.at(0);
+  job_.source.roi = field::Box{{-0.5, -0.5, -0.5}, {0.2, 0.2, 0.2}};
+  EXPECT_EQ(run({choice("p80")}).isos.at(0).value, iso);
+  job_.source.resolution = glm::ivec3(9);
+  EXPECT_EQ(run({choice("p80")}).isos.at(0).value, iso);
+}
+
+TEST_F(IsoConversionTest, OneSurfaceWhereTwoAreTheSame) {
+  const Outcome outcome = run({0, choice("auto"), choice("p50")});
+  ASSERT_TRUE(outcome.done()) << outcome.error->message;
+  ASSERT_EQ(outcome.isos.size(), 3U);
+  EXPECT_EQ(outcome.isos[1].value, 0);
+  ASSERT_EQ(outcome.extractions.size(), 2U);
+  EXPECT_EQ(outcome.extractions[0].asked, IsoChoice(0));
+  EXPECT_EQ(outcome.extractions[1].asked, choice("p50"));
+  const auto tells = [](const std::string& note) {
+    return note.find("iso 0 and auto are the same value, 0") != note.npos;
+  };
+  EXPECT_TRUE(std::ranges::any_of(outcome.notes, tells));
+}
+
+TEST_F(IsoConversionTest, NumbersAskNothing) {
+  const Outcome outcome = run({0, 0.5});
+  ASSERT_TRUE(outcome.done());
+  EXPECT_TRUE(outcome.isos.empty());
+  for (const StageRecord& stage : outcome.stages) EXPECT_NE(stage.stage, "statistics");
+}
+
+}  // namespace
+}  // namespace isoextract::convert
