@@ -290,7 +290,7 @@ class ParticleLimitsTest(ProgramTest):
             for method in ("sph", "anisotropic"):
                 with self.subTest(options=options, method=method):
                     self.refused_within(OVERHEAD, 2, ("two.csv", "--radius", 1, "--particles", method, *options,
-                                                      "--memory-limit", "4G"), "two.csv")
+                                                      "--memory-limit", "1G"), "two.csv")
 
     def test_a_radius_so_small_that_particles_do_not_touch(self):
         self.write("a.csv", csv(block(3)))
