@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/stopwatch.hpp"
+#include "convert/attribute_source.hpp"
 #include "convert/mesh_error.hpp"
 #include "convert/mesh_packing.hpp"
 #include "convert/mesh_simplify.hpp"
@@ -14,6 +15,7 @@
 #include "convert/particle_source.hpp"
 #include "convert/placement.hpp"
 #include "convert/verification.hpp"
+#include "convert/vertex_colours.hpp"
 #include "convert/work_facts.hpp"
 #include "extract/extractor.hpp"
 #include "field/scalar_field.hpp"
@@ -29,11 +31,11 @@ struct ExtractedSurface {
   StageTime time;
 };
 
-// Attributes of particles that the vertices of a surface got.
+// Attributes that the vertices of a surface got.
 struct CarriedAttributes {
   double iso = 0;
   std::uint64_t vertices = 0;
-  std::uint64_t out_of_reach = 0;  // of no kernel: they have the values of the nearest particle
+  std::vector<AttributeRecord> attributes;
   StageTime time;
 };
 
@@ -59,6 +61,7 @@ class Events {
   virtual void opened(const extract::Extractor&, const StageTime&) {}
   virtual void read(const std::string& /*input*/, const field::ScalarField&, const StageTime&) {}
   virtual void made_field(const ParticleRecord&) {}  // of particles, told after they are read
+  virtual void read_attributes(const StageTime&) {}  // of a volume
   virtual void resampled(const field::ScalarField& /*grid*/, const WorkFact&, const StageTime&) {}
   virtual void worked(const WorkFact&) {}  // of reading
   virtual void placed(const PlacedField&) {}
@@ -66,6 +69,7 @@ class Events {
   virtual void verified(const VerificationRecord&) {}
   virtual void carried(const CarriedAttributes&) {}  // told before the mesh is simplified
   virtual void simplified(const MeshSimplification&) {}
+  virtual void coloured(const ColourRecord&) {}  // and after it
   virtual void measured(const MeshError&, const StageTime&) {}
   virtual void packed(const MeshPackingRecord&) {}  // before its file is written
   virtual void written(const WrittenOutput&) {}

@@ -32,6 +32,16 @@ Result<void> read_volume_field(const SourceOptions& options, const Context& cont
   if (!field) return tl::unexpected(std::move(field.error()));
   source.field = std::move(*field);
   for (const WorkFact& fact : reading_facts(source.field)) events.worked(fact);
+  if (options.attributes.empty()) return {};
+  const Stopwatch watch;
+  auto attributes = read_volume_attributes(options, source.field, context);
+  if (!attributes) return tl::unexpected(std::move(attributes.error()));
+  events.read_attributes(watch.elapsed());
+  for (const VolumeAttribute& attribute : *attributes) {
+    for (const std::string& text : attribute.components.front().notes) events.note(text);
+    events.worked(attribute_fact(attribute));
+  }
+  source.attributes = AttributeSource{std::move(*attributes), {}};
   return {};
 }
 
@@ -51,7 +61,7 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
   const StageTime reading = watch.elapsed();
   for (const std::string& text : file->notes) events.note(text);
   if (auto go_on = context.check(); !go_on) return go_on;
-  auto found = find_attributes(file->particles, options.particles.attributes);
+  auto found = find_attributes(file->particles, options.attributes);
   if (!found) return tl::unexpected(std::move(found.error()));
   watch.restart();
   const points::FieldOptions asked = field_options(options.particles, use.only_iso);
@@ -70,8 +80,10 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
   for (const WorkFact& fact : particle_facts(figures)) events.worked(fact);
   source.field = std::move(made->field);
   if (!found->empty()) {
-    source.attributes = AttributeSource{
-        std::move(file->particles), std::move(*found), figures.radius, options.particles.smoothing_length, {}};
+    source.attributes =
+        AttributeSource{ParticleAttributes{std::move(file->particles), options.attributes, std::move(*found),
+                                           figures.radius, options.particles.smoothing_length},
+                        {}};
   }
   return context.check();
 }

@@ -6,9 +6,9 @@
 
 #include "base/context.hpp"
 #include "base/error.hpp"
+#include "convert/attribute_source.hpp"
 #include "convert/conversion_job.hpp"
 #include "convert/events.hpp"
-#include "convert/particle_source.hpp"
 
 namespace isoextract::convert {
 
@@ -38,7 +38,7 @@ struct SourceUse {
 [[nodiscard]] SourceUse use_of(const ConversionJob& job);
 
 // Fails as read_volume(), resample() and place_field() do, and for particles as is_particles(), read_particles(),
-// points::make_field() and find_attributes() do.
+// points::make_field() and find_attributes() do; with attributes of volumes as read_volume_attributes() does.
 [[nodiscard]] Result<Source> open_source(const SourceOptions& options, const SourceUse& use, const Context& context,
                                          Events& events);
 

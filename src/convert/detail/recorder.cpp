@@ -26,6 +26,11 @@ void Recorder::made_field(const ParticleRecord& record) {
   listener_.made_field(record);
 }
 
+void Recorder::read_attributes(const StageTime& time) {
+  outcome_.stages.push_back({"read attributes", std::nullopt, time});
+  listener_.read_attributes(time);
+}
+
 void Recorder::resampled(const field::ScalarField& grid, const WorkFact& fact, const StageTime& time) {
   outcome_.stages.push_back({"resample", std::nullopt, time});
   outcome_.work.push_back(fact);
@@ -65,6 +70,7 @@ void Recorder::verified(const VerificationRecord& record) {
 
 void Recorder::carried(const CarriedAttributes& attributes) {
   outcome_.stages.push_back({"attributes", attributes.iso, attributes.time});
+  outcome_.attributes.insert(outcome_.attributes.end(), attributes.attributes.begin(), attributes.attributes.end());
   listener_.carried(attributes);
 }
 
@@ -72,6 +78,11 @@ void Recorder::simplified(const MeshSimplification& simplification) {
   outcome_.stages.push_back({"simplify", simplification.iso, simplification.facts.time});
   outcome_.simplifications.push_back(simplification);
   listener_.simplified(simplification);
+}
+
+void Recorder::coloured(const ColourRecord& record) {
+  outcome_.colours.push_back(record);
+  listener_.coloured(record);
 }
 
 void Recorder::measured(const MeshError& error, const StageTime& time) {

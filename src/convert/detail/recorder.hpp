@@ -14,6 +14,7 @@ class Recorder final : public Events {
   void opened(const extract::Extractor& extractor, const StageTime& time) override;
   void read(const std::string& input, const field::ScalarField& field, const StageTime& time) override;
   void made_field(const ParticleRecord& record) override;
+  void read_attributes(const StageTime& time) override;
   void resampled(const field::ScalarField& grid, const WorkFact& fact, const StageTime& time) override;
   void worked(const WorkFact& fact) override;
   void placed(const PlacedField& placed) override;
@@ -21,6 +22,7 @@ class Recorder final : public Events {
   void verified(const VerificationRecord& record) override;
   void carried(const CarriedAttributes& attributes) override;
   void simplified(const MeshSimplification& simplification) override;
+  void coloured(const ColourRecord& record) override;
   void measured(const MeshError& error, const StageTime& time) override;
   void packed(const MeshPackingRecord& record) override;
   void written(const WrittenOutput& output) override;
