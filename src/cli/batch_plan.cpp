@@ -16,6 +16,7 @@
 #include "cli/field_plan.hpp"
 #include "cli/particle_plan.hpp"
 #include "cli/plan_parts.hpp"
+#include "cli/vertex_plan.hpp"
 #include "convert/output_checks.hpp"
 #include "convert/particle_source.hpp"
 #include "field/demo_field.hpp"
@@ -85,7 +86,7 @@ bool wants_all_volumes(const ConvertFlags& flags) {
 Result<batch::Frames> volumes_of(const ConvertFlags& flags, const volumes::ReadOptions& read) {
   const std::vector<std::string>& inputs = flags.input.inputs;
   if (inputs.size() > 1) return refuse_usage("--volume all takes the volumes of one file, and several were given");
-  auto particles = plan_particles(flags.particles, flags.surface.nan);
+  auto particles = plan_particles(flags.particles, flags.surface.nan, has_attributes(flags));
   if (!particles) return tl::unexpected(particles.error());
   convert::SourceOptions source;
   source.input = inputs.front();
@@ -237,6 +238,7 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
   plan.common = std::move(*common);
   if (std::string note = changing_isos(flags, sources->size()); !note.empty()) found->notes.push_back(std::move(note));
   for (std::string& note : found->notes) plan.common.notes.push_back(std::move(note));
+  if (std::string note = note_of_frames(plan.common.job); !note.empty()) plan.common.notes.push_back(std::move(note));
   auto outputs = flags.batch.animate ? plan_animation(flags, *sources, plan.common.job.format, plan.batch)
                                      : batch::name_outputs(*sources, flags.output, plan.common.job.format,
                                                            writes_field(flags) ? kFieldFormat : std::string_view());
@@ -248,6 +250,9 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
     frame.job.source.input = found->frames[i].input;
     if (found->frames[i].step) frame.job.source.read.volume = found->frames[i].step;
     frame.job.outputs = std::move((*outputs)[i]);
+    if (auto numbered = number_attributes(frame.job.source.attributes, frame.number); !numbered) {
+      return tl::unexpected(std::move(numbered.error()));
+    }
   }
   plan.gaps = std::move(found->gaps);
   plan.folder = common_folder(plan.batch);

@@ -11,6 +11,7 @@
 
 #include "base/byte_size.hpp"
 #include "base/machine.hpp"
+#include "base/printable.hpp"
 #include "base/stopwatch.hpp"
 #include "cli/field_plan.hpp"
 #include "cli/mesh_error_text.hpp"
@@ -150,6 +151,16 @@ class Narrator final : public convert::Events {
                            times_text(attributes.time)));
   }
 
+  void read_attributes(const StageTime& time) override {
+    tell_stage(fmt::format("{}: attributes read in {}", label_, times_text(time)));
+  }
+
+  void coloured(const convert::ColourRecord& record) override {
+    colours_.push_back(fmt::format("colours of iso {}: {}, {} from {:.6g} to {:.6g}{}", record.iso,
+                                   printable(record.attribute), word_of(record.map), record.min, record.max,
+                                   record.own_range ? ", the range of its vertices" : ""));
+  }
+
   void simplified(const convert::MeshSimplification& simplification) override {
     tell_stage(fmt::format("{} iso {}: simplified in {}: {}", label_, simplification.iso,
                            times_text(simplification.facts.time), simplification_details(simplification)));
@@ -182,6 +193,7 @@ class Narrator final : public convert::Events {
                                     format_byte_size(bytes), ends_text(ends_, plan_),
                                     describe(plan_.job.source.placement), watch_.elapsed().wall_seconds));
       for (const std::string& line : simplified_) messages_.summary("  " + line);
+      for (const std::string& line : colours_) messages_.summary("  " + line);
       for (const std::string& line : packed_) messages_.summary("  " + line);
       for (const convert::MeshError& error : errors_) tell_error(error);
       for (const std::string& line : verified_) messages_.summary("  " + line);
@@ -222,6 +234,7 @@ class Narrator final : public convert::Events {
     ends_.clear();
     verified_.clear();
     simplified_.clear();
+    colours_.clear();
     packed_.clear();
     errors_.clear();
     watch_.restart();
@@ -235,6 +248,7 @@ class Narrator final : public convert::Events {
   std::vector<SurfaceEnd> ends_;
   std::vector<std::string> verified_;
   std::vector<std::string> simplified_;
+  std::vector<std::string> colours_;
   std::vector<std::string> packed_;
   std::vector<convert::MeshError> errors_;
 };

@@ -10,6 +10,7 @@
 #include "cli/particle_plan.hpp"
 #include "cli/plan.hpp"
 #include "cli/plan_parts.hpp"
+#include "cli/vertex_plan.hpp"
 #include "files/file_bytes.hpp"
 
 namespace isoextract::cli {
@@ -109,7 +110,7 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string
   auto read = plan_read(flags.input);
   if (!read) return tl::unexpected(read.error());
   job.source.read = std::move(*read);
-  auto particles = plan_particles(flags.particles, flags.surface.nan);
+  auto particles = plan_particles(flags.particles, flags.surface.nan, has_attributes(flags));
   if (!particles) return tl::unexpected(particles.error());
   job.source.particles = std::move(*particles);
   plan.memory = plan_memory(flags.input.memory_limit);
@@ -126,12 +127,12 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string
   if (flags.ascii && !info.has_ascii) {
     return refuse_usage(fmt::format("--ascii does not go with {}", info.name), "ply and stl can be written as text");
   }
-  if (auto fine = check_attributes(flags.particles, info); !fine) return tl::unexpected(fine.error());
   const auto normals = plan_normals(flags, *format);
   if (!normals) return tl::unexpected(normals.error());
   job.normals = *normals;
   job.format = *format;
   job.ascii = flags.ascii;
+  if (auto fine = plan_vertices(flags, isos.size(), job); !fine) return tl::unexpected(fine.error());
   const auto packing = plan_packing(flags, *format);
   if (!packing) return tl::unexpected(packing.error());
   job.packing = *packing;

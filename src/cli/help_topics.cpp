@@ -16,8 +16,8 @@
 namespace isoextract::cli {
 namespace {
 
-constexpr std::array<std::string_view, 7> kGroups{"Input",     "Particles", "Frames", "Surface",
-                                                  "Placement", "Output",    "Run"};
+constexpr std::array<std::string_view, 8> kGroups{"Input",    "Particles", "Frames", "Surface",
+                                                  "Vertices", "Placement", "Output", "Run"};
 constexpr std::array<std::string_view, 10> kCommands{"convert",   "info",  "verify",  "compare", "bench",
                                                      "stability", "merge", "devices", "help",    "generate"};
 

@@ -58,7 +58,13 @@ struct ParticleFlags {
   std::optional<double> weight;
   std::optional<points::Deposit> deposit;
   std::optional<std::array<std::string, 3>> columns;
-  std::vector<std::string> attributes;  // of convert
+};
+
+// What --color-by says.
+struct ColourFlag {
+  std::optional<convert::AttributeChoice> attribute;  // nothing: the iso values
+  convert::Colormap map = convert::Colormap::viridis;
+  std::optional<std::array<double, 2>> range;
 };
 
 struct RunFlags {
@@ -132,6 +138,9 @@ struct ConvertFlags {
   std::vector<convert::IsoChoice> isos;
   SurfaceFlags surface;
   std::optional<convert::Normals> normals;
+  std::vector<convert::AttributeChoice> attributes;
+  std::optional<ColourFlag> colour;
+  std::optional<std::vector<double>> opacity;
   std::optional<convert::SimplifyBound> simplify;
   std::optional<convert::EmptyPolicy> empty;
   PlacementFlags placement;

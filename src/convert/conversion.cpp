@@ -14,6 +14,7 @@
 #include <tbb/task_arena.h>
 
 #include "base/machine.hpp"
+#include "base/printable.hpp"
 #include "base/stopwatch.hpp"
 #include "convert/detail/recorder.hpp"
 #include "convert/field_file.hpp"
@@ -157,6 +158,7 @@ class Conversion {
       if (!simplified) return tl::unexpected(std::move(simplified.error()));
       events_.simplified(*simplified);
     }
+    if (auto coloured = colour(surface); !coloured) return tl::unexpected(std::move(coloured.error()));
     if (const std::string reason = extract::why_no_error(method()); job_.error && !reason.empty()) {
       events_.note("the error of the mesh is not measured: " + reason);
     } else if (job_.error) {
@@ -174,20 +176,42 @@ class Conversion {
   Result<void> carry_attributes(Surface& surface) {
     if (!source_.attributes) return {};
     const Stopwatch watch;
-    CarriedAttributes carried{surface.iso, surface.mesh.positions.size(), 0, {}};
-    if (carried.vertices > 0) {
-      auto out_of_reach = add_attributes(*source_.attributes, surface.mesh, context_);
-      if (!out_of_reach) return tl::unexpected(std::move(out_of_reach.error()));
-      carried.out_of_reach = *out_of_reach;
+    auto records = add_attributes(*source_.attributes, surface.mesh, context_);
+    if (!records) return tl::unexpected(std::move(records.error()));
+    for (AttributeRecord& record : *records) {
+      record.iso = surface.iso;
+      for (const std::string& text : notes_of(record, source_.label)) events_.note(text);
     }
-    carried.time = watch.elapsed();
-    if (carried.out_of_reach > 0) {
+    // Of particles all attributes have the same reach.
+    if (!records->empty() && records->front().out_of_reach > 0) {
       events_.note(
           fmt::format("{} iso {}: {} of {} vertices have the attributes of the nearest particle, as none is "
                       "near enough to be interpolated",
-                      source_.label, surface.iso, carried.out_of_reach, carried.vertices));
+                      source_.label, surface.iso, records->front().out_of_reach, surface.mesh.positions.size()));
     }
-    events_.carried(carried);
+    events_.carried({surface.iso, surface.mesh.positions.size(), std::move(*records), watch.elapsed()});
+    return {};
+  }
+
+  // When the vertices are those that are written. Attributes that are only for that go.
+  Result<void> colour(Surface& surface) {
+    surface.mesh.material = material_of(job_, surface.iso, source_.field.kind);
+    if (!job_.colour || !job_.colour->attribute) return {};
+    auto record = add_colours(*job_.colour, job_.format, surface.mesh, context_);
+    if (!record) return tl::unexpected(std::move(record.error()));
+    record->iso = surface.iso;
+    if (record->not_numbers > 0) {
+      events_.note(fmt::format("{} iso {}: {} of {} vertices are grey, as '{}' is no number there", source_.label,
+                               surface.iso, record->not_numbers, surface.mesh.positions.size(),
+                               printable(record->attribute)));
+    }
+    events_.coloured(*record);
+    for (const AttributeChoice& choice : job_.source.attributes) {
+      if (choice.written) continue;
+      std::erase_if(surface.mesh.attributes, [&](const mesh::Attribute& a) {
+        return a.role != mesh::AttributeRole::colour && a.name == choice.name;
+      });
+    }
     return {};
   }
 

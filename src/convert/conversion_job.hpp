@@ -15,6 +15,7 @@
 #include "convert/iso_choice.hpp"
 #include "convert/json_values.hpp"
 #include "convert/placement.hpp"
+#include "convert/vertex_choices.hpp"
 #include "extract/extractor.hpp"
 #include "field/interpolant.hpp"
 #include "meshes/mesh_writer.hpp"
@@ -48,7 +49,7 @@ struct SimplifyBound {
   friend bool operator==(const SimplifyBound&, const SimplifyBound&) = default;
 };
 
-// How particles become the field that is extracted, and what of them its vertices carry. A volume needs none of it.
+// How particles become the field that is extracted. A volume needs none of it.
 struct ParticleOptions {
   // The input is of particles: one that could be either is read so, and a volume is refused. Otherwise its content
   // decides.
@@ -62,7 +63,6 @@ struct ParticleOptions {
   points::Deposit deposit = points::Deposit::trilinear;
   points::BadParticles bad = points::BadParticles::error;
   std::optional<std::array<std::string, 3>> columns;  // x, y and z: names, or numbers counted from 1
-  std::vector<std::string> attributes;                // that become attributes of the vertices
 
   friend bool operator==(const ParticleOptions&, const ParticleOptions&) = default;
 };
@@ -80,9 +80,10 @@ struct SourceOptions {
   std::string input;          // a path, "-" for standard input, or demo:NAME
   volumes::ReadOptions read;  // of particles its format, and its volume as the number of a frame
   ParticleOptions particles;
-  std::vector<FilterStep> filters;       // of what was read or made, one after the other
-  std::optional<glm::ivec3> resolution;  // of the grid to extract from, in place of the input's own samples
-  std::optional<field::Box> roi;         // in the coordinates of placement.space
+  std::vector<FilterStep> filters;          // of what was read or made, one after the other
+  std::vector<AttributeChoice> attributes;  // of the vertices; their names differ
+  std::optional<glm::ivec3> resolution;     // of the grid to extract from, in place of the input's own samples
+  std::optional<field::Box> roi;            // in the coordinates of placement.space
   Placement placement;
 
   friend bool operator==(const SourceOptions&, const SourceOptions&) = default;
@@ -126,6 +127,10 @@ struct ConversionJob {
   SourceOptions source;
   SurfaceOptions surface;
   Normals normals = Normals::smooth;
+  std::optional<ColourChoice> colour;
+  // Of the surfaces, as many as there are iso values and in their order, each above 0 and at most 1; or one for all.
+  // Empty: they are opaque, unless iso values colour several: then outer ones let inner ones be seen.
+  std::vector<double> opacity;
   std::optional<SimplifyBound> simplify;
   std::optional<field::Interpolation> error;  // what the meshes are measured against; nothing: they are not
   bool verify = false;                        // the other backend is asked as well, and must agree

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/stopwatch.hpp"
+#include "convert/attribute_source.hpp"
 #include "convert/iso_values.hpp"
 #include "convert/mesh_error.hpp"
 #include "convert/mesh_packing.hpp"
@@ -15,6 +16,7 @@
 #include "convert/particle_source.hpp"
 #include "convert/placement.hpp"
 #include "convert/verification.hpp"
+#include "convert/vertex_colours.hpp"
 #include "convert/work_facts.hpp"
 #include "extract/extractor.hpp"
 #include "field/scalar_field.hpp"
@@ -31,11 +33,11 @@ struct ExtractedSurface {
   StageTime time;
 };
 
-// Attributes of particles that the vertices of a surface got.
+// Attributes that the vertices of a surface got.
 struct CarriedAttributes {
   double iso = 0;
   std::uint64_t vertices = 0;
-  std::uint64_t out_of_reach = 0;  // of no kernel: they have the values of the nearest particle
+  std::vector<AttributeRecord> attributes;
   StageTime time;
 };
 
@@ -75,6 +77,7 @@ class Events {
   // The iso values, where some were no numbers; a note tells of each of these. The time is that of looking at samples,
   // none for particles.
   virtual void resolved(const std::vector<ResolvedIso>&, const std::optional<StageTime>&) {}
+  virtual void read_attributes(const StageTime&) {}  // of a volume
   virtual void resampled(const field::ScalarField& /*grid*/, const WorkFact&, const StageTime&) {}
   virtual void worked(const WorkFact&) {}  // of reading
   virtual void placed(const PlacedField&) {}
@@ -82,6 +85,7 @@ class Events {
   virtual void verified(const VerificationRecord&) {}
   virtual void carried(const CarriedAttributes&) {}  // told before the mesh is simplified
   virtual void simplified(const MeshSimplification&) {}
+  virtual void coloured(const ColourRecord&) {}  // and after it
   virtual void measured(const MeshError&, const StageTime&) {}
   virtual void packed(const MeshPackingRecord&) {}  // before its file is written
   virtual void written(const WrittenOutput&) {}

@@ -98,6 +98,26 @@ Json json_of(const MeshRecord& mesh) {
   return json;
 }
 
+Json json_of(const AttributeRecord& record) {
+  return {{"iso", record.iso},
+          {"name", record.name},
+          {"source", record.source},
+          {"components", record.components},
+          {"vertices", record.vertices},
+          {"outside", record.outside},
+          {"not_finite", record.not_finite},
+          {"out_of_reach", record.out_of_reach}};
+}
+
+Json json_of(const ColourRecord& record) {
+  return {{"iso", record.iso},
+          {"attribute", record.attribute},
+          {"map", word_of(record.map)},
+          {"range", {record.min, record.max}},
+          {"own_range", record.own_range},
+          {"not_numbers", record.not_numbers}};
+}
+
 Json json_of(const MeshSimplification& record) {
   const auto range = [](const DistanceRange& r) { return Json{{"lower", r.lower}, {"upper", r.upper}}; };
   return {{"iso", record.iso},
@@ -223,7 +243,9 @@ Json report_of(const ConversionJob* job, const Outcome& report, const std::vecto
   json["work"] = array_of(report.work);
   json["extractions"] = array_of(report.extractions);
   if (job != nullptr && job->verify) json["verification"] = array_of(report.verifications);
+  if (job != nullptr && !job->source.attributes.empty()) json["attributes"] = array_of(report.attributes);
   json["simplifications"] = array_of(report.simplifications);
+  if (job != nullptr && job->colour && job->colour->attribute) json["colours"] = array_of(report.colours);
   if (job != nullptr && job->packing.packs()) {
     json["packings"] = array_of(report.packings);
   }

@@ -52,6 +52,16 @@ Result<void> read_volume_field(const SourceOptions& options, const SourceUse& us
   if (!isos) return tl::unexpected(std::move(isos.error()));
   source.isos = std::move(*isos);
   tell_isos(watch.elapsed(), events, source);
+  if (options.attributes.empty()) return {};
+  const Stopwatch reading;
+  auto attributes = read_volume_attributes(options, source.field, context);
+  if (!attributes) return tl::unexpected(std::move(attributes.error()));
+  events.read_attributes(reading.elapsed());
+  for (const VolumeAttribute& attribute : *attributes) {
+    for (const std::string& text : attribute.components.front().notes) events.note(text);
+    events.worked(attribute_fact(attribute));
+  }
+  source.attributes = AttributeSource{std::move(*attributes), {}};
   return {};
 }
 
@@ -74,7 +84,7 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
   const StageTime reading = watch.elapsed();
   for (const std::string& text : file->notes) events.note(text);
   if (auto go_on = context.check(); !go_on) return go_on;
-  auto found = find_attributes(file->particles, options.particles.attributes);
+  auto found = find_attributes(file->particles, options.attributes);
   if (!found) return tl::unexpected(std::move(found.error()));
   watch.restart();
   auto made = make_particle_field(file->particles, options.particles, use.only_iso, context);
@@ -97,8 +107,10 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
   source.field = std::move(made->field);
   tell_isos(std::nullopt, events, source);
   if (!found->empty()) {
-    source.attributes = AttributeSource{
-        std::move(file->particles), std::move(*found), figures.radius, options.particles.smoothing_length, {}};
+    source.attributes =
+        AttributeSource{ParticleAttributes{std::move(file->particles), options.attributes, std::move(*found),
+                                           figures.radius, options.particles.smoothing_length},
+                        {}};
   }
   return context.check();
 }

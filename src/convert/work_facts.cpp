@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/byte_size.hpp"
+#include "base/printable.hpp"
 
 namespace isoextract::convert {
 namespace {
@@ -37,6 +38,16 @@ std::vector<WorkFact> reading_facts(const field::ScalarField& field) {
                                  format_byte_size(bytes))});
   }
   return facts;
+}
+
+WorkFact attribute_fact(const VolumeAttribute& attribute) {
+  const field::ScalarField& first = attribute.components.front();
+  const auto* dense = std::get_if<field::DenseSamples>(&first.samples);
+  return {"attributes", "read", attribute.components.size(), std::nullopt,
+          fmt::format("the attribute '{}' from {}: {}{}", printable(attribute.choice.name), first.name,
+                      attribute.components.size() > 1 ? fmt::format("{} times ", attribute.components.size()) : "",
+                      dense != nullptr ? dense_text(*dense)
+                                       : fmt::format("sparse samples of {}", field::sample_type_name(first.type())))};
 }
 
 std::vector<WorkFact> particle_facts(const points::FieldFigures& figures) {

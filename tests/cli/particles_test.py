@@ -284,7 +284,7 @@ class ParticlesTest(ProgramTest):
         self.write_csv("a.csv", block())
         self.write_raw("a.raw", (4, 4, 4), lambda x, y, z: x)
         for volume in (("demo:sphere", "--iso", "0"), ("a.raw", "--dims", "4,4,4", "--dtype", "f32", "--iso", "1")):
-            for option in (("--radius", "1"), ("--particles", "sph"), ("--attribute", "a")):
+            for option in (("--radius", "1"), ("--particles", "sph")):
                 self.assert_fails(1, self.run_program(*volume, *option, "-o", "a.ply"), "this is a volume",
                                   "options of particles")
         for option in (("--spacing", "2"), ("--grid", "a"), ("--inside", "below"), ("--origin", "1,2,3")):

@@ -38,6 +38,11 @@ void Recorder::resolved(const std::vector<ResolvedIso>& isos, const std::optiona
   listener_.resolved(isos, time);
 }
 
+void Recorder::read_attributes(const StageTime& time) {
+  outcome_.stages.push_back({"read attributes", std::nullopt, time});
+  listener_.read_attributes(time);
+}
+
 void Recorder::resampled(const field::ScalarField& grid, const WorkFact& fact, const StageTime& time) {
   outcome_.stages.push_back({"resample", std::nullopt, time});
   outcome_.work.push_back(fact);
@@ -77,6 +82,7 @@ void Recorder::verified(const VerificationRecord& record) {
 
 void Recorder::carried(const CarriedAttributes& attributes) {
   outcome_.stages.push_back({"attributes", attributes.iso, attributes.time});
+  outcome_.attributes.insert(outcome_.attributes.end(), attributes.attributes.begin(), attributes.attributes.end());
   listener_.carried(attributes);
 }
 
@@ -84,6 +90,11 @@ void Recorder::simplified(const MeshSimplification& simplification) {
   outcome_.stages.push_back({"simplify", simplification.iso, simplification.facts.time});
   outcome_.simplifications.push_back(simplification);
   listener_.simplified(simplification);
+}
+
+void Recorder::coloured(const ColourRecord& record) {
+  outcome_.colours.push_back(record);
+  listener_.coloured(record);
 }
 
 void Recorder::measured(const MeshError& error, const StageTime& time) {

@@ -16,6 +16,7 @@ class Recorder final : public Events {
   void made_field(const ParticleRecord& record) override;
   void filtered(const WorkFact& fact, const StageTime& time) override;
   void resolved(const std::vector<ResolvedIso>& isos, const std::optional<StageTime>& time) override;
+  void read_attributes(const StageTime& time) override;
   void resampled(const field::ScalarField& grid, const WorkFact& fact, const StageTime& time) override;
   void worked(const WorkFact& fact) override;
   void placed(const PlacedField& placed) override;
@@ -23,6 +24,7 @@ class Recorder final : public Events {
   void verified(const VerificationRecord& record) override;
   void carried(const CarriedAttributes& attributes) override;
   void simplified(const MeshSimplification& simplification) override;
+  void coloured(const ColourRecord& record) override;
   void measured(const MeshError& error, const StageTime& time) override;
   void packed(const MeshPackingRecord& record) override;
   void written(const WrittenOutput& output) override;
