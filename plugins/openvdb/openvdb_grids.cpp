@@ -3,8 +3,8 @@
 // Spheres are united by openvdb::tools::ParticlesToLevelSet; the smooth surface is that of
 // openvdb::points::rasterizeSmoothSpheres: Y. Zhu and R. Bridson, "Animating sand as a fluid", SIGGRAPH 2005.
 #include <array>
+#include <bit>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -51,7 +51,7 @@ void visit_samples(std::int32_t type, const void* data, F&& use) {
   }
 }
 
-bool same_bits(float a, float b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+bool same_bits(float a, float b) { return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b); }
 
 class GridBuilder {
  public:
@@ -227,11 +227,13 @@ class Particles {
   }
 
   [[nodiscard]] std::size_t size() const { return kept_.size(); }
+  // The names are OpenVDB's. NOLINTBEGIN(readability-identifier-naming)
   void getPos(std::size_t n, openvdb::Vec3R& at) const { at = position_of(kept_[n]); }
   void getPosRad(std::size_t n, openvdb::Vec3R& at, openvdb::Real& radius) const {
     at = position_of(kept_[n]);
     radius = radius_of(kept_[n]);
   }
+  // NOLINTEND(readability-identifier-naming)
   [[nodiscard]] std::vector<float> radii() const {
     std::vector<float> all(size());
     std::ranges::transform(kept_, all.begin(), [&](std::uint64_t i) { return static_cast<float>(radius_of(i)); });

@@ -24,14 +24,16 @@ bool has_field_extension(const std::string& path) {
 // What is about surfaces, and was given.
 std::string_view surface_option(const ConvertFlags& flags) {
   const SurfaceFlags& surface = flags.surface;
-  const std::array<std::pair<bool, std::string_view>, 22> options{{{!flags.isos.empty(), "--iso"},
+  const std::array<std::pair<bool, std::string_view>, 24> options{{{!flags.isos.empty(), "--iso"},
                                                                    {flags.batch.iso_table.has_value(), "--iso-table"},
                                                                    {surface.method.has_value(), "--method"},
                                                                    {flags.normals.has_value(), "--normals"},
                                                                    {flags.simplify.has_value(), "--simplify"},
                                                                    {surface.roi.has_value(), "--roi"},
                                                                    {surface.cap, "--cap"},
-                                                                   {!flags.particles.attributes.empty(), "--attribute"},
+                                                                   {!flags.attributes.empty(), "--attribute"},
+                                                                   {flags.colour.has_value(), "--color-by"},
+                                                                   {flags.opacity.has_value(), "--opacity"},
                                                                    {flags.batch.animate, "--animate"},
                                                                    {flags.batch.plot.has_value(), "--plot"},
                                                                    {flags.placement.space.has_value(), "--space"},

@@ -100,7 +100,7 @@ Result<MeasuredParticles> measure_particles(const convert::SourceOptions& source
   });
   auto statistics = points::measure_statistics(file->particles, context);
   if (!statistics) return tl::unexpected(std::move(statistics.error()));
-  report.statistics = std::move(*statistics);
+  report.statistics = *statistics;
   report.method = asked.particles.method;
   asked.particles.bad = points::BadParticles::skip;
   auto made = convert::make_particle_field(file->particles, asked.particles, std::nullopt, context);

@@ -195,7 +195,9 @@ class Conversion {
 
   // When the vertices are those that are written. Attributes that are only for that go.
   Result<void> colour(Surface& surface) {
-    surface.mesh.material = material_of(job_, surface.iso, source_.field.kind);
+    std::vector<double> isos;
+    for (const ResolvedIso& iso : source_.isos) isos.push_back(iso.value);
+    surface.mesh.material = material_of(job_, isos, surface.iso, source_.field.kind);
     if (!job_.colour || !job_.colour->attribute) return {};
     auto record = add_colours(*job_.colour, job_.format, surface.mesh, context_);
     if (!record) return tl::unexpected(std::move(record.error()));

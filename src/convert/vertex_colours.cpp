@@ -133,10 +133,10 @@ Result<ColourRecord> add_colours(const ColourChoice& choice, meshes::MeshFormat 
   return ColourRecord{0, *choice.attribute, choice.map, range[0], range[1], !choice.range, not_numbers.load()};
 }
 
-std::optional<mesh::Material> material_of(const ConversionJob& job, double iso, field::FieldKind kind) {
+std::optional<mesh::Material> material_of(const ConversionJob& job, const std::vector<double>& isos, double iso,
+                                          field::FieldKind kind) {
   const bool by_iso = job.colour && !job.colour->attribute;
   if (!by_iso && job.opacity.empty()) return std::nullopt;
-  const std::vector<double> isos = job.isos();
   mesh::Material material;
   material.opacity = opacity_of(job, isos, iso, kind);
   if (!by_iso) return material;

@@ -30,8 +30,9 @@ struct ColourRecord {
 [[nodiscard]] Result<ColourRecord> add_colours(const ColourChoice& choice, meshes::MeshFormat format, mesh::Mesh& mesh,
                                                const Context& context);
 
-// Of the surface at `iso`, which is one of the job's: the colour by its place between the least and the greatest of
-// them, or in the range that was given, and the opacity. Nothing where neither was asked for.
-[[nodiscard]] std::optional<mesh::Material> material_of(const ConversionJob& job, double iso, field::FieldKind kind);
+// Of the surface at `iso`, one of `isos`, which the job's choices came to: the colour by its place between the least
+// and the greatest of them, or in the range that was given, and the opacity. Nothing where neither was asked for.
+[[nodiscard]] std::optional<mesh::Material> material_of(const ConversionJob& job, const std::vector<double>& isos,
+                                                        double iso, field::FieldKind kind);
 
 }  // namespace isoextract::convert

@@ -97,24 +97,24 @@ TEST(VertexColours, RangesLengthsAndNumbersThatAreNone) {
 
 TEST(Materials, OuterSurfacesLetInnerOnesBeSeen) {
   ConversionJob job;
-  job.outputs = {{"a.glb", {1, 3, 2}}};
-  EXPECT_FALSE(material_of(job, 1, field::FieldKind::density));
+  std::vector<double> isos{1, 3, 2};
+  EXPECT_FALSE(material_of(job, isos, 1, field::FieldKind::density));
   job.colour = ColourChoice{{}, Colormap::gray, {}};
-  const auto opacity = [&](double iso, field::FieldKind kind) { return material_of(job, iso, kind)->opacity; };
+  const auto opacity = [&](double iso, field::FieldKind kind) { return material_of(job, isos, iso, kind)->opacity; };
   EXPECT_EQ(opacity(1, field::FieldKind::density), 0.25);
   EXPECT_EQ(opacity(2, field::FieldKind::density), 0.625);
   EXPECT_EQ(opacity(3, field::FieldKind::density), 1);
   EXPECT_EQ(opacity(3, field::FieldKind::level_set), 0.25);
-  EXPECT_EQ(material_of(job, 1, field::FieldKind::density)->colour, glm::dvec3(0));
-  EXPECT_NEAR(material_of(job, 2, field::FieldKind::density)->colour->x, 0.214, 0.003);
+  EXPECT_EQ(material_of(job, isos, 1, field::FieldKind::density)->colour, glm::dvec3(0));
+  EXPECT_NEAR(material_of(job, isos, 2, field::FieldKind::density)->colour->x, 0.214, 0.003);
   job.opacity = {0.1, 0.2, 0.3};
   EXPECT_EQ(opacity(2, field::FieldKind::density), 0.3);
   job.colour.reset();
   job.opacity = {0.5};
-  const auto plain = material_of(job, 1, field::FieldKind::density);
+  const auto plain = material_of(job, isos, 1, field::FieldKind::density);
   ASSERT_TRUE(plain);
   EXPECT_EQ(*plain, (mesh::Material{{}, 0.5}));
-  job.outputs = {{"a.glb", {1}}};
+  isos = {1};
   job.opacity.clear();
   job.colour = ColourChoice{{}, Colormap::gray, {}};
   EXPECT_EQ(opacity(1, field::FieldKind::density), 1);
