@@ -20,7 +20,8 @@ class ContentReader {
  public:
   explicit ContentReader(const files::InputFile& file);
 
-  [[nodiscard]] const Context& context() const { return file_.context(); }
+  // For what is kept of the content; the message where there is no room names the file.
+  [[nodiscard]] Reservation reserve(std::uint64_t bytes, std::string_view what) const;
 
   // Where in the content the next byte is.
   [[nodiscard]] std::uint64_t position() const { return start_ + begin_; }

@@ -140,7 +140,7 @@ void read_constant_flags(HoudiniJson& json, const JsonToken& first, std::uint64_
     json.each_number(flags, [&](double value) {
       if (of_part.size() == pages) json.expected("flags of as many pages as there are");
       if (of_part.empty()) {
-        paging.memory.push_back(must(json.content().context().reserve((pages + 63) / 64 * 8, "flags of pages")));
+        paging.memory.push_back(json.content().reserve((pages + 63) / 64 * 8, "flags of pages"));
         of_part.reserve(static_cast<std::size_t>(pages));
       }
       of_part.push_back(value != 0);
