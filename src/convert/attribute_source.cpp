@@ -133,6 +133,13 @@ using Records = std::vector<AttributeRecord>;
 
 Result<Records> add_of_particles(const ParticleAttributes& source, std::span<const glm::dvec3> places, mesh::Mesh& mesh,
                                  const Context& context) {
+  if (places.empty()) {  // there may be no particles either, and so no radius
+    for (std::size_t a = 0; a < source.attributes.size(); ++a) {
+      const std::size_t components = source.particles.attributes[source.attributes[a]].components;
+      mesh.attributes.push_back(float_attribute(source.choices[a].name, components, 0));
+    }
+    return Records();
+  }
   auto sampled = points::sample_attributes(source.particles, source.attributes, places, source.radius,
                                            source.smoothing_length, context);
   if (!sampled) return tl::unexpected(std::move(sampled.error()));

@@ -12,7 +12,7 @@
 namespace isoextract::field {
 namespace {
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kNotANumber = std::numeric_limits<float>::quiet_NaN();
 
 double linear(const glm::dvec3& p) { return 0.25 + 2 * p.x - 3 * p.y + 0.5 * p.z; }
 
@@ -62,7 +62,7 @@ TEST(PointSamples, OutsideIsTheNearestPlaceOfTheBoxAndCounted) {
 
 TEST(PointSamples, OnlyNeighboursThatCountHaveASay) {
   const ScalarField field =
-      test::dense_field<float>({3, 2, 2}, [](int i, int, int) { return i == 2 ? kNan : static_cast<float>(i); });
+      test::dense_field<float>({3, 2, 2}, [](int i, int, int) { return i == 2 ? kNotANumber : static_cast<float>(i); });
   PointCounts counts;
   const std::vector<float> values = sampled(field, {{1, 0.5, 0}, {0.5, 0, 1}, {1.25, 0, 0}}, &counts);
   EXPECT_EQ(values[0], 1);
