@@ -13,7 +13,7 @@ import particle_clouds as clouds  # of tests/support, where `processes` looks fo
 NAME = "particles"
 TITLE = "How long particles take, what they keep in memory, and how far the surface is off"
 JITTER = 0.4  # of the lattice, in radii
-METHODS = ("sph", "anisotropic", "weight")
+METHODS = ("sph", "anisotropic", "weight", "smooth")
 CELLS = (1.5, 1, 0.75, 0.5, 0.35)  # of the dented ball, in radii
 STRAY = 1e5  # how far the stray is along each axis, in radii
 # Files of splashsurf's own tests: their names in the shared data, and between which numbers of triangles its tests
@@ -209,7 +209,7 @@ def commands_of(figures):
 
 def measure(setting):
     measured = record.Record(NAME, setting.isoextract, setting.quick)
-    rounds = 1 if setting.quick else 5
+    rounds = 1 if setting.quick else 3
     many, fewer = (4000, 2000) if setting.quick else (1000000, 100000)
     made = {}
     for name, kind, count, stray in (("ball", "ball", many, False), ("stray", "ball", many, True),
@@ -346,7 +346,7 @@ process has as much; *reserved* is what was counted against the memory limit.
 
 {number(cloud['particles'])} particles on a lattice, shifted by up to {JITTER} radii along each axis, within a ball. Distances are those of vertices from
 the ball that has the particles' volume, a cube two radii wide each; positive is outside, and lengths are in particle radii, of
-which the ball's has {number(1 / cloud['radius'])}. The field has its default spacing: 0.75 radii, 4 for `weight`.
+which the ball's has {number(1 / cloud['radius'])}. The field has its default spacing: 0.75 radii, 4 for `weight`, 0.5 for `smooth`.
 
 {methods_table(figures)}
 
