@@ -81,7 +81,7 @@ class ReadmeTest(ProgramTest):
                        for step in (0, 100))
         (self.folder / "run.lammpstrj").write_text(dump)
         if HAS_OPENVDB:
-            self.convert("demo:sphere?size=32", "-o", "fluid.vdb")
+            self.convert("dam.ply", "--particles", "smooth", "--radius", "0.025", "-o", "fluid.vdb")
 
     def setUp(self):
         super().setUp()
