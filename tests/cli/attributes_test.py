@@ -234,7 +234,7 @@ class AttributesTest(ProgramTest):
         self.assertEqual((found["same_vertices"], found["b_only"], same["difference"]["largest"]), (True, ["more"], 0))
         for name in ("a.ply", "c.glb"):
             run = self.convert("verify", "ball.nrrd", "--iso", "0", name, *(("--up", "y") if name == "c.glb" else ()))
-            self.assertIn("are not verified: heat, colour", run.err)
+            self.assertIn("attributes and colours of its vertices are not verified: ", run.err)
 
     def test_what_is_refused(self):
         ball = ("ball.nrrd", "--iso", "0")
