@@ -97,7 +97,7 @@ class GridBuilder {
 
   void from_sparse(const isoextract_sparse_samples& samples) {
     grid_ = FloatGrid::create(value_of(samples.background));
-    memory_.take(samples.block_count * sizeof(Leaf) + (std::uint64_t{1} << 20));
+    memory_.take(samples.block_count * kLeafBytes + (std::uint64_t{1} << 20));
     for (std::size_t i = 0; i < samples.tile_count; ++i) add_tile(samples.tiles[i]);
     for (std::size_t i = 0; i < samples.block_count; ++i) {
       const isoextract_sparse_block& block = samples.blocks[i];
@@ -145,7 +145,7 @@ class GridBuilder {
     }
     std::uint64_t leaves = 1;
     for (const int dim : dims) leaves *= static_cast<std::uint64_t>((dim + 7) / 8);
-    memory_.take(leaves * sizeof(Leaf));
+    memory_.take(leaves * kLeafBytes);
     visit_samples(input_.sample_type, input_.data, [&](const auto* data) {
       const std::size_t count = input_.dims[0] * input_.dims[1] * input_.dims[2];
       grid_ = FloatGrid::create(outside(data, count));
@@ -336,7 +336,7 @@ int spheres(const isoextract_sphere_job* job, const isoextract_plugin_host* host
     if (particles.size() > 0) {
       // Threads have grids of their own, which overlap where their particles do.
       Reserved for_grid(*host);
-      for_grid.take(2 * leaves_touched(particles, *job) * sizeof(Leaf));
+      for_grid.take(2 * leaves_touched(particles, *job) * kLeafBytes);
       grid = job->method == ISOEXTRACT_SMOOTH_SPHERES ? smooth_spheres(particles, *job, interrupter, for_work)
                                                       : united_spheres(particles, *job, interrupter);
       for_work.take(grid->memUsage());

@@ -85,6 +85,8 @@ class Interrupter : public openvdb::util::NullInterrupter {
 };
 
 constexpr std::size_t kLeafValues = 512;
+// Of a leaf of floats: its values lie beside it.
+constexpr std::uint64_t kLeafBytes = sizeof(openvdb::FloatTree::LeafNodeType) + kLeafValues * sizeof(float);
 
 // Rows of x, y, z of the world, from OpenVDB's matrix, which multiplies row vectors.
 inline void put_transform(const openvdb::math::Transform& transform, double* index_to_world) {
