@@ -347,7 +347,7 @@ class FieldFileTest(FieldsTest):
         # No part of a file, and no file but whole ones.
         run = self.run_program(SPHERE, "-o", "no/folder.vdb")
         self.assertEqual(run.code, 4)
-        run = self.run_program("demo:sphere?size=64", "--memory-limit", "1500K", "-o", "b.vdb")
+        run = self.run_program("demo:sphere?size=64", "--memory-limit", "2M", "-o", "b.vdb")
         self.assertEqual(run.code, 2, run.err)
         self.assertEqual(self.files(), ["a.vdb", "none.csv"])
         run = self.run_program("a.vdb", "-o", "a.vdb")
