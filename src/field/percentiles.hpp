@@ -31,6 +31,7 @@ class Percent {
   // does not exceed; of 0 % the first.
   [[nodiscard]] std::uint64_t rank_among(std::uint64_t samples) const;
 
+  // NOLINTNEXTLINE(modernize-use-nullptr): there is none
   friend auto operator<=>(const Percent&, const Percent&) = default;
 
  private:

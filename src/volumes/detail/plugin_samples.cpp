@@ -54,7 +54,7 @@ field::Affine affine_of(const double* index_to_world) {
 std::array<double, 12> plugin_rows_of(const field::Affine& affine) {
   std::array<double, 12> rows{};
   for (int row = 0; row < 3; ++row) {
-    const auto at = static_cast<std::size_t>(4 * row);
+    const auto at = std::size_t{4} * static_cast<std::size_t>(row);
     for (int column = 0; column < 3; ++column) rows[at + static_cast<std::size_t>(column)] = affine.linear[column][row];
     rows[at + 3] = affine.offset[row];
   }
