@@ -29,8 +29,8 @@ struct IsoChoice {
   [[nodiscard]] bool is_number() const { return kind == Kind::number; }
 
   friend bool operator==(const IsoChoice&, const IsoChoice&) = default;
-  friend auto operator<=>(const IsoChoice&,
-                          const IsoChoice&) = default;  // NOLINT(modernize-use-nullptr): there is none
+  // NOLINTNEXTLINE(modernize-use-nullptr): there is none
+  friend auto operator<=>(const IsoChoice&, const IsoChoice&) = default;
 };
 
 // The shortest that iso_choice_of() takes: "0.3", "auto", "p99.9".
