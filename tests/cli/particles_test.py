@@ -208,8 +208,10 @@ class ParticlesTest(ProgramTest):
         self.write_xyz("a.xyz", [block(3)])
         for words in (("a.csv",), ("a.xyz", "--input-format", "xyz")):
             self.assert_fails(1, self.run_program("bench", *words, "--iso", "0.6"), f"{words[0]}: expected a volume, found particles")
-        self.assert_fails(1, self.run_program("bench", "-", "--iso", "0.6", stdin=(self.folder / "a.xyz").open("rb")),
-                          "standard input: expected a volume, found particles")
+        self.write_ply("a.ply", block(3))
+        with (self.folder / "a.ply").open("rb") as file:
+            self.assert_fails(1, self.run_program("bench", "-", "--iso", "0.6", stdin=file),
+                              "standard input: expected a volume, found particles")
 
     def estimate(self, *arguments):
         (told,) = json.loads(self.convert("info", "--json", *arguments).text)
