@@ -16,24 +16,29 @@ quietly() {
   fi
 }
 
+# Plug-ins by the package group of what they are around: "vtk" or "openvdb".
 bring_up_to_date() {
-  if [ -f "$build/build.ninja" ]; then
+  local missing=()
+  for group in "$@"; do
+    compgen -G "$build/plugins/isoextract-*-$group.so" >/dev/null || missing+=("$group")
+  done
+  if [ -f "$build/build.ninja" ] && [ ${#missing[@]} -eq 0 ]; then
     case $(ninja -C "$build" -n isoextract 2>/dev/null) in
       *"no work to do"*) return ;;
     esac
   fi
-  "$root/scripts/setup.sh" build || return
+  "$root/scripts/setup.sh" build "${missing[@]}" || return
   cd "$root" || return
   say "building the program in build/release; the first time takes some minutes"
   quietly cmake --preset release || return
   quietly cmake --build --preset release
 }
 
-# Installs and builds what is missing; ends the script with 3 if that fails.
+# Installs and builds what is missing, the plug-ins named among it; ends the script with 3 if that fails.
 build_release() {
   mkdir -p "$build"
   # One build at a time where several are started at once; the lock ends with the subshell.
-  if ! (flock 9 && bring_up_to_date) 9>"$build/.lock"; then
+  if ! (flock 9 && bring_up_to_date "$@") 9>"$build/.lock"; then
     say "the program could not be built"
     exit 3
   fi

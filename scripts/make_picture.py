@@ -1,6 +1,6 @@
 """Renders one mesh file to a PNG with headless Blender: how the pictures in docs/pictures were made.
 
-    blender -b --python scripts/make_picture.py -- MESH.glb OUT.png [R,G,B] [AZIMUTH,ELEVATION in degrees]
+    blender -b --python scripts/make_picture.py -- MESH.glb OUT.png [R,G,B|vertices] [AZIMUTH,ELEVATION in degrees]
 
 Cycles on the CPU, so that no display and no GPU is needed. The mesh fills the frame whatever its size and place.
 """

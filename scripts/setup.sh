@@ -4,8 +4,8 @@
 #   scripts/setup.sh            what building the program needs
 #   scripts/setup.sh test       the tests' packages as well
 #   scripts/setup.sh test fuzz  and those of the fuzz targets
-#   scripts/setup.sh vtk        what the plug-in for VTK's particles needs: VTK
-#   scripts/setup.sh openvdb    what the plug-ins around OpenVDB need: OpenVDB
+#   scripts/setup.sh vtk        what the plug-in around VTK needs: VTK; scripts/run asks for it where it is needed
+#   scripts/setup.sh openvdb    what the plug-ins around OpenVDB need: OpenVDB; likewise
 #   scripts/setup.sh bench      what building the program needs, and what it is compared with
 #   scripts/setup.sh measure    what scripts/measure needs: that, and whose topology is compared
 #   scripts/setup.sh blender    what scripts/blender/check needs besides the program

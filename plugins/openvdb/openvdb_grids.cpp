@@ -3,17 +3,15 @@
 // Spheres are united by openvdb::tools::ParticlesToLevelSet; the smooth surface is that of
 // openvdb::points::rasterizeSmoothSpheres: Y. Zhu and R. Bridson, "Animating sand as a fluid", SIGGRAPH 2005.
 #include <array>
+#include <bit>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <memory>
 #include <optional>
 #include <ostream>
-#include <streambuf>
 #include <unordered_map>
 #include <unordered_set>
 
-#include <openvdb/io/Archive.h>
 #include <openvdb/points/PointAttribute.h>
 #include <openvdb/points/PointConversion.h>
 #include <openvdb/points/PointRasterizeSDF.h>
@@ -22,6 +20,7 @@
 #include <openvdb/tools/ParticlesToLevelSet.h>
 
 #include <grid_tools_plugin.h>
+#include "openvdb_file.hpp"
 #include "openvdb_parts.hpp"
 
 namespace {
@@ -52,7 +51,7 @@ void visit_samples(std::int32_t type, const void* data, F&& use) {
   }
 }
 
-bool same_bits(float a, float b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+bool same_bits(float a, float b) { return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b); }
 
 class GridBuilder {
  public:
@@ -98,7 +97,7 @@ class GridBuilder {
 
   void from_sparse(const isoextract_sparse_samples& samples) {
     grid_ = FloatGrid::create(value_of(samples.background));
-    memory_.take(samples.block_count * sizeof(Leaf) + (std::uint64_t{1} << 20));
+    memory_.take(samples.block_count * kLeafBytes + (std::uint64_t{1} << 20));
     for (std::size_t i = 0; i < samples.tile_count; ++i) add_tile(samples.tiles[i]);
     for (std::size_t i = 0; i < samples.block_count; ++i) {
       const isoextract_sparse_block& block = samples.blocks[i];
@@ -146,7 +145,7 @@ class GridBuilder {
     }
     std::uint64_t leaves = 1;
     for (const int dim : dims) leaves *= static_cast<std::uint64_t>((dim + 7) / 8);
-    memory_.take(leaves * sizeof(Leaf));
+    memory_.take(leaves * kLeafBytes);
     visit_samples(input_.sample_type, input_.data, [&](const auto* data) {
       const std::size_t count = input_.dims[0] * input_.dims[1] * input_.dims[2];
       grid_ = FloatGrid::create(outside(data, count));
@@ -172,12 +171,15 @@ class GridBuilder {
 
   template <class T>
   void put_box(const T* data, const std::array<int, 3>& dims, const openvdb::Coord& origin) {
-    Leaf& leaf = *grid_->tree().touchLeaf(origin);
+    Leaf* leaf = nullptr;  // there is none where all is background
     for (openvdb::Index n = 0; n < kLeafValues; ++n) {
-      const openvdb::Coord at = leaf.offsetToGlobalCoord(n);
+      const openvdb::Coord at = origin + Leaf::offsetToLocalCoord(n);
       if (at.x() >= dims[0] || at.y() >= dims[1] || at.z() >= dims[2]) continue;
       const auto row = static_cast<std::size_t>(at.y()) + input_.dims[1] * static_cast<std::size_t>(at.z());
-      put(leaf, n, sample(data[static_cast<std::size_t>(at.x()) + input_.dims[0] * row]));
+      const float value = sample(data[static_cast<std::size_t>(at.x()) + input_.dims[0] * row]);
+      if (leaf == nullptr && same_bits(value, grid_->background())) continue;
+      if (leaf == nullptr) leaf = grid_->tree().touchLeaf(origin);
+      put(*leaf, n, value);
     }
   }
 
@@ -225,11 +227,13 @@ class Particles {
   }
 
   [[nodiscard]] std::size_t size() const { return kept_.size(); }
+  // The names are OpenVDB's. NOLINTBEGIN(readability-identifier-naming)
   void getPos(std::size_t n, openvdb::Vec3R& at) const { at = position_of(kept_[n]); }
   void getPosRad(std::size_t n, openvdb::Vec3R& at, openvdb::Real& radius) const {
     at = position_of(kept_[n]);
     radius = radius_of(kept_[n]);
   }
+  // NOLINTEND(readability-identifier-naming)
   [[nodiscard]] std::vector<float> radii() const {
     std::vector<float> all(size());
     std::ranges::transform(kept_, all.begin(), [&](std::uint64_t i) { return static_cast<float>(radius_of(i)); });
@@ -249,7 +253,6 @@ class Particles {
   const isoextract_sphere_job& job_;
   std::vector<std::uint64_t> kept_;
 };
-
 
 // How many leaves the narrow band, and what is filled meanwhile, can touch at most. Particles in one leaf count once,
 // with the farthest reach among them; beyond `kMost` it is not counted any further.
@@ -295,14 +298,16 @@ FloatGrid::Ptr smooth_spheres(const Particles& particles, const isoextract_spher
   memory.take(particles.size() * kBytesPerPoint);
   const auto transform = openvdb::math::Transform::createLinearTransform(job.voxel);
   const auto index = openvdb::tools::createPointIndexGrid<openvdb::tools::PointIndexGrid>(particles, *transform);
-  const auto grid = points::createPointDataGrid<points::NullCodec, points::PointDataGrid>(*index, particles, *transform);
+  const auto grid =
+      points::createPointDataGrid<points::NullCodec, points::PointDataGrid>(*index, particles, *transform);
   const std::string radius = "pscale";
   points::appendAttribute<float>(grid->tree(), radius);
   const std::vector<float> radii = particles.radii();
   points::populateAttribute(grid->tree(), index->tree(), radius, points::PointAttributeVector<float>(radii));
   interrupter.check();
-  auto surface = points::rasterizeSmoothSpheres<points::PointDataGrid, float, FloatGrid, points::NullFilter, Interrupter>(
-      *grid, radius, 1.0, job.search_radius, job.half_band, transform, points::NullFilter(), &interrupter);
+  auto surface =
+      points::rasterizeSmoothSpheres<points::PointDataGrid, float, FloatGrid, points::NullFilter, Interrupter>(
+          *grid, radius, 1.0, job.search_radius, job.half_band, transform, points::NullFilter(), &interrupter);
   interrupter.check();
   return surface;
 }
@@ -331,7 +336,7 @@ int spheres(const isoextract_sphere_job* job, const isoextract_plugin_host* host
     if (particles.size() > 0) {
       // Threads have grids of their own, which overlap where their particles do.
       Reserved for_grid(*host);
-      for_grid.take(2 * leaves_touched(particles, *job) * sizeof(Leaf));
+      for_grid.take(2 * leaves_touched(particles, *job) * kLeafBytes);
       grid = job->method == ISOEXTRACT_SMOOTH_SPHERES ? smooth_spheres(particles, *job, interrupter, for_work)
                                                       : united_spheres(particles, *job, interrupter);
       for_work.take(grid->memUsage());
@@ -380,64 +385,13 @@ void free_output(isoextract_grid_output* output) { delete static_cast<SparseStor
 
 // Files.
 
-// Passes bytes on to the host; a place that was passed can be gone back to.
-class HostStream : public std::streambuf {
- public:
-  explicit HostStream(const isoextract_vdb_job& job) : job_(job) {}
-  [[nodiscard]] bool failed() const { return failed_; }
-
- protected:
-  std::streamsize xsputn(const char* bytes, std::streamsize count) override {
-    const auto n = static_cast<std::uint64_t>(count);
-    const std::uint64_t in_place = std::min(n, size_ - place_);
-    if (in_place > 0) failed_ |= job_.overwrite(job_.sink, place_, bytes, in_place) != 0;
-    if (n > in_place && !failed_) failed_ |= job_.append(job_.sink, bytes + in_place, n - in_place) != 0;
-    if (failed_) return 0;
-    place_ += n;
-    size_ = std::max(size_, place_);
-    return count;
-  }
-
-  int_type overflow(int_type symbol) override {
-    const char byte = traits_type::to_char_type(symbol);
-    return xsputn(&byte, 1) == 1 ? symbol : traits_type::eof();
-  }
-
-  pos_type seekoff(off_type offset, std::ios_base::seekdir from, std::ios_base::openmode which) override {
-    const std::uint64_t base = from == std::ios_base::beg ? 0 : from == std::ios_base::end ? size_ : place_;
-    return seekpos(static_cast<off_type>(base) + offset, which);
-  }
-
-  pos_type seekpos(pos_type place, std::ios_base::openmode /*which*/) override {
-    const off_type wanted = place;
-    if (wanted < 0 || static_cast<std::uint64_t>(wanted) > size_) return {off_type(-1)};
-    if (static_cast<std::uint64_t>(wanted) < size_ && job_.overwrite == nullptr) return {off_type(-1)};
-    place_ = static_cast<std::uint64_t>(wanted);
-    return place;
-  }
-
- private:
-  const isoextract_vdb_job& job_;
-  std::uint64_t place_ = 0;
-  std::uint64_t size_ = 0;
-  bool failed_ = false;
-};
-
-// What io::File and io::Stream do, for a stream of one's own.
-class HostArchive : public openvdb::io::Archive {
- public:
-  void put(std::ostream& stream, const openvdb::GridCPtrVec& grids, bool with_places) const {
-    write(stream, grids, with_places);
-  }
-};
-
 int write_vdb(const isoextract_vdb_job* job, const isoextract_plugin_host* host) {
   return guarded([&] {
     Reserved memory(*host);
     FloatGrid::Ptr grid = GridBuilder(job->grid, memory).build();
     grid->setName(job->name);
     grid->setSaveFloatAsHalf(job->is_half != 0);
-    HostStream buffer(*job);
+    HostStream buffer(*job, content_name(*grid, *job));
     std::ostream stream(&buffer);
     stream.exceptions(std::ios_base::badbit);
     try {

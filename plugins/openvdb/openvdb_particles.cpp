@@ -96,9 +96,9 @@ void describe_attributes(Opened& opened) {
   for (std::size_t i = 0; i < found.size(); ++i) {
     const points::AttributeArray& array = *set.getConst(std::get<0>(found[i]));
     std::uint64_t components = 1;
-    const bool is_numeric = array.hasConstantStride() && visit_attribute(opened.types[i], [&](auto, std::uint64_t values) {
-      components = values * array.stride();
-    });
+    const bool is_numeric =
+        array.hasConstantStride() &&
+        visit_attribute(opened.types[i], [&](auto, std::uint64_t values) { components = values * array.stride(); });
     opened.quantities.push_back(
         {opened.attributes[i].c_str(), opened.types[i].c_str(), components, is_numeric ? 1 : 0});
   }

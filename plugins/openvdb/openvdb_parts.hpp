@@ -85,6 +85,8 @@ class Interrupter : public openvdb::util::NullInterrupter {
 };
 
 constexpr std::size_t kLeafValues = 512;
+// Of a leaf of floats: its values lie beside it.
+constexpr std::uint64_t kLeafBytes = sizeof(openvdb::FloatTree::LeafNodeType) + kLeafValues * sizeof(float);
 
 // Rows of x, y, z of the world, from OpenVDB's matrix, which multiplies row vectors.
 inline void put_transform(const openvdb::math::Transform& transform, double* index_to_world) {
@@ -146,7 +148,7 @@ void store_tree(const Tree& tree, std::int32_t sample_type, Reserved& memory, Sp
   });
 
   isoextract_sparse_samples& samples = store.samples;
-  samples = {sample_type, store.blocks.data(), store.blocks.size(), store.tiles.data(), store.tiles.size(),
+  samples = {sample_type, store.blocks.data(), store.blocks.size(), store.tiles.data(),     store.tiles.size(),
              background,  {0, 0, 0},           {-1, -1, -1},        tree.activeVoxelCount()};
   openvdb::CoordBBox active;
   if (tree.evalActiveVoxelBoundingBox(active)) {

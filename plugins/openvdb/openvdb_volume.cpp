@@ -203,7 +203,7 @@ std::uint64_t size_of(const char* path) {
 // A grid of floats of the same topology and place.
 template <class Grid>
 openvdb::FloatGrid::Ptr as_floats(const Grid& grid, const Conversion<float>& convert, Reserved& memory) {
-  memory.take(grid.tree().leafCount() * sizeof(openvdb::FloatTree::LeafNodeType) + (std::uint64_t{1} << 20));
+  memory.take(grid.tree().leafCount() * kLeafBytes + (std::uint64_t{1} << 20));
   auto floats = openvdb::FloatGrid::create(convert(grid.background()));
   visit_tiles(grid.tree(), [&](const auto& tile) {
     const float value = convert(tile.getValue());
@@ -304,7 +304,7 @@ class Resampling {
     });
     if (!all.empty()) sum = std::min(sum, leaves_in(all));
     // A quarter more for the nodes above the leaves, of which there is one at least.
-    const double most = sum * sizeof(Leaf) * 1.25 + (1 << 20);
+    const double most = sum * static_cast<double>(kLeafBytes) * 1.25 + (1 << 20);
     constexpr double kMost = 1e18;
     return most < kMost ? static_cast<std::uint64_t>(most) : ~std::uint64_t{0};
   }

@@ -14,11 +14,16 @@ def corners_of(item):
 
 
 def paint(items, colour):
-    """Gives the objects one material. colour: "R,G,B"."""
+    """Gives the objects one material. colour: "R,G,B", or "vertices" for the colours that those have."""
     material = bpy.data.materials.new("surface")
     material.use_nodes = True
     shader = material.node_tree.nodes["Principled BSDF"]
-    shader.inputs["Base Color"].default_value = (*(float(c) for c in colour.split(",")), 1)
+    if colour == "vertices":
+        vertices = material.node_tree.nodes.new("ShaderNodeVertexColor")
+        vertices.layer_name = items[0].data.color_attributes[0].name
+        material.node_tree.links.new(vertices.outputs["Color"], shader.inputs["Base Color"])
+    else:
+        shader.inputs["Base Color"].default_value = (*(float(c) for c in colour.split(",")), 1)
     shader.inputs["Roughness"].default_value = 0.45
     for item in items:
         item.data.materials.clear()
@@ -38,7 +43,7 @@ def set_up(corners, view):
     camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
     camera.data.angle = math.radians(30)
     camera.location = centre + direction * radius * 3.8
-    camera.data.clip_end = radius * 10
+    camera.data.clip_start, camera.data.clip_end = radius / 10, radius * 10
     camera.rotation_euler = (-direction).to_track_quat("-Z", "Y").to_euler()
     scene.collection.objects.link(camera)
     scene.camera = camera

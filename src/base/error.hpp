@@ -79,6 +79,9 @@ enum class Remedy {
   choose_radius,         // the particles do not tell how large they are
   skip_particles,        // those at places that are no numbers can be left out
   fewer_attributes,      // of particles, for vertices
+  smaller_cells,         // samples nearer to each other, of particles
+  leave_out_filters,     // they are for level sets
+  store_floats,          // half floats do not reach so far
 };
 
 struct Hint {

@@ -63,7 +63,7 @@ std::string label_of_source(const OutputSource& source) {
 std::string shown_output(const fs::path& file) { return file == "-" ? "standard output" : printable(file.string()); }
 
 // What tells the names in a folder apart.
-std::string name_in_folder(std::span<const OutputSource> sources, meshes::MeshFormat format) {
+std::string name_in_folder(std::span<const OutputSource> sources, std::string_view extension) {
   std::unordered_map<std::string, std::int64_t> frame_of_stem;
   std::map<std::pair<std::int64_t, std::string>, const std::string*> grid_of_frame;
   bool with_frame = false;
@@ -78,19 +78,19 @@ std::string name_in_folder(std::span<const OutputSource> sources, meshes::MeshFo
     digits = std::max(digits, frame_digits(source.frame < 0 ? -source.frame : source.frame, 0).size());
   }
   return fmt::format("{{stem}}{}{}.{}", with_frame ? fmt::format("_{{frame:0{}}}", digits) : "",
-                     with_grid ? "_{grid}" : "", meshes::mesh_format_info(format).name);
+                     with_grid ? "_{grid}" : "", extension);
 }
 
 Result<OutputTemplate> template_of(std::span<const OutputSource> sources, const std::optional<std::string>& output,
-                                   meshes::MeshFormat format) {
-  if (!output) return OutputTemplate::parse(name_in_folder(sources, format));
+                                   std::string_view extension) {
+  if (!output) return OutputTemplate::parse(name_in_folder(sources, extension));
   if (output->empty()) return fail(ErrorKind::usage, "expected the name of an output, found an empty one");
   std::error_code none;
   if (fs::is_directory(*output, none)) {
     const std::string slash = output->ends_with('/') ? "" : "/";
-    return OutputTemplate::parse(escaped_name(*output) + slash + name_in_folder(sources, format));
+    return OutputTemplate::parse(escaped_name(*output) + slash + name_in_folder(sources, extension));
   }
-  return OutputTemplate::parse(output->ends_with('/') ? *output + name_in_folder(sources, format) : *output);
+  return OutputTemplate::parse(output->ends_with('/') ? *output + name_in_folder(sources, extension) : *output);
 }
 
 Result<void> check_words(const OutputSource& source, const OutputTemplate& names, meshes::MeshFormat format) {
@@ -125,8 +125,10 @@ OutputFiles files_of(const OutputSource& source, const OutputTemplate& names) {
 }  // namespace
 
 Result<std::vector<OutputFiles>> name_outputs(std::span<const OutputSource> sources,
-                                              const std::optional<std::string>& output, meshes::MeshFormat format) {
-  const auto names = template_of(sources, output, format);
+                                              const std::optional<std::string>& output, meshes::MeshFormat format,
+                                              std::string_view extension) {
+  const auto names =
+      template_of(sources, output, extension.empty() ? meshes::mesh_format_info(format).name : extension);
   if (!names) return tl::unexpected(names.error());
   std::vector<OutputFiles> outputs;
   outputs.reserve(sources.size());

@@ -32,12 +32,13 @@ using OutputFiles = std::vector<convert::OutputFileJob>;  // of one conversion
 //   "-"           standard output
 // In a folder files are named {stem}.EXTENSION; {stem}_{frame:04}.EXTENSION where inputs of several frames have one
 // stem, with more digits where a frame needs them, and with _{grid} after that where one frame has several grids.
+// EXTENSION is that of the format unless another is given: what is written need not be a mesh.
 //
 // Fails with ErrorKind::usage for a template that cannot be read, for {grid} where no grid was chosen, for several iso
 // values in one file of a format that holds one, and as check_outputs() does. Folders need not exist.
 [[nodiscard]] Result<std::vector<OutputFiles>> name_outputs(std::span<const OutputSource> sources,
                                                             const std::optional<std::string>& output,
-                                                            meshes::MeshFormat format);
+                                                            meshes::MeshFormat format, std::string_view extension = {});
 
 // Whether every file is written once, and none of them is an input; `outputs` are those of the sources. Compared is the
 // place on the disk: links and different ways of writing a path make no difference, as far as they exist by now.

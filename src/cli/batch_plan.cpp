@@ -13,8 +13,10 @@
 #include "batch/frame_pattern.hpp"
 #include "batch/iso_table.hpp"
 #include "batch/output_names.hpp"
+#include "cli/field_plan.hpp"
 #include "cli/particle_plan.hpp"
 #include "cli/plan_parts.hpp"
+#include "cli/vertex_plan.hpp"
 #include "convert/output_checks.hpp"
 #include "convert/particle_source.hpp"
 #include "field/demo_field.hpp"
@@ -84,7 +86,7 @@ bool wants_all_volumes(const ConvertFlags& flags) {
 Result<batch::Frames> volumes_of(const ConvertFlags& flags, const volumes::ReadOptions& read) {
   const std::vector<std::string>& inputs = flags.input.inputs;
   if (inputs.size() > 1) return refuse_usage("--volume all takes the volumes of one file, and several were given");
-  auto particles = plan_particles(flags.particles, flags.surface.nan);
+  auto particles = plan_particles(flags.particles, flags.surface.nan, has_attributes(flags));
   if (!particles) return tl::unexpected(particles.error());
   convert::SourceOptions source;
   source.input = inputs.front();
@@ -223,7 +225,7 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
   auto found =
       wants_all_volumes(flags) ? volumes_of(flags, *read) : batch::find_frames(flags.input.inputs, flags.batch.frames);
   if (!found) return tl::unexpected(found.error());
-  if (!flags.batch.iso_table) {
+  if (!flags.batch.iso_table && !writes_field(flags)) {
     auto note = take_iso_of_method(one, found->frames.front().input);
     if (!note) return tl::unexpected(note.error());
     if (!note->empty()) found->notes.push_back(std::move(*note));
@@ -236,8 +238,10 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
   plan.common = std::move(*common);
   if (std::string note = changing_isos(flags, sources->size()); !note.empty()) found->notes.push_back(std::move(note));
   for (std::string& note : found->notes) plan.common.notes.push_back(std::move(note));
+  if (std::string note = note_of_frames(plan.common.job); !note.empty()) plan.common.notes.push_back(std::move(note));
   auto outputs = flags.batch.animate ? plan_animation(flags, *sources, plan.common.job.format, plan.batch)
-                                     : batch::name_outputs(*sources, flags.output, plan.common.job.format);
+                                     : batch::name_outputs(*sources, flags.output, plan.common.job.format,
+                                                           writes_field(flags) ? kFieldFormat : std::string_view());
   if (!outputs) return tl::unexpected(outputs.error());
   for (std::size_t i = 0; i < sources->size(); ++i) {
     batch::FrameJob& frame = plan.batch.frames.emplace_back();
@@ -246,6 +250,9 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
     frame.job.source.input = found->frames[i].input;
     if (found->frames[i].step) frame.job.source.read.volume = found->frames[i].step;
     frame.job.outputs = std::move((*outputs)[i]);
+    if (auto numbered = number_attributes(frame.job.source.attributes, frame.number); !numbered) {
+      return tl::unexpected(std::move(numbered.error()));
+    }
   }
   plan.gaps = std::move(found->gaps);
   plan.folder = common_folder(plan.batch);

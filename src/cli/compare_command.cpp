@@ -10,10 +10,12 @@
 #include "base/context.hpp"
 #include "base/machine.hpp"
 #include "base/stopwatch.hpp"
+#include "cli/attribute_text.hpp"
 #include "cli/layout.hpp"
 #include "cli/progress_bar.hpp"
 #include "convert/json_values.hpp"
 #include "convert/placement.hpp"
+#include "measure/attribute_match.hpp"
 #include "measure/mesh_distance.hpp"
 #include "mesh/metrics.hpp"
 #include "mesh/topology.hpp"
@@ -119,7 +121,8 @@ void add_direction(NamedLines& lines, std::string_view name, const measure::Dire
             fmt::format("farthest at ({:.9g}, {:.9g}, {:.9g})", distance.place.x, distance.place.y, distance.place.z));
 }
 
-std::string text_of(const std::array<Side, 2>& sides, const measure::MeshDistance& distance) {
+std::string text_of(const std::array<Side, 2>& sides, const measure::MeshDistance& distance,
+                    const measure::AttributeMatches& attributes) {
   NamedLines lines;
   for (const Side& side : sides) add_side(lines, side);
   lines.plain("distances, in the unit of the meshes");
@@ -129,6 +132,7 @@ std::string text_of(const std::array<Side, 2>& sides, const measure::MeshDistanc
   lines.add("rms", fmt::format("{:.6g}", distance.rms));
   lines.add("mean", fmt::format("{:.6g}", distance.mean));
   lines.add("99 %", fmt::format("{:.6g}", distance.percentile99));
+  add_attributes(lines, attributes);
   return lines.take();
 }
 
@@ -152,7 +156,8 @@ convert::Json direction_json(const measure::DirectedDistance& distance) {
           {"percentile99", distance.percentile99}};
 }
 
-convert::Json comparison_json(const std::array<Side, 2>& sides, const measure::MeshDistance& distance) {
+convert::Json comparison_json(const std::array<Side, 2>& sides, const measure::MeshDistance& distance,
+                              const measure::AttributeMatches& attributes) {
   return {{"a", side_json(sides[0])},
           {"b", side_json(sides[1])},
           {"a_to_b", direction_json(distance.a_to_b)},
@@ -161,7 +166,8 @@ convert::Json comparison_json(const std::array<Side, 2>& sides, const measure::M
           {"rms", distance.rms},
           {"mean", distance.mean},
           {"percentile99", distance.percentile99},
-          {"resolution", distance.resolution}};
+          {"resolution", distance.resolution},
+          {"attributes", attributes_json(attributes)}};
 }
 
 // Where the limit lies within the interval of the greatest distance, a narrower one says on which side it is.
@@ -249,7 +255,11 @@ Result<void> run_compare(const ComparePlan& plan, const Messages& messages) {
   }
   messages.detail(fmt::format("compared in {:.2f} s, peak memory {}", watch.elapsed().wall_seconds,
                               format_byte_size(peak_memory())));
-  const std::string text = plan.json ? convert::json_text(comparison_json(sides, distance)) : text_of(sides, distance);
+  // glTF's colours are linear light, and those of other formats sRGB.
+  const measure::AttributeMatches attributes =
+      measure::match_attributes(sides[0].file.mesh, sides[1].file.mesh, sides[0].file.y_up == sides[1].file.y_up);
+  const std::string text = plan.json ? convert::json_text(comparison_json(sides, distance, attributes))
+                                     : text_of(sides, distance, attributes);
   if (auto printed = print_to_stdout(text); !printed) return printed;
   return check_distance(plan, sides, distance);
 }

@@ -8,6 +8,29 @@
 #include "field/surface_estimate.hpp"
 
 namespace isoextract::cli {
+namespace {
+
+// Of attributes of vertices: other volumes, where vertices are in the world, the values and a colour.
+std::uint64_t attribute_bytes(const convert::Source& source, std::uint64_t vertices) {
+  if (!source.attributes) return 0;
+  std::uint64_t bytes = 0;
+  std::size_t components = 0;
+  if (const auto* particles = std::get_if<convert::ParticleAttributes>(&source.attributes->from)) {
+    for (const std::size_t a : particles->attributes) components += particles->particles.attributes[a].components;
+  } else {
+    for (const auto& attribute : std::get<std::vector<convert::VolumeAttribute>>(source.attributes->from)) {
+      components += attribute.components.size();
+      for (const field::ScalarField& field : attribute.components) {
+        const ConversionSize size = size_of_samples(field);
+        bytes += size.sample_bytes + size.lookup_bytes;
+      }
+    }
+  }
+  constexpr std::uint64_t kColourBytes = 8;
+  return bytes + vertices * (sizeof(glm::dvec3) + components * sizeof(float) + kColourBytes);
+}
+
+}  // namespace
 
 ConversionSize size_of_samples(const field::ScalarField& field) {
   ConversionSize size;
@@ -47,8 +70,14 @@ Result<std::uint64_t> estimated_memory(const convert::ConversionJob& job, const 
   if (!source) return tl::unexpected(source.error());
   // To make a field of particles takes more than to keep it.
   std::uint64_t most = source->of_particles ? kProgramBytes + context.memory().peak() : 0;
+  if (job.field_file) {
+    // The tree that is written, and the samples that it is made of.
+    const ConversionSize size = size_of_samples(source->field);
+    most = std::max(most, kProgramBytes + size.sample_bytes + size.samples * 2 * sizeof(float));
+  }
   for (const convert::ResolvedIso& iso : source->isos) {
-    most = std::max(most, estimated_bytes(size_of(source->field, iso.value)));
+    const ConversionSize size = size_of(source->field, iso.value);
+    most = std::max(most, estimated_bytes(size) + attribute_bytes(*source, size.vertices));
   }
   return most;
 }

@@ -11,7 +11,9 @@
 
 #include "base/byte_size.hpp"
 #include "base/machine.hpp"
+#include "base/printable.hpp"
 #include "base/stopwatch.hpp"
+#include "cli/field_plan.hpp"
 #include "cli/mesh_error_text.hpp"
 #include "cli/messages.hpp"
 #include "cli/packing_text.hpp"
@@ -102,6 +104,11 @@ class Narrator final : public convert::Events {
     tell_stage(fmt::format("{}: particles to field in {}", label_, times_text(record.time)));
   }
 
+  void filtered(const convert::WorkFact& fact, const StageTime& time) override {
+    tell_stage(fmt::format("{}: filtered in {}", label_, times_text(time)));
+    explain(fact);
+  }
+
   void resolved(const std::vector<convert::ResolvedIso>& /*isos*/, const std::optional<StageTime>& time) override {
     if (time) tell_stage(fmt::format("{}: iso values found in {}", label_, times_text(*time)));
   }
@@ -144,6 +151,16 @@ class Narrator final : public convert::Events {
                            times_text(attributes.time)));
   }
 
+  void read_attributes(const StageTime& time) override {
+    tell_stage(fmt::format("{}: attributes read in {}", label_, times_text(time)));
+  }
+
+  void coloured(const convert::ColourRecord& record) override {
+    colours_.push_back(fmt::format("colours of iso {}: {}, {} from {:.6g} to {:.6g}{}", record.iso,
+                                   printable(record.attribute), word_of(record.map), record.min, record.max,
+                                   record.own_range ? ", the range of its vertices" : ""));
+  }
+
   void simplified(const convert::MeshSimplification& simplification) override {
     tell_stage(fmt::format("{} iso {}: simplified in {}: {}", label_, simplification.iso,
                            times_text(simplification.facts.time), simplification_details(simplification)));
@@ -176,9 +193,22 @@ class Narrator final : public convert::Events {
                                     format_byte_size(bytes), ends_text(ends_, plan_),
                                     describe(plan_.job.source.placement), watch_.elapsed().wall_seconds));
       for (const std::string& line : simplified_) messages_.summary("  " + line);
+      for (const std::string& line : colours_) messages_.summary("  " + line);
       for (const std::string& line : packed_) messages_.summary("  " + line);
       for (const convert::MeshError& error : errors_) tell_error(error);
       for (const std::string& line : verified_) messages_.summary("  " + line);
+    });
+    forget();
+  }
+
+  void wrote_field(const convert::WrittenField& field) override {
+    const std::string path = shown_path(field.job.path);
+    tell_stage(fmt::format("{}: written in {}", path, times_text(field.time)));
+    for (const convert::WorkFact& fact : field.work) explain(fact);
+    bar_.above([&] {
+      messages_.summary(fmt::format("{} -> {}: {}, as {} bits each; {}; {:.2f} s", label_, path, field.samples,
+                                    field.as_half ? 16 : 32, format_byte_size(field.bytes),
+                                    watch_.elapsed().wall_seconds));
     });
     forget();
   }
@@ -204,6 +234,7 @@ class Narrator final : public convert::Events {
     ends_.clear();
     verified_.clear();
     simplified_.clear();
+    colours_.clear();
     packed_.clear();
     errors_.clear();
     watch_.restart();
@@ -217,16 +248,18 @@ class Narrator final : public convert::Events {
   std::vector<SurfaceEnd> ends_;
   std::vector<std::string> verified_;
   std::vector<std::string> simplified_;
+  std::vector<std::string> colours_;
   std::vector<std::string> packed_;
   std::vector<convert::MeshError> errors_;
 };
 
 Result<void> check_stdout(const convert::ConversionJob& job) {
   const bool to_stdout = std::ranges::find(job.outputs, "-", &convert::OutputFileJob::path) != job.outputs.end();
-  const bool is_text = job.ascii || job.format == meshes::MeshFormat::obj;
+  const bool is_text = !job.field_file && (job.ascii || job.format == meshes::MeshFormat::obj);
   if (!to_stdout || is_text || ::isatty(STDOUT_FILENO) == 0) return {};
   return fail(ErrorKind::usage,
-              fmt::format("stdout is a terminal, and {} is binary data", meshes::mesh_format_info(job.format).name),
+              fmt::format("stdout is a terminal, and {} is binary data",
+                          job.field_file ? kFieldFormat : meshes::mesh_format_info(job.format).name),
               "redirect it to a file or a pipe");
 }
 

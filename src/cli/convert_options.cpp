@@ -1,8 +1,13 @@
 #include "cli/convert_options.hpp"
 
-#include <fmt/format.h>
+#include <utility>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "cli/field_plan.hpp"
 #include "cli/shared_options.hpp"
+#include "cli/vertex_plan.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -23,6 +28,28 @@ void declare_convert_surface(CLI::App& app, ConvertFlags& flags) {
   group.choice("--empty", flags.empty,
                "What to do where there is no surface: fail, write no file and remove an old one of that name, or write "
                "an empty one (default: error).");
+}
+
+void declare_vertices(CLI::App& app, ConvertFlags& flags) {
+  const Group group(app, "Vertices");
+  group.values(
+      "--attribute", "NAME[=FROM]", flags.attributes, parse_attribute,
+      "Give the vertices this attribute, interpolated; several times for several. FROM is an attribute of the "
+      "particles, or of a volume another grid of the file (velocity[x], or velocity with its components), "
+      "another file, or a grid of one: FILE.vdb[GRID]. Without it, it is called NAME there too. For glb, gltf, "
+      "ply and drc.");
+  std::vector<std::string_view> maps;
+  for (const auto& word : words_of(convert::Colormap{})) maps.push_back(word.word);
+  group.value(
+      "--color-by", "NAME[=FROM][:MAP][:MIN,MAX]", flags.colour, parse_colour,
+      fmt::format("Colour the vertices by this attribute, of several components by their length, from MIN to MAX "
+                  "(default: the range over the vertices of each surface). --color-by iso[:MAP][:MIN,MAX] gives "
+                  "each surface of a glb or gltf a colour by its iso value, and outer ones let inner ones be "
+                  "seen. MAP is one of {} (default: {}).",
+                  fmt::join(maps, ", "), maps.front()));
+  group.value("--opacity", "A[,B...]", flags.opacity, parse_opacity,
+              "Opacity of the surfaces of a glb or gltf, above 0 and at most 1: one for all, or one for each --iso in "
+              "their order (default: opaque; with --color-by iso from 0.25 for the outermost to 1 for the innermost).");
 }
 
 Result<batch::FrameRange> parse_frames(std::string_view text) { return batch::FrameRange::parse(text); }
@@ -93,13 +120,20 @@ void declare_output(CLI::App& app, ConvertFlags& flags) {
   const Group group(app, "Output");
   group.value<std::string>(
       "-o,--output", "FILE", flags.output, parse_text,
-      "The mesh file; its extension chooses the format (default: the input's name with .glb, in "
+      "The mesh file; its extension chooses the format. A name that ends in .vdb is that of the field "
+      "itself, resampled and filtered where that is asked for, as an OpenVDB file in place of a "
+      "mesh, which needs no --iso and takes no option of surfaces (default: the input's name with .glb, in "
       "the current folder; an input from stdin has none). '-' is stdout and needs --format. "
       "'{iso}' stands for the iso value as it was given, be it a number or a word such as p99, and gives each "
-      "its own file. A file gets its name when it "
-      "is whole. What a killed run leaves, on some file systems, is called "
+      "its own file. A file gets its name when it is whole. What a killed run leaves, on some file systems, is called "
       ".isoextract-HOST-PID-N and stays until the next run writes into that folder.");
-  group.choice("--format", flags.format, "Format of the mesh, whatever the extension.");
+  std::vector<Choice<OutputFormat>> formats;
+  for (const meshes::MeshFormatInfo& info : meshes::mesh_formats()) {
+    formats.push_back({std::string(info.name), {info.format}});
+  }
+  formats.push_back({std::string(kFieldFormat), {}});
+  group.choice("--format", flags.format, std::move(formats), "Format of the output, whatever the extension.");
+  group.flag("--half", flags.half, "Store a field with values of 16 bits: files of half the size or less.");
   group.value<std::string>("--report", "FILE", flags.report, parse_text,
                            "Write a JSON report of the conversion: options, input, stages with time and memory, what "
                            "was left out, and the facts of each mesh, which take time and memory of their own. Of a "
@@ -113,11 +147,8 @@ void declare_output(CLI::App& app, ConvertFlags& flags) {
 void declare_convert(CLI::App& app, ConvertFlags& flags) {
   declare_input(app, flags.input, "INPUT", "The volume or particles to convert");
   declare_particles(app, flags.particles);
-  Group(app, "Particles")
-      .values("--attribute", "NAME", flags.particles.attributes, parse_text,
-              "Carry this attribute of the particles over to the vertices, interpolated; several times for several. "
-              "'isoextract info' lists them. For glb, gltf and ply.");
   declare_convert_surface(app, flags);
+  declare_vertices(app, flags);
   declare_frames(app, flags.batch);
   declare_placement(app, flags.placement);
   declare_output(app, flags);

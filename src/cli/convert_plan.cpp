@@ -5,10 +5,12 @@
 #include <fmt/ranges.h>
 
 #include "batch/output_names.hpp"
+#include "cli/field_plan.hpp"
 #include "cli/packing_plan.hpp"
 #include "cli/particle_plan.hpp"
 #include "cli/plan.hpp"
 #include "cli/plan_parts.hpp"
+#include "cli/vertex_plan.hpp"
 #include "files/file_bytes.hpp"
 
 namespace isoextract::cli {
@@ -22,10 +24,11 @@ bool is_folder(const std::string& path) {
 }
 
 Result<meshes::MeshFormat> plan_format(const ConvertFlags& flags) {
-  if (flags.format) return *flags.format;
+  if (writes_field(flags)) return meshes::MeshFormat::glb;  // which nothing is written as
+  if (flags.format) return *flags.format->mesh;
   if (!flags.output || is_folder(*flags.output)) return meshes::MeshFormat::glb;
   if (*flags.output == "-") return refuse_usage("-o - needs --format", "for example --format ply");
-  return format_of_path(*flags.output, "choose the format with --format");
+  return format_of_path(*flags.output, "choose the format with --format", ", or vdb for the field itself");
 }
 
 Result<convert::Normals> plan_normals(const ConvertFlags& flags, meshes::MeshFormat format) {
@@ -90,7 +93,12 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string
   if (flags.report && (flags.report->empty() || *flags.report == "-")) {
     return refuse_usage(fmt::format("--report needs the name of a file, found '{}'", *flags.report));
   }
-  if (auto checked = check_isos(isos, input); !checked) return tl::unexpected(checked.error());
+  if (auto checked = check_field_options(flags); !checked) return tl::unexpected(checked.error());
+  const bool as_field = writes_field(flags);
+  if (auto checked = as_field ? Result<void>() : check_isos(isos, input); !checked) {
+    return tl::unexpected(checked.error());
+  }
+  if (auto checked = check_filters(flags.surface, flags.particles); !checked) return tl::unexpected(checked.error());
   const auto verbosity = plan_verbosity(flags.run);
   if (!verbosity) return tl::unexpected(verbosity.error());
   if (flags.explain && flags.run.quiet) return refuse_usage("--quiet and --explain exclude each other");
@@ -102,7 +110,7 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string
   auto read = plan_read(flags.input);
   if (!read) return tl::unexpected(read.error());
   job.source.read = std::move(*read);
-  auto particles = plan_particles(flags.particles, flags.surface.nan);
+  auto particles = plan_particles(flags.particles, flags.surface.nan, has_attributes(flags));
   if (!particles) return tl::unexpected(particles.error());
   job.source.particles = std::move(*particles);
   plan.memory = plan_memory(flags.input.memory_limit);
@@ -110,24 +118,26 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string
   const auto format = plan_format(flags);
   if (!format) return tl::unexpected(format.error());
   const meshes::MeshFormatInfo& info = meshes::mesh_format_info(*format);
-  if (flags.output && meshes::mesh_format_by_path(*flags.output).value_or(*format) != *format) {
-    plan.notes.push_back(
-        fmt::format("{}: its format is {}, as --format says, and not what its name says", *flags.output, info.name));
+  if (as_field) job.field_file = convert::FieldFileOptions{flags.half};
+  const auto by_name = flags.output ? meshes::mesh_format_by_path(*flags.output) : std::nullopt;
+  if (by_name && (as_field || *by_name != *format)) {
+    plan.notes.push_back(fmt::format("{}: its format is {}, as --format says, and not what its name says",
+                                     *flags.output, as_field ? kFieldFormat : info.name));
   }
   if (flags.ascii && !info.has_ascii) {
     return refuse_usage(fmt::format("--ascii does not go with {}", info.name), "ply and stl can be written as text");
   }
-  if (auto fine = check_attributes(flags.particles, info); !fine) return tl::unexpected(fine.error());
   const auto normals = plan_normals(flags, *format);
   if (!normals) return tl::unexpected(normals.error());
   job.normals = *normals;
   job.format = *format;
   job.ascii = flags.ascii;
+  if (auto fine = plan_vertices(flags, isos.size(), job); !fine) return tl::unexpected(fine.error());
   const auto packing = plan_packing(flags, *format);
   if (!packing) return tl::unexpected(packing.error());
   job.packing = *packing;
 
-  auto placement = plan_placement(flags.placement, *format, plan.notes);
+  auto placement = as_field ? convert::Placement() : plan_placement(flags.placement, *format, plan.notes);
   if (!placement) return tl::unexpected(placement.error());
   job.source.placement = std::move(*placement);
 
@@ -141,6 +151,7 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string
   }
   job.source.roi = flags.surface.roi;
   job.source.resolution = flags.surface.resolution;
+  job.source.filters = flags.surface.filters;
   job.simplify = flags.simplify;
   job.empty = flags.empty.value_or(job.empty);
   job.error = flags.error;
@@ -153,13 +164,14 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& given) {
   const std::vector<std::string>& inputs = given.input.inputs;
   if (inputs.empty()) return refuse_usage("no INPUT was given", "isoextract INPUT --iso V -o OUT.glb");
   ConvertFlags flags = given;
-  auto note = take_iso_of_method(flags, inputs.front());
+  auto note = writes_field(flags) ? std::string() : take_iso_of_method(flags, inputs.front());
   if (!note) return tl::unexpected(note.error());
   auto plan = plan_conversion(flags, inputs.front(), flags.isos);
   if (!plan) return plan;
   if (!note->empty()) plan->notes.push_back(std::move(*note));
   plan->job.source.input = inputs.front();
-  auto outputs = plan_outputs(flags, meshes::mesh_format_info(plan->job.format));
+  auto outputs = plan->job.field_file ? plan_field_outputs(flags)
+                                      : plan_outputs(flags, meshes::mesh_format_info(plan->job.format));
   if (!outputs) return tl::unexpected(outputs.error());
   plan->job.outputs = std::move(*outputs);
   return plan;
@@ -169,14 +181,17 @@ std::vector<convert::ConversionJob> plan_files(const ConvertFlags& flags) {
   std::vector<std::string> inputs = flags.input.inputs;
   if (inputs.empty()) inputs.emplace_back();
   const auto by_name = flags.output ? meshes::mesh_format_by_path(*flags.output) : std::nullopt;
-  const meshes::MeshFormat format = flags.format.value_or(by_name.value_or(meshes::MeshFormat::glb));
+  const auto by_word = flags.format ? flags.format->mesh : std::nullopt;
+  const meshes::MeshFormat format = by_word.value_or(by_name.value_or(meshes::MeshFormat::glb));
   std::vector<convert::ConversionJob> jobs;
   for (const std::string& input : inputs) {
     convert::ConversionJob& job = jobs.emplace_back();
     job.source.input = input;
     job.source.read = plan_read(flags.input).value_or(volumes::ReadOptions{});
     job.format = format;
-    const std::string path = output_path(flags, input, meshes::mesh_format_info(format));
+    const std::string path = writes_field(flags) && !flags.output
+                                 ? fmt::format("{}.{}", batch::stem_of(input), kFieldFormat)
+                                 : output_path(flags, input, meshes::mesh_format_info(format));
     job.outputs.push_back({path, {}});
     for (const convert::IsoChoice& iso : flags.isos) job.outputs.push_back({with_iso(path, iso), {iso}});
   }

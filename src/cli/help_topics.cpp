@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "base/version.hpp"
+#include "cli/field_plan.hpp"
 #include "cli/options.hpp"
 #include "field/demo_field.hpp"
 #include "volumes/particle_format.hpp"
@@ -15,8 +16,8 @@
 namespace isoextract::cli {
 namespace {
 
-constexpr std::array<std::string_view, 7> kGroups{"Input",     "Particles", "Frames", "Surface",
-                                                  "Placement", "Output",    "Run"};
+constexpr std::array<std::string_view, 8> kGroups{"Input",    "Particles", "Frames", "Surface",
+                                                  "Vertices", "Placement", "Output", "Run"};
 constexpr std::array<std::string_view, 10> kCommands{"convert",   "info",  "verify",  "compare", "bench",
                                                      "stability", "merge", "devices", "help",    "generate"};
 
@@ -29,6 +30,7 @@ constexpr std::array kExamples{
     Example{"isoextract 'sim_{:04}.vdb' --iso 0.5 -o 'out/sim_{:04}.glb' --mkdir", "A sequence, a mesh a frame."},
     Example{"isoextract 'sim_{:04}.vdb' --iso 0.5 -o sim.glb --animate", "The same as one file that plays."},
     Example{"isoextract dam.bgeo --radius 0.025 -o dam.glb", "Particles of a fluid, as the surface around them."},
+    Example{"isoextract dam.bgeo --particles smooth --radius 0.025 -o dam.vdb", "Their level set, for other programs."},
     Example{"isoextract verify smoke.vdb --iso 0.5 smoke.glb", "Whether a mesh is what its volume gives."},
     Example{"isoextract compare a.glb b.ply --max-distance 0.1", "Whether two meshes are the same surface, to 0.1."},
     Example{"isoextract 'demo:gyroid?size=128' --iso 0 --format ply -o - > gyroid.ply", "No file at all, and a pipe."},
@@ -62,7 +64,11 @@ HelpTopic formats_topic() {
     if (!info.can_stream) text += "; not to stdout";
     written.rows.push_back({std::string(info.name), text});
   }
-  topic.blocks = {std::move(read), std::move(particles), std::move(written)};
+  HelpBlock field{
+      "In place of a mesh the field itself can be written, as volumes are read or particles make it, resampled and "
+      "filtered. It needs no iso value.",
+      {{std::string(kFieldFormat), "OpenVDB, one grid of floats, or with --half of 16-bit ones"}}};
+  topic.blocks = {std::move(read), std::move(particles), std::move(written), std::move(field)};
   return topic;
 }
 

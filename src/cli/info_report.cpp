@@ -17,7 +17,7 @@ namespace isoextract::cli {
 namespace {
 
 constexpr std::size_t kHistogramRows = 16;
-constexpr std::size_t kBarWidth = 40;
+constexpr std::size_t kHistogramWidth = 40;
 constexpr std::size_t kMaxName = 200;  // bytes of a name that are shown
 
 std::string dims_text(const field::IndexBox& box) {
@@ -99,8 +99,8 @@ void add_histogram(NamedLines& lines, const field::FieldStatistics& statistics) 
     const double position = static_cast<double>(row) / kHistogramRows;
     const double start = statistics.min * (1 - position) + statistics.max * position;
     const double share = std::sqrt(static_cast<double>(rows[row])) / largest;
-    const auto length = static_cast<std::size_t>(std::ceil(share * kBarWidth));
-    lines.plain(fmt::format("    {:>12.5g} {:<{}} {:6.2f} %", start, std::string(length, '#'), kBarWidth,
+    const auto length = static_cast<std::size_t>(std::ceil(share * kHistogramWidth));
+    lines.plain(fmt::format("    {:>12.5g} {:<{}} {:6.2f} %", start, std::string(length, '#'), kHistogramWidth,
                             100.0 * static_cast<double>(rows[row]) / static_cast<double>(statistics.samples)));
   }
 }

@@ -58,7 +58,13 @@ struct ParticleFlags {
   std::optional<double> weight;
   std::optional<points::Deposit> deposit;
   std::optional<std::array<std::string, 3>> columns;
-  std::vector<std::string> attributes;  // of convert
+};
+
+// What --color-by says.
+struct ColourFlag {
+  std::optional<convert::AttributeChoice> attribute;  // nothing: the iso values
+  convert::Colormap map = convert::Colormap::viridis;
+  std::optional<std::array<double, 2>> range;
 };
 
 struct RunFlags {
@@ -72,6 +78,7 @@ struct SurfaceFlags {
   std::optional<extract::Method> method;
   std::optional<field::Box> roi;
   std::optional<glm::ivec3> resolution;
+  std::vector<convert::FilterStep> filters;
   bool cap = false;
   std::optional<extract::NanPolicy> nan;
 };
@@ -117,6 +124,11 @@ struct BatchFlags {
   std::optional<ProgressStyle> progress;
 };
 
+// What -o is written as: a format of meshes or, without one, the field itself as an OpenVDB file.
+struct OutputFormat {
+  std::optional<meshes::MeshFormat> mesh;
+};
+
 struct ConvertFlags {
   InputFlags input;
   ParticleFlags particles;
@@ -126,11 +138,15 @@ struct ConvertFlags {
   std::vector<convert::IsoChoice> isos;
   SurfaceFlags surface;
   std::optional<convert::Normals> normals;
+  std::vector<convert::AttributeChoice> attributes;
+  std::optional<ColourFlag> colour;
+  std::optional<std::vector<double>> opacity;
   std::optional<convert::SimplifyBound> simplify;
   std::optional<convert::EmptyPolicy> empty;
   PlacementFlags placement;
   std::optional<std::string> output;
-  std::optional<meshes::MeshFormat> format;
+  std::optional<OutputFormat> format;
+  bool half = false;
   bool ascii = false;
   // Of --draco: its bits, or nothing in it where the voxel says.
   std::optional<std::optional<std::uint64_t>> draco;

@@ -1,14 +1,8 @@
 #include "cli/particle_plan.hpp"
 
-#include <algorithm>
-#include <array>
-#include <set>
-#include <string_view>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "cli/plan.hpp"
 #include "cli/plan_parts.hpp"
@@ -19,29 +13,32 @@ namespace isoextract::cli {
 namespace {
 
 // Options that do nothing with the method.
-Result<void> check_method(const ParticleFlags& flags, points::Method method) {
+Result<void> check_method(const ParticleFlags& flags, points::Method method, bool has_attributes) {
   const bool weighs = method == points::Method::weight;
+  const bool has_kernels = !weighs && method != points::Method::spheres;
   if (!weighs && (flags.weight || flags.deposit)) {
     return refuse_usage(fmt::format("{} is about --particles weight, and the method is {}",
                                     flags.weight ? "--weight" : "--deposit", word_of(method)),
                         "give --particles weight");
   }
   // Attributes are interpolated by such kernels whatever makes the field.
-  if (weighs && flags.smoothing_length && flags.attributes.empty()) {
-    return refuse_usage("--smoothing-length is about kernels, which --particles weight has not",
-                        "--particles sph and --particles anisotropic have them");
+  if (!has_kernels && flags.smoothing_length && !has_attributes) {
+    return refuse_usage(
+        fmt::format("--smoothing-length is about kernels, which --particles {} has not", word_of(method)),
+        "--particles sph, anisotropic and smooth have them");
   }
   return {};
 }
 
 }  // namespace
 
-Result<convert::ParticleOptions> plan_particles(const ParticleFlags& flags, std::optional<extract::NanPolicy> nan) {
+Result<convert::ParticleOptions> plan_particles(const ParticleFlags& flags, std::optional<extract::NanPolicy> nan,
+                                                bool has_attributes) {
   convert::ParticleOptions options;
   options.expected = flags.method || flags.radius || flags.smoothing_length || flags.cell_size || flags.weight ||
-                     flags.deposit || flags.columns || !flags.attributes.empty();
+                     flags.deposit || flags.columns;
   options.method = flags.method.value_or(options.method);
-  if (auto fine = check_method(flags, options.method); !fine) return tl::unexpected(fine.error());
+  if (auto fine = check_method(flags, options.method, has_attributes); !fine) return tl::unexpected(fine.error());
   if (options.expected && nan == extract::NanPolicy::hole) {
     return refuse_usage("--nan hole is about samples of a volume, and particles leave no holes",
                         "--nan outside leaves out particles at places that are no numbers");
@@ -53,30 +50,18 @@ Result<convert::ParticleOptions> plan_particles(const ParticleFlags& flags, std:
   options.weight = flags.weight.value_or(options.weight);
   options.deposit = flags.deposit.value_or(options.deposit);
   options.columns = flags.columns;
-  options.attributes = flags.attributes;
-  std::set<std::string_view> seen;
-  for (const std::string& name : options.attributes) {
-    if (name.empty()) return refuse_usage("--attribute needs the name of an attribute");
-    if (!seen.insert(name).second) return refuse_usage(fmt::format("--attribute {} was given twice", name));
-  }
   return options;
 }
 
-Result<void> check_attributes(const ParticleFlags& flags, const meshes::MeshFormatInfo& format) {
-  if (flags.attributes.empty() || format.has_attributes) return {};
-  std::vector<std::string_view> names;
-  for (const meshes::MeshFormatInfo& info : meshes::mesh_formats()) {
-    if (info.has_attributes) names.push_back(info.name);
-  }
-  return refuse_usage(fmt::format("--attribute: {} has no attributes of vertices", format.name),
-                      fmt::format("{} have them", fmt::join(names, ", ")));
+bool has_attributes(const ConvertFlags& flags) {
+  return !flags.attributes.empty() || (flags.colour && flags.colour->attribute);
 }
 
 Result<std::string> take_iso_of_method(ConvertFlags& flags, const std::string& input) {
   if (!flags.isos.empty()) return std::string();
   auto read = plan_read(flags.input);
   if (!read) return tl::unexpected(read.error());
-  auto particles = plan_particles(flags.particles, flags.surface.nan);
+  auto particles = plan_particles(flags.particles, flags.surface.nan, has_attributes(flags));
   if (!particles) return tl::unexpected(particles.error());
   const bool expected = particles->expected;
   const points::MethodInfo& method = points::method_info(particles->method);

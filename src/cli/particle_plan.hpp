@@ -12,10 +12,11 @@ namespace isoextract::cli {
 
 // `nan` says what becomes of particles at places that are no numbers.
 [[nodiscard]] Result<convert::ParticleOptions> plan_particles(const ParticleFlags& flags,
-                                                              std::optional<extract::NanPolicy> nan);
+                                                              std::optional<extract::NanPolicy> nan,
+                                                              bool has_attributes = false);
 
-// Formats that have no place for attributes are refused where some are asked for.
-[[nodiscard]] Result<void> check_attributes(const ParticleFlags& flags, const meshes::MeshFormatInfo& format);
+// Whether vertices are to get attributes, if only for their colours.
+[[nodiscard]] bool has_attributes(const ConvertFlags& flags);
 
 // Where no iso value was given and `input` is of particles: gives the flags that of their method, and returns a note of
 // it. Else nothing is changed and the note is empty; who opens the input tells what is wrong with it. Looks into the

@@ -8,8 +8,10 @@
 
 #include "base/printable.hpp"
 #include "cli/remedies.hpp"
+#include "convert/particle_field.hpp"
 #include "convert/particle_source.hpp"
 #include "convert/placement.hpp"
+#include "points/sphere_set.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -93,19 +95,22 @@ Result<MeasuredParticles> measure_particles(const convert::SourceOptions& source
   report.notes = file->notes;
   report.particles = file->particles.size();
   report.attributes = ranges_of(report.info.quantities, file->particles);
-  file->particles.attributes.clear();
+  std::erase_if(file->particles.attributes, [](const points::ParticleAttribute& attribute) {
+    return std::ranges::find(points::kRadiusAttributes, attribute.name) == points::kRadiusAttributes.end();
+  });
   auto statistics = points::measure_statistics(file->particles, context);
   if (!statistics) return tl::unexpected(std::move(statistics.error()));
-  report.statistics = std::move(*statistics);
+  report.statistics = *statistics;
   report.method = asked.particles.method;
   asked.particles.bad = points::BadParticles::skip;
-  auto made = points::make_field(file->particles, convert::field_options(asked.particles, std::nullopt), context);
+  auto made = convert::make_particle_field(file->particles, asked.particles, std::nullopt, context);
   if (!made) {
     if (made.error().kind == ErrorKind::cancelled) return tl::unexpected(std::move(made.error()));
     report.no_field = std::move(made.error());
     return measured;
   }
   report.figures = made->figures;
+  for (const std::string& note : made->field.notes) report.notes.push_back(note);
   if (made->figures.particles > 0) measured.field = std::move(made->field);
   return measured;
 }

@@ -30,11 +30,12 @@ MemoryBudget plan_memory(const std::optional<std::uint64_t>& limit) {
   return limit ? MemoryBudget(*limit) : MemoryBudget();
 }
 
-Result<meshes::MeshFormat> format_of_path(const std::string& path, std::string hint) {
+Result<meshes::MeshFormat> format_of_path(const std::string& path, std::string hint, std::string_view besides) {
   if (const auto format = meshes::mesh_format_by_path(path)) return *format;
   std::vector<std::string_view> names;
   for (const meshes::MeshFormatInfo& info : meshes::mesh_formats()) names.push_back(info.name);
-  return refuse_usage(fmt::format("{}: expected an extension of {}", path, fmt::join(names, ", ")), std::move(hint));
+  return refuse_usage(fmt::format("{}: expected an extension of {}{}", path, fmt::join(names, ", "), besides),
+                      std::move(hint));
 }
 
 convert::SurfaceOptions plan_surface(const SurfaceFlags& flags) {
@@ -185,6 +186,7 @@ Result<VerifyPlan> plan_verify(const VerifyFlags& flags) {
   plan.source.placement = std::move(*placement);
   plan.source.roi = flags.surface.roi;
   plan.source.resolution = flags.surface.resolution;
+  plan.source.filters = flags.surface.filters;
   plan.surface = plan_surface(flags.surface);
   plan.gpu = plan_gpu(flags.device);
   plan.json = flags.json;

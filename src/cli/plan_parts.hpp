@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/error.hpp"
@@ -17,7 +18,9 @@ namespace isoextract::cli {
 }
 
 [[nodiscard]] bool is_gltf(meshes::MeshFormat format);
-[[nodiscard]] Result<meshes::MeshFormat> format_of_path(const std::string& path, std::string hint);
+// `besides` is what else than formats of meshes is expected.
+[[nodiscard]] Result<meshes::MeshFormat> format_of_path(const std::string& path, std::string hint,
+                                                        std::string_view besides = "");
 
 // What --memory-limit says.
 [[nodiscard]] MemoryBudget plan_memory(const std::optional<std::uint64_t>& limit);

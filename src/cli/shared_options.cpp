@@ -93,10 +93,13 @@ void declare_particles(CLI::App& app, ParticleFlags& flags) {
                            particle_methods(), word_of(usual.method)));
   group.value("--radius", "R", flags.radius, parse_positive,
               "Radius of a particle, in the units of the file (default: half the median distance to the nearest one, "
-              "of each file by itself; give one for a sequence).");
-  group.value("--smoothing-length", "L", flags.smoothing_length, parse_positive,
-              fmt::format("Smoothing length of the kernels, in radii; they reach twice as far (default: {}).",
-                          usual.smoothing_length));
+              "of each file by itself; give one for a sequence). With --particles spheres and smooth each particle has "
+              "its own by default where the file has an attribute pscale or radius.");
+  group.value(
+      "--smoothing-length", "L", flags.smoothing_length, parse_positive,
+      fmt::format("Smoothing length of the kernels, in radii; they reach twice as far, as do the particles that "
+                  "--particles smooth averages (default: {}).",
+                  usual.smoothing_length));
   group.value("--cell-size", "C", flags.cell_size, parse_positive,
               "Distance of the field's samples, in radii (default: that of the method).");
   group.value("--weight", "W", flags.weight, parse_positive,
@@ -157,6 +160,11 @@ void declare_surface(const Group& group, SurfaceFlags& flags) {
               "input's samples, values are linear along each axis (default: the input's samples themselves). A sparse "
               "grid becomes dense: its active voxels and one of background around them. --space index and --roi keep "
               "the input's voxel coordinates, --error its voxels; those of --simplify are the grid's.");
+  group.values("--filter", "gaussian|median|mean", flags.filters, parse_filter,
+               "Smooth a level set, of a VDB file or of --particles spheres or smooth, before anything else is done "
+               "with it: each value is taken from those up to 1 voxel away or, as in gaussian:3, up to 3. Several "
+               "times for several "
+               "filters, one after the other. Needs the plug-in around OpenVDB.");
   group.flag("--cap", flags.cap, "Close the surface where it leaves the data or the --roi.");
   declare_nan(group, flags.nan);
 }

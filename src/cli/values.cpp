@@ -191,6 +191,20 @@ Result<glm::ivec3> parse_resolution(std::string_view text) {
   return *resolution;
 }
 
+Result<convert::FilterStep> parse_filter(std::string_view text) {
+  const std::size_t colon = text.find(':');
+  const auto filter = value_of<volumes::LevelSetFilter>(text.substr(0, colon));
+  std::optional<int> width = 1;
+  if (colon != std::string_view::npos) width = whole_text_as<int>(text.substr(colon + 1));
+  if (!filter || !width || *width < 1 || *width > volumes::kMaxFilterWidth) {
+    return expected_found(fmt::format("gaussian, median or mean, alone or with a width of 1 to {} voxels as in "
+                                      "gaussian:2",
+                                      volumes::kMaxFilterWidth),
+                          text);
+  }
+  return convert::FilterStep{*filter, static_cast<std::uint64_t>(*width)};
+}
+
 Result<field::Box> parse_box(std::string_view text) {
   const auto numbers = numbers_in(text, 6);
   if (!numbers) return expected_found("six numbers X0,Y0,Z0,X1,Y1,Z1", text);

@@ -7,6 +7,7 @@
 
 #include "base/byte_size.hpp"
 #include "base/machine.hpp"
+#include "base/printable.hpp"
 #include "base/stopwatch.hpp"
 #include "cli/layout.hpp"
 #include "cli/progress_bar.hpp"
@@ -154,6 +155,12 @@ Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages, const
     auto file = meshes::read_mesh(*plan.mesh, context);
     if (!file) return tl::unexpected(std::move(file.error()));
     for (const std::string& text : file->notes) notes.note(text);
+    if (!file->mesh.attributes.empty()) {
+      std::vector<std::string> names;
+      for (const mesh::Attribute& attribute : file->mesh.attributes) names.push_back(printable(attribute.name));
+      notes.note(fmt::format("{}: attributes and colours of its vertices are not verified: {}", *plan.mesh,
+                             fmt::join(names, ", ")));
+    }
     const auto source = open_source(plan, context, notes);
     if (!source) return tl::unexpected(source.error());
     std::vector<std::string> isos;

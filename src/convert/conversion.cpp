@@ -14,8 +14,10 @@
 #include <tbb/task_arena.h>
 
 #include "base/machine.hpp"
+#include "base/printable.hpp"
 #include "base/stopwatch.hpp"
 #include "convert/detail/recorder.hpp"
+#include "convert/field_file.hpp"
 #include "convert/mesh_packing.hpp"
 #include "convert/output_checks.hpp"
 #include "convert/source.hpp"
@@ -45,14 +47,15 @@ class Conversion {
         sink_(sink) {}
 
   Result<void> run() {
-    if (auto opened = open_backends(); !opened) return opened;
+    if (auto opened = job_.field_file ? open_tools() : open_backends(); !opened) return opened;
     if (auto checked = check_mesh_files(job_); !checked) return checked;
     auto source = open_source(job_.source, use_of(job_), context_, events_);
     if (!source) return tl::unexpected(std::move(source.error()));
     source_ = std::move(*source);
     std::span<const ResolvedIso> isos = source_.isos;
     for (const OutputFileJob& output : job_.outputs) {
-      if (auto done = write(output, isos.first(output.isos.size())); !done) return done;
+      if (auto done = job_.field_file ? write_samples(output) : write(output, isos.first(output.isos.size())); !done)
+        return done;
       isos = isos.subspan(output.isos.size());
     }
     return {};
@@ -90,6 +93,23 @@ class Conversion {
     opened = open(extractor_->name() == word_of(Backend::gpu) ? Backend::cpu : Backend::gpu);
     if (!opened) return tl::unexpected(std::move(opened.error()));
     other_extractor_ = std::move(opened->extractor);
+    return {};
+  }
+
+  // Before the input is read, too.
+  Result<void> open_tools() {
+    return volumes::check_grid_tools(job_.outputs.empty() ? source_.label : job_.outputs.front().path);
+  }
+
+  Result<void> write_samples(const OutputFileJob& output) {
+    if (auto go_on = context_.check(); !go_on) return go_on;
+    if (!source_.empty || job_.empty == EmptyPolicy::write)
+      return write_field(source_, job_, output, context_, events_);
+    if (job_.empty == EmptyPolicy::error) return tl::unexpected(empty_source());
+    const auto removed = remove_old_files(output);
+    if (!removed) return tl::unexpected(removed.error());
+    events_.note(fmt::format("{}: {}; {} was not written{}", source_.label, why_empty(), shown(output),
+                             removed->empty() ? "" : "; the old one was removed"));
     return {};
   }
 
@@ -138,6 +158,7 @@ class Conversion {
       if (!simplified) return tl::unexpected(std::move(simplified.error()));
       events_.simplified(*simplified);
     }
+    if (auto coloured = colour(surface); !coloured) return tl::unexpected(std::move(coloured.error()));
     if (const std::string reason = extract::why_no_error(method()); job_.error && !reason.empty()) {
       events_.note("the error of the mesh is not measured: " + reason);
     } else if (job_.error) {
@@ -155,20 +176,44 @@ class Conversion {
   Result<void> carry_attributes(Surface& surface) {
     if (!source_.attributes) return {};
     const Stopwatch watch;
-    CarriedAttributes carried{surface.iso, surface.mesh.positions.size(), 0, {}};
-    if (carried.vertices > 0) {
-      auto out_of_reach = add_attributes(*source_.attributes, surface.mesh, context_);
-      if (!out_of_reach) return tl::unexpected(std::move(out_of_reach.error()));
-      carried.out_of_reach = *out_of_reach;
+    auto records = add_attributes(*source_.attributes, surface.mesh, context_);
+    if (!records) return tl::unexpected(std::move(records.error()));
+    for (AttributeRecord& record : *records) {
+      record.iso = surface.iso;
+      for (const std::string& text : notes_of(record, source_.label)) events_.note(text);
     }
-    carried.time = watch.elapsed();
-    if (carried.out_of_reach > 0) {
+    // Of particles all attributes have the same reach.
+    if (!records->empty() && records->front().out_of_reach > 0) {
       events_.note(
           fmt::format("{} iso {}: {} of {} vertices have the attributes of the nearest particle, as none is "
                       "near enough to be interpolated",
-                      source_.label, surface.iso, carried.out_of_reach, carried.vertices));
+                      source_.label, surface.iso, records->front().out_of_reach, surface.mesh.positions.size()));
     }
-    events_.carried(carried);
+    events_.carried({surface.iso, surface.mesh.positions.size(), std::move(*records), watch.elapsed()});
+    return {};
+  }
+
+  // When the vertices are those that are written. Attributes that are only for that go.
+  Result<void> colour(Surface& surface) {
+    std::vector<double> isos;
+    for (const ResolvedIso& iso : source_.isos) isos.push_back(iso.value);
+    surface.mesh.material = material_of(job_, isos, surface.iso, source_.field.kind);
+    if (!job_.colour || !job_.colour->attribute) return {};
+    auto record = add_colours(*job_.colour, job_.format, surface.mesh, context_);
+    if (!record) return tl::unexpected(std::move(record.error()));
+    record->iso = surface.iso;
+    if (record->not_numbers > 0) {
+      events_.note(fmt::format("{} iso {}: {} of {} vertices are grey, as '{}' is no number there", source_.label,
+                               surface.iso, record->not_numbers, surface.mesh.positions.size(),
+                               printable(record->attribute)));
+    }
+    events_.coloured(*record);
+    for (const AttributeChoice& choice : job_.source.attributes) {
+      if (choice.written) continue;
+      std::erase_if(surface.mesh.attributes, [&](const mesh::Attribute& a) {
+        return a.role != mesh::AttributeRole::colour && a.name == choice.name;
+      });
+    }
     return {};
   }
 
@@ -215,14 +260,22 @@ class Conversion {
     return true;
   }
 
+  [[nodiscard]] const char* why_empty() const {
+    return source_.of_particles ? "there are no particles" : "the grid is empty: it has no voxels";
+  }
+
+  [[nodiscard]] Error empty_source() const {
+    return {ErrorKind::input, fmt::format("{}: {}", source_.label, why_empty()), Remedy::allow_empty,
+            Reason::empty_grid};
+  }
+
+  [[nodiscard]] static std::string shown(const OutputFileJob& output) {
+    return output.path == "-" ? "stdout" : output.path;
+  }
+
   Error no_surface(const ResolvedIso& asked) {
     const double iso = asked.value;
-    if (source_.empty) {
-      return {ErrorKind::input,
-              fmt::format("{}: {}", source_.label,
-                          source_.of_particles ? "there are no particles" : "the grid is empty: it has no voxels"),
-              Remedy::allow_empty, Reason::empty_grid};
-    }
+    if (source_.empty) return empty_source();
     const Stopwatch watch;
     const field::FieldStatistics statistics = field::measure_statistics(source_.field);
     outcome_.stages.push_back({"statistics", std::nullopt, watch.elapsed()});
@@ -335,8 +388,6 @@ class Conversion {
     return {};
   }
 
-  static std::string shown_path(const OutputFileJob& output) { return output.path == "-" ? "stdout" : output.path; }
-
   // Values that were found may be the same, which nobody could know who asked for them.
   void tell_repeated(const OutputFileJob& output, std::span<const ResolvedIso> asked) {
     for (std::size_t i = 1; i < asked.size(); ++i) {
@@ -344,7 +395,7 @@ class Conversion {
       const auto same = std::ranges::find_if(before, [&](const auto& iso) { return is_repeated(iso, asked[i]); });
       if (same == before.end()) continue;
       events_.note(fmt::format("{}: iso {} and {} are the same value, {}: {} has one surface for both", source_.label,
-                               text_of(same->asked), text_of(asked[i].asked), asked[i].value, shown_path(output)));
+                               text_of(same->asked), text_of(asked[i].asked), asked[i].value, shown(output)));
     }
   }
 
@@ -355,7 +406,7 @@ class Conversion {
       if (std::ranges::find(isos, iso.value) == isos.end()) skipped.push_back(text_of(iso));
     }
     if (skipped.empty()) return;
-    const std::string path = shown_path(output);
+    const std::string path = shown(output);
     events_.note(fmt::format("{}: no surface at iso {}; {}{}", source_.label, fmt::join(skipped, ", "),
                              isos.empty() && sink_ == nullptr ? path + " was not written" : path + " is without it",
                              besides));

@@ -15,10 +15,12 @@
 #include "convert/iso_choice.hpp"
 #include "convert/json_values.hpp"
 #include "convert/placement.hpp"
+#include "convert/vertex_choices.hpp"
 #include "extract/extractor.hpp"
 #include "field/interpolant.hpp"
 #include "meshes/mesh_writer.hpp"
 #include "points/method.hpp"
+#include "volumes/grid_tools.hpp"
 #include "volumes/volume_reader.hpp"
 
 namespace isoextract::convert {
@@ -47,22 +49,30 @@ struct SimplifyBound {
   friend bool operator==(const SimplifyBound&, const SimplifyBound&) = default;
 };
 
-// How particles become the field that is extracted, and what of them its vertices carry. A volume needs none of it.
+// How particles become the field that is extracted. A volume needs none of it.
 struct ParticleOptions {
   // The input is of particles: one that could be either is read so, and a volume is refused. Otherwise its content
   // decides.
   bool expected = false;
   points::Method method = points::Method::sph;
-  std::optional<double> radius;     // of a particle, world units; else by the distances of the particles
+  std::optional<double> radius;     // of a particle, world units; else by the distances of the particles, and for level
+                                    // sets first of all by points::kRadiusAttributes
   std::optional<double> cell_size;  // spacing of the samples, in radii; else that of the method
-  double smoothing_length = 2;      // sph, anisotropic: in radii
+  double smoothing_length = 2;      // sph, anisotropic, smooth: in radii
   double weight = 0.1;              // weight: what a particle adds
   points::Deposit deposit = points::Deposit::trilinear;
   points::BadParticles bad = points::BadParticles::error;
   std::optional<std::array<std::string, 3>> columns;  // x, y and z: names, or numbers counted from 1
-  std::vector<std::string> attributes;                // that become attributes of the vertices
 
   friend bool operator==(const ParticleOptions&, const ParticleOptions&) = default;
+};
+
+// One filter of a level set.
+struct FilterStep {
+  volumes::LevelSetFilter filter = volumes::LevelSetFilter::gaussian;
+  std::uint64_t width = 1;  // voxels on either side that a value is taken from
+
+  friend bool operator==(const FilterStep&, const FilterStep&) = default;
 };
 
 // What is read, what of it is wanted, and where it goes.
@@ -70,8 +80,10 @@ struct SourceOptions {
   std::string input;          // a path, "-" for standard input, or demo:NAME
   volumes::ReadOptions read;  // of particles its format, and its volume as the number of a frame
   ParticleOptions particles;
-  std::optional<glm::ivec3> resolution;  // of the grid to extract from, in place of the input's own samples
-  std::optional<field::Box> roi;         // in the coordinates of placement.space
+  std::vector<FilterStep> filters;          // of what was read or made, one after the other
+  std::vector<AttributeChoice> attributes;  // of the vertices; their names differ
+  std::optional<glm::ivec3> resolution;     // of the grid to extract from, in place of the input's own samples
+  std::optional<field::Box> roi;            // in the coordinates of placement.space
   Placement placement;
 
   friend bool operator==(const SourceOptions&, const SourceOptions&) = default;
@@ -104,10 +116,21 @@ struct PackingOptions {
   friend bool operator==(const PackingOptions&, const PackingOptions&) = default;
 };
 
+// The field itself, as an OpenVDB file.
+struct FieldFileOptions {
+  bool as_half = false;  // values of 16 bits
+
+  friend bool operator==(const FieldFileOptions&, const FieldFileOptions&) = default;
+};
+
 struct ConversionJob {
   SourceOptions source;
   SurfaceOptions surface;
   Normals normals = Normals::smooth;
+  std::optional<ColourChoice> colour;
+  // Of the surfaces, as many as there are iso values and in their order, each above 0 and at most 1; or one for all.
+  // Empty: they are opaque, unless iso values colour several: then outer ones let inner ones be seen.
+  std::vector<double> opacity;
   std::optional<SimplifyBound> simplify;
   std::optional<field::Interpolation> error;  // what the meshes are measured against; nothing: they are not
   bool verify = false;                        // the other backend is asked as well, and must agree
@@ -116,6 +139,8 @@ struct ConversionJob {
   meshes::MeshFormat format = meshes::MeshFormat::glb;
   bool ascii = false;
   PackingOptions packing;
+  // In place of surfaces: outputs have no iso values then, and what is about meshes does nothing.
+  std::optional<FieldFileOptions> field_file;
   std::vector<OutputFileJob> outputs;
 
   // Of all outputs, in their order.

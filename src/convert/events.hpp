@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/stopwatch.hpp"
+#include "convert/attribute_source.hpp"
 #include "convert/iso_values.hpp"
 #include "convert/mesh_error.hpp"
 #include "convert/mesh_packing.hpp"
@@ -15,6 +16,7 @@
 #include "convert/particle_source.hpp"
 #include "convert/placement.hpp"
 #include "convert/verification.hpp"
+#include "convert/vertex_colours.hpp"
 #include "convert/work_facts.hpp"
 #include "extract/extractor.hpp"
 #include "field/scalar_field.hpp"
@@ -31,11 +33,11 @@ struct ExtractedSurface {
   StageTime time;
 };
 
-// Attributes of particles that the vertices of a surface got.
+// Attributes that the vertices of a surface got.
 struct CarriedAttributes {
   double iso = 0;
   std::uint64_t vertices = 0;
-  std::uint64_t out_of_reach = 0;  // of no kernel: they have the values of the nearest particle
+  std::vector<AttributeRecord> attributes;
   StageTime time;
 };
 
@@ -46,6 +48,16 @@ struct WrittenOutput {
   std::uint64_t triangles = 0;
   std::uint64_t vertices = 0;
   std::vector<meshes::WrittenFile> files;
+  StageTime time;
+};
+
+// A file that holds the field itself.
+struct WrittenField {
+  const OutputFileJob& job;
+  std::string samples;  // "64 x 64 x 64 samples"
+  bool as_half = false;
+  std::uint64_t bytes = 0;
+  std::vector<WorkFact> work;
   StageTime time;
 };
 
@@ -60,10 +72,12 @@ class Events {
   // that cannot do the work. Where the choice was the program's, a note says why.
   virtual void opened(const extract::Extractor&, const StageTime&) {}
   virtual void read(const std::string& /*input*/, const field::ScalarField&, const StageTime&) {}
+  virtual void made_field(const ParticleRecord&) {}            // of particles, told after they are read
+  virtual void filtered(const WorkFact&, const StageTime&) {}  // a level set, told once a filter
   // The iso values, where some were no numbers; a note tells of each of these. The time is that of looking at samples,
   // none for particles.
   virtual void resolved(const std::vector<ResolvedIso>&, const std::optional<StageTime>&) {}
-  virtual void made_field(const ParticleRecord&) {}  // of particles, told after they are read
+  virtual void read_attributes(const StageTime&) {}  // of a volume
   virtual void resampled(const field::ScalarField& /*grid*/, const WorkFact&, const StageTime&) {}
   virtual void worked(const WorkFact&) {}  // of reading
   virtual void placed(const PlacedField&) {}
@@ -71,9 +85,11 @@ class Events {
   virtual void verified(const VerificationRecord&) {}
   virtual void carried(const CarriedAttributes&) {}  // told before the mesh is simplified
   virtual void simplified(const MeshSimplification&) {}
+  virtual void coloured(const ColourRecord&) {}  // and after it
   virtual void measured(const MeshError&, const StageTime&) {}
   virtual void packed(const MeshPackingRecord&) {}  // before its file is written
   virtual void written(const WrittenOutput&) {}
+  virtual void wrote_field(const WrittenField&) {}
   virtual void recorded(const std::vector<MeshRecord>&, const StageTime&) {}
 };
 

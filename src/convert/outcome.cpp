@@ -21,6 +21,7 @@ Json options_of(const ConversionJob& job, std::uint64_t memory_limit) {
   if (job.simplify) {
     json["simplify"] = fmt::format("{}{}", job.simplify->distance, job.simplify->in_world_units ? "world" : "voxel");
   }
+  if (job.field_file) json["format"] = "vdb";
   json["memory_limit"] = memory_limit;
   return json;
 }
@@ -61,6 +62,8 @@ Json json_of(const ParticleRecord& record) {
           {"particles", figures.particles},
           {"not_finite", figures.particles_dropped},
           {"left_out_inside", figures.particles_left_out},
+          {"too_small", figures.particles_too_small},
+          {"radius_attribute", figures.radius_attribute.empty() ? Json(nullptr) : Json(figures.radius_attribute)},
           {"bricks_stored", figures.bricks_stored},
           {"bricks_inside", figures.bricks_inside},
           {"time", json_of(record.time)}};
@@ -93,6 +96,26 @@ Json json_of(const MeshRecord& mesh) {
   json["origin"] = json_of(mesh.origin);
   if (mesh.error) json["error"] = json_of(*mesh.error);
   return json;
+}
+
+Json json_of(const AttributeRecord& record) {
+  return {{"iso", record.iso},
+          {"name", record.name},
+          {"source", record.source},
+          {"components", record.components},
+          {"vertices", record.vertices},
+          {"outside", record.outside},
+          {"not_finite", record.not_finite},
+          {"out_of_reach", record.out_of_reach}};
+}
+
+Json json_of(const ColourRecord& record) {
+  return {{"iso", record.iso},
+          {"attribute", record.attribute},
+          {"map", word_of(record.map)},
+          {"range", {record.min, record.max}},
+          {"own_range", record.own_range},
+          {"not_numbers", record.not_numbers}};
 }
 
 Json json_of(const MeshSimplification& record) {
@@ -220,7 +243,9 @@ Json report_of(const ConversionJob* job, const Outcome& report, const std::vecto
   json["work"] = array_of(report.work);
   json["extractions"] = array_of(report.extractions);
   if (job != nullptr && job->verify) json["verification"] = array_of(report.verifications);
+  if (job != nullptr && !job->source.attributes.empty()) json["attributes"] = array_of(report.attributes);
   json["simplifications"] = array_of(report.simplifications);
+  if (job != nullptr && job->colour && job->colour->attribute) json["colours"] = array_of(report.colours);
   if (job != nullptr && job->packing.packs()) {
     json["packings"] = array_of(report.packings);
   }

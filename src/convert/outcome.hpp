@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/stopwatch.hpp"
+#include "convert/attribute_source.hpp"
 #include "convert/conversion_job.hpp"
 #include "convert/iso_values.hpp"
 #include "convert/json_values.hpp"
@@ -19,6 +20,7 @@
 #include "convert/mesh_simplify.hpp"
 #include "convert/particle_source.hpp"
 #include "convert/verification.hpp"
+#include "convert/vertex_colours.hpp"
 #include "convert/work_facts.hpp"
 #include "mesh/metrics.hpp"
 #include "mesh/topology.hpp"
@@ -46,8 +48,9 @@ struct InputFacts {
 [[nodiscard]] InputFacts input_facts(const std::string& path, const field::ScalarField& field);
 
 struct StageRecord {
-  std::string stage;  // "open", "read", "particles to field", "resample", "classify", "compile", "upload", "count",
-                      // "emit", "verify", "attributes", "simplify", "error", "mesh facts", "statistics", "write"
+  std::string stage;  // "open", "read", "particles to field", "read attributes", "filter", "resample", "classify",
+                      // "compile", "upload", "count", "emit", "verify", "attributes", "simplify", "error", "mesh
+                      // facts", "statistics", "write"
   std::optional<double> iso;  // where the stage belongs to one surface
   StageTime time;
 };
@@ -93,10 +96,12 @@ struct Outcome {
   std::uint64_t bytes_uploaded = 0;   // to a device; 0 on the CPU
   std::uint64_t peak_memory = 0;      // of the process
   std::uint64_t reserved_memory = 0;  // the most that this conversion reserved at a time
-  std::vector<WorkFact> work;         // of reading and resampling
+  std::vector<WorkFact> work;         // of reading, filtering, resampling and writing a field
   std::vector<ExtractionRecord> extractions;
   std::vector<VerificationRecord> verifications;
+  std::vector<AttributeRecord> attributes;
   std::vector<MeshSimplification> simplifications;
+  std::vector<ColourRecord> colours;
   std::vector<MeshPackingRecord> packings;
   std::vector<MeshRecord> meshes;
   std::vector<meshes::WrittenFile> files;

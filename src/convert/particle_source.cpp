@@ -1,19 +1,15 @@
 #include "convert/particle_source.hpp"
 
 #include <algorithm>
-#include <cstring>
-#include <span>
 #include <utility>
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include "base/printable.hpp"
-#include "base/reserved_buffer.hpp"
+#include "convert/attribute_source.hpp"
 #include "field/demo_field.hpp"
 #include "files/file_bytes.hpp"
-#include "points/attribute_sampling.hpp"
+#include "points/sphere_set.hpp"
 
 namespace isoextract::convert {
 namespace {
@@ -32,19 +28,6 @@ Result<void> check_no_volume_options(const SourceOptions& options) {
 bool is_particle_format(const std::string& id) {
   const auto formats = volumes::particle_format_descriptions();
   return std::ranges::find(formats, id, &volumes::ParticleFormatDescription::id) != formats.end();
-}
-
-// The vertices where the particles are.
-Result<ReservedBuffer<glm::dvec3>> world_positions(const AttributeSource& source, const mesh::Mesh& mesh,
-                                                   const Context& context) {
-  auto places = make_reserved_buffer<glm::dvec3>(mesh.positions.size(), context, "places of vertices");
-  if (!places) return tl::unexpected(std::move(places.error()));
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.positions.size(), 4096), [&](const auto& range) {
-    for (std::size_t v = range.begin(); v < range.end(); ++v) {
-      (*places)->values[v] = source.world_from_output(mesh.position(v));
-    }
-  });
-  return std::move(**places);
 }
 
 }  // namespace
@@ -77,7 +60,12 @@ Result<std::vector<std::filesystem::path>> list_source_files(const SourceOptions
   const auto particles = is_particles(options, context);
   if (!particles) return tl::unexpected(particles.error());
   if (*particles) return std::vector<std::filesystem::path>{options.input};
-  return volumes::list_input_files(options.input, options.read, context);
+  auto files = volumes::list_input_files(options.input, options.read, context);
+  if (!files) return files;
+  auto more = attribute_files(options, context);
+  if (!more) return more;
+  files->insert(files->end(), more->begin(), more->end());
+  return files;
 }
 
 Result<std::uint64_t> count_frames(const SourceOptions& options, const Context& context) {
@@ -95,8 +83,16 @@ volumes::ParticleReadOptions particle_read_options(const SourceOptions& options)
   volumes::ParticleReadOptions read;
   read.format = options.read.format;
   read.frame = options.read.volume;
-  read.attributes = options.particles.attributes;
+  for (const AttributeChoice& choice : options.attributes) {
+    if (std::ranges::find(read.attributes, choice.from) == read.attributes.end()) {
+      read.attributes.push_back(choice.from);
+    }
+  }
   read.columns = options.particles.columns;
+  const bool are_spheres = points::method_info(options.particles.method).kind == field::FieldKind::level_set;
+  if (are_spheres && !options.particles.radius) {
+    read.first_of.assign(points::kRadiusAttributes.begin(), points::kRadiusAttributes.end());
+  }
   return read;
 }
 
@@ -114,9 +110,10 @@ points::FieldOptions field_options(const ParticleOptions& options, std::optional
 }
 
 Result<std::vector<std::size_t>> find_attributes(const points::ParticleSet& particles,
-                                                 const std::vector<std::string>& names) {
+                                                 const std::vector<AttributeChoice>& choices) {
   std::vector<std::size_t> found;
-  for (const std::string& name : names) {
+  for (const AttributeChoice& choice : choices) {
+    const std::string& name = choice.from;
     const auto at = std::ranges::find(particles.attributes, name, &points::ParticleAttribute::name);
     if (at == particles.attributes.end()) {
       return fail(ErrorKind::input, fmt::format("{}: expected an attribute '{}', found none of that name",
@@ -131,29 +128,6 @@ Result<std::vector<std::size_t>> find_attributes(const points::ParticleSet& part
     found.push_back(static_cast<std::size_t>(at - particles.attributes.begin()));
   }
   return found;
-}
-
-Result<std::uint64_t> add_attributes(const AttributeSource& source, mesh::Mesh& mesh, const Context& context) {
-  const auto places = world_positions(source, mesh, context);
-  if (!places) return tl::unexpected(places.error());
-  auto sampled = points::sample_attributes(source.particles, source.attributes, places->values.span(), source.radius,
-                                           source.smoothing_length, context);
-  if (!sampled) return tl::unexpected(std::move(sampled.error()));
-  std::uint64_t bytes = 0;
-  for (const points::SampledAttribute& attribute : sampled->attributes) bytes += attribute.values.size_bytes();
-  auto memory = context.reserve(bytes, "attributes of vertices");
-  if (!memory) return tl::unexpected(std::move(memory.error()));
-  std::vector<mesh::Attribute> added;
-  for (const points::SampledAttribute& attribute : sampled->attributes) {
-    mesh::Attribute& made = added.emplace_back();
-    made.name = attribute.name;
-    made.components = attribute.components;
-    made.values = Buffer<std::byte>(attribute.values.size_bytes());
-    if (!made.values.empty()) std::memcpy(made.values.data(), attribute.values.data(), attribute.values.size_bytes());
-  }
-  for (mesh::Attribute& attribute : added) mesh.attributes.push_back(std::move(attribute));
-  mesh.memory.take(std::move(*memory));
-  return sampled->out_of_reach;
 }
 
 }  // namespace isoextract::convert

@@ -11,9 +11,7 @@
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
 #include "convert/conversion_job.hpp"
-#include "field/affine.hpp"
 #include "field/scalar_field.hpp"
-#include "mesh/mesh.hpp"
 #include "points/particle_field.hpp"
 #include "volumes/particle_reader.hpp"
 
@@ -24,7 +22,8 @@ namespace isoextract::convert {
 // the input is a volume, and where it is of particles and options are about volumes; and where it cannot be read.
 [[nodiscard]] Result<bool> is_particles(const SourceOptions& options, const Context& context = Context());
 
-// list_input_files() or count_volumes(), of particles the file and its frames.
+// list_input_files() or count_volumes(), of particles the file and its frames. Files that attributes are read from are
+// among them.
 [[nodiscard]] Result<std::vector<std::filesystem::path>> list_source_files(const SourceOptions& options,
                                                                            const Context& context = Context());
 [[nodiscard]] Result<std::uint64_t> count_frames(const SourceOptions& options, const Context& context = Context());
@@ -45,22 +44,17 @@ struct ParticleRecord {
 };
 
 // Particles that are kept for the attributes of vertices.
-struct AttributeSource {
+struct ParticleAttributes {
   points::ParticleSet particles;
-  std::vector<std::size_t> attributes;  // of the particles, in the order asked for
+  std::vector<AttributeChoice> choices;
+  std::vector<std::size_t> attributes;  // of the particles, one a choice
   double radius = 0;
   double smoothing_length = 0;
-  field::Affine world_from_output;
 };
 
 // Fails with ErrorKind::input where an attribute has more components than a vertex can carry, or no name that is asked
 // for is there.
 [[nodiscard]] Result<std::vector<std::size_t>> find_attributes(const points::ParticleSet& particles,
-                                                               const std::vector<std::string>& names);
-
-// Adds the attributes to the vertices of `mesh`, as float32. Gives the number of vertices that no kernel reaches. Fails
-// as points::sample_attributes() does; the mesh is then without them.
-[[nodiscard]] Result<std::uint64_t> add_attributes(const AttributeSource& source, mesh::Mesh& mesh,
-                                                   const Context& context);
+                                                               const std::vector<AttributeChoice>& choices);
 
 }  // namespace isoextract::convert

@@ -8,6 +8,8 @@
 
 #include "base/printable.hpp"
 #include "convert/field_label.hpp"
+#include "convert/level_set_filter.hpp"
+#include "convert/particle_field.hpp"
 #include "field/resample.hpp"
 #include "files/file_bytes.hpp"
 
@@ -50,6 +52,16 @@ Result<void> read_volume_field(const SourceOptions& options, const SourceUse& us
   if (!isos) return tl::unexpected(std::move(isos.error()));
   source.isos = std::move(*isos);
   tell_isos(watch.elapsed(), events, source);
+  if (options.attributes.empty()) return {};
+  const Stopwatch reading;
+  auto attributes = read_volume_attributes(options, source.field, context);
+  if (!attributes) return tl::unexpected(std::move(attributes.error()));
+  events.read_attributes(reading.elapsed());
+  for (const VolumeAttribute& attribute : *attributes) {
+    for (const std::string& text : attribute.components.front().notes) events.note(text);
+    events.worked(attribute_fact(attribute));
+  }
+  source.attributes = AttributeSource{std::move(*attributes), {}};
   return {};
 }
 
@@ -72,28 +84,33 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
   const StageTime reading = watch.elapsed();
   for (const std::string& text : file->notes) events.note(text);
   if (auto go_on = context.check(); !go_on) return go_on;
-  auto found = find_attributes(file->particles, options.particles.attributes);
+  auto found = find_attributes(file->particles, options.attributes);
   if (!found) return tl::unexpected(std::move(found.error()));
   watch.restart();
-  const points::FieldOptions asked = field_options(options.particles, use.only_iso);
-  auto made = points::make_field(file->particles, asked, context);
+  auto made = make_particle_field(file->particles, options.particles, use.only_iso, context);
   if (!made) return tl::unexpected(std::move(made.error()));
   made->field.name = stem_of_file(files::shown_input_name(options.input));
   events.read(options.input, made->field, reading);
   const points::FieldFigures& figures = made->figures;
-  ParticleRecord record{file->format, file->length_unit, asked.method, {}, figures, watch.elapsed()};
-  if (asked.method != points::Method::weight) record.smoothing_length = asked.smoothing_length;
+  ParticleRecord record{file->format, file->length_unit, options.particles.method, {}, figures, watch.elapsed()};
+  const bool has_kernels = record.method != points::Method::weight && record.method != points::Method::spheres;
+  if (has_kernels) record.smoothing_length = options.particles.smoothing_length;
   events.made_field(record);
   if (figures.particles_dropped > 0) {
     events.note(fmt::format("{}: {} particles at places that are no numbers were left out",
                             printable(file->particles.label), figures.particles_dropped));
   }
+  for (const std::string& text : made->field.notes) {
+    events.note(fmt::format("{}: {}", printable(file->particles.label), text));
+  }
   for (const WorkFact& fact : particle_facts(figures)) events.worked(fact);
   source.field = std::move(made->field);
   tell_isos(std::nullopt, events, source);
   if (!found->empty()) {
-    source.attributes = AttributeSource{
-        std::move(file->particles), std::move(*found), figures.radius, options.particles.smoothing_length, {}};
+    source.attributes =
+        AttributeSource{ParticleAttributes{std::move(file->particles), options.attributes, std::move(*found),
+                                           figures.radius, options.particles.smoothing_length},
+                        {}};
   }
   return context.check();
 }
@@ -147,6 +164,9 @@ Result<Source> open_source(const SourceOptions& options, const SourceUse& use, c
   source.label = field_label(source.field);
   const auto* sparse = std::get_if<field::SparseSamples>(&source.field.samples);
   source.empty = sparse != nullptr && sparse->blocks.empty() && sparse->tiles.empty() && sparse->active_voxels == 0;
+  if (auto filtered = filter_field(options.filters, source.label, context, events, source.field); !filtered) {
+    return tl::unexpected(std::move(filtered.error()));
+  }
   if (options.resolution) {
     auto changed = change_resolution(options, use.keep_data, context, events, source);
     if (!changed) return tl::unexpected(std::move(changed.error()));

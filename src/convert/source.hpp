@@ -7,6 +7,7 @@
 
 #include "base/context.hpp"
 #include "base/error.hpp"
+#include "convert/attribute_source.hpp"
 #include "convert/conversion_job.hpp"
 #include "convert/events.hpp"
 #include "convert/iso_values.hpp"
@@ -42,8 +43,9 @@ struct SourceUse {
 };
 [[nodiscard]] SourceUse use_of(const ConversionJob& job);
 
-// Fails as read_volume(), resample() and place_field() do, and for particles as is_particles(), read_particles(),
-// points::make_field() and find_attributes() do, and as resolve_isos().
+// Fails as read_volume(), filter_field(), resample() and place_field() do, and for particles as is_particles(),
+// read_particles(), make_particle_field() and find_attributes() do, as resolve_isos(), and with attributes of volumes
+// as read_volume_attributes() does.
 [[nodiscard]] Result<Source> open_source(const SourceOptions& options, const SourceUse& use, const Context& context,
                                          Events& events);
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/byte_size.hpp"
+#include "base/printable.hpp"
 
 namespace isoextract::convert {
 namespace {
@@ -39,17 +40,33 @@ std::vector<WorkFact> reading_facts(const field::ScalarField& field) {
   return facts;
 }
 
+WorkFact attribute_fact(const VolumeAttribute& attribute) {
+  const field::ScalarField& first = attribute.components.front();
+  const auto* dense = std::get_if<field::DenseSamples>(&first.samples);
+  return {"attributes", "read", attribute.components.size(), std::nullopt,
+          fmt::format("the attribute '{}' from {}: {}{}", printable(attribute.choice.name), first.name,
+                      attribute.components.size() > 1 ? fmt::format("{} times ", attribute.components.size()) : "",
+                      dense != nullptr ? dense_text(*dense)
+                                       : fmt::format("sparse samples of {}", field::sample_type_name(first.type())))};
+}
+
 std::vector<WorkFact> particle_facts(const points::FieldFigures& figures) {
   std::vector<WorkFact> facts;
-  const std::uint64_t all = figures.particles + figures.particles_dropped;
-  facts.push_back(
-      {"particles", "made into a field", figures.particles, all,
-       fmt::format("{} particles of radius {:.6g}{}, by samples {:.6g} apart in {} bricks (8x8x8)", figures.particles,
-                   figures.radius, figures.radius_suggested ? ", half the median distance to the nearest one" : "",
-                   figures.spacing, figures.bricks_stored)});
+  const std::uint64_t all = figures.particles + figures.particles_dropped + figures.particles_too_small;
+  const std::string radius = !figures.radius_attribute.empty() ? ", the median of theirs"
+                             : figures.radius_suggested        ? ", half the median distance to the nearest one"
+                                                               : "";
+  facts.push_back({"particles", "made into a field", figures.particles, all,
+                   fmt::format("{} particles of radius {:.6g}{}, by samples {:.6g} apart in {} bricks (8x8x8)",
+                               figures.particles, figures.radius, radius, figures.spacing, figures.bricks_stored)});
   if (figures.particles_dropped > 0) {
     facts.push_back({"particles_not_finite", "left out", figures.particles_dropped, all,
                      fmt::format("{} of {} particles, at places that are no numbers", figures.particles_dropped, all)});
+  }
+  if (figures.particles_too_small > 0) {
+    facts.push_back({"particles_too_small", "left out", figures.particles_too_small, all,
+                     fmt::format("{} of {} particles, of less radius than {} samples", figures.particles_too_small, all,
+                                 points::kLeastSphere)});
   }
   if (figures.bricks_inside > 0 || figures.particles_left_out > 0) {
     facts.push_back({"particles_inside", "left out", figures.particles_left_out, figures.particles,

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "convert/attribute_source.hpp"
 #include "extract/extractor.hpp"
 #include "points/particle_field.hpp"
 
@@ -22,6 +23,9 @@ struct WorkFact {
 
 // Of reading `field`.
 [[nodiscard]] std::vector<WorkFact> reading_facts(const field::ScalarField& field);
+
+// Of an attribute that was read.
+[[nodiscard]] WorkFact attribute_fact(const VolumeAttribute& attribute);
 
 // Of the field that particles made.
 [[nodiscard]] std::vector<WorkFact> particle_facts(const points::FieldFigures& figures);

@@ -7,8 +7,8 @@
 
 namespace isoextract::field {
 
-// About how many vertices the surface at `iso` has: its crossings of the grid's edges. Of dense samples three times those
-// along x, as if it faced every axis alike; of sparse ones those within blocks, and as many more as leave them.
+// About how many vertices the surface at `iso` has: its crossings of the grid's edges. Of dense samples three times
+// those along x, as if it faced every axis alike; of sparse ones those within blocks, and as many more as leave them.
 [[nodiscard]] std::uint64_t estimate_vertices(const ScalarField& field, double iso);
 
 // About how many places of block size the surface at `iso` passes: stored blocks, and places beside them that are not

@@ -73,6 +73,7 @@ Mesh copy(const Mesh& mesh) {
   Mesh result;
   result.name = mesh.name;
   result.origin = mesh.origin;
+  result.material = mesh.material;
   result.positions = copied(mesh.positions);
   result.normals = copied(mesh.normals);
   result.edges = copied(mesh.edges);

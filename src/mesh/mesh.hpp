@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -27,6 +28,14 @@ struct EdgeKey {
   }
 };
 
+// How a surface looks, for formats that have materials.
+struct Material {
+  std::optional<glm::dvec3> colour;  // linear light, each channel from 0 to 1; nothing: the writer's own
+  double opacity = 1;                // above 0, at most 1
+
+  friend bool operator==(const Material&, const Material&) = default;
+};
+
 // Triangles wind counter-clockwise seen from outside. Vertices are welded: no two have the same grid edge.
 // A position is origin + positions[v]: float32 relative to an origin in double, so that far-away frames keep their
 // accuracy. The origin is exactly 0 where float32 world coordinates lose nothing that matters.
@@ -38,7 +47,8 @@ struct Mesh {
   Buffer<EdgeKey> edges;         // one a vertex, where they were asked for; or empty
   Buffer<glm::uvec3> triangles;  // vertex indices
   std::vector<Attribute> attributes;
-  Reservation memory;  // for all of this, by whoever allocated it; empty where nobody counts
+  std::optional<Material> material;  // nothing: the writer's own
+  Reservation memory;                // for all of this, by whoever allocated it; empty where nobody counts
 
   [[nodiscard]] glm::dvec3 position(std::size_t vertex) const { return origin + glm::dvec3(positions[vertex]); }
 };

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "base/words.hpp"
+#include "field/scalar_field.hpp"
 
 namespace isoextract::points {
 
@@ -13,6 +14,8 @@ enum class Method {
   weight,       // each particle adds a fixed weight to the samples next to it
   sph,          // the interpolation of smoothed particle hydrodynamics, by a cubic spline
   anisotropic,  // the same with a kernel of its own shape for each particle (Yu and Turk 2013)
+  spheres,      // the union of the particles' spheres, by OpenVDB
+  smooth,       // spheres around averaged positions (Zhu and Bridson 2005), by OpenVDB
 };
 
 struct MethodInfo {
@@ -20,15 +23,19 @@ struct MethodInfo {
   std::string_view id;     // "sph"
   std::string_view title;  // "SPH interpolation"
   std::string_view help;   // how the help lists it
-  double iso = 0;          // what is inside: more than this
+  double iso = 0;          // what is inside: more than this, of a level set less
   double cell_size = 0;    // spacing of the samples, in particle radii
+  // A level set is made by whoever has OpenVDB (volumes/grid_tools.hpp), of what make_spheres() gives; make_field()
+  // makes densities.
+  field::FieldKind kind = field::FieldKind::density;
 };
 
 // In the order of the enum.
 //
 // weight: a weight of 0.1 each and the iso value 0.15 are those of the seed paper on marching tetrahedra in shaders;
 // two particles make a sample inside. So samples are two particle distances apart: eight particles share a cell in the
-// liquid. sph: the threshold and the size of the cells are those that splashsurf's documentation suggests.
+// liquid. sph: the threshold and the size of the cells are those that splashsurf's documentation suggests. spheres,
+// smooth: two voxels a radius leave room above the 1.5 below which a sphere falls between samples (kLeastSphere).
 inline constexpr std::array kMethods{
     MethodInfo{.method = Method::weight,
                .id = "weight",
@@ -48,7 +55,24 @@ inline constexpr std::array kMethods{
                .help = "SPH interpolation by kernels stretched along the surface (Yu and Turk)",
                .iso = 0.6,
                .cell_size = 0.75},
+    MethodInfo{.method = Method::spheres,
+               .id = "spheres",
+               .title = "united spheres",
+               .help = "the distance from the particles' spheres, by OpenVDB",
+               .iso = 0,
+               .cell_size = 0.5,
+               .kind = field::FieldKind::level_set},
+    MethodInfo{.method = Method::smooth,
+               .id = "smooth",
+               .title = "smooth spheres",
+               .help = "the distance from spheres around averaged positions (Zhu and Bridson), by OpenVDB",
+               .iso = 0,
+               .cell_size = 0.5,
+               .kind = field::FieldKind::level_set},
 };
+
+// In samples: particles of less radius are left out of level sets.
+inline constexpr double kLeastSphere = 1.5;
 
 [[nodiscard]] constexpr const MethodInfo& method_info(Method method) {
   return kMethods[static_cast<std::size_t>(method)];

@@ -10,6 +10,7 @@
 
 #include "points/detail/anisotropy.hpp"
 #include "points/detail/cell_grid.hpp"
+#include "points/detail/field_lengths.hpp"
 #include "points/detail/kernel_bricks.hpp"
 #include "points/detail/sparse_bricks.hpp"
 #include "points/detail/spot_density.hpp"
@@ -50,41 +51,6 @@ Result<GridFrame> index_frame(const ParticleSet& particles, const ParticleBounds
                 Hint("positions nearer to 0 would do"));
   }
   return GridFrame{glm::round(centre / (kBrickSide * spacing)) * (kBrickSide * spacing), spacing};
-}
-
-// What the radius and the spacing are.
-Result<void> settle_lengths(const ParticleSet& particles, const FieldOptions& options, FieldFigures& figures,
-                            const Context& context) {
-  if (options.radius) {
-    figures.radius = *options.radius;
-  } else {
-    auto statistics = measure_statistics(particles, context);
-    if (!statistics) return tl::unexpected(statistics.error());
-    const std::optional<double> radius = statistics->suggested_radius();
-    if (!radius) {
-      return fail(ErrorKind::input,
-                  fmt::format("{}: expected particles at two places at least, to take their radius from, or a radius; "
-                              "found {} at one place",
-                              particles.label, statistics->bounds.finite),
-                  Remedy::choose_radius);
-    }
-    figures.radius = *radius;
-    figures.radius_suggested = true;
-  }
-  figures.spacing =
-      options.spacing.value_or(options.cell_size.value_or(method_info(options.method).cell_size) * figures.radius);
-  if (options.method != Method::weight) figures.support = 2 * options.smoothing_length * figures.radius;
-  if (!(figures.spacing > 0) || !std::isfinite(figures.spacing) || !std::isfinite(figures.support)) {
-    return fail(ErrorKind::input, fmt::format("{}: a particle radius of {} leaves the range of numbers",
-                                              particles.label, figures.radius));
-  }
-  // Else particles between samples would leave no trace.
-  if (options.method != Method::weight && !(figures.support >= figures.spacing)) {
-    return fail(ErrorKind::usage,
-                fmt::format("expected samples at most as far apart as a kernel reaches, {}; found a spacing of {}",
-                            figures.support, figures.spacing));
-  }
-  return {};
 }
 
 Result<field::SparseSamples> sum_kernels(const CellGrid& grid, double support, const FieldOptions& options,
@@ -148,18 +114,12 @@ Result<void> check_options(const FieldOptions& options) {
 Result<ParticleField> make_field(const ParticleSet& particles, const FieldOptions& options, const Context& context) {
   if (auto right = check_options(options); !right) return tl::unexpected(right.error());
   const std::span<const glm::dvec3> positions = particles.positions.span();
+  if (method_info(options.method).kind != field::FieldKind::density) {
+    return fail(ErrorKind::usage, fmt::format("{}: expected a method that sums what particles add, found {}",
+                                              particles.label, method_info(options.method).title));
+  }
   const ParticleBounds bounds = measure_bounds(positions);
-  if (positions.size() > std::numeric_limits<std::uint32_t>::max()) {
-    return fail(ErrorKind::input, fmt::format("{}: expected at most {} particles, found {}", particles.label,
-                                              std::numeric_limits<std::uint32_t>::max(), positions.size()));
-  }
-  if (bounds.first_broken && options.bad == BadParticles::error) {
-    const glm::dvec3& p = positions[*bounds.first_broken];
-    return fail(ErrorKind::input,
-                fmt::format("{}: expected finite positions, found ({}, {}, {}) at particle {}", particles.label, p.x,
-                            p.y, p.z, *bounds.first_broken),
-                Remedy::skip_particles);
-  }
+  if (auto fine = check_places(particles, bounds, options.bad); !fine) return tl::unexpected(fine.error());
   ParticleField result;
   FieldFigures& figures = result.figures;
   figures.particles = bounds.finite;

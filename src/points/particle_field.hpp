@@ -12,6 +12,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 
 #include "base/context.hpp"
 #include "base/error.hpp"
@@ -45,7 +46,7 @@ struct FieldOptions {
   std::optional<double> cell_size;  // spacing of the samples in radii; else MethodInfo::cell_size
   std::optional<double> spacing;    // in place of cell_size, in world units
 
-  double smoothing_length = 2;  // sph, anisotropic: in radii
+  double smoothing_length = 2;  // sph, anisotropic, smooth: in radii
   double weight = 0.1;          // weight: what a particle adds
   Deposit deposit = Deposit::trilinear;
   AnisotropyOptions anisotropy;
@@ -69,7 +70,11 @@ struct FieldFigures {
   double radius = 0;                // what was taken, world units; 0 where there are no particles
   bool radius_suggested = false;    // by the distances of the particles
   double spacing = 0;               // world units
-  double support = 0;               // of the kernel, world units; 0 for weight
+  double support = 0;               // of the kernel, world units; 0 for weight and spheres
+
+  // Of level sets alone.
+  std::string radius_attribute;           // that gave each particle its own; `radius` is the median of them
+  std::uint64_t particles_too_small = 0;  // left out: of less radius than kLeastSphere samples
 };
 
 struct ParticleField {
@@ -79,7 +84,8 @@ struct ParticleField {
 
 // Fails with ErrorKind::usage where options make no sense, naming what is expected. With ErrorKind::input where a
 // position is not finite (BadParticles::error), where the particles do not say their radius, where they are too far
-// apart or too far away for the spacing, and where the memory is not there. With ErrorKind::cancelled.
+// apart or too far away for the spacing, and where the memory is not there. With ErrorKind::cancelled. make_field()
+// makes the densities of method.hpp; other methods are ErrorKind::usage.
 [[nodiscard]] Result<void> check_options(const FieldOptions& options);
 [[nodiscard]] Result<ParticleField> make_field(const ParticleSet& particles, const FieldOptions& options,
                                                const Context& context = Context());

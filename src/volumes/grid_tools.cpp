@@ -15,6 +15,7 @@
 #include "volumes/detail/plugin_host.hpp"
 #include "volumes/detail/plugin_library.hpp"
 #include "volumes/detail/plugin_samples.hpp"
+#include "volumes/volume_reader.hpp"
 
 namespace isoextract::volumes {
 namespace {
@@ -24,8 +25,8 @@ using Tools = isoextract_grid_tools_plugin_v1;
 // Looked for each time, which is little beside the work; once loaded it stays.
 Result<const Tools*> grid_tools_for(const std::string& work) {
   const PluginLibrary library(
-      {"isoextract-grids-", "isoextract_grid_tools_plugin", ISOEXTRACT_GRID_TOOLS_PLUGIN_VERSION, false}, kOpenVdbPlugin,
-      plugin_folders());
+      {"isoextract-grids-", "isoextract_grid_tools_plugin", ISOEXTRACT_GRID_TOOLS_PLUGIN_VERSION, false},
+      kOpenVdbPlugin, plugin_folders());
   const auto opened = library.opened(work);
   if (!opened) return tl::unexpected(opened.error());
   return static_cast<const Tools*>(*opened);
@@ -82,7 +83,8 @@ class GridInput {
 std::uint64_t list_bytes(const field::ScalarField& field) {
   const auto* sparse = std::get_if<field::SparseSamples>(&field.samples);
   if (sparse == nullptr) return 0;
-  return sparse->blocks.size() * sizeof(isoextract_sparse_block) + sparse->tiles.size() * sizeof(isoextract_sparse_tile);
+  return sparse->blocks.size() * sizeof(isoextract_sparse_block) +
+         sparse->tiles.size() * sizeof(isoextract_sparse_tile);
 }
 
 Result<field::ScalarField> made_field(std::shared_ptr<MadeGrid> made, const std::string& work) {
@@ -101,8 +103,8 @@ Result<void> check_sphere_options(const points::ParticleSet& particles, const Sp
   const auto refuse = [](const std::string& what) { return fail(ErrorKind::usage, what); };
   const auto positive = [](double value) { return std::isfinite(value) && value > 0; };
   if (!options.radii.empty() && options.radii.size() != particles.size()) {
-    return refuse(fmt::format("expected a radius for each of {} particles, found {}", particles.size(),
-                              options.radii.size()));
+    return refuse(
+        fmt::format("expected a radius for each of {} particles, found {}", particles.size(), options.radii.size()));
   }
   if (options.radii.empty() && !positive(options.radius)) {
     return refuse(fmt::format("the radius of particles: expected a number greater than 0, found {}", options.radius));
@@ -139,8 +141,13 @@ std::span<const std::byte> bytes_of(const void* bytes, std::uint64_t count) {
 
 }  // namespace
 
-Result<field::ScalarField> spheres_to_field(const points::ParticleSet& particles, const SphereOptions& options,
-                                            const Context& context) {
+Result<void> check_grid_tools(const std::string& work) {
+  const auto tools = grid_tools_for(work);
+  return tools ? Result<void>() : tl::unexpected(tools.error());
+}
+
+Result<SphereField> spheres_to_field(const points::ParticleSet& particles, const SphereOptions& options,
+                                     const Context& context) {
   if (auto fine = check_sphere_options(particles, options); !fine) return tl::unexpected(fine.error());
   const std::string work = (particles.label.empty() ? "the particles" : particles.label) + ": their surface";
   const auto tools = grid_tools_for(work);
@@ -164,23 +171,24 @@ Result<field::ScalarField> spheres_to_field(const points::ParticleSet& particles
   made->is_given = true;
   const std::uint64_t left_out = made->output.left_out;
   auto field = made_field(made, work);
-  if (!field) return field;
+  if (!field) return tl::unexpected(field.error());
   field->name = "surface";
   field->source = particles.label;
   if (left_out > 0) {
     field->notes.push_back(fmt::format("{} of {} particles have a radius of less than {:g} voxels and were left out",
                                        left_out, particles.size(), options.least_radius));
   }
-  return field;
+  return SphereField{std::move(*field), left_out};
 }
 
 Result<field::ScalarField> filter_level_set(const field::ScalarField& field, LevelSetFilter filter, int width,
                                             int iterations, const Context& context) {
-  if (width < 1 || width > 64 || iterations < 0) {
-    return fail(ErrorKind::usage,
-                fmt::format("a filter of level sets: expected a width of 1 to 64 voxels and 0 iterations or more, found "
-                            "{} and {}",
-                            width, iterations));
+  if (width < 1 || width > kMaxFilterWidth || iterations < 0) {
+    return fail(
+        ErrorKind::usage,
+        fmt::format("a filter of level sets: expected a width of 1 to {} voxels and 0 iterations or more, found "
+                    "{} and {}",
+                    kMaxFilterWidth, width, iterations));
   }
   const std::string work = field.source + ": filtering the level set";
   const auto tools = grid_tools_for(work);
@@ -205,8 +213,8 @@ Result<field::ScalarField> filter_level_set(const field::ScalarField& field, Lev
   return result;
 }
 
-Result<void> write_vdb(const std::filesystem::path& path, const field::ScalarField& field,
-                       const VdbWriteOptions& options, const Context& context) {
+Result<std::uint64_t> write_vdb(const std::filesystem::path& path, const field::ScalarField& field,
+                                const VdbWriteOptions& options, const Context& context) {
   const std::string work = path.string();
   const auto tools = grid_tools_for(work);
   if (!tools) return tl::unexpected(tools.error());
@@ -237,7 +245,10 @@ Result<void> write_vdb(const std::filesystem::path& path, const field::ScalarFie
     if (sink.error) return tl::unexpected(*sink.error);
     return tl::unexpected(memory.failure_or(tools_failed(**tools, work, ErrorKind::output)));
   }
-  return file->commit();
+  if (auto whole = check_not_lost(field); !whole) return tl::unexpected(whole.error());
+  const std::uint64_t bytes = file->bytes_written();
+  if (auto committed = file->commit(); !committed) return tl::unexpected(committed.error());
+  return bytes;
 }
 
 }  // namespace isoextract::volumes

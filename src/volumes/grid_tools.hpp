@@ -6,6 +6,7 @@
 // is reserved in the context, in which the work can be cancelled.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <span>
@@ -13,7 +14,9 @@
 
 #include "base/context.hpp"
 #include "base/error.hpp"
+#include "base/words.hpp"
 #include "field/scalar_field.hpp"
+#include "points/method.hpp"
 #include "points/particle_set.hpp"
 
 namespace isoextract::volumes {
@@ -33,17 +36,30 @@ struct SphereOptions {
   double search_radius = 0;      // of the smooth method: how far a particle reaches, in the world
   double voxel = 0;              // spacing of the field's samples, one of which is at the world's origin
   double half_band = 3;          // voxels on either side of the surface whose distance is kept; 2 to 1000
-  double least_radius = 1.5;     // in voxels: smaller spheres fall between samples, and are left out with a note
+  // In voxels: smaller spheres fall between samples, and are left out with a note.
+  double least_radius = points::kLeastSphere;
 };
 
-// The signed distance from the spheres in the world's unit, negative inside and constant beyond the band; its surface is
-// at iso value 0. As a density 1 inside and 0 outside, with a ramp of half_band voxels inside of that surface. Sparse, in
-// f32, the same for any number of threads.
-[[nodiscard]] Result<field::ScalarField> spheres_to_field(const points::ParticleSet& particles,
-                                                          const SphereOptions& options,
-                                                          const Context& context = Context());
+struct SphereField {
+  field::ScalarField field;
+  std::uint64_t left_out = 0;  // particles
+};
+
+// Whether there is a plug-in, before the work is prepared; `work` starts the message where it is missing.
+[[nodiscard]] Result<void> check_grid_tools(const std::string& work);
+
+// The signed distance from the spheres in the world's unit, negative inside and constant beyond the band; its surface
+// is at iso value 0. As a density 1 inside and 0 outside, with a ramp of half_band voxels inside of that surface.
+// Sparse, in f32, the same for any number of threads.
+[[nodiscard]] Result<SphereField> spheres_to_field(const points::ParticleSet& particles, const SphereOptions& options,
+                                                   const Context& context = Context());
 
 enum class LevelSetFilter { gaussian, median, mean };
+constexpr auto words_of(LevelSetFilter /*type*/) {
+  return std::array{Word{LevelSetFilter::gaussian, "gaussian"}, Word{LevelSetFilter::median, "median"},
+                    Word{LevelSetFilter::mean, "mean"}};
+}
+inline constexpr int kMaxFilterWidth = 64;
 
 // Filters the values of a level set of cubic voxels around its surface, `iterations` times, each with those up to
 // `width` voxels away (1 to 64), and mends the distances. The field is read as f32, and comes out so, sparse.
@@ -58,8 +74,9 @@ struct VdbWriteOptions {
 
 // Writes a file of one grid of floats, whole or not at all; samples of other types are rounded to that. A level set has
 // the class "level set", a density "fog volume". Which voxels are active and what is beyond a dense field says
-// grid_tools_plugin.h. To standard output or a pipe it is written as a stream. Fails with ErrorKind::output as well.
-[[nodiscard]] Result<void> write_vdb(const std::filesystem::path& path, const field::ScalarField& field,
-                                     const VdbWriteOptions& options = {}, const Context& context = Context());
+// grid_tools_plugin.h. To standard output or a pipe it is written as a stream. Gives the number of bytes. Fails with
+// ErrorKind::output as well.
+[[nodiscard]] Result<std::uint64_t> write_vdb(const std::filesystem::path& path, const field::ScalarField& field,
+                                              const VdbWriteOptions& options = {}, const Context& context = Context());
 
 }  // namespace isoextract::volumes

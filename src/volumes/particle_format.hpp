@@ -17,7 +17,8 @@ struct ParticleReadOptions {
   std::optional<std::string> format;    // the id of one; default: by content, then by extension
   std::optional<std::int64_t> frame;    // of a file with several, such as time steps; counted from 0
   bool all_attributes = false;          // every one that is made of numbers; otherwise those that are named here,
-  std::vector<std::string> attributes;  // by ParticleQuantity::name, or the name of a column of a table
+  std::vector<std::string> attributes;  // by ParticleQuantity::name, or the name of a column of a table,
+  std::vector<std::string> first_of;    // and the first of these that is there, as one number a particle
   // Which columns are x, y and z: names of columns, or their numbers, counted from 1. For formats with has_columns.
   std::optional<std::array<std::string, 3>> columns;
   std::optional<std::string> grid;  // a set of particles by its name, for formats with has_grids
@@ -32,8 +33,8 @@ struct ParticleFormatDescription {
   std::vector<std::string> extensions = {};  // the ends of files' names, in lower case: ".csv"; ".gz" may follow
   bool has_frames = false;                   // a file may hold several, and ParticleReadOptions::frame chooses one
   bool has_columns = false;                  // ParticleReadOptions::columns may say which columns are x, y and z
-  bool has_grids = false;                    // a file may hold several sets by name, and ParticleReadOptions::grid chooses one
-  bool known_by_name = false;                // nothing in its files tells for sure that they are of this format
+  bool has_grids = false;      // a file may hold several sets by name, and ParticleReadOptions::grid chooses one
+  bool known_by_name = false;  // nothing in its files tells for sure that they are of this format
   bool from_standard_input = true;
 };
 

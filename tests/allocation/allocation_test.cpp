@@ -132,6 +132,13 @@ class Allocation : public testing::Test {
 
 TEST_F(Allocation, OfDenseSamples) { expect_all_are_told(job_of("demo:sphere?size=6", 0, meshes::MeshFormat::glb)); }
 
+TEST_F(Allocation, OfAttributesAndColours) {
+  ConversionJob job = job_of("demo:sphere?size=4", 0, meshes::MeshFormat::glb);
+  job.source.attributes = {{"heat", "demo:torus?size=4", true}};
+  job.colour = ColourChoice{"heat", Colormap::turbo, {}};
+  expect_all_are_told(job);
+}
+
 TEST_F(Allocation, OfSimplifying) {
   ConversionJob job = job_of("demo:sphere?size=4", 0, meshes::MeshFormat::ply);
   job.simplify = SimplifyBound{0.2, false};

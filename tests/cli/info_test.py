@@ -141,12 +141,12 @@ class InfoTest(ProgramTest):
         self.assertEqual((frames["frames"], frames["frame"], frames["suggested_radius"]), (3, 0, 0.5))
         self.assertNotIn("grids", self.convert("info", "p.csv").text)
         # A frame that is chosen, and from stdin.
-        with (self.folder / "f.xyz").open("rb") as file:
-            for words in (("f.xyz",), ("-", "--input-format", "xyz")):
-                (entry,) = json.loads(self.convert("info", "--json", *words, "--volume", "2", stdin=file).text)
-                told = entry["particles"]
-                self.assertEqual((entry["volume"], told["frame"], told["suggested_radius"], told["bounds"]["min"]),
-                                 (2, 2, 1.5, [2, 0, 0]))
+        file = (self.folder / "f.xyz").open("rb")
+        self.addCleanup(file.close)
+        for words, more in ((("f.xyz",), {}), (("-", "--input-format", "xyz"), {"stdin": file})):
+            (entry,) = json.loads(self.convert("info", "--json", *words, "--volume", "2", **more).text)
+            told = entry["particles"]
+            self.assertEqual((entry["volume"], told["frame"], told["suggested_radius"], told["bounds"]["min"]), (2, 2, 1.5, [2, 0, 0]))
         run = self.run_program("info", "f.xyz", "--volume", "3")
         self.assert_fails(2, run, "f.xyz: there is no frame 3", "from 0 to 2")
 

@@ -374,7 +374,7 @@ void write_gltfs(const fs::path& folder) {
 }
 
 void write_seeds(const fs::path& folder) {
-  const std::array<std::pair<const char*, void (*)(const fs::path&)>, 12> formats{{{"vdb", write_vdbs},
+  const std::array<std::pair<const char*, void (*)(const fs::path&)>, 13> formats{{{"vdb", write_vdbs},
                                                                                    {"nrrd", write_nrrd},
                                                                                    {"nifti", write_nifti},
                                                                                    {"npy", write_npy},

@@ -35,8 +35,10 @@ concept JsonValue = std::same_as<T, bool> || std::same_as<T, double> || std::sam
     std::same_as<T, std::int64_t> || std::same_as<T, std::string>;
 
 template <class T>
-concept JobStructure = std::same_as<T, volumes::RawLayout> || std::same_as<T, ParticleOptions> ||
-    std::same_as<T, SimplifyBound> || std::same_as<T, OutputFileJob> || std::same_as<T, ConversionJob>;
+concept JobStructure =
+    std::same_as<T, volumes::RawLayout> || std::same_as<T, ParticleOptions> || std::same_as<T, AttributeChoice> ||
+    std::same_as<T, ColourChoice> || std::same_as<T, SimplifyBound> || std::same_as<T, OutputFileJob> ||
+    std::same_as<T, FilterStep> || std::same_as<T, FieldFileOptions> || std::same_as<T, ConversionJob>;
 
 class JobJson {
  public:
@@ -112,6 +114,13 @@ class JobJson {
     const auto is_text = [](const Json& value) { return value.is_string(); };
     if (!json.is_array() || json.size() != 3 || !std::all_of(json.begin(), json.end(), is_text)) return "three texts";
     target = json.get<std::array<std::string, 3>>();
+    return {};
+  }
+
+  static Json encode(const std::array<double, 2>& range) { return range; }
+  static Expected decode(const Json& json, std::array<double, 2>& target) {
+    if (!json.is_array() || json.size() != 2 || !json[0].is_number() || !json[1].is_number()) return "two numbers";
+    target = json.get<std::array<double, 2>>();
     return {};
   }
 
@@ -237,10 +246,22 @@ class JobJson {
       each("deposit", value.deposit);
       each("not_finite", value.bad);
       each("columns", value.columns);
-      each("attributes", value.attributes);
+    } else if constexpr (std::same_as<Structure, AttributeChoice>) {
+      each("name", value.name);
+      each("from", value.from);
+      each("written", value.written);
+    } else if constexpr (std::same_as<Structure, ColourChoice>) {
+      each("attribute", value.attribute);
+      each("map", value.map);
+      each("range", value.range);
     } else if constexpr (std::same_as<Structure, SimplifyBound>) {
       each("distance", value.distance);
       each("in_world_units", value.in_world_units);
+    } else if constexpr (std::same_as<Structure, FilterStep>) {
+      each("filter", value.filter);
+      each("width", value.width);
+    } else if constexpr (std::same_as<Structure, FieldFileOptions>) {
+      each("half", value.as_half);
     } else if constexpr (std::same_as<Structure, OutputFileJob>) {
       each("path", value.path);
       each("iso", value.isos);
@@ -260,6 +281,8 @@ class JobJson {
     each("origin", job.source.read.origin);
     each("inside", job.source.read.kind);
     each("particles", job.source.particles);
+    each("attributes", job.source.attributes);
+    each("filters", job.source.filters);
     each("resolution", job.source.resolution);
     each("roi", job.source.roi);
     each("space", job.source.placement.space);
@@ -271,6 +294,8 @@ class JobJson {
     each("nan", job.surface.nan);
     each("cap", job.surface.cap);
     each("normals", job.normals);
+    each("colour", job.colour);
+    each("opacity", job.opacity);
     each("simplify", job.simplify);
     each("error", job.error);
     each("verify", job.verify);
@@ -284,6 +309,7 @@ class JobJson {
     each("quantize", job.packing.quantize);
     each("position_bits", job.packing.position_bits);
     each("optimize_order", job.packing.optimize_order);
+    each("field_file", job.field_file);
     each("outputs", job.outputs);
   }
 };

@@ -26,10 +26,21 @@ void Recorder::made_field(const ParticleRecord& record) {
   listener_.made_field(record);
 }
 
+void Recorder::filtered(const WorkFact& fact, const StageTime& time) {
+  outcome_.stages.push_back({"filter", std::nullopt, time});
+  outcome_.work.push_back(fact);
+  listener_.filtered(fact, time);
+}
+
 void Recorder::resolved(const std::vector<ResolvedIso>& isos, const std::optional<StageTime>& time) {
   if (time) outcome_.stages.push_back({"statistics", std::nullopt, *time});
   outcome_.isos = isos;
   listener_.resolved(isos, time);
+}
+
+void Recorder::read_attributes(const StageTime& time) {
+  outcome_.stages.push_back({"read attributes", std::nullopt, time});
+  listener_.read_attributes(time);
 }
 
 void Recorder::resampled(const field::ScalarField& grid, const WorkFact& fact, const StageTime& time) {
@@ -71,6 +82,7 @@ void Recorder::verified(const VerificationRecord& record) {
 
 void Recorder::carried(const CarriedAttributes& attributes) {
   outcome_.stages.push_back({"attributes", attributes.iso, attributes.time});
+  outcome_.attributes.insert(outcome_.attributes.end(), attributes.attributes.begin(), attributes.attributes.end());
   listener_.carried(attributes);
 }
 
@@ -78,6 +90,11 @@ void Recorder::simplified(const MeshSimplification& simplification) {
   outcome_.stages.push_back({"simplify", simplification.iso, simplification.facts.time});
   outcome_.simplifications.push_back(simplification);
   listener_.simplified(simplification);
+}
+
+void Recorder::coloured(const ColourRecord& record) {
+  outcome_.colours.push_back(record);
+  listener_.coloured(record);
 }
 
 void Recorder::measured(const MeshError& error, const StageTime& time) {
@@ -94,6 +111,13 @@ void Recorder::written(const WrittenOutput& output) {
   if (!output.isos.empty()) outcome_.stages.push_back({"write", std::nullopt, output.time});
   outcome_.files.insert(outcome_.files.end(), output.files.begin(), output.files.end());
   listener_.written(output);
+}
+
+void Recorder::wrote_field(const WrittenField& field) {
+  outcome_.stages.push_back({"write", std::nullopt, field.time});
+  outcome_.work.insert(outcome_.work.end(), field.work.begin(), field.work.end());
+  outcome_.files.push_back({field.job.path, field.bytes});
+  listener_.wrote_field(field);
 }
 
 void Recorder::recorded(const std::vector<MeshRecord>& meshes, const StageTime& time) {

@@ -14,7 +14,9 @@ class Recorder final : public Events {
   void opened(const extract::Extractor& extractor, const StageTime& time) override;
   void read(const std::string& input, const field::ScalarField& field, const StageTime& time) override;
   void made_field(const ParticleRecord& record) override;
+  void filtered(const WorkFact& fact, const StageTime& time) override;
   void resolved(const std::vector<ResolvedIso>& isos, const std::optional<StageTime>& time) override;
+  void read_attributes(const StageTime& time) override;
   void resampled(const field::ScalarField& grid, const WorkFact& fact, const StageTime& time) override;
   void worked(const WorkFact& fact) override;
   void placed(const PlacedField& placed) override;
@@ -22,9 +24,11 @@ class Recorder final : public Events {
   void verified(const VerificationRecord& record) override;
   void carried(const CarriedAttributes& attributes) override;
   void simplified(const MeshSimplification& simplification) override;
+  void coloured(const ColourRecord& record) override;
   void measured(const MeshError& error, const StageTime& time) override;
   void packed(const MeshPackingRecord& record) override;
   void written(const WrittenOutput& output) override;
+  void wrote_field(const WrittenField& field) override;
   void recorded(const std::vector<MeshRecord>& meshes, const StageTime& time) override;
 
  private:

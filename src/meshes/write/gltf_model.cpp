@@ -118,7 +118,7 @@ int GltfModel::node(const GltfPart& part) {
   if (part.layout != GltfPart::Layout::nothing) {
     tinygltf::Mesh mesh;
     mesh.name = name;
-    mesh.primitives.push_back(part.packed != nullptr                   ? packed(*part.packed, part.has_colours())
+    mesh.primitives.push_back(part.packed != nullptr                   ? packed(part)
                               : part.layout == GltfPart::Layout::split ? split(part)
                                                                        : indexed(part));
     model_.meshes.push_back(std::move(mesh));
@@ -152,18 +152,23 @@ std::string GltfModel::json(const std::string& uri, int indent, Notes& notes) {
   return document.dump(indent);
 }
 
-int GltfModel::material(bool colours) {
-  int& number = materials_[colours ? 1 : 0];
-  if (number >= 0) return number;
-  number = static_cast<int>(taken_.materials + model_.materials.size());
+int GltfModel::material(const GltfPart& part) {
+  const bool vertex_colours = part.has_colours();
+  const std::optional<mesh::Material>& look = part.mesh->material;
+  for (const MadeMaterial& made : materials_) {
+    if (made.vertex_colours == vertex_colours && made.look == look) return made.number;
+  }
   constexpr double kLightGrey = 0.8;
-  const double grey = colours ? 1 : kLightGrey;
+  const mesh::Material own = look.value_or(mesh::Material());
+  const glm::dvec3 colour = own.colour.value_or(glm::dvec3(vertex_colours ? 1 : kLightGrey));
   tinygltf::Material material;
-  material.pbrMetallicRoughness.baseColorFactor = {grey, grey, grey, 1.0};
+  material.pbrMetallicRoughness.baseColorFactor = {colour.x, colour.y, colour.z, own.opacity};
   material.pbrMetallicRoughness.metallicFactor = 0.0;
   material.pbrMetallicRoughness.roughnessFactor = 0.6;
+  if (own.opacity < 1) material.alphaMode = "BLEND";
   model_.materials.push_back(std::move(material));
-  return number;
+  materials_.push_back({vertex_colours, look, last_number(taken_.materials, model_.materials)});
+  return materials_.back().number;
 }
 
 int GltfModel::view(std::uint64_t bytes, int target, std::size_t stride) {
@@ -224,7 +229,7 @@ void GltfModel::attributes(const GltfPart& part, tinygltf::Primitive& primitive)
 tinygltf::Primitive GltfModel::split(const GltfPart& part) {
   const std::uint64_t count = part.vertex_count();
   const int vertices = view(count * GltfPart::kSplitStride, TINYGLTF_TARGET_ARRAY_BUFFER, GltfPart::kSplitStride);
-  tinygltf::Primitive primitive = triangles(part.has_colours());
+  tinygltf::Primitive primitive = triangles(part);
   primitive.attributes["POSITION"] = positions(vertices, count, measure_corner_bounds(*part.mesh));
   primitive.attributes["NORMAL"] = vectors(vertices, sizeof(glm::vec3), count);
   attributes(part, primitive);
@@ -234,7 +239,7 @@ tinygltf::Primitive GltfModel::split(const GltfPart& part) {
 tinygltf::Primitive GltfModel::indexed(const GltfPart& part) {
   const std::uint64_t count = part.vertex_count();
   const std::uint64_t bytes = count * sizeof(glm::vec3);
-  tinygltf::Primitive primitive = triangles(part.has_colours());
+  tinygltf::Primitive primitive = triangles(part);
   primitive.attributes["POSITION"] =
       positions(view(bytes, TINYGLTF_TARGET_ARRAY_BUFFER), count, mesh::measure_local_bounds(*part.mesh));
   if (part.has_normals()) {
@@ -248,10 +253,10 @@ tinygltf::Primitive GltfModel::indexed(const GltfPart& part) {
   return primitive;
 }
 
-tinygltf::Primitive GltfModel::triangles(bool colours) {
+tinygltf::Primitive GltfModel::triangles(const GltfPart& part) {
   tinygltf::Primitive primitive;
   primitive.mode = TINYGLTF_MODE_TRIANGLES;
-  primitive.material = material(colours);
+  primitive.material = material(part);
   return primitive;
 }
 

@@ -1,10 +1,10 @@
 // The JSON of a glTF file: TinyGLTF's model, made of the parts whose bytes are written beside it.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -53,8 +53,8 @@ class GltfModel {
   // The number of the node.
   int node(const GltfPart& part);
   int push(tinygltf::Node node);
-  // The number of the material of meshes with or without colours, which are multiplied with it.
-  int material(bool colours);
+  // The number of the material of such a part; colours of vertices are multiplied with it.
+  int material(const GltfPart& part);
   // A view of the next `bytes` bytes.
   int view(std::uint64_t bytes, int target, std::size_t stride = 0);
   int accessor(int view, std::size_t offset, int component, int type, std::uint64_t count);
@@ -63,10 +63,10 @@ class GltfModel {
   void attributes(const GltfPart& part, tinygltf::Primitive& primitive);
   tinygltf::Primitive split(const GltfPart& part);
   tinygltf::Primitive indexed(const GltfPart& part);
-  tinygltf::Primitive triangles(bool colours);
+  tinygltf::Primitive triangles(const GltfPart& part);
 
   // Of packed parts; gltf_packed_model.cpp.
-  tinygltf::Primitive packed(const GltfPackedPart& part, bool colours);
+  tinygltf::Primitive packed(const GltfPart& part);
   int packed_view(const GltfPackedView& source);
   int packed_accessor(const GltfPackedAccessor& source, int first_view);
   void use_extension(const std::string& name);
@@ -77,7 +77,12 @@ class GltfModel {
   tinygltf::Scene scene_;
   Taken taken_;
   std::uint64_t offset_ = 0;
-  std::array<int, 2> materials_{-1, -1};  // without colours, with colours; -1: not made yet
+  struct MadeMaterial {
+    bool vertex_colours;
+    std::optional<mesh::Material> look;
+    int number;
+  };
+  std::vector<MadeMaterial> materials_;
   bool has_split_ = false;
   struct MeshoptView {
     int view;  // of the buffer that is not there, and stands for what is unpacked

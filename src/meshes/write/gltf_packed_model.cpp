@@ -9,8 +9,9 @@
 
 namespace isoextract::meshes {
 
-tinygltf::Primitive GltfModel::packed(const GltfPackedPart& part, bool colours) {
-  tinygltf::Primitive primitive = triangles(colours);
+tinygltf::Primitive GltfModel::packed(const GltfPart& whole) {
+  const GltfPackedPart& part = *whole.packed;
+  tinygltf::Primitive primitive = triangles(whole);
   const int first_view = static_cast<int>(taken_.views + model_.bufferViews.size());
   for (const GltfPackedView& source : part.views) packed_view(source);
   tinygltf::Value::Object ids;

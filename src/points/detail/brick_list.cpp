@@ -1,7 +1,7 @@
 #include "points/detail/brick_list.hpp"
 
-#include <optional>
-#include <vector>
+#include <algorithm>
+#include <utility>
 
 namespace isoextract::points {
 namespace {
@@ -12,25 +12,19 @@ glm::ivec3 step_along(int axis) {
   return step;
 }
 
-// f(brick) for those of the lists moved by -rings .. rings along an axis, each once and in order.
+// f(brick) for those of the list and of itself moved by some steps along an axis, each once and in order.
 template <class F>
-void for_each_dilated(std::span<const glm::ivec3> bricks, int axis, int rings, const F& f) {
-  const glm::ivec3 step = step_along(axis);
-  std::vector<std::size_t> next(static_cast<std::size_t>(2 * rings) + 1, 0);
-  for (;;) {
-    std::optional<glm::ivec3> least;
-    for (int r = -rings; r <= rings; ++r) {
-      const std::size_t n = next[static_cast<std::size_t>(r + rings)];
-      if (n == bricks.size()) continue;
-      const glm::ivec3 moved = bricks[n] + r * step;
-      if (!least || brick_before(moved, *least)) least = moved;
+void for_each_joined(std::span<const glm::ivec3> bricks, const glm::ivec3& move, const F& f) {
+  std::size_t here = 0;  // is ahead of `moved` all the time: a brick comes before where it moves to
+  for (std::size_t moved = 0; moved < bricks.size();) {
+    const glm::ivec3 there = bricks[moved] + move;
+    if (here < bricks.size() && brick_before(bricks[here], there)) {
+      f(bricks[here++]);
+      continue;
     }
-    if (!least) return;
-    f(*least);
-    for (int r = -rings; r <= rings; ++r) {
-      std::size_t& n = next[static_cast<std::size_t>(r + rings)];
-      if (n != bricks.size() && bricks[n] + r * step == *least) ++n;
-    }
+    if (here < bricks.size() && bricks[here] == there) ++here;
+    f(there);
+    ++moved;
   }
 }
 
@@ -54,16 +48,25 @@ void for_each_eroded(std::span<const glm::ivec3> bricks, int axis, const F& f) {
 
 Result<BrickList> dilated(std::span<const glm::ivec3> bricks, int rings, const Context& context,
                           const std::string& label) {
-  BrickList list;
+  auto list = make_reserved_buffer<glm::ivec3>(bricks.size(), context, label);
+  if (!list) return list;
+  std::ranges::transform(bricks, (*list)->values.begin(), [&](const glm::ivec3& brick) { return brick - rings; });
   for (int axis = 2; axis >= 0; --axis) {
-    const std::span<const glm::ivec3> from = list ? std::as_const(list->values).span() : bricks;
-    std::size_t count = 0;
-    for_each_dilated(from, axis, rings, [&](const glm::ivec3&) { ++count; });
-    auto made = make_reserved_buffer<glm::ivec3>(count, context, label);
-    if (!made) return made;
-    glm::ivec3* out = (*made)->values.data();
-    for_each_dilated(from, axis, rings, [&](const glm::ivec3& brick) { *out++ = brick; });
-    list = std::move(*made);
+    // Twice as wide with each join, so that many rings take few of them.
+    const int wanted = 2 * rings + 1;
+    for (int width = 1; width < wanted;) {
+      if (auto go_on = context.check(); !go_on) return tl::unexpected(go_on.error());
+      const int more = std::min(width, wanted - width);
+      const std::span<const glm::ivec3> from = std::as_const((*list)->values).span();
+      std::size_t count = 0;
+      for_each_joined(from, more * step_along(axis), [&](const glm::ivec3&) { ++count; });
+      auto made = make_reserved_buffer<glm::ivec3>(count, context, label);
+      if (!made) return made;
+      glm::ivec3* out = (*made)->values.data();
+      for_each_joined(from, more * step_along(axis), [&](const glm::ivec3& brick) { *out++ = brick; });
+      list = std::move(made);
+      width += more;
+    }
   }
   return list;
 }

@@ -40,7 +40,8 @@ template <class F>
   return chosen;
 }
 
-// Every brick that is at most `rings` away from one of `bricks` along each axis.
+// Every brick that is at most `rings` away from one of `bricks` along each axis. Fails where the context is cancelled,
+// too.
 [[nodiscard]] Result<BrickList> dilated(std::span<const glm::ivec3> bricks, int rings, const Context& context,
                                         const std::string& label);
 

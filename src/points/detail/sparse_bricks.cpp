@@ -11,6 +11,7 @@
 #include <tbb/parallel_reduce.h>
 #include <tbb/parallel_sort.h>
 
+#include "base/checked.hpp"
 #include "base/reserved_buffer.hpp"
 #include "points/detail/brick_list.hpp"
 
@@ -112,6 +113,18 @@ struct Active {
   }
 };
 
+// The list of bricks around a single spot has to fit already: with a fine spacing and a far reach that is more than any
+// machine has, and is told before the work of making it.
+Result<void> check_rings(int rings, const Context& context, const std::string& label) {
+  const std::uint64_t side = 2 * static_cast<std::uint64_t>(rings) + 1;
+  const auto bricks = checked_product(side * side, side);
+  const auto bytes = bricks ? checked_product(*bricks, sizeof(glm::ivec3)) : std::nullopt;
+  const auto fits = context.reserve(bytes.value_or(std::numeric_limits<std::uint64_t>::max()),
+                                    fmt::format("{}: {}^3 bricks of 8^3 samples around each particle", label, side));
+  if (!fits) return tl::unexpected(fits.error());
+  return {};
+}
+
 struct OwnedBricks {
   Buffer<float> values;
   Reservation memory;
@@ -123,6 +136,7 @@ Result<field::SparseSamples> fill_bricks(const BrickSource& source, std::optiona
                                          BrickCounts& counts, const Context& context, const std::string& label) {
   const std::string what = fmt::format("{}: the bricks around {} particles", label, source.grid().size());
   const int rings = static_cast<int>(std::ceil(source.reach() / kSide));
+  if (auto fits = check_rings(rings, context, label); !fits) return tl::unexpected(fits.error());
   auto bricks = occupied_bricks(source.grid(), context, what);
   if (bricks) bricks = dilated((*bricks)->values.span(), rings, context, what);
   if (bricks) {

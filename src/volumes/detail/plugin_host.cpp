@@ -100,7 +100,8 @@ class PluginFormat final : public VolumeFormat {
     if (auto read = read_samples(**plugin, input, *chosen, grid, context, field); !read) {
       return tl::unexpected(read.error());
     }
-    if (auto placed = set_frame(field, {affine_of(grid.index_to_world), {}}, options); !placed) return tl::unexpected(placed.error());
+    if (auto placed = set_frame(field, {affine_of(grid.index_to_world), {}}, options); !placed)
+      return tl::unexpected(placed.error());
     return field;
   }
 

@@ -64,7 +64,8 @@ std::array<double, 12> plugin_rows_of(const field::Affine& affine) {
 PluginMemory::PluginMemory(const Context& context, std::string what)
     : context_(context),
       what_(std::move(what)),
-      host_{this, [](void* self, std::uint64_t bytes) { return static_cast<PluginMemory*>(self)->reserve(bytes) ? 0 : 1; },
+      host_{this,
+            [](void* self, std::uint64_t bytes) { return static_cast<PluginMemory*>(self)->reserve(bytes) ? 0 : 1; },
             [](void* self, std::uint64_t bytes) { static_cast<PluginMemory*>(self)->release(bytes); },
             [](void* self) { return static_cast<const PluginMemory*>(self)->context_.cancelled() ? 1 : 0; }} {}
 
@@ -111,7 +112,8 @@ tl::expected<field::SparseSamples, std::string> sparse_samples_of(const isoextra
     const isoextract_sparse_block& block = given.blocks[i];
     const glm::ivec3 origin = vector_of(block.origin);
     if (!is_within_limits(origin, field::SparseBlock::kSize)) return wrong("a block that is not at a place for one");
-    if (i > 0 && order_of(samples.blocks.back().origin) >= order_of(origin)) return wrong("blocks that are not in order");
+    if (i > 0 && order_of(samples.blocks.back().origin) >= order_of(origin))
+      return wrong("blocks that are not in order");
     if (block.values == nullptr || reinterpret_cast<std::uintptr_t>(block.values) % field::sample_size(*type) != 0) {
       return wrong("a block without values, or with values that are not aligned for their type");
     }
@@ -121,7 +123,8 @@ tl::expected<field::SparseSamples, std::string> sparse_samples_of(const isoextra
   for (std::size_t i = 0; i < given.tile_count; ++i) {
     const isoextract_sparse_tile& tile = given.tiles[i];
     const glm::ivec3 origin = vector_of(tile.origin);
-    const bool has_size = tile.size >= field::SparseBlock::kSize && std::has_single_bit(static_cast<unsigned>(tile.size));
+    const bool has_size =
+        tile.size >= field::SparseBlock::kSize && std::has_single_bit(static_cast<unsigned>(tile.size));
     if (!has_size || !is_within_limits(origin, tile.size)) return wrong("a tile that is not at a place for one");
     samples.tiles.push_back({origin, tile.size, tile.value});
   }

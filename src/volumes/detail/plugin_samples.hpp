@@ -51,11 +51,11 @@ class PluginMemory {
   std::optional<Error> refusal_;
 };
 
-// Sparse samples of a plug-in as those of a field. Their values stay where they are, kept alive by `owner`. The lists of
-// blocks and tiles are copied. Fails with what is wrong with them,
-// as the end of a sentence: "blocks that are not in order".
-[[nodiscard]] tl::expected<field::SparseSamples, std::string> sparse_samples_of(
-    const isoextract_sparse_samples& given, std::shared_ptr<const void> owner);
+// Sparse samples of a plug-in as those of a field. Their values stay where they are, kept alive by `owner`. The lists
+// of blocks and tiles are copied. Fails with what is wrong with them, as the end of a sentence: "blocks that are not in
+// order".
+[[nodiscard]] tl::expected<field::SparseSamples, std::string> sparse_samples_of(const isoextract_sparse_samples& given,
+                                                                                std::shared_ptr<const void> owner);
 
 // And back; the lists refer to the field's values.
 struct PluginSparse {

@@ -32,6 +32,10 @@ ContentReader::ContentReader(const files::InputFile& file) : file_(file), most_(
   file.context().progress().begin("reading", gzip_ ? 0 : file.size());
 }
 
+Reservation ContentReader::reserve(std::uint64_t bytes, std::string_view what) const {
+  return must(file_.context().reserve(bytes, fmt::format("{}: {}", file_.name(), what)));
+}
+
 // More bytes behind those that are left, which move to the front of the buffer where there is no room. How many came; 0
 // at the end of the content.
 std::size_t ContentReader::refill() {

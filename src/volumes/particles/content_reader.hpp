@@ -20,6 +20,9 @@ class ContentReader {
  public:
   explicit ContentReader(const files::InputFile& file);
 
+  // For what is kept of the content; the message where there is no room names the file.
+  [[nodiscard]] Reservation reserve(std::uint64_t bytes, std::string_view what) const;
+
   // Where in the content the next byte is.
   [[nodiscard]] std::uint64_t position() const { return start_ + begin_; }
   // No more bytes than that follow, however much a header tells of.

@@ -125,17 +125,24 @@ struct Paging {
   std::uint64_t page = 0;
   std::vector<std::uint64_t> packing;
   std::vector<std::vector<bool>> constant;  // of each sub-vector, of each page
+  std::vector<Reservation> memory;          // for the flags of each sub-vector
 };
 
+// A packed file can have any number of flags.
 void read_constant_flags(HoudiniJson& json, const JsonToken& first, std::uint64_t points, Paging& paging) {
   if (first.kind != JsonToken::Kind::begin) json.expected("an array of flags of pages");
+  const std::uint64_t pages = paging.page == 0 ? points : (points + paging.page - 1) / paging.page;
   while (true) {
     const JsonToken flags = json.next();
     if (flags.kind == JsonToken::Kind::end) return;
     if (paging.constant.size() == kMostComponents) json.expected("fewer sub-vectors");
     std::vector<bool>& of_part = paging.constant.emplace_back();
     json.each_number(flags, [&](double value) {
-      if (of_part.size() > points) json.expected("flags of as many pages as there are");
+      if (of_part.size() == pages) json.expected("flags of as many pages as there are");
+      if (of_part.empty()) {
+        paging.memory.push_back(json.content().reserve((pages + 63) / 64 * 8, "flags of pages"));
+        of_part.reserve(static_cast<std::size_t>(pages));
+      }
       of_part.push_back(value != 0);
     });
   }
@@ -228,8 +235,9 @@ HoudiniAttribute read_attribute(HoudiniJson& json, const JsonToken& first, std::
   return attribute;
 }
 
+// One at least: attributes are counted by their columns.
 std::size_t columns_of(const HoudiniAttribute& attribute) {
-  return attribute.type == "numeric" ? static_cast<std::size_t>(attribute.size) : 1;
+  return attribute.type == "numeric" ? std::max<std::size_t>(1, static_cast<std::size_t>(attribute.size)) : 1;
 }
 
 // All of the file; numbers of attributes only where there are sinks for them.

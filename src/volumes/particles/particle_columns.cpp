@@ -228,6 +228,15 @@ ColumnChoice choose_columns(const ParticleTable& table, const ParticleReadOption
     if (std::ranges::count(choice.attributes, attribute.name, &ColumnGroup::name) > 0) continue;
     choice.attributes.push_back(std::move(attribute));
   }
+  for (const std::string& name : options.first_of) {
+    const auto found = std::ranges::find(table.groups, name, &ColumnGroup::name);
+    if (found == table.groups.end() || found->columns.size() != 1 || !columns[found->columns.front()].numeric ||
+        is_position(*found, choice.position)) {
+      continue;
+    }
+    if (std::ranges::count(choice.attributes, name, &ColumnGroup::name) == 0) choice.attributes.push_back(*found);
+    break;
+  }
   return choice;
 }
 

@@ -98,6 +98,9 @@ void check_ply_is_particles(const PlyFile& ply) {
   }
 }
 
+// Elements and their properties are held while the file is read, and a packed file may have any number of them.
+constexpr std::uint64_t kMostPlyHeader = std::uint64_t{1} << 20;  // bytes
+
 PlyFile read_ply_header(ContentReader& content) {
   PlyFile ply;
   bool has_format = false;
@@ -107,6 +110,9 @@ PlyFile read_ply_header(ContentReader& content) {
   while (true) {
     const auto line = content.next_line();
     if (!line) throw DamagedParticles("expected 'end_header' in a PLY file, found none");
+    if (content.position() > kMostPlyHeader) {
+      throw DamagedParticles(fmt::format("expected 'end_header' within {} bytes, found none", kMostPlyHeader));
+    }
     split_words(*line, words);
     if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
     if (words[0] == "end_header") break;

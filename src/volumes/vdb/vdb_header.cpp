@@ -184,7 +184,7 @@ FileHead read_file_head(VdbCursor& cursor) {
         fmt::format("expected file version {} or later, found {}: load and save it with a newer OpenVDB",
                     kOldestVersion, head.version));
   }
-  static_cast<void>(cursor.take(2 * sizeof(std::uint32_t)));     // the library's version
+  static_cast<void>(cursor.take(2 * sizeof(std::uint32_t)));  // the library's version
   head.streamed = cursor.read_value<std::uint8_t>() == 0;
   cursor.seek(cursor.position() + kUuidLength);
   read_metadata(cursor, [](const std::string&, const std::string&, const std::string&) {});

@@ -191,8 +191,8 @@ Result<std::vector<GridInfo>> list_vdb_grids(const files::InputFile& file) {
   });
 }
 
-Result<field::ScalarField> read_vdb(const std::string& input, const files::InputFile& file,
-                                    const VolumeFormat& plugin, const ReadOptions& options) {
+Result<field::ScalarField> read_vdb(const std::string& input, const files::InputFile& file, const VolumeFormat& plugin,
+                                    const ReadOptions& options) {
   return with_messages(file, [&]() -> Result<field::ScalarField> {
     file.context().progress().begin("reading", 0);
     VdbCursor cursor(file);

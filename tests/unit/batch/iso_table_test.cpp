@@ -96,7 +96,7 @@ TEST(IsoTable, WhatIsNoNumberIsRefusedWithItsLine) {
   EXPECT_EQ(table_refusal(header + "2,\x1b[2J\n"),
             "iso.csv:3: expected a finite iso value, auto or a percentile such as p99, found '\\x1b[2J'");
   EXPECT_NE(table_refusal(header + std::string("2,1\0", 4)), "accepted");
-  EXPECT_LT(table_refusal(header + "2," + std::string(1 << 20, 'x')).size(), 120U);
+  EXPECT_LT(table_refusal(header + "2," + std::string(1 << 20, 'x')).size(), 130U);
 }
 
 TEST(IsoTable, DecimalCommasAreNoSeparators) {

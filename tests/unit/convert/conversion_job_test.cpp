@@ -28,13 +28,16 @@ ConversionJob full_job() {
                           .weight = 0.3,
                           .deposit = points::Deposit::nearest,
                           .bad = points::BadParticles::skip,
-                          .columns = std::array<std::string, 3>{"x", "2", "z"},
-                          .attributes = {"density", "velocity"}};
+                          .columns = std::array<std::string, 3>{"x", "2", "z"}};
+  job.source.attributes = {{"heat", "b.vdb[temperature]", true}, {"v", "velocity", false}};
+  job.source.filters = {{volumes::LevelSetFilter::median, 2}, {volumes::LevelSetFilter::mean, 1}};
   job.source.resolution = glm::ivec3(10, 20, 30);
   job.source.roi = field::Box{{-1, -2, -3}, {1, 2, 3}};
   job.source.placement = {Space::index, UpAxis::y, true, 0.001, "mm"};
   job.surface = {extract::Method::mt, extract::NanPolicy::hole, true};
   job.normals = Normals::flat;
+  job.colour = ColourChoice{"heat", Colormap::turbo, std::array{-1.5, 2.25}};
+  job.opacity = {0.25, 1};
   job.simplify = SimplifyBound{0.1, true};
   job.error = field::Interpolation::tricubic;
   job.verify = true;
@@ -43,6 +46,7 @@ ConversionJob full_job() {
   job.format = meshes::MeshFormat::stl;
   job.ascii = true;
   job.packing = {meshes::Compression::draco, true, 12, true};
+  job.field_file = FieldFileOptions{true};
   job.outputs = {{"a.stl", {0.1}},
                  {"-", {1.0 / 3, -5, IsoChoice::suggested(), IsoChoice::percentile(*field::Percent::parse("99.9"))}}};
   return job;

@@ -57,7 +57,7 @@ class ConversionTest : public testing::Test {
     return one;
   }
 
-  ConversionJob several(meshes::MeshFormat format, std::vector<double> isos) {
+  ConversionJob several(meshes::MeshFormat format, std::vector<IsoChoice> isos) {
     ConversionJob one = job("demo:gyroid?size=40", 0, "several");
     one.format = format;
     one.outputs[0].isos = std::move(isos);
@@ -74,7 +74,7 @@ class ConversionTest : public testing::Test {
     return std::exchange(log_.reserved, {});
   }
 
-  std::uint64_t peak_of(meshes::MeshFormat format, std::vector<double> isos) {
+  std::uint64_t peak_of(meshes::MeshFormat format, std::vector<IsoChoice> isos) {
     const Outcome outcome = convert::run(several(format, std::move(isos)), Context(), log_);
     EXPECT_TRUE(outcome.done()) << outcome.error->message;
     return outcome.reserved_memory;

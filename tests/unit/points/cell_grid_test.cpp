@@ -100,7 +100,7 @@ TEST(BrickList, GrowsAndShrinksByWholeRings) {
   chosen.emplace(100000, -5, 70000);
   std::vector<glm::ivec3> bricks;
   for (const auto& [x, y, z] : chosen) bricks.emplace_back(x, y, z);
-  for (const int rings : {1, 2}) {
+  for (const int rings : {0, 1, 2, 3}) {
     std::set<Triple> grown;
     std::set<Triple> shrunk;
     for (const glm::ivec3& b : bricks) {

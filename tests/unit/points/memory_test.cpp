@@ -60,6 +60,22 @@ TEST_P(FieldMemory, IsReservedWhileTheFieldLives) {
   EXPECT_EQ(little.memory().reserved(), 0U);
 }
 
+// Kernels that reach over more bricks than there is memory for their list alone.
+TEST_P(FieldMemory, AFarReachAtAFineSpacingIsRefusedBeforeTheWork) {
+  if (GetParam() == Method::weight) GTEST_SKIP() << "its particles reach one sample far";
+  const ParticleSet particles = particles_at({{0, 0, 0}, {0.05, 0, 0}});
+  for (const double cell : {1e-3, 1e-5, 1e-7}) {
+    options_.radius = 1;
+    options_.cell_size = cell;
+    const Context context(MemoryBudget(std::uint64_t{1} << 30));
+    const auto refused = make_field(particles, options_, context);
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().hint.remedy, Remedy::raise_memory_limit) << refused.error().message;
+    EXPECT_NE(refused.error().message.find("around each particle"), std::string::npos) << refused.error().message;
+    EXPECT_LT(context.memory().peak(), std::uint64_t{1} << 16);
+  }
+}
+
 TEST_P(FieldMemory, ACancelledFieldLeavesNothing) {
   const ParticleSet particles = particles_at(lattice_ball(kMemoryRadius, 0.2));
   options_.radius.reset();

@@ -135,7 +135,7 @@ inline std::string bgeo_classic(std::size_t count = 3) {
   for (int i = 0; i < 3; ++i) {
     const auto f = static_cast<float>(3 * i);
     bytes += pack(f + 1, kBig) + pack(f + 2, kBig) + pack(i == 2 ? 9.5F : f + 3, kBig) + pack(1.0F, kBig);
-    bytes += whole(static_cast<std::size_t>(70 + i)) + whole(1);
+    bytes += whole(std::size_t{70} + static_cast<std::size_t>(i)) + whole(1);
     bytes += pack(-f, kBig) + pack(0.5F, kBig) + pack(f + 0.25F, kBig);
   }
   return bytes + std::string("\0\0", 2);

@@ -162,7 +162,7 @@ TEST(ParticlesBgeo, WrongNewOnesAreRefused) {
   const struct {
     std::string bytes;
     const char* message;
-  } bad[]{{houdini_geometry(std::endian::little, 2), "expected the end of the data of pages"},
+  } bad[]{{houdini_geometry(std::endian::little, 2), "expected flags of as many pages as there are"},
           {houdini_geometry(std::endian::little, 4), "expected"},
           {houdini_geometry(std::endian::little, 5), "expected more data of pages"},
           {houdini_geometry(std::endian::little, -1), "expected the number of points, a whole number from 0"},

@@ -85,6 +85,47 @@ TEST(ParticlesDamage, MemoryIsReservedBeforeItIsTaken) {
   EXPECT_FALSE(constant.message.empty());
 }
 
+// What is kept of a header while the particles are read does not follow from how well the file packs.
+TEST(ParticlesDamage, HeadersAreBounded) {
+  std::string elements = "ply\nformat ascii 1.0\n";
+  for (int e = 0; e < 1000; ++e) {
+    elements += "element a 0\n";
+    for (int p = 0; p < 100; ++p) elements += "property char b\n";
+  }
+  const Error ply = particle_refusal({"a.ply.gz", gzip(elements)});
+  expect_in(ply.message, "expected 'end_header' within 1048576 bytes");
+
+  std::string bgeo = bgeo_classic();
+  const std::size_t name = bgeo.find("velocity");
+  bgeo.replace(name - 2, 10, pack(static_cast<std::uint16_t>(1025), std::endian::big) + std::string(1025, 'v'));
+  expect_in(particle_refusal({"a.bgeo", bgeo}).message, "a name of an attribute of at most 1024 bytes before byte ");
+}
+
+// P with so many components, each packed by itself and with a flag for each of its pages of one element, and no data.
+std::string flags_of_pages(std::size_t parts, int pages) {
+  HoudiniBytes h;
+  h.begin().text("pointcount").whole(pages).text("attributes").begin().text("pointattributes").begin();
+  h.begin().begin().text("type").text("numeric").text("name").text("P").end().begin();
+  h.text("size").whole(static_cast<std::int32_t>(parts)).text("values").begin().text("packing").begin();
+  for (std::size_t p = 0; p < parts; ++p) h.whole(1);
+  h.end().text("pagesize").whole(1).text("constantpageflags").begin();
+  const std::string flags = std::string("@\x10\xf4", 3) + pack(static_cast<std::uint32_t>(pages)) +
+                            std::string(static_cast<std::size_t>(pages + 31) / 32 * 4, '\0');
+  for (std::size_t p = 0; p < parts; ++p) h.raw(flags);
+  h.end().end().end().end().end().end().end();  // up to the whole file
+  return h.bytes();
+}
+
+TEST(ParticlesDamage, FlagsOfPagesAreReserved) {
+  const std::string bytes = flags_of_pages(1000, 100000);
+  // Positions are 2.4 MB, and the flags 12.5 MB.
+  const Error error = particle_refusal({"a.bgeo", gzip(bytes)}, {}, with_memory(std::uint64_t{8} << 20));
+  expect_in(error.message, "flags of pages");
+  EXPECT_EQ(error.hint.remedy, Remedy::raise_memory_limit);
+  // With enough memory it is the data that is missing.
+  expect_in(particle_refusal({"a.bgeo", gzip(bytes)}).message, "expected the values of an attribute");
+}
+
 TEST(ParticlesFormat, ByContentThenByName) {
   const auto detect = [](const ParticleInput& input) {
     const TempFolder folder;

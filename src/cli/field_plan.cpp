@@ -1,0 +1,101 @@
+#include "cli/field_plan.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <filesystem>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "batch/output_names.hpp"
+#include "cli/plan_parts.hpp"
+#include "files/file_bytes.hpp"
+
+namespace isoextract::cli {
+namespace {
+
+bool has_field_extension(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
+  return extension.size() == kFieldFormat.size() + 1 && extension.substr(1) == kFieldFormat;
+}
+
+// What is about surfaces, and was given.
+std::string_view surface_option(const ConvertFlags& flags) {
+  const SurfaceFlags& surface = flags.surface;
+  const std::array<std::pair<bool, std::string_view>, 24> options{{{!flags.isos.empty(), "--iso"},
+                                                                   {flags.batch.iso_table.has_value(), "--iso-table"},
+                                                                   {surface.method.has_value(), "--method"},
+                                                                   {flags.normals.has_value(), "--normals"},
+                                                                   {flags.simplify.has_value(), "--simplify"},
+                                                                   {surface.roi.has_value(), "--roi"},
+                                                                   {surface.cap, "--cap"},
+                                                                   {!flags.attributes.empty(), "--attribute"},
+                                                                   {flags.colour.has_value(), "--color-by"},
+                                                                   {flags.opacity.has_value(), "--opacity"},
+                                                                   {flags.batch.animate, "--animate"},
+                                                                   {flags.batch.plot.has_value(), "--plot"},
+                                                                   {flags.placement.space.has_value(), "--space"},
+                                                                   {flags.placement.up.has_value(), "--up"},
+                                                                   {flags.placement.scale.has_value(), "--scale"},
+                                                                   {flags.placement.unit.has_value(), "--unit"},
+                                                                   {flags.ascii, "--ascii"},
+                                                                   {flags.draco.has_value(), "--draco"},
+                                                                   {flags.quantize, "--quantize"},
+                                                                   {flags.meshopt, "--meshopt"},
+                                                                   {flags.optimize_order, "--optimize-order"},
+                                                                   {flags.error.has_value(), "--error"},
+                                                                   {flags.verify, "--verify"},
+                                                                   {flags.backend.has_value(), "--backend"}}};
+  const auto given = std::ranges::find(options, true, &std::pair<bool, std::string_view>::first);
+  return given == options.end() ? "" : given->second;
+}
+
+}  // namespace
+
+bool writes_field(const ConvertFlags& flags) {
+  if (flags.format) return !flags.format->mesh;
+  return flags.output && has_field_extension(*flags.output);
+}
+
+Result<void> check_field_options(const ConvertFlags& flags) {
+  if (!writes_field(flags)) {
+    if (!flags.half) return {};
+    return refuse_usage("--half is about a field that is stored, and a mesh is written", "name the output .vdb");
+  }
+  const std::string_view option = surface_option(flags);
+  if (!option.empty()) {
+    return refuse_usage(
+        fmt::format("{} is about a surface, and the output is the field itself, in which there is none", option),
+        fmt::format("leave {} out, or name the output as a mesh", option));
+  }
+  if (flags.surface.nan == extract::NanPolicy::hole) {
+    return refuse_usage("--nan hole is about a surface: samples that are not numbers are stored as they are");
+  }
+  if (flags.output && flags.output->find("{iso}") != std::string::npos) {
+    return refuse_usage(fmt::format("-o {}: a field has no iso value", *flags.output));
+  }
+  return {};
+}
+
+Result<std::vector<convert::OutputFileJob>> plan_field_outputs(const ConvertFlags& flags) {
+  const std::string& input = flags.input.inputs.front();
+  if (!flags.output && files::is_standard_input(input)) {
+    return refuse_usage("an input from stdin has no name that the field could have",
+                        "give -o FILE, or -o - for stdout");
+  }
+  std::string path = flags.output.value_or(fmt::format("{}.{}", batch::stem_of(input), kFieldFormat));
+  if (path.empty()) return refuse_usage("-o needs the name of a file");
+  return std::vector<convert::OutputFileJob>{{std::move(path), {}}};
+}
+
+Result<void> check_filters(const SurfaceFlags& surface, const ParticleFlags& particles) {
+  if (surface.filters.empty() || !particles.method) return {};
+  if (points::method_info(*particles.method).kind == field::FieldKind::level_set) return {};
+  return refuse_usage(
+      fmt::format("--filter is for level sets, and --particles {} makes a density", word_of(*particles.method)),
+      "--particles spheres and --particles smooth make level sets");
+}
+
+}  // namespace isoextract::cli

@@ -1,0 +1,187 @@
+#include "cli/vertex_plan.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "batch/frame_pattern.hpp"
+#include "cli/plan_parts.hpp"
+#include "convert/attribute_source.hpp"
+#include "field/demo_field.hpp"
+
+namespace isoextract::cli {
+namespace {
+
+// The word that colours surfaces by their iso values.
+constexpr std::string_view kIso = "iso";
+
+std::vector<std::string> colormap_names() {
+  std::vector<std::string> names;
+  for (const auto& word : words_of(convert::Colormap{})) names.emplace_back(word.word);
+  return names;
+}
+
+// "0,1" with the first below the second; nothing for what is no such pair of numbers.
+std::optional<std::array<double, 2>> parse_range(std::string_view text) {
+  const std::size_t comma = text.find(',');
+  if (comma == std::string_view::npos) return std::nullopt;
+  const auto low = parse_number(text.substr(0, comma));
+  const auto high = parse_number(text.substr(comma + 1));
+  if (!low || !high) return std::nullopt;
+  return std::array{*low, *high};
+}
+
+Result<void> check_name_of_map(std::string_view text) {
+  const std::size_t colon = text.rfind(':');
+  const std::string_view from = text.substr(std::min(text.find('='), text.size()));
+  // A path may have a colon, and demo fields have one.
+  if (colon == std::string_view::npos || !from.empty()) return {};
+  const std::string word(text.substr(colon + 1));
+  const std::string near = nearest_name(word, colormap_names());
+  return fail(ErrorKind::usage,
+              fmt::format("expected a colour map ({}) or MIN,MAX after the colon, found '{}'",
+                          fmt::join(colormap_names(), ", "), word),
+              near.empty() ? "" : fmt::format("did you mean '{}'?", near));
+}
+
+Result<void> check_formats(const ConvertFlags& flags, const meshes::MeshFormatInfo& format) {
+  const bool of_vertices = flags.colour && flags.colour->attribute;
+  if ((!flags.attributes.empty() || of_vertices) && !format.has_attributes) {
+    std::vector<std::string_view> names;
+    for (const meshes::MeshFormatInfo& info : meshes::mesh_formats()) {
+      if (info.has_attributes) names.push_back(info.name);
+    }
+    return refuse_usage(fmt::format("{}: {} has no attributes of vertices",
+                                    flags.attributes.empty() ? "--color-by" : "--attribute", format.name),
+                        fmt::format("{} have them", fmt::join(names, ", ")));
+  }
+  const bool of_surfaces = flags.colour && !flags.colour->attribute;
+  if ((of_surfaces || flags.opacity) && !is_gltf(format.format)) {
+    return refuse_usage(
+        fmt::format("{}: {} has no materials", of_surfaces ? "--color-by iso" : "--opacity", format.name),
+        "glb and gltf have them");
+  }
+  return {};
+}
+
+bool is_there_already(const std::string& path) {
+  std::error_code none;
+  return std::filesystem::exists(path, none);
+}
+
+}  // namespace
+
+Result<convert::AttributeChoice> parse_attribute(std::string_view text) {
+  const std::size_t equals = text.find('=');
+  convert::AttributeChoice choice;
+  choice.name = text.substr(0, equals);
+  choice.from = equals == std::string_view::npos ? choice.name : text.substr(equals + 1);
+  if (choice.name.empty() || choice.from.empty()) {
+    return fail(ErrorKind::usage, fmt::format("expected NAME or NAME=FROM, found '{}'", text));
+  }
+  return choice;
+}
+
+Result<ColourFlag> parse_colour(std::string_view text) {
+  ColourFlag flag;
+  std::string_view rest = text;
+  bool has_map = false;
+  for (std::size_t colon = rest.rfind(':'); colon != std::string_view::npos; colon = rest.rfind(':')) {
+    const std::string_view last = rest.substr(colon + 1);
+    const auto map = value_of<convert::Colormap>(last);
+    const auto range = parse_range(last);
+    if (map && !has_map) {
+      has_map = true;
+      flag.map = *map;
+    } else if (range && !flag.range && !has_map) {
+      flag.range = range;
+    } else {
+      break;
+    }
+    rest = rest.substr(0, colon);
+  }
+  if (flag.range && !((*flag.range)[0] < (*flag.range)[1])) {
+    return fail(ErrorKind::usage,
+                fmt::format("expected MIN below MAX, found {} and {}", (*flag.range)[0], (*flag.range)[1]));
+  }
+  if (auto fine = check_name_of_map(rest); !fine) return tl::unexpected(std::move(fine.error()));
+  if (rest == kIso) return flag;
+  auto choice = parse_attribute(rest);
+  if (!choice) return tl::unexpected(std::move(choice.error()));
+  flag.attribute = std::move(*choice);
+  return flag;
+}
+
+Result<std::vector<double>> parse_opacity(std::string_view text) {
+  std::vector<double> values;
+  for (;;) {
+    const std::size_t comma = text.find(',');
+    const auto value = parse_number(text.substr(0, comma));
+    if (!value || !(*value > 0 && *value <= 1)) {
+      return fail(ErrorKind::usage,
+                  fmt::format("expected numbers above 0 and at most 1, found '{}'", text.substr(0, comma)));
+    }
+    values.push_back(*value);
+    if (comma == std::string_view::npos) return values;
+    text.remove_prefix(comma + 1);
+  }
+}
+
+Result<void> plan_vertices(const ConvertFlags& flags, std::size_t isos, convert::ConversionJob& job) {
+  if (auto fine = check_formats(flags, meshes::mesh_format_info(job.format)); !fine) return fine;
+  std::vector<convert::AttributeChoice>& attributes = job.source.attributes;
+  attributes = flags.attributes;
+  std::set<std::string_view> seen;
+  for (const convert::AttributeChoice& choice : attributes) {
+    if (!seen.insert(choice.name).second) {
+      return refuse_usage(fmt::format("--attribute {} was given twice", choice.name));
+    }
+  }
+  job.opacity = flags.opacity.value_or(job.opacity);
+  if (job.opacity.size() > 1 && (flags.batch.iso_table || job.opacity.size() != isos)) {
+    return refuse_usage(
+        fmt::format("--opacity: expected one value or one for each iso value, found {}", job.opacity.size()),
+        "they stand in the order of --iso");
+  }
+  if (!flags.colour) return {};
+  job.colour = convert::ColourChoice{{}, flags.colour->map, flags.colour->range};
+  if (!flags.colour->attribute) return {};
+  convert::AttributeChoice wanted = *flags.colour->attribute;
+  job.colour->attribute = wanted.name;
+  const auto same = std::ranges::find(attributes, wanted.name, &convert::AttributeChoice::name);
+  if (same == attributes.end()) {
+    wanted.written = false;
+    attributes.push_back(std::move(wanted));
+  } else if (wanted.from != wanted.name && wanted.from != same->from) {
+    return refuse_usage(fmt::format("--attribute and --color-by: '{}' is '{}' for one and '{}' for the other",
+                                    wanted.name, same->from, wanted.from),
+                        "give one of them another name");
+  }
+  return {};
+}
+
+Result<void> number_attributes(std::vector<convert::AttributeChoice>& attributes, std::int64_t frame) {
+  for (convert::AttributeChoice& choice : attributes) {
+    const convert::AttributePlace place = convert::attribute_place(choice);
+    if (place.file.empty() || place.file.starts_with(field::kDemoPrefix) || is_there_already(place.file)) continue;
+    const auto pattern = batch::FramePattern::parse(place.file);
+    if (!pattern) return tl::unexpected(pattern.error());
+    if (!*pattern) continue;
+    choice.from = (*pattern)->expand(frame) + (place.grid ? fmt::format("[{}]", *place.grid) : "");
+  }
+  return {};
+}
+
+std::string note_of_frames(const convert::ConversionJob& job) {
+  if (!job.colour || !job.colour->attribute || job.colour->range) return {};
+  return fmt::format(
+      "--color-by {0}: the colours of each frame have a range of their own; give --color-by {0}:{1}:MIN,MAX for a "
+      "sequence",
+      *job.colour->attribute, word_of(job.colour->map));
+}
+
+}  // namespace isoextract::cli

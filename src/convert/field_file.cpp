@@ -1,0 +1,88 @@
+#include "convert/field_file.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/stopwatch.hpp"
+#include "field/statistics.hpp"
+#include "volumes/grid_tools.hpp"
+
+namespace isoextract::convert {
+namespace {
+
+constexpr double kLargestHalf = 65504;
+
+// Whether float holds every value of the field.
+bool fits_float(const field::ScalarField& field) {
+  using field::SampleType;
+  const SampleType type = field.type();
+  return field.scale.is_identity() && type != SampleType::f64 && type != SampleType::u32 && type != SampleType::i32;
+}
+
+bool fits_half(const field::ScalarField& field) {
+  using field::SampleType;
+  const SampleType type = field.type();
+  return field.scale.is_identity() && (type == SampleType::f16 || type == SampleType::u8 || type == SampleType::i8);
+}
+
+// A value beyond the largest one would become infinite.
+Result<void> check_range(const field::ScalarField& field, const std::string& label, double largest, const char* numbers,
+                         const Hint& hint) {
+  const field::FieldStatistics values = field::measure_statistics(field);
+  double most = values.samples == 0 ? 0.0 : std::max(std::abs(values.min), std::abs(values.max));
+  if (const auto* sparse = std::get_if<field::SparseSamples>(&field.samples)) {
+    if (const double background = std::abs(field.scale(sparse->background)); std::isfinite(background)) {
+      most = std::max(most, background);
+    }
+  }
+  if (most <= largest) return {};
+  return fail(
+      ErrorKind::output,
+      fmt::format("{}: expected values up to {:.6g}, which {} hold; found {:.6g}", label, largest, numbers, most),
+      hint);
+}
+
+std::string samples_text(const field::ScalarField& field) {
+  if (const auto* dense = std::get_if<field::DenseSamples>(&field.samples)) {
+    return fmt::format("{} x {} x {} samples", dense->dims.x, dense->dims.y, dense->dims.z);
+  }
+  const auto& sparse = std::get<field::SparseSamples>(field.samples);
+  return fmt::format("samples in {} bricks (8x8x8) and {} tiles", sparse.blocks.size(), sparse.tiles.size());
+}
+
+}  // namespace
+
+Result<void> write_field(const Source& source, const ConversionJob& job, const OutputFileJob& output,
+                         const Context& context, Events& events) {
+  const field::ScalarField& field = source.field;
+  const bool as_half = job.field_file->as_half;
+  context.progress().begin("writing", 0);
+  const Stopwatch watch;
+  if (as_half) {
+    if (auto fits = check_range(field, source.label, kLargestHalf, "half floats", Remedy::store_floats); !fits)
+      return fits;
+  } else if (!fits_float(field)) {
+    auto fits = check_range(field, source.label, std::numeric_limits<float>::max(), "floats", {});
+    if (!fits) return fits;
+  }
+  const auto bytes = volumes::write_vdb(output.path, field, {field.name, as_half}, context);
+  if (!bytes) return tl::unexpected(bytes.error());
+  WrittenField written{output, samples_text(field), as_half, *bytes, {}, watch.elapsed()};
+  if (as_half ? !fits_half(field) : !fits_float(field)) {
+    written.work.push_back(
+        {"samples", "rounded", std::nullopt, std::nullopt,
+         fmt::format("values of {}{} to {}", field::sample_type_name(field.type()),
+                     field.scale.is_identity() ? "" : " with a scale", as_half ? "16-bit floats" : "32-bit floats")});
+  }
+  if (!source.of_particles && job.surface.nan != extract::NanPolicy::error) {
+    events.note(fmt::format("{}: samples that are not numbers are stored as they are", source.label));
+  }
+  events.wrote_field(written);
+  return {};
+}
+
+}  // namespace isoextract::convert

@@ -1,0 +1,44 @@
+#include "convert/level_set_filter.hpp"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/stopwatch.hpp"
+#include "volumes/grid_tools.hpp"
+#include "volumes/volume_reader.hpp"
+
+namespace isoextract::convert {
+
+std::string text_of(const FilterStep& step) { return fmt::format("{}:{}", word_of(step.filter), step.width); }
+
+Result<void> filter_field(const std::vector<FilterStep>& steps, const std::string& label, const Context& context,
+                          Events& events, field::ScalarField& field) {
+  if (steps.empty()) return {};
+  const bool is_sparse = std::holds_alternative<field::SparseSamples>(field.samples);
+  if (field.kind != field::FieldKind::level_set || !is_sparse) {
+    const char* found = field.kind != field::FieldKind::level_set ? "a density" : "samples of a full box";
+    return fail(ErrorKind::input,
+                fmt::format("{}: expected the narrow band of a level set to filter, found {}", label, found),
+                Remedy::leave_out_filters);
+  }
+  for (const FilterStep& step : steps) {
+    const Stopwatch watch;
+    const field::SampleType before = field.type();
+    auto filtered = volumes::filter_level_set(field, step.filter, static_cast<int>(step.width), 1, context);
+    if (!filtered) return tl::unexpected(std::move(filtered.error()));
+    if (auto whole = volumes::check_not_lost(field); !whole) return whole;
+    field = std::move(*filtered);
+    const auto& samples = std::get<field::SparseSamples>(field.samples);
+    const std::string rounded =
+        before == field.type() ? "" : fmt::format(", as {}", field::sample_type_name(field.type()));
+    events.filtered(
+        {"filter", "filtered", samples.active_voxels, std::nullopt,
+         fmt::format("the level set by {}{}: {} active voxels", text_of(step), rounded, samples.active_voxels)},
+        watch.elapsed());
+    if (auto go_on = context.check(); !go_on) return go_on;
+  }
+  return {};
+}
+
+}  // namespace isoextract::convert

@@ -1,0 +1,71 @@
+#include "convert/particle_field.hpp"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/printable.hpp"
+#include "convert/particle_source.hpp"
+#include "points/sphere_set.hpp"
+#include "volumes/grid_tools.hpp"
+
+namespace isoextract::convert {
+namespace {
+
+Result<points::ParticleField> make_level_set(const points::ParticleSet& particles, const points::FieldOptions& options,
+                                             const Context& context) {
+  const auto spheres = points::make_spheres(particles, options, context);
+  if (!spheres) return tl::unexpected(spheres.error());
+  points::ParticleField made;
+  made.figures = spheres->figures();
+  points::FieldFigures& figures = made.figures;
+  if (figures.particles == 0) {
+    made.field.kind = field::FieldKind::level_set;
+    made.field.samples = field::SparseSamples{};
+  } else {
+    volumes::SphereOptions asked;
+    const bool is_smooth = options.method == points::Method::smooth;
+    asked.method = is_smooth ? volumes::SphereMethod::smooth : volumes::SphereMethod::spheres;
+    asked.radius = figures.radius;
+    asked.radii = spheres->radii();
+    asked.search_radius = figures.support;
+    asked.voxel = figures.spacing;
+    auto field = volumes::spheres_to_field(spheres->particles(), asked, context);
+    if (!field) return tl::unexpected(std::move(field.error()));
+    made.field = std::move(field->field);
+    figures.particles_too_small = field->left_out;
+    figures.particles -= field->left_out;
+    const auto& samples = std::get<field::SparseSamples>(made.field.samples);
+    figures.bricks_stored = samples.blocks.size();
+    if (figures.particles == 0) {
+      return fail(ErrorKind::input,
+                  fmt::format("{}: expected particles of a radius of at least {} samples, which are {:.6g} apart; all "
+                              "{} are smaller",
+                              particles.label, points::kLeastSphere, figures.spacing, field->left_out),
+                  Remedy::smaller_cells);
+    }
+    if (!figures.radius_attribute.empty()) {
+      made.field.notes.push_back(
+          fmt::format("each particle has the radius that its attribute '{}' says; their median "
+                      "is {:.6g}",
+                      printable(figures.radius_attribute), figures.radius));
+    }
+  }
+  made.field.name = particles.label;
+  made.field.source = particles.label;
+  made.field.format = "particles";
+  return made;
+}
+
+}  // namespace
+
+Result<points::ParticleField> make_particle_field(const points::ParticleSet& particles, const ParticleOptions& options,
+                                                  std::optional<double> only_iso, const Context& context) {
+  const points::FieldOptions asked = field_options(options, only_iso);
+  if (points::method_info(asked.method).kind == field::FieldKind::level_set) {
+    return make_level_set(particles, asked, context);
+  }
+  return points::make_field(particles, asked, context);
+}
+
+}  // namespace isoextract::convert

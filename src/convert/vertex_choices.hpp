@@ -1,0 +1,35 @@
+// What vertices shall carry besides their place, as plain values of a job.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "convert/colormap.hpp"
+
+namespace isoextract::convert {
+
+// An attribute of the vertices: what they call it, and where it comes from. Of particles that is the name of one of
+// theirs; of a volume a grid of the same file, or another file (attribute_source.hpp).
+struct AttributeChoice {
+  std::string name;
+  std::string from;
+  bool written = true;  // else it only gives colours
+
+  friend bool operator==(const AttributeChoice&, const AttributeChoice&) = default;
+};
+
+// Colours, by a map from a range of values. Of several components their length counts.
+struct ColourChoice {
+  std::optional<std::string>
+      attribute;  // one of the job's attributes; nothing: each surface one colour by its iso value
+  Colormap map = Colormap::viridis;
+  // The values of the map's ends, the first below the second; nothing: the range over the vertices of the surface, or
+  // that of the job's iso values.
+  std::optional<std::array<double, 2>> range;
+
+  friend bool operator==(const ColourChoice&, const ColourChoice&) = default;
+};
+
+}  // namespace isoextract::convert

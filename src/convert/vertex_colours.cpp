@@ -1,0 +1,150 @@
+#include "convert/vertex_colours.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+
+namespace isoextract::convert {
+namespace {
+
+// Of the outermost of several surfaces; the innermost is opaque, and those between are evenly so.
+constexpr double kOutermostOpacity = 0.25;
+
+using Range = std::array<double, 2>;
+
+// The value of a vertex that its colour stands for.
+class ColourValues {
+ public:
+  explicit ColourValues(const mesh::Attribute& attribute) : attribute_(attribute) {}
+
+  [[nodiscard]] double operator()(std::size_t vertex) const {
+    const std::byte* at = attribute_.values.data() + vertex * attribute_.stride();
+    double squared = 0;
+    float value = 0;
+    for (std::size_t c = 0; c < attribute_.components; ++c) {
+      std::memcpy(&value, at + c * sizeof value, sizeof value);
+      squared += static_cast<double>(value) * static_cast<double>(value);
+    }
+    return attribute_.components == 1 ? static_cast<double>(value) : std::sqrt(squared);
+  }
+
+ private:
+  const mesh::Attribute& attribute_;
+};
+
+// Of the finite values; 0 and 0 where there are none.
+Range range_of(const ColourValues& value, std::size_t vertices) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const Range range = tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, vertices, 1 << 14), Range{kInfinity, -kInfinity},
+      [&](const tbb::blocked_range<std::size_t>& part, Range found) {
+        for (std::size_t v = part.begin(); v != part.end(); ++v) {
+          const double x = value(v);
+          if (std::isfinite(x)) found = {std::min(found[0], x), std::max(found[1], x)};
+        }
+        return found;
+      },
+      [](const Range& a, const Range& b) {
+        return Range{std::min(a[0], b[0]), std::max(a[1], b[1])};
+      });
+  return range[0] <= range[1] ? range : Range{0, 0};
+}
+
+double place_in(const Range& range, double value) {
+  if (std::isnan(value) || range[0] < range[1]) return (value - range[0]) / (range[1] - range[0]);
+  return 0.5;
+}
+
+template <class T>
+T as_fraction(double channel) {
+  return static_cast<T>(std::lround(channel * std::numeric_limits<T>::max()));
+}
+
+void put_colour(const glm::dvec3& colour, bool linear, std::byte* out) {
+  if (linear) {
+    constexpr auto kOpaque = std::numeric_limits<std::uint16_t>::max();
+    std::array<std::uint16_t, 4> rgba{0, 0, 0, kOpaque};
+    for (int c = 0; c < 3; ++c) {
+      rgba[static_cast<std::size_t>(c)] = as_fraction<std::uint16_t>(linear_of_srgb(colour[c]));
+    }
+    std::memcpy(out, rgba.data(), sizeof rgba);
+    return;
+  }
+  for (int c = 0; c < 3; ++c) out[c] = static_cast<std::byte>(as_fraction<std::uint8_t>(colour[c]));
+}
+
+// From the outermost on, from 0 to 1; of one that is alone 1.
+double depth_of(const std::vector<double>& isos, double iso, field::FieldKind kind) {
+  if (isos.size() < 2) return 1;
+  const auto outer = std::ranges::count_if(
+      isos, [&](double other) { return kind == field::FieldKind::density ? other < iso : other > iso; });
+  return static_cast<double>(outer) / static_cast<double>(isos.size() - 1);
+}
+
+double opacity_of(const ConversionJob& job, const std::vector<double>& isos, double iso, field::FieldKind kind) {
+  if (job.opacity.size() == 1) return job.opacity.front();
+  if (!job.opacity.empty()) {
+    const auto at = static_cast<std::size_t>(std::ranges::find(isos, iso) - isos.begin());
+    return job.opacity[std::min(at, job.opacity.size() - 1)];
+  }
+  const bool by_iso = job.colour && !job.colour->attribute;
+  return by_iso ? kOutermostOpacity + (1 - kOutermostOpacity) * depth_of(isos, iso, kind) : 1;
+}
+
+}  // namespace
+
+Result<ColourRecord> add_colours(const ColourChoice& choice, meshes::MeshFormat format, mesh::Mesh& mesh,
+                                 const Context& context) {
+  const auto from = std::ranges::find(mesh.attributes, choice.attribute.value_or(""), &mesh::Attribute::name);
+  const bool linear = format == meshes::MeshFormat::glb || format == meshes::MeshFormat::gltf;
+  mesh::Attribute made;
+  made.name = "colour";
+  made.role = mesh::AttributeRole::colour;
+  made.type = linear ? mesh::ComponentType::u16 : mesh::ComponentType::u8;
+  made.components = linear ? 4 : 3;
+  made.normalised = true;
+  const std::size_t vertices = mesh.positions.size();
+  auto memory = context.reserve(vertices * made.stride(), "colours of vertices");
+  if (!memory) return tl::unexpected(std::move(memory.error()));
+  made.values = Buffer<std::byte>(vertices * made.stride());
+
+  const ColourValues value(*from);
+  const Range range = choice.range.value_or(range_of(value, vertices));
+  std::atomic<std::uint64_t> not_numbers{0};
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertices, 4096), [&](const auto& part) {
+    std::uint64_t grey = 0;
+    for (std::size_t v = part.begin(); v != part.end(); ++v) {
+      const double place = place_in(range, value(v));
+      if (std::isnan(place)) ++grey;
+      put_colour(colour_at(choice.map, place), linear, made.values.data() + v * made.stride());
+    }
+    not_numbers.fetch_add(grey, std::memory_order_relaxed);
+  });
+  mesh.attributes.push_back(std::move(made));
+  mesh.memory.take(std::move(*memory));
+  return ColourRecord{0, *choice.attribute, choice.map, range[0], range[1], !choice.range, not_numbers.load()};
+}
+
+std::optional<mesh::Material> material_of(const ConversionJob& job, const std::vector<double>& isos, double iso,
+                                          field::FieldKind kind) {
+  const bool by_iso = job.colour && !job.colour->attribute;
+  if (!by_iso && job.opacity.empty()) return std::nullopt;
+  mesh::Material material;
+  material.opacity = opacity_of(job, isos, iso, kind);
+  if (!by_iso) return material;
+  const auto [least, greatest] = std::ranges::minmax(isos);
+  const glm::dvec3 colour =
+      colour_at(job.colour->map, place_in(job.colour->range.value_or(Range{least, greatest}), iso));
+  material.colour = glm::dvec3(linear_of_srgb(colour.x), linear_of_srgb(colour.y), linear_of_srgb(colour.z));
+  return material;
+}
+
+}  // namespace isoextract::convert

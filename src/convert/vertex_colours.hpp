@@ -1,0 +1,38 @@
+// Colours of vertices from their attributes, and of whole surfaces from their iso values.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "base/context.hpp"
+#include "base/error.hpp"
+#include "convert/conversion_job.hpp"
+#include "field/scalar_field.hpp"
+#include "mesh/mesh.hpp"
+
+namespace isoextract::convert {
+
+// How the vertices of a surface were coloured.
+struct ColourRecord {
+  double iso = 0;
+  std::string attribute;
+  Colormap map = Colormap::viridis;
+  double min = 0;  // of the map
+  double max = 0;
+  bool own_range = false;         // of the surface's vertices; else it was given
+  std::uint64_t not_numbers = 0;  // vertices that are grey, as their value is NaN
+};
+
+// Adds colours by the attribute that `choice` names, which the mesh has, as float32. glTF wants linear light, and gets
+// it as u16 with an alpha of 1; other formats get sRGB as u8. Where all values are alike, without a range of their own,
+// they have the middle of the map. Fails with ErrorKind::input where the memory is not there.
+[[nodiscard]] Result<ColourRecord> add_colours(const ColourChoice& choice, meshes::MeshFormat format, mesh::Mesh& mesh,
+                                               const Context& context);
+
+// Of the surface at `iso`, one of `isos`, which the job's choices came to: the colour by its place between the least
+// and the greatest of them, or in the range that was given, and the opacity. Nothing where neither was asked for.
+[[nodiscard]] std::optional<mesh::Material> material_of(const ConversionJob& job, const std::vector<double>& isos,
+                                                        double iso, field::FieldKind kind);
+
+}  // namespace isoextract::convert

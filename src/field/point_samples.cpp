@@ -1,0 +1,110 @@
+#include "field/point_samples.hpp"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include "field/sparse_lookup.hpp"
+
+namespace isoextract::field {
+namespace {
+
+// A vertex on the border of the data may be written a rounding beside it.
+constexpr double kBorder = 1e-3;  // voxels
+
+// What counts for nothing has no say, also where it is no number.
+double value_between(double a, double b, double t) { return t == 0 ? a : t == 1 ? b : (1 - t) * a + t * b; }
+
+// Stored values around places among the samples.
+template <class T>
+class StoredValues {
+ public:
+  StoredValues(const Samples& samples, const std::vector<glm::ivec3>& nodes)
+      : dense_(std::get_if<DenseSamples>(&samples)), sparse_(std::get_if<SparseSamples>(&samples)) {
+    if (sparse_ != nullptr) lookup_.emplace(*sparse_, nodes);
+  }
+
+  // Clamped to where there are samples.
+  [[nodiscard]] glm::dvec3 nearest(const glm::dvec3& index) const {
+    const glm::dvec3 low = dense_ != nullptr ? glm::dvec3(0) : glm::dvec3(-kMaxSparseIndex);
+    const glm::dvec3 high = dense_ != nullptr ? glm::dvec3(dense_->dims - 1) : glm::dvec3(kMaxSparseIndex - 1);
+    return glm::clamp(index, low, high);
+  }
+
+  // Of the trilinear interpolant at such a place.
+  [[nodiscard]] double operator()(const glm::dvec3& index) const {
+    const glm::ivec3 cell(glm::floor(index));
+    const glm::dvec3 t = index - glm::dvec3(cell);
+    const glm::ivec3 next = cell + glm::ivec3(glm::greaterThan(t, glm::dvec3(0)));
+    std::array<double, 4> along_x{};
+    for (int edge = 0; edge < 4; ++edge) {
+      const int y = (edge & 1) != 0 ? next.y : cell.y;
+      const int z = (edge & 2) != 0 ? next.z : cell.z;
+      along_x[static_cast<std::size_t>(edge)] = value_between(at({cell.x, y, z}), at({next.x, y, z}), t.x);
+    }
+    return value_between(value_between(along_x[0], along_x[1], t.y), value_between(along_x[2], along_x[3], t.y), t.z);
+  }
+
+ private:
+  [[nodiscard]] double at(const glm::ivec3& p) const {
+    if (dense_ != nullptr) {
+      const glm::i64vec3 dims(dense_->dims);
+      return static_cast<double>(static_cast<const T*>(dense_->data)[p.x + dims.x * (p.y + dims.y * p.z)]);
+    }
+    const glm::ivec3 origin = block_origin(p);
+    const std::int32_t block = lookup_->block(origin);
+    if (block < 0) return lookup_->constant(origin);
+    return static_cast<double>(
+        static_cast<const T*>(sparse_->blocks[static_cast<std::size_t>(block)].values)[block_offset(p)]);
+  }
+
+  const DenseSamples* dense_;
+  const SparseSamples* sparse_;
+  std::optional<SparseLookup> lookup_;
+};
+
+}  // namespace
+
+Result<PointCounts> sample_points(const ScalarField& field, std::span<const glm::dvec3> places, std::span<float> values,
+                                  std::size_t stride, const Context& context) {
+  std::vector<glm::ivec3> nodes;
+  if (const auto* sparse = std::get_if<SparseSamples>(&field.samples)) nodes = SparseLookup::node_origins(*sparse);
+  // The table of their origins is small beside them.
+  const auto memory = context.reserve(nodes.size() * sizeof(SparseLookup::Node), field.source + ": places of blocks");
+  if (!memory) return tl::unexpected(memory.error());
+  const Affine index_of_world = field.index_to_world.inverse();
+  const bool dense = std::holds_alternative<DenseSamples>(field.samples);
+  std::atomic<std::uint64_t> outside{0};
+  std::atomic<std::uint64_t> not_finite{0};
+  context.progress().begin("sampling attributes", places.size());
+  visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) {
+    const StoredValues<T> stored(field.samples, nodes);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, places.size(), 2048), [&](const auto& range) {
+      if (context.cancelled()) return;
+      std::uint64_t beyond = 0;
+      std::uint64_t no_numbers = 0;
+      for (std::size_t i = range.begin(); i != range.end(); ++i) {
+        const glm::dvec3 index = index_of_world(places[i]);
+        const glm::dvec3 nearest = stored.nearest(index);
+        if (dense && glm::any(glm::greaterThan(glm::abs(index - nearest), glm::dvec3(kBorder)))) ++beyond;
+        const auto value = static_cast<float>(field.scale(stored(nearest)));
+        if (!std::isfinite(value)) ++no_numbers;
+        values[stride * i] = value;
+      }
+      outside.fetch_add(beyond, std::memory_order_relaxed);
+      not_finite.fetch_add(no_numbers, std::memory_order_relaxed);
+      context.progress().advance(range.size());
+    });
+  });
+  if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
+  return PointCounts{outside.load(), not_finite.load()};
+}
+
+}  // namespace isoextract::field

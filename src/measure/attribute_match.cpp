@@ -1,0 +1,106 @@
+#include "measure/attribute_match.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+namespace isoextract::measure {
+namespace {
+
+using mesh::AttributeRole;
+
+template <class T>
+double number_at(const std::byte* at, bool normalised) {
+  T value;
+  std::memcpy(&value, at, sizeof value);
+  const auto number = static_cast<double>(value);
+  return normalised ? number / static_cast<double>(std::numeric_limits<T>::max()) : number;
+}
+
+double component_of(const mesh::Attribute& attribute, std::size_t vertex, std::size_t component) {
+  using Type = mesh::ComponentType;
+  const std::byte* at =
+      attribute.values.data() + vertex * attribute.stride() + component * mesh::component_size(attribute.type);
+  // PLY does not say of its colours what glTF says.
+  const bool fraction = attribute.normalised || attribute.role == AttributeRole::colour;
+  switch (attribute.type) {
+    case Type::i8: return number_at<std::int8_t>(at, fraction);
+    case Type::u8: return number_at<std::uint8_t>(at, fraction);
+    case Type::i16: return number_at<std::int16_t>(at, fraction);
+    case Type::u16: return number_at<std::uint16_t>(at, fraction);
+    case Type::i32: return number_at<std::int32_t>(at, fraction);
+    case Type::u32: return number_at<std::uint32_t>(at, fraction);
+    case Type::f32: return number_at<float>(at, false);
+    case Type::f64: break;
+  }
+  return number_at<double>(at, false);
+}
+
+bool have_same_vertices(const mesh::Mesh& a, const mesh::Mesh& b) {
+  if (a.positions.size() != b.positions.size()) return false;
+  for (std::size_t v = 0; v < a.positions.size(); ++v) {
+    if (a.position(v) != b.position(v)) return false;
+  }
+  return true;
+}
+
+AttributeMatch::Difference difference_of(const mesh::Attribute& a, const mesh::Attribute& b, std::size_t vertices) {
+  AttributeMatch::Difference found;
+  double sum = 0;
+  std::uint64_t counted = 0;
+  for (std::size_t v = 0; v < vertices; ++v) {
+    for (std::size_t c = 0; c < a.components; ++c) {
+      const double x = component_of(a, v, c);
+      const double y = component_of(b, v, c);
+      const bool same = x == y || (std::isnan(x) && std::isnan(y));
+      if (!same && !(std::isfinite(x) && std::isfinite(y))) {
+        ++found.not_finite;
+        continue;
+      }
+      const double apart = same ? 0 : std::abs(x - y);
+      sum += apart;
+      ++counted;
+      if (apart > found.largest) {
+        found.largest = apart;
+        found.vertex = v;
+      }
+    }
+  }
+  if (counted > 0) found.mean = sum / static_cast<double>(counted);
+  return found;
+}
+
+bool are_one(const mesh::Attribute& a, const mesh::Attribute& b) {
+  if (a.role != b.role) return false;
+  return a.role == AttributeRole::colour || a.name == b.name;
+}
+
+}  // namespace
+
+AttributeMatches match_attributes(const mesh::Mesh& a, const mesh::Mesh& b, bool colours) {
+  AttributeMatches matches;
+  matches.same_vertices = have_same_vertices(a, b);
+  const auto partner = [](const mesh::Attribute& wanted, const mesh::Mesh& other) {
+    return std::ranges::find_if(other.attributes, [&](const mesh::Attribute& one) { return are_one(wanted, one); });
+  };
+  for (const mesh::Attribute& mine : a.attributes) {
+    const auto other = partner(mine, b);
+    if (other == b.attributes.end()) {
+      matches.only[0].push_back(mine.name);
+      continue;
+    }
+    AttributeMatch& match =
+        matches.both.emplace_back(AttributeMatch{mine.name, {mine.components, other->components}, {}});
+    const bool means_the_same = colours || mine.role != AttributeRole::colour;
+    if (matches.same_vertices && mine.components == other->components && means_the_same) {
+      match.difference = difference_of(mine, *other, a.positions.size());
+    }
+  }
+  for (const mesh::Attribute& theirs : b.attributes) {
+    if (partner(theirs, a) == a.attributes.end()) matches.only[1].push_back(theirs.name);
+  }
+  return matches;
+}
+
+}  // namespace isoextract::measure

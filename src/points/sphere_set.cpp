@@ -1,0 +1,98 @@
+#include "points/sphere_set.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/finite.hpp"
+#include "base/printable.hpp"
+#include "points/detail/field_lengths.hpp"
+
+namespace isoextract::points {
+namespace {
+
+const ParticleAttribute* radius_attribute(const ParticleSet& particles) {
+  for (const std::string_view name : kRadiusAttributes) {
+    for (const ParticleAttribute& attribute : particles.attributes) {
+      if (attribute.name == name && attribute.components == 1) return &attribute;
+    }
+  }
+  return nullptr;
+}
+
+Result<std::shared_ptr<ReservedBuffer<float>>> radii_at(const ParticleSet& particles, const ParticleAttribute& radii,
+                                                        std::uint64_t finite, const Context& context) {
+  auto kept = make_reserved_buffer<float>(finite, context, particles.label + ": radii of particles");
+  if (!kept) return kept;
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    if (!is_finite(particles.positions[i])) continue;
+    const float radius = radii.values[i];
+    if (!(std::isfinite(radius) && radius >= 0)) {
+      return fail(ErrorKind::input,
+                  fmt::format("{}: expected radii of 0 and more as '{}', found {} at particle {}", particles.label,
+                              printable(radii.name), radius, i),
+                  Remedy::choose_radius);
+    }
+    (*kept)->values[n++] = radius;
+  }
+  return kept;
+}
+
+Result<double> median_of(std::span<const float> radii, const ParticleSet& particles, const Context& context) {
+  const auto sorted = make_reserved_buffer<float>(radii.size(), context, particles.label + ": radii of particles");
+  if (!sorted) return tl::unexpected(sorted.error());
+  std::ranges::copy(radii, (*sorted)->values.begin());
+  float* const middle = (*sorted)->values.begin() + radii.size() / 2;
+  std::nth_element((*sorted)->values.begin(), middle, (*sorted)->values.end());
+  return static_cast<double>(*middle);
+}
+
+Result<std::shared_ptr<const ParticleSet>> finite_ones(const ParticleSet& particles, std::uint64_t finite,
+                                                       const Context& context) {
+  auto memory = context.reserve(finite * sizeof(glm::dvec3), particles.label + ": places of particles");
+  if (!memory) return tl::unexpected(memory.error());
+  auto kept = std::make_shared<ParticleSet>();
+  kept->label = particles.label;
+  kept->positions = Buffer<glm::dvec3>(finite);
+  kept->memory = std::move(*memory);
+  std::copy_if(particles.positions.begin(), particles.positions.end(), kept->positions.begin(),
+               [](const glm::dvec3& p) { return is_finite(p); });
+  return kept;
+}
+
+}  // namespace
+
+Result<SphereSet> make_spheres(const ParticleSet& particles, const FieldOptions& options, const Context& context) {
+  if (auto right = check_options(options); !right) return tl::unexpected(right.error());
+  const ParticleBounds bounds = measure_bounds(particles.positions.span());
+  if (auto fine = check_places(particles, bounds, options.bad); !fine) return tl::unexpected(fine.error());
+  SphereSet spheres(particles);
+  FieldFigures& figures = spheres.figures_;
+  figures.particles = bounds.finite;
+  figures.particles_dropped = bounds.not_finite;
+  if (bounds.not_finite > 0) {
+    auto kept = finite_ones(particles, bounds.finite, context);
+    if (!kept) return tl::unexpected(kept.error());
+    spheres.kept_ = std::move(*kept);
+  }
+  if (bounds.finite == 0) return spheres;
+  if (const ParticleAttribute* attribute = options.radius ? nullptr : radius_attribute(particles)) {
+    auto radii = radii_at(particles, *attribute, bounds.finite, context);
+    if (!radii) return tl::unexpected(radii.error());
+    const auto median = median_of((*radii)->values.span(), particles, context);
+    if (!median) return tl::unexpected(median.error());
+    figures.radius = *median;
+    figures.radius_attribute = attribute->name;
+    spheres.radii_ = (*radii)->values.span();
+    spheres.kept_radii_ = std::move(*radii);
+  }
+  if (auto settled = settle_lengths(particles, options, figures, context); !settled) {
+    return tl::unexpected(settled.error());
+  }
+  return spheres;
+}
+
+}  // namespace isoextract::points

@@ -1,0 +1,98 @@
+#include "points/sphere_set.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "unit/points/particles.hpp"
+
+namespace isoextract::points {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+ParticleSet with_radii(const std::vector<glm::dvec3>& positions, const std::string& name,
+                       const std::vector<float>& radii) {
+  ParticleSet set = particles_at(positions);
+  ParticleAttribute& attribute = set.attributes.emplace_back();
+  attribute.name = name;
+  attribute.values = Buffer<float>(radii.size());
+  std::ranges::copy(radii, attribute.values.begin());
+  return set;
+}
+
+FieldOptions spheres() {
+  FieldOptions options;
+  options.method = Method::spheres;
+  return options;
+}
+
+TEST(SphereSet, RadiiAreGivenOrAnAttributeOrSuggested) {
+  const std::vector<glm::dvec3> positions{{0, 0, 0}, {2, 0, 0}, {4, 0, 0}};
+  const ParticleSet set = with_radii(positions, "radius", {0.5F, 3, 1});
+  const auto own = make_spheres(set, spheres());
+  ASSERT_TRUE(own) << own.error().message;
+  EXPECT_EQ(&own->particles(), &set);
+  ASSERT_EQ(own->radii().size(), 3U);
+  EXPECT_EQ(own->radii()[1], 3);
+  EXPECT_EQ(own->figures().radius, 1) << "their median";
+  EXPECT_EQ(own->figures().radius_attribute, "radius");
+  EXPECT_EQ(own->figures().spacing, 0.5);
+  EXPECT_EQ(own->figures().support, 0);
+  FieldOptions given = spheres();
+  given.method = Method::smooth;
+  given.radius = 0.25;
+  const auto one = make_spheres(set, given);
+  ASSERT_TRUE(one);
+  EXPECT_TRUE(one->radii().empty());
+  EXPECT_EQ(one->figures().radius, 0.25);
+  EXPECT_EQ(one->figures().support, 1);
+  EXPECT_TRUE(one->figures().radius_attribute.empty());
+  const auto suggested = make_spheres(with_radii(positions, "Radius", {0.5F, 3, 1}), spheres());
+  ASSERT_TRUE(suggested);
+  EXPECT_TRUE(suggested->figures().radius_suggested);
+  EXPECT_EQ(suggested->figures().radius, 1);
+}
+
+TEST(SphereSet, ParticlesAtNoPlaceGoWithTheirRadii) {
+  const ParticleSet set = with_radii({{0, 0, 0}, {kNaN, 0, 0}, {4, 0, 0}}, "pscale", {1, 7, 3});
+  EXPECT_EQ(make_spheres(set, spheres()).error().hint.remedy, Remedy::skip_particles);
+  FieldOptions skip = spheres();
+  skip.bad = BadParticles::skip;
+  const Context context;
+  {
+    const auto kept = make_spheres(set, skip, context);
+    ASSERT_TRUE(kept);
+    EXPECT_EQ(kept->figures().particles, 2U);
+    EXPECT_EQ(kept->figures().particles_dropped, 1U);
+    ASSERT_EQ(kept->particles().size(), 2U);
+    EXPECT_EQ(kept->particles().positions[1], glm::dvec3(4, 0, 0));
+    EXPECT_EQ(kept->radii()[1], 3);
+    EXPECT_GT(context.memory().reserved(), 0U);
+  }
+  EXPECT_EQ(context.memory().reserved(), 0U);
+  const auto none = make_spheres(with_radii({{kNaN, 0, 0}}, "pscale", {1}), skip);
+  ASSERT_TRUE(none);
+  EXPECT_EQ(none->particles().size(), 0U);
+}
+
+TEST(SphereSet, WhatIsNoRadiusIsRefused) {
+  for (const float radius : {-1.0F, static_cast<float>(kNaN), std::numeric_limits<float>::infinity()}) {
+    const auto refused = make_spheres(with_radii({{0, 0, 0}, {1, 0, 0}}, "pscale", {1, radius}), spheres());
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().kind, ErrorKind::input);
+    EXPECT_NE(refused.error().message.find("as 'pscale'"), std::string::npos) << refused.error().message;
+  }
+  // All of them points: no spacing comes of that.
+  EXPECT_FALSE(make_spheres(with_radii({{0, 0, 0}, {1, 0, 0}}, "pscale", {0, 0}), spheres()));
+}
+
+TEST(SphereSet, MakeFieldLeavesThemToOthers) {
+  const auto refused = make_field(particles_at({{0, 0, 0}, {1, 0, 0}}), spheres());
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, ErrorKind::usage);
+}
+
+}  // namespace
+}  // namespace isoextract::points
