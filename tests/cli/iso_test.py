@@ -30,7 +30,7 @@ class IsoTest(ProgramTest):
     def suggestion(self, name="a.raw"):
         run = self.convert("info", "--json", name, *DIMS)
         told = json.loads(run.text)[0]["field"]["suggestion"]
-        return dict(told, text=f"{told['iso']:.17g}")
+        return dict(told, text=repr(told["iso"]).removesuffix(".0"))
 
     def report(self, *arguments):
         run = self.convert(*arguments, "--report", "r.json")
