@@ -3,14 +3,17 @@
 import gzip
 import json
 import math
+import pathlib
 import struct
 import subprocess
+import unittest
 
-from support import DATA, SOURCE, ProgramTest, main, needs_data, needs_program, read_ply
+from support import DATA, PROGRAM, SOURCE, ProgramTest, main, needs_data, needs_program, read_ply
 
 STEP = 0.5
-FLIP = DATA / "particles/lammps_peri"
-SMOKE = DATA / "vdb/c42_gas_seq"
+PERI = DATA / "particles/lammps_peri"
+PLUGIN = pathlib.Path(PROGRAM).parent / "plugins" / "isoextract-volume-openvdb.so"
+GAS = DATA / "vdb/c42_gas_seq"
 CODES = {5120: "b", 5121: "B", 5122: "h", 5123: "H", 5125: "I", 5126: "f"}
 COUNTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
 
@@ -169,11 +172,14 @@ class AttributesTest(ProgramTest):
             self.assertLessEqual({"COLOR_0", "_pressure"}, set(glb.primitive()["attributes"]), more)
         self.convert("a.ply", "--radius", "0.25", "--color-by", "pressure", "-o", "7.gltf")
         self.validate(*names, "7.gltf")
-        # Draco gives back what it was given.
-        plain, packed = (json.loads(self.convert("compare", "0.glb", name, "--json").text)["attributes"]
-                         for name in ("0.glb", "3.glb"))
-        self.assertEqual([a["difference"]["largest"] for a in plain["both"]], [0, 0])
-        self.assertEqual({a["name"] for a in packed["both"]}, {"pressure", "colour"})
+        # What was packed has both; without quantised positions the vertices are the same, and so are the values.
+        self.convert("a.ply", "--radius", "0.25", "--attribute", "pressure", "--color-by", "pressure", "--meshopt", "-o",
+                     "8.glb")
+        for name in ("1.glb", "3.glb", "8.glb"):
+            packed = json.loads(self.convert("compare", "0.glb", name, "--json").text)["attributes"]
+            self.assertEqual({a["name"] for a in packed["both"]}, {"pressure", "colour"})
+            self.assertEqual(packed["same_vertices"], name == "8.glb")
+        self.assertEqual([a["difference"]["largest"] for a in packed["both"]], [0, 0])
 
     @needs_program("node")
     def test_sequences(self):
@@ -261,7 +267,7 @@ class AttributesTest(ProgramTest):
 
     @needs_data("vdb/c42_gas_seq/fluid_data_0008.vdb")
     def test_other_grids_of_a_vdb_file(self):
-        gas = SMOKE / "fluid_data_0008.vdb"
+        gas = GAS / "fluid_data_0008.vdb"
         run = self.convert(gas, "--grid", "density", "--iso", "0.5", "--attribute", "again=density", "--attribute",
                            f"other={gas}[density]", "--ascii", "-o", "out.ply")
         self.assertNotIn("outside", run.err)
@@ -273,9 +279,26 @@ class AttributesTest(ProgramTest):
         self.assert_fails(2, self.run_program(gas, "--grid", "density", "--iso", "0.5", "--attribute", "nix", "-o", "a.ply"),
                           "the attribute 'nix'", "nix")
 
+    @unittest.skipUnless(PLUGIN.exists(), "the plug-ins around OpenVDB were not built")
+    @needs_data("vdb/c42_gas_seq/fluid_data_0002.vdb")
+    def test_a_grid_of_vectors_as_a_whole(self):
+        gas = GAS / "fluid_data_0002.vdb"
+        parts = [word for axis in "xyz" for word in ("--attribute", f"{axis}{axis}=velocity[{axis}]")]
+        self.convert(gas, "--grid", "density", "--iso", "0.5", "--attribute", "v=velocity", *parts, "--color-by", "v:gray",
+                     "--attribute", f"w={gas}[velocity]", "--ascii", "-o", "out.ply")
+        found = columns(self.folder / "out.ply")
+        for c, axis in enumerate("xyz"):
+            self.assertEqual(found[f"v_{c}"], found[2 * axis])
+            self.assertEqual(found[f"w_{c}"], found[2 * axis])
+            self.assertGreater(len(set(found[2 * axis])), 100)
+        # The longest is white, and the shortest black.
+        lengths = [math.hypot(*v) for v in zip(found["v_0"], found["v_1"], found["v_2"])]
+        self.assertEqual(found["red"][lengths.index(max(lengths))], 255)
+        self.assertEqual(found["red"][lengths.index(min(lengths))], 0)
+
     @needs_data("particles/lammps_peri/peri_0500.csv")
     def test_millimetres(self):
-        run = self.convert(FLIP / "peri_0500.csv", "--radius", "0.00025", "--color-by", "damage:coolwarm:0,1", "--attribute",
+        run = self.convert(PERI / "peri_0500.csv", "--radius", "0.00025", "--color-by", "damage:coolwarm:0,1", "--attribute",
                            "damage", "-o", "peri.ply")
         self.assertIn("damage, coolwarm from 0 to 1", run.err)
         self.assertGreater(len(read_ply((self.folder / "peri.ply").read_bytes()).vertices), 1000)
