@@ -5,8 +5,8 @@
  * of the folders that volume_plugin.h names. It is opened only when one of its tools is asked for.
  *
  * All calls may come from any thread, several at once. No exception may leave a function, and nothing may be printed.
- * Texts are UTF-8, end in 0 and have no line breaks. What goes in stays the host's, and valid during the call. Memory is
- * reserved by the host's callbacks before it is taken. */
+ * Texts are UTF-8, end in 0 and have no line breaks. What goes in stays the host's, and valid during the call. Memory
+ * is reserved by the host's callbacks before it is taken. */
 #ifndef ISOEXTRACT_GRID_TOOLS_PLUGIN_H
 #define ISOEXTRACT_GRID_TOOLS_PLUGIN_H
 
@@ -39,9 +39,9 @@ typedef struct isoextract_grid_input {
 typedef struct isoextract_grid_output {
   isoextract_sparse_samples samples;
   double index_to_world[12];
-  int32_t kind;           /* isoextract_volume_kind */
-  uint64_t left_out;      /* particles smaller than `least_radius` */
-  void* owner;            /* the plug-in's own */
+  int32_t kind;      /* isoextract_volume_kind */
+  uint64_t left_out; /* particles smaller than `least_radius` */
+  void* owner;       /* the plug-in's own */
 } isoextract_grid_output;
 
 enum isoextract_sphere_method {
@@ -95,8 +95,8 @@ typedef struct isoextract_grid_tools_plugin_v1 {
   void (*free_output)(isoextract_grid_output* output);
 
   /* A grid of floats as an OpenVDB file; samples of other types are rounded to them. Voxels are active whose value is
-   * neither the background nor, in a level set, the background with the other sign. Beyond a full box there is its least
-   * value, of a level set its greatest. */
+   * neither the background nor, in a level set, the background with the other sign. Beyond a full box there is its
+   * least value, of a level set its greatest. */
   int (*write_vdb)(const isoextract_vdb_job* job, const isoextract_plugin_host* host);
 
   /* Why the last call of this thread failed: what was expected and what was found. */

@@ -1,5 +1,5 @@
-/* What the interfaces to plug-ins share: types of samples, sparse samples, and what the host does for a plug-in. Plain C.
- * A change here is a change of every interface that includes it. */
+/* What the interfaces to plug-ins share: types of samples, sparse samples, and what the host does for a plug-in. Plain
+ * C. A change here is a change of every interface that includes it. */
 #ifndef ISOEXTRACT_PLUGIN_SAMPLES_H
 #define ISOEXTRACT_PLUGIN_SAMPLES_H
 

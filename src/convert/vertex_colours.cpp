@@ -117,7 +117,7 @@ Result<ColourRecord> add_colours(const ColourChoice& choice, meshes::MeshFormat 
   made.values = Buffer<std::byte>(vertices * made.stride());
 
   const ColourValues value(*from);
-  const Range range = choice.range.value_or(range_of(value, vertices));
+  const Range range = choice.range ? *choice.range : range_of(value, vertices);  // which looks at every vertex
   std::atomic<std::uint64_t> not_numbers{0};
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertices, 4096), [&](const auto& part) {
     std::uint64_t grey = 0;
