@@ -19,9 +19,11 @@ MAY_INCLUDE = {
     "gpu": ["gl", "extract"],
     "edit": ["mesh"],
     "measure": ["extract", "mesh"],
+    "images": ["field", "files"],
+    "render": ["gl", "field", "mesh", "images"],
     "convert": ["volumes", "meshes", "gpu", "edit", "measure"],
     "batch": ["convert"],
-    "cli": ["batch"],
+    "cli": ["batch", "render"],
 }
 
 LINE_LIMIT = 500
