@@ -15,6 +15,7 @@
 #include "batch/output_names.hpp"
 #include "cli/field_plan.hpp"
 #include "cli/particle_plan.hpp"
+#include "cli/picture_plan.hpp"
 #include "cli/plan_parts.hpp"
 #include "cli/vertex_plan.hpp"
 #include "convert/output_checks.hpp"
@@ -242,9 +243,9 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
   if (std::string note = changing_isos(flags, sources->size()); !note.empty()) found->notes.push_back(std::move(note));
   for (std::string& note : found->notes) plan.common.notes.push_back(std::move(note));
   if (std::string note = note_of_frames(plan.common.job); !note.empty()) plan.common.notes.push_back(std::move(note));
-  auto outputs = flags.batch.animate ? plan_animation(flags, *sources, plan.common.job.format, plan.batch)
-                                     : batch::name_outputs(*sources, flags.output, plan.common.job.format,
-                                                           writes_field(flags) ? kFieldFormat : std::string_view());
+  auto outputs = flags.batch.animate
+                     ? plan_animation(flags, *sources, plan.common.job.format, plan.batch)
+                     : batch::name_outputs(*sources, flags.output, plan.common.job.format, other_extension(flags));
   if (!outputs) return tl::unexpected(outputs.error());
   for (std::size_t i = 0; i < sources->size(); ++i) {
     batch::FrameJob& frame = plan.batch.frames.emplace_back();

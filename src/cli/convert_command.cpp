@@ -17,6 +17,8 @@
 #include "cli/mesh_error_text.hpp"
 #include "cli/messages.hpp"
 #include "cli/packing_text.hpp"
+#include "cli/pages_plan.hpp"
+#include "cli/picture_plan.hpp"
 #include "cli/plan.hpp"
 #include "cli/progress_bar.hpp"
 #include "cli/remedies.hpp"
@@ -253,11 +255,13 @@ class Narrator final : public convert::Events {
 
 Result<void> check_stdout(const convert::ConversionJob& job) {
   const bool to_stdout = std::ranges::find(job.outputs, "-", &convert::OutputFileJob::path) != job.outputs.end();
-  const bool is_text = !job.field_file && (job.ascii || job.format == meshes::MeshFormat::obj);
+  const bool is_text = !job.field_file && !job.picture_file && (job.ascii || job.format == meshes::MeshFormat::obj);
   if (!to_stdout || is_text || ::isatty(STDOUT_FILENO) == 0) return {};
   return fail(ErrorKind::usage,
               fmt::format("stdout is a terminal, and {} is binary data",
-                          job.field_file ? kFieldFormat : meshes::mesh_format_info(job.format).name),
+                          job.field_file     ? kFieldFormat
+                          : job.picture_file ? kPictureFormat
+                                             : meshes::mesh_format_info(job.format).name),
               "redirect it to a file or a pipe");
 }
 
@@ -295,10 +299,21 @@ convert::Outcome convert_as_planned(const ConvertPlan& plan, const Messages& mes
     const Context context{plan.memory};
     ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
     Narrator narrator(plan, messages, bar);
-    outcome = convert::run(plan.job, context, narrator, {plan.report.has_value()});
+    outcome = convert::run(plan.job, context, narrator, {plan.report || plan.pages.html});
     return {};
   });
   return begun ? outcome : failed(begun.error());
+}
+
+// The conversion as the one frame of a sequence.
+Result<void> write_pages_of(const ConvertPlan& plan, const convert::Outcome& outcome,
+                            const std::vector<std::string>& arguments) {
+  batch::FrameRow row{0, plan.job.source.input, batch::FrameStatus::done, batch::figures_of(outcome), {}, {}};
+  for (const meshes::WrittenFile& file : outcome.files) row.outputs.push_back(file.path);
+  HtmlPage page;
+  page.add(0, outcome);
+  return write_pages(plan.pages, std::span(&row, 1), page, plan.job.source.placement.up, arguments,
+                     Context(plan.memory));
 }
 
 }  // namespace
@@ -339,11 +354,16 @@ Result<void> run_convert(const ConvertFlags& flags, const std::vector<std::strin
   if (plan->report) {
     if (auto checked = check_report_file(*plan->report, plan->job); !checked) return checked;
   }
+  for (const auto& page : {plan->pages.html, plan->pages.contact_sheet}) {
+    if (!page) continue;
+    if (auto checked = check_report_file(*page, plan->job); !checked) return checked;
+  }
   for (const std::string& text : plan->notes) messages.note(text);
   convert::Outcome outcome = convert_as_planned(*plan, messages);
   outcome.notes.insert(outcome.notes.begin(), plan->notes.begin(), plan->notes.end());
   if (outcome.done()) messages.detail(fmt::format("peak memory {}", format_byte_size(outcome.peak_memory)));
-  const Result<void> done = outcome.error ? tl::unexpected(*outcome.error) : Result<void>();
+  Result<void> done = outcome.error ? tl::unexpected(*outcome.error) : Result<void>();
+  if (done && plan->pages.any()) done = attempt([&] { return write_pages_of(*plan, outcome, arguments); });
   if (!plan->report) return done;
   auto reported =
       attempt([&] { return write_report(*plan->report, &plan->job, outcome, arguments, plan->memory.limit()); });

@@ -54,7 +54,7 @@ std::string_view surface_option(const ConvertFlags& flags) {
 }  // namespace
 
 bool writes_field(const ConvertFlags& flags) {
-  if (flags.format) return !flags.format->mesh;
+  if (flags.format) return !flags.format->mesh && !flags.format->picture;
   return flags.output && has_field_extension(*flags.output);
 }
 

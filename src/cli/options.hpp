@@ -126,9 +126,10 @@ struct BatchFlags {
   std::optional<ProgressStyle> progress;
 };
 
-// What -o is written as: a format of meshes or, without one, the field itself as an OpenVDB file.
+// What -o is written as: a format of meshes or, without one, a picture of them or the field itself as an OpenVDB file.
 struct OutputFormat {
   std::optional<meshes::MeshFormat> mesh;
+  bool picture = false;
 };
 
 struct ConvertFlags {
@@ -149,6 +150,8 @@ struct ConvertFlags {
   std::optional<std::string> output;
   std::optional<OutputFormat> format;
   bool half = false;
+  std::optional<render::PictureSize> size;
+  std::optional<render::ViewAngles> camera;
   bool ascii = false;
   // Of --draco: its bits, or nothing in it where the voxel says.
   std::optional<std::optional<std::uint64_t>> draco;
@@ -159,6 +162,8 @@ struct ConvertFlags {
   bool verify = false;
   bool explain = false;
   std::optional<std::string> report;
+  std::optional<std::string> html;
+  std::optional<std::string> contact_sheet;
   std::optional<std::string> config;
   RunFlags run;
 };

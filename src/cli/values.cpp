@@ -153,6 +153,23 @@ Result<glm::dvec3> parse_vector(std::string_view text) {
   return glm::dvec3((*numbers)[0], (*numbers)[1], (*numbers)[2]);
 }
 
+Result<render::PictureSize> parse_picture_size(std::string_view text) {
+  const std::vector<std::string_view> parts = split(text, "xX");
+  const auto refused = [&] {
+    return expected_found(
+        fmt::format("a width and a height of at most {} pixels, such as 1920x1080", render::PictureSize::kMaxSide),
+        text);
+  };
+  if (parts.size() != 2) return refused();
+  render::PictureSize size;
+  for (auto [side, part] : {std::pair(&size.width, parts[0]), std::pair(&size.height, parts[1])}) {
+    const auto number = whole_text_as<int>(part);
+    if (!number || *number < 1 || *number > render::PictureSize::kMaxSide) return refused();
+    *side = *number;
+  }
+  return size;
+}
+
 Result<std::array<std::string, 3>> parse_columns(std::string_view text) {
   const auto refused = [&] {
     return expected_found("the columns of x, y and z, such as x=3,y=4,z=5 or x=Px,y=Py,z=Pz", text);

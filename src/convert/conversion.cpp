@@ -20,6 +20,7 @@
 #include "convert/field_file.hpp"
 #include "convert/mesh_packing.hpp"
 #include "convert/output_checks.hpp"
+#include "convert/picture_file.hpp"
 #include "convert/source.hpp"
 #include "field/statistics.hpp"
 #include "files/file_bytes.hpp"
@@ -72,7 +73,7 @@ class Conversion {
   struct OutputFile {
     WrittenOutput written;
     meshes::MeshWriter writer;
-    std::vector<mesh::Mesh> held;     // for the sink, which has no writer
+    std::vector<mesh::Mesh> held;     // for the sink or the picture, which have no writer
     std::vector<MeshRecord> records;  // where they were asked for
     StageTime recording;
   };
@@ -307,7 +308,7 @@ class Conversion {
     file.written.triangles += surface.mesh.triangles.size();
     file.written.vertices += surface.mesh.positions.size();
     Result<void> added;
-    if (sink_ != nullptr) {
+    if (sink_ != nullptr || job_.picture_file) {
       file.held.push_back(std::move(surface.mesh));
     } else {
       added = file.writer.add(std::move(surface.mesh));
@@ -317,6 +318,7 @@ class Conversion {
   }
 
   Result<meshes::MeshWriteResult> complete(OutputFile& file) {
+    if (sink_ == nullptr && job_.picture_file) return write_picture(file.held, job_, file.written.job, context_);
     if (sink_ == nullptr) return file.writer.finish();
     if (auto taken = sink_->take({file.written.job, file.written.isos, std::move(file.held), write_options().packing});
         !taken) {

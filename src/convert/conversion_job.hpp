@@ -20,6 +20,7 @@
 #include "field/interpolant.hpp"
 #include "meshes/mesh_writer.hpp"
 #include "points/method.hpp"
+#include "render/camera.hpp"
 #include "volumes/grid_tools.hpp"
 #include "volumes/volume_reader.hpp"
 
@@ -123,6 +124,17 @@ struct FieldFileOptions {
   friend bool operator==(const FieldFileOptions&, const FieldFileOptions&) = default;
 };
 
+// A picture of the surfaces, as a PNG file (render/preview.hpp). Its up axis is that of the input's world.
+struct PictureFileOptions {
+  static constexpr int kMaxSide = render::PictureSize::kMaxSide;
+
+  int width = 960;  // pixels, from 1 to kMaxSide
+  int height = 720;
+  render::ViewAngles angles;
+
+  friend bool operator==(const PictureFileOptions&, const PictureFileOptions&) = default;
+};
+
 struct ConversionJob {
   SourceOptions source;
   SurfaceOptions surface;
@@ -141,6 +153,8 @@ struct ConversionJob {
   PackingOptions packing;
   // In place of surfaces: outputs have no iso values then, and what is about meshes does nothing.
   std::optional<FieldFileOptions> field_file;
+  // In place of meshes of the surfaces; the format, and what is about packing, does nothing then.
+  std::optional<PictureFileOptions> picture_file;
   std::vector<OutputFileJob> outputs;
 
   // Of all outputs, in their order.

@@ -4,7 +4,10 @@
 #include <glm/glm.hpp>
 
 #include "base/buffer.hpp"
+#include "base/context.hpp"
+#include "base/error.hpp"
 #include "base/memory_budget.hpp"
+#include "render/camera.hpp"
 
 namespace isoextract::render {
 
@@ -23,5 +26,8 @@ struct Picture {
   [[nodiscard]] std::size_t pixels() const { return colour.size(); }
   static constexpr std::size_t kBytesPerPixel = sizeof(glm::vec4) + sizeof(float) + sizeof(glm::vec3);
 };
+
+// With its memory reserved, and not initialised. Fails with ErrorKind::input where the memory is not there.
+[[nodiscard]] Result<Picture> make_picture(const PictureSize& size, const Context& context);
 
 }  // namespace isoextract::render

@@ -21,7 +21,7 @@ MAY_INCLUDE = {
     "measure": ["extract", "mesh"],
     "images": ["field", "files"],
     "render": ["gl", "field", "mesh", "images"],
-    "convert": ["volumes", "meshes", "gpu", "edit", "measure"],
+    "convert": ["volumes", "meshes", "gpu", "edit", "measure", "render"],
     "batch": ["convert"],
     "cli": ["batch", "render"],
 }

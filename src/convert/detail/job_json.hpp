@@ -262,6 +262,12 @@ class JobJson {
       each("width", value.width);
     } else if constexpr (std::same_as<Structure, FieldFileOptions>) {
       each("half", value.as_half);
+    } else if constexpr (std::same_as<Structure, PictureFileOptions>) {
+      each("width", value.width);
+      each("height", value.height);
+      each("azimuth", value.angles.azimuth);
+      each("elevation", value.angles.elevation);
+      each("distance", value.angles.distance);
     } else if constexpr (std::same_as<Structure, OutputFileJob>) {
       each("path", value.path);
       each("iso", value.isos);
@@ -310,6 +316,7 @@ class JobJson {
     each("position_bits", job.packing.position_bits);
     each("optimize_order", job.packing.optimize_order);
     each("field_file", job.field_file);
+    each("picture_file", job.picture_file);
     each("outputs", job.outputs);
   }
 };
