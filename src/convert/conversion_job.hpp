@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -128,8 +129,8 @@ struct FieldFileOptions {
 struct PictureFileOptions {
   static constexpr int kMaxSide = render::PictureSize::kMaxSide;
 
-  int width = 960;  // pixels, from 1 to kMaxSide
-  int height = 720;
+  std::int64_t width = 960;  // pixels, from 1 to kMaxSide
+  std::int64_t height = 720;
   render::ViewAngles angles;
 
   friend bool operator==(const PictureFileOptions&, const PictureFileOptions&) = default;

@@ -29,7 +29,10 @@ Result<meshes::MeshWriteResult> write_picture(std::span<const mesh::Mesh> meshes
   std::vector<render::Surface> surfaces;
   for (const mesh::Mesh& mesh : meshes) surfaces.push_back(surface_of(mesh));
   render::PreviewOptions options;
-  options.size = {job.picture_file->width, job.picture_file->height};
+  const auto side = [](std::int64_t pixels) {  // one that is out of range stays so
+    return static_cast<int>(std::clamp<std::int64_t>(pixels, 0, PictureFileOptions::kMaxSide + 1));
+  };
+  options.size = {side(job.picture_file->width), side(job.picture_file->height)};
   options.angles = job.picture_file->angles;
   if (!job.source.placement.unit.empty()) options.unit = "m";
   options.up = job.source.placement.up == UpAxis::y ? render::UpAxis::y : render::UpAxis::z;

@@ -8,6 +8,7 @@
 #include "convert/conversion_job.hpp"
 #include "mesh/mesh.hpp"
 #include "meshes/mesh_writer.hpp"
+#include "render/scene.hpp"
 
 namespace isoextract::convert {
 

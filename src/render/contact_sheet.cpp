@@ -15,7 +15,6 @@ namespace {
 constexpr int kGap = 4;          // pixels between pictures, and around them
 constexpr double kAspect = 1.6;  // of the sheet, about
 constexpr glm::vec3 kPaper{1.0F};
-constexpr glm::vec3 kInk{0.02F, 0.02F, 0.03F};
 
 int dot_of(const PictureSize& cell) { return std::max(1, cell.height / 160); }
 

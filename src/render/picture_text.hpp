@@ -9,6 +9,9 @@
 
 namespace isoextract::render {
 
+// The colour of words in pictures, linear.
+inline constexpr glm::vec3 kInk{0.02F, 0.02F, 0.03F};
+
 // Glyphs are 5 x 7 dots in cells of 6 x 9, a dot `scale` pixels wide and high.
 [[nodiscard]] glm::ivec2 text_size(std::string_view text, int scale);
 

@@ -13,7 +13,6 @@ namespace isoextract::render {
 namespace {
 
 constexpr glm::dvec4 kGround{0.82, 0.84, 0.87, 1.0};
-constexpr glm::vec3 kInk{0.02F, 0.02F, 0.03F};
 
 // From the upper left, and a weaker one from the right, so that no side is black.
 const std::vector<Light>& preview_lights() {

@@ -35,10 +35,10 @@ concept JsonValue = std::same_as<T, bool> || std::same_as<T, double> || std::sam
     std::same_as<T, std::int64_t> || std::same_as<T, std::string>;
 
 template <class T>
-concept JobStructure =
-    std::same_as<T, volumes::RawLayout> || std::same_as<T, ParticleOptions> || std::same_as<T, AttributeChoice> ||
-    std::same_as<T, ColourChoice> || std::same_as<T, SimplifyBound> || std::same_as<T, OutputFileJob> ||
-    std::same_as<T, FilterStep> || std::same_as<T, FieldFileOptions> || std::same_as<T, ConversionJob>;
+concept JobStructure = std::same_as<T, volumes::RawLayout> || std::same_as<T, ParticleOptions> ||
+    std::same_as<T, AttributeChoice> || std::same_as<T, ColourChoice> || std::same_as<T, SimplifyBound> ||
+    std::same_as<T, OutputFileJob> || std::same_as<T, FilterStep> || std::same_as<T, FieldFileOptions> ||
+    std::same_as<T, PictureFileOptions> || std::same_as<T, ConversionJob>;
 
 class JobJson {
  public:
