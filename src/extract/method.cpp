@@ -32,10 +32,19 @@ std::string why_no_gradient_normals(const MethodInfo& method) {
   return fmt::format("{}: there are no normals from the field's gradient", method.title);
 }
 
+std::string why_no_holes(const MethodInfo& method) {
+  if (!method.traits.always_closed) return "";
+  return fmt::format("{}: the surface is closed everywhere, so a sample that is not a number leaves no hole in it",
+                     method.title);
+}
+
 Result<void> check_method(const MethodInfo& method, const ExtractOptions& options) {
   if (options.edge_keys && !method.traits.vertices_on_edges) return fail(ErrorKind::usage, why_no_edges(method));
   if (options.smooth_normals && !method.traits.gradient_normals) {
     return fail(ErrorKind::usage, why_no_gradient_normals(method));
+  }
+  if (options.nan == NanPolicy::hole && method.traits.always_closed) {
+    return fail(ErrorKind::usage, why_no_holes(method));
   }
   return {};
 }
