@@ -188,7 +188,9 @@ struct LabelVoxels::Found {
     stats.bricks = count;
     stats.bricks_visited = count;
     const std::size_t portions = (count + kChunksATask - 1) / kChunksATask;
-    tasks.assign(portions, ReservedList<LabelPart>(context, what));
+    tasks.clear();
+    tasks.reserve(portions);
+    for (std::size_t p = 0; p < portions; ++p) tasks.emplace_back(context, what);
     context.progress().begin("finding labels", portions);
     tbb::parallel_for(std::size_t{0}, portions, [&](std::size_t p) {
       if (context.cancelled()) return;
