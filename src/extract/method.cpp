@@ -1,5 +1,8 @@
 #include "extract/method.hpp"
 
+#include <algorithm>
+#include <iterator>
+
 #include <fmt/format.h>
 
 #include "extract/extractor.hpp"
@@ -16,6 +19,13 @@ consteval bool in_order_of_the_enum() {
 static_assert(in_order_of_the_enum());
 
 }  // namespace
+
+std::vector<MethodInfo> following_methods() {
+  std::vector<MethodInfo> methods;
+  std::ranges::copy_if(kMethods, std::back_inserter(methods),
+                       [](const MethodInfo& method) { return method.traits.follows_interpolant; });
+  return methods;
+}
 
 std::string why_no_edges(const MethodInfo& method) {
   if (method.traits.vertices_on_edges) return "";

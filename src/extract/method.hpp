@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/context.hpp"
 #include "base/error.hpp"
@@ -88,7 +89,7 @@ inline constexpr std::array kMethods{
                .title = "voxels",
                .help = "voxels: a solid box around each sample inside, always closed, with flat faces",
                .traits = {.vertices_on_edges = false,
-                          .axis_edges_only = true,
+                          .axis_edges_only = false,
                           .follows_interpolant = false,
                           .gradient_normals = false,
                           .always_closed = true},
@@ -110,6 +111,10 @@ constexpr auto words_of(Method /*type*/) {
   for (std::size_t m = 0; m < words.size(); ++m) words[m] = {kMethods[m].method, kMethods[m].id};
   return words;
 }
+
+// Those whose surface follows the field, in the order of the enum: what is compared by errors and crossings where
+// nobody names methods.
+[[nodiscard]] std::vector<MethodInfo> following_methods();
 
 // Why a question cannot be put to the surfaces of a method, as a sentence without its full stop that begins with the
 // method's title; empty where it can.

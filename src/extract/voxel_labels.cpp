@@ -316,7 +316,9 @@ Result<Extraction> LabelVoxels::extract(const field::ScalarField& field, std::in
     };
   }
   const VoxelChunks voxels(std::move(chunks), std::move(unlisted), found_, std::move(*memory));
-  return mesh_voxels(field, voxels, found_->base, found_->frame, options, found_->stats, context);
+  ExtractStats stats = found_->stats;
+  if (label != found_->labels.front()) stats.classify = {};  // all were found at once
+  return mesh_voxels(field, voxels, found_->base, found_->frame, options, stats, context);
 }
 
 }  // namespace isoextract::extract
