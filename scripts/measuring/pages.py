@@ -3,11 +3,11 @@
 import hashlib
 
 from measuring import (commands, compression, error, gpu, particles, record, sequences, simplify, speed, stability, threads,
-                       topology)
+                       topology, voxels)
 from measuring.tables import table
 
 MEASUREMENTS = {module.NAME: module for module in (speed, commands, threads, gpu, error, topology, stability, simplify,
-                                                   sequences, compression, particles)}
+                                                   sequences, compression, particles, voxels)}
 
 QUICK = """
 > These figures are of a trial run with small inputs. They show that the script works, and nothing else.

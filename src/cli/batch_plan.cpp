@@ -18,6 +18,7 @@
 #include "cli/picture_plan.hpp"
 #include "cli/plan_parts.hpp"
 #include "cli/vertex_plan.hpp"
+#include "cli/voxel_plan.hpp"
 #include "convert/output_checks.hpp"
 #include "convert/particle_source.hpp"
 #include "field/demo_field.hpp"
@@ -70,7 +71,7 @@ Result<std::vector<batch::OutputSource>> sources_of(const ConvertFlags& flags, c
 std::string changing_isos(const ConvertFlags& flags, std::size_t frames) {
   std::vector<std::string> words;
   for (const convert::IsoChoice& iso : flags.isos) {
-    if (!iso.is_number()) words.push_back(text_of(iso));
+    if (iso.is_found()) words.push_back(text_of(iso));
   }
   if (words.empty() || frames < 2) return {};
   return fmt::format(
@@ -216,6 +217,7 @@ bool names_frames(const std::string& input) {
 
 Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environment)(const char*)) {
   ConvertFlags flags = given;
+  if (auto taken = take_labels(flags); !taken) return tl::unexpected(taken.error());
   if (flags.output == "-") return refuse_usage("frames are written into files, not to stdout", "give a name with -o");
   if (flags.explain) return refuse_usage("--explain is about one conversion", "--table and -v tell about frames");
   if (flags.batch.fps && !flags.batch.animate) {

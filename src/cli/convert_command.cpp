@@ -80,14 +80,22 @@ std::string ends_text(const std::vector<SurfaceEnd>& ends, const ConvertPlan& pl
     text += fmt::format("{}without {} cells around samples that are not numbers", text.empty() ? "" : "; ", hole_cells);
   }
   if (!text.empty()) return text;
-  return ends.empty() ? "empty" : "closed";
+  if (ends.empty()) return "empty";
+  const bool rectangles = plan.job.surface.voxel_faces == extract::VoxelFaces::rectangles;
+  return rectangles ? "closed, but not edge by edge (--t-junctions)" : "closed";
+}
+
+// What the number of a surface is.
+std::string_view surface_word(const convert::ConversionJob& job) {
+  const std::vector<convert::IsoChoice> isos = job.isos();
+  return !isos.empty() && isos.front().is_label() ? "label" : "iso";
 }
 
 // Says on stderr what a conversion does: notes and summaries as they come, stages where --explain or --verbose asks.
 class Narrator final : public convert::Events {
  public:
   Narrator(const ConvertPlan& plan, const Messages& messages, ProgressBar& bar)
-      : plan_(plan), messages_(messages), bar_(bar) {}
+      : plan_(plan), messages_(messages), bar_(bar), word_(surface_word(plan.job)) {}
 
   void note(const std::string& text) override {
     bar_.above([&] { messages_.note(text); });
@@ -124,9 +132,9 @@ class Narrator final : public convert::Events {
       ends_.push_back({surface.iso, stats.meets_border && !plan_.job.surface.cap, stats.hole_cells});
     }
     tell_stage(
-        fmt::format("{} iso {}: extracted in {}: {:.3f} s to compare samples, {:.3f} s to count, {:.3f} s "
+        fmt::format("{} {} {}: extracted in {}: {:.3f} s to compare samples, {:.3f} s to count, {:.3f} s "
                     "to make the mesh",
-                    label_, surface.iso, times_text(surface.time), stats.classify.wall_seconds,
+                    label_, word_, surface.iso, times_text(surface.time), stats.classify.wall_seconds,
                     stats.count.wall_seconds, stats.emit.wall_seconds));
     if (stats.device) {
       tell_stage(fmt::format(
@@ -147,8 +155,8 @@ class Narrator final : public convert::Events {
   }
 
   void carried(const convert::CarriedAttributes& attributes) override {
-    tell_stage(fmt::format("{} iso {}: attributes of {} vertices in {}", label_, attributes.iso, attributes.vertices,
-                           times_text(attributes.time)));
+    tell_stage(fmt::format("{} {} {}: attributes of {} vertices in {}", label_, word_, attributes.iso,
+                           attributes.vertices, times_text(attributes.time)));
   }
 
   void read_attributes(const StageTime& time) override {
@@ -156,13 +164,13 @@ class Narrator final : public convert::Events {
   }
 
   void coloured(const convert::ColourRecord& record) override {
-    colours_.push_back(fmt::format("colours of iso {}: {}, {} from {:.6g} to {:.6g}{}", record.iso,
+    colours_.push_back(fmt::format("colours of {} {}: {}, {} from {:.6g} to {:.6g}{}", word_, record.iso,
                                    printable(record.attribute), word_of(record.map), record.min, record.max,
                                    record.own_range ? ", the range of its vertices" : ""));
   }
 
   void simplified(const convert::MeshSimplification& simplification) override {
-    tell_stage(fmt::format("{} iso {}: simplified in {}: {}", label_, simplification.iso,
+    tell_stage(fmt::format("{} {} {}: simplified in {}: {}", label_, word_, simplification.iso,
                            times_text(simplification.facts.time), simplification_details(simplification)));
     simplified_.push_back(simplification_summary(simplification));
   }
@@ -173,7 +181,7 @@ class Narrator final : public convert::Events {
   }
 
   void packed(const convert::MeshPackingRecord& record) override {
-    tell_stage(fmt::format("{} iso {}: packed in {}: {}", label_, record.iso, times_text(record.facts.time),
+    tell_stage(fmt::format("{} {} {}: packed in {}: {}", label_, word_, record.iso, times_text(record.facts.time),
                            packing_details(record)));
     packed_.push_back(packing_summary(record));
   }
@@ -188,7 +196,7 @@ class Narrator final : public convert::Events {
     std::uint64_t bytes = 0;
     for (const meshes::WrittenFile& file : output.files) bytes += file.bytes;
     bar_.above([&] {
-      messages_.summary(fmt::format("{} iso {} -> {}: {} triangles, {} vertices, {}; {}; {}; {:.2f} s", label_,
+      messages_.summary(fmt::format("{} {} {} -> {}: {} triangles, {} vertices, {}; {}; {}; {:.2f} s", label_, word_,
                                     fmt::join(output.isos, ", "), path, output.triangles, output.vertices,
                                     format_byte_size(bytes), ends_text(ends_, plan_),
                                     describe(plan_.job.source.placement), watch_.elapsed().wall_seconds));
@@ -243,6 +251,7 @@ class Narrator final : public convert::Events {
   const ConvertPlan& plan_;
   const Messages& messages_;
   ProgressBar& bar_;
+  std::string_view word_;
   Stopwatch watch_;  // since the start, or since the last file
   std::string label_;
   std::vector<SurfaceEnd> ends_;

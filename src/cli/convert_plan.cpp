@@ -13,6 +13,7 @@
 #include "cli/plan.hpp"
 #include "cli/plan_parts.hpp"
 #include "cli/vertex_plan.hpp"
+#include "cli/voxel_plan.hpp"
 #include "files/file_bytes.hpp"
 
 namespace isoextract::cli {
@@ -51,7 +52,7 @@ Result<convert::Normals> plan_normals(const ConvertFlags& flags, meshes::MeshFor
 }
 
 std::string with_iso(std::string path, const convert::IsoChoice& iso) {
-  const std::string text = text_of(iso);
+  const std::string text = name_part_of(iso);
   for (std::size_t at = path.find(kIsoPattern); at != std::string::npos; at = path.find(kIsoPattern, at)) {
     path.replace(at, kIsoPattern.size(), text);
     at += text.size();
@@ -85,9 +86,14 @@ Result<std::vector<convert::OutputFileJob>> plan_outputs(const ConvertFlags& fla
     for (const convert::IsoChoice& iso : flags.isos) jobs.push_back({with_iso(path, iso), {iso}});
     return jobs;
   }
+  if (has_all_labels(flags) && !format.holds_several_meshes) {
+    return refuse_usage(fmt::format("one {} file holds one surface, and --labels all may give several", format.name),
+                        "write all into a glb, or list labels");
+  }
   if (flags.isos.size() > 1 && !format.holds_several_meshes) {
     return refuse_usage(
-        fmt::format("one {} file holds one surface, and {} iso values were given", format.name, flags.isos.size()),
+        fmt::format("one {} file holds one surface, and {} {} were given", format.name, flags.isos.size(),
+                    flags.labels ? "labels" : "iso values"),
         fmt::format("write one file each with -o {}_{{iso}}.{}, or all into a glb",
                     batch::stem_of(flags.input.inputs.front()), format.name));
   }
@@ -154,6 +160,7 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string
   if (job.picture_file) job.source.placement.turn_z_up_to_y_up = false;
 
   job.surface = plan_surface(flags.surface);
+  if (auto planned = plan_voxels(flags, plan.notes, job.surface); !planned) return tl::unexpected(planned.error());
   job.verify = flags.verify;
   job.backend = {flags.backend.value_or(convert::Backend::cpu), plan_gpu(flags.device)};
   if (job.backend.backend == convert::Backend::cpu && !job.verify && (flags.device.device || flags.device.gpu_memory)) {
@@ -179,6 +186,7 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& given) {
   const std::vector<std::string>& inputs = given.input.inputs;
   if (inputs.empty()) return refuse_usage("no INPUT was given", "isoextract INPUT --iso V -o OUT.glb");
   ConvertFlags flags = given;
+  if (auto taken = take_labels(flags); !taken) return tl::unexpected(taken.error());
   auto note = writes_field(flags) ? std::string() : take_iso_of_method(flags, inputs.front());
   if (!note) return tl::unexpected(note.error());
   auto plan = plan_conversion(flags, inputs.front(), flags.isos);

@@ -18,6 +18,13 @@
 namespace isoextract::cli {
 namespace {
 
+// As one word, for --methods.
+std::string following_method_ids() {
+  std::vector<std::string_view> ids;
+  for (const extract::MethodInfo& method : extract::following_methods()) ids.push_back(method.id);
+  return fmt::format("{}", fmt::join(ids, ","));
+}
+
 void declare_merge(CLI::App& app, MergeFlags& flags) {
   Group(app, "Input")
       .value<std::string>("FOLDER", "FOLDER", flags.folder, parse_text,
@@ -77,8 +84,8 @@ void declare_bench(CLI::App& app, BenchFlags& flags) {
   surface.value("--iso", "V", flags.iso, parse_number,
                 "The value whose surface is extracted (default: the demo field's own). Files need it.");
   surface.value("--methods", "M,M,...", flags.methods, parse_methods,
-                fmt::format("Of {} (default: {}).", fmt::join(extract::method_ids(), " and "),
-                            fmt::join(extract::method_ids(), ",")));
+                fmt::format("Of {} (default: {}).", fmt::join(extract::method_ids(), ", "),
+                            following_method_ids()));
   declare_nan(surface, flags.nan);
   const Group output(app, "Output");
   output.value<std::string>("--csv", "FILE", flags.csv, parse_text, "Write the rows of the table as CSV.");

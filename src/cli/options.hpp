@@ -139,7 +139,10 @@ struct ConvertFlags {
   std::optional<convert::Backend> backend;
   DeviceFlags device;
   std::vector<convert::IsoChoice> isos;
+  std::optional<std::vector<convert::IsoChoice>> labels;
   SurfaceFlags surface;
+  bool no_merge = false;
+  bool t_junctions = false;
   std::optional<convert::Normals> normals;
   std::vector<convert::AttributeChoice> attributes;
   std::optional<ColourFlag> colour;

@@ -110,6 +110,22 @@ Result<convert::IsoChoice> parse_iso(std::string_view text) {
   return convert::IsoChoice(*number);
 }
 
+Result<std::vector<convert::IsoChoice>> parse_labels(std::string_view text) {
+  constexpr std::string_view kExpected = "all, or whole numbers with commas between them";
+  if (text == "all") return std::vector{convert::IsoChoice::all_labels()};
+  std::vector<convert::IsoChoice> labels;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const auto number = whole_text_as<std::int64_t>(text.substr(begin, end - begin));
+    if (!number) return expected_found(kExpected, text);
+    const auto label = convert::IsoChoice::label(*number);
+    if (std::ranges::find(labels, label) != labels.end()) return expected_found("each label once", text);
+    labels.push_back(label);
+    begin = end + 1;
+  }
+  return labels;
+}
+
 Result<double> parse_positive(std::string_view text) {
   const auto number = whole_text_as<double>(text);
   if (!number || !std::isfinite(*number) || *number <= 0) return expected_found("a number above 0", text);

@@ -26,6 +26,7 @@ using VolumeChoice = std::variant<std::int64_t, AllVolumes>;
 [[nodiscard]] Result<std::string> parse_text(std::string_view text);        // anything, the empty text too
 [[nodiscard]] Result<double> parse_number(std::string_view text);           // finite
 [[nodiscard]] Result<convert::IsoChoice> parse_iso(std::string_view text);  // a finite number, auto or p0..p100
+[[nodiscard]] Result<std::vector<convert::IsoChoice>> parse_labels(std::string_view text);  // all, or 1,2,5
 [[nodiscard]] Result<double> parse_positive(std::string_view text);         // finite, above 0
 [[nodiscard]] Result<double> parse_not_negative(std::string_view text);     // finite, 0 or above
 [[nodiscard]] Result<convert::SimplifyBound> parse_simplify_bound(

@@ -95,6 +95,7 @@ struct SurfaceOptions {
   extract::Method method = extract::Method::mc;
   extract::NanPolicy nan = extract::NanPolicy::error;
   bool cap = false;
+  extract::VoxelFaces voxel_faces = extract::VoxelFaces::merged;
 
   friend bool operator==(const SurfaceOptions&, const SurfaceOptions&) = default;
 };

@@ -136,8 +136,10 @@ class JobJson {
 
   static Json encode(const IsoChoice& choice) { return json_of(choice); }
   static Expected decode(const Json& json, IsoChoice& target) {
-    const auto choice = json.is_string() ? iso_choice_of(json.get<std::string>()) : std::nullopt;
-    if (!json.is_number() && !choice) return "a number, auto or a percentile such as p99";
+    const std::string word = json.is_string() ? json.get<std::string>() : "";
+    auto choice = iso_choice_of(word);
+    if (!choice) choice = label_choice_of(word);
+    if (!json.is_number() && !choice) return "a number, auto, a percentile such as p99 or a label such as label 5";
     target = choice ? *choice : IsoChoice(json.get<double>());
     return {};
   }
@@ -299,6 +301,7 @@ class JobJson {
     each("method", job.surface.method);
     each("nan", job.surface.nan);
     each("cap", job.surface.cap);
+    each("voxel_faces", job.surface.voxel_faces);
     each("normals", job.normals);
     each("colour", job.colour);
     each("opacity", job.opacity);
