@@ -201,7 +201,10 @@ bool is_batch(const ConvertFlags& flags) {
       batch.no_clobber || batch.make_folders || batch.dry_run) {
     return true;
   }
-  const std::string& input = inputs.front();
+  return names_frames(inputs.front());
+}
+
+bool names_frames(const std::string& input) {
   if (!input.starts_with(field::kDemoPrefix) && is_there(input)) {
     std::error_code none;
     return fs::is_directory(input, none);

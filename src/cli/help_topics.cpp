@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::array<std::string_view, 8> kGroups{"Input",    "Particles", "Frames", "Surface",
                                                   "Vertices", "Placement", "Output", "Run"};
-constexpr std::array<std::string_view, 10> kCommands{"convert",   "info",  "verify",  "compare", "bench",
+constexpr std::array<std::string_view, 11> kCommands{"convert",   "info",  "verify",  "compare", "render",  "bench",
                                                      "stability", "merge", "devices", "help",    "generate"};
 
 constexpr std::array kExamples{
@@ -33,6 +33,7 @@ constexpr std::array kExamples{
     Example{"isoextract dam.bgeo --particles smooth --radius 0.025 -o dam.vdb", "Their level set, for other programs."},
     Example{"isoextract verify smoke.vdb --iso 0.5 smoke.glb", "Whether a mesh is what its volume gives."},
     Example{"isoextract compare a.glb b.ply --max-distance 0.1", "Whether two meshes are the same surface, to 0.1."},
+    Example{"isoextract render smoke.vdb mesh.glb -o smoke.png", "A picture of a volume with a mesh in it."},
     Example{"isoextract 'demo:gyroid?size=128' --iso 0 --format ply -o - > gyroid.ply", "No file at all, and a pipe."},
 };
 

@@ -11,6 +11,7 @@
 #include "base/version.hpp"
 #include "cli/convert_options.hpp"
 #include "cli/help_topics.hpp"
+#include "cli/render_options.hpp"
 #include "cli/shared_options.hpp"
 #include "field/demo_field.hpp"
 
@@ -147,6 +148,10 @@ std::unique_ptr<CommandLine> declare_command_line() {
   line->compare = add_command(app, "compare", "Compare two meshes: their topology, and the distances between them.");
   declare_compare(*line->compare, line->compare_flags);
   declare_run(*line->compare, line->compare_flags.run);
+
+  line->render = add_command(app, "render", "Draw volumes, surfaces and meshes as pictures, as PNG or OpenEXR.");
+  declare_render(*line->render, line->render_flags);
+
   line->bench = add_command(app, "bench", "Measure error against run time of all methods, and draw it.");
   declare_bench(*line->bench, line->bench_flags);
 

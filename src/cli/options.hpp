@@ -29,6 +29,8 @@
 #include "field/scalar_field.hpp"
 #include "meshes/mesh_writer.hpp"
 #include "points/method.hpp"
+#include "render/camera.hpp"
+#include "render/scene.hpp"
 #include "volumes/volume_reader.hpp"
 
 namespace isoextract::cli {
@@ -189,6 +191,33 @@ struct CompareFlags {
   RunFlags run;
 };
 
+struct RenderFlags {
+  InputFlags input;  // volumes and meshes
+  ParticleFlags particles;
+  std::optional<std::string> frames;
+  std::vector<convert::IsoChoice> isos;
+  SurfaceFlags surface;
+  std::optional<ColourFlag> colour;
+  std::optional<std::vector<double>> opacity;
+  std::optional<render::Shading> shading;
+  std::optional<std::string> transfer;
+  std::optional<std::array<double, 2>> transfer_range;
+  std::optional<double> unit_length;
+  std::optional<render::ViewAngles> camera;
+  std::optional<double> field_of_view;
+  std::optional<convert::UpAxis> up;
+  std::optional<render::PictureSize> size;
+  std::optional<glm::dvec4> background;
+  std::optional<double> samples;
+  std::optional<double> termination;
+  bool no_skipping = false;
+  std::optional<std::string> output;
+  std::optional<std::string> json;
+  std::optional<convert::Backend> backend;
+  DeviceFlags device;
+  RunFlags run;
+};
+
 struct BenchFlags {
   InputFlags input;
   std::optional<std::vector<int>> sizes;
@@ -231,6 +260,7 @@ struct CommandLine {
   CLI::App* info = nullptr;
   CLI::App* verify = nullptr;
   CLI::App* compare = nullptr;
+  CLI::App* render = nullptr;
   CLI::App* bench = nullptr;
   CLI::App* stability = nullptr;
   CLI::App* devices = nullptr;
@@ -242,6 +272,7 @@ struct CommandLine {
   InfoFlags info_flags;
   VerifyFlags verify_flags;
   CompareFlags compare_flags;
+  RenderFlags render_flags;
   BenchFlags bench_flags;
   StabilityFlags stability_flags;
   DevicesFlags devices_flags;

@@ -12,6 +12,8 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
+#include "base/srgb.hpp"
+
 namespace isoextract::convert {
 namespace {
 

@@ -95,10 +95,10 @@ constexpr auto words_of(UpAxis /*type*/) {
   return std::array{Word{UpAxis::x, "x"}, Word{UpAxis::y, "y"}, Word{UpAxis::z, "z"}};
 }
 
-// A camera that looks at the middle of `box`. Azimuth 0 looks along the first axis across `up` with a positive turn to
-// the second (up z: from -y along +y; a quarter turn on from +x; up y: from +z; up x: from +z), counter-clockwise as
-// seen from above. Without a distance the sphere around the box fits into the narrower side of the picture. Near and
-// far contain that sphere wherever it is in front of the eye. A box of one point is looked at from a distance of 1.
+// A camera that looks at the middle of `box`. Azimuth 0 is in front: at -y where z is up, at +z where x or y is; it
+// grows counter-clockwise as seen from above, so that 90 is at +x where y or z is up and at -y where x is. Without a
+// distance the sphere around the box fits into the narrower side of the picture. Near and far contain that sphere
+// wherever it is in front of the eye. A box of one point is looked at from a distance of 1.
 [[nodiscard]] Camera framing(const field::Box& box, const ViewAngles& angles, UpAxis up, const PictureSize& size,
                              double fovy = Camera::kDefaultFovy);
 

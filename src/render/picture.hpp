@@ -18,7 +18,7 @@ struct Picture {
                              // of the nearest surface; +infinity where there is none of these either
   Buffer<glm::vec3> normals;  // of the surface whose depth it is, in the world, unit length and towards the eye; 0
                               // where the depth is no surface's
-  Reservation memory;  // of the three
+  Reservation memory;         // of the three
 
   [[nodiscard]] std::size_t pixels() const { return colour.size(); }
   static constexpr std::size_t kBytesPerPixel = sizeof(glm::vec4) + sizeof(float) + sizeof(glm::vec3);

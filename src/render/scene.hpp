@@ -36,7 +36,8 @@ constexpr auto words_of(Shading /*type*/) {
   return std::array{Word{Shading::smooth, "smooth"}, Word{Shading::flat, "flat"}};
 }
 
-// Both sides are seen; what faces away is lit as if its normal were turned around.
+// Both sides are seen: a normal, interpolated or flat, that is on the other side of the triangle's plane than the eye
+// is turned around.
 //
 // Coverage: a pixel has a fragment of a triangle where the ray through its centre meets it between near and far. On an
 // edge that two triangles share exactly one of them has it, unless the ray only touches both. A GPU moves corners to
