@@ -13,20 +13,6 @@
 namespace isoextract::render {
 namespace {
 
-Result<Picture> make_picture(const PictureSize& size, const Context& context) {
-  const std::size_t pixels = static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
-  auto memory = context.reserve(pixels * Picture::kBytesPerPixel, "a picture");
-  if (!memory) return tl::unexpected(std::move(memory.error()));
-  Picture picture;
-  picture.width = size.width;
-  picture.height = size.height;
-  picture.colour = Buffer<glm::vec4>(pixels);
-  picture.depth = Buffer<float>(pixels);
-  picture.normals = Buffer<glm::vec3>(pixels);
-  picture.memory = std::move(*memory);
-  return picture;
-}
-
 void add(RenderStatistics& sum, const RenderStatistics& part) {
   sum.rays += part.rays;
   sum.samples += part.samples;
@@ -58,7 +44,7 @@ class CpuRenderer : public Renderer {
                         const Context& context) override {
     if (auto sound = check(scene, camera, options); !sound) return tl::unexpected(std::move(sound.error()));
     Rendered rendered;
-    auto picture = make_picture(options.size, context);
+    auto picture = make_picture(options.size.width, options.size.height, context);
     if (!picture) return tl::unexpected(std::move(picture.error()));
     rendered.picture = std::move(*picture);
 

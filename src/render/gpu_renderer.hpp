@@ -1,8 +1,8 @@
 // Draws on a GPU, through EGL without a display: the picture of the model (renderer.hpp) within the bound told there.
 //
 // First pass: opaque surfaces into a framebuffer object, the nearest triangle of each pixel and its depth; then what is
-// see-through in front of it, counted and listed for each pixel. Second pass: one ray a pixel of GLSL, which samples the
-// volume, sorts the pixel's list, shades what it meets and composites all of it front to back (hybrid ray casting,
+// see-through in front of it, counted and listed for each pixel. Second pass: one ray a pixel of GLSL, which samples
+// the volume, sorts the pixel's list, shades what it meets and composites all of it front to back (hybrid ray casting,
 // docs/papers.md). Pixels outside of the screen bounds of the volume's corners take a shorter program.
 //
 // Dense and sparse volumes alike lie on the device as bricks of 8 x 8 x 8 cells in an atlas, as table positions in

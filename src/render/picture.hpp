@@ -4,6 +4,8 @@
 #include <glm/glm.hpp>
 
 #include "base/buffer.hpp"
+#include "base/context.hpp"
+#include "base/error.hpp"
 #include "base/memory_budget.hpp"
 
 namespace isoextract::render {
@@ -23,5 +25,8 @@ struct Picture {
   [[nodiscard]] std::size_t pixels() const { return colour.size(); }
   static constexpr std::size_t kBytesPerPixel = sizeof(glm::vec4) + sizeof(float) + sizeof(glm::vec3);
 };
+
+// One whose pixels are not written yet. Fails with ErrorKind::input where the memory is not there.
+[[nodiscard]] Result<Picture> make_picture(int width, int height, const Context& context);
 
 }  // namespace isoextract::render

@@ -32,14 +32,16 @@ class VolumeNodes::Lister {
     const std::uint64_t nodes = dims.x * dims.y > std::numeric_limits<std::int32_t>::max()
                                     ? std::numeric_limits<std::uint64_t>::max() / 64
                                     : dims.x * dims.y * dims.z;
-    if (auto taken = take(nodes * sizeof(std::int32_t), "places of bricks"); !taken) return tl::unexpected(taken.error());
+    if (auto taken = take(nodes * sizeof(std::int32_t), "places of bricks"); !taken)
+      return tl::unexpected(taken.error());
     list_.nodes_.assign(nodes, kUnseen);
     find_nodes();
     std::int32_t count = 0;
     for (std::int32_t& node : list_.nodes_) {
       if (node == kOwn) node = count++;
       // A number for now, which no node has.
-      else if (node == kConstant) node = kConstantNode;
+      else if (node == kConstant)
+        node = kConstantNode;
     }
     const std::uint64_t bricks = std::max(count, 1) * std::uint64_t{kBricks};
     if (bricks > std::numeric_limits<std::int32_t>::max()) {
