@@ -81,8 +81,8 @@ struct PixelBox {
 // distance from the target in world units.
 struct ViewAngles {
   double azimuth = 35;
-  double elevation = 20;           // from -90 to 90
-  std::optional<double> distance;  // nothing: so far that all of the box is seen
+  double elevation = 20;             // from -90 to 90
+  std::optional<double> distance{};  // nothing: so far that all of the box is seen
 
   friend bool operator==(const ViewAngles&, const ViewAngles&) = default;
 };

@@ -7,14 +7,12 @@
 // 1. Surfaces give fragments: depth, straight colour, opacity (Surface, ShadingModel). A ray's fragments are sorted by
 //    depth, those of equal depth by the surface's number in the scene and then by the triangle's.
 // 2. The ray enters the volume's box at depth d0 and leaves at d1, both cut to [near, far]; for d1 <= d0 it misses.
-// With
-//    L = length of direction_through() the way through the box in world units is (d1 - d0) * L. It is cut into slabs of
-//    length `step` (step_of()) from d0 on: slab k has depths [d0 + k * step / L, d0 + (k + 1) * step / L], the last one
-//    ends at d1. There are ceil(way / step) of them.
+//    With L = length of direction_through() the way through the box in world units is (d1 - d0) * L. It is cut into
+//    slabs of length `step` (step_of()) from d0 on: slab k has depths [d0 + k * step / L, d0 + (k + 1) * step / L], and
+//    the last one ends at d1. There are ceil(way / step) of them, at least one, and none for what is only rounding.
 // 3. Every slab has one sample, at the middle of it (of the shorter last one, its own middle): the trilinear
-// interpolant
-//    of table positions there, looked up (TransferFunction), gives a colour c and an extinction sigma. A part of length
-//    l of the slab, in unit lengths of the volume, has opacity 1 - exp(-sigma * l).
+//    interpolant of table positions there, looked up (TransferFunction), gives a colour c and an extinction sigma. A
+//    part of length l of the slab, in unit lengths of the volume, has opacity 1 - exp(-sigma * l).
 // 4. Front to back, transmittance T = 1 at first: each part of a slab and each fragment adds T * opacity * colour and
 //    multiplies T by 1 - opacity. A fragment within a slab divides it in two parts, before and behind, which share the
 //    slab's sample; one at a border between slabs lies between them. What lies beyond d1 or before d0 needs no sample.

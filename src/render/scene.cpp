@@ -40,9 +40,13 @@ Result<void> check_surface(const Surface& surface) {
                                               mesh.positions.size(), mesh.normals.size()));
   }
   if (surface.vertex_colours && std::ranges::none_of(mesh.attributes, [](const mesh::Attribute& attribute) {
-        return attribute.role == mesh::AttributeRole::colour && attribute.components >= 3;
+        using mesh::ComponentType;
+        return attribute.role == mesh::AttributeRole::colour && attribute.components >= 3 &&
+               (attribute.type == ComponentType::u8 || attribute.type == ComponentType::u16 ||
+                attribute.type == ComponentType::f32);
       })) {
-    return fail(ErrorKind::input, fmt::format("{}: expected vertices with colours, found none", mesh.name));
+    return fail(ErrorKind::input,
+                fmt::format("{}: expected vertices with colours of type u8, u16 or f32, found none", mesh.name));
   }
   return {};
 }

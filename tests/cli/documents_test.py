@@ -5,7 +5,7 @@ import subprocess
 
 from support import SOURCE, ProgramTest, main, needs_program
 
-COMMANDS = ("convert", "info", "verify", "compare", "bench", "stability", "merge", "devices", "help", "generate")
+COMMANDS = ("convert", "info", "verify", "compare", "render", "bench", "stability", "merge", "devices", "help", "generate")
 
 
 class DocumentsTest(ProgramTest):

@@ -132,7 +132,8 @@ class RayCaster {
     ++statistics.rays;
     const double length = glm::length(direction) * volume_.unit;  // world units per depth
     const double step = volume_.step / length;
-    const auto slabs = static_cast<std::int64_t>(std::ceil((leave - enter) / step));
+    // No further slab for what is only rounding.
+    const auto slabs = std::max(std::int64_t{1}, static_cast<std::int64_t>(std::ceil((leave - enter) / step - 1e-9)));
     const TransferFunction& transfer = volume_.samples->transfer();
     glm::ivec3 seen_brick(std::numeric_limits<int>::min());
     for (std::int64_t k = 0; k < slabs; ++k) {
