@@ -35,7 +35,7 @@ Result<ContactSheet> ContactSheet::create(const PictureSize& cell, std::size_t c
                             PictureSize::kMaxSide, count, cell.width, cell.height));
   }
   sheet.columns_ = static_cast<int>(columns);
-  auto paper = make_picture({kGap + sheet.columns_ * wide, kGap + static_cast<int>(rows) * high}, context);
+  auto paper = make_picture(kGap + sheet.columns_ * wide, kGap + static_cast<int>(rows) * high, context);
   if (!paper) return tl::unexpected(std::move(paper.error()));
   sheet.picture_ = std::move(*paper);
   Picture& picture = sheet.picture_;

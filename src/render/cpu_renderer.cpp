@@ -44,7 +44,7 @@ class CpuRenderer : public Renderer {
                         const Context& context) override {
     if (auto sound = check(scene, camera, options); !sound) return tl::unexpected(std::move(sound.error()));
     Rendered rendered;
-    auto picture = make_picture(options.size, context);
+    auto picture = make_picture(options.size.width, options.size.height, context);
     if (!picture) return tl::unexpected(std::move(picture.error()));
     rendered.picture = std::move(*picture);
 

@@ -7,7 +7,6 @@
 #include "base/context.hpp"
 #include "base/error.hpp"
 #include "base/memory_budget.hpp"
-#include "render/camera.hpp"
 
 namespace isoextract::render {
 
@@ -27,7 +26,7 @@ struct Picture {
   static constexpr std::size_t kBytesPerPixel = sizeof(glm::vec4) + sizeof(float) + sizeof(glm::vec3);
 };
 
-// With its memory reserved, and not initialised. Fails with ErrorKind::input where the memory is not there.
-[[nodiscard]] Result<Picture> make_picture(const PictureSize& size, const Context& context);
+// One whose pixels are not written yet. Fails with ErrorKind::input where the memory is not there.
+[[nodiscard]] Result<Picture> make_picture(int width, int height, const Context& context);
 
 }  // namespace isoextract::render

@@ -23,7 +23,7 @@ const std::vector<Light>& preview_lights() {
 
 // Half as wide and high: colours are means, which premultiplied light allows.
 Result<Picture> halved(const Picture& fine, const Context& context) {
-  auto made = make_picture({fine.width / 2, fine.height / 2}, context);
+  auto made = make_picture(fine.width / 2, fine.height / 2, context);
   if (!made) return made;
   Picture& coarse = *made;
   for (int y = 0; y < coarse.height; ++y) {

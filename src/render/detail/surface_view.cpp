@@ -16,7 +16,13 @@ T component(const mesh::Attribute& attribute, std::size_t vertex, std::size_t c)
   return value;
 }
 
-// Linear, with alpha.
+template <class V>
+V blend(const glm::dvec3& weights, const V& a, const V& b, const V& c) {
+  return weights.x * a + weights.y * b + weights.z * c;
+}
+
+}  // namespace
+
 glm::dvec4 vertex_colour(const mesh::Attribute& attribute, std::size_t vertex) {
   glm::dvec4 colour(0, 0, 0, 1);
   for (std::size_t c = 0; c < attribute.components; ++c) {
@@ -33,13 +39,6 @@ glm::dvec4 vertex_colour(const mesh::Attribute& attribute, std::size_t vertex) {
   }
   return colour;
 }
-
-template <class V>
-V blend(const glm::dvec3& weights, const V& a, const V& b, const V& c) {
-  return weights.x * a + weights.y * b + weights.z * c;
-}
-
-}  // namespace
 
 SurfaceView::SurfaceView(const Scene& scene, const Camera& camera, const PictureSize& size)
     : scene_(scene), rotation_(camera.rotation()), first_{0} {

@@ -23,6 +23,9 @@ struct Shade {
   glm::vec3 normal;  // in the world, towards the eye
 };
 
+// Linear, with alpha; of vertices, as Surface::vertex_colours tells.
+[[nodiscard]] glm::dvec4 vertex_colour(const mesh::Attribute& attribute, std::size_t vertex);
+
 class SurfaceView {
  public:
   // Scene and camera are sound, and outlive this.
@@ -34,7 +37,19 @@ class SurfaceView {
   [[nodiscard]] Corners corners(std::size_t surface, std::uint64_t triangle) const;
   // Whether all that it covers is hidden.
   [[nodiscard]] bool hides(std::size_t surface) const { return looks_[surface].hides; }
+  [[nodiscard]] bool is_smooth(std::size_t surface) const { return looks_[surface].smooth; }
+  // Of its vertices, or null: then it has one of its own.
+  [[nodiscard]] const mesh::Attribute* colours(std::size_t surface) const { return looks_[surface].colours; }
+  // Of stored positions.
+  [[nodiscard]] const field::Affine& view(std::size_t surface) const { return looks_[surface].view; }
+  // Of directions of the world.
+  [[nodiscard]] const glm::dmat3& rotation() const { return rotation_; }
+  // A light, as a unit vector in view space.
+  [[nodiscard]] const glm::dvec3& towards(std::size_t light) const { return towards_[light]; }
 
+  // The view through the picture's upper left corner, and what a pixel changes of it to the right and downwards.
+  [[nodiscard]] glm::dvec2 to_corner() const { return {to_left_, to_top_}; }
+  [[nodiscard]] const glm::dvec2& per_pixel() const { return per_pixel_; }
   // As direction_through().
   [[nodiscard]] glm::dvec3 direction(double x, double y) const {
     return {to_left_ + per_pixel_.x * x, to_top_ - per_pixel_.y * y, -1};
