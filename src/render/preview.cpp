@@ -60,10 +60,10 @@ void draw_scale_bar(Picture& picture, const ScaleBar& bar) {
 
 // So near that the corners of the box just fit into the picture, with a margin.
 Camera close_framing(const field::Box& box, ViewAngles angles, UpAxis up, const PictureSize& size) {
-  constexpr double kMargin = 0.9;
+  constexpr double kFilled = 0.9;
   const Camera far = framing(box, angles, up, size);
   if (angles.distance || box.min == box.max) return far;
-  const double high = kMargin * std::tan(far.fovy / 2);
+  const double high = kFilled * std::tan(far.fovy / 2);
   const double wide = high * size.width / size.height;
   double distance = 0;
   for (int corner = 0; corner < 8; ++corner) {
