@@ -155,8 +155,8 @@ class Narrator final : public convert::Events {
   }
 
   void carried(const convert::CarriedAttributes& attributes) override {
-    tell_stage(fmt::format("{} {} {}: attributes of {} vertices in {}", label_, word_, attributes.iso, attributes.vertices,
-                           times_text(attributes.time)));
+    tell_stage(fmt::format("{} {} {}: attributes of {} vertices in {}", label_, word_, attributes.iso,
+                           attributes.vertices, times_text(attributes.time)));
   }
 
   void read_attributes(const StageTime& time) override {

@@ -223,7 +223,8 @@ class Conversion {
   // When the vertices are those that are written. Attributes that are only for that go.
   Result<void> colour(Surface& surface) {
     std::vector<double> isos;
-    for (const ResolvedIso& iso : labels_ ? each_label(source_.isos, labels_->labels()) : source_.isos) isos.push_back(iso.value);
+    for (const ResolvedIso& iso : labels_ ? each_label(source_.isos, labels_->labels()) : source_.isos)
+      isos.push_back(iso.value);
     surface.mesh.material = material_of(job_, isos, surface.iso, source_.field.kind);
     if (!job_.colour || !job_.colour->attribute) return {};
     auto record = add_colours(*job_.colour, job_.format, surface.mesh, context_);
@@ -258,7 +259,8 @@ class Conversion {
     const double iso = asked_iso.value;
     const Stopwatch watch;
     const extract::ExtractOptions options = extract_options(iso);
-    auto extraction = labels_ ? extract_label(asked_iso, options) : extractor_->extract(source_.field, options, context_);
+    auto extraction =
+        labels_ ? extract_label(asked_iso, options) : extractor_->extract(source_.field, options, context_);
     if (!extraction && gave_way(extraction.error())) extraction = extractor_->extract(source_.field, options, context_);
     if (!extraction) return tl::unexpected(std::move(extraction.error()));
     if (auto whole = volumes::check_not_lost(source_.field); !whole) return tl::unexpected(std::move(whole.error()));
@@ -444,9 +446,9 @@ class Conversion {
     }
     if (skipped.empty()) return;
     const std::string path = shown(output);
-    events_.note(fmt::format("{}: no surface at {}{}; {}{}", source_.label, labels_ ? "" : "iso ", fmt::join(skipped, ", "),
-                             isos.empty() && sink_ == nullptr ? path + " was not written" : path + " is without it",
-                             besides));
+    events_.note(
+        fmt::format("{}: no surface at {}{}; {}{}", source_.label, labels_ ? "" : "iso ", fmt::join(skipped, ", "),
+                    isos.empty() && sink_ == nullptr ? path + " was not written" : path + " is without it", besides));
   }
 
   const ConversionJob& job_;
