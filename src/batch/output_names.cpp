@@ -101,7 +101,8 @@ Result<void> check_words(const OutputSource& source, const OutputTemplate& names
   const meshes::MeshFormatInfo& info = meshes::mesh_format_info(format);
   const bool all_labels = !source.isos.empty() && source.isos.front().kind == convert::IsoChoice::Kind::all_labels;
   if (all_labels && names.uses(OutputWord::iso)) {
-    return fail(ErrorKind::usage, fmt::format("{}: which labels there are is known once they are read", label_of_source(source)),
+    return fail(ErrorKind::usage,
+                fmt::format("{}: which labels there are is known once they are read", label_of_source(source)),
                 "list the labels, or write all into a glb");
   }
   if ((source.isos.size() < 2 && !all_labels) || info.holds_several_meshes || names.uses(OutputWord::iso)) return {};

@@ -19,12 +19,14 @@ void declare_convert_surface(CLI::App& app, ConvertFlags& flags) {
                fmt::format("{} Required but for particles, whose method has one; several times for several surfaces.",
                            kIsoText));
   declare_surface(group, flags.surface);
-  group.value("--labels", "all|L,...", flags.labels, parse_labels,
-              "Of a label map, whose samples are integers, the surface of each of these labels as a mesh of its own, in "
-              "place of --iso: all but 0, or those that are listed. They are called label L. With --method voxels.");
-  group.flag("--no-merge", flags.no_merge,
-             "With --method voxels: leave each face by itself, as two triangles. Otherwise coplanar faces are merged to "
-             "large rectangles.");
+  group.value(
+      "--labels", "all|L,...", flags.labels, parse_labels,
+      "Of a label map, whose samples are integers, the surface of each of these labels as a mesh of its own, in "
+      "place of --iso: all but 0, or those that are listed. They are called label L. With --method voxels.");
+  group.flag(
+      "--no-merge", flags.no_merge,
+      "With --method voxels: leave each face by itself, as two triangles. Otherwise coplanar faces are merged to "
+      "large rectangles.");
   group.flag("--t-junctions", flags.t_junctions,
              "With --method voxels: draw each rectangle with two triangles, though corners of others lie within its "
              "sides. These are the fewest triangles, but the mesh is not closed edge by edge.");

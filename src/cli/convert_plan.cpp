@@ -91,11 +91,10 @@ Result<std::vector<convert::OutputFileJob>> plan_outputs(const ConvertFlags& fla
                         "write all into a glb, or list labels");
   }
   if (flags.isos.size() > 1 && !format.holds_several_meshes) {
-    return refuse_usage(
-        fmt::format("one {} file holds one surface, and {} {} were given", format.name, flags.isos.size(),
-                    flags.labels ? "labels" : "iso values"),
-        fmt::format("write one file each with -o {}_{{iso}}.{}, or all into a glb",
-                    batch::stem_of(flags.input.inputs.front()), format.name));
+    return refuse_usage(fmt::format("one {} file holds one surface, and {} {} were given", format.name,
+                                    flags.isos.size(), flags.labels ? "labels" : "iso values"),
+                        fmt::format("write one file each with -o {}_{{iso}}.{}, or all into a glb",
+                                    batch::stem_of(flags.input.inputs.front()), format.name));
   }
   return std::vector<convert::OutputFileJob>{{path, flags.isos}};
 }

@@ -84,8 +84,7 @@ void declare_bench(CLI::App& app, BenchFlags& flags) {
   surface.value("--iso", "V", flags.iso, parse_number,
                 "The value whose surface is extracted (default: the demo field's own). Files need it.");
   surface.value("--methods", "M,M,...", flags.methods, parse_methods,
-                fmt::format("Of {} (default: {}).", fmt::join(extract::method_ids(), ", "),
-                            following_method_ids()));
+                fmt::format("Of {} (default: {}).", fmt::join(extract::method_ids(), ", "), following_method_ids()));
   declare_nan(surface, flags.nan);
   const Group output(app, "Output");
   output.value<std::string>("--csv", "FILE", flags.csv, parse_text, "Write the rows of the table as CSV.");

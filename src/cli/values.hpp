@@ -27,8 +27,8 @@ using VolumeChoice = std::variant<std::int64_t, AllVolumes>;
 [[nodiscard]] Result<double> parse_number(std::string_view text);           // finite
 [[nodiscard]] Result<convert::IsoChoice> parse_iso(std::string_view text);  // a finite number, auto or p0..p100
 [[nodiscard]] Result<std::vector<convert::IsoChoice>> parse_labels(std::string_view text);  // all, or 1,2,5
-[[nodiscard]] Result<double> parse_positive(std::string_view text);         // finite, above 0
-[[nodiscard]] Result<double> parse_not_negative(std::string_view text);     // finite, 0 or above
+[[nodiscard]] Result<double> parse_positive(std::string_view text);                         // finite, above 0
+[[nodiscard]] Result<double> parse_not_negative(std::string_view text);                     // finite, 0 or above
 [[nodiscard]] Result<convert::SimplifyBound> parse_simplify_bound(
     std::string_view text);                                                // 0.1, 0.1voxel or 0.5world, above 0
 [[nodiscard]] Result<glm::dvec3> parse_vector(std::string_view text);      // X,Y,Z

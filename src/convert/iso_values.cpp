@@ -95,7 +95,8 @@ Result<std::vector<ResolvedIso>> resolve_isos(std::span<const IsoChoice> choices
                   fmt::format("the usual value of {} is {}", info.title, info.iso));
     }
     if (choice.is_label()) {
-      return fail(ErrorKind::usage, fmt::format("{}: expected a label map, a volume of integers, found particles", label));
+      return fail(ErrorKind::usage,
+                  fmt::format("{}: expected a label map, a volume of integers, found particles", label));
     }
     if (choice.is_number()) {
       isos.push_back({choice, choice.number, {}});
@@ -113,7 +114,8 @@ bool is_repeated(const ResolvedIso& before, const ResolvedIso& iso) {
 std::vector<ResolvedIso> each_label(std::span<const ResolvedIso> asked, const std::vector<std::int64_t>& all) {
   std::vector<ResolvedIso> labels;
   const auto add = [&](const IsoChoice& label) {
-    if (std::ranges::find(labels, label, &ResolvedIso::asked) == labels.end()) labels.push_back({label, label.number, {}});
+    if (std::ranges::find(labels, label, &ResolvedIso::asked) == labels.end())
+      labels.push_back({label, label.number, {}});
   };
   for (const ResolvedIso& iso : asked) {
     if (iso.asked.kind == IsoChoice::Kind::label) add(iso.asked);

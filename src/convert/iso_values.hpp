@@ -30,10 +30,11 @@ struct ResolvedIso {
 // None is found in the samples.
 [[nodiscard]] bool all_known(std::span<const IsoChoice> choices);
 
-// One a choice, in their order; a label's value is its number. The samples are looked at only for choices that are no numbers and that the kind of the
-// field does not settle. Where no sample is finite, values that need one are 0. Fails with ErrorKind::input,
-// Reason::no_surface where a value is to be suggested and none separates the samples; with `empty_is_fine` it is then
-// one that gives no surface. As Context::reserve() does, and where the context is cancelled or the field is lost.
+// One a choice, in their order; a label's value is its number. The samples are looked at only for choices that are no
+// numbers and that the kind of the field does not settle. Where no sample is finite, values that need one are 0. Fails
+// with ErrorKind::input, Reason::no_surface where a value is to be suggested and none separates the samples; with
+// `empty_is_fine` it is then one that gives no surface. As Context::reserve() does, and where the context is cancelled
+// or the field is lost.
 [[nodiscard]] Result<std::vector<ResolvedIso>> resolve_isos(std::span<const IsoChoice> choices,
                                                             const field::ScalarField& field, bool empty_is_fine,
                                                             const Context& context);

@@ -22,8 +22,8 @@ struct ExtractOptions;
 struct Extraction;
 
 enum class Method {
-  mc,  // marching cubes, with the topology of the trilinear interpolant (asymptotic_decider.hpp)
-  mt,  // marching tetrahedra, six a cell (cell_tables.hpp)
+  mc,      // marching cubes, with the topology of the trilinear interpolant (asymptotic_decider.hpp)
+  mt,      // marching tetrahedra, six a cell (cell_tables.hpp)
   voxels,  // the exposed faces of the samples inside, each a box (voxels.hpp)
 };
 

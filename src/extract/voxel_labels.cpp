@@ -1,5 +1,5 @@
-// The voxels of each label of a label map, found in one pass: chunk by chunk, runs of equal samples become bits of their
-// label.
+// The voxels of each label of a label map, found in one pass: chunk by chunk, runs of equal samples become bits of
+// their label.
 #include <algorithm>
 #include <array>
 #include <map>
@@ -144,8 +144,8 @@ SampleRows<T> dense_rows(const DenseView<T>& view, const glm::ivec3& origin) {
 }
 
 Result<void> check_label_map(const field::ScalarField& field, const LabelChoice& choice) {
-  const bool integers = visit_sample_type(
-      field.type(), []<class T>(std::type_identity<T>) { return !field::is_floating_sample<T>; });
+  const bool integers =
+      visit_sample_type(field.type(), []<class T>(std::type_identity<T>) { return !field::is_floating_sample<T>; });
   if (!integers) {
     return fail(ErrorKind::usage, fmt::format("{}: expected integers as the samples of a label map, found {}",
                                               field.source, field::sample_type_name(field.type())));
@@ -209,7 +209,8 @@ struct LabelVoxels::Found {
         const DenseView<T> view = part_of(dense_view<T>(samples), region);
         run(grid.count(), choice, std::nullopt, context,
             [&](ChunkLabels chunk, std::size_t begin, std::size_t end, ReservedList<LabelPart>& list) {
-              for (std::size_t n = begin; n < end; ++n) chunk.add(dense_rows(view, grid.origin(n)), grid.origin(n), list);
+              for (std::size_t n = begin; n < end; ++n)
+                chunk.add(dense_rows(view, grid.origin(n)), grid.origin(n), list);
             });
       }
     });
@@ -223,8 +224,8 @@ struct LabelVoxels::Found {
     memory.push_back(std::move(*held));
     lookup.emplace(samples, std::move(nodes));
     Reservation list_memory;
-    const auto origins = sparse_chunks(field, samples, region, false, std::vector<std::uint8_t>(samples.tiles.size(), 1),
-                                       context, list_memory);
+    const auto origins = sparse_chunks(field, samples, region, false,
+                                       std::vector<std::uint8_t>(samples.tiles.size(), 1), context, list_memory);
     if (!origins) return tl::unexpected(origins.error());
     stats.samples_classified = samples.blocks.size() * kBlockSize * kBlockSize * kBlockSize;
     field::visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) {

@@ -30,7 +30,9 @@ Result<VoxelChunks> fill_chunks(const field::ScalarField& field, std::size_t cou
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t n) {
     ChunkBits bits;
     fill(n, bits);
-    const auto all = [&](std::uint64_t word) { return std::ranges::all_of(bits, [&](auto row) { return row == word; }); };
+    const auto all = [&](std::uint64_t word) {
+      return std::ranges::all_of(bits, [&](auto row) { return row == word; });
+    };
     chunks[n] = {origin(n), all(0) ? &empty_chunk() : all(kAllBits) ? &full_chunk() : nullptr};
   });
   const auto is_mixed = [](const VoxelChunk& chunk) { return chunk.bits == nullptr; };
@@ -136,7 +138,8 @@ Result<Extraction> extract_sparse_voxels(const field::ScalarField& field, const 
   if (auto compared = samples_seen.compare(stats); !compared) return tl::unexpected(compared.error());
   const ConstantSides& sides = samples_seen.sides();
   Reservation list_memory;
-  const auto origins = sparse_chunks(field, samples, reach->region, unbounded, sides.tiles_inside, context, list_memory);
+  const auto origins =
+      sparse_chunks(field, samples, reach->region, unbounded, sides.tiles_inside, context, list_memory);
   if (!origins) return tl::unexpected(origins.error());
   const field::SparseLookup& lookup = samples_seen.lookup();
   const auto voxels = fill_chunks(
@@ -156,14 +159,13 @@ Result<Extraction> extract_sparse_voxels(const field::ScalarField& field, const 
         for (std::size_t row = 0; row < bits.size(); ++row) bits[row] &= within[row];
       },
       [&](std::size_t n) { return (*origins)[n]; },
-      [&](const glm::ivec3& origin) {
-        return is_in(reach->region, origin) && sides.inside(lookup.place(origin));
-      },
+      [&](const glm::ivec3& origin) { return is_in(reach->region, origin) && sides.inside(lookup.place(origin)); },
       context);
   if (!voxels) return tl::unexpected(voxels.error());
   count_chunks(stats, origins->size(), *voxels);
   if (auto wanted = context.check(); !wanted) return tl::unexpected(wanted.error());
-  return mesh_voxels(field, *voxels, glm::ivec3(0), sparse_voxel_frame(field, options, *reach), options, stats, context);
+  return mesh_voxels(field, *voxels, glm::ivec3(0), sparse_voxel_frame(field, options, *reach), options, stats,
+                     context);
 }
 
 }  // namespace

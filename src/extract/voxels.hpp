@@ -20,7 +20,7 @@ namespace isoextract::extract {
 
 // Which labels of a label map.
 struct LabelChoice {
-  bool all = false;                   // but 0, and what a sparse field has all around
+  bool all = false;                  // but 0, and what a sparse field has all around
   std::vector<std::int64_t> values;  // else these, each once
 
   friend bool operator==(const LabelChoice&, const LabelChoice&) = default;

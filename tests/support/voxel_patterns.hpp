@@ -21,9 +21,7 @@ struct VoxelPattern {
     if (glm::any(glm::lessThan(p, glm::ivec3(0))) || glm::any(glm::greaterThanEqual(p, dims))) return false;
     return inside[static_cast<std::size_t>(p.x + dims.x * (p.y + dims.y * p.z))] != 0;
   }
-  [[nodiscard]] std::int64_t count() const {
-    return std::count(inside.begin(), inside.end(), std::uint8_t{1});
-  }
+  [[nodiscard]] std::int64_t count() const { return std::count(inside.begin(), inside.end(), std::uint8_t{1}); }
   // By direction: against x, along x, against y, ...
   [[nodiscard]] std::array<std::int64_t, 6> exposed() const {
     std::array<std::int64_t, 6> faces{};
@@ -50,9 +48,8 @@ struct VoxelPattern {
 inline VoxelPattern random_pattern(const glm::ivec3& dims, unsigned seed, int percent) {
   std::mt19937 engine(seed);
   VoxelPattern pattern{dims, {}};
-  pattern.for_each([&](const glm::ivec3&) {
-    pattern.inside.push_back(static_cast<int>(engine() % 100) < percent ? 1 : 0);
-  });
+  pattern.for_each(
+      [&](const glm::ivec3&) { pattern.inside.push_back(static_cast<int>(engine() % 100) < percent ? 1 : 0); });
   return pattern;
 }
 

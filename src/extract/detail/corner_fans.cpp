@@ -28,12 +28,12 @@ class FanFinder {
       if (!is_face(f)) continue;
       const int first = group_[static_cast<std::size_t>(f)];
       if (first == f) number[static_cast<std::size_t>(f)] = found.fans++;
-      found.of_face[static_cast<std::size_t>(f)] =
-          static_cast<std::uint8_t>(number[static_cast<std::size_t>(first)]);
+      found.of_face[static_cast<std::size_t>(f)] = static_cast<std::uint8_t>(number[static_cast<std::size_t>(first)]);
     }
     for (int axis = 0; axis < 3; ++axis) {
       for (int side = 0; side < 2; ++side) {
-        if (is_doubled(axis, side)) found.doubled[static_cast<std::size_t>(side)] |= static_cast<std::uint8_t>(1 << axis);
+        if (is_doubled(axis, side))
+          found.doubled[static_cast<std::size_t>(side)] |= static_cast<std::uint8_t>(1 << axis);
       }
     }
     return found;
@@ -72,7 +72,8 @@ class FanFinder {
   [[nodiscard]] constexpr bool is_diagonal(int axis, int side) const {
     const bool corner = holds(pattern_, voxel_at(axis, side, 0, 0));
     return corner == holds(pattern_, voxel_at(axis, side, 1, 1)) &&
-           corner != holds(pattern_, voxel_at(axis, side, 1, 0)) && corner != holds(pattern_, voxel_at(axis, side, 0, 1));
+           corner != holds(pattern_, voxel_at(axis, side, 1, 0)) &&
+           corner != holds(pattern_, voxel_at(axis, side, 0, 1));
   }
 
   // The two faces of the voxel at sides `b` and `c`.

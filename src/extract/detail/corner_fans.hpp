@@ -19,10 +19,10 @@
 namespace isoextract::extract {
 
 struct CornerFans {
-  std::uint8_t fans = 0;                         // 0 to 4
-  std::array<std::uint8_t, 12> of_face{};        // the fan of each face that there is
-  std::array<std::uint8_t, 2> doubled{};         // bits of axes, by whether the edge leads upward: where voxels touch
-                                                 // along this edge only and both are in one fan
+  std::uint8_t fans = 0;                   // 0 to 4
+  std::array<std::uint8_t, 12> of_face{};  // the fan of each face that there is
+  std::array<std::uint8_t, 2> doubled{};   // bits of axes, by whether the edge leads upward: where voxels touch
+                                           // along this edge only and both are in one fan
 };
 
 // By pattern.

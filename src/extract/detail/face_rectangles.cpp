@@ -179,8 +179,7 @@ struct Layer {
   const std::int32_t* end;
 };
 
-void sweep_layer(const VoxelChunks& voxels, const Layer& layer, VoxelFaces faces,
-                 ReservedList<FaceRectangle>& found) {
+void sweep_layer(const VoxelChunks& voxels, const Layer& layer, VoxelFaces faces, ReservedList<FaceRectangle>& found) {
   const int axis = layer.axis;
   const int v_axis = plane_v(axis);
   glm::ivec3 step(0);
@@ -228,7 +227,8 @@ Result<std::vector<LayerRectangles>> list_face_rectangles(const VoxelChunks& vox
     const std::vector<std::int32_t>& order = orders[static_cast<std::size_t>(axis)];
     const auto place = [&](std::int32_t c) { return chunks[static_cast<std::size_t>(c)].origin[axis]; };
     for (const std::int32_t* c = order.data(); c != order.data() + order.size();) {
-      const std::int32_t* end = std::find_if(c, order.data() + order.size(), [&](auto n) { return place(n) != place(*c); });
+      const std::int32_t* end =
+          std::find_if(c, order.data() + order.size(), [&](auto n) { return place(n) != place(*c); });
       layers.push_back({axis, c, end});
       c = end;
     }

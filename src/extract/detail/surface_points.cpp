@@ -121,9 +121,8 @@ Result<std::vector<glm::ivec3>> SurfacePoints::list_origins(const VoxelChunks& v
       if ((n & ~axes) == 0) origins.push_back(chunk.origin + kVoxelChunk * glm::ivec3(n & 1, n >> 1 & 1, n >> 2));
     }
   }
-  tbb::parallel_sort(origins.begin(), origins.end(), [](const glm::ivec3& a, const glm::ivec3& b) {
-    return chunk_order(a) < chunk_order(b);
-  });
+  tbb::parallel_sort(origins.begin(), origins.end(),
+                     [](const glm::ivec3& a, const glm::ivec3& b) { return chunk_order(a) < chunk_order(b); });
   origins.erase(std::unique(origins.begin(), origins.end()), origins.end());
   return origins;
 }
@@ -265,8 +264,7 @@ void SurfacePoints::count_rows(std::size_t chunk) {
 }
 
 void SurfacePoints::write_positions(const OutputFrame& placement, const glm::ivec3& base, mesh::Mesh& mesh) const {
-  tbb::parallel_for(std::size_t{0}, origins_.size(),
-                    [&](std::size_t c) { write_chunk(placement, base, mesh, c); });
+  tbb::parallel_for(std::size_t{0}, origins_.size(), [&](std::size_t c) { write_chunk(placement, base, mesh, c); });
 }
 
 void SurfacePoints::write_chunk(const OutputFrame& placement, const glm::ivec3& base, mesh::Mesh& mesh,

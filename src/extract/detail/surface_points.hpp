@@ -2,8 +2,8 @@
 //
 // A corner is used where a rectangle has a corner of its own there, and wherever voxels touch along an edge only, so
 // that such edges are one step long. Each fan of faces (corner_fans.hpp) has a vertex of its own. Where voxels touch
-// along an edge and are in one fan at both of its ends, that edge of the mesh would have four triangles: each of the two
-// gets a vertex in its middle, too.
+// along an edge and are in one fan at both of its ends, that edge of the mesh would have four triangles: each of the
+// two gets a vertex in its middle, too.
 #pragma once
 
 #include <array>
@@ -76,8 +76,8 @@ class SurfacePoints {
  private:
   // What corners of a chunk have besides one vertex each.
   struct Specials {
-    std::array<ChunkBits, 2> more_fans;       // one fewer than there are, as two digits
-    std::array<ChunkBits, 3> middles;         // edges upward along x, y, z with a vertex a voxel in the middle
+    std::array<ChunkBits, 2> more_fans;         // one fewer than there are, as two digits
+    std::array<ChunkBits, 3> middles;           // edges upward along x, y, z with a vertex a voxel in the middle
     std::array<std::uint8_t, 64 * 64> pattern;  // by row and bit
   };
   using RowBases = std::array<std::uint32_t, 64>;

@@ -28,7 +28,7 @@ inline constexpr std::uint64_t kAllBits = ~std::uint64_t{0};
 [[nodiscard]] const ChunkBits& empty_chunk();  // all outside
 
 struct VoxelChunk {
-  glm::ivec3 origin;               // a multiple of kVoxelChunk
+  glm::ivec3 origin;                // a multiple of kVoxelChunk
   const ChunkBits* bits = nullptr;  // whoever made the chunk keeps them
 };
 

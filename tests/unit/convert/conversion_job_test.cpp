@@ -48,8 +48,9 @@ ConversionJob full_job() {
   job.packing = {meshes::Compression::draco, true, 12, true};
   job.field_file = FieldFileOptions{true};
   job.outputs = {{"a.stl", {0.1}},
-                 {"-", {1.0 / 3, -5, IsoChoice::suggested(), IsoChoice::percentile(*field::Percent::parse("99.9")), IsoChoice::label(-7),
-                        IsoChoice::all_labels()}}};
+                 {"-",
+                  {1.0 / 3, -5, IsoChoice::suggested(), IsoChoice::percentile(*field::Percent::parse("99.9")),
+                   IsoChoice::label(-7), IsoChoice::all_labels()}}};
   return job;
 }
 
@@ -90,11 +91,12 @@ TEST(ConversionJob, EveryMemberCounts) {
 }
 
 TEST(ConversionJob, IsoValuesAreNumbersOrWords) {
-  EXPECT_EQ(json_of(full_job())["outputs"][1]["iso"].dump(), R"([0.3333333333333333,-5.0,"auto","p99.9","label -7","all labels"])");
+  EXPECT_EQ(json_of(full_job())["outputs"][1]["iso"].dump(),
+            R"([0.3333333333333333,-5.0,"auto","p99.9","label -7","all labels"])");
   std::set<std::string> hashes;
-  for (const IsoChoice& iso : {IsoChoice(), IsoChoice(99), IsoChoice::suggested(),
-                               IsoChoice::percentile(field::Percent(99)), IsoChoice::percentile(field::Percent(0)),
-                               IsoChoice::label(99), IsoChoice::label(0), IsoChoice::all_labels()}) {
+  for (const IsoChoice& iso :
+       {IsoChoice(), IsoChoice(99), IsoChoice::suggested(), IsoChoice::percentile(field::Percent(99)),
+        IsoChoice::percentile(field::Percent(0)), IsoChoice::label(99), IsoChoice::label(0), IsoChoice::all_labels()}) {
     ConversionJob job;
     job.outputs = {{"a.ply", {iso}}};
     EXPECT_TRUE(hashes.insert(hash_of(job)).second) << text_of(iso);

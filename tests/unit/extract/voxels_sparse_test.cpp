@@ -62,8 +62,7 @@ TEST(VoxelsSparse, FarAndLargeIsCheap) {
   EXPECT_EQ(far->mesh.triangles.size(), 24U);
   test::expect_sound(far->mesh, true);
   EXPECT_LT(context.memory().peak(), std::uint64_t{1} << 20);
-  const auto large =
-      make_cpu_extractor()->extract(tiles({{{0, 0, 0}, 4096, 1}}, 0), test::voxel_options(), context);
+  const auto large = make_cpu_extractor()->extract(tiles({{{0, 0, 0}, 4096, 1}}, 0), test::voxel_options(), context);
   ASSERT_TRUE(large) << large.error().message;
   EXPECT_EQ(large->mesh.triangles.size(), 12U);
   EXPECT_EQ(mesh::measure_size(large->mesh).volume, 4096.0 * 4096 * 4096);
@@ -119,7 +118,8 @@ TEST(VoxelsSparse, LabelsThatAreAskedFor) {
   EXPECT_TRUE(some->extract(field, 99, test::voxel_options())->mesh.triangles.empty());
   EXPECT_FALSE(some->extract(field, 0, test::voxel_options())->mesh.triangles.empty());
   EXPECT_TRUE(some->extract(field, 1, test::voxel_options())->mesh.triangles.empty());
-  const auto refused = LabelVoxels::find(test::sparse_copy<std::int16_t>(field, 0), test::voxel_options(), {false, {0}});
+  const auto refused =
+      LabelVoxels::find(test::sparse_copy<std::int16_t>(field, 0), test::voxel_options(), {false, {0}});
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().message.find("label 0 is the background"), std::string::npos);
   const auto floats = LabelVoxels::find(test::random_field<float>({8, 8, 8}, 1, 3), test::voxel_options(), {true, {}});

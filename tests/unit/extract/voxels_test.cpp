@@ -132,8 +132,8 @@ TEST(Voxels, ARegionIsClosedWhereItCuts) {
   options.region = field::IndexBox{{3, 2, 5}, {66, 9, 9}};
   VoxelPattern part = pattern;
   part.for_each([&](const glm::ivec3& p) {
-    const bool kept = glm::all(glm::greaterThanEqual(p, options.region->min)) &&
-                      glm::all(glm::lessThanEqual(p, options.region->max));
+    const bool kept =
+        glm::all(glm::greaterThanEqual(p, options.region->min)) && glm::all(glm::lessThanEqual(p, options.region->max));
     if (!kept) part.inside[static_cast<std::size_t>(p.x + 70 * (p.y + 12 * p.z))] = 0;
   });
   test::expect_surface_of(part, test::extract(test::field_of(pattern), options).mesh);
