@@ -253,6 +253,7 @@ class AttributesTest(ProgramTest):
                            (("--attribute", "=a"), "NAME=FROM"), (("--attribute", "a="), "NAME=FROM"),
                            (("--color-by", "a:virids"), "did you mean 'viridis'?"),
                            (("--color-by", "a:1,1"), "MIN below MAX"),
+                           (("--color-by", "a:0,1:gray"), "as in a:gray:0,1"),
                            (("--attribute", "a=linear.nrrd", "--attribute", "a=b"), "given twice"),
                            (("--attribute", "a=linear.nrrd", "--color-by", "a=b.nrrd"), "another name")):
             self.assert_fails(1, self.run_program(*ball, *more), part)
@@ -261,6 +262,11 @@ class AttributesTest(ProgramTest):
             run = self.run_program(*ball, *more, "-o", "a.ply")
             self.assertIn(run.code, (1, 2), run.err)
             self.assertIn(part, run.err)
+        # Options of the input do not help.
+        for wrong, part in (("a=linear.nrrd[x]", "leave the name of a grid out"), ("a=a.raw", "files that say what is in")):
+            run = self.run_program(*ball, "--attribute", wrong, "-o", "a.ply")
+            self.assertIn(part, run.err)
+            self.assertNotRegex(run.err, "--(grid|dims)")
         self.particles()
         self.assert_fails(2, self.run_program("a.ply", "--color-by", "nix", "-o", "b.ply"), "no attribute" , "'nix'")
         self.assertFalse({"a.stl", "a.obj", "b.ply"} & set(self.files()))
@@ -277,7 +283,7 @@ class AttributesTest(ProgramTest):
         for value in found["again"]:
             self.assertAlmostEqual(value, 0.5, delta=1e-4)
         self.assert_fails(2, self.run_program(gas, "--grid", "density", "--iso", "0.5", "--attribute", "nix", "-o", "a.ply"),
-                          "the attribute 'nix'", "nix")
+                          "the attribute 'nix'", "nix", "an attribute is one of the file's grids\n  density")
 
     @unittest.skipUnless(PLUGIN.exists(), "the plug-ins around OpenVDB were not built")
     @needs_data("vdb/c42_gas_seq/fluid_data_0002.vdb")

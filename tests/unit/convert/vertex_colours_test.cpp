@@ -114,8 +114,14 @@ TEST(Materials, OuterSurfacesLetInnerOnesBeSeen) {
   const auto plain = material_of(job, isos, 1, field::FieldKind::density);
   ASSERT_TRUE(plain);
   EXPECT_EQ(*plain, (mesh::Material{{}, 0.5}));
-  isos = {1};
+  isos = {1, 3, 2, 3};  // a value that was found can be one that was given: it has one surface
+  job.opacity = {0.1, 0.2, 0.3, 0.4};
+  EXPECT_EQ(opacity(3, field::FieldKind::density), 0.2);
   job.opacity.clear();
+  job.colour = ColourChoice{{}, Colormap::gray, {}};
+  EXPECT_EQ(opacity(2, field::FieldKind::density), 0.625);
+  EXPECT_EQ(opacity(3, field::FieldKind::density), 1);
+  isos = {1};
   job.colour = ColourChoice{{}, Colormap::gray, {}};
   EXPECT_EQ(opacity(1, field::FieldKind::density), 1);
 }

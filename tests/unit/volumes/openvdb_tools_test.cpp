@@ -163,6 +163,18 @@ TEST(OpenVdbTools, SpheresHaveTheirVolume) {
   EXPECT_EQ(context.memory().reserved(), 0U);
 }
 
+TEST(OpenVdbTools, CountingWhatSpheresTouchIsReservedToo) {
+  NEEDS_OPENVDB_PLUGIN();
+  const PluginFolder plugins(BUILT_PLUGINS);
+  volumes::SphereOptions options;
+  options.radius = 1;
+  options.voxel = 0.001;
+  constexpr std::uint64_t kLimit = std::uint64_t{16} << 20;
+  const Context context = with_memory(kLimit);
+  EXPECT_FALSE(volumes::spheres_to_field(two_balls(), options, context));
+  EXPECT_GT(context.memory().peak(), kLimit / 2);  // refused while it counted
+}
+
 TEST(OpenVdbTools, ASmoothSphereAloneIsASphere) {
   NEEDS_OPENVDB_PLUGIN();
   const PluginFolder plugins(BUILT_PLUGINS);
