@@ -159,6 +159,31 @@ class AttributesTest(ProgramTest):
         self.assertEqual(sorted(Glb((self.folder / "out.glb").read_bytes()).primitive()["attributes"]),
                          ["COLOR_0", "NORMAL", "POSITION"])
 
+    def test_each_surface_has_the_range_of_its_own_vertices(self):
+        self.convert("ball.nrrd", "--iso", "0", "--iso", "2", "--attribute", "heat=linear.nrrd", "--color-by", "heat:gray",
+                     "-o", "two.glb")
+        glb = Glb((self.folder / "two.glb").read_bytes())
+        ranges = set()
+        for mesh in range(2):
+            pairs = sorted(zip(glb.values("_heat", mesh), glb.values("COLOR_0", mesh)))
+            self.assertEqual((pairs[0][1][0], pairs[-1][1][0]), (0, 65535))
+            middle = (pairs[0][0][0] + pairs[-1][0][0]) / 2
+            _, colour = min((abs(value - middle), colour) for (value,), colour in pairs)
+            self.assertAlmostEqual(colour[0] / 65535, 0.214, delta=0.05)  # half of sRGB, as linear light
+            ranges.add((pairs[0][0], pairs[-1][0]))
+        self.assertEqual(len(ranges), 2)
+
+    def test_several_attributes_are_not_mixed_up(self):
+        self.particles()
+        for order in (("v", "p=pressure"), ("p=pressure", "v")):
+            words = [word for name in order for word in ("--attribute", name)]
+            self.convert("a.ply", "--radius", "0.25", *words, "--ascii", "-o", "out.ply")
+            found = columns(self.folder / "out.ply")
+            self.assertEqual(found["p"], found["v_0"])  # pressure is x
+            for c, axis in enumerate("xyz"):
+                for place, value in zip(found[axis], found[f"v_{c}"]):
+                    self.assertAlmostEqual(value, min(max(place, 0), 4 * STEP), delta=0.6 * STEP)
+
     @needs_program("node")
     def test_everything_that_makes_the_file_smaller_keeps_them(self):
         self.particles()

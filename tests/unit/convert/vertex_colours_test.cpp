@@ -86,6 +86,13 @@ TEST(VertexColours, RangesLengthsAndNumbersThatAreNone) {
   ASSERT_TRUE(record);
   EXPECT_EQ((std::array{record->min, record->max}), (std::array{0.0, 13.0}));
 
+  mesh::Mesh high = with_values({4, 8, 6});
+  ASSERT_TRUE(add_colours(by_heat(), meshes::MeshFormat::ply, high, Context()));
+  EXPECT_EQ(colours_of<std::uint8_t>(high), (std::vector<std::uint8_t>{0, 0, 0, 255, 255, 255, 128, 128, 128}));
+  mesh::Mesh given = with_values({4, 8, 1});
+  ASSERT_TRUE(add_colours(by_heat(Colormap::gray, std::array{2.0, 6.0}), meshes::MeshFormat::ply, given, Context()));
+  EXPECT_EQ(colours_of<std::uint8_t>(given), (std::vector<std::uint8_t>{128, 128, 128, 255, 255, 255, 0, 0, 0}));
+
   mesh::Mesh alike = with_values({2, 2});
   ASSERT_TRUE(add_colours(by_heat(), meshes::MeshFormat::ply, alike, Context()));
   EXPECT_EQ(colours_of<std::uint8_t>(alike).front(), 128);
