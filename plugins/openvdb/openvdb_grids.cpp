@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <ostream>
+#include <span>
 #include <unordered_map>
 #include <unordered_set>
 
@@ -98,6 +99,7 @@ class GridBuilder {
   void from_sparse(const isoextract_sparse_samples& samples) {
     grid_ = FloatGrid::create(value_of(samples.background));
     memory_.take(samples.block_count * kLeafBytes + (std::uint64_t{1} << 20));
+    reserve_nodes_above(samples);
     for (std::size_t i = 0; i < samples.tile_count; ++i) add_tile(samples.tiles[i]);
     for (std::size_t i = 0; i < samples.block_count; ++i) {
       const isoextract_sparse_block& block = samples.blocks[i];
@@ -106,6 +108,33 @@ class GridBuilder {
         for (openvdb::Index n = 0; n < kLeafValues; ++n) put(leaf, n, sample(values[n]));
       });
     }
+  }
+
+  // Of scattered bricks each can have nodes of its own, which are far larger than it is.
+  void reserve_nodes_above(const isoextract_sparse_samples& samples) {
+    using Upper = FloatTree::RootNodeType::ChildNodeType;
+    using Lower = Upper::ChildNodeType;
+    memory_.take((samples.block_count + samples.tile_count) * sizeof(openvdb::Coord));
+    std::vector<openvdb::Coord> nodes;
+    nodes.reserve(samples.block_count + samples.tile_count);
+    const auto add = [&](const std::int32_t* origin) { nodes.emplace_back(origin[0], origin[1], origin[2]); };
+    const auto distinct = [&](openvdb::Index side) {
+      for (openvdb::Coord& node : nodes) node &= ~(static_cast<std::int32_t>(side) - 1);
+      nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());  // most lie behind each other
+      std::ranges::sort(nodes, [](const openvdb::Coord& a, const openvdb::Coord& b) { return a < b; });
+      nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+      return static_cast<std::uint64_t>(nodes.size());
+    };
+    const std::span tiles(samples.tiles, samples.tile_count);
+    for (const isoextract_sparse_block& block : std::span(samples.blocks, samples.block_count)) add(block.origin);
+    for (const isoextract_sparse_tile& tile : tiles) {
+      if (tile.size < static_cast<int>(Lower::DIM)) add(tile.origin);
+    }
+    const std::uint64_t lower = distinct(Lower::DIM);
+    for (const isoextract_sparse_tile& tile : tiles) {
+      if (tile.size >= static_cast<int>(Lower::DIM) && tile.size < static_cast<int>(Upper::DIM)) add(tile.origin);
+    }
+    memory_.take(lower * sizeof(Lower) + distinct(Upper::DIM) * sizeof(Upper));
   }
 
   void put(Leaf& leaf, openvdb::Index n, float value) const {

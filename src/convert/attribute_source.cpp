@@ -141,7 +141,7 @@ mesh::Attribute float_attribute(const std::string& name, std::size_t components,
 
 using Records = std::vector<AttributeRecord>;
 
-void take_attributes(std::vector<mesh::Attribute>&& added, MemoryReservation memory, mesh::Mesh& mesh) {
+void take_attributes(std::vector<mesh::Attribute>&& added, Reservation memory, mesh::Mesh& mesh) {
   std::ranges::move(added, std::back_inserter(mesh.attributes));
   mesh.memory.take(std::move(memory));
 }
