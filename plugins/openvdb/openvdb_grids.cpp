@@ -282,7 +282,7 @@ std::uint64_t leaves_touched(const Particles& particles, const isoextract_sphere
 
 FloatGrid::Ptr united_spheres(const Particles& particles, const isoextract_sphere_job& job, Interrupter& interrupter) {
   FloatGrid::Ptr grid = openvdb::createLevelSet<FloatGrid>(job.voxel, job.half_band);
-  openvdb::tools::ParticlesToLevelSet<FloatGrid, void, Interrupter> raster(*grid, &interrupter);
+  openvdb::tools::ParticlesToLevelSet<FloatGrid> raster(*grid, &interrupter);
   raster.setRmin(0);
   raster.setRmax(std::numeric_limits<double>::max());
   raster.rasterizeSpheres(particles);
@@ -306,7 +306,7 @@ FloatGrid::Ptr smooth_spheres(const Particles& particles, const isoextract_spher
   points::populateAttribute(grid->tree(), index->tree(), radius, points::PointAttributeVector<float>(radii));
   interrupter.check();
   auto surface =
-      points::rasterizeSmoothSpheres<points::PointDataGrid, float, FloatGrid, points::NullFilter, Interrupter>(
+      points::rasterizeSmoothSpheres<points::PointDataGrid, float, FloatGrid, points::NullFilter>(
           *grid, radius, 1.0, job.search_radius, job.half_band, transform, points::NullFilter(), &interrupter);
   interrupter.check();
   return surface;
@@ -366,7 +366,7 @@ int filter(const isoextract_filter_job* job, const isoextract_plugin_host* host,
     }
     // Two buffers beside the grid's own, and leaves that the band moves into.
     for_work.take(3 * grid->memUsage());
-    openvdb::tools::LevelSetFilter<FloatGrid, FloatGrid, Interrupter> work(*grid, &interrupter);
+    openvdb::tools::LevelSetFilter<FloatGrid> work(*grid, &interrupter);
     const auto width = static_cast<int>(std::clamp<std::uint32_t>(job->width, 1, 64));
     for (std::uint32_t i = 0; i < job->iterations; ++i) {
       switch (job->filter) {

@@ -9,8 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "base/ascii.hpp"
 #include "base/printable.hpp"
-#include "batch/detail/ascii.hpp"
 #include "batch/detail/folder_names.hpp"
 #include "batch/detail/input_names.hpp"
 #include "batch/detail/sequences.hpp"

@@ -18,6 +18,7 @@
 #include "batch/output_template.hpp"
 #include "convert/output_checks.hpp"
 #include "files/file_bytes.hpp"
+#include "files/output_file.hpp"
 
 namespace isoextract::batch {
 namespace {
@@ -59,8 +60,6 @@ std::string label_of_source(const OutputSource& source) {
   if (!source.grid.empty()) label += fmt::format(", grid {}", printable(source.grid));
   return label + ")";
 }
-
-std::string shown_output(const fs::path& file) { return file == "-" ? "standard output" : printable(file.string()); }
 
 // What tells the names in a folder apart.
 std::string name_in_folder(std::span<const OutputSource> sources, std::string_view extension) {
@@ -156,17 +155,19 @@ Result<void> check_outputs(std::span<const OutputSource> sources, std::span<cons
         if (const auto reader = readers.find(key); reader != readers.end()) {
           return fail(ErrorKind::usage,
                       fmt::format("{}: {} would write it, and it is the input of {}; it is not overwritten",
-                                  shown_output(file), label_of_source(sources[i]), label_of_source(*reader->second)),
+                                  printable(files::shown_output_name(file)), label_of_source(sources[i]),
+                                  label_of_source(*reader->second)),
                       Remedy::other_output_name);
         }
         const auto [writer, fresh] = writers.try_emplace(key, &sources[i]);
         if (fresh) continue;
         const OutputSource& first = *writer->second;
         return fail(ErrorKind::usage,
-                    &first == &sources[i] ? fmt::format("{}: two outputs of {} would be this file", shown_output(file),
-                                                        label_of_source(first))
-                                          : fmt::format("{}: {} and {} would both write it", shown_output(file),
-                                                        label_of_source(first), label_of_source(sources[i])),
+                    &first == &sources[i]
+                        ? fmt::format("{}: two outputs of {} would be this file",
+                                      printable(files::shown_output_name(file)), label_of_source(first))
+                        : fmt::format("{}: {} and {} would both write it", printable(files::shown_output_name(file)),
+                                      label_of_source(first), label_of_source(sources[i])),
                     Remedy::number_outputs);
       }
     }

@@ -81,8 +81,6 @@ std::string ends_text(const std::vector<SurfaceEnd>& ends, const ConvertPlan& pl
   return ends.empty() ? "empty" : "closed";
 }
 
-std::string shown_path(const std::string& path) { return path == "-" ? "stdout" : path; }
-
 // Says on stderr what a conversion does: notes and summaries as they come, stages where --explain or --verbose asks.
 class Narrator final : public convert::Events {
  public:
@@ -183,7 +181,7 @@ class Narrator final : public convert::Events {
       forget();
       return;
     }
-    const std::string path = shown_path(output.job.path);
+    const std::string path = files::shown_output_name(output.job.path);
     tell_stage(fmt::format("{}: written in {}", path, times_text(output.time)));
     std::uint64_t bytes = 0;
     for (const meshes::WrittenFile& file : output.files) bytes += file.bytes;
@@ -202,7 +200,7 @@ class Narrator final : public convert::Events {
   }
 
   void wrote_field(const convert::WrittenField& field) override {
-    const std::string path = shown_path(field.job.path);
+    const std::string path = files::shown_output_name(field.job.path);
     tell_stage(fmt::format("{}: written in {}", path, times_text(field.time)));
     for (const convert::WorkFact& fact : field.work) explain(fact);
     bar_.above([&] {

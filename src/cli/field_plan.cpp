@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <filesystem>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "base/ascii.hpp"
 #include "batch/output_names.hpp"
 #include "cli/plan_parts.hpp"
 #include "files/file_bytes.hpp"
@@ -16,8 +16,7 @@ namespace isoextract::cli {
 namespace {
 
 bool has_field_extension(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
+  const std::string extension = lower_case(std::filesystem::path(path).extension().string());
   return extension.size() == kFieldFormat.size() + 1 && extension.substr(1) == kFieldFormat;
 }
 

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/ascii.hpp"
 #include "base/version.hpp"
 #include "cli/field_plan.hpp"
 #include "cli/options.hpp"
@@ -133,12 +133,6 @@ HelpTopic exit_codes_topic() {
              {"6", "what was to be verified does not hold"}}}}};
 }
 
-std::string lower(std::string_view text) {
-  std::string out(text);
-  std::transform(out.begin(), out.end(), out.begin(), [](unsigned char c) { return std::tolower(c); });
-  return out;
-}
-
 const CLI::App& command_named(const CLI::App& app, std::string_view name) {
   return *app.get_subcommand(std::string(name));
 }
@@ -178,7 +172,7 @@ HelpBlock group_block(const CLI::App& command, std::string_view group) {
 
 std::vector<std::string> help_names() {
   std::vector<std::string> names(kCommands.begin(), kCommands.end());
-  for (const std::string_view group : kGroups) names.push_back(lower(group));
+  for (const std::string_view group : kGroups) names.push_back(lower_case(group));
   for (const HelpTopic& topic : help_topics()) names.emplace_back(topic.name);
   return names;
 }
@@ -195,7 +189,7 @@ std::string help_overview(const CLI::App& app) {
   out += "\nCommands ('isoextract COMMAND --help' lists their options):\n" + plain_text(commands);
   HelpBlock topics;
   for (const std::string_view group : kGroups) {
-    topics.rows.push_back({lower(group), fmt::format("The {} options of convert.", lower(group))});
+    topics.rows.push_back({lower_case(group), fmt::format("The {} options of convert.", lower_case(group))});
   }
   for (const HelpTopic& topic : help_topics()) {
     topics.rows.push_back({std::string(topic.name), std::string(topic.summary)});
@@ -220,7 +214,7 @@ std::string help_of(const CLI::App& app, std::string_view name) {
     return help_of_command(command_named(app, name));
   }
   for (const std::string_view group : kGroups) {
-    if (lower(group) == name) return help_of_group(app, group);
+    if (lower_case(group) == name) return help_of_group(app, group);
   }
   std::string out;
   for (const HelpTopic& topic : help_topics()) {

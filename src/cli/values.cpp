@@ -41,14 +41,8 @@ std::vector<std::string_view> split(std::string_view text, std::string_view sepa
 
 // `count` finite numbers separated by commas; nothing if `text` is anything else.
 std::optional<std::vector<double>> numbers_in(std::string_view text, std::size_t count) {
-  std::vector<double> numbers;
-  for (const std::string_view part : split(text, ",")) {
-    const auto number = whole_text_as<double>(part);
-    if (!number || !std::isfinite(*number)) return std::nullopt;
-    numbers.push_back(*number);
-  }
-  if (numbers.size() != count) return std::nullopt;
-  return numbers;
+  auto numbers = parse_numbers(text);
+  return numbers && numbers->size() == count ? numbers : std::nullopt;
 }
 
 // Whole numbers separated by commas, all different, sorted; `expected` says what they must be.
@@ -141,6 +135,16 @@ Result<convert::SimplifyBound> parse_simplify_bound(std::string_view text) {
         "a distance above 0, in voxels such as 0.1 or in the units of the written mesh such as 0.5world", text);
   }
   return convert::SimplifyBound{*distance, in_world_units};
+}
+
+std::optional<std::vector<double>> parse_numbers(std::string_view text) {
+  std::vector<double> numbers;
+  for (const std::string_view part : split(text, ",")) {
+    const auto number = whole_text_as<double>(part);
+    if (!number || !std::isfinite(*number)) return std::nullopt;
+    numbers.push_back(*number);
+  }
+  return numbers;
 }
 
 Result<glm::dvec3> parse_vector(std::string_view text) {

@@ -41,6 +41,9 @@ using VolumeChoice = std::variant<std::int64_t, AllVolumes>;
 [[nodiscard]] Result<int> parse_thread_count(std::string_view text);                    // 1..1024
 [[nodiscard]] Result<std::uint64_t> parse_size(std::string_view text);  // bytes, with or without K, M, G, T
 
+// Finite numbers separated by commas, at least one; nothing for what is anything else.
+[[nodiscard]] std::optional<std::vector<double>> parse_numbers(std::string_view text);
+
 // Lists, separated by commas and without repetition, in rising order.
 [[nodiscard]] Result<std::vector<int>> parse_thread_counts(std::string_view text);        // each as one
 [[nodiscard]] Result<std::vector<int>> parse_demo_sizes(std::string_view text);           // 8..2048

@@ -25,14 +25,11 @@ std::vector<std::string> colormap_names() {
   return names;
 }
 
-// "0,1" with the first below the second; nothing for what is no such pair of numbers.
+// Two numbers; nothing for what is none.
 std::optional<std::array<double, 2>> parse_range(std::string_view text) {
-  const std::size_t comma = text.find(',');
-  if (comma == std::string_view::npos) return std::nullopt;
-  const auto low = parse_number(text.substr(0, comma));
-  const auto high = parse_number(text.substr(comma + 1));
-  if (!low || !high) return std::nullopt;
-  return std::array{*low, *high};
+  const auto numbers = parse_numbers(text);
+  if (!numbers || numbers->size() != 2) return std::nullopt;
+  return std::array{(*numbers)[0], (*numbers)[1]};
 }
 
 Result<void> check_name_of_map(std::string_view text) {
@@ -117,18 +114,11 @@ Result<ColourFlag> parse_colour(std::string_view text) {
 }
 
 Result<std::vector<double>> parse_opacity(std::string_view text) {
-  std::vector<double> values;
-  for (;;) {
-    const std::size_t comma = text.find(',');
-    const auto value = parse_number(text.substr(0, comma));
-    if (!value || !(*value > 0 && *value <= 1)) {
-      return fail(ErrorKind::usage,
-                  fmt::format("expected numbers above 0 and at most 1, found '{}'", text.substr(0, comma)));
-    }
-    values.push_back(*value);
-    if (comma == std::string_view::npos) return values;
-    text.remove_prefix(comma + 1);
+  auto values = parse_numbers(text);
+  if (!values || !std::ranges::all_of(*values, [](double value) { return value > 0 && value <= 1; })) {
+    return fail(ErrorKind::usage, fmt::format("expected numbers above 0 and at most 1, found '{}'", text));
   }
+  return std::move(*values);
 }
 
 Result<void> plan_vertices(const ConvertFlags& flags, std::size_t isos, convert::ConversionJob& job) {

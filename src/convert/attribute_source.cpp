@@ -11,6 +11,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include "base/ascii.hpp"
 #include "base/printable.hpp"
 #include "base/reserved_buffer.hpp"
 #include "field/point_samples.hpp"
@@ -25,9 +26,7 @@ namespace {
 constexpr std::array<std::string_view, 3> kAxes{"[x]", "[y]", "[z]"};
 
 bool names_file(const std::string& text) {
-  std::string lower = text;
-  std::ranges::transform(lower, lower.begin(),
-                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  const std::string lower = lower_case(text);
   for (const volumes::VolumeFormat* format : volumes::volume_formats()) {
     const volumes::FormatDescription& about = format->about();
     if (!about.prefix.empty() && text.starts_with(about.prefix)) return true;
@@ -131,6 +130,11 @@ mesh::Attribute float_attribute(const std::string& name, std::size_t components,
 
 using Records = std::vector<AttributeRecord>;
 
+void take_attributes(std::vector<mesh::Attribute>&& added, Reservation memory, mesh::Mesh& mesh) {
+  std::ranges::move(added, std::back_inserter(mesh.attributes));
+  mesh.memory.take(std::move(memory));
+}
+
 Result<Records> add_of_particles(const ParticleAttributes& source, std::span<const glm::dvec3> places, mesh::Mesh& mesh,
                                  const Context& context) {
   if (places.empty()) {  // there may be no particles either, and so no radius
@@ -160,8 +164,7 @@ Result<Records> add_of_particles(const ParticleAttributes& source, std::span<con
     record.components = made.components;
     record.out_of_reach = sampled->out_of_reach;
   }
-  for (mesh::Attribute& attribute : added) mesh.attributes.push_back(std::move(attribute));
-  mesh.memory.take(std::move(*memory));
+  take_attributes(std::move(added), std::move(*memory), mesh);
   return records;
 }
 
@@ -190,8 +193,7 @@ Result<Records> add_of_volumes(const std::vector<VolumeAttribute>& attributes, s
       record.not_finite = std::max(record.not_finite, counts->not_finite);
     }
   }
-  for (mesh::Attribute& attribute : added) mesh.attributes.push_back(std::move(attribute));
-  mesh.memory.take(std::move(*memory));
+  take_attributes(std::move(added), std::move(*memory), mesh);
   return records;
 }
 

@@ -108,7 +108,8 @@ class Conversion {
     if (job_.empty == EmptyPolicy::error) return tl::unexpected(empty_source());
     const auto removed = remove_old_files(output);
     if (!removed) return tl::unexpected(removed.error());
-    events_.note(fmt::format("{}: {}; {} was not written{}", source_.label, why_empty(), shown(output),
+    events_.note(fmt::format("{}: {}; {} was not written{}", source_.label, why_empty(),
+                             files::shown_output_name(output.path),
                              removed->empty() ? "" : "; the old one was removed"));
     return {};
   }
@@ -269,10 +270,6 @@ class Conversion {
             Reason::empty_grid};
   }
 
-  [[nodiscard]] static std::string shown(const OutputFileJob& output) {
-    return output.path == "-" ? "stdout" : output.path;
-  }
-
   Error no_surface(const ResolvedIso& asked) {
     const double iso = asked.value;
     if (source_.empty) return empty_source();
@@ -395,7 +392,8 @@ class Conversion {
       const auto same = std::ranges::find_if(before, [&](const auto& iso) { return is_repeated(iso, asked[i]); });
       if (same == before.end()) continue;
       events_.note(fmt::format("{}: iso {} and {} are the same value, {}: {} has one surface for both", source_.label,
-                               text_of(same->asked), text_of(asked[i].asked), asked[i].value, shown(output)));
+                               text_of(same->asked), text_of(asked[i].asked), asked[i].value,
+                               files::shown_output_name(output.path)));
     }
   }
 
@@ -406,7 +404,7 @@ class Conversion {
       if (std::ranges::find(isos, iso.value) == isos.end()) skipped.push_back(text_of(iso));
     }
     if (skipped.empty()) return;
-    const std::string path = shown(output);
+    const std::string path = files::shown_output_name(output.path);
     events_.note(fmt::format("{}: no surface at iso {}; {}{}", source_.label, fmt::join(skipped, ", "),
                              isos.empty() && sink_ == nullptr ? path + " was not written" : path + " is without it",
                              besides));

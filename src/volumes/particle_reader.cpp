@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/ascii.hpp"
 #include "base/printable.hpp"
 #include "files/file_bytes.hpp"
 #include "volumes/particles/particle_columns.hpp"

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "base/ascii.hpp"
 #include "base/checked.hpp"
 #include "base/printable.hpp"
 
@@ -136,14 +137,6 @@ std::optional<Component> component_of(std::string_view name) {
 }
 
 }  // namespace
-
-std::string lower_case(std::string_view text) {
-  std::string lower(text);
-  for (char& c : lower) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c + ('a' - 'A'));
-  }
-  return lower;
-}
 
 void add_tuple(ParticleTable& table, const std::string& name, const std::string& type, std::size_t components,
                bool numeric) {
