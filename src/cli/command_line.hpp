@@ -18,6 +18,7 @@ enum class Request {
   stability,
   merge,
   devices,
+  water,
   help,
   generate,
   help_flag,
