@@ -19,6 +19,7 @@ enum class Request {
   stability,
   merge,
   devices,
+  water,
   help,
   generate,
   help_flag,

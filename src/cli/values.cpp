@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "base/byte_size.hpp"
+#include "simulate/terrain.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -130,6 +131,51 @@ Result<double> parse_positive(std::string_view text) {
   const auto number = whole_text_as<double>(text);
   if (!number || !std::isfinite(*number) || *number <= 0) return expected_found("a number above 0", text);
   return *number;
+}
+
+Result<double> parse_part(std::string_view text) {
+  const auto number = whole_text_as<double>(text);
+  if (!number || !(*number >= 0 && *number <= 1)) return expected_found("a number from 0 to 1", text);
+  return *number;
+}
+
+Result<double> parse_one_or_more(std::string_view text) {
+  const auto number = whole_text_as<double>(text);
+  if (!number || !std::isfinite(*number) || *number < 1) return expected_found("a number of 1 or more", text);
+  return *number;
+}
+
+Result<std::uint64_t> parse_count(std::string_view text) {
+  const auto number = whole_text_as<std::uint64_t>(text);
+  if (!number) return expected_found("a whole number, 0 or more", text);
+  return *number;
+}
+
+Result<std::uint64_t> parse_positive_count(std::string_view text) {
+  const auto number = whole_text_as<std::uint64_t>(text);
+  if (!number || *number == 0) return expected_found("a whole number above 0", text);
+  return *number;
+}
+
+Result<glm::ivec2> parse_grid_size(std::string_view text) {
+  const std::vector<std::string_view> parts = split(text, ",xX");
+  const auto along = [&](std::size_t axis) { return whole_text_as<int>(parts[axis]).value_or(0); };
+  const auto fits = [](int cells) { return cells >= 2 && cells <= simulate::kMaxGridSize; };
+  if (parts.size() != 2 || !fits(along(0)) || !fits(along(1))) {
+    return expected_found(fmt::format("NXxNY, each 2 to {}", simulate::kMaxGridSize), text);
+  }
+  return glm::ivec2{along(0), along(1)};
+}
+
+Result<simulate::Tap> parse_tap(std::string_view text) {
+  const std::vector<std::string_view> parts = split(text, ",");
+  if (parts.size() == 3) {
+    const auto x = whole_text_as<int>(parts[0]);
+    const auto y = whole_text_as<int>(parts[1]);
+    const auto rate = parse_positive(parts[2]);
+    if (x && y && rate) return simulate::Tap{{*x, *y}, *rate};
+  }
+  return expected_found("X,Y,RATE: a cell, counted from 0, and a depth a step above 0", text);
 }
 
 Result<double> parse_not_negative(std::string_view text) {

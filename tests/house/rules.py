@@ -10,6 +10,7 @@ MAY_INCLUDE = {
     "base": [],
     "field": ["base"],
     "points": ["field"],
+    "simulate": ["field", "points"],
     "mesh": ["base"],
     "files": ["base"],
     "gl": ["base"],
@@ -23,7 +24,7 @@ MAY_INCLUDE = {
     "render": ["gl", "field", "mesh", "images"],
     "convert": ["volumes", "meshes", "gpu", "edit", "measure", "render"],
     "batch": ["convert"],
-    "cli": ["batch", "render"],
+    "cli": ["batch", "simulate", "render"],
 }
 
 LINE_LIMIT = 500
