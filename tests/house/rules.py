@@ -10,6 +10,7 @@ MAY_INCLUDE = {
     "base": [],
     "field": ["base"],
     "points": ["field"],
+    "simulate": ["field", "points"],
     "mesh": ["base"],
     "files": ["base"],
     "gl": ["base"],
@@ -21,7 +22,7 @@ MAY_INCLUDE = {
     "measure": ["extract", "mesh"],
     "convert": ["volumes", "meshes", "gpu", "edit", "measure"],
     "batch": ["convert"],
-    "cli": ["batch"],
+    "cli": ["batch", "simulate"],
 }
 
 LINE_LIMIT = 500
