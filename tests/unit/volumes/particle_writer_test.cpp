@@ -91,7 +91,8 @@ TEST_P(ParticleWriter, WritesNoParticles) {
   ASSERT_TRUE(write_particles(path(), some_particles(0), GetParam()));
   const std::string bytes = test::read_bytes(path());
   EXPECT_FALSE(bytes.empty());
-  if (GetParam() == ParticleFileFormat::ply) EXPECT_NE(bytes.find("element vertex 0\n"), std::string::npos);
+  const bool is_ply = GetParam() == ParticleFileFormat::ply;
+  EXPECT_EQ(bytes.find("element vertex 0\n") != std::string::npos, is_ply);
 }
 
 TEST_P(ParticleWriter, RefusesNamesThatAFormatCouldTakeForSomethingElse) {
