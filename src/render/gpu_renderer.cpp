@@ -59,8 +59,9 @@ class GpuRenderer final : public Renderer {
       if (!uploaded) return tl::unexpected(std::move(uploaded.error()));
       volume.emplace(std::move(*uploaded));
     }
-    auto drawing = detail::GpuPicture::make(
-        {*gl_, programs_, scene, camera, options, view, *surfaces, volume ? &*volume : nullptr, context}, memory);
+    auto drawing = detail::GpuPicture::make({*gl_, programs_, scene, camera, options, view, *surfaces,
+                                             volume ? &*volume : nullptr, options_.list_bytes, context},
+                                            memory);
     if (!drawing) return tl::unexpected(std::move(drawing.error()));
     if (auto drawn = drawing->draw(rendered); !drawn) return tl::unexpected(std::move(drawn.error()));
     return rendered;

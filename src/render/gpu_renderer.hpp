@@ -23,6 +23,8 @@ struct GpuRenderOptions {
   gl::DeviceChoice device;
   std::optional<std::uint64_t> memory_bytes;  // what volume, surfaces and picture may take on the device together;
                                               // default: three quarters of what it has; no limit where it does not tell
+  std::uint64_t list_bytes = 256 << 20;  // of these, what fragments of see-through surfaces may take, 8 bytes each: a
+                                         // part of the picture that has more is drawn in smaller ones
   bool debug = false;  // ErrorKind::unavailable for whatever the driver complains about; for tests
 
   friend bool operator==(const GpuRenderOptions&, const GpuRenderOptions&) = default;

@@ -9,8 +9,7 @@
 namespace isoextract::render::detail {
 namespace {
 
-constexpr int kStripPixels = 1 << 17;                 // of rays at a time; between them somebody may ask for the end
-constexpr std::uint64_t kListBytesAtATime = 1 << 28;  // of see-through fragments, where a buffer may have as many
+constexpr int kStripPixels = 1 << 17;  // of rays at a time; between them somebody may ask for the end
 constexpr std::uint64_t kFragmentBytes = 8;
 
 std::size_t pixels_in(const PixelBox& box) {
@@ -104,7 +103,7 @@ Result<GpuPicture> GpuPicture::make(const GpuTask& task, GpuMemory& memory) {
     picture.places_.resize(pixels);
     GLint64 most = 0;
     glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
-    picture.most_fragments_ = std::min(kListBytesAtATime, static_cast<std::uint64_t>(most)) / kFragmentBytes;
+    picture.most_fragments_ = std::min(task.list_bytes, static_cast<std::uint64_t>(most)) / kFragmentBytes;
   }
   picture.met_ = gl::GlBuffer::make();
   picture.fragments_ = gl::GlBuffer::make();

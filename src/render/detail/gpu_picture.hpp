@@ -36,7 +36,8 @@ struct GpuTask {
   const RenderOptions& options;
   const SurfaceView& view;
   const GpuSurfaces& surfaces;
-  const GpuVolume* volume;  // may be null
+  const GpuVolume* volume;   // may be null
+  std::uint64_t list_bytes;  // as GpuRenderOptions has it
   const Context& context;
 };
 
