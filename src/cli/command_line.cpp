@@ -173,6 +173,7 @@ Request request_of(const CommandLine& line, const CLI::App* command) {
   if (command == line.devices) return Request::devices;
   if (command == line.merge) return Request::merge;
   if (command == line.simulate_water) return Request::water;
+  if (command == line.simulate_jet) return Request::jet;
   if (command == line.help) return Request::help;
   if (command == line.generate) return Request::generate;
   return Request::convert;

@@ -20,6 +20,7 @@ enum class Request {
   merge,
   devices,
   water,
+  jet,
   help,
   generate,
   help_flag,

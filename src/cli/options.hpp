@@ -33,6 +33,7 @@
 #include "render/scene.hpp"
 #include "simulate/water.hpp"
 #include "simulate/water_fields.hpp"
+#include "volumes/particle_writer.hpp"
 #include "volumes/volume_reader.hpp"
 #include "volumes/volume_writer.hpp"
 
@@ -293,6 +294,23 @@ struct WaterFlags {
   RunFlags run;
 };
 
+struct JetFlags {
+  std::optional<std::uint64_t> count;
+  std::optional<double> radius;
+  std::optional<glm::dvec3> tank;
+  std::optional<double> nozzle;
+  std::optional<double> speed;
+  std::optional<std::uint64_t> seed;
+  std::optional<std::uint64_t> frames;
+  std::optional<double> fps;
+  std::optional<double> gravity;
+  std::optional<double> viscosity;
+  std::optional<std::uint64_t> iterations;
+  std::optional<volumes::ParticleFileFormat> format;
+  SequenceFlags sequence;
+  RunFlags run;
+};
+
 struct CommandLine {
   CLI::App app;
   CLI::App* convert = nullptr;
@@ -306,6 +324,7 @@ struct CommandLine {
   CLI::App* merge = nullptr;
   CLI::App* simulate = nullptr;  // its sub-commands say what
   CLI::App* simulate_water = nullptr;
+  CLI::App* simulate_jet = nullptr;
   CLI::App* help = nullptr;
   CLI::App* generate = nullptr;
 
@@ -319,6 +338,7 @@ struct CommandLine {
   DevicesFlags devices_flags;
   MergeFlags merge_flags;
   WaterFlags water_flags;
+  JetFlags jet_flags;
   std::optional<std::string> help_topic;
   std::optional<Document> document;
   bool quiet = false;  // of help and generate, which say nothing else anyway

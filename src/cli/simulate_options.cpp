@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "cli/jet_options.hpp"
 #include "cli/shared_options.hpp"
 #include "cli/simulate_plan.hpp"
 #include "simulate/terrain.hpp"
@@ -94,6 +95,8 @@ void declare_simulate(CommandLine& line) {
   };
   line.simulate_water = add("water", "Let water run over hilly land, by a cellular automaton, as volumes.");
   declare_water(*line.simulate_water, line.water_flags);
+  line.simulate_jet = add("jet", "Let a jet of water into a tank, by position-based fluids, as particles.");
+  declare_jet(*line.simulate_jet, line.jet_flags);
 }
 
 }  // namespace isoextract::cli

@@ -62,7 +62,7 @@ Result<std::vector<std::uint64_t>> frame_steps(const SequenceFlags& flags, const
     return refuse_usage(fmt::format("--steps {} --every {}: more than {} frames", steps, every, batch::kMaxFrames));
   }
   std::vector<std::uint64_t> frames;
-  for (std::uint64_t step = 0; step <= steps; step += every) frames.push_back(step);
+  for (std::uint64_t step = kind.first * every; step <= steps; step += every) frames.push_back(step);
   return frames;
 }
 
@@ -99,7 +99,8 @@ Result<SequencePlan> plan_sequence(const SequenceFlags& flags, const SequenceKin
   std::vector<batch::OutputSource> sources;
   for (std::size_t frame = 0; frame < steps->size(); ++frame) {
     for (const std::string& grid : kind.grids) {
-      sources.push_back({static_cast<std::int64_t>(frame), std::string(field::kDemoPrefix) + kind.stem, grid, {}});
+      sources.push_back(
+          {static_cast<std::int64_t>(frame + kind.first), std::string(field::kDemoPrefix) + kind.stem, grid, {}});
     }
   }
   const auto named = batch::name_outputs(sources, flags.output, meshes::MeshFormat::glb, kind.extension);

@@ -167,6 +167,18 @@ Result<glm::ivec2> parse_grid_size(std::string_view text) {
   return glm::ivec2{along(0), along(1)};
 }
 
+Result<glm::dvec3> parse_sides(std::string_view text) {
+  glm::dvec3 sides;
+  const std::vector<std::string_view> parts = split(text, "xX");
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto side = parts.size() == 3 || parts.size() == 1 ? parse_positive(parts[axis % parts.size()])
+                                                             : Result<double>(expected_found("", text));
+    if (!side) return expected_found("three lengths above 0, such as 60x40x60, or one for all", text);
+    sides[static_cast<int>(axis)] = *side;
+  }
+  return sides;
+}
+
 Result<simulate::Tap> parse_tap(std::string_view text) {
   const std::vector<std::string_view> parts = split(text, ",");
   if (parts.size() == 3) {

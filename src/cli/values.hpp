@@ -37,6 +37,7 @@ using VolumeChoice = std::variant<std::int64_t, AllVolumes>;
 [[nodiscard]] Result<std::uint64_t> parse_count(std::string_view text);           // a whole number, 0 or above
 [[nodiscard]] Result<std::uint64_t> parse_positive_count(std::string_view text);  // likewise, 1 or above
 [[nodiscard]] Result<glm::ivec2> parse_grid_size(std::string_view text);          // NXxNY or NX,NY, 2 or above
+[[nodiscard]] Result<glm::dvec3> parse_sides(std::string_view text);              // AxBxC or one for all, above 0
 [[nodiscard]] Result<simulate::Tap> parse_tap(std::string_view text);             // X,Y,RATE
 [[nodiscard]] Result<glm::dvec3> parse_vector(std::string_view text);             // X,Y,Z
 [[nodiscard]] Result<glm::dvec3> parse_spacing(std::string_view text);            // SX,SY,SZ or one for all, above 0

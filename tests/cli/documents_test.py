@@ -6,7 +6,7 @@ import subprocess
 from support import SOURCE, ProgramTest, main, needs_program
 
 COMMANDS = ("convert", "info", "verify", "compare", "render", "bench", "stability", "merge", "devices",
-            "simulate", "simulate water", "help", "generate")
+            "simulate", "simulate water", "simulate jet", "help", "generate")
 
 
 class DocumentsTest(ProgramTest):
