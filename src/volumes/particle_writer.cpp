@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "base/ascii.hpp"
 #include "base/printable.hpp"
 #include "base/version.hpp"
 #include "files/output_file.hpp"
