@@ -388,14 +388,17 @@ void free_output(isoextract_grid_output* output) { delete static_cast<SparseStor
 int write_vdb(const isoextract_vdb_job* job, const isoextract_plugin_host* host) {
   return guarded([&] {
     Reserved memory(*host);
-    FloatGrid::Ptr grid = GridBuilder(job->grid, memory).build();
-    grid->setName(job->name);
-    grid->setSaveFloatAsHalf(job->is_half != 0);
-    HostStream buffer(*job, content_name(*grid, *job));
+    std::vector<FloatGrid::Ptr> grids;
+    for (std::uint64_t g = 0; g < job->count; ++g) {
+      grids.push_back(GridBuilder(job->grids[g].grid, memory).build());
+      grids.back()->setName(job->grids[g].name);
+      grids.back()->setSaveFloatAsHalf(job->is_half != 0);
+    }
+    HostStream buffer(*job, content_name(grids, *job));
     std::ostream stream(&buffer);
     stream.exceptions(std::ios_base::badbit);
     try {
-      HostArchive().put(stream, {grid}, job->overwrite != nullptr);
+      HostArchive().put(stream, {grids.begin(), grids.end()}, job->overwrite != nullptr);
     } catch (const std::ios_base::failure&) {
       if (!buffer.failed()) throw;
     }
@@ -405,9 +408,9 @@ int write_vdb(const isoextract_vdb_job* job, const isoextract_plugin_host* host)
 
 const char* error_text() { return problem.c_str(); }
 
-constexpr isoextract_grid_tools_plugin_v1 kPlugin{
+constexpr isoextract_grid_tools_plugin_v2 kPlugin{
     ISOEXTRACT_GRID_TOOLS_PLUGIN_VERSION, "openvdb", spheres, filter, free_output, write_vdb, error_text};
 
 }  // namespace
 
-const isoextract_grid_tools_plugin_v1* isoextract_grid_tools_plugin() { return &kPlugin; }
+const isoextract_grid_tools_plugin_v2* isoextract_grid_tools_plugin() { return &kPlugin; }

@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <mutex>
 #include <optional>
-#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -24,6 +23,7 @@
 #include "cli/frame_plot.hpp"
 #include "cli/gnuplot.hpp"
 #include "cli/messages.hpp"
+#include "cli/output_folders.hpp"
 #include "cli/report_file.hpp"
 #include "cli/threads.hpp"
 #include "files/output_file.hpp"
@@ -34,23 +34,11 @@ namespace {
 namespace fs = std::filesystem;
 
 Result<void> make_folders(const BatchPlan& plan) {
-  std::set<fs::path> folders;
+  std::vector<fs::path> files;
   for (const std::size_t i : plan.frames) {
-    for (const fs::path& file : files_of(plan.batch.frames[i].job)) folders.insert(file.parent_path());
+    for (const fs::path& file : files_of(plan.batch.frames[i].job)) files.push_back(file);
   }
-  for (const fs::path& folder : folders) {
-    if (folder.empty() || is_there(folder)) continue;
-    if (!plan.make_folders) {
-      return fail(ErrorKind::output, fmt::format("{}: there is no such folder", folder.string()),
-                  "--mkdir makes the folders of the outputs");
-    }
-    std::error_code error;
-    fs::create_directories(folder, error);
-    if (error) {
-      return fail(ErrorKind::output, fmt::format("{}: cannot make the folder: {}", folder.string(), error.message()));
-    }
-  }
-  return {};
+  return see_to_folders(files, plan.make_folders);
 }
 
 // What a batch keeps of its frames while they run, side by side.

@@ -14,6 +14,7 @@
 #include "batch/iso_table.hpp"
 #include "batch/output_names.hpp"
 #include "cli/field_plan.hpp"
+#include "cli/output_folders.hpp"
 #include "cli/particle_plan.hpp"
 #include "cli/plan_parts.hpp"
 #include "cli/vertex_plan.hpp"
@@ -186,11 +187,6 @@ Result<batch::Shard> plan_shard(const BatchFlags& flags, const char* (*environme
 }
 
 }  // namespace
-
-bool is_there(const fs::path& path) {
-  std::error_code none;
-  return fs::exists(path, none);
-}
 
 bool is_batch(const ConvertFlags& flags) {
   const std::vector<std::string>& inputs = flags.input.inputs;

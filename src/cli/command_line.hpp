@@ -18,6 +18,8 @@ enum class Request {
   stability,
   merge,
   devices,
+  water,
+  jet,
   help,
   generate,
   help_flag,

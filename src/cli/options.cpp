@@ -12,6 +12,7 @@
 #include "cli/convert_options.hpp"
 #include "cli/help_topics.hpp"
 #include "cli/shared_options.hpp"
+#include "cli/simulate_options.hpp"
 #include "field/demo_field.hpp"
 
 namespace isoextract::cli {
@@ -158,6 +159,10 @@ std::unique_ptr<CommandLine> declare_command_line() {
 
   line->devices = add_command(app, "devices", "List the GPUs that can be used without a display.");
   declare_devices(*line->devices, line->devices_flags);
+
+  line->simulate =
+      add_command(app, "simulate", "Simulate what surfaces can be extracted from, and write it as a sequence.");
+  declare_simulate(*line);
 
   line->help = add_command(app, "help", "Explain a command or a topic.");
   std::vector<Choice<std::string>> topics;

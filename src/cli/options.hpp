@@ -29,7 +29,11 @@
 #include "field/scalar_field.hpp"
 #include "meshes/mesh_writer.hpp"
 #include "points/method.hpp"
+#include "simulate/water.hpp"
+#include "simulate/water_fields.hpp"
+#include "volumes/particle_writer.hpp"
 #include "volumes/volume_reader.hpp"
+#include "volumes/volume_writer.hpp"
 
 namespace isoextract::cli {
 
@@ -225,6 +229,51 @@ struct StabilityFlags {
   RunFlags run;
 };
 
+// Where the files of a simulation go.
+struct SequenceFlags {
+  std::optional<std::uint64_t> steps;
+  std::optional<std::uint64_t> every;
+  std::optional<std::string> output;
+  bool no_clobber = false;
+  bool make_folders = false;
+  std::optional<std::uint64_t> memory_limit;
+};
+
+struct WaterFlags {
+  std::optional<glm::ivec2> size;
+  std::optional<std::uint64_t> seed;
+  std::optional<double> relief;
+  std::optional<double> level;
+  std::optional<double> depth;
+  std::vector<simulate::Tap> sources;
+  std::vector<simulate::Tap> drains;
+  std::optional<simulate::WaterRule> rule;
+  std::optional<double> friction;
+  std::optional<double> flow_div;
+  std::optional<simulate::WaterContent> what;
+  std::optional<volumes::VolumeFileFormat> format;
+  std::optional<glm::dvec3> spacing;
+  SequenceFlags sequence;
+  RunFlags run;
+};
+
+struct JetFlags {
+  std::optional<std::uint64_t> count;
+  std::optional<double> radius;
+  std::optional<glm::dvec3> tank;
+  std::optional<double> nozzle;
+  std::optional<double> speed;
+  std::optional<std::uint64_t> seed;
+  std::optional<std::uint64_t> frames;
+  std::optional<double> fps;
+  std::optional<double> gravity;
+  std::optional<double> viscosity;
+  std::optional<std::uint64_t> iterations;
+  std::optional<volumes::ParticleFileFormat> format;
+  SequenceFlags sequence;  // its steps are `frames`
+  RunFlags run;
+};
+
 struct CommandLine {
   CLI::App app;
   CLI::App* convert = nullptr;
@@ -235,6 +284,9 @@ struct CommandLine {
   CLI::App* stability = nullptr;
   CLI::App* devices = nullptr;
   CLI::App* merge = nullptr;
+  CLI::App* simulate = nullptr;  // its sub-commands say what
+  CLI::App* simulate_water = nullptr;
+  CLI::App* simulate_jet = nullptr;
   CLI::App* help = nullptr;
   CLI::App* generate = nullptr;
 
@@ -246,6 +298,8 @@ struct CommandLine {
   StabilityFlags stability_flags;
   DevicesFlags devices_flags;
   MergeFlags merge_flags;
+  WaterFlags water_flags;
+  JetFlags jet_flags;
   std::optional<std::string> help_topic;
   std::optional<Document> document;
   bool quiet = false;  // of help and generate, which say nothing else anyway
@@ -267,6 +321,11 @@ struct BadValue : CLI::ParseError {
 [[nodiscard]] bool takes_value(const CLI::Option& option);
 [[nodiscard]] bool value_is_optional(const CLI::Option& option);  // without one the first choice is meant
 [[nodiscard]] std::vector<const CLI::Option*> options_in_group(const CLI::App& command, const std::string& group);
+// The commands of the program, or the sub-commands of a command: "water" of "simulate".
 [[nodiscard]] std::vector<const CLI::App*> commands_of(const CLI::App& app);
+// The commands of the program, each followed by its sub-commands.
+[[nodiscard]] std::vector<const CLI::App*> all_commands(const CLI::App& app);
+// As it is written after the program's name: "simulate water".
+[[nodiscard]] std::string full_name(const CLI::App& command);
 
 }  // namespace isoextract::cli

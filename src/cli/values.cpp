@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "base/byte_size.hpp"
+#include "simulate/terrain.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -39,16 +40,26 @@ std::vector<std::string_view> split(std::string_view text, std::string_view sepa
   }
 }
 
-// `count` finite numbers separated by commas; nothing if `text` is anything else.
-std::optional<std::vector<double>> numbers_in(std::string_view text, std::size_t count) {
+// `count` finite numbers separated by commas, or by what else is said; nothing if `text` is anything else.
+std::optional<std::vector<double>> numbers_in(std::string_view text, std::size_t count,
+                                              std::string_view separators = ",") {
   std::vector<double> numbers;
-  for (const std::string_view part : split(text, ",")) {
+  for (const std::string_view part : split(text, separators)) {
     const auto number = whole_text_as<double>(part);
     if (!number || !std::isfinite(*number)) return std::nullopt;
     numbers.push_back(*number);
   }
   if (numbers.size() != count) return std::nullopt;
   return numbers;
+}
+
+// Three numbers above 0, or one for all.
+std::optional<glm::dvec3> three_sizes(std::string_view text, std::string_view separators) {
+  auto numbers = numbers_in(text, 3, separators);
+  if (!numbers) numbers = numbers_in(text, 1);
+  if (!numbers || std::ranges::any_of(*numbers, [](double size) { return size <= 0; })) return std::nullopt;
+  if (numbers->size() == 1) return glm::dvec3(numbers->front());
+  return glm::dvec3((*numbers)[0], (*numbers)[1], (*numbers)[2]);
 }
 
 // Whole numbers separated by commas, all different, sorted; `expected` says what they must be.
@@ -122,6 +133,51 @@ Result<double> parse_positive(std::string_view text) {
   return *number;
 }
 
+Result<double> parse_part(std::string_view text) {
+  const auto number = whole_text_as<double>(text);
+  if (!number || !(*number >= 0 && *number <= 1)) return expected_found("a number from 0 to 1", text);
+  return *number;
+}
+
+Result<double> parse_one_or_more(std::string_view text) {
+  const auto number = whole_text_as<double>(text);
+  if (!number || !std::isfinite(*number) || *number < 1) return expected_found("a number of 1 or more", text);
+  return *number;
+}
+
+Result<std::uint64_t> parse_count(std::string_view text) {
+  const auto number = whole_text_as<std::uint64_t>(text);
+  if (!number) return expected_found("a whole number, 0 or more", text);
+  return *number;
+}
+
+Result<std::uint64_t> parse_positive_count(std::string_view text) {
+  const auto number = whole_text_as<std::uint64_t>(text);
+  if (!number || *number == 0) return expected_found("a whole number above 0", text);
+  return *number;
+}
+
+Result<glm::ivec2> parse_grid_size(std::string_view text) {
+  const std::vector<std::string_view> parts = split(text, ",xX");
+  const auto along = [&](std::size_t axis) { return whole_text_as<int>(parts[axis]).value_or(0); };
+  const auto fits = [](int cells) { return cells >= 2 && cells <= simulate::kMaxGridSize; };
+  if (parts.size() != 2 || !fits(along(0)) || !fits(along(1))) {
+    return expected_found(fmt::format("NXxNY, each 2 to {}", simulate::kMaxGridSize), text);
+  }
+  return glm::ivec2{along(0), along(1)};
+}
+
+Result<simulate::Tap> parse_tap(std::string_view text) {
+  const std::vector<std::string_view> parts = split(text, ",");
+  if (parts.size() == 3) {
+    const auto x = whole_text_as<int>(parts[0]);
+    const auto y = whole_text_as<int>(parts[1]);
+    const auto rate = parse_positive(parts[2]);
+    if (x && y && rate) return simulate::Tap{{*x, *y}, *rate};
+  }
+  return expected_found("X,Y,RATE: a cell, counted from 0, and a depth a step above 0", text);
+}
+
 Result<double> parse_not_negative(std::string_view text) {
   const auto number = whole_text_as<double>(text);
   if (!number || !std::isfinite(*number) || *number < 0) return expected_found("a number, 0 or above", text);
@@ -169,13 +225,15 @@ Result<std::array<std::string, 3>> parse_columns(std::string_view text) {
 }
 
 Result<glm::dvec3> parse_spacing(std::string_view text) {
-  auto numbers = numbers_in(text, 3);
-  if (!numbers) numbers = numbers_in(text, 1);
-  if (!numbers || std::any_of(numbers->begin(), numbers->end(), [](double s) { return s <= 0; })) {
-    return expected_found("one or three numbers above 0, such as 0.5,0.5,2", text);
-  }
-  if (numbers->size() == 1) return glm::dvec3(numbers->front());
-  return glm::dvec3((*numbers)[0], (*numbers)[1], (*numbers)[2]);
+  const auto sizes = three_sizes(text, ",");
+  if (!sizes) return expected_found("one or three numbers above 0, such as 0.5,0.5,2", text);
+  return *sizes;
+}
+
+Result<glm::dvec3> parse_sides(std::string_view text) {
+  const auto sides = three_sizes(text, ",xX");
+  if (!sides) return expected_found("one or three numbers above 0, such as 60x40x60", text);
+  return *sides;
 }
 
 Result<glm::ivec3> parse_dims(std::string_view text) {

@@ -47,6 +47,27 @@ field::ScalarField sparse_field(std::vector<float>& values) {
   return field;
 }
 
+TEST(OpenVdbTools, AFileHoldsSeveralGrids) {
+  NEEDS_OPENVDB_PLUGIN();
+  const PluginFolder plugins(BUILT_PLUGINS);
+  std::vector<float> values;
+  std::vector<field::ScalarField> fields(2, sparse_field(values));
+  fields[1].name = "fog";
+  fields[1].index_to_world = {};
+  const TempFolder folder;
+  const auto written = volumes::write_vdb(folder / "w.vdb", fields);
+  ASSERT_TRUE(written) << written.error().message;
+  EXPECT_EQ(*written, std::filesystem::file_size(folder / "w.vdb"));
+  for (const field::ScalarField& field : fields) {
+    volumes::ReadOptions options;
+    options.grid = field.name;
+    const auto read = volumes::read_volume(folder / "w.vdb", options);
+    ASSERT_TRUE(read) << read.error().message;
+    EXPECT_EQ(read->index_to_world, field.index_to_world);
+    EXPECT_EQ(samples_of(*read).blocks.size(), samples_of(field).blocks.size());
+  }
+}
+
 TEST(OpenVdbTools, SparseFieldsAreWrittenBitForBit) {
   NEEDS_OPENVDB_PLUGIN();
   const PluginFolder plugins(BUILT_PLUGINS);
