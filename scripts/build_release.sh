@@ -23,7 +23,7 @@ bring_up_to_date() {
     compgen -G "$build/plugins/isoextract-*-$group.so" >/dev/null || missing+=("$group")
   done
   if [ -f "$build/build.ninja" ] && [ ${#missing[@]} -eq 0 ]; then
-    case $(ninja -C "$build" -n isoextract 2>/dev/null) in
+    case $(ninja -C "$build" -n isoextract "${@/#/plugins_}" 2>/dev/null) in
       *"no work to do"*) return ;;
     esac
   fi
@@ -31,7 +31,7 @@ bring_up_to_date() {
   cd "$root" || return
   say "building the program in build/release; the first time takes some minutes"
   quietly cmake --preset release || return
-  quietly cmake --build --preset release
+  quietly cmake --build --preset release --target isoextract completions "${@/#/plugins_}"
 }
 
 # Installs and builds what is missing, the plug-ins named among it; ends the script with 3 if that fails.

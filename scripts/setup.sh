@@ -16,7 +16,7 @@ set -euo pipefail
 # libepoxy-dev is for the GPU backend, and the Mesa packages after it let it run where there is no GPU.
 build_packages=(
   g++ cmake ninja-build pkg-config
-  libtbb-dev libimath-dev libblosc-dev
+  libtbb-dev libimath-dev libblosc-dev libopenexr-dev libpng-dev
   libteem-dev libnifti2-dev zlib1g-dev
   libtinygltf-dev nlohmann-json3-dev libdraco-dev libmeshoptimizer-dev
   libepoxy-dev libegl1 libopengl0 libegl-mesa0 libgl1-mesa-dri

@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
+#include "base/ascii.hpp"
 #include "base/checked.hpp"
 #include "base/printable.hpp"
-#include "batch/detail/ascii.hpp"
 #include "batch/frame_pattern.hpp"
 
 namespace isoextract::batch {

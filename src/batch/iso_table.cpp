@@ -9,9 +9,9 @@
 
 #include <fmt/format.h>
 
+#include "base/ascii.hpp"
 #include "base/byte_size.hpp"
 #include "base/printable.hpp"
-#include "batch/detail/ascii.hpp"
 #include "batch/frame_pattern.hpp"
 #include "batch/frame_range.hpp"
 #include "files/file_bytes.hpp"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "batch/detail/ascii.hpp"
+#include "base/ascii.hpp"
 
 namespace isoextract::batch {
 namespace {

@@ -18,6 +18,7 @@
 #include "batch/output_template.hpp"
 #include "convert/output_checks.hpp"
 #include "files/file_bytes.hpp"
+#include "files/output_file.hpp"
 
 namespace isoextract::batch {
 namespace {
@@ -60,8 +61,6 @@ std::string label_of_source(const OutputSource& source) {
   return label + ")";
 }
 
-std::string shown_output(const fs::path& file) { return file == "-" ? "standard output" : printable(file.string()); }
-
 // What tells the names in a folder apart.
 std::string name_in_folder(std::span<const OutputSource> sources, std::string_view extension) {
   std::unordered_map<std::string, std::int64_t> frame_of_stem;
@@ -100,14 +99,20 @@ Result<void> check_words(const OutputSource& source, const OutputTemplate& names
                 "choose the grid by its name");
   }
   const meshes::MeshFormatInfo& info = meshes::mesh_format_info(format);
-  if (source.isos.size() < 2 || info.holds_several_meshes || names.uses(OutputWord::iso)) return {};
+  const bool all_labels = !source.isos.empty() && source.isos.front().kind == convert::IsoChoice::Kind::all_labels;
+  if (all_labels && names.uses(OutputWord::iso)) {
+    return fail(ErrorKind::usage,
+                fmt::format("{}: which labels there are is known once they are read", label_of_source(source)),
+                "list the labels, or write all into a glb");
+  }
+  if ((source.isos.size() < 2 && !all_labels) || info.holds_several_meshes || names.uses(OutputWord::iso)) return {};
   std::vector<std::string_view> others;
   for (const meshes::MeshFormatInfo& other : meshes::mesh_formats()) {
     if (other.holds_several_meshes) others.push_back(other.name);
   }
   return fail(ErrorKind::usage,
-              fmt::format("{}: one {} file holds one surface, found {} iso values", label_of_source(source), info.name,
-                          source.isos.size()),
+              fmt::format("{}: one {} file holds one surface, found {} {}", label_of_source(source), info.name,
+                          source.isos.size(), source.isos.front().is_label() ? "labels" : "iso values"),
               {Remedy::one_file_per_surface, fmt::format("{}", fmt::join(others, ", "))});
 }
 
@@ -116,7 +121,7 @@ OutputFiles files_of(const OutputSource& source, const OutputTemplate& names) {
   if (!names.uses(OutputWord::iso)) return {{names.expand(words), source.isos}};
   OutputFiles files;
   for (const convert::IsoChoice& iso : source.isos) {
-    words.iso = text_of(iso);
+    words.iso = name_part_of(iso);
     files.push_back({names.expand(words), {iso}});
   }
   return files;
@@ -156,17 +161,19 @@ Result<void> check_outputs(std::span<const OutputSource> sources, std::span<cons
         if (const auto reader = readers.find(key); reader != readers.end()) {
           return fail(ErrorKind::usage,
                       fmt::format("{}: {} would write it, and it is the input of {}; it is not overwritten",
-                                  shown_output(file), label_of_source(sources[i]), label_of_source(*reader->second)),
+                                  printable(files::shown_output_name(file)), label_of_source(sources[i]),
+                                  label_of_source(*reader->second)),
                       Remedy::other_output_name);
         }
         const auto [writer, fresh] = writers.try_emplace(key, &sources[i]);
         if (fresh) continue;
         const OutputSource& first = *writer->second;
         return fail(ErrorKind::usage,
-                    &first == &sources[i] ? fmt::format("{}: two outputs of {} would be this file", shown_output(file),
-                                                        label_of_source(first))
-                                          : fmt::format("{}: {} and {} would both write it", shown_output(file),
-                                                        label_of_source(first), label_of_source(sources[i])),
+                    &first == &sources[i]
+                        ? fmt::format("{}: two outputs of {} would be this file",
+                                      printable(files::shown_output_name(file)), label_of_source(first))
+                        : fmt::format("{}: {} and {} would both write it", printable(files::shown_output_name(file)),
+                                      label_of_source(first), label_of_source(sources[i])),
                     Remedy::number_outputs);
       }
     }

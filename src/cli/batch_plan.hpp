@@ -35,6 +35,8 @@ struct BatchPlan {
 
 // Whether the inputs and options ask for frames rather than for one conversion.
 [[nodiscard]] bool is_batch(const ConvertFlags& flags);
+// Whether this one stands for the frames of a sequence: a folder or a pattern.
+[[nodiscard]] bool names_frames(const std::string& input);
 
 // `environment` is std::getenv: job schedulers tell there which part of the frames is this process's.
 [[nodiscard]] Result<BatchPlan> plan_batch(const ConvertFlags& flags, const char* (*environment)(const char*));

@@ -14,6 +14,7 @@ enum class Request {
   info,
   verify,
   compare,
+  render,
   bench,
   stability,
   merge,

@@ -30,6 +30,7 @@
 #include "cli/jet_plan.hpp"
 #include "cli/messages.hpp"
 #include "cli/plan.hpp"
+#include "cli/render_command.hpp"
 #include "cli/simulate_command.hpp"
 #include "cli/simulate_plan.hpp"
 #include "cli/stability_command.hpp"
@@ -88,6 +89,15 @@ int run_compare_command(const CompareFlags& flags) {
   if (!plan) return report(plan.error());
   if (auto limited = limit_threads(flags.run.threads); !limited) return report(limited.error());
   return done_or_reported(run_compare(*plan, Messages(*verbosity)));
+}
+
+int run_render_command(const RenderFlags& flags) {
+  const auto verbosity = plan_verbosity(flags.run);
+  if (!verbosity) return report(verbosity.error());
+  const auto plan = plan_render(flags);
+  if (!plan) return report(plan.error());
+  if (auto limited = limit_threads(flags.run.threads); !limited) return report(limited.error());
+  return done_or_reported(run_render(*plan, Messages(*verbosity)));
 }
 
 int run_bench_command(const BenchFlags& flags) {
@@ -161,6 +171,7 @@ int run_arguments(const std::vector<std::string>& arguments) {
     case Request::info: return run_info_command(line->info_flags, *line->info);
     case Request::verify: return run_verify_command(line->verify_flags);
     case Request::compare: return run_compare_command(line->compare_flags);
+    case Request::render: return run_render_command(line->render_flags);
     case Request::bench: return run_bench_command(line->bench_flags);
     case Request::merge: return done_or_reported(run_merge(line->merge_flags));
     case Request::devices: return done_or_reported(run_devices(line->devices_flags));

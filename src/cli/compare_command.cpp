@@ -13,6 +13,7 @@
 #include "cli/attribute_text.hpp"
 #include "cli/layout.hpp"
 #include "cli/progress_bar.hpp"
+#include "cli/turned_mesh.hpp"
 #include "convert/json_values.hpp"
 #include "convert/placement.hpp"
 #include "measure/attribute_match.hpp"
@@ -50,13 +51,6 @@ Result<void> measure_side(Side& side, const Context& context) {
   side.size = mesh::measure_size(side.file.mesh);
   side.bounds = mesh::measure_bounds(side.file.mesh);
   return {};
-}
-
-// The way back from what a conversion does for glTF (convert::output_from_index). Nothing is rounded.
-void turn_y_up_to_z_up(mesh::Mesh& mesh) {
-  const auto turn = [](auto& p) { p = {p.x, -p.z, p.y}; };
-  turn(mesh.origin);
-  for (glm::vec3& p : mesh.positions) turn(p);
 }
 
 // glTF says where up is, the other formats do not: meshes of one kind are compared as they are. Where there is one of

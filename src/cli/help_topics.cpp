@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/ascii.hpp"
 #include "base/version.hpp"
 #include "cli/field_plan.hpp"
 #include "cli/options.hpp"
@@ -21,8 +21,8 @@ constexpr std::array<std::string_view, 8> kGroups{"Input",    "Particles", "Fram
 // Of all commands.
 constexpr std::array<std::string_view, 10> kAllGroups{"Input",   "Scene",    "Simulation", "Particles", "Frames",
                                                       "Surface", "Vertices", "Placement",  "Output",    "Run"};
-constexpr std::array<std::string_view, 11> kCommands{
-    "convert", "info", "verify", "compare", "bench", "stability", "merge", "devices", "simulate", "help", "generate"};
+constexpr std::array<std::string_view, 12> kCommands{"convert",   "info",  "verify",  "compare",  "render", "bench",
+                                                     "stability", "merge", "devices", "simulate", "help",   "generate"};
 
 constexpr std::array kExamples{
     Example{"isoextract smoke.vdb --iso 0.5 -o smoke.glb", "A fog volume as a glTF file for Blender or a browser."},
@@ -36,6 +36,7 @@ constexpr std::array kExamples{
     Example{"isoextract dam.bgeo --particles smooth --radius 0.025 -o dam.vdb", "Their level set, for other programs."},
     Example{"isoextract verify smoke.vdb --iso 0.5 smoke.glb", "Whether a mesh is what its volume gives."},
     Example{"isoextract compare a.glb b.ply --max-distance 0.1", "Whether two meshes are the same surface, to 0.1."},
+    Example{"isoextract render smoke.vdb mesh.glb -o smoke.png", "A picture of a volume with a mesh in it."},
     Example{"isoextract 'demo:gyroid?size=128' --iso 0 --format ply -o - > gyroid.ply", "No file at all, and a pipe."},
 };
 
@@ -135,12 +136,6 @@ HelpTopic exit_codes_topic() {
              {"6", "what was to be verified does not hold"}}}}};
 }
 
-std::string lower(std::string_view text) {
-  std::string out(text);
-  std::transform(out.begin(), out.end(), out.begin(), [](unsigned char c) { return std::tolower(c); });
-  return out;
-}
-
 const CLI::App& command_named(const CLI::App& app, std::string_view name) {
   return *app.get_subcommand(std::string(name));
 }
@@ -180,7 +175,7 @@ HelpBlock group_block(const CLI::App& command, std::string_view group) {
 
 std::vector<std::string> help_names() {
   std::vector<std::string> names(kCommands.begin(), kCommands.end());
-  for (const std::string_view group : kGroups) names.push_back(lower(group));
+  for (const std::string_view group : kGroups) names.push_back(lower_case(group));
   for (const HelpTopic& topic : help_topics()) names.emplace_back(topic.name);
   return names;
 }
@@ -197,7 +192,7 @@ std::string help_overview(const CLI::App& app) {
   out += "\nCommands ('isoextract COMMAND --help' lists their options):\n" + plain_text(commands);
   HelpBlock topics;
   for (const std::string_view group : kGroups) {
-    topics.rows.push_back({lower(group), fmt::format("The {} options of convert.", lower(group))});
+    topics.rows.push_back({lower_case(group), fmt::format("The {} options of convert.", lower_case(group))});
   }
   for (const HelpTopic& topic : help_topics()) {
     topics.rows.push_back({std::string(topic.name), std::string(topic.summary)});
@@ -230,7 +225,7 @@ std::string help_of(const CLI::App& app, std::string_view name) {
     return help_of_command(command_named(app, name));
   }
   for (const std::string_view group : kGroups) {
-    if (lower(group) == name) return help_of_group(app, group);
+    if (lower_case(group) == name) return help_of_group(app, group);
   }
   std::string out;
   for (const HelpTopic& topic : help_topics()) {

@@ -11,12 +11,20 @@
 #include "base/version.hpp"
 #include "cli/convert_options.hpp"
 #include "cli/help_topics.hpp"
+#include "cli/render_options.hpp"
 #include "cli/shared_options.hpp"
 #include "cli/simulate_options.hpp"
 #include "field/demo_field.hpp"
 
 namespace isoextract::cli {
 namespace {
+
+// As one word, for --methods.
+std::string following_method_ids() {
+  std::vector<std::string_view> ids;
+  for (const extract::MethodInfo& method : extract::following_methods()) ids.push_back(method.id);
+  return fmt::format("{}", fmt::join(ids, ","));
+}
 
 void declare_merge(CLI::App& app, MergeFlags& flags) {
   Group(app, "Input")
@@ -77,8 +85,7 @@ void declare_bench(CLI::App& app, BenchFlags& flags) {
   surface.value("--iso", "V", flags.iso, parse_number,
                 "The value whose surface is extracted (default: the demo field's own). Files need it.");
   surface.value("--methods", "M,M,...", flags.methods, parse_methods,
-                fmt::format("Of {} (default: {}).", fmt::join(extract::method_ids(), " and "),
-                            fmt::join(extract::method_ids(), ",")));
+                fmt::format("Of {} (default: {}).", fmt::join(extract::method_ids(), ", "), following_method_ids()));
   declare_nan(surface, flags.nan);
   const Group output(app, "Output");
   output.value<std::string>("--csv", "FILE", flags.csv, parse_text, "Write the rows of the table as CSV.");
@@ -148,6 +155,10 @@ std::unique_ptr<CommandLine> declare_command_line() {
   line->compare = add_command(app, "compare", "Compare two meshes: their topology, and the distances between them.");
   declare_compare(*line->compare, line->compare_flags);
   declare_run(*line->compare, line->compare_flags.run);
+
+  line->render = add_command(app, "render", "Draw volumes, surfaces and meshes as pictures, as PNG or OpenEXR.");
+  declare_render(*line->render, line->render_flags);
+
   line->bench = add_command(app, "bench", "Measure error against run time of all methods, and draw it.");
   declare_bench(*line->bench, line->bench_flags);
 

@@ -29,6 +29,8 @@
 #include "field/scalar_field.hpp"
 #include "meshes/mesh_writer.hpp"
 #include "points/method.hpp"
+#include "render/camera.hpp"
+#include "render/scene.hpp"
 #include "simulate/water.hpp"
 #include "simulate/water_fields.hpp"
 #include "volumes/particle_writer.hpp"
@@ -128,9 +130,10 @@ struct BatchFlags {
   std::optional<ProgressStyle> progress;
 };
 
-// What -o is written as: a format of meshes or, without one, the field itself as an OpenVDB file.
+// What -o is written as: a format of meshes or, without one, a picture of them or the field itself as an OpenVDB file.
 struct OutputFormat {
   std::optional<meshes::MeshFormat> mesh;
+  bool picture = false;
 };
 
 struct ConvertFlags {
@@ -140,7 +143,10 @@ struct ConvertFlags {
   std::optional<convert::Backend> backend;
   DeviceFlags device;
   std::vector<convert::IsoChoice> isos;
+  std::optional<std::vector<convert::IsoChoice>> labels;
   SurfaceFlags surface;
+  bool no_merge = false;
+  bool t_junctions = false;
   std::optional<convert::Normals> normals;
   std::vector<convert::AttributeChoice> attributes;
   std::optional<ColourFlag> colour;
@@ -151,6 +157,8 @@ struct ConvertFlags {
   std::optional<std::string> output;
   std::optional<OutputFormat> format;
   bool half = false;
+  std::optional<render::PictureSize> size;
+  std::optional<render::ViewAngles> camera;
   bool ascii = false;
   // Of --draco: its bits, or nothing in it where the voxel says.
   std::optional<std::optional<std::uint64_t>> draco;
@@ -161,6 +169,8 @@ struct ConvertFlags {
   bool verify = false;
   bool explain = false;
   std::optional<std::string> report;
+  std::optional<std::string> html;
+  std::optional<std::string> contact_sheet;
   std::optional<std::string> config;
   RunFlags run;
 };
@@ -190,6 +200,33 @@ struct CompareFlags {
   std::optional<double> max_distance;
   std::optional<std::uint64_t> memory_limit;
   bool json = false;
+  RunFlags run;
+};
+
+struct RenderFlags {
+  InputFlags input;  // volumes and meshes
+  ParticleFlags particles;
+  std::optional<std::string> frames;
+  std::vector<convert::IsoChoice> isos;
+  SurfaceFlags surface;
+  std::optional<ColourFlag> colour;
+  std::optional<std::vector<double>> opacity;
+  std::optional<render::Shading> shading;
+  std::optional<std::string> transfer;
+  std::optional<std::array<double, 2>> transfer_range;
+  std::optional<double> unit_length;
+  std::optional<render::ViewAngles> camera;
+  std::optional<double> field_of_view;
+  std::optional<convert::UpAxis> up;
+  std::optional<render::PictureSize> size;
+  std::optional<glm::dvec4> background;
+  std::optional<double> samples;
+  std::optional<double> termination;
+  bool no_skipping = false;
+  std::optional<std::string> output;
+  std::optional<std::string> json;
+  std::optional<convert::Backend> backend;
+  DeviceFlags device;
   RunFlags run;
 };
 
@@ -280,6 +317,7 @@ struct CommandLine {
   CLI::App* info = nullptr;
   CLI::App* verify = nullptr;
   CLI::App* compare = nullptr;
+  CLI::App* render = nullptr;
   CLI::App* bench = nullptr;
   CLI::App* stability = nullptr;
   CLI::App* devices = nullptr;
@@ -294,6 +332,7 @@ struct CommandLine {
   InfoFlags info_flags;
   VerifyFlags verify_flags;
   CompareFlags compare_flags;
+  RenderFlags render_flags;
   BenchFlags bench_flags;
   StabilityFlags stability_flags;
   DevicesFlags devices_flags;

@@ -36,6 +36,8 @@ struct ParticleReport {
   points::Method method = points::Method::sph;
   std::optional<points::FieldFigures> figures;  // of the field that would be extracted
   std::optional<Error> no_field;                // why there is none
+  double read_seconds = 0;                      // what a conversion does before it extracts, as it took here
+  double field_seconds = 0;
   std::vector<std::string> notes;
 };
 

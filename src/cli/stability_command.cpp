@@ -144,10 +144,11 @@ Result<std::vector<measure::StabilityRow>> extracted_rows(const std::vector<cons
                                                           const StabilityFlags& flags, const Messages& messages) {
   const auto backends = choose_backends(flags, messages);
   if (!backends) return tl::unexpected(backends.error());
-  for (const std::string& missing : measure::missing_methods(*backends, extract::kMethods)) messages.note(missing);
+  const std::vector<extract::MethodInfo> methods = extract::following_methods();
+  for (const std::string& missing : measure::missing_methods(*backends, methods)) messages.note(missing);
   std::vector<measure::StabilityRow> rows;
   for (const measure::StabilityCase* test : cases) {
-    for (const extract::MethodInfo& method : extract::kMethods) {
+    for (const extract::MethodInfo& method : methods) {
       for (const measure::BenchBackend& backend : *backends) {
         if (!backend.runs(method.method)) continue;
         rows.push_back(measure::run_stability_case(*test, method, *backend.extractor));

@@ -40,22 +40,15 @@ std::vector<std::string_view> split(std::string_view text, std::string_view sepa
   }
 }
 
-// `count` finite numbers separated by commas, or by what else is said; nothing if `text` is anything else.
-std::optional<std::vector<double>> numbers_in(std::string_view text, std::size_t count,
-                                              std::string_view separators = ",") {
-  std::vector<double> numbers;
-  for (const std::string_view part : split(text, separators)) {
-    const auto number = whole_text_as<double>(part);
-    if (!number || !std::isfinite(*number)) return std::nullopt;
-    numbers.push_back(*number);
-  }
-  if (numbers.size() != count) return std::nullopt;
-  return numbers;
+// `count` finite numbers separated by commas; nothing if `text` is anything else.
+std::optional<std::vector<double>> numbers_in(std::string_view text, std::size_t count) {
+  auto numbers = parse_numbers(text);
+  return numbers && numbers->size() == count ? numbers : std::nullopt;
 }
 
-// Three numbers above 0, or one for all.
-std::optional<glm::dvec3> three_sizes(std::string_view text, std::string_view separators) {
-  auto numbers = numbers_in(text, 3, separators);
+// Three numbers above 0 separated by commas, or one for all.
+std::optional<glm::dvec3> three_sizes(std::string_view text) {
+  auto numbers = numbers_in(text, 3);
   if (!numbers) numbers = numbers_in(text, 1);
   if (!numbers || std::ranges::any_of(*numbers, [](double size) { return size <= 0; })) return std::nullopt;
   if (numbers->size() == 1) return glm::dvec3(numbers->front());
@@ -125,6 +118,22 @@ Result<convert::IsoChoice> parse_iso(std::string_view text) {
     return expected_found("a finite number, auto or a percentile from p0 to p100", text);
   }
   return convert::IsoChoice(*number);
+}
+
+Result<std::vector<convert::IsoChoice>> parse_labels(std::string_view text) {
+  constexpr std::string_view kExpected = "all, or whole numbers with commas between them";
+  if (text == "all") return std::vector{convert::IsoChoice::all_labels()};
+  std::vector<convert::IsoChoice> labels;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const auto number = whole_text_as<std::int64_t>(text.substr(begin, end - begin));
+    if (!number) return expected_found(kExpected, text);
+    const auto label = convert::IsoChoice::label(*number);
+    if (std::ranges::find(labels, label) != labels.end()) return expected_found("each label once", text);
+    labels.push_back(label);
+    begin = end + 1;
+  }
+  return labels;
 }
 
 Result<double> parse_positive(std::string_view text) {
@@ -199,10 +208,37 @@ Result<convert::SimplifyBound> parse_simplify_bound(std::string_view text) {
   return convert::SimplifyBound{*distance, in_world_units};
 }
 
+std::optional<std::vector<double>> parse_numbers(std::string_view text) {
+  std::vector<double> numbers;
+  for (const std::string_view part : split(text, ",")) {
+    const auto number = whole_text_as<double>(part);
+    if (!number || !std::isfinite(*number)) return std::nullopt;
+    numbers.push_back(*number);
+  }
+  return numbers;
+}
+
 Result<glm::dvec3> parse_vector(std::string_view text) {
   const auto numbers = numbers_in(text, 3);
   if (!numbers) return expected_found("three numbers X,Y,Z", text);
   return glm::dvec3((*numbers)[0], (*numbers)[1], (*numbers)[2]);
+}
+
+Result<render::PictureSize> parse_picture_size(std::string_view text) {
+  const std::vector<std::string_view> parts = split(text, "xX");
+  const auto refused = [&] {
+    return expected_found(
+        fmt::format("a width and a height of at most {} pixels, such as 1920x1080", render::PictureSize::kMaxSide),
+        text);
+  };
+  if (parts.size() != 2) return refused();
+  render::PictureSize size;
+  for (auto [side, part] : {std::pair(&size.width, parts[0]), std::pair(&size.height, parts[1])}) {
+    const auto number = whole_text_as<int>(part);
+    if (!number || *number < 1 || *number > render::PictureSize::kMaxSide) return refused();
+    *side = *number;
+  }
+  return size;
 }
 
 Result<std::array<std::string, 3>> parse_columns(std::string_view text) {
@@ -225,13 +261,16 @@ Result<std::array<std::string, 3>> parse_columns(std::string_view text) {
 }
 
 Result<glm::dvec3> parse_spacing(std::string_view text) {
-  const auto sizes = three_sizes(text, ",");
+  const auto sizes = three_sizes(text);
   if (!sizes) return expected_found("one or three numbers above 0, such as 0.5,0.5,2", text);
   return *sizes;
 }
 
 Result<glm::dvec3> parse_sides(std::string_view text) {
-  const auto sides = three_sizes(text, ",xX");
+  std::string with_commas(text);
+  std::ranges::replace_if(
+      with_commas, [](char c) { return c == 'x' || c == 'X'; }, ',');
+  const auto sides = three_sizes(with_commas);
   if (!sides) return expected_found("one or three numbers above 0, such as 60x40x60", text);
   return *sides;
 }

@@ -25,22 +25,23 @@ std::vector<std::string> colormap_names() {
   return names;
 }
 
-// "0,1" with the first below the second; nothing for what is no such pair of numbers.
+// Two numbers; nothing for what is none.
 std::optional<std::array<double, 2>> parse_range(std::string_view text) {
-  const std::size_t comma = text.find(',');
-  if (comma == std::string_view::npos) return std::nullopt;
-  const auto low = parse_number(text.substr(0, comma));
-  const auto high = parse_number(text.substr(comma + 1));
-  if (!low || !high) return std::nullopt;
-  return std::array{*low, *high};
+  const auto numbers = parse_numbers(text);
+  if (!numbers || numbers->size() != 2) return std::nullopt;
+  return std::array{(*numbers)[0], (*numbers)[1]};
 }
 
-Result<void> check_name_of_map(std::string_view text) {
+Result<void> check_name_of_map(std::string_view text, convert::Colormap map) {
   const std::size_t colon = text.rfind(':');
   const std::string_view from = text.substr(std::min(text.find('='), text.size()));
   // A path may have a colon, and demo fields have one.
   if (colon == std::string_view::npos || !from.empty()) return {};
   const std::string word(text.substr(colon + 1));
+  if (parse_range(word)) {
+    return fail(ErrorKind::usage, fmt::format("expected MIN,MAX once, behind the colour map, found {} before it", word),
+                fmt::format("as in {}:{}:{}", text.substr(0, colon), word_of(map), word));
+  }
   const std::string near = nearest_name(word, colormap_names());
   return fail(ErrorKind::usage,
               fmt::format("expected a colour map ({}) or MIN,MAX after the colon, found '{}'",
@@ -108,7 +109,7 @@ Result<ColourFlag> parse_colour(std::string_view text) {
     return fail(ErrorKind::usage,
                 fmt::format("expected MIN below MAX, found {} and {}", (*flag.range)[0], (*flag.range)[1]));
   }
-  if (auto fine = check_name_of_map(rest); !fine) return tl::unexpected(std::move(fine.error()));
+  if (auto fine = check_name_of_map(rest, flag.map); !fine) return tl::unexpected(std::move(fine.error()));
   if (rest == kIso) return flag;
   auto choice = parse_attribute(rest);
   if (!choice) return tl::unexpected(std::move(choice.error()));
@@ -117,18 +118,11 @@ Result<ColourFlag> parse_colour(std::string_view text) {
 }
 
 Result<std::vector<double>> parse_opacity(std::string_view text) {
-  std::vector<double> values;
-  for (;;) {
-    const std::size_t comma = text.find(',');
-    const auto value = parse_number(text.substr(0, comma));
-    if (!value || !(*value > 0 && *value <= 1)) {
-      return fail(ErrorKind::usage,
-                  fmt::format("expected numbers above 0 and at most 1, found '{}'", text.substr(0, comma)));
-    }
-    values.push_back(*value);
-    if (comma == std::string_view::npos) return values;
-    text.remove_prefix(comma + 1);
+  auto values = parse_numbers(text);
+  if (!values || !std::ranges::all_of(*values, [](double value) { return value > 0 && value <= 1; })) {
+    return fail(ErrorKind::usage, fmt::format("expected numbers above 0 and at most 1, found '{}'", text));
   }
+  return std::move(*values);
 }
 
 Result<void> plan_vertices(const ConvertFlags& flags, std::size_t isos, convert::ConversionJob& job) {

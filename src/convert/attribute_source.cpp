@@ -11,6 +11,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include "base/ascii.hpp"
 #include "base/printable.hpp"
 #include "base/reserved_buffer.hpp"
 #include "field/point_samples.hpp"
@@ -25,9 +26,7 @@ namespace {
 constexpr std::array<std::string_view, 3> kAxes{"[x]", "[y]", "[z]"};
 
 bool names_file(const std::string& text) {
-  std::string lower = text;
-  std::ranges::transform(lower, lower.begin(),
-                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  const std::string lower = lower_case(text);
   for (const volumes::VolumeFormat* format : volumes::volume_formats()) {
     const volumes::FormatDescription& about = format->about();
     if (!about.prefix.empty() && text.starts_with(about.prefix)) return true;
@@ -108,6 +107,17 @@ Result<VolumeAttribute> read_volume_attribute(const SourceOptions& options, cons
   return attribute;
 }
 
+// Options say what is read of the input. Hints at them mislead where it is about an attribute, which has none.
+Hint hint_of_attribute(Hint hint) {
+  switch (hint.remedy) {
+    case Remedy::choose_grid:
+    case Remedy::choose_grid_number: return "an attribute is one of the file's grids" + hint.text;
+    case Remedy::leave_out_grid: return "leave the name of a grid out: there is one volume in the file";
+    case Remedy::describe_raw: return "attributes are read from files that say what is in them";
+    default: return hint;
+  }
+}
+
 // The vertices in the world of the input.
 Result<std::shared_ptr<ReservedBuffer<glm::dvec3>>> world_positions(const field::Affine& world_from_output,
                                                                     const mesh::Mesh& mesh, const Context& context) {
@@ -130,6 +140,11 @@ mesh::Attribute float_attribute(const std::string& name, std::size_t components,
 }
 
 using Records = std::vector<AttributeRecord>;
+
+void take_attributes(std::vector<mesh::Attribute>&& added, Reservation memory, mesh::Mesh& mesh) {
+  std::ranges::move(added, std::back_inserter(mesh.attributes));
+  mesh.memory.take(std::move(memory));
+}
 
 Result<Records> add_of_particles(const ParticleAttributes& source, std::span<const glm::dvec3> places, mesh::Mesh& mesh,
                                  const Context& context) {
@@ -160,8 +175,7 @@ Result<Records> add_of_particles(const ParticleAttributes& source, std::span<con
     record.components = made.components;
     record.out_of_reach = sampled->out_of_reach;
   }
-  for (mesh::Attribute& attribute : added) mesh.attributes.push_back(std::move(attribute));
-  mesh.memory.take(std::move(*memory));
+  take_attributes(std::move(added), std::move(*memory), mesh);
   return records;
 }
 
@@ -190,8 +204,7 @@ Result<Records> add_of_volumes(const std::vector<VolumeAttribute>& attributes, s
       record.not_finite = std::max(record.not_finite, counts->not_finite);
     }
   }
-  for (mesh::Attribute& attribute : added) mesh.attributes.push_back(std::move(attribute));
-  mesh.memory.take(std::move(*memory));
+  take_attributes(std::move(added), std::move(*memory), mesh);
   return records;
 }
 
@@ -218,6 +231,7 @@ Result<std::vector<VolumeAttribute>> read_volume_attributes(const SourceOptions&
     if (!attribute) {
       attribute.error().message =
           fmt::format("the attribute '{}': {}", printable(choice.name), attribute.error().message);
+      attribute.error().hint = hint_of_attribute(std::move(attribute.error().hint));
       return tl::unexpected(std::move(attribute.error()));
     }
     attributes.push_back(std::move(*attribute));

@@ -18,8 +18,4 @@ glm::dvec3 colour_at(Colormap map, double place) {
   return (1 - t) * colour(points[below]) + t * colour(points[below + 1]);
 }
 
-double linear_of_srgb(double channel) {
-  return channel <= 0.04045 ? channel / 12.92 : std::pow((channel + 0.055) / 1.055, 2.4);
-}
-
 }  // namespace isoextract::convert

@@ -28,8 +28,4 @@ inline constexpr std::size_t kColormapPoints = 86;
 // is a grey of one half.
 [[nodiscard]] glm::dvec3 colour_at(Colormap map, double place);
 
-// From sRGB to linear light, a channel from 0 to 1 (IEC 61966-2-1). glTF's colours of vertices and materials are
-// linear.
-[[nodiscard]] double linear_of_srgb(double channel);
-
 }  // namespace isoextract::convert

@@ -246,13 +246,14 @@ bool same_place(const fs::path& a, const fs::path& b) {
   return place(a) == place(b);
 }
 
+std::string shown_output_name(const fs::path& path) { return path == "-" ? "standard output" : path.string(); }
+
 Result<OutputFile> OutputFile::create(const fs::path& path) {
   auto state = std::make_unique<State>();
   state->buffer = Buffer<std::byte>(kBufferBytes);
-  state->shown = path.string();
+  state->shown = shown_output_name(path);
   if (path == "-") {
     state->kind = State::Kind::standard_output;
-    state->shown = "standard output";
     state->fd = STDOUT_FILENO;
     return OutputFile(std::move(state));
   }

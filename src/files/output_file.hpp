@@ -22,6 +22,9 @@
 
 namespace isoextract::files {
 
+// What messages call an output.
+[[nodiscard]] std::string shown_output_name(const std::filesystem::path& path);
+
 // Takes away the regular file that an OutputFile of this name would replace, through symbolic links. False where there
 // is none: nothing, a folder, a device or a pipe, standard output. Fails with ErrorKind::output.
 [[nodiscard]] Result<bool> remove_old_file(const std::filesystem::path& path);

@@ -45,6 +45,10 @@ struct GlQueryTraits {
   static void make(GLuint* name) { glGenQueries(1, name); }
   static void drop(const GLuint* name) { glDeleteQueries(1, name); }
 };
+struct GlFramebufferTraits {
+  static void make(GLuint* name) { glGenFramebuffers(1, name); }
+  static void drop(const GLuint* name) { glDeleteFramebuffers(1, name); }
+};
 struct GlProgramTraits {
   static void make(GLuint* name) { *name = glCreateProgram(); }
   static void drop(const GLuint* name) { glDeleteProgram(*name); }
@@ -53,6 +57,7 @@ struct GlProgramTraits {
 using GlBuffer = GlObject<GlBufferTraits>;
 using GlTexture = GlObject<GlTextureTraits>;
 using GlQuery = GlObject<GlQueryTraits>;
+using GlFramebuffer = GlObject<GlFramebufferTraits>;
 using GlProgram = GlObject<GlProgramTraits>;
 
 }  // namespace isoextract::gl

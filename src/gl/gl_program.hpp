@@ -1,4 +1,4 @@
-// Linked programs whose output is captured by transform feedback.
+// Linked programs: those whose output is captured by transform feedback, and those that draw pictures.
 #pragma once
 
 #include <array>
@@ -46,8 +46,26 @@ class CellProgram {
   void set(const char* name, const glm::uvec2& v) const {
     glProgramUniform2ui(program_.name(), location(name), v.x, v.y);
   }
+  void set(const char* name, const glm::dvec2& v) const {
+    glProgramUniform2d(program_.name(), location(name), v.x, v.y);
+  }
   void set(const char* name, const glm::dvec3& v) const {
     glProgramUniform3d(program_.name(), location(name), v.x, v.y, v.z);
+  }
+  void set(const char* name, const glm::dmat3& m) const {
+    glProgramUniformMatrix3dv(program_.name(), location(name), 1, GL_FALSE, &m[0][0]);
+  }
+  void set(const char* name, float value) const { glProgramUniform1f(program_.name(), location(name), value); }
+  void set(const char* name, const glm::vec4& v) const {
+    glProgramUniform4f(program_.name(), location(name), v.x, v.y, v.z, v.w);
+  }
+  void set(const char* name, const glm::mat3& m) const {
+    glProgramUniformMatrix3fv(program_.name(), location(name), 1, GL_FALSE, &m[0][0]);
+  }
+  // An array from its first element on.
+  void set(const char* name, std::span<const glm::vec3> values) const {
+    glProgramUniform3fv(program_.name(), location(name), static_cast<GLsizei>(values.size()),
+                        values.empty() ? nullptr : &values[0].x);
   }
 
  private:

@@ -1,19 +1,15 @@
 #include "gl/gpu_device.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <limits>
 
 #include <fmt/format.h>
 
+#include "base/ascii.hpp"
+
 namespace isoextract::gl {
 namespace {
-
-std::string lower(std::string text) {
-  std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 std::optional<int> parse_index(std::string_view text) {
   int number = 0;
@@ -26,7 +22,7 @@ bool matches(const GpuDevice& device, const DeviceChoice& choice) {
   if (const auto* index = std::get_if<int>(&choice)) return device.index == *index;
   if (const auto* cuda = std::get_if<CudaIndex>(&choice)) return device.cuda_index == cuda->number;
   if (const auto* name = std::get_if<DeviceName>(&choice)) {
-    return lower(device.vendor + " " + device.renderer).find(lower(name->part)) != std::string::npos;
+    return lower_case(device.vendor + " " + device.renderer).find(lower_case(name->part)) != std::string::npos;
   }
   return true;
 }

@@ -10,31 +10,11 @@ namespace {
 
 using mesh::AttributeRole;
 
-template <class T>
-double number_at(const std::byte* at, bool normalised) {
-  T value;
-  std::memcpy(&value, at, sizeof value);
-  const auto number = static_cast<double>(value);
-  return normalised ? number / static_cast<double>(std::numeric_limits<T>::max()) : number;
-}
-
 double component_of(const mesh::Attribute& attribute, std::size_t vertex, std::size_t component) {
-  using Type = mesh::ComponentType;
   const std::byte* at =
       attribute.values.data() + vertex * attribute.stride() + component * mesh::component_size(attribute.type);
   // PLY does not say of its colours what glTF says.
-  const bool fraction = attribute.normalised || attribute.role == AttributeRole::colour;
-  switch (attribute.type) {
-    case Type::i8: return number_at<std::int8_t>(at, fraction);
-    case Type::u8: return number_at<std::uint8_t>(at, fraction);
-    case Type::i16: return number_at<std::int16_t>(at, fraction);
-    case Type::u16: return number_at<std::uint16_t>(at, fraction);
-    case Type::i32: return number_at<std::int32_t>(at, fraction);
-    case Type::u32: return number_at<std::uint32_t>(at, fraction);
-    case Type::f32: return number_at<float>(at, false);
-    case Type::f64: break;
-  }
-  return number_at<double>(at, false);
+  return component_value(at, attribute.type, attribute.normalised || attribute.role == AttributeRole::colour);
 }
 
 bool have_same_vertices(const mesh::Mesh& a, const mesh::Mesh& b) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -22,6 +23,14 @@ constexpr std::array<ComponentInfo, 8> kComponents{
     {{"i8", 1}, {"u8", 1}, {"i16", 2}, {"u16", 2}, {"i32", 4}, {"u32", 4}, {"f32", 4}, {"f64", 8}}};
 
 const ComponentInfo& info(ComponentType type) { return kComponents[static_cast<std::size_t>(type)]; }
+
+template <class T>
+double value_of(const std::byte* place, bool normalised) {
+  T value;
+  std::memcpy(&value, place, sizeof value);
+  const auto number = static_cast<double>(value);
+  return normalised ? std::max(number / static_cast<double>(std::numeric_limits<T>::max()), -1.0) : number;
+}
 
 // New item i is old item old_of_new[i]; an item is `stride` values.
 template <class T>
@@ -48,6 +57,20 @@ Buffer<T> copied(const Buffer<T>& values) {
 
 std::size_t component_size(ComponentType type) { return info(type).size; }
 std::string_view component_name(ComponentType type) { return info(type).name; }
+
+double component_value(const std::byte* place, ComponentType type, bool normalised) {
+  switch (type) {
+    case ComponentType::i8: return value_of<std::int8_t>(place, normalised);
+    case ComponentType::u8: return value_of<std::uint8_t>(place, normalised);
+    case ComponentType::i16: return value_of<std::int16_t>(place, normalised);
+    case ComponentType::u16: return value_of<std::uint16_t>(place, normalised);
+    case ComponentType::i32: return value_of<std::int32_t>(place, normalised);
+    case ComponentType::u32: return value_of<std::uint32_t>(place, normalised);
+    case ComponentType::f32: return value_of<float>(place, false);
+    case ComponentType::f64: break;
+  }
+  return value_of<double>(place, false);
+}
 
 std::size_t vertex_bytes(const Mesh& mesh) {
   std::size_t bytes = sizeof(glm::vec3) * (mesh.normals.empty() ? 1 : 2) + (mesh.edges.empty() ? 0 : sizeof(EdgeKey));

@@ -45,6 +45,10 @@ struct Attribute {
   [[nodiscard]] Attribute without_values() const { return {name, role, type, components, normalised, {}}; }
 };
 
+// What a component that is stored at `place` stands for: the number itself, or where `normalised` the fraction of the
+// greatest integer of its type, at least -1 (glTF 2.0, 3.6.2.2). For floats `normalised` says nothing.
+[[nodiscard]] double component_value(const std::byte* place, ComponentType type, bool normalised);
+
 // What one vertex takes in all arrays of the mesh.
 [[nodiscard]] std::size_t vertex_bytes(const Mesh& mesh);
 

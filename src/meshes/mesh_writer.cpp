@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/ascii.hpp"
 #include "meshes/write/attempt.hpp"
 #include "meshes/write/mesh_format_writers.hpp"
 #include "meshes/write/vertex_order.hpp"
@@ -112,9 +113,7 @@ std::optional<MeshFormat> mesh_format_by_name(std::string_view name) {
 }
 
 std::optional<MeshFormat> mesh_format_by_path(const fs::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  const std::string extension = lower_case(path.extension().string());
   return extension.empty() ? std::nullopt : mesh_format_by_name(std::string_view(extension).substr(1));
 }
 

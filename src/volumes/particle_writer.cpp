@@ -12,11 +12,11 @@
 
 #include <fmt/format.h>
 
+#include "base/ascii.hpp"
 #include "base/printable.hpp"
 #include "base/version.hpp"
 #include "files/output_file.hpp"
 #include "files/record_stream.hpp"
-#include "volumes/particles/particle_columns.hpp"
 #include "volumes/write/npy_text.hpp"
 
 namespace isoextract::volumes {

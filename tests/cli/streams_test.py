@@ -44,7 +44,7 @@ class StreamsTest(ProgramTest):
             self.convert(SPHERE, "--iso", "0", "-o", f"file.{form}")
             run = self.convert(SPHERE, "--iso", "0", "-o", "-", "--format", form)
             self.assertEqual(run.out, (self.folder / f"file.{form}").read_bytes())
-            self.assertIn("-> stdout: ", run.err)
+            self.assertIn("-> standard output: ", run.err)
         read_glb(self.convert(SPHERE, "--iso", "0", "-o", "-", "--format", "glb").out)
 
     def test_a_pipe_can_be_read_while_it_is_written(self):

@@ -20,16 +20,18 @@ MAY_INCLUDE = {
     "gpu": ["gl", "extract"],
     "edit": ["mesh"],
     "measure": ["extract", "mesh"],
-    "convert": ["volumes", "meshes", "gpu", "edit", "measure"],
+    "images": ["field", "files"],
+    "render": ["gl", "field", "mesh", "images"],
+    "convert": ["volumes", "meshes", "gpu", "edit", "measure", "render"],
     "batch": ["convert"],
-    "cli": ["batch", "simulate"],
+    "cli": ["batch", "simulate", "render"],
 }
 
 LINE_LIMIT = 500
 
 # What only some places may use: pattern, the rooms or files that may, what to do instead.
 RESERVED = [
-    (r"#\s*include\s*[<\"](GL|GLES\d?|EGL|epoxy)/", ["gl", "gpu"], "GL and EGL belong to gl and gpu"),
+    (r"#\s*include\s*[<\"](GL|GLES\d?|EGL|epoxy)/", ["gl", "gpu", "render"], "GL and EGL belong to gl, gpu and render"),
     (r"\b(_|quick_|std::)?exit\s*\(|\bstd::(abort|terminate)\b|\babort\s*\(", ["cli"], "return an Error instead"),
     (r"\bargv\b", ["cli"], "only cli reads the command line"),
     (r"\bstd::w?(cout|cerr|clog)\b|\b(stdout|stderr)\b", ["cli"], "only cli speaks; return text or an Error"),

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "base/ascii.hpp"
 #include "base/printable.hpp"
-#include "batch/detail/ascii.hpp"
 #include "batch/frame_pattern.hpp"
 
 namespace isoextract::batch {

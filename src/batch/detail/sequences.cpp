@@ -6,7 +6,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "batch/detail/ascii.hpp"
+#include "base/ascii.hpp"
 #include "batch/frame_pattern.hpp"
 
 namespace isoextract::batch {

@@ -16,24 +16,6 @@ namespace {
 
 using nlohmann::json;
 
-// What an integer stands for: itself, or a fraction of the greatest of its type; glTF 2.0, 3.6.2.2.
-template <class T>
-double value_at(const std::byte* place, bool normalised) {
-  T value;
-  std::memcpy(&value, place, sizeof value);
-  const auto number = static_cast<double>(value);
-  return normalised ? std::max(number / std::numeric_limits<T>::max(), -1.0) : number;
-}
-
-double value_at(const std::byte* place, int component, bool normalised) {
-  switch (component) {
-    case kGltfByte: return value_at<std::int8_t>(place, normalised);
-    case kGltfUnsignedByte: return value_at<std::uint8_t>(place, normalised);
-    case kGltfShort: return value_at<std::int16_t>(place, normalised);
-    default: return value_at<std::uint16_t>(place, normalised);
-  }
-}
-
 // Of types that there are none of, the size of the others that have four bytes.
 std::uint64_t size_of(int component) {
   const auto type = gltf_component(component);
@@ -83,9 +65,10 @@ glm::dvec3 GltfView::point(std::uint64_t index) const {
     std::memcpy(&p, place, sizeof p);
     return p;
   }
-  const std::uint64_t size = size_of(component);
-  return {value_at(place, component, normalised), value_at(place + size, component, normalised),
-          value_at(place + 2 * size, component, normalised)};
+  const auto type = gltf_component(component).value_or(mesh::ComponentType::u16);
+  const std::uint64_t size = mesh::component_size(type);
+  return {component_value(place, type, normalised), component_value(place + size, type, normalised),
+          component_value(place + 2 * size, type, normalised)};
 }
 
 std::uint32_t GltfView::whole_number(std::uint64_t index) const {

@@ -1,11 +1,11 @@
 #include "volumes/detail/volume_detect.hpp"
 
 #include <algorithm>
-#include <cctype>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/ascii.hpp"
 #include "base/printable.hpp"
 #include "files/file_bytes.hpp"
 #include "volumes/detail/formats.hpp"
@@ -30,8 +30,7 @@ const VolumeFormat* format_by_content(const FileStart& start) {
 
 // The first that claims the end of the name, whatever its case.
 const VolumeFormat* format_by_extension(const std::filesystem::path& path) {
-  std::string name = path.filename().string();
-  std::ranges::transform(name, name.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string name = lower_case(path.filename().string());
   for (const VolumeFormat* format : volume_formats()) {
     const auto claims = [&](const std::string& extension) { return name.ends_with(extension); };
     if (std::ranges::any_of(format->about().extensions, claims)) return format;

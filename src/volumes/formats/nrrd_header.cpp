@@ -1,12 +1,12 @@
 #include "volumes/formats/nrrd_header.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 
 #include <fmt/format.h>
 #include <teem/nrrd.h>
 
+#include "base/ascii.hpp"
 #include "base/printable.hpp"
 
 namespace isoextract::volumes {
@@ -176,8 +176,7 @@ Result<NrrdDataFiles> read_list(HeaderLines& lines, std::string_view rest) {
 bool is_data_file_field(std::string_view line, std::string_view& value) {
   const std::size_t colon = line.find(':');
   if (colon == std::string_view::npos || line.substr(colon).starts_with(":=")) return false;
-  std::string field(trim(line.substr(0, colon)));
-  std::ranges::transform(field, field.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string field = lower_case(trim(line.substr(0, colon)));
   value = trim(line.substr(colon + 1));
   return field == "data file" || field == "datafile";
 }

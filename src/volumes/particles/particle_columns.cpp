@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "base/ascii.hpp"
 #include "base/checked.hpp"
 #include "base/printable.hpp"
 
@@ -137,14 +138,6 @@ std::optional<Component> component_of(std::string_view name) {
 
 }  // namespace
 
-std::string lower_case(std::string_view text) {
-  std::string lower(text);
-  for (char& c : lower) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c + ('a' - 'A'));
-  }
-  return lower;
-}
-
 void add_tuple(ParticleTable& table, const std::string& name, const std::string& type, std::size_t components,
                bool numeric) {
   ColumnGroup group{name, {}};
@@ -223,7 +216,7 @@ ColumnChoice choose_columns(const ParticleTable& table, const ParticleReadOption
     if (!columns[attribute.columns.front()].numeric) {
       throw DamagedParticles(fmt::format("expected numbers as '{}', found {}", printable(name, 80),
                                          columns[attribute.columns.front()].type),
-                             "attributes of numbers are: " + attribute_list(table, choice.position));
+                             "of numbers " + attribute_list(table, choice.position));
     }
     if (std::ranges::count(choice.attributes, attribute.name, &ColumnGroup::name) > 0) continue;
     choice.attributes.push_back(std::move(attribute));

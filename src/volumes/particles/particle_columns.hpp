@@ -20,9 +20,6 @@ namespace isoextract::volumes {
 
 inline constexpr std::size_t kMostColumns = 4096;
 
-// A to Z alone, whatever the locale.
-[[nodiscard]] std::string lower_case(std::string_view text);
-
 // One number, or word, of each particle.
 struct ParticleColumn {
   std::string name;  // "vx"; of a part of a tuple "velocity:0"

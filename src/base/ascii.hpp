@@ -4,16 +4,17 @@
 #include <string>
 #include <string_view>
 
-namespace isoextract::batch {
+namespace isoextract {
 
 inline constexpr std::string_view kDigits = "0123456789";
 
 [[nodiscard]] inline bool is_digit(char c) { return c >= '0' && c <= '9'; }
 [[nodiscard]] inline bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 
-[[nodiscard]] inline std::string lower_case(std::string text) {
-  for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return text;
+[[nodiscard]] inline std::string lower_case(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return lower;
 }
 
 // Without spaces, tabs and CR at both ends.
@@ -24,4 +25,4 @@ inline constexpr std::string_view kDigits = "0123456789";
   return text.substr(first, text.find_last_not_of(kBlanks) + 1 - first);
 }
 
-}  // namespace isoextract::batch
+}  // namespace isoextract

@@ -1,0 +1,186 @@
+// One ray a pixel, through the volume and past the surfaces: steps 2 to 7 of the model (render/renderer.hpp). VOLUME and
+// SURFACES say which of them there are.
+layout(location = 0) out vec4 picture_colour;  // premultiplied
+layout(location = 1) out vec3 picture_normal;
+layout(location = 2) out float picture_depth;
+layout(location = 3) out uvec4 picture_counts;  // rays in the volume, samples taken, skipped, terminated
+
+uniform double near_depth;
+uniform double far_depth;
+uniform double unit;
+uniform double world_step;
+uniform double unit_lengths;    // of the transfer function, in one of the world
+uniform float least_light;      // less than that ends a ray
+uniform vec4 background;        // straight
+
+#ifdef SURFACES
+const uint kNone = 0xffffffffu;
+uniform usampler2D opaque_triangles;
+uniform sampler2D opaque_depths;
+uniform bool has_lists;
+uniform usampler2D list_counts;
+uniform usampler2D list_ends;
+layout(std430, binding = 1) buffer Fragments { uvec2 fragments[]; };
+
+bool is_before(uvec2 a, uvec2 b) { return a.x < b.x || (a.x == b.x && a.y < b.y); }  // depths are positive
+
+// Shell's method, with Knuth's gaps: lists are mostly short, and may be long.
+void sort(uint begin, uint count) {
+  uint gap = 1u;
+  while (gap < count / 3u) gap = 3u * gap + 1u;
+  for (; gap > 0u; gap /= 3u) {
+    for (uint i = gap; i < count; ++i) {
+      uvec2 moved = fragments[begin + i];
+      uint to = i;
+      while (to >= gap && is_before(moved, fragments[begin + to - gap])) {
+        fragments[begin + to] = fragments[begin + to - gap];
+        to -= gap;
+      }
+      fragments[begin + to] = moved;
+    }
+  }
+}
+#endif
+
+// What has come together.
+vec3 colour = vec3(0.0);
+float light = 1.0;  // that is left
+bool settled = false;
+bool found_depth = false;
+double depth_found = 0.0lf;
+vec3 normal_found = vec3(0.0);
+
+bool has_ended() { return light <= 0.0 || light < least_light; }
+
+void add(vec3 added, float opacity) {
+  colour += light * opacity * added;
+  light *= 1.0 - opacity;
+}
+
+void settle(double depth, vec3 normal) {
+  found_depth = true;
+  depth_found = depth;
+  normal_found = normal;
+}
+
+// 1 - exp(-x), also where that is small.
+float taken_by(float x) {
+  return x < 0.125 ? x * (1.0 - x * (0.5 - x * (1.0 / 6.0 - x * (1.0 / 24.0 - x * (1.0 / 120.0))))) : 1.0 - exp(-x);
+}
+
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  dvec3 direction = direction_of(pixel);
+  const double kNever = 1e300lf;
+  double fragment_depth = kNever;
+#ifdef SURFACES
+  uint fragment_triangle = kNone;
+  uint opaque_triangle = texelFetch(opaque_triangles, pixel, 0).r;
+  uint next = 0u;
+  uint end = 0u;
+  if (has_lists) {
+    end = texelFetch(list_ends, pixel, 0).r;
+    next = end - texelFetch(list_counts, pixel, 0).r;
+    sort(next, end - next);
+  }
+  bool fetch = true;
+#endif
+  uint rays = 0u;
+  uint samples = 0u;
+  uint skipped = 0u;
+  int k = 0;
+  int slabs = 0;
+  bool inside = false;  // a slab
+  double first = 0.0lf;
+  double last = 0.0lf;
+  double from = 0.0lf;
+  double middle = 0.0lf;
+  vec4 entry = vec4(0.0);
+#ifdef VOLUME
+  dvec3 along = index_of_view * direction;  // index steps per depth
+  dvec2 limits = depths_in_box(along, near_depth, far_depth);
+  double world_length = length(direction) * unit;  // of one depth
+  double depth_step = world_step / world_length;
+  float per_depth = float(world_length * unit_lengths);
+  if (limits.y > limits.x) {
+    rays = 1u;
+    slabs = int(ceil((limits.y - limits.x) / depth_step));
+  }
+  Brick brick = Brick(ivec3(-2147483647), 3, -1, ivec3(0));
+#endif
+  // Each time: a part of a slab, up to its end or to a fragment, or a fragment outside of the volume, or a brick skipped.
+  for (;;) {
+#ifdef SURFACES
+    if (fetch) {
+      fetch = false;
+      if (next < end) {
+        uvec2 fragment = fragments[next++];
+        fragment_depth = double(uintBitsToFloat(fragment.x));
+        fragment_triangle = fragment.y;
+      } else {
+        fragment_triangle = opaque_triangle;
+        fragment_depth = opaque_triangle != kNone ? double(texelFetch(opaque_depths, pixel, 0).r) : kNever;
+        opaque_triangle = kNone;
+      }
+    }
+#endif
+#ifdef VOLUME
+    if (!inside && k < slabs) {
+      first = limits.x + double(k) * depth_step;
+      if (fragment_depth > first) {
+        last = k + 1 < slabs ? limits.x + double(k + 1) * depth_step : limits.y;
+        middle = first + (last - first) / 2.0lf;
+        dvec3 index = volume_eye + middle * along;
+        ivec3 cell = clamp(ivec3(floor(index)), first_cell, last_cell);
+        if (cell >> brick.shift != brick.at) brick = find_brick(cell);
+        if (brick.slot < 0) {
+          int beyond = slab_beyond(brick, along, limits.x, depth_step, k, slabs);
+          skipped += uint(beyond - k);
+          k = beyond;
+          continue;
+        }
+        ++samples;
+        entry = entry_at(brick, cell, vec3(index - dvec3(cell)));
+        inside = true;
+        from = first;
+      }
+    }
+#endif
+    bool meets = fragment_depth < (inside ? last : kNever);
+    if (!inside && !meets) break;
+#ifdef VOLUME
+    if (inside && entry.a > 0.0) {
+      double to = meets ? fragment_depth : last;
+      add(entry.rgb, taken_by(entry.a * per_depth * float(max(to - from, 0.0lf))));
+      if (!settled && light <= 0.5) {
+        settled = true;
+        settle(middle, vec3(0.0));
+      }
+      from = max(from, to);
+    }
+    if (!meets) {
+      inside = false;
+      ++k;
+    }
+    if (has_ended()) break;
+#endif
+#ifdef SURFACES
+    if (meets) {
+      Shade there = shade(fragment_triangle, direction);
+      add(there.colour, there.opacity);
+      if (!settled && (light <= 0.5 || !found_depth)) {
+        settled = light <= 0.5;
+        settle(fragment_depth, there.normal);
+      }
+      if (has_ended()) break;
+      fetch = true;
+    }
+#endif
+  }
+  int reached = inside ? k + 1 : k;
+  float left = has_ended() ? 0.0 : light;
+  picture_colour = vec4(colour + left * background.a * background.rgb, 1.0 - left * (1.0 - background.a));
+  picture_normal = normal_found;
+  picture_depth = found_depth ? float(depth_found * unit) : uintBitsToFloat(0x7f800000u);
+  picture_counts = uvec4(rays, samples, skipped, uint(max(slabs - reached, 0)));
+}

@@ -1,0 +1,26 @@
+// Triangles of all surfaces, numbered in one row, as the camera sees them: in view space, in units of the distance from
+// eye to target. What decides or places is computed in double, as on the processor.
+uniform usamplerBuffer triangle_corners;  // the numbers of its vertices, in its own mesh
+uniform usamplerBuffer vertex_positions;  // as bits: which are no numbers is not for floats to tell
+uniform dmat3 view_linear;                // of stored positions
+uniform dvec2 to_corner;                  // the view through the upper left corner of the picture
+uniform dvec2 per_pixel;
+uniform ivec2 tile_first;                 // the picture's pixel at the tile's first
+
+struct Triangle {
+  dvec3 a, b, c;
+};
+
+Triangle triangle_of(uvec3 corners, int vertex_base, dvec3 view_offset) {
+  uvec3 at = corners + uvec3(vertex_base);
+  dvec3 a = dvec3(uintBitsToFloat(texelFetch(vertex_positions, int(at.x)).xyz));
+  dvec3 b = dvec3(uintBitsToFloat(texelFetch(vertex_positions, int(at.y)).xyz));
+  dvec3 c = dvec3(uintBitsToFloat(texelFetch(vertex_positions, int(at.z)).xyz));
+  return Triangle(view_linear * a + view_offset, view_linear * b + view_offset, view_linear * c + view_offset);
+}
+
+// Where the view through the centre of the tile's pixel goes, z = -1: depth is the parameter along it.
+dvec3 direction_of(ivec2 pixel) {
+  dvec2 centre = dvec2(tile_first + pixel) + 0.5lf;
+  return dvec3(to_corner.x + per_pixel.x * centre.x, to_corner.y - per_pixel.y * centre.y, -1.0lf);
+}

@@ -1,0 +1,17 @@
+// Between what screens show and linear light (IEC 61966-2-1). glTF's colours of vertices and materials are linear, and so
+// is everything that is computed with.
+#pragma once
+
+#include <cmath>
+
+namespace isoextract {
+
+// Of a channel from 0 to 1.
+[[nodiscard]] inline double linear_of_srgb(double channel) {
+  return channel <= 0.04045 ? channel / 12.92 : std::pow((channel + 0.055) / 1.055, 2.4);
+}
+[[nodiscard]] inline double srgb_of_linear(double channel) {
+  return channel <= 0.0031308 ? channel * 12.92 : 1.055 * std::pow(channel, 1 / 2.4) - 0.055;
+}
+
+}  // namespace isoextract

@@ -1,0 +1,198 @@
+#include "cli/render_command.hpp"
+
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/byte_size.hpp"
+#include "base/machine.hpp"
+#include "base/stopwatch.hpp"
+#include "cli/progress_bar.hpp"
+#include "cli/scene_source.hpp"
+#include "convert/json_values.hpp"
+#include "convert/output_checks.hpp"
+#include "files/file_bytes.hpp"
+#include "files/output_file.hpp"
+#include "images/exr_writer.hpp"
+#include "images/png_writer.hpp"
+#include "render/gpu_renderer.hpp"
+
+namespace isoextract::cli {
+namespace {
+
+class RenderNotes final : public convert::Events {
+ public:
+  RenderNotes(const Messages& messages, ProgressBar& bar) : messages_(messages), bar_(bar) {}
+  void note(const std::string& text) override {
+    bar_.above([&] { messages_.note(text); });
+  }
+
+ private:
+  const Messages& messages_;
+  ProgressBar& bar_;
+};
+
+// A GPU that was asked for never turns into the processor; of its own accord only one that is none of software is
+// taken.
+Result<std::unique_ptr<render::Renderer>> open_renderer(const RenderPlan& plan, const Messages& messages) {
+  if (plan.backend == convert::Backend::cpu) return render::make_cpu_renderer();
+  auto gpu = render::make_gpu_renderer({plan.gpu.device, plan.gpu.memory_bytes});
+  if (plan.backend == convert::Backend::gpu) {
+    if (!gpu) return tl::unexpected(std::move(gpu.error()));
+    return std::move(gpu->renderer);
+  }
+  if (gpu && !gpu->device.software) {
+    messages.note(fmt::format("backend: gpu, {}", gl::describe(gpu->device)));
+    return std::move(gpu->renderer);
+  }
+  messages.detail(
+      fmt::format("backend: cpu, because {}",
+                  gpu ? fmt::format("{} draws on the processor", gl::describe(gpu->device)) : gpu.error().message));
+  return render::make_cpu_renderer();
+}
+
+Result<void> write_picture(const render::Picture& picture, const std::string& path, const Context& context) {
+  context.progress().begin("writing", 0);
+  auto file = files::OutputFile::create(path);
+  if (!file) return tl::unexpected(std::move(file.error()));
+  const images::LightImage image{picture.width, picture.height, picture.colour.span(), picture.depth.span(),
+                                 picture.normals.span()};
+  auto written = picture_file_of(path) == PictureFile::exr ? images::write_exr(*file, image, context)
+                                                           : images::write_png(*file, image, context);
+  if (!written) return written;
+  return file->commit();
+}
+
+convert::Json json_of(const PicturePlan& plan, const render::Rendered& rendered, const render::Camera& camera,
+                      const StageTime& reading, const StageTime& drawing, const StageTime& writing) {
+  const render::RenderStatistics& statistics = rendered.statistics;
+  const auto vector = [](const glm::dvec3& v) { return convert::Json{v.x, v.y, v.z}; };
+  const auto seconds = [](const StageTime& time) { return convert::Json(time.wall_seconds); };
+  return {{"file", plan.output},
+          {"frame", plan.frame},
+          {"width", rendered.picture.width},
+          {"height", rendered.picture.height},
+          {"camera",
+           {{"eye", vector(camera.eye)},
+            {"target", vector(camera.target)},
+            {"up", vector(camera.up)},
+            {"vertical_field_of_view", camera.fovy},
+            {"near", camera.near_depth},
+            {"far", camera.far_depth}}},
+          {"seconds", {{"read", seconds(reading)}, {"draw", seconds(drawing)}, {"write", seconds(writing)}}},
+          {"rays", statistics.rays},
+          {"samples", statistics.samples},
+          {"samples_skipped", statistics.samples_skipped},
+          {"samples_terminated", statistics.samples_terminated},
+          {"bricks", statistics.bricks},
+          {"bricks_skipped", statistics.bricks_skipped},
+          {"fragments", statistics.fragments}};
+}
+
+// All pictures of a plan; the camera of the first serves all, so that a sequence stands still.
+class Pictures {
+ public:
+  Pictures(const RenderPlan& plan, const Messages& messages, render::Renderer& renderer, const Context& context)
+      : plan_(plan), messages_(messages), renderer_(renderer), context_(context) {}
+
+  Result<void> draw_all() {
+    ProgressBar bar(context_.progress(), messages_.verbosity() != Verbosity::quiet);
+    RenderNotes notes(messages_, bar);
+    auto source = SceneSource::open(plan_, context_, notes);
+    if (!source) return tl::unexpected(std::move(source.error()));
+    std::optional<std::string> now;  // the volume that was read last
+    for (const PicturePlan& picture : plan_.pictures) {
+      StageTime reading;
+      if (picture.input && now != picture.input) {
+        const Stopwatch watch;
+        auto read = source->read_volume(*picture.input, picture.output, context_, notes);
+        if (!read) return read;
+        now = picture.input;
+        reading = watch.elapsed();
+      }
+      if (auto drawn = draw(*source, picture, reading, bar); !drawn) return drawn;
+    }
+    return {};
+  }
+
+  [[nodiscard]] const convert::Json& records() const { return records_; }
+
+ private:
+  Result<void> draw(const SceneSource& source, const PicturePlan& picture, const StageTime& reading, ProgressBar& bar) {
+    const render::Scene scene = source.scene();
+    if (!box_) {
+      const auto box = render::box_of(scene);
+      if (!box) return tl::unexpected(box.error());
+      box_ = *box;
+    }
+    render::ViewAngles angles = plan_.camera;
+    angles.azimuth += picture.turn;
+    const render::Camera camera = render::framing(*box_, angles, plan_.up, plan_.options.size, plan_.fovy);
+    const Stopwatch watch;
+    const auto rendered = renderer_.draw(scene, camera, plan_.options, context_);
+    if (!rendered) return tl::unexpected(rendered.error());
+    if (auto whole = source.check_not_lost(); !whole) return whole;
+    const StageTime drawing = watch.elapsed();
+    const Stopwatch write_watch;
+    if (auto written = write_picture(rendered->picture, picture.output, context_); !written) return written;
+    const StageTime writing = write_watch.elapsed();
+    const render::RenderStatistics& statistics = rendered->statistics;
+    const std::string name = files::shown_output_name(picture.output);
+    bar.above([&] {
+      messages_.summary(fmt::format("{} -> {}: {} x {} pixels; drawn in {:.2f} s",
+                                    picture.input ? files::shown_input_name(*picture.input) : plan_.meshes.front(),
+                                    name, rendered->picture.width, rendered->picture.height, drawing.wall_seconds));
+      messages_.detail(fmt::format(
+          "{}: {} rays, {} samples, {} left out in empty bricks ({} of {} bricks), {} behind what hides them; {} "
+          "fragments of surfaces; read in {:.2f} s, written in {:.2f} s; {}; peak memory {}",
+          name, statistics.rays, statistics.samples, statistics.samples_skipped, statistics.bricks_skipped,
+          statistics.bricks, statistics.samples_terminated, statistics.fragments, reading.wall_seconds,
+          writing.wall_seconds, renderer_.device(), format_byte_size(peak_memory())));
+    });
+    records_.push_back(json_of(picture, *rendered, camera, reading, drawing, writing));
+    return {};
+  }
+
+  const RenderPlan& plan_;
+  const Messages& messages_;
+  render::Renderer& renderer_;
+  const Context& context_;
+  std::optional<field::Box> box_;
+  convert::Json records_ = convert::Json::array();
+};
+
+// Before the work: whether what it comes to could be written.
+Result<void> check_outputs(const RenderPlan& plan) {
+  for (const PicturePlan& picture : plan.pictures) {
+    if (picture.output == "-") continue;
+    std::vector<std::string> inputs = plan.meshes;
+    if (picture.input) inputs.push_back(*picture.input);
+    for (const std::string& input : inputs) {
+      if (auto fine = convert::check_output_file(picture.output, input); !fine) return fine;
+    }
+    if (plan.json && files::same_place(*plan.json, picture.output)) {
+      return fail(ErrorKind::usage,
+                  fmt::format("{}: it would be written twice, as a picture and by --json", *plan.json));
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<void> run_render(const RenderPlan& plan, const Messages& messages) {
+  for (const std::string& note : plan.notes) messages.note(note);
+  if (auto fine = check_outputs(plan); !fine) return fine;
+  const auto renderer = open_renderer(plan, messages);
+  if (!renderer) return tl::unexpected(renderer.error());
+  const Context context{plan.memory};
+  Pictures pictures(plan, messages, **renderer, context);
+  if (auto drawn = pictures.draw_all(); !drawn) return drawn;
+  if (!plan.json) return {};
+  return files::write_file(*plan.json,
+                           convert::json_text({{"device", (*renderer)->device()}, {"pictures", pictures.records()}}));
+}
+
+}  // namespace isoextract::cli

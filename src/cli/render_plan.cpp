@@ -1,0 +1,255 @@
+#include "cli/render_plan.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <filesystem>
+#include <numbers>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "batch/find_frames.hpp"
+#include "batch/output_names.hpp"
+#include "cli/batch_plan.hpp"
+#include "cli/particle_plan.hpp"
+#include "cli/plan.hpp"
+#include "cli/plan_parts.hpp"
+#include "files/file_bytes.hpp"
+
+namespace isoextract::cli {
+namespace {
+
+constexpr int kMostTurns = 100000;
+
+// What INPUT... stands for: by their names, as a volume's extension is no mesh's.
+struct Inputs {
+  std::vector<std::string> volumes;
+  std::vector<std::string> meshes;
+};
+
+Inputs sorted_inputs(const RenderFlags& flags) {
+  Inputs inputs;
+  for (const std::string& input : flags.input.inputs) {
+    (meshes::mesh_format_by_path(input) ? inputs.meshes : inputs.volumes).push_back(input);
+  }
+  // PLY and others may hold particles as well, where options say so.
+  if (inputs.volumes.empty() && (flags.particles.method || flags.input.format))
+    std::swap(inputs.volumes, inputs.meshes);
+  return inputs;
+}
+
+// How many pictures a turn has.
+Result<int> turns_of(const std::string& text) {
+  int count = 0;
+  const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), count);
+  if (problem != std::errc() || end != text.data() + text.size() || count < 1 || count > kMostTurns) {
+    return refuse_usage(
+        fmt::format("--frames: expected the number of pictures of a turn, 1 to {}, found '{}'", kMostTurns, text),
+        "a range is for the frames of a sequence, and INPUT is none");
+  }
+  return count;
+}
+
+Result<std::vector<PicturePlan>> plan_frames(const RenderFlags& flags, const Inputs& inputs,
+                                             std::vector<std::string>& notes) {
+  std::vector<PicturePlan> pictures;
+  const bool sequence = inputs.volumes.size() > 1 || (inputs.volumes.size() == 1 && names_frames(inputs.volumes[0]));
+  if (!sequence) {
+    int count = 1;
+    if (flags.frames) {
+      const auto turns = turns_of(*flags.frames);
+      if (!turns) return tl::unexpected(turns.error());
+      count = *turns;
+    }
+    for (int i = 0; i < count; ++i) {
+      PicturePlan picture;
+      picture.frame = i + 1;
+      if (!inputs.volumes.empty()) picture.input = inputs.volumes.front();
+      picture.turn = 360.0 * i / count;
+      pictures.push_back(std::move(picture));
+    }
+    return pictures;
+  }
+  std::optional<batch::FrameRange> range;
+  if (flags.frames) {
+    auto parsed = batch::FrameRange::parse(*flags.frames);
+    if (!parsed) return tl::unexpected(std::move(parsed.error()));
+    range = std::move(*parsed);
+  }
+  auto found = batch::find_frames(inputs.volumes, range);
+  if (!found) return tl::unexpected(std::move(found.error()));
+  for (std::string& note : found->notes) notes.push_back(std::move(note));
+  if (!found->gaps.empty()) notes.push_back(fmt::format("no input for frames {}", batch::text_of(found->gaps, 20)));
+  for (batch::Frame& frame : found->frames) {
+    if (frame.step) {
+      return refuse_usage(fmt::format("{}: its time steps cannot be drawn as frames", frame.input),
+                          "give the number of one with --volume");
+    }
+    PicturePlan picture;
+    picture.frame = frame.number;
+    picture.input = std::move(frame.input);
+    pictures.push_back(std::move(picture));
+  }
+  return pictures;
+}
+
+Result<void> name_pictures(const RenderFlags& flags, const Inputs& inputs, std::vector<PicturePlan>& pictures) {
+  if (flags.output && flags.output->empty()) return refuse_usage("-o needs the name of a file");
+  if (flags.output == "-") {
+    if (pictures.size() > 1)
+      return refuse_usage("several pictures are written into files, not to stdout", "give a name with -o");
+    pictures.front().output = "-";
+    return {};
+  }
+  if (!flags.output && std::ranges::any_of(flags.input.inputs, files::is_standard_input)) {
+    return refuse_usage("an input from stdin has no name that the picture could have",
+                        "give -o FILE, or -o - for stdout");
+  }
+  std::vector<batch::OutputSource> sources;
+  for (const PicturePlan& picture : pictures) {
+    sources.push_back({picture.frame,
+                       picture.input.value_or(inputs.meshes.empty() ? "" : inputs.meshes.front()),
+                       flags.input.grid.value_or(""),
+                       {}});
+  }
+  const auto names = batch::name_outputs(sources, flags.output, meshes::MeshFormat::glb, "png");
+  if (!names) return tl::unexpected(names.error());
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    pictures[i].output = (*names)[i].front().path;
+    if (!picture_file_of(pictures[i].output)) {
+      return refuse_usage(fmt::format("{}: expected an extension of png, exr", pictures[i].output));
+    }
+  }
+  return {};
+}
+
+// What does nothing is not taken.
+Result<void> check_useful(const RenderFlags& flags, const Inputs& inputs, const RenderPlan& plan) {
+  const bool surfaces = !plan.isos.empty();
+  const std::array of_surfaces{std::pair{flags.surface.method.has_value(), "--method"},
+                               std::pair{flags.surface.cap, "--cap"}, std::pair{flags.colour.has_value(), "--color-by"},
+                               std::pair{flags.surface.roi.has_value(), "--roi"}};
+  for (const auto& [given, name] : of_surfaces) {
+    if (given && !surfaces)
+      return refuse_usage(fmt::format("{} is for surfaces of the volume, and none is asked for", name), "give --iso V");
+  }
+  if (surfaces && inputs.volumes.empty()) return refuse_usage("--iso is for volumes, and only meshes were given");
+  if (flags.opacity && !surfaces && inputs.meshes.empty()) {
+    return refuse_usage("--opacity is for surfaces and meshes, and there are none");
+  }
+  if (flags.colour && flags.colour->attribute) {
+    return refuse_usage("--color-by: render colours surfaces by their iso values", "give --color-by iso");
+  }
+  const std::size_t parts = plan.isos.size() + inputs.meshes.size();
+  if (flags.opacity && flags.opacity->size() != 1 && flags.opacity->size() != parts) {
+    return refuse_usage(fmt::format("--opacity: expected one value or {}, found {}", parts, flags.opacity->size()));
+  }
+  if (!plan.draws_volume && (flags.transfer_range || flags.unit_length)) {
+    return refuse_usage(fmt::format("{} is for the volume, which --tf none leaves out",
+                                    flags.transfer_range ? "--tf-range" : "--unit-length"));
+  }
+  if (plan.transfer_file && flags.transfer_range) {
+    return refuse_usage("--tf-range is for transfer functions by name, and a file has values of its own");
+  }
+  if (!plan.draws_volume && plan.isos.empty() && inputs.meshes.empty()) {
+    return refuse_usage("there is nothing to draw: --tf none leaves the volume out", "give --iso V, or a mesh");
+  }
+  return {};
+}
+
+bool is_there(const std::string& path) {
+  std::error_code none;
+  return std::filesystem::exists(path, none);
+}
+
+}  // namespace
+
+std::optional<PictureFile> picture_file_of(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
+  if (path == "-" || extension == ".png") return PictureFile::png;
+  if (extension == ".exr") return PictureFile::exr;
+  return std::nullopt;
+}
+
+Result<RenderPlan> plan_render(const RenderFlags& flags) {
+  if (flags.input.inputs.empty())
+    return refuse_usage("no INPUT was given", "isoextract render INPUT [MESH...] -o FILE.png");
+  const Inputs inputs = sorted_inputs(flags);
+  RenderPlan plan;
+  auto read = plan_read(flags.input);
+  if (!read) return tl::unexpected(std::move(read.error()));
+  plan.job.source.read = std::move(*read);
+  auto particles = plan_particles(flags.particles, flags.surface.nan);
+  if (!particles) return tl::unexpected(std::move(particles.error()));
+  plan.job.source.particles = std::move(*particles);
+  plan.job.source.roi = flags.surface.roi;
+  plan.job.source.resolution = flags.surface.resolution;
+  plan.job.source.filters = flags.surface.filters;
+  plan.job.surface = plan_surface(flags.surface);
+  plan.memory = plan_memory(flags.input.memory_limit);
+  plan.isos = flags.isos;
+  if (!plan.isos.empty()) {
+    if (auto checked = check_isos(plan.isos, flags.input.inputs.front()); !checked) {
+      return tl::unexpected(std::move(checked.error()));
+    }
+  }
+  plan.meshes = inputs.meshes;
+  plan.shading = flags.shading.value_or(plan.shading);
+  const bool gradients = extract::method_info(plan.job.surface.method).traits.gradient_normals;
+  plan.job.normals =
+      plan.shading == render::Shading::smooth && gradients ? convert::Normals::smooth : convert::Normals::none;
+  if (flags.colour) {
+    plan.job.colour = convert::ColourChoice{std::nullopt, flags.colour->map, flags.colour->range};
+  }
+  plan.opacity = flags.opacity.value_or(plan.opacity);
+  plan.draws_volume = !inputs.volumes.empty();
+  if (flags.transfer) {
+    if (inputs.volumes.empty()) return refuse_usage("--tf is for volumes, and only meshes were given");
+    const auto named = value_of<render::BuiltInTransfer>(*flags.transfer);
+    if (*flags.transfer == "none") {
+      plan.draws_volume = false;
+    } else if (named) {
+      plan.transfer = *named;
+    } else {
+      std::vector<std::string> names{"none"};
+      for (const auto& word : words_of(render::BuiltInTransfer{})) names.emplace_back(word.word);
+      if (!is_there(*flags.transfer)) {
+        const std::string near = nearest_name(*flags.transfer, names);
+        return refuse_usage(
+            fmt::format("--tf: expected one of {}, or a file, found '{}'", fmt::join(names, ", "), *flags.transfer),
+            near.empty() ? "" : fmt::format("did you mean '{}'?", near));
+      }
+      plan.transfer_file = *flags.transfer;
+    }
+  }
+  if (auto useful = check_useful(flags, inputs, plan); !useful) return tl::unexpected(std::move(useful.error()));
+  if (flags.surface.roi && plan.draws_volume)
+    plan.notes.emplace_back("--roi is for the surfaces: the volume is drawn whole");
+  plan.transfer_range = flags.transfer_range;
+  plan.unit_length = flags.unit_length;
+  plan.camera = flags.camera.value_or(plan.camera);
+  if (flags.field_of_view) plan.fovy = *flags.field_of_view * std::numbers::pi / 180;
+  if (flags.up == convert::UpAxis::y) plan.up = render::UpAxis::y;
+  plan.options.size = flags.size.value_or(plan.options.size);
+  plan.options.samples_per_voxel = flags.samples.value_or(plan.options.samples_per_voxel);
+  plan.options.early_termination = flags.termination != 0.0;
+  if (flags.termination.value_or(0) > 0) plan.options.termination = *flags.termination;
+  plan.options.empty_space_skipping = !flags.no_skipping;
+  plan.background = flags.background.value_or(plan.background);
+  plan.backend = flags.backend.value_or(plan.backend);
+  plan.gpu = plan_gpu(flags.device);
+  if (flags.json && (flags.json->empty() || *flags.json == "-")) {
+    return refuse_usage(fmt::format("--json needs the name of a file, found '{}'", *flags.json));
+  }
+  plan.json = flags.json;
+  auto pictures = plan_frames(flags, inputs, plan.notes);
+  if (!pictures) return tl::unexpected(std::move(pictures.error()));
+  plan.pictures = std::move(*pictures);
+  if (auto named = name_pictures(flags, inputs, plan.pictures); !named) return tl::unexpected(std::move(named.error()));
+  return plan;
+}
+
+}  // namespace isoextract::cli

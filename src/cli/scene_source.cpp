@@ -1,0 +1,188 @@
+#include "cli/scene_source.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <span>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "cli/turned_mesh.hpp"
+#include "convert/conversion.hpp"
+#include "convert/mesh_sink.hpp"
+#include "field/statistics.hpp"
+#include "files/file_bytes.hpp"
+#include "meshes/mesh_reader.hpp"
+#include "render/surface_normals.hpp"
+#include "volumes/volume_reader.hpp"
+
+namespace isoextract::cli {
+namespace {
+
+// A transfer function is text for people.
+constexpr std::uint64_t kMostTransferBytes = 1U << 20U;
+
+class KeptSurfaces final : public convert::MeshSink {
+ public:
+  Result<void> take(convert::HandedMeshes handed) override {
+    std::ranges::move(handed.meshes, std::back_inserter(meshes));
+    return {};
+  }
+  std::vector<mesh::Mesh> meshes;
+};
+
+// The notes of a conversion, which has read the volume a second time and noted all of that before.
+class NoEvents final : public convert::Events {};
+
+Result<mesh::Mesh> read_mesh(const std::string& path, const RenderPlan& plan, const Context& context,
+                             convert::Events& events) {
+  context.progress().begin("reading meshes", 0);
+  auto file = meshes::read_mesh(path, context);
+  if (!file) return tl::unexpected(std::move(file.error()));
+  for (const std::string& note : file->notes) events.note(note);
+  if (file->y_up && plan.up == render::UpAxis::z) turn_y_up_to_z_up(file->mesh);
+  return std::move(file->mesh);
+}
+
+// The named function over the values that are inside: of a level set those below 0, the least of them most.
+std::vector<render::ControlPoint> named_transfer(const RenderPlan& plan, const field::ScalarField& field,
+                                                 const Context& context) {
+  std::array<double, 2> range{0, 1};
+  const bool below = field.kind == field::FieldKind::level_set;
+  if (plan.transfer_range) {
+    range = *plan.transfer_range;
+  } else {
+    const auto statistics = field::measure_statistics(field, &context.progress(), field::WithPercentiles::no);
+    range = {statistics.min, below ? std::min(statistics.max, 0.0) : statistics.max};
+  }
+  // Where all samples are alike nothing is seen.
+  if (!(range[1] > range[0])) range[1] = range[0] + std::max(std::abs(range[0]), 1.0);
+  if (!below) return render::built_in(plan.transfer, range[0], range[1]);
+  auto points = render::built_in(plan.transfer, -range[1], -range[0]);
+  for (render::ControlPoint& point : points) point.value = -point.value;
+  std::ranges::reverse(points);
+  return points;
+}
+
+Result<render::TransferFunction> read_transfer(const std::string& path, const Context& context) {
+  const auto file = files::InputFile::open(path, context);
+  if (!file) return tl::unexpected(file.error());
+  if (file->size() > kMostTransferBytes) {
+    return fail(ErrorKind::input, fmt::format("{}: expected a transfer function of at most {} bytes, found {}",
+                                              file->name(), kMostTransferBytes, file->size()));
+  }
+  std::string text(static_cast<std::size_t>(file->size()), '\0');
+  if (auto read = file->read_at(0, std::as_writable_bytes(std::span(text))); !read) {
+    return tl::unexpected(std::move(read.error()));
+  }
+  const auto points = render::parse_transfer_function(text, file->name());
+  if (!points) return tl::unexpected(points.error());
+  auto transfer = render::TransferFunction::create(*points);
+  if (!transfer) return fail(ErrorKind::input, fmt::format("{}: {}", file->name(), transfer.error().message));
+  return transfer;
+}
+
+bool has_colours(const mesh::Mesh& mesh) {
+  return std::ranges::any_of(mesh.attributes, [](const mesh::Attribute& attribute) {
+    return attribute.role == mesh::AttributeRole::colour && attribute.components >= 3;
+  });
+}
+
+}  // namespace
+
+Result<SceneSource> SceneSource::open(const RenderPlan& plan, const Context& context, convert::Events& events) {
+  SceneSource source(plan);
+  for (const std::string& path : plan.meshes) {
+    auto mesh = read_mesh(path, plan, context, events);
+    if (!mesh) return tl::unexpected(std::move(mesh.error()));
+    if (plan.shading == render::Shading::smooth) {
+      if (auto added = render::add_normals(*mesh, path, context); !added) {
+        return tl::unexpected(std::move(added.error()));
+      }
+    }
+    source.meshes_.push_back(std::move(*mesh));
+  }
+  if (plan.transfer_file) {
+    auto transfer = read_transfer(*plan.transfer_file, context);
+    if (!transfer) return tl::unexpected(std::move(transfer.error()));
+    source.transfer_ = std::move(*transfer);
+  }
+  return source;
+}
+
+Result<void> SceneSource::choose_transfer(const field::ScalarField& field, const Context& context) {
+  if (!transfer_) {
+    auto transfer = render::TransferFunction::create(named_transfer(*plan_, field, context));
+    if (!transfer) return tl::unexpected(std::move(transfer.error()));
+    transfer_ = std::move(*transfer);
+  }
+  return {};
+}
+
+Result<void> SceneSource::read_volume(const std::string& input, const std::string& output, const Context& context,
+                                      convert::Events& events) {
+  const bool first = !source_.has_value();
+  volume_.reset();
+  source_.reset();
+  surfaces_.clear();
+  convert::ConversionJob job = plan_->job;
+  job.source.input = input;
+  if (plan_->draws_volume) {
+    auto source = convert::open_source(job.source, {}, context, events);
+    if (!source) return tl::unexpected(std::move(source.error()));
+    source_ = std::move(*source);
+    const auto box = render::box_of_volume(source_->field);
+    if (!box) return tl::unexpected(box.error());
+    if (auto chosen = choose_transfer(source_->field, context); !chosen) return chosen;
+    if (first) {
+      const field::Box world = field::image_of(source_->output_from_index, *box);
+      const glm::dvec3 sides = world.max - world.min;
+      unit_length_ = plan_->unit_length.value_or(std::max({sides.x, sides.y, sides.z}) / 100);
+    }
+    volume_ = render::Volume{&source_->field, source_->output_from_index, *transfer_, unit_length_};
+  }
+  if (plan_->isos.empty()) return {};
+  KeptSurfaces kept;
+  NoEvents silent;
+  job.outputs = {{output, plan_->isos}};
+  convert::Outcome outcome = convert::run(job, context, plan_->draws_volume ? silent : events, {}, nullptr, &kept);
+  if (outcome.error) return tl::unexpected(std::move(*outcome.error));
+  surfaces_ = std::move(kept.meshes);
+  if (plan_->shading == render::Shading::smooth) {
+    for (mesh::Mesh& mesh : surfaces_) {
+      if (auto added = render::add_normals(mesh, input, context); !added) return added;
+    }
+  }
+  return {};
+}
+
+void SceneSource::add_surface(render::Scene& scene, const mesh::Mesh& mesh) const {
+  render::Surface surface;
+  surface.mesh = &mesh;
+  surface.shading = plan_->shading;
+  surface.vertex_colours = has_colours(mesh);
+  if (mesh.material) {
+    surface.colour = mesh.material->colour.value_or(surface.colour);
+    surface.opacity = mesh.material->opacity;
+  }
+  const std::vector<double>& opacity = plan_->opacity;
+  if (opacity.size() == 1) surface.opacity = opacity.front();
+  if (opacity.size() > 1) surface.opacity = opacity[std::min(scene.surfaces.size(), opacity.size() - 1)];
+  scene.surfaces.push_back(surface);
+}
+
+render::Scene SceneSource::scene() const {
+  render::Scene scene;
+  if (volume_) scene.volume = &*volume_;
+  for (const mesh::Mesh& mesh : surfaces_) add_surface(scene, mesh);
+  for (const mesh::Mesh& mesh : meshes_) add_surface(scene, mesh);
+  scene.background = plan_->background;
+  return scene;
+}
+
+Result<void> SceneSource::check_not_lost() const {
+  return source_ ? volumes::check_not_lost(source_->field) : Result<void>();
+}
+
+}  // namespace isoextract::cli

@@ -1,0 +1,169 @@
+#include "render/camera.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "base/finite.hpp"
+
+namespace isoextract::render {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+// Beside the sphere around what is seen, so that its rim is not cut.
+constexpr double kMargin = 1.02;
+// Of the distance; what is nearer than that share of it is lost.
+constexpr double kNearest = 1e-3;
+
+double aspect_of(const PictureSize& size) { return double(size.width) / double(size.height); }
+
+// Upwards, azimuth 0 and azimuth 90: side = up x front.
+std::array<glm::dvec3, 3> axes_of(UpAxis up) {
+  switch (up) {
+    case UpAxis::x: return {glm::dvec3(1, 0, 0), {0, 0, 1}, {0, -1, 0}};
+    case UpAxis::y: return {glm::dvec3(0, 1, 0), {0, 0, 1}, {1, 0, 0}};
+    case UpAxis::z: break;
+  }
+  return {glm::dvec3(0, 0, 1), {0, -1, 0}, {1, 0, 0}};
+}
+
+}  // namespace
+
+Result<void> Camera::check() const {
+  const auto refuse = [](const std::string& what) { return fail(ErrorKind::usage, "the camera: " + what); };
+  if (!is_finite(eye) || !is_finite(target) || !is_finite(up)) return refuse("expected finite places and directions");
+  if (!(unit() > 0) || !std::isfinite(unit())) return refuse("expected an eye and a target that are apart");
+  const glm::dvec3 axis = (target - eye) / unit();
+  const double up_length = glm::length(up);
+  if (!(up_length > 0) || !std::isfinite(up_length) || glm::length(glm::cross(axis, up / up_length)) < 1e-9) {
+    return refuse("expected a direction for up that is not along the view");
+  }
+  if (!(fovy > 0 && fovy < std::numbers::pi)) {
+    return refuse(fmt::format("expected a field of view between 0 and 180 degrees, found {:g}", fovy / kDegree));
+  }
+  if (!(near_depth > 0 && near_depth < far_depth && std::isfinite(far_depth))) {
+    return refuse(fmt::format("expected 0 < near < far, found {:g} and {:g}", near_depth, far_depth));
+  }
+  return {};
+}
+
+glm::dmat3 Camera::rotation() const {
+  const glm::dvec3 forward = (target - eye) / unit();
+  const glm::dvec3 right = glm::normalize(glm::cross(forward, glm::normalize(up)));
+  return glm::transpose(glm::dmat3(right, glm::cross(right, forward), -forward));
+}
+
+field::Affine Camera::view_of_world() const {
+  const glm::dmat3 turned = rotation() / unit();
+  return {turned, -(turned * eye)};
+}
+
+field::Affine Camera::world_of_view() const { return {glm::transpose(rotation()) * unit(), eye}; }
+
+glm::dmat4 Camera::clip_of_view(const PictureSize& size) const {
+  return glm::perspective(fovy, aspect_of(size), near_depth / unit(), far_depth / unit());
+}
+
+glm::dmat4 Camera::clip_of_world(const PictureSize& size) const {
+  const field::Affine view = view_of_world();
+  glm::dmat4 placed(view.linear);
+  placed[3] = glm::dvec4(view.offset, 1);
+  return clip_of_view(size) * placed;
+}
+
+glm::dvec3 direction_through(const Camera& camera, const PictureSize& size, double x, double y) {
+  const double half = std::tan(camera.fovy / 2);
+  return {(2 * x / size.width - 1) * half * aspect_of(size), (1 - 2 * y / size.height) * half, -1};
+}
+
+PixelBox pixels_of(const Camera& camera, const PictureSize& size, const field::Affine& map, const field::Box& box) {
+  const glm::dvec2 whole(size.width, size.height);
+  const double half = std::tan(camera.fovy / 2);
+  const glm::dvec2 scale = whole / (2 * half * glm::dvec2(aspect_of(size), 1));
+  const field::Affine view = camera.view_of_world().after(map);
+  const double nearest = camera.near_depth / camera.unit();
+  glm::dvec2 low(std::numeric_limits<double>::infinity());
+  glm::dvec2 high = -low;
+  int behind = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::dvec3 p = view({(corner & 1) != 0 ? box.max.x : box.min.x, (corner & 2) != 0 ? box.max.y : box.min.y,
+                               (corner & 4) != 0 ? box.max.z : box.min.z});
+    if (!(-p.z >= nearest)) {
+      ++behind;
+      continue;
+    }
+    const glm::dvec2 at = whole / 2.0 + scale * glm::dvec2(p.x, -p.y) / -p.z;
+    low = glm::min(low, at);
+    high = glm::max(high, at);
+  }
+  if (behind == 8) return {};
+  if (behind > 0) return {{0, 0}, {size.width, size.height}};
+  // Centres within the box, and one pixel more for what is rounded.
+  const auto clamped = [&](const glm::dvec2& p) { return glm::ivec2(glm::clamp(p, glm::dvec2(0), whole)); };
+  const PixelBox found{clamped(glm::floor(low - 1.5)), clamped(glm::ceil(high + 1.5))};
+  return found.empty() ? PixelBox{} : found;
+}
+
+Result<ViewAngles> parse_view_angles(std::string_view words) {
+  const auto refuse = [&] {
+    return fail(
+        ErrorKind::usage,
+        fmt::format("expected azimuth and elevation in degrees and perhaps a distance above 0, AZ,EL[,DISTANCE] "
+                    "with EL from -90 to 90, found '{}'",
+                    words));
+  };
+  std::vector<double> numbers;
+  for (std::string_view rest = words;;) {
+    const std::size_t comma = rest.find(',');
+    const std::string_view word = rest.substr(0, comma);
+    double number = 0;
+    const auto [end, problem] = std::from_chars(word.data(), word.data() + word.size(), number);
+    if (problem != std::errc() || end != word.data() + word.size() || !std::isfinite(number)) return refuse();
+    numbers.push_back(number);
+    if (comma == std::string_view::npos) break;
+    rest.remove_prefix(comma + 1);
+  }
+  if (numbers.size() < 2 || numbers.size() > 3 || std::abs(numbers[1]) > 90) return refuse();
+  ViewAngles angles{numbers[0], numbers[1], std::nullopt};
+  if (numbers.size() == 3) {
+    if (!(numbers[2] > 0)) return refuse();
+    angles.distance = numbers[2];
+  }
+  return angles;
+}
+
+Camera framing(const field::Box& box, const ViewAngles& angles, UpAxis up, const PictureSize& size, double fovy) {
+  const auto [upwards, front, side] = axes_of(up);
+  const double azimuth = angles.azimuth * kDegree;
+  const double elevation = angles.elevation * kDegree;
+  const glm::dvec3 around = std::cos(azimuth) * front + std::sin(azimuth) * side;
+  const glm::dvec3 away = std::cos(elevation) * around + std::sin(elevation) * upwards;
+
+  const glm::dvec3 middle = box.min + (box.max - box.min) / 2.0;
+  const double radius = glm::length(box.max - middle);
+  const double across = 2 * std::atan(std::tan(fovy / 2) * std::min(1.0, aspect_of(size)));
+  const double fitting = radius > 0 ? kMargin * radius / std::sin(across / 2) : 1;
+
+  Camera camera;
+  camera.target = middle;
+  // Where the world is far from 0, a step of this length may be lost in rounding: check() tells.
+  const double distance = angles.distance.value_or(fitting);
+  camera.eye = middle + distance * away;
+  // From above or below, `around` is what is up in the picture; elsewhere it gives the same as the axis.
+  camera.up = std::cos(elevation) * upwards - std::sin(elevation) * around;
+  camera.fovy = fovy;
+  const double seen = radius > 0 ? kMargin * radius : distance / 2;
+  camera.far_depth = distance + seen;
+  camera.near_depth = std::max(distance - seen, kNearest * distance);
+  return camera;
+}
+
+}  // namespace isoextract::render

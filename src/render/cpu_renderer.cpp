@@ -1,0 +1,152 @@
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include "base/machine.hpp"
+#include "render/detail/ray_caster.hpp"
+#include "render/renderer.hpp"
+
+namespace isoextract::render {
+namespace {
+
+void add(RenderStatistics& sum, const RenderStatistics& part) {
+  sum.rays += part.rays;
+  sum.samples += part.samples;
+  sum.samples_skipped += part.samples_skipped;
+  sum.samples_terminated += part.samples_terminated;
+  sum.fragments += part.fragments;
+}
+
+// The first failure of several threads.
+class FirstError {
+ public:
+  void keep(Error error) {
+    const std::lock_guard lock(mutex_);
+    if (!error_) error_ = std::move(error);
+    any_.store(true, std::memory_order_relaxed);
+  }
+  [[nodiscard]] bool any() const { return any_.load(std::memory_order_relaxed); }
+  [[nodiscard]] std::optional<Error>& error() { return error_; }
+
+ private:
+  std::mutex mutex_;
+  std::atomic<bool> any_{false};
+  std::optional<Error> error_;
+};
+
+class CpuRenderer : public Renderer {
+ public:
+  Result<Rendered> draw(const Scene& scene, const Camera& camera, const RenderOptions& options,
+                        const Context& context) override {
+    if (auto sound = check(scene, camera, options); !sound) return tl::unexpected(std::move(sound.error()));
+    Rendered rendered;
+    auto picture = make_picture(options.size.width, options.size.height, context);
+    if (!picture) return tl::unexpected(std::move(picture.error()));
+    rendered.picture = std::move(*picture);
+
+    const detail::SurfaceView surfaces(scene, camera, options.size);
+    const auto tiles = detail::SurfaceTiles::sort(surfaces, camera, options.size, context);
+    if (!tiles) return tl::unexpected(tiles.error());
+
+    detail::VolumeView volume;
+    std::optional<detail::VolumeSamples> samples;
+    std::optional<detail::VolumeBricks> bricks;
+    PixelBox within;
+    if (scene.volume != nullptr) {
+      auto opened = detail::VolumeSamples::open(*scene.volume, context);
+      if (!opened) return tl::unexpected(std::move(opened.error()));
+      samples.emplace(std::move(*opened));
+      volume.samples = &*samples;
+      if (options.empty_space_skipping) {
+        auto measured = detail::VolumeBricks::measure(*samples, context);
+        if (!measured) return tl::unexpected(std::move(measured.error()));
+        bricks.emplace(std::move(*measured));
+        volume.bricks = &*bricks;
+        rendered.statistics.bricks = bricks->count();
+        rendered.statistics.bricks_skipped = bricks->count_unseen();
+      }
+      const field::Affine index_of_world = scene.volume->index_to_world.inverse();
+      volume.box = *box_of_volume(*scene.volume->field);
+      volume.eye = index_of_world(camera.eye);
+      volume.index_of_view = index_of_world.linear * camera.world_of_view().linear;
+      volume.unit = camera.unit();
+      volume.step = step_of(*scene.volume, options);
+      volume.per_length = 1 / scene.volume->unit_length;
+      within = pixels_of(camera, options.size, scene.volume->index_to_world, volume.box);
+    }
+
+    const auto type = samples ? samples->field().type() : field::SampleType::f32;
+    FirstError failure;
+    field::visit_sample_type(type, [&]<class T>(std::type_identity<T>) {
+      draw_tiles<T>({scene, camera, options, context, surfaces, *tiles, volume, within}, rendered, failure);
+    });
+    if (failure.error()) return tl::unexpected(std::move(*failure.error()));
+    if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
+    return rendered;
+  }
+
+  [[nodiscard]] std::string device() const override { return "CPU, " + cpu_name(); }
+
+ private:
+  struct Work {
+    const Scene& scene;
+    const Camera& camera;
+    const RenderOptions& options;
+    const Context& context;
+    const detail::SurfaceView& surfaces;
+    const detail::SurfaceTiles& tiles;
+    const detail::VolumeView& volume;
+    const PixelBox& within;
+  };
+
+  template <class T>
+  static void draw_tiles(const Work& work, Rendered& rendered, FirstError& failure) {
+    struct Local {
+      explicit Local(const Work& work)
+          : fragments(work.context), caster(work.volume, work.surfaces, work.scene, work.camera, work.options) {}
+
+      detail::TileFragments fragments;
+      detail::RayCaster<T> caster;
+      RenderStatistics statistics;
+    };
+    tbb::enumerable_thread_specific<Local> locals([&] { return Local(work); });
+    const detail::TileGrid grid(work.options.size);
+    work.context.progress().begin("drawing", grid.count());
+    tbb::parallel_for(std::size_t{0}, grid.count(), [&](std::size_t number) {
+      if (failure.any() || work.context.cancelled()) return;
+      Local& local = locals.local();
+      if (auto drawn = work.tiles.draw(number, local.fragments); !drawn) {
+        failure.keep(std::move(drawn.error()));
+        return;
+      }
+      local.statistics.fragments += local.fragments.met();
+      const detail::Tile tile = grid.at(number);
+      for (int y = tile.min.y; y < tile.max.y; ++y) {
+        for (int x = tile.min.x; x < tile.max.x; ++x) {
+          const bool within =
+              x >= work.within.min.x && x < work.within.max.x && y >= work.within.min.y && y < work.within.max.y;
+          const auto of_tile = static_cast<std::size_t>(x - tile.min.x + detail::Tile::kSide * (y - tile.min.y));
+          const detail::Pixel pixel = local.caster.cast(work.surfaces.direction(x + 0.5, y + 0.5),
+                                                        local.fragments.of(of_tile), within, local.statistics);
+          const std::size_t at = static_cast<std::size_t>(x) +
+                                 static_cast<std::size_t>(work.options.size.width) * static_cast<std::size_t>(y);
+          rendered.picture.colour[at] = pixel.colour;
+          rendered.picture.depth[at] = pixel.depth;
+          rendered.picture.normals[at] = pixel.normal;
+        }
+      }
+      work.context.progress().advance(1);
+    });
+    for (const Local& local : locals) add(rendered.statistics, local.statistics);
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Renderer> make_cpu_renderer() { return std::make_unique<CpuRenderer>(); }
+
+}  // namespace isoextract::render

@@ -1,0 +1,42 @@
+#include "render/detail/gpu_buffers.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace isoextract::render::detail {
+
+Result<GpuArray> GpuArray::make(const gl::GlContext& context, GLenum format, std::uint64_t count,
+                                std::uint64_t element_bytes, const std::string& what, GpuMemory& memory) {
+  GLint most = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
+  if (count > static_cast<std::uint64_t>(most)) {
+    return fail(ErrorKind::unavailable,
+                fmt::format("{}: expected at most {} {}, found {}", context.device().renderer, most, what, count),
+                Remedy::use_cpu);
+  }
+  GpuArray array;
+  array.element_bytes_ = element_bytes;
+  const std::uint64_t bytes = std::max<std::uint64_t>(count, 1) * element_bytes;  // none at all is no texture
+  if (auto taken = memory.take(bytes, what); !taken) return tl::unexpected(std::move(taken.error()));
+  array.buffer_ = gl::GlBuffer::make();
+  array.texture_ = gl::GlTexture::make();
+  glBindBuffer(GL_TEXTURE_BUFFER, array.buffer_.name());
+  glBufferData(GL_TEXTURE_BUFFER, static_cast<GLsizeiptr>(bytes), nullptr, GL_STATIC_DRAW);
+  glActiveTexture(GL_TEXTURE0);
+  glBindTexture(GL_TEXTURE_BUFFER, array.texture_.name());
+  glTexBuffer(GL_TEXTURE_BUFFER, format, array.buffer_.name());
+  if (auto checked = context.check(fmt::format("taking memory for {}", what)); !checked) {
+    return tl::unexpected(std::move(checked.error()));
+  }
+  return array;
+}
+
+void GpuArray::write(std::uint64_t first, std::uint64_t count, const void* elements) const {
+  if (count == 0) return;
+  glBindBuffer(GL_TEXTURE_BUFFER, buffer_.name());
+  glBufferSubData(GL_TEXTURE_BUFFER, static_cast<GLintptr>(first * element_bytes_),
+                  static_cast<GLsizeiptr>(count * element_bytes_), elements);
+}
+
+}  // namespace isoextract::render::detail

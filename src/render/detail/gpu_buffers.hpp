@@ -1,0 +1,58 @@
+// Arrays that shaders read by number.
+#pragma once
+
+#include <epoxy/gl.h>
+
+#include <cstdint>
+#include <string>
+
+#include "gl/gl_context.hpp"
+#include "gl/gl_object.hpp"
+#include "gl/gl_program.hpp"
+#include "render/detail/gpu_memory.hpp"
+
+namespace isoextract::render::detail {
+
+// The units of textures, the same for all programs of pictures.
+enum class TextureUnit {
+  triangle_corners,
+  vertex_positions,
+  vertex_normals,
+  vertex_colours,
+  opaque_triangles,
+  opaque_depths,
+  list_counts,
+  list_ends,
+  nodes,
+  bricks,
+  atlas,
+  transfer
+};
+
+inline void bind_texture(const gl::CellProgram& program, const char* name, TextureUnit unit, GLenum target,
+                         const gl::GlTexture& texture) {
+  glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
+  glBindTexture(target, texture.name());
+  program.set(name, static_cast<int>(unit));
+}
+
+// A buffer texture.
+class GpuArray {
+ public:
+  GpuArray() = default;
+  // `what`, of elements, is for messages. Fails with ErrorKind::unavailable where a texture cannot have as many.
+  [[nodiscard]] static Result<GpuArray> make(const gl::GlContext& context, GLenum format, std::uint64_t count,
+                                             std::uint64_t element_bytes, const std::string& what, GpuMemory& memory);
+
+  void write(std::uint64_t first, std::uint64_t count, const void* elements) const;
+  void bind(const gl::CellProgram& program, const char* name, TextureUnit unit) const {
+    bind_texture(program, name, unit, GL_TEXTURE_BUFFER, texture_);
+  }
+
+ private:
+  gl::GlBuffer buffer_;
+  gl::GlTexture texture_;
+  std::uint64_t element_bytes_ = 0;
+};
+
+}  // namespace isoextract::render::detail

@@ -1,0 +1,33 @@
+#include "render/detail/gpu_memory.hpp"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/byte_size.hpp"
+
+namespace isoextract::render::detail {
+
+GpuMemory::GpuMemory(const gl::GpuDevice& device, std::optional<std::uint64_t> limit, const Context& context)
+    : device_(device), context_(context), limit_(limit), is_told_(limit.has_value()) {
+  if (!limit_ && device.memory_bytes) limit_ = *device.memory_bytes / 4 * 3;
+}
+
+Result<void> GpuMemory::take(std::uint64_t bytes, const std::string& what) {
+  if (limit_ && bytes > *limit_ - taken_) {
+    return fail(
+        ErrorKind::unavailable,
+        fmt::format("{}: expected at most {} on the GPU, found {} for {} besides {} for the rest", device_.renderer,
+                    format_byte_size(*limit_), format_byte_size(bytes), what, format_byte_size(taken_)),
+        is_told_ ? Remedy::more_gpu_memory : Remedy::use_cpu);
+  }
+  if (device_.software) {
+    auto memory = context_.reserve(bytes, what);
+    if (!memory) return tl::unexpected(std::move(memory.error()));
+    memory_.take(std::move(*memory));
+  }
+  taken_ += bytes;
+  return {};
+}
+
+}  // namespace isoextract::render::detail

@@ -1,0 +1,33 @@
+// What a picture takes on the device.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "base/context.hpp"
+#include "base/error.hpp"
+#include "gl/gpu_device.hpp"
+
+namespace isoextract::render::detail {
+
+// Counts up while a picture is drawn, and gives all back when it goes.
+class GpuMemory {
+ public:
+  // `limit`: as GpuRenderOptions::memory_bytes. Device and context outlive this.
+  GpuMemory(const gl::GpuDevice& device, std::optional<std::uint64_t> limit, const Context& context);
+
+  // Before it is taken on the device; `what` completes "... for". Fails with ErrorKind::unavailable beyond the limit,
+  // and as Context::reserve() where the device's memory is the program's own.
+  [[nodiscard]] Result<void> take(std::uint64_t bytes, const std::string& what);
+
+ private:
+  const gl::GpuDevice& device_;
+  const Context& context_;
+  std::optional<std::uint64_t> limit_;
+  bool is_told_;  // the limit was asked for
+  std::uint64_t taken_ = 0;
+  Reservation memory_;
+};
+
+}  // namespace isoextract::render::detail

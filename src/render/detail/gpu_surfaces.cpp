@@ -1,0 +1,154 @@
+#include "render/detail/gpu_surfaces.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace isoextract::render::detail {
+namespace {
+
+constexpr std::uint64_t kDrawTriangles = 1 << 20;  // at a time; between them somebody may ask for the end
+constexpr std::size_t kColourBatch = 1 << 16;      // vertices
+
+}  // namespace
+
+Result<GpuSurfaces> GpuSurfaces::upload(const gl::GlContext& gl, const Scene& scene, const SurfaceView& view,
+                                        GpuMemory& memory, const Context& context) {
+  GpuSurfaces made;
+  made.scene_ = &scene;
+  made.view_ = &view;
+  made.triangles_ = view.triangles();
+  std::uint64_t triangles = 0;
+  std::uint64_t vertices = 0;
+  std::uint64_t normals = 0;
+  std::uint64_t colours = 0;
+  for (std::size_t s = 0; s < scene.surfaces.size(); ++s) {
+    const Surface& surface = scene.surfaces[s];
+    const std::size_t count = surface.mesh->positions.size();
+    Record record{};
+    const glm::dvec3& offset = view.view(s).offset;
+    std::copy_n(&offset.x, 3, record.offset);
+    // Beyond what these hold the arrays are refused.
+    record.first_triangle = static_cast<std::uint32_t>(triangles);
+    record.vertex_base = static_cast<std::int32_t>(vertices);
+    record.normal_base = view.is_smooth(s) ? static_cast<std::int32_t>(normals) : -1;
+    record.colour_base = view.colours(s) != nullptr ? static_cast<std::int32_t>(colours) : -1;
+    const glm::vec3 colour(surface.colour);
+    std::copy_n(&colour.x, 3, record.colour);
+    record.opacity = static_cast<float>(surface.opacity);
+    made.records_.push_back(record);
+    triangles += surface.mesh->triangles.size();
+    vertices += count;
+    if (view.is_smooth(s)) normals += count;
+    if (view.colours(s) != nullptr) colours += count;
+    if (surface.mesh->triangles.empty()) continue;
+    made.has_opaque_ = made.has_opaque_ || view.hides(s);
+    made.has_see_through_ = made.has_see_through_ || !view.hides(s);
+  }
+  if (made.empty()) return made;
+  if (auto taken = made.take_arrays(gl, vertices, normals, colours, memory); !taken) {
+    return tl::unexpected(std::move(taken.error()));
+  }
+  for (std::size_t s = 0; s < scene.surfaces.size(); ++s) {
+    const mesh::Mesh& mesh = *scene.surfaces[s].mesh;
+    const Record& record = made.records_[s];
+    made.corners_.write(record.first_triangle, mesh.triangles.size(), mesh.triangles.data());
+    made.positions_.write(static_cast<std::uint64_t>(record.vertex_base), mesh.positions.size(), mesh.positions.data());
+    if (record.normal_base >= 0) {
+      made.normals_.write(static_cast<std::uint64_t>(record.normal_base), mesh.normals.size(), mesh.normals.data());
+    }
+    if (record.colour_base >= 0) {
+      made.write_colours(*view.colours(s), static_cast<std::uint64_t>(record.colour_base));
+    }
+    if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
+  }
+  made.record_buffer_ = gl::GlBuffer::make();
+  glBindBuffer(GL_SHADER_STORAGE_BUFFER, made.record_buffer_.name());
+  glBufferData(GL_SHADER_STORAGE_BUFFER, static_cast<GLsizeiptr>(made.records_.size() * sizeof(Record)),
+               made.records_.data(), GL_STATIC_DRAW);
+  if (auto checked = gl.check("uploading surfaces"); !checked) return tl::unexpected(std::move(checked.error()));
+  return made;
+}
+
+Result<void> GpuSurfaces::take_arrays(const gl::GlContext& gl, std::uint64_t vertices, std::uint64_t normals,
+                                      std::uint64_t colours, GpuMemory& memory) {
+  const auto take = [&](GpuArray& array, GLenum format, std::uint64_t count, std::uint64_t bytes,
+                        const char* what) -> Result<void> {
+    auto made = GpuArray::make(gl, format, count, bytes, what, memory);
+    if (!made) return tl::unexpected(std::move(made.error()));
+    array = std::move(*made);
+    return {};
+  };
+  if (auto taken = take(corners_, GL_RGB32UI, triangles_, sizeof(glm::uvec3), "triangles of surfaces"); !taken) {
+    return taken;
+  }
+  if (auto taken = take(positions_, GL_RGB32UI, vertices, sizeof(glm::vec3), "vertices of surfaces"); !taken) {
+    return taken;
+  }
+  if (auto taken = take(normals_, GL_RGB32F, normals, sizeof(glm::vec3), "normals of surfaces"); !taken) return taken;
+  return take(colours_, GL_RGBA32F, colours, sizeof(glm::vec4), "colours of surfaces");
+}
+
+void GpuSurfaces::write_colours(const mesh::Attribute& attribute, std::uint64_t first) const {
+  const std::size_t count = attribute.values.size() / attribute.stride();
+  std::vector<glm::vec4> batch;
+  for (std::size_t from = 0; from < count; from += kColourBatch) {
+    batch.clear();
+    for (std::size_t v = from; v < std::min(count, from + kColourBatch); ++v) {
+      batch.emplace_back(vertex_colour(attribute, v));
+    }
+    colours_.write(first + from, batch.size(), batch.data());
+  }
+}
+
+void GpuSurfaces::bind_triangles(const gl::CellProgram& program) const {
+  corners_.bind(program, "triangle_corners", TextureUnit::triangle_corners);
+  positions_.bind(program, "vertex_positions", TextureUnit::vertex_positions);
+  program.set("view_linear", view_->view(0).linear);  // the same of all surfaces
+}
+
+void GpuSurfaces::bind_shading(const gl::CellProgram& program) const {
+  normals_.bind(program, "vertex_normals", TextureUnit::vertex_normals);
+  colours_.bind(program, "vertex_colours", TextureUnit::vertex_colours);
+  glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, record_buffer_.name());
+  program.set("surface_count", static_cast<int>(records_.size()));
+  program.set("rotation", glm::mat3(view_->rotation()));
+  const ShadingModel& shading = scene_->shading;
+  program.set("shading_terms",
+              glm::vec4(glm::dvec4(shading.ambient, shading.diffuse, shading.specular, shading.shininess)));
+  std::vector<glm::vec3> towards;
+  std::vector<glm::vec3> colours;
+  for (std::size_t l = 0; l < scene_->lights.size(); ++l) {
+    towards.emplace_back(view_->towards(l));
+    colours.emplace_back(scene_->lights[l].colour);
+  }
+  program.set("light_count", static_cast<int>(towards.size()));
+  if (towards.empty()) return;
+  program.set("light_towards", towards);
+  program.set("light_colours", colours);
+}
+
+Result<void> GpuSurfaces::draw(const gl::GlContext& gl, const gl::CellProgram& program, bool hiding,
+                               const Context& context) const {
+  program.use();
+  for (std::size_t s = 0; s < records_.size(); ++s) {
+    if (view_->hides(s) != hiding) continue;
+    const Record& record = records_[s];
+    const std::uint64_t count = scene_->surfaces[s].mesh->triangles.size();
+    program.set("vertex_base", record.vertex_base);
+    program.set("view_offset", view_->view(s).offset);
+    for (std::uint64_t first = 0; first < count; first += kDrawTriangles) {
+      program.set("first_triangle", static_cast<int>(record.first_triangle + first));
+      glDrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(3 * std::min(kDrawTriangles, count - first)));
+      if (count <= kDrawTriangles) continue;
+      glFinish();
+      if (auto go_on = context.check(); !go_on) return go_on;
+    }
+  }
+  return gl.check("drawing surfaces");
+}
+
+}  // namespace isoextract::render::detail

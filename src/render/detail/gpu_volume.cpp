@@ -1,0 +1,215 @@
+#include "render/detail/gpu_volume.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include "base/byte_size.hpp"
+#include "render/detail/volume_bricks.hpp"
+#include "render/detail/volume_nodes.hpp"
+#include "render/detail/volume_samples.hpp"
+
+namespace isoextract::render::detail {
+namespace {
+
+constexpr int kBrickSide = VolumeBricks::kCells + 1;  // samples
+constexpr std::uint64_t kBrickSamples = std::uint64_t{kBrickSide} * kBrickSide * kBrickSide;
+constexpr float kNoNumber = 3e38F;              // what the shader takes for NaN, which GLSL need not have
+constexpr std::uint64_t kBatchSlots = 1 << 12;  // 12 MB at a time
+constexpr double kMostSlabs = 1e9;              // of a ray: they are numbered by int
+
+gl::GlTexture make_texture(GLenum format, const glm::ivec3& size) {
+  gl::GlTexture texture = gl::GlTexture::make();
+  glActiveTexture(GL_TEXTURE0);
+  glBindTexture(GL_TEXTURE_3D, texture.name());
+  glTexStorage3D(GL_TEXTURE_3D, 1, format, size.x, size.y, size.z);
+  glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  glTexParameteri(GL_TEXTURE_3D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  return texture;
+}
+
+// The samples of bricks, as the rows of the atlas have them.
+template <class T>
+class BrickWriter {
+ public:
+  BrickWriter(const VolumeSamples& samples, const VolumeNodes& nodes, const glm::ivec3& slots)
+      : samples_(samples),
+        nodes_(nodes),
+        row_(static_cast<std::size_t>(slots.x)),
+        last_(samples.dense() != nullptr ? samples.dense()->dims - 1 : glm::ivec3(field::kMaxSparseIndex)) {}
+
+  // Row `number` of slots, from its beginning at `values` on: kBrickSide^2 lines of all its bricks.
+  void write(std::size_t number, float* values) const {
+    SampleReader<T> reader(samples_);
+    const std::size_t width = row_ * kBrickSide;
+    for (std::size_t n = 0; n < row_ && number * row_ + n < nodes_.slots().size(); ++n) {
+      const glm::ivec3& origin = nodes_.slots()[number * row_ + n];
+      float* to = values + n * kBrickSide;
+      for (int k = 0; k < kBrickSide; ++k) {
+        for (int j = 0; j < kBrickSide; ++j, to += width) {
+          // Beyond the last sample no cell is looked at.
+          for (int i = 0; i < kBrickSide; ++i) {
+            const float position = reader(glm::min(origin + glm::ivec3(i, j, k), last_));
+            to[i] = std::isnan(position) ? kNoNumber : position;
+          }
+        }
+      }
+    }
+  }
+
+ private:
+  const VolumeSamples& samples_;
+  const VolumeNodes& nodes_;
+  std::size_t row_;
+  glm::ivec3 last_;
+};
+
+Result<void> write_atlas(const gl::GlContext& gl, const VolumeSamples& samples, const VolumeNodes& nodes,
+                         const glm::ivec3& slots, const Context& context) {
+  const auto row = static_cast<std::uint64_t>(slots.x);
+  const std::uint64_t rows = (nodes.slots().size() + row - 1) / row;
+  const std::uint64_t batch = std::max<std::uint64_t>(1, kBatchSlots / row);
+  const std::uint64_t bytes = std::min(batch, rows) * row * kBrickSamples * sizeof(float);
+  const auto memory = context.reserve(bytes, samples.field().source + ": bricks on their way to the GPU");
+  if (!memory) return tl::unexpected(memory.error());
+  std::vector<float> values(bytes / sizeof(float));
+  context.progress().begin("uploading bricks", rows);
+  return field::visit_sample_type(samples.field().type(), [&]<class T>(std::type_identity<T>) -> Result<void> {
+    const BrickWriter<T> writer(samples, nodes, slots);
+    for (std::uint64_t first = 0; first < rows; first += batch) {
+      const std::uint64_t count = std::min(batch, rows - first);
+      tbb::parallel_for(std::uint64_t{0}, count,
+                        [&](std::uint64_t n) { writer.write(first + n, values.data() + n * row * kBrickSamples); });
+      for (std::uint64_t n = 0; n < count; ++n) {
+        const auto number = static_cast<int>(first + n);
+        glTexSubImage3D(GL_TEXTURE_3D, 0, 0, kBrickSide * (number % slots.y), kBrickSide * (number / slots.y),
+                        kBrickSide * slots.x, kBrickSide, kBrickSide, GL_RED, GL_FLOAT,
+                        values.data() + n * row * kBrickSamples);
+      }
+      context.progress().advance(count);
+      if (auto go_on = context.check(); !go_on) return go_on;
+      if (auto checked = gl.check("uploading bricks"); !checked) return checked;
+    }
+    return {};
+  });
+}
+
+}  // namespace
+
+Result<void> GpuVolume::make_atlas(const gl::GlContext& gl, const std::string& source, std::uint64_t slots,
+                                   GpuMemory& memory) {
+  GLint most = 0;
+  glGetIntegerv(GL_MAX_3D_TEXTURE_SIZE, &most);
+  const auto along = static_cast<std::uint64_t>(most / kBrickSide);
+  const auto divided = [](std::uint64_t a, std::uint64_t b) { return std::max<std::uint64_t>((a + b - 1) / b, 1); };
+  // As few slots too many as can be.
+  const std::uint64_t layers = divided(slots, along * along);
+  const std::uint64_t rows = divided(slots, along * layers);
+  const std::uint64_t row = divided(slots, rows * layers);
+  const std::string what = fmt::format("{} bricks of {}", slots, source);
+  if (layers > along) {
+    return fail(ErrorKind::unavailable, fmt::format("{}: no texture has room for {}", gl.device().renderer, what),
+                Remedy::use_cpu);
+  }
+  const std::uint64_t bytes = row * rows * layers * kBrickSamples * sizeof(float);
+  if (auto taken = memory.take(bytes, what); !taken) return taken;
+  slots_ = glm::ivec3(glm::u64vec3(row, rows, layers));
+  atlas_ = make_texture(GL_R32F, kBrickSide * slots_);
+  return gl.check(fmt::format("taking {} for {}", format_byte_size(bytes), what));
+}
+
+Result<GpuVolume> GpuVolume::upload(const gl::GlContext& gl, const Volume& volume, const RenderOptions& options,
+                                    RenderStatistics& statistics, GpuMemory& memory, const Context& context) {
+  GpuVolume made;
+  made.volume_ = &volume;
+  made.box_ = *box_of_volume(*volume.field);
+  made.step_ = step_of(volume, options);
+  const std::string& source = volume.field->source;
+  const glm::dvec3 extent = made.box_.max - made.box_.min;
+  const glm::dmat3& axes = volume.index_to_world.linear;
+  const double way =
+      extent.x * glm::length(axes[0]) + extent.y * glm::length(axes[1]) + extent.z * glm::length(axes[2]);
+  if (!(way / made.step_ < kMostSlabs)) {
+    return fail(
+        ErrorKind::unavailable,
+        fmt::format("{}: expected at most {:g} samples along a ray, found {:g}", source, kMostSlabs, way / made.step_),
+        Remedy::use_cpu);
+  }
+
+  auto samples = VolumeSamples::open(volume, context);
+  if (!samples) return tl::unexpected(std::move(samples.error()));
+  std::optional<VolumeBricks> seen;
+  if (options.empty_space_skipping) {
+    auto measured = VolumeBricks::measure(*samples, context);
+    if (!measured) return tl::unexpected(std::move(measured.error()));
+    seen.emplace(std::move(*measured));
+    statistics.bricks = seen->count();
+    statistics.bricks_skipped = seen->count_unseen();
+  }
+  const auto nodes = VolumeNodes::list(*samples, seen ? &*seen : nullptr, glm::ivec3(made.box_.min),
+                                       glm::ivec3(made.box_.max) - 1, context);
+  if (!nodes) return tl::unexpected(nodes.error());
+
+  made.first_node_ = nodes->first();
+  GLint most = 0;
+  glGetIntegerv(GL_MAX_3D_TEXTURE_SIZE, &most);
+  const glm::ivec3& dims = nodes->dims();
+  if (std::max({dims.x, dims.y, dims.z}) > most) {
+    return fail(
+        ErrorKind::unavailable,
+        fmt::format("{}: {}: expected at most {} voxels along an axis, found {:g} x {:g} x {:g}", gl.device().renderer,
+                    source, std::int64_t{most} * VolumeNodes::kCells, extent.x, extent.y, extent.z),
+        Remedy::use_cpu);
+  }
+  if (auto taken = memory.take(nodes->nodes().size() * sizeof(std::int32_t), source + ": places of bricks"); !taken) {
+    return tl::unexpected(std::move(taken.error()));
+  }
+  made.nodes_ = make_texture(GL_R32I, dims);
+  glTexSubImage3D(GL_TEXTURE_3D, 0, 0, 0, 0, dims.x, dims.y, dims.z, GL_RED_INTEGER, GL_INT, nodes->nodes().data());
+
+  auto bricks =
+      GpuArray::make(gl, GL_R32I, nodes->bricks().size(), sizeof(std::int32_t), source + ": places of bricks", memory);
+  if (!bricks) return tl::unexpected(std::move(bricks.error()));
+  made.bricks_ = std::move(*bricks);
+  made.bricks_.write(0, nodes->bricks().size(), nodes->bricks().data());
+
+  const auto& table = volume.transfer.table();
+  auto transfer = GpuArray::make(gl, GL_RGBA32F, table.size(), sizeof(glm::vec4), "the transfer function", memory);
+  if (!transfer) return tl::unexpected(std::move(transfer.error()));
+  made.transfer_ = std::move(*transfer);
+  made.transfer_.write(0, table.size(), table.data());
+
+  if (auto taken = made.make_atlas(gl, source, nodes->slots().size(), memory); !taken) {
+    return tl::unexpected(std::move(taken.error()));
+  }
+  if (auto written = write_atlas(gl, *samples, *nodes, made.slots_, context); !written) {
+    return tl::unexpected(std::move(written.error()));
+  }
+  return made;
+}
+
+void GpuVolume::bind(const gl::CellProgram& program, const Camera& camera) const {
+  bind_texture(program, "nodes", TextureUnit::nodes, GL_TEXTURE_3D, nodes_);
+  bind_texture(program, "atlas", TextureUnit::atlas, GL_TEXTURE_3D, atlas_);
+  bricks_.bind(program, "bricks", TextureUnit::bricks);
+  transfer_.bind(program, "transfer", TextureUnit::transfer);
+  program.set("first_node", first_node_);
+  program.set("atlas_slots", slots_);
+  program.set("first_cell", glm::ivec3(box_.min));
+  program.set("last_cell", glm::ivec3(box_.max) - 1);
+  program.set("box_min", box_.min);
+  program.set("box_max", box_.max);
+  const field::Affine index_of_world = volume_->index_to_world.inverse();
+  program.set("volume_eye", index_of_world(camera.eye));
+  program.set("index_of_view", index_of_world.linear * camera.world_of_view().linear);
+  program.set("world_step", step_);
+  program.set("unit_lengths", 1 / volume_->unit_length);
+}
+
+}  // namespace isoextract::render::detail

@@ -1,0 +1,124 @@
+// Table positions (TransferFunction) of a field's samples, cell by cell.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <utility>
+
+#include <glm/glm.hpp>
+
+#include "base/context.hpp"
+#include "base/error.hpp"
+#include "field/sparse_lookup.hpp"
+#include "render/scene.hpp"
+
+namespace isoextract::render::detail {
+
+// Shared by all threads; what reads it is CellReader.
+class VolumeSamples {
+ public:
+  // Reserves what finding blocks takes. `volume` outlives this.
+  [[nodiscard]] static Result<VolumeSamples> open(const Volume& volume, const Context& context) {
+    VolumeSamples opened(volume);
+    if (const auto* sparse = std::get_if<field::SparseSamples>(&volume.field->samples)) {
+      const auto nodes = field::SparseLookup::node_origins(*sparse);
+      auto memory = context.reserve(nodes.size() * sizeof(field::SparseLookup::Node),
+                                    volume.field->source + ": places of blocks");
+      if (!memory) return tl::unexpected(std::move(memory.error()));
+      opened.memory_ = std::move(*memory);
+      opened.lookup_.emplace(*sparse, nodes);
+    }
+    return opened;
+  }
+
+  [[nodiscard]] const field::ScalarField& field() const { return *volume_->field; }
+  [[nodiscard]] const TransferFunction& transfer() const { return volume_->transfer; }
+  [[nodiscard]] const field::DenseSamples* dense() const { return std::get_if<field::DenseSamples>(&field().samples); }
+  [[nodiscard]] const field::SparseSamples& sparse() const { return std::get<field::SparseSamples>(field().samples); }
+  [[nodiscard]] const field::SparseLookup& lookup() const { return *lookup_; }
+
+  [[nodiscard]] float position(double stored) const { return transfer().position(field().scale(stored)); }
+
+ private:
+  explicit VolumeSamples(const Volume& volume) : volume_(&volume) {}
+
+  const Volume* volume_;
+  std::optional<field::SparseLookup> lookup_;
+  Reservation memory_;
+};
+
+// Reads samples stored as T: one a thread, as it remembers the block it looked at last.
+template <class T>
+class SampleReader {
+ public:
+  explicit SampleReader(const VolumeSamples& samples)
+      : samples_(samples), dense_(samples.dense()), dims_(dense_ != nullptr ? dense_->dims : glm::ivec3(0)) {}
+
+  // The table position of sample p, which a dense field has.
+  [[nodiscard]] float operator()(const glm::ivec3& p) {
+    if (dense_ != nullptr) {
+      return stored(static_cast<const T*>(dense_->data), p.x + dims_.x * (p.y + dims_.y * p.z));
+    }
+    if (const glm::ivec3 origin = field::block_origin(p); !known_ || origin != origin_) {
+      known_ = true;
+      origin_ = origin;
+      const std::int32_t place = samples_.lookup().place(origin);
+      block_ = place >= 0 ? static_cast<const T*>(samples_.sparse().blocks[static_cast<std::size_t>(place)].values)
+                          : nullptr;
+      if (block_ == nullptr) constant_ = samples_.position(samples_.lookup().constant_of(place));
+    }
+    return block_ != nullptr ? stored(block_, field::block_offset(p)) : constant_;
+  }
+
+ private:
+  [[nodiscard]] float stored(const T* values, std::int64_t at) const {
+    return samples_.position(static_cast<double>(values[at]));
+  }
+
+  const VolumeSamples& samples_;
+  const field::DenseSamples* dense_;
+  glm::i64vec3 dims_;
+  bool known_ = false;
+  glm::ivec3 origin_{0};
+  const T* block_ = nullptr;
+  float constant_ = 0;
+};
+
+// The trilinear interpolant, looked at in an order in which neighbours mostly share a cell.
+template <class T>
+class PositionCursor {
+ public:
+  // `last` is the greatest cell of the volume's box.
+  PositionCursor(const VolumeSamples& samples, const glm::ivec3& first, const glm::ivec3& last)
+      : reader_(samples), first_(first), last_(last) {}
+
+  [[nodiscard]] float operator()(const glm::dvec3& index, const glm::ivec3& cell) {
+    if (!loaded_ || cell != cell_) {
+      loaded_ = true;
+      cell_ = cell;
+      for (int n = 0; n < 8; ++n)
+        at_[static_cast<std::size_t>(n)] = reader_(cell + glm::ivec3(n & 1, n >> 1 & 1, n >> 2));
+    }
+    const glm::vec3 t(index - glm::dvec3(cell));
+    const auto between = [](float a, float b, float share) { return a + share * (b - a); };
+    const float low = between(between(at_[0], at_[1], t.x), between(at_[2], at_[3], t.x), t.y);
+    const float high = between(between(at_[4], at_[5], t.x), between(at_[6], at_[7], t.x), t.y);
+    return between(low, high, t.z);
+  }
+
+  // A place on the upper border belongs to the last cell.
+  [[nodiscard]] glm::ivec3 cell_of(const glm::dvec3& index) const {
+    return glm::clamp(glm::ivec3(glm::floor(index)), first_, last_);
+  }
+
+ private:
+  SampleReader<T> reader_;
+  glm::ivec3 first_;
+  glm::ivec3 last_;
+  bool loaded_ = false;
+  glm::ivec3 cell_{0};
+  std::array<float, 8> at_{};
+};
+
+}  // namespace isoextract::render::detail

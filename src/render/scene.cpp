@@ -1,0 +1,148 @@
+#include "render/scene.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <variant>
+
+#include <fmt/format.h>
+
+#include "base/finite.hpp"
+#include "mesh/metrics.hpp"
+#include "render/renderer.hpp"
+
+namespace isoextract::render {
+namespace {
+
+Result<void> refuse(const std::string& what) { return fail(ErrorKind::usage, "the scene: " + what); }
+
+bool is_light(const glm::dvec3& colour) { return is_finite(colour) && colour.r >= 0 && colour.g >= 0 && colour.b >= 0; }
+
+Result<void> check_volume(const Volume& volume) {
+  if (auto box = box_of_volume(*volume.field); !box) return tl::unexpected(std::move(box.error()));
+  if (!volume.index_to_world.is_regular()) {
+    return fail(ErrorKind::input, fmt::format("{}: expected a transform that can be inverted", volume.field->source));
+  }
+  if (!(volume.unit_length > 0) || !std::isfinite(volume.unit_length)) {
+    return refuse(fmt::format("expected a unit of length above 0, found {:g}", volume.unit_length));
+  }
+  return {};
+}
+
+Result<void> check_surface(const Surface& surface) {
+  const mesh::Mesh& mesh = *surface.mesh;
+  if (!is_light(surface.colour)) return refuse("expected colours of surfaces that are at least 0");
+  if (!(surface.opacity > 0 && surface.opacity <= 1)) {
+    return refuse(fmt::format("expected an opacity above 0 and at most 1, found {:g}", surface.opacity));
+  }
+  if (!mesh.normals.empty() && mesh.normals.size() != mesh.positions.size()) {
+    return fail(ErrorKind::input, fmt::format("{}: expected a normal for each of {} vertices, found {}", mesh.name,
+                                              mesh.positions.size(), mesh.normals.size()));
+  }
+  if (surface.vertex_colours && std::ranges::none_of(mesh.attributes, [](const mesh::Attribute& attribute) {
+        using mesh::ComponentType;
+        return attribute.role == mesh::AttributeRole::colour && attribute.components >= 3 &&
+               (attribute.type == ComponentType::u8 || attribute.type == ComponentType::u16 ||
+                attribute.type == ComponentType::f32);
+      })) {
+    return fail(ErrorKind::input,
+                fmt::format("{}: expected vertices with colours of type u8, u16 or f32, found none", mesh.name));
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<field::Box> box_of_volume(const field::ScalarField& field) {
+  if (const auto* dense = std::get_if<field::DenseSamples>(&field.samples)) {
+    if (dense->dims.x < 2 || dense->dims.y < 2 || dense->dims.z < 2) {
+      return fail(ErrorKind::input, fmt::format("{}: expected at least two samples along each axis, found {} x {} x {}",
+                                                field.source, dense->dims.x, dense->dims.y, dense->dims.z));
+    }
+    return field::Box{glm::dvec3(0), glm::dvec3(dense->dims - 1)};
+  }
+  const field::IndexBox active = field.extents();
+  if (active.empty()) {
+    return tl::unexpected(
+        Error{ErrorKind::input, fmt::format("{}: the grid has no voxels", field.source), {}, Reason::empty_grid});
+  }
+  return field::Box{glm::dvec3(active.min) - 1.0, glm::dvec3(active.max) + 1.0};
+}
+
+Result<field::Box> box_of(const Scene& scene) {
+  field::Box box{glm::dvec3(std::numeric_limits<double>::infinity()),
+                 glm::dvec3(-std::numeric_limits<double>::infinity())};
+  const auto add = [&](const field::Box& part) {
+    box.min = glm::min(box.min, part.min);
+    box.max = glm::max(box.max, part.max);
+  };
+  if (scene.volume != nullptr) {
+    const auto volume = box_of_volume(*scene.volume->field);
+    if (!volume) return tl::unexpected(volume.error());
+    add(field::image_of(scene.volume->index_to_world, *volume));
+  }
+  for (const Surface& surface : scene.surfaces) {
+    if (surface.mesh->positions.empty()) continue;
+    const mesh::Bounds bounds = mesh::measure_bounds(*surface.mesh);
+    add({bounds.min, bounds.max});
+  }
+  if (!(box.min.x <= box.max.x))
+    return fail(ErrorKind::input, "there is nothing to be seen: no volume and no triangles");
+  if (!is_finite(box.min) || !is_finite(box.max)) {
+    return fail(ErrorKind::input, "expected places that are finite, found some that are not");
+  }
+  return box;
+}
+
+Result<void> check(const Scene& scene) {
+  if (scene.volume != nullptr) {
+    if (auto sound = check_volume(*scene.volume); !sound) return sound;
+  }
+  for (const Surface& surface : scene.surfaces) {
+    if (auto sound = check_surface(surface); !sound) return sound;
+  }
+  if (scene.lights.size() > Scene::kMaxLights) {
+    return refuse(fmt::format("expected at most {} lights, found {}", Scene::kMaxLights, scene.lights.size()));
+  }
+  for (const Light& light : scene.lights) {
+    const double length = glm::length(light.towards);
+    if (!is_light(light.colour) || !(length > 0) || !std::isfinite(length)) {
+      return refuse("expected lights with a direction, and colours that are at least 0");
+    }
+  }
+  const ShadingModel& shading = scene.shading;
+  const auto share = [](double v) { return v >= 0 && std::isfinite(v); };
+  if (!share(shading.ambient) || !share(shading.diffuse) || !share(shading.specular) || !(shading.shininess >= 1) ||
+      !std::isfinite(shading.shininess)) {
+    return refuse("expected terms of shading that are at least 0, and a shininess of at least 1");
+  }
+  if (!is_light(glm::dvec3(scene.background)) || !(scene.background.a >= 0 && scene.background.a <= 1)) {
+    return refuse("expected a background of light, with an alpha from 0 to 1");
+  }
+  return {};
+}
+
+double step_of(const Volume& volume, const RenderOptions& options) {
+  const glm::dmat3& axes = volume.index_to_world.linear;
+  return std::min({glm::length(axes[0]), glm::length(axes[1]), glm::length(axes[2])}) / options.samples_per_voxel;
+}
+
+Result<void> check(const Scene& scene, const Camera& camera, const RenderOptions& options) {
+  const auto side = [](int pixels) { return pixels >= 1 && pixels <= PictureSize::kMaxSide; };
+  if (!side(options.size.width) || !side(options.size.height)) {
+    return fail(ErrorKind::usage, fmt::format("expected a picture of 1 to {} pixels a side, found {} x {}",
+                                              PictureSize::kMaxSide, options.size.width, options.size.height));
+  }
+  if (!(options.samples_per_voxel >= 1.0 / 64 && options.samples_per_voxel <= 64)) {
+    return fail(ErrorKind::usage,
+                fmt::format("expected 1/64 to 64 samples a voxel, found {:g}", options.samples_per_voxel));
+  }
+  if (!(options.termination > 0 && options.termination < 1)) {
+    return fail(ErrorKind::usage,
+                fmt::format("expected an end of rays between 0 and 1, found {:g}", options.termination));
+  }
+  if (auto sound = camera.check(); !sound) return sound;
+  return check(scene);
+}
+
+}  // namespace isoextract::render

@@ -1,0 +1,51 @@
+#include "render/surface_normals.hpp"
+
+#include <cmath>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include "mesh/adjacency.hpp"
+
+namespace isoextract::render {
+namespace {
+
+// The plane's normal, as long as the angle at corner `c` is wide; 0 for a triangle without area.
+glm::dvec3 weighted_normal(const mesh::Mesh& mesh, const glm::uvec3& triangle, int c) {
+  const glm::dvec3 at(mesh.positions[triangle[c]]);
+  const glm::dvec3 next = glm::dvec3(mesh.positions[triangle[(c + 1) % 3]]) - at;
+  const glm::dvec3 last = glm::dvec3(mesh.positions[triangle[(c + 2) % 3]]) - at;
+  const glm::dvec3 across = glm::cross(next, last);
+  const double length = glm::length(across);
+  if (!(length > 0) || !std::isfinite(length)) return glm::dvec3(0);
+  return across / length * std::atan2(length, glm::dot(next, last));
+}
+
+}  // namespace
+
+Result<void> add_normals(mesh::Mesh& mesh, const std::string& source, const Context& context) {
+  if (!mesh.normals.empty() || mesh.positions.empty()) return {};
+  const std::size_t vertices = mesh.positions.size();
+  auto memory = context.reserve(vertices * sizeof(glm::vec3), source + ": normals");
+  if (!memory) return tl::unexpected(std::move(memory.error()));
+  const auto working =
+      context.reserve(mesh::Adjacency::bytes(mesh.triangles.size(), vertices), source + ": triangles at vertices");
+  if (!working) return tl::unexpected(working.error());
+  const mesh::Adjacency around(mesh.triangles.span(), vertices);
+  Buffer<glm::vec3> normals(vertices);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertices, 4096), [&](const auto& range) {
+    for (std::size_t v = range.begin(); v != range.end(); ++v) {
+      glm::dvec3 sum(0);
+      for (const mesh::Corner corner : around.corners(v)) {
+        sum += weighted_normal(mesh, mesh.triangles[mesh::triangle_of(corner)], static_cast<int>(corner % 3));
+      }
+      const double length = glm::length(sum);
+      normals[v] = length > 0 ? glm::vec3(sum / length) : glm::vec3(0, 0, 1);
+    }
+  });
+  mesh.normals = std::move(normals);
+  mesh.memory.take(std::move(*memory));
+  return {};
+}
+
+}  // namespace isoextract::render

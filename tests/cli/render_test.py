@@ -1,0 +1,164 @@
+"""isoextract render: pictures of volumes, surfaces and meshes, as files and on stdout."""
+
+import json
+import struct
+
+from png_reader import Png
+from support import NO_GPU, SPHERE, ProgramTest, main
+
+SMALL = ("--size", "48x32", "--backend", "cpu")
+
+
+def exr_channels(data):
+    """Names and types (1 is half, 2 is float) of the channels of an OpenEXR file."""
+    assert data[:4] == b"\x76\x2f\x31\x01"
+    at = data.index(b"channels\0chlist\0") + len(b"channels\0chlist\0") + 4
+    channels = {}
+    while data[at]:
+        end = data.index(b"\0", at)
+        channels[data[at:end].decode()] = struct.unpack("<i", data[end + 1 : end + 5])[0]
+        at = end + 17
+    return channels
+
+
+class RenderTest(ProgramTest):
+    def picture(self, *arguments, name="out.png"):
+        self.convert("render", *arguments, *SMALL, "-o", name)
+        return Png((self.folder / name).read_bytes())
+
+    def test_a_volume(self):
+        run = self.convert("render", SPHERE, *SMALL, "-o", "out.png")
+        self.assertRegex(run.err, r"demo:sphere\?size=24 -> out.png: 48 x 32 pixels; drawn in [0-9.]+ s\n")
+        self.assertEqual(self.files(), ["out.png"])
+        picture = Png((self.folder / "out.png").read_bytes())
+        self.assertEqual(picture.shape, (32, 48, 4))
+        self.assertEqual(picture.pixel(0, 0), (0, 0, 0, 0))
+        self.assertGreater(picture.pixel(24, 16)[3], 40)
+        self.convert("render", SPHERE, *SMALL)
+        self.assertEqual(self.files(), ["out.png", "sphere.png"])
+        self.assertEqual((self.folder / "sphere.png").read_bytes(), (self.folder / "out.png").read_bytes())
+
+    def test_threads_and_shortcuts_change_nothing(self):
+        usual = self.picture("demo:gyroid?size=40", "--termination", "0")
+        for options in (("--threads", "1"), ("--no-skipping",)):
+            self.assertEqual(self.picture("demo:gyroid?size=40", "--termination", "0", *options).difference(usual), 0, options)
+        ended = self.picture("demo:gyroid?size=40")
+        self.assertLessEqual(ended.difference(usual), 8)
+
+    def test_stdout(self):
+        run = self.convert("render", SPHERE, *SMALL, "-o", "-")
+        self.assertEqual(Png(run.out).shape, (32, 48, 4))
+        self.assertEqual(self.files(), [])
+
+    def test_meshes_alone_and_with_surfaces(self):
+        self.convert(SPHERE, "--iso", "0", "-o", "sphere.ply")
+        self.convert(SPHERE, "--iso", "0", "-o", "sphere.glb")
+        surface = self.picture(SPHERE, "--tf", "none", "--iso", "0", "--background", "black")
+        self.assertEqual(surface.shape, (32, 48, 3))
+        self.assertGreater(min(surface.pixel(24, 16)), 100)
+        # The mesh's box and the field's differ, and with them the camera's distance. Turned back from y up, the mesh of the
+        # glb is where the other is.
+        ply, glb = (self.picture(mesh, "--background", "black") for mesh in ("sphere.ply", "sphere.glb"))
+        self.assertGreater(min(ply.pixel(24, 16)), 100)
+        self.assertLessEqual(ply.difference(glb), 3)
+        both = self.picture(SPHERE, "sphere.ply", "--opacity", "0.5", "--shading", "flat")
+        self.assertEqual(both.shape, (32, 48, 4))
+
+    def test_colours_and_opacity_of_surfaces(self):
+        options = ("--tf", "none", "--iso", "-0.2", "--iso", "0.2", "--color-by", "iso")
+        seen = self.picture("demo:sphere?size=24", *options)
+        middle = seen.pixel(24, 16)
+        self.assertGreater(max(middle[:3]) - min(middle[:3]), 30)
+        opaque = self.picture("demo:sphere?size=24", *options, "--opacity", "1")
+        self.assertGreater(max(abs(a - b) for a, b in zip(opaque.pixel(24, 16), middle)), 10)
+
+    def test_exr(self):
+        self.convert("render", SPHERE, "--iso", "0", *SMALL, "-o", "out.exr")
+        channels = exr_channels((self.folder / "out.exr").read_bytes())
+        self.assertEqual(channels, {"A": 1, "B": 1, "G": 1, "N.X": 1, "N.Y": 1, "N.Z": 1, "R": 1, "Z": 2})
+
+    def test_a_turn(self):
+        self.convert("render", "demo:torus?size=24", *SMALL, "--frames", "4", "-o", "turn_{:02}.png", "--camera", "0,30")
+        self.assertEqual(self.files(), [f"turn_{i:02}.png" for i in (1, 2, 3, 4)])
+        pictures = [Png((self.folder / name).read_bytes()) for name in self.files()]
+        turned = self.picture("demo:torus?size=24", "--camera", "90,30", name="turned.png")
+        self.assertEqual(turned.difference(pictures[1]), 0)
+
+    def test_a_sequence_stands_still(self):
+        for frame, size in ((1, 12), (2, 8)):
+            self.write_raw(f"f_{frame}.raw", (16, 16, 16), lambda x, y, z: 1 if max(x, y, z) < size else 0)
+        run = self.convert("render", "f_{}.raw", "--dims", "16,16,16", "--dtype", "f32", *SMALL, "-o", "p_{:03}.png",
+                           "--json", "all.json")
+        self.assertEqual(run.err.count(" -> p_00"), 2)
+        pictures = json.loads((self.folder / "all.json").read_text())["pictures"]
+        self.assertEqual([picture["frame"] for picture in pictures], [1, 2])
+        self.assertEqual(pictures[0]["camera"], pictures[1]["camera"])
+        first, second = (Png((self.folder / f"p_00{i}.png").read_bytes()).alpha() for i in (1, 2))
+        self.assertGreater(first, 1.5 * second)
+        for name in ("p_001.png", "p_002.png"):
+            (self.folder / name).unlink()
+        self.convert("render", "f_{}.raw", "--dims", "16,16,16", "--dtype", "f32", *SMALL, "-o", "p_{:03}.png", "--frames", "2")
+        self.assertEqual([name for name in self.files() if name.startswith("p_")], ["p_002.png"])
+
+    def test_transfer_functions_of_files(self):
+        (self.folder / "a.tf").write_text("# red inside\n-1 0 0 0 0\n0 0 0 0 0\n0 1 0 0 1\n1 1 0 0 1\n")
+        picture = self.picture(SPHERE, "--tf", "a.tf", "--unit-length", "0.01")
+        self.assertEqual(picture.pixel(24, 16)[3], 255)
+        self.assertGreater(picture.pixel(24, 16)[0], 250)
+        self.assertEqual(picture.pixel(24, 16)[1], 0)
+        (self.folder / "b.tf").write_text("0 0 0 0 0\n1 1 0 0\n")
+        run = self.run_program("render", SPHERE, "--tf", "b.tf", "-o", "no.png")
+        self.assert_fails(2, run, "b.tf: line 2: expected a value, red, green, blue and opacity", "found 4 numbers")
+        self.assertNotIn("no.png", self.files())
+
+    def test_figures_add_up(self):
+        def figures(*options):
+            self.convert("render", SPHERE, *SMALL, "-o", "out.png", "--json", "out.json", *options)
+            picture = json.loads((self.folder / "out.json").read_text())["pictures"][0]
+            self.assertEqual((picture["width"], picture["height"], picture["file"]), (48, 32, "out.png"))
+            return picture
+
+        every = figures("--no-skipping", "--termination", "0")
+        self.assertEqual((every["samples_skipped"], every["samples_terminated"]), (0, 0))
+        usual = figures("--tf-range", "0,1")
+        self.assertEqual(usual["samples"] + usual["samples_skipped"] + usual["samples_terminated"], every["samples"])
+        self.assertGreater(usual["samples_skipped"], 0)
+
+    def test_refusals(self):
+        for arguments, code, part in (
+            ((), 1, "no INPUT was given"),
+            ((SPHERE, "-o", "a.jpg"), 1, "a.jpg: expected an extension of png, exr"),
+            ((SPHERE, "--size", "0x5"), 1, "--size: expected width and height in pixels"),
+            ((SPHERE, "--camera", "30"), 1, "--camera: expected azimuth and elevation"),
+            ((SPHERE, "--tf", "smoek"), 1, "did you mean 'smoke'?"),
+            ((SPHERE, "--tf", "none"), 1, "there is nothing to draw"),
+            ((SPHERE, "--tf-range", "3,1"), 1, "expected two values MIN,MAX"),
+            ((SPHERE, "--opacity", "0.5"), 1, "--opacity is for surfaces and meshes"),
+            ((SPHERE, "--cap"), 1, "--cap is for surfaces of the volume"),
+            ((SPHERE, "--frames", "3", "-o", "a.png"), 1, "a.png"),
+            ((SPHERE, "--frames", "3", "-o", "-"), 1, "several pictures are written into files"),
+            ((SPHERE, "--frames", "1-5"), 1, "expected the number of pictures of a turn"),
+            ((SPHERE, "--background", "blue"), 1, "expected none, black, white or a colour as RRGGBB"),
+            ((SPHERE, "--iso", "7"), 2, "iso"),
+            (("none.nrrd",), 2, "none.nrrd"),
+            (("none.ply",), 2, "none.ply"),
+            ((SPHERE, "--memory-limit", "100K"), 2, "memory"),
+        ):
+            self.assert_fails(code, self.run_program("render", *arguments), part)
+            self.assertEqual(self.files(), [], arguments)
+
+    def test_a_gpu_that_is_not_there(self):
+        run = self.run_program("render", SPHERE, "--backend", "gpu", "-o", "a.png", env=NO_GPU)
+        self.assert_fails(3, run, "--backend cpu")
+        self.assertEqual(self.files(), [])
+
+    def test_what_cannot_be_written_leaves_nothing(self):
+        run = self.run_program("render", SPHERE, *SMALL, "-o", "nowhere/a.png")
+        self.assert_fails(4, run, "nowhere")
+        run = self.run_program("render", SPHERE, *SMALL, "-o", "/dev/full")
+        self.assertNotEqual(run.code, 0)
+        self.assertEqual(self.files(), [])
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+isoextract_unit_test(images exr_writer_test.cpp png_writer_test.cpp)

@@ -1,0 +1,135 @@
+// A renderer's life on a GPU: sizes, limits, what it refuses, what it leaves behind.
+#include <array>
+#include <string>
+#include <vector>
+
+#include "gl/gl_object.hpp"
+#include "unit/render/gpu_drawing.hpp"
+
+namespace isoextract::render {
+namespace {
+
+// A ball within layers, two of which are see-through.
+class Setup {
+ public:
+  Setup() {
+    scene_.volume = &volume_;
+    for (const auto& [mesh, opacity] : {std::pair(&layers_[0], 0.5), std::pair(&layers_[1], 0.5)}) {
+      scene_.surfaces.push_back({mesh, {0.5, 0.6, 0.1}, opacity});
+    }
+    scene_.surfaces.push_back({&layers_[2]});
+  }
+  Setup(const Setup&) = delete;
+  Setup& operator=(const Setup&) = delete;
+  const Scene& scene() const { return scene_; }
+  Camera camera(const PictureSize& size) const { return framing(*box_of(scene_), {30, 10}, UpAxis::z, size); }
+
+ private:
+  field::ScalarField field_ = test::ball(24);
+  std::array<mesh::Mesh, 3> layers_{test::rectangle(-2, -2, 26, -2, 26), test::rectangle(9.3, -2, 26, -2, 26),
+                                    test::rectangle(25, -2, 26, -2, 26)};
+  Volume volume_{&field_, field_.index_to_world, test::rising_transfer(0.2, 0.3), 1};
+  Scene scene_;
+};
+
+Result<Rendered> draw_with(const GpuRenderOptions& how, const PictureSize& size, const Context& context = Context()) {
+  const Setup setup;
+  auto made = make_gpu_renderer(how);
+  if (!made) return tl::unexpected(made.error());
+  return made->renderer->draw(setup.scene(), setup.camera(size), {size}, context);
+}
+
+TEST(GpuRenderer, DrawsPicturesOfAnySizeOneAfterAnother) {
+  const Setup setup;
+  // The third is drawn in two parts.
+  for (const PictureSize& size : {PictureSize{64, 48}, {1, 1}, {1200, 900}, {7, 300}, {64, 48}}) {
+    const RenderOptions options{size};
+    const Camera camera = setup.camera(size);
+    const Rendered cpu = test::draw(setup.scene(), camera, options);
+    const Rendered gpu = test::draw_on_gpu(setup.scene(), camera, options);
+    ASSERT_EQ(gpu.picture.width, size.width);
+    ASSERT_EQ(gpu.picture.height, size.height);
+    EXPECT_LE(test::pixels_off(cpu.picture, gpu.picture), gpu.picture.pixels() / 300) << size.width;
+  }
+}
+
+TEST(GpuRenderer, ListsThatAreTooLongAreDrawnInParts) {
+  const PictureSize size{61, 47};
+  const auto whole = draw_with({}, size);
+  ASSERT_TRUE(whole) << whole.error().message;
+  GpuRenderOptions how;
+  how.list_bytes = 8 * 100;
+  const auto parts = draw_with(how, size);
+  ASSERT_TRUE(parts) << parts.error().message;
+  // Parts move corners to another raster: pixels on an edge may differ.
+  EXPECT_LE(test::pixels_off(whole->picture, parts->picture, 1e-4F), parts->picture.pixels() / 200);
+
+  how.list_bytes = 8;
+  const auto refused = draw_with(how, size);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, ErrorKind::unavailable);
+  EXPECT_NE(refused.error().message.find("expected at most 1 surfaces behind each other in a pixel, found 2"),
+            std::string::npos)
+      << refused.error().message;
+}
+
+TEST(GpuRenderer, RefusesWhatTakesMoreMemoryThanItMay) {
+  GpuRenderOptions how;
+  how.memory_bytes = 1 << 16;
+  const auto refused = draw_with(how, {64, 48});
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, ErrorKind::unavailable);
+  EXPECT_EQ(refused.error().hint.remedy, Remedy::more_gpu_memory);
+  EXPECT_NE(refused.error().message.find("expected at most 64 KiB on the GPU"), std::string::npos)
+      << refused.error().message;
+}
+
+TEST(GpuRenderer, CountsItsMemoryWhereTheDeviceIsTheProcessor) {
+  const auto refused = draw_with({}, {64, 48}, Context(MemoryBudget(1 << 18)));
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, ErrorKind::input);
+  EXPECT_EQ(refused.error().hint.remedy, Remedy::raise_memory_limit);
+}
+
+TEST(GpuRenderer, EndsWhereSomebodyAsksForIt) {
+  const Context context;
+  context.cancel();
+  const auto ended = draw_with({}, {64, 48}, context);
+  ASSERT_FALSE(ended);
+  EXPECT_EQ(ended.error().kind, ErrorKind::cancelled);
+}
+
+TEST(GpuRenderer, RefusesADeviceThatIsNotThere) {
+  GpuRenderOptions how;
+  how.device = 99;
+  const auto made = make_gpu_renderer(how);
+  ASSERT_FALSE(made);
+  EXPECT_EQ(made.error().kind, ErrorKind::unavailable);
+}
+
+TEST(GpuRenderer, LeavesNoObjectsOnTheDevice) {
+  const Setup setup;
+  const PictureSize size{40, 30};
+  // Names are given out again: what is next does not grow.
+  const auto next_names = [&] {
+    test::draw_on_gpu(setup.scene(), setup.camera(size), {size});
+    return std::array{gl::GlTexture::make().name(), gl::GlBuffer::make().name(), gl::GlFramebuffer::make().name()};
+  };
+  const auto first = next_names();
+  next_names();
+  EXPECT_EQ(next_names(), first);
+}
+
+TEST(GpuRenderer, WorksBesideAnotherContext) {
+  const Setup setup;
+  const PictureSize size{40, 30};
+  const Rendered alone = test::draw_on_gpu(setup.scene(), setup.camera(size), {size});
+  const auto other = draw_with({}, size);
+  ASSERT_TRUE(other);
+  const Rendered again = test::draw_on_gpu(setup.scene(), setup.camera(size), {size});
+  EXPECT_TRUE(test::same_picture(alone.picture, again.picture));
+  EXPECT_TRUE(test::same_picture(alone.picture, other->picture));
+}
+
+}  // namespace
+}  // namespace isoextract::render
