@@ -61,10 +61,11 @@ class JetRun {
   void tell(const simulate::ParticleJet& jet, const std::vector<SequenceFrame>& frames) const {
     const simulate::JetFigures figures = jet.figures();
     const double moved = static_cast<double>(figures.particle_steps);
-    messages_.summary(fmt::format("{} particles of radius {:.6g} in the tank; {} frames of {} steps: {:.2f} million "
-                                  "particles moved, {:.3f} million per second",
-                                  jet.size(), jet.radius(), figures.frames, figures.steps, 1e-6 * moved,
-                                  seconds_ > 0 ? 1e-6 * moved / seconds_ : 0));
+    messages_.summary(
+        fmt::format("{} particles of radius {:.6g} in the tank; {} frames of {} steps: {:.2f} million "
+                    "particles moved, {:.3f} million per second",
+                    jet.size(), jet.radius(), figures.frames, figures.steps, 1e-6 * moved,
+                    seconds_ > 0 ? 1e-6 * moved / seconds_ : 0));
     if (jet.size() < plan_.jet.count) {
       messages_.note(fmt::format("{} of {} particles have not left the nozzle: more frames let them in",
                                  plan_.jet.count - jet.size(), plan_.jet.count));
@@ -83,10 +84,11 @@ class JetRun {
 
   // All frames on one grid, which only the same radius for all gives.
   void tell_how_to_convert(double radius) const {
-    messages_.summary(fmt::format("to be converted with: isoextract {} --particles weight --iso {} --radius {} --animate "
-                                  "--fps {} -o jet.glb",
-                                  shell_quoted(printable(plan_.pattern)),
-                                  points::method_info(points::Method::weight).iso, radius, plan_.jet.fps));
+    messages_.summary(
+        fmt::format("to be converted with: isoextract {} --particles weight --iso {} --radius {} --animate "
+                    "--fps {} -o jet.glb",
+                    shell_quoted(printable(plan_.pattern)), points::method_info(points::Method::weight).iso, radius,
+                    plan_.jet.fps));
   }
 
   const JetPlan& plan_;

@@ -99,7 +99,8 @@ Result<SequencePlan> plan_sequence(const SequenceFlags& flags, const SequenceKin
   std::vector<batch::OutputSource> sources;
   for (std::size_t frame = 0; frame < steps->size(); ++frame) {
     for (const std::string& grid : kind.grids) {
-      sources.push_back({static_cast<std::int64_t>(kind.first + frame), std::string(field::kDemoPrefix) + kind.stem, grid, {}});
+      sources.push_back(
+          {static_cast<std::int64_t>(kind.first + frame), std::string(field::kDemoPrefix) + kind.stem, grid, {}});
     }
   }
   const auto named = batch::name_outputs(sources, flags.output, meshes::MeshFormat::glb, kind.extension);

@@ -40,9 +40,9 @@ using VolumeChoice = std::variant<std::int64_t, AllVolumes>;
 [[nodiscard]] Result<simulate::Tap> parse_tap(std::string_view text);             // X,Y,RATE
 [[nodiscard]] Result<glm::dvec3> parse_vector(std::string_view text);             // X,Y,Z
 [[nodiscard]] Result<glm::dvec3> parse_spacing(std::string_view text);            // SX,SY,SZ or one for all, above 0
-[[nodiscard]] Result<glm::dvec3> parse_sides(std::string_view text);              // XxYxZ, X,Y,Z or one for all, above 0
-[[nodiscard]] Result<glm::ivec3> parse_dims(std::string_view text);               // NX,NY,NZ or NXxNYxNZ, above 0
-[[nodiscard]] Result<glm::ivec3> parse_resolution(std::string_view text);         // as dims or one for all, 2 or above
+[[nodiscard]] Result<glm::dvec3> parse_sides(std::string_view text);       // XxYxZ, X,Y,Z or one for all, above 0
+[[nodiscard]] Result<glm::ivec3> parse_dims(std::string_view text);        // NX,NY,NZ or NXxNYxNZ, above 0
+[[nodiscard]] Result<glm::ivec3> parse_resolution(std::string_view text);  // as dims or one for all, 2 or above
 [[nodiscard]] Result<render::PictureSize> parse_picture_size(std::string_view text);  // WxH, each from 1 to 16384
 [[nodiscard]] Result<convert::FilterStep> parse_filter(std::string_view text);  // gaussian, median or mean, or with :N
 [[nodiscard]] Result<field::Box> parse_box(std::string_view text);              // X0,Y0,Z0,X1,Y1,Z1, min <= max
