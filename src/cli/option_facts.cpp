@@ -23,6 +23,7 @@ std::string synopsis(const CLI::App& command) {
   if (name == "devices") return "isoextract devices [options]";
   if (name == "stability") return "isoextract stability [options]";
   if (name == "simulate water") return "isoextract simulate water -o FILE [options]";
+  if (name == "simulate jet") return "isoextract simulate jet -o FILE [options]";
   if (name == "help") return "isoextract help [TOPIC]";
   return "isoextract generate man|bash|zsh|fish";
 }

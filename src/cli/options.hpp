@@ -307,7 +307,7 @@ struct JetFlags {
   std::optional<double> viscosity;
   std::optional<std::uint64_t> iterations;
   std::optional<volumes::ParticleFileFormat> format;
-  SequenceFlags sequence;  // its steps are `frames`
+  SequenceFlags sequence;
   RunFlags run;
 };
 

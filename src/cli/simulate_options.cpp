@@ -95,7 +95,7 @@ void declare_simulate(CommandLine& line) {
   };
   line.simulate_water = add("water", "Let water run over hilly land, by a cellular automaton, as volumes.");
   declare_water(*line.simulate_water, line.water_flags);
-  line.simulate_jet = add("jet", "Let a jet of liquid into a tank, as particles.");
+  line.simulate_jet = add("jet", "Let a jet of water into a tank, by position-based fluids, as particles.");
   declare_jet(*line.simulate_jet, line.jet_flags);
 }
 

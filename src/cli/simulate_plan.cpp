@@ -100,7 +100,7 @@ Result<SequencePlan> plan_sequence(const SequenceFlags& flags, const SequenceKin
   for (std::size_t frame = 0; frame < steps->size(); ++frame) {
     for (const std::string& grid : kind.grids) {
       sources.push_back(
-          {static_cast<std::int64_t>(kind.first + frame), std::string(field::kDemoPrefix) + kind.stem, grid, {}});
+          {static_cast<std::int64_t>(frame + kind.first), std::string(field::kDemoPrefix) + kind.stem, grid, {}});
     }
   }
   const auto named = batch::name_outputs(sources, flags.output, meshes::MeshFormat::glb, kind.extension);

@@ -41,7 +41,7 @@ struct SequenceKind {
   std::vector<std::string> grids;  // a file each
   std::uint64_t steps = 0;         // the defaults
   std::uint64_t every = 1;
-  std::uint64_t first = 0;  // the first frame of a sequence: 0 is the start
+  std::uint64_t first = 0;  // the number of the first frame
 };
 
 // Every name once, and a place for the frame's number in it where there are several. Fails with ErrorKind::usage.

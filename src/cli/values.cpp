@@ -46,15 +46,6 @@ std::optional<std::vector<double>> numbers_in(std::string_view text, std::size_t
   return numbers && numbers->size() == count ? numbers : std::nullopt;
 }
 
-// Three numbers above 0 separated by commas, or one for all.
-std::optional<glm::dvec3> three_sizes(std::string_view text) {
-  auto numbers = numbers_in(text, 3);
-  if (!numbers) numbers = numbers_in(text, 1);
-  if (!numbers || std::ranges::any_of(*numbers, [](double size) { return size <= 0; })) return std::nullopt;
-  if (numbers->size() == 1) return glm::dvec3(numbers->front());
-  return glm::dvec3((*numbers)[0], (*numbers)[1], (*numbers)[2]);
-}
-
 // Whole numbers separated by commas, all different, sorted; `expected` says what they must be.
 template <class Allowed>
 Result<std::vector<int>> whole_numbers(std::string_view text, std::string_view expected, const Allowed& allowed) {
@@ -176,6 +167,18 @@ Result<glm::ivec2> parse_grid_size(std::string_view text) {
   return glm::ivec2{along(0), along(1)};
 }
 
+Result<glm::dvec3> parse_sides(std::string_view text) {
+  glm::dvec3 sides;
+  const std::vector<std::string_view> parts = split(text, "xX");
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto side = parts.size() == 3 || parts.size() == 1 ? parse_positive(parts[axis % parts.size()])
+                                                             : Result<double>(expected_found("", text));
+    if (!side) return expected_found("three lengths above 0, such as 60x40x60, or one for all", text);
+    sides[static_cast<int>(axis)] = *side;
+  }
+  return sides;
+}
+
 Result<simulate::Tap> parse_tap(std::string_view text) {
   const std::vector<std::string_view> parts = split(text, ",");
   if (parts.size() == 3) {
@@ -261,18 +264,13 @@ Result<std::array<std::string, 3>> parse_columns(std::string_view text) {
 }
 
 Result<glm::dvec3> parse_spacing(std::string_view text) {
-  const auto sizes = three_sizes(text);
-  if (!sizes) return expected_found("one or three numbers above 0, such as 0.5,0.5,2", text);
-  return *sizes;
-}
-
-Result<glm::dvec3> parse_sides(std::string_view text) {
-  std::string with_commas(text);
-  std::ranges::replace_if(
-      with_commas, [](char c) { return c == 'x' || c == 'X'; }, ',');
-  const auto sides = three_sizes(with_commas);
-  if (!sides) return expected_found("one or three numbers above 0, such as 60x40x60", text);
-  return *sides;
+  auto numbers = numbers_in(text, 3);
+  if (!numbers) numbers = numbers_in(text, 1);
+  if (!numbers || std::any_of(numbers->begin(), numbers->end(), [](double s) { return s <= 0; })) {
+    return expected_found("one or three numbers above 0, such as 0.5,0.5,2", text);
+  }
+  if (numbers->size() == 1) return glm::dvec3(numbers->front());
+  return glm::dvec3((*numbers)[0], (*numbers)[1], (*numbers)[2]);
 }
 
 Result<glm::ivec3> parse_dims(std::string_view text) {
