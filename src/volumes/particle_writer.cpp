@@ -17,7 +17,6 @@
 #include "base/version.hpp"
 #include "files/output_file.hpp"
 #include "files/record_stream.hpp"
-#include "volumes/particles/particle_columns.hpp"
 #include "volumes/write/npy_text.hpp"
 
 namespace isoextract::volumes {
@@ -30,9 +29,8 @@ constexpr std::size_t kMostName = 40;
 constexpr std::size_t kMostAttributes = 100;  // headers stay short
 
 bool is_plain_name(const std::string& name) {
-  return !name.empty() && name.size() <= kMostName && std::ranges::all_of(name, [](char c) {
-    return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
-  });
+  return !name.empty() && name.size() <= kMostName &&
+         std::ranges::all_of(name, [](char c) { return is_letter(c) || is_digit(c) || c == '_'; });
 }
 
 Result<void> check_names(const std::string& file, const ParticleSet& particles) {

@@ -7,7 +7,7 @@
 
 namespace isoextract::volumes {
 
-// Version 1.0, with a multiple of 64 bytes: https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html
+// As npy_text.hpp has it, [z, y, x] or [y, x].
 [[nodiscard]] std::string npy_header(const field::DenseSamples& samples);
 
 // With space directions and origin, so version 4 (http://teem.sourceforge.net/nrrd/format.html). Not for f16.

@@ -4,6 +4,7 @@
 
 #include "field/sample_type.hpp"
 #include "volumes/write/dense_writers.hpp"
+#include "volumes/write/npy_text.hpp"
 
 namespace isoextract::volumes {
 
@@ -13,15 +14,8 @@ std::string npy_header(const field::DenseSamples& samples) {
   const char order = size == 1 ? '|' : std::endian::native == std::endian::little ? '<' : '>';
   const glm::ivec3& dims = samples.dims;
   const std::string layers = dims.z == 1 ? "" : fmt::format("{}, ", dims.z);
-  std::string text = fmt::format("{{'descr': '{}{}{}', 'fortran_order': False, 'shape': ({}{}, {}), }}", order,
-                                 type.front(), size, layers, dims.y, dims.x);
-  constexpr std::size_t kStart = 10;  // magic number, version, length
-  constexpr std::size_t kAligned = 64;
-  text.resize((kStart + text.size() + 1 + kAligned - 1) / kAligned * kAligned - kStart - 1, ' ');
-  text += '\n';
-  std::string header = "\x93NUMPY";
-  header += {'\1', '\0', static_cast<char>(text.size() & 255U), static_cast<char>(text.size() >> 8U)};
-  return header + text;
+  return npy_header(fmt::format("'{}{}{}'", order, type.front(), size),
+                    fmt::format("({}{}, {})", layers, dims.y, dims.x));
 }
 
 }  // namespace isoextract::volumes
