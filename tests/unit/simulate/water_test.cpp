@@ -308,10 +308,16 @@ TEST(Water, RefusesWhatMakesNoSense) {
   EXPECT_NE(kind({5, 3}, flat, {}, {}).find("15 cells, found 12"), std::string::npos);
   EXPECT_NE(kind({4, 3}, flat, std::vector<double>(12, -1), {}).find("depths of 0 or more"), std::string::npos);
   EXPECT_NE(kind({4, 3}, std::vector<double>(12, std::nan("")), {}, {}).find("finite heights"), std::string::npos);
-  EXPECT_NE(kind({4, 3}, flat, {}, {.friction = 1.5}).find("0 to 1, found 1.5"), std::string::npos);
-  EXPECT_NE(kind({4, 3}, flat, {}, {.flow_div = 0.5}).find("1 or more, found 0.5"), std::string::npos);
-  EXPECT_NE(kind({4, 3}, flat, {}, {.sources = {{{4, 0}, 1}}}).find("0,0 to 3,2, found 4,0"), std::string::npos);
-  EXPECT_NE(kind({4, 3}, flat, {}, {.drains = {{{0, 0}, 0}}}).find("a rate above 0"), std::string::npos);
+  const auto refusal = [&](const auto& spoil) {
+    WaterOptions options;
+    spoil(options);
+    return kind({4, 3}, flat, {}, std::move(options));
+  };
+  EXPECT_NE(refusal([](WaterOptions& o) { o.friction = 1.5; }).find("0 to 1, found 1.5"), std::string::npos);
+  EXPECT_NE(refusal([](WaterOptions& o) { o.flow_div = 0.5; }).find("1 or more, found 0.5"), std::string::npos);
+  EXPECT_NE(refusal([](WaterOptions& o) { o.sources = {{{4, 0}, 1}}; }).find("0,0 to 3,2, found 4,0"),
+            std::string::npos);
+  EXPECT_NE(refusal([](WaterOptions& o) { o.drains = {{{0, 0}, 0}}; }).find("a rate above 0"), std::string::npos);
   const auto poor = WaterAutomaton::create({4, 3}, flat, {}, {}, Context(MemoryBudget(100)));
   EXPECT_EQ(poor.error().hint.remedy, Remedy::raise_memory_limit);
 }

@@ -2,6 +2,7 @@
 #include "volumes/volume_writer.hpp"
 
 #include <fstream>
+#include <sstream>
 #include <iterator>
 
 #include "unit/volumes/volume_files.hpp"
@@ -28,7 +29,9 @@ field::ScalarField ramp_field(glm::ivec3 dims = kDims) {
 
 std::string bytes_of_file(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
+  std::ostringstream bytes;
+  bytes << file.rdbuf();
+  return std::move(bytes).str();
 }
 
 template <class T>
