@@ -220,6 +220,7 @@ struct RenderFlags {
   std::optional<convert::UpAxis> up;
   std::optional<render::PictureSize> size;
   std::optional<glm::dvec4> background;
+  std::optional<std::vector<glm::dvec3>> mesh_colours;
   std::optional<double> samples;
   std::optional<double> termination;
   bool no_skipping = false;

@@ -3,7 +3,9 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -19,18 +21,33 @@
 namespace isoextract::cli {
 namespace {
 
-// None, or a colour as screens have it.
+// RRGGBB as screens have it, as linear light.
+std::optional<glm::dvec3> colour_in(std::string_view text) {
+  if (text.starts_with('#')) text.remove_prefix(1);
+  unsigned rgb = 0;
+  const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), rgb, 16);
+  if (text.size() != 6 || problem != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  const auto channel = [&](unsigned shift) { return linear_of_srgb((rgb >> shift & 0xFFU) / 255.0); };
+  return glm::dvec3(channel(16), channel(8), channel(0));
+}
+
 Result<glm::dvec4> parse_background(std::string_view text) {
   if (text == "none") return glm::dvec4(0);
-  std::string_view digits = text == "black" ? "000000" : text == "white" ? "ffffff" : text;
-  if (digits.starts_with('#')) digits.remove_prefix(1);
-  unsigned rgb = 0;
-  const auto [end, problem] = std::from_chars(digits.data(), digits.data() + digits.size(), rgb, 16);
-  if (digits.size() != 6 || problem != std::errc() || end != digits.data() + digits.size()) {
-    return fail(ErrorKind::usage, fmt::format("expected none, black, white or a colour as RRGGBB, found '{}'", text));
+  const auto colour = colour_in(text == "black" ? "000000" : text == "white" ? "ffffff" : text);
+  if (colour) return glm::dvec4(*colour, 1);
+  return fail(ErrorKind::usage, fmt::format("expected none, black, white or a colour as RRGGBB, found '{}'", text));
+}
+
+Result<std::vector<glm::dvec3>> parse_colours(std::string_view text) {
+  std::vector<glm::dvec3> colours;
+  for (std::string_view rest = text;;) {
+    const std::size_t comma = rest.find(',');
+    const auto colour = colour_in(rest.substr(0, comma));
+    if (!colour) return fail(ErrorKind::usage, fmt::format("expected colours as RRGGBB[,RRGGBB...], found '{}'", text));
+    colours.push_back(*colour);
+    if (comma == std::string_view::npos) return colours;
+    rest.remove_prefix(comma + 1);
   }
-  const auto channel = [&](unsigned shift) { return linear_of_srgb((rgb >> shift & 0xFFU) / 255.0); };
-  return glm::dvec4(channel(16), channel(8), channel(0), 1);
 }
 
 Result<std::array<double, 2>> parse_value_range(std::string_view text) {
@@ -92,6 +109,9 @@ void declare_picture(const Group& group, RenderFlags& flags) {
       "How thick a layer has the opacity that the transfer function says, in the world (default: a hundredth of "
       "the volume's longest side).");
   group.choice("--shading", flags.shading, "Of surfaces: by normals at their vertices, or flat (default: smooth).");
+  group.value(
+      "--mesh-color", "RRGGBB[,...]", flags.mesh_colours, parse_colours,
+      "Colour of meshes whose vertices have none: one for all, or one for each in their order (default: grey).");
   group.value("--background", "COLOUR", flags.background, parse_background,
               "Behind everything: none, black, white or RRGGBB (default: none).");
   group.value("--samples", "N", flags.samples, parse_samples,

@@ -239,6 +239,11 @@ Result<RenderPlan> plan_render(const RenderFlags& flags) {
   if (flags.termination.value_or(0) > 0) plan.options.termination = *flags.termination;
   plan.options.empty_space_skipping = !flags.no_skipping;
   plan.background = flags.background.value_or(plan.background);
+  plan.mesh_colours = flags.mesh_colours.value_or(plan.mesh_colours);
+  if (plan.mesh_colours.size() > 1 && plan.mesh_colours.size() != plan.meshes.size()) {
+    return refuse_usage(fmt::format("--mesh-color: expected one colour or one for each mesh, found {} for {}",
+                                    plan.mesh_colours.size(), plan.meshes.size()));
+  }
   plan.backend = flags.backend.value_or(plan.backend);
   plan.gpu = plan_gpu(flags.device);
   if (flags.json && (flags.json->empty() || *flags.json == "-")) {

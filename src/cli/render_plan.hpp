@@ -32,7 +32,8 @@ struct RenderPlan {
   convert::ConversionJob job;
   std::vector<convert::IsoChoice> isos;
   std::vector<std::string> meshes;
-  std::vector<double> opacity;  // of surfaces and then meshes: one for each, or one for all, or none: opaque
+  std::vector<glm::dvec3> mesh_colours;  // linear; of meshes in their order, or one for all; none: their own
+  std::vector<double> opacity;           // of surfaces and then meshes: one for each, or one for all, or none: opaque
   render::Shading shading = render::Shading::smooth;
   bool draws_volume = true;
   std::optional<std::string> transfer_file;

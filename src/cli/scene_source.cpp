@@ -176,7 +176,11 @@ render::Scene SceneSource::scene() const {
   render::Scene scene;
   if (volume_) scene.volume = &*volume_;
   for (const mesh::Mesh& mesh : surfaces_) add_surface(scene, mesh);
-  for (const mesh::Mesh& mesh : meshes_) add_surface(scene, mesh);
+  const std::vector<glm::dvec3>& colours = plan_->mesh_colours;
+  for (std::size_t m = 0; m < meshes_.size(); ++m) {
+    add_surface(scene, meshes_[m]);
+    if (!colours.empty()) scene.surfaces.back().colour = colours[std::min(m, colours.size() - 1)];
+  }
   scene.background = plan_->background;
   return scene;
 }
