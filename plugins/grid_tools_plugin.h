@@ -22,7 +22,7 @@ extern "C" {
 #endif
 
 /* Goes up with every change of this file. A plug-in of another version is refused. */
-#define ISOEXTRACT_GRID_TOOLS_PLUGIN_VERSION 1
+#define ISOEXTRACT_GRID_TOOLS_PLUGIN_VERSION 2
 
 /* A grid that goes in: sparse samples, or a full box of them. */
 typedef struct isoextract_grid_input {
@@ -74,9 +74,14 @@ typedef struct isoextract_filter_job {
   uint32_t iterations;
 } isoextract_filter_job;
 
-typedef struct isoextract_vdb_job {
+typedef struct isoextract_named_grid {
   isoextract_grid_input grid;
   const char* name;
+} isoextract_named_grid;
+
+typedef struct isoextract_vdb_job {
+  const isoextract_named_grid* grids; /* of the file, in their order */
+  uint64_t count;                     /* 1 or more */
   int32_t is_half; /* not 0 if values are to be stored as 16-bit numbers */
   /* Where the bytes of the file go: appended, or, where overwrite is not null, put in the place of some that were
    * written. 0 if all is well. Without overwrite the file has no places of its grids, as one that is piped. */
@@ -85,7 +90,7 @@ typedef struct isoextract_vdb_job {
   int (*overwrite)(void* sink, uint64_t place, const void* bytes, uint64_t count);
 } isoextract_vdb_job;
 
-typedef struct isoextract_grid_tools_plugin_v1 {
+typedef struct isoextract_grid_tools_plugin_v2 {
   uint32_t version; /* ISOEXTRACT_GRID_TOOLS_PLUGIN_VERSION; the first member in every version */
   const char* id;   /* the ID of the file's name */
 
@@ -94,20 +99,20 @@ typedef struct isoextract_grid_tools_plugin_v1 {
   int (*filter)(const isoextract_filter_job* job, const isoextract_plugin_host* host, isoextract_grid_output* output);
   void (*free_output)(isoextract_grid_output* output);
 
-  /* A grid of floats as an OpenVDB file; samples of other types are rounded to them. Voxels are active whose value is
+  /* Grids of floats as an OpenVDB file; samples of other types are rounded to them. Voxels are active whose value is
    * neither the background nor, in a level set, the background with the other sign. Beyond a full box there is its
    * least value, of a level set its greatest. */
   int (*write_vdb)(const isoextract_vdb_job* job, const isoextract_plugin_host* host);
 
   /* Why the last call of this thread failed: what was expected and what was found. */
   const char* (*error_text)(void);
-} isoextract_grid_tools_plugin_v1;
+} isoextract_grid_tools_plugin_v2;
 
 /* The one function that a plug-in exports. What it returns lives as long as the process. */
 #if defined(__GNUC__)
 __attribute__((visibility("default")))
 #endif
-const isoextract_grid_tools_plugin_v1*
+const isoextract_grid_tools_plugin_v2*
 isoextract_grid_tools_plugin(void);
 
 #ifdef __cplusplus

@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include <openvdb/io/Archive.h>
 #include <openvdb/openvdb.h>
@@ -21,7 +22,7 @@ namespace isoextract_openvdb {
 
 // The name of a file's content, in the form of a UUID: OpenVDB would draw one by chance, and equal grids are to be
 // equal files.
-inline std::string content_name(const openvdb::FloatGrid& grid, const isoextract_vdb_job& job) {
+inline std::string content_name(const std::vector<openvdb::FloatGrid::Ptr>& grids, const isoextract_vdb_job& job) {
   std::array<std::uint64_t, 2> sums{0x9e3779b97f4a7c15U, 0xc2b2ae3d27d4eb4fU};
   const auto add = [&](std::uint64_t word) {
     for (std::uint64_t& sum : sums) {
@@ -33,19 +34,23 @@ inline std::string content_name(const openvdb::FloatGrid& grid, const isoextract
   const auto add_place = [&](const openvdb::Coord& at) {
     for (int axis = 0; axis < 3; ++axis) add(static_cast<std::uint64_t>(at[axis]));
   };
-  for (const char c : std::string_view(job.name)) add(static_cast<unsigned char>(c));
-  for (const double number : job.grid.index_to_world) add(std::bit_cast<std::uint64_t>(number));
-  add(static_cast<std::uint64_t>(job.grid.kind));
-  add(job.is_half != 0 ? 1 : 0);
-  add_float(grid.background());
-  visit_tiles(grid.tree(), [&](const auto& tile) {
-    add_place(tile.getCoord());
-    add(tile.getLevel());
-    add_float(tile.getValue());
-  });
-  for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
-    add_place(leaf->origin());
-    for (openvdb::Index n = 0; n < kLeafValues; ++n) add_float(leaf->getValue(n));
+  for (std::size_t g = 0; g < grids.size(); ++g) {
+    const isoextract_named_grid& named = job.grids[g];
+    const openvdb::FloatGrid& grid = *grids[g];
+    for (const char c : std::string_view(named.name)) add(static_cast<unsigned char>(c));
+    for (const double number : named.grid.index_to_world) add(std::bit_cast<std::uint64_t>(number));
+    add(static_cast<std::uint64_t>(named.grid.kind));
+    add(job.is_half != 0 ? 1 : 0);
+    add_float(grid.background());
+    visit_tiles(grid.tree(), [&](const auto& tile) {
+      add_place(tile.getCoord());
+      add(tile.getLevel());
+      add_float(tile.getValue());
+    });
+    for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
+      add_place(leaf->origin());
+      for (openvdb::Index n = 0; n < kLeafValues; ++n) add_float(leaf->getValue(n));
+    }
   }
   std::array<char, 33> digits{};
   std::snprintf(digits.data(), digits.size(), "%016llx%016llx", static_cast<unsigned long long>(sums[0]),

@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <ostream>
+#include <span>
 #include <unordered_map>
 #include <unordered_set>
 
@@ -98,6 +99,7 @@ class GridBuilder {
   void from_sparse(const isoextract_sparse_samples& samples) {
     grid_ = FloatGrid::create(value_of(samples.background));
     memory_.take(samples.block_count * kLeafBytes + (std::uint64_t{1} << 20));
+    reserve_nodes_above(samples);
     for (std::size_t i = 0; i < samples.tile_count; ++i) add_tile(samples.tiles[i]);
     for (std::size_t i = 0; i < samples.block_count; ++i) {
       const isoextract_sparse_block& block = samples.blocks[i];
@@ -106,6 +108,33 @@ class GridBuilder {
         for (openvdb::Index n = 0; n < kLeafValues; ++n) put(leaf, n, sample(values[n]));
       });
     }
+  }
+
+  // Of scattered bricks each can have nodes of its own, which are far larger than it is.
+  void reserve_nodes_above(const isoextract_sparse_samples& samples) {
+    using Upper = FloatTree::RootNodeType::ChildNodeType;
+    using Lower = Upper::ChildNodeType;
+    memory_.take((samples.block_count + samples.tile_count) * sizeof(openvdb::Coord));
+    std::vector<openvdb::Coord> nodes;
+    nodes.reserve(samples.block_count + samples.tile_count);
+    const auto add = [&](const std::int32_t* origin) { nodes.emplace_back(origin[0], origin[1], origin[2]); };
+    const auto distinct = [&](openvdb::Index side) {
+      for (openvdb::Coord& node : nodes) node &= ~(static_cast<std::int32_t>(side) - 1);
+      nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());  // most lie behind each other
+      std::ranges::sort(nodes, [](const openvdb::Coord& a, const openvdb::Coord& b) { return a < b; });
+      nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+      return static_cast<std::uint64_t>(nodes.size());
+    };
+    const std::span tiles(samples.tiles, samples.tile_count);
+    for (const isoextract_sparse_block& block : std::span(samples.blocks, samples.block_count)) add(block.origin);
+    for (const isoextract_sparse_tile& tile : tiles) {
+      if (tile.size < static_cast<int>(Lower::DIM)) add(tile.origin);
+    }
+    const std::uint64_t lower = distinct(Lower::DIM);
+    for (const isoextract_sparse_tile& tile : tiles) {
+      if (tile.size >= static_cast<int>(Lower::DIM) && tile.size < static_cast<int>(Upper::DIM)) add(tile.origin);
+    }
+    memory_.take(lower * sizeof(Lower) + distinct(Upper::DIM) * sizeof(Upper));
   }
 
   void put(Leaf& leaf, openvdb::Index n, float value) const {
@@ -254,10 +283,29 @@ class Particles {
   std::vector<std::uint64_t> kept_;
 };
 
+// Memory of hash tables, reserved as they grow.
+class TableMemory {
+ public:
+  explicit TableMemory(const isoextract_plugin_host& host) : memory_(host) {}
+
+  void add_entry() {
+    if (entries_++ % kStep == 0) memory_.take(kStep * kEntryBytes);
+  }
+
+ private:
+  static constexpr std::uint64_t kStep = 1024;
+  static constexpr std::uint64_t kEntryBytes = 64;  // with what the heap takes, and buckets while they are remade
+
+  Reserved memory_;
+  std::uint64_t entries_ = 0;
+};
+
 // How many leaves the narrow band, and what is filled meanwhile, can touch at most. Particles in one leaf count once,
 // with the farthest reach among them; beyond `kMost` it is not counted any further.
-std::uint64_t leaves_touched(const Particles& particles, const isoextract_sphere_job& job) {
+std::uint64_t leaves_touched(const Particles& particles, const isoextract_sphere_job& job,
+                             const isoextract_plugin_host& host) {
   constexpr std::size_t kMost = std::size_t{1} << 24;
+  TableMemory memory(host);
   std::unordered_map<openvdb::Coord, int> reach;  // of a leaf's particles, in leaves
   for (std::size_t i = 0; i < particles.size(); ++i) {
     openvdb::Vec3R at;
@@ -267,13 +315,14 @@ std::uint64_t leaves_touched(const Particles& particles, const isoextract_sphere
     const double leaves = std::ceil((radius / job.voxel + job.half_band + 2) / 8);
     if (leaves > 1e4) return std::numeric_limits<std::uint32_t>::max();
     const openvdb::Vec3d place = at / (8 * job.voxel);
-    int& known = reach[openvdb::Coord::floor(place)];
-    known = std::max(known, static_cast<int>(leaves));
+    const auto [known, is_new] = reach.try_emplace(openvdb::Coord::floor(place), static_cast<int>(leaves));
+    if (is_new) memory.add_entry();
+    known->second = std::max(known->second, static_cast<int>(leaves));
   }
   std::unordered_set<openvdb::Coord> touched;
   for (const auto& [leaf, leaves] : reach) {
     for (auto at = openvdb::CoordBBox(leaf.offsetBy(-leaves), leaf.offsetBy(leaves)).begin(); at; ++at) {
-      touched.insert(*at);
+      if (touched.insert(*at).second) memory.add_entry();
       if (touched.size() > kMost) return std::numeric_limits<std::uint32_t>::max();
     }
   }
@@ -305,9 +354,8 @@ FloatGrid::Ptr smooth_spheres(const Particles& particles, const isoextract_spher
   const std::vector<float> radii = particles.radii();
   points::populateAttribute(grid->tree(), index->tree(), radius, points::PointAttributeVector<float>(radii));
   interrupter.check();
-  auto surface =
-      points::rasterizeSmoothSpheres<points::PointDataGrid, float, FloatGrid, points::NullFilter>(
-          *grid, radius, 1.0, job.search_radius, job.half_band, transform, points::NullFilter(), &interrupter);
+  auto surface = points::rasterizeSmoothSpheres<points::PointDataGrid, float, FloatGrid, points::NullFilter>(
+      *grid, radius, 1.0, job.search_radius, job.half_band, transform, points::NullFilter(), &interrupter);
   interrupter.check();
   return surface;
 }
@@ -336,7 +384,7 @@ int spheres(const isoextract_sphere_job* job, const isoextract_plugin_host* host
     if (particles.size() > 0) {
       // Threads have grids of their own, which overlap where their particles do.
       Reserved for_grid(*host);
-      for_grid.take(2 * leaves_touched(particles, *job) * kLeafBytes);
+      for_grid.take(2 * leaves_touched(particles, *job, *host) * kLeafBytes);
       grid = job->method == ISOEXTRACT_SMOOTH_SPHERES ? smooth_spheres(particles, *job, interrupter, for_work)
                                                       : united_spheres(particles, *job, interrupter);
       for_work.take(grid->memUsage());
@@ -388,14 +436,17 @@ void free_output(isoextract_grid_output* output) { delete static_cast<SparseStor
 int write_vdb(const isoextract_vdb_job* job, const isoextract_plugin_host* host) {
   return guarded([&] {
     Reserved memory(*host);
-    FloatGrid::Ptr grid = GridBuilder(job->grid, memory).build();
-    grid->setName(job->name);
-    grid->setSaveFloatAsHalf(job->is_half != 0);
-    HostStream buffer(*job, content_name(*grid, *job));
+    std::vector<FloatGrid::Ptr> grids;
+    for (std::uint64_t g = 0; g < job->count; ++g) {
+      grids.push_back(GridBuilder(job->grids[g].grid, memory).build());
+      grids.back()->setName(job->grids[g].name);
+      grids.back()->setSaveFloatAsHalf(job->is_half != 0);
+    }
+    HostStream buffer(*job, content_name(grids, *job));
     std::ostream stream(&buffer);
     stream.exceptions(std::ios_base::badbit);
     try {
-      HostArchive().put(stream, {grid}, job->overwrite != nullptr);
+      HostArchive().put(stream, {grids.begin(), grids.end()}, job->overwrite != nullptr);
     } catch (const std::ios_base::failure&) {
       if (!buffer.failed()) throw;
     }
@@ -405,9 +456,9 @@ int write_vdb(const isoextract_vdb_job* job, const isoextract_plugin_host* host)
 
 const char* error_text() { return problem.c_str(); }
 
-constexpr isoextract_grid_tools_plugin_v1 kPlugin{
+constexpr isoextract_grid_tools_plugin_v2 kPlugin{
     ISOEXTRACT_GRID_TOOLS_PLUGIN_VERSION, "openvdb", spheres, filter, free_output, write_vdb, error_text};
 
 }  // namespace
 
-const isoextract_grid_tools_plugin_v1* isoextract_grid_tools_plugin() { return &kPlugin; }
+const isoextract_grid_tools_plugin_v2* isoextract_grid_tools_plugin() { return &kPlugin; }

@@ -174,6 +174,10 @@ int quantity(const isoextract_particle_file* file, std::size_t number, float* va
     const std::uint64_t components = opened.quantities[number].components;
     for (auto leaf = opened.grid->tree().cbeginLeaf(); leaf; ++leaf) {
       const points::AttributeArray* array = leaf->attributeSet().getConst(name);
+      // Each array of a file has a size of its own, and no one looks whether places are within it.
+      if (array != nullptr && array->size() != leaf->attributeSet().getConst(kPosition)->size()) {
+        throw Problem("the file is damaged: expected a value of '" + name + "' for each point of a leaf");
+      }
       const bool known = array != nullptr && array->type().first == type &&
                          visit_attribute(type, [&]<class Value>(Value, std::uint64_t in_value) {
                            if (array->stride() * in_value != components) {

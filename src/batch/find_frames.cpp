@@ -16,6 +16,7 @@
 #include "batch/detail/sequences.hpp"
 #include "batch/frame_pattern.hpp"
 #include "batch/natural_order.hpp"
+#include "volumes/particle_format.hpp"
 #include "volumes/volume_format.hpp"
 
 namespace isoextract::batch {
@@ -33,12 +34,21 @@ struct FoundFrames {
   std::vector<std::string> notes;
 };
 
+bool ends_with_one(const std::string& name, const std::vector<std::string>& extensions) {
+  return std::ranges::any_of(extensions, [&](const std::string& extension) { return name.ends_with(extension); });
+}
+
 bool has_volume_extension(const std::string& file) {
-  const std::string name = lower_case(file);
-  return std::ranges::any_of(volumes::volume_formats(), [&](const volumes::VolumeFormat* format) {
-    const auto ends_name = [&](const std::string& extension) { return name.ends_with(extension); };
-    return std::ranges::any_of(format->about().extensions, ends_name);
+  return std::ranges::any_of(volumes::volume_formats(), [name = lower_case(file)](const auto* format) {
+    return ends_with_one(name, format->about().extensions);
   });
+}
+
+bool has_particle_extension(const std::string& file) {
+  std::string name = lower_case(file);
+  if (name.ends_with(".gz")) name.resize(name.size() - 3);
+  return std::ranges::any_of(volumes::particle_format_descriptions(),
+                             [&](const auto& about) { return ends_with_one(name, about.extensions); });
 }
 
 // What lies between the frames, of which there is at least one, if their numbers go on as they do.
@@ -183,8 +193,10 @@ tl::unexpected<Error> fail_several(const std::string& folder, std::span<const Se
       "name one of them by its pattern, with the folder before it");
 }
 
+// Volumes, or particles where there are none: tables and meshes often lie beside volumes.
 Result<FoundFrames> files_of_folder(const std::string& folder) {
   std::vector<std::string> names;
+  std::vector<std::string> particles;
   std::size_t others = 0;
   const auto visited = visit_folder(folder, [&](const std::string& name, const fs::directory_entry& entry) {
     std::error_code none;
@@ -192,12 +204,19 @@ Result<FoundFrames> files_of_folder(const std::string& folder) {
     if (has_volume_extension(name)) {
       names.push_back(name);
     } else {
+      if (has_particle_extension(name)) particles.push_back(name);
       ++others;
     }
   });
   if (!visited) return tl::unexpected(visited.error());
+  const bool are_particles = names.empty();
+  if (are_particles) {
+    others -= particles.size();
+    names = std::move(particles);
+  }
   if (names.empty()) {
-    return fail(ErrorKind::input, fmt::format("{}: no file in the folder is named like a volume", printable(folder)),
+    return fail(ErrorKind::input,
+                fmt::format("{}: no file in the folder is named like a volume or particles", printable(folder)),
                 "files of any name are found by a pattern, with the folder before it");
   }
   std::ranges::sort(names, NaturalLess());
@@ -207,8 +226,8 @@ Result<FoundFrames> files_of_folder(const std::string& folder) {
   FoundFrames found = numbered_frames(names, folder.ends_with('/') ? folder : folder + '/');
   if (!found.numbered) found.notes.push_back(note_by_position(names.size()));
   if (others > 0) {
-    found.notes.push_back(fmt::format("{}: {} other file{} not named like a volume", printable(folder), others,
-                                      others == 1 ? " is" : "s are"));
+    found.notes.push_back(fmt::format("{}: {} other file{} not named like {}", printable(folder), others,
+                                      others == 1 ? " is" : "s are", are_particles ? "particles" : "a volume"));
   }
   return found;
 }

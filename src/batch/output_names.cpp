@@ -99,14 +99,20 @@ Result<void> check_words(const OutputSource& source, const OutputTemplate& names
                 "choose the grid by its name");
   }
   const meshes::MeshFormatInfo& info = meshes::mesh_format_info(format);
-  if (source.isos.size() < 2 || info.holds_several_meshes || names.uses(OutputWord::iso)) return {};
+  const bool all_labels = !source.isos.empty() && source.isos.front().kind == convert::IsoChoice::Kind::all_labels;
+  if (all_labels && names.uses(OutputWord::iso)) {
+    return fail(ErrorKind::usage,
+                fmt::format("{}: which labels there are is known once they are read", label_of_source(source)),
+                "list the labels, or write all into a glb");
+  }
+  if ((source.isos.size() < 2 && !all_labels) || info.holds_several_meshes || names.uses(OutputWord::iso)) return {};
   std::vector<std::string_view> others;
   for (const meshes::MeshFormatInfo& other : meshes::mesh_formats()) {
     if (other.holds_several_meshes) others.push_back(other.name);
   }
   return fail(ErrorKind::usage,
-              fmt::format("{}: one {} file holds one surface, found {} iso values", label_of_source(source), info.name,
-                          source.isos.size()),
+              fmt::format("{}: one {} file holds one surface, found {} {}", label_of_source(source), info.name,
+                          source.isos.size(), source.isos.front().is_label() ? "labels" : "iso values"),
               {Remedy::one_file_per_surface, fmt::format("{}", fmt::join(others, ", "))});
 }
 
@@ -115,7 +121,7 @@ OutputFiles files_of(const OutputSource& source, const OutputTemplate& names) {
   if (!names.uses(OutputWord::iso)) return {{names.expand(words), source.isos}};
   OutputFiles files;
   for (const convert::IsoChoice& iso : source.isos) {
-    words.iso = text_of(iso);
+    words.iso = name_part_of(iso);
     files.push_back({names.expand(words), {iso}});
   }
   return files;

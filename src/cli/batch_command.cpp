@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <mutex>
 #include <optional>
-#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -23,7 +22,10 @@
 #include "cli/conversion_size.hpp"
 #include "cli/frame_plot.hpp"
 #include "cli/gnuplot.hpp"
+#include "cli/html_page.hpp"
 #include "cli/messages.hpp"
+#include "cli/output_folders.hpp"
+#include "cli/pages_plan.hpp"
 #include "cli/report_file.hpp"
 #include "cli/threads.hpp"
 #include "files/output_file.hpp"
@@ -34,36 +36,27 @@ namespace {
 namespace fs = std::filesystem;
 
 Result<void> make_folders(const BatchPlan& plan) {
-  std::set<fs::path> folders;
+  std::vector<fs::path> files;
   for (const std::size_t i : plan.frames) {
-    for (const fs::path& file : files_of(plan.batch.frames[i].job)) folders.insert(file.parent_path());
+    for (const fs::path& file : files_of(plan.batch.frames[i].job)) files.push_back(file);
   }
-  for (const fs::path& folder : folders) {
-    if (folder.empty() || is_there(folder)) continue;
-    if (!plan.make_folders) {
-      return fail(ErrorKind::output, fmt::format("{}: there is no such folder", folder.string()),
-                  "--mkdir makes the folders of the outputs");
-    }
-    std::error_code error;
-    fs::create_directories(folder, error);
-    if (error) {
-      return fail(ErrorKind::output, fmt::format("{}: cannot make the folder: {}", folder.string(), error.message()));
-    }
-  }
-  return {};
+  return see_to_folders(files, plan.make_folders);
 }
+
+bool keeps_rows(const BatchPlan& plan) { return plan.flags.table || plan.flags.plot || plan.common.pages.any(); }
 
 // What a batch keeps of its frames while they run, side by side.
 class FrameKeeper final : public batch::FrameEvents {
  public:
   // `animation` takes the frames, where they have no files of their own.
   FrameKeeper(const BatchPlan& plan, const std::vector<std::string>& arguments, batch::Manifest& manifest,
-              const batch::Animation* animation, BatchProgress& progress)
+              const batch::Animation* animation, BatchProgress& progress, HtmlPage& page)
       : plan_(plan),
         arguments_(arguments),
         manifest_(manifest),
         animation_(animation),
         progress_(progress),
+        page_(page),
         rows_(plan.batch.frames.size()),
         inputs_(plan.batch.frames.size()),
         records_(plan.batch.frames.size()),
@@ -109,6 +102,10 @@ class FrameKeeper final : public batch::FrameEvents {
     row.figures = batch::figures_of(outcome);
     for (const meshes::WrittenFile& file : outcome.files) row.outputs.push_back(file.path);
     row.status = error ? batch::FrameStatus::failed : batch::FrameStatus::done;
+    if (plan_.common.pages.html) {
+      const std::lock_guard lock(mutex_);
+      page_.add(job.number, outcome);
+    }
     if (error) {
       row.error = printable(error->message);
       progress_.failed(job.number, *error);
@@ -119,7 +116,7 @@ class FrameKeeper final : public batch::FrameEvents {
     }
     progress_.over(row);
     // Nobody asks for the rest of it: a run of many frames takes no memory for each.
-    if (!plan_.flags.table && !plan_.flags.plot) row = {row.frame, row.input, row.status, {}, {}, {}};
+    if (!keeps_rows(plan_)) row = {row.frame, row.input, row.status, {}, {}, {}};
     return kept;
   }
 
@@ -189,11 +186,12 @@ class FrameKeeper final : public batch::FrameEvents {
   batch::Manifest& manifest_;
   const batch::Animation* animation_;
   BatchProgress& progress_;
+  HtmlPage& page_;
   std::vector<batch::FrameRow> rows_;  // by frame; each is touched by the thread that converts it
   std::vector<std::vector<batch::FileRecord>> inputs_;
   std::vector<batch::FrameRecord> records_;  // of an animation, until it is written
   std::vector<char> missing_;                // 1: not converted
-  std::mutex mutex_;                         // of the manifest, and what could not be kept
+  std::mutex mutex_;                         // of the manifest, the page, and what could not be kept
   std::optional<Error> unkept_;
 };
 
@@ -310,7 +308,7 @@ void tell_animation(const batch::AnimationJob& animation, const meshes::MeshWrit
 
 Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& arguments, const Messages& messages) {
   if (plan.flags.dry_run) return print_plan(plan, messages);
-  if (plan.flags.plot) {
+  if (plan.flags.plot || (plan.common.pages.html && plan.frames.size() > 1)) {
     if (auto there = check_gnuplot(); !there) return there;
   }
   if (auto limited = limit_threads(plan.common.threads); !limited) return limited;
@@ -331,14 +329,15 @@ Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& 
   if (!plan.gaps.empty()) tell(fmt::format("frames that are not there: {}", batch::text_of(plan.gaps, 20)));
 
   BatchProgress progress(plan.progress, messages, plan.frames.size());
-  FrameKeeper keeper(plan, arguments, *manifest, animation ? &*animation : nullptr, progress);
+  HtmlPage page;
+  FrameKeeper keeper(plan, arguments, *manifest, animation ? &*animation : nullptr, progress, page);
   const std::vector<std::size_t> which = keep_what_is_done(plan, *manifest, keeper);
   const std::size_t kept = plan.frames.size() - which.size();
   const batch::SchedulerOptions options{
       .jobs = plan.jobs,
       .threads = plan.common.threads.value_or(tbb::this_task_arena::max_concurrency()),
       .fail_fast = plan.flags.fail_fast,
-      .mesh_facts = plan.flags.table || plan.flags.plot || plan.report};
+      .mesh_facts = plan.flags.table || plan.flags.plot || plan.report || plan.common.pages.html};
   const batch::BatchCounts counts =
       batch::run(plan.batch, which, options, context, keeper, animation ? &*animation : nullptr);
   std::optional<Error> unkept = keeper.unkept();
@@ -355,6 +354,11 @@ Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& 
   if (animation && plan.progress != ProgressStyle::json) tell_animation(*plan.batch.animation, animated, messages);
   if (plan.flags.table || plan.flags.plot) {
     if (auto written = write_tables(plan, keeper.rows()); !written) return written;
+  }
+  if (plan.common.pages.any()) {
+    auto written =
+        write_pages(plan.common.pages, keeper.rows(), page, plan.common.job.source.placement.up, arguments, context);
+    if (!written) return written;
   }
   if (unkept) return tl::unexpected(*unkept);
   if (failed == 0 && counts.not_started == 0) return {};

@@ -14,9 +14,12 @@
 #include "batch/iso_table.hpp"
 #include "batch/output_names.hpp"
 #include "cli/field_plan.hpp"
+#include "cli/output_folders.hpp"
 #include "cli/particle_plan.hpp"
+#include "cli/picture_plan.hpp"
 #include "cli/plan_parts.hpp"
 #include "cli/vertex_plan.hpp"
+#include "cli/voxel_plan.hpp"
 #include "convert/output_checks.hpp"
 #include "convert/particle_source.hpp"
 #include "field/demo_field.hpp"
@@ -69,7 +72,7 @@ Result<std::vector<batch::OutputSource>> sources_of(const ConvertFlags& flags, c
 std::string changing_isos(const ConvertFlags& flags, std::size_t frames) {
   std::vector<std::string> words;
   for (const convert::IsoChoice& iso : flags.isos) {
-    if (!iso.is_number()) words.push_back(text_of(iso));
+    if (iso.is_found()) words.push_back(text_of(iso));
   }
   if (words.empty() || frames < 2) return {};
   return fmt::format(
@@ -187,11 +190,6 @@ Result<batch::Shard> plan_shard(const BatchFlags& flags, const char* (*environme
 
 }  // namespace
 
-bool is_there(const fs::path& path) {
-  std::error_code none;
-  return fs::exists(path, none);
-}
-
 bool is_batch(const ConvertFlags& flags) {
   const std::vector<std::string>& inputs = flags.input.inputs;
   const BatchFlags& batch = flags.batch;
@@ -215,6 +213,7 @@ bool names_frames(const std::string& input) {
 
 Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environment)(const char*)) {
   ConvertFlags flags = given;
+  if (auto taken = take_labels(flags); !taken) return tl::unexpected(taken.error());
   if (flags.output == "-") return refuse_usage("frames are written into files, not to stdout", "give a name with -o");
   if (flags.explain) return refuse_usage("--explain is about one conversion", "--table and -v tell about frames");
   if (flags.batch.fps && !flags.batch.animate) {
@@ -242,9 +241,9 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
   if (std::string note = changing_isos(flags, sources->size()); !note.empty()) found->notes.push_back(std::move(note));
   for (std::string& note : found->notes) plan.common.notes.push_back(std::move(note));
   if (std::string note = note_of_frames(plan.common.job); !note.empty()) plan.common.notes.push_back(std::move(note));
-  auto outputs = flags.batch.animate ? plan_animation(flags, *sources, plan.common.job.format, plan.batch)
-                                     : batch::name_outputs(*sources, flags.output, plan.common.job.format,
-                                                           writes_field(flags) ? kFieldFormat : std::string_view());
+  auto outputs = flags.batch.animate
+                     ? plan_animation(flags, *sources, plan.common.job.format, plan.batch)
+                     : batch::name_outputs(*sources, flags.output, plan.common.job.format, other_extension(flags));
   if (!outputs) return tl::unexpected(outputs.error());
   for (std::size_t i = 0; i < sources->size(); ++i) {
     batch::FrameJob& frame = plan.batch.frames.emplace_back();

@@ -41,8 +41,6 @@ struct BatchPlan {
 // `environment` is std::getenv: job schedulers tell there which part of the frames is this process's.
 [[nodiscard]] Result<BatchPlan> plan_batch(const ConvertFlags& flags, const char* (*environment)(const char*));
 
-[[nodiscard]] bool is_there(const std::filesystem::path& path);
-
 // The files that a frame writes.
 [[nodiscard]] std::vector<std::filesystem::path> files_of(const convert::ConversionJob& job);
 

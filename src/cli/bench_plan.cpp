@@ -88,7 +88,7 @@ Result<BenchPlan> plan_bench(const BenchFlags& flags) {
   if (flags.methods) {
     for (const extract::Method method : *flags.methods) plan.options.methods.push_back(extract::method_info(method));
   } else {
-    plan.options.methods.assign(extract::kMethods.begin(), extract::kMethods.end());
+    plan.options.methods = extract::following_methods();
   }
   if (flags.backends) plan.backends = plan_backends(*flags.backends, flags.device);
   plan.gpu = plan_gpu(flags.device);

@@ -21,7 +21,7 @@ bool contains(const std::vector<std::string>& names, std::string_view name) {
 }
 
 std::string help_hint(const CLI::App& command) {
-  return fmt::format("'isoextract {} --help' lists the options", command.get_name());
+  return fmt::format("'isoextract {} --help' lists the options", full_name(command));
 }
 
 // "-o=a.ply", which CLI11 takes as a file "=a.ply". Of letters in one word, the first that takes a value ends them.
@@ -138,7 +138,7 @@ Result<void> take_remaining(CommandLine& line, const CLI::App& command) {
     const std::string near = name.starts_with("--") ? nearest_name(name, known) : "";
     std::error_code none;
     const bool is_file = takes_inputs(line, command) && std::filesystem::exists(word, none);
-    return fail(ErrorKind::usage, fmt::format("unknown option '{}' for '{}'", name, command.get_name()),
+    return fail(ErrorKind::usage, fmt::format("unknown option '{}' for '{}'", name, full_name(command)),
                 is_file         ? fmt::format("the file of that name is written ./{}", word)
                 : !near.empty() ? fmt::format("did you mean '{}'?", near)
                                 : help_hint(command));
@@ -172,9 +172,29 @@ Request request_of(const CommandLine& line, const CLI::App* command) {
   if (command == line.stability) return Request::stability;
   if (command == line.devices) return Request::devices;
   if (command == line.merge) return Request::merge;
+  if (command == line.simulate_water) return Request::water;
+  if (command == line.simulate_jet) return Request::jet;
   if (command == line.help) return Request::help;
   if (command == line.generate) return Request::generate;
   return Request::convert;
+}
+
+// Of a command that has sub-commands the one that the second word names, unless that asks for help.
+Result<const CLI::App*> inner_command(const CLI::App& command, const std::vector<std::string>& arguments) {
+  const std::vector<std::string> names = command_names(command);
+  if (names.empty()) return &command;
+  if (arguments.size() == 1) {
+    return fail(ErrorKind::usage,
+                fmt::format("{} needs one of {} after it", command.get_name(), fmt::join(names, ", ")),
+                synopsis(command));
+  }
+  const std::string& word = arguments[1];
+  if (word == "-h" || word == "--help") return &command;
+  if (contains(names, word)) return command.get_subcommand(word);
+  const std::string near = nearest_name(word, names);
+  return fail(ErrorKind::usage,
+              fmt::format("{}: expected one of {}, found '{}'", command.get_name(), fmt::join(names, ", "), word),
+              near.empty() ? synopsis(command) : fmt::format("did you mean '{}'?", near));
 }
 
 }  // namespace
@@ -189,7 +209,12 @@ Result<Parsed> parse_command_line(CommandLine& line, std::vector<std::string> ar
   const std::string first = arguments.front();
   const bool asks_program = first == "-h" || first == "--help" || first == "--version";
   if (!asks_program && !contains(names, first)) arguments.insert(arguments.begin(), "convert");
-  const CLI::App* command = asks_program ? &line.app : line.app.get_subcommand(arguments.front());
+  const CLI::App* command = &line.app;
+  if (!asks_program) {
+    const auto named = inner_command(*line.app.get_subcommand(arguments.front()), arguments);
+    if (!named) return tl::unexpected(named.error());
+    command = *named;
+  }
 
   if (auto checked = check_equals_signs(*command, arguments); !checked) return tl::unexpected(checked.error());
   fill_in_optional_values(*command, arguments);

@@ -19,6 +19,8 @@ enum class Request {
   stability,
   merge,
   devices,
+  water,
+  jet,
   help,
   generate,
   help_flag,

@@ -26,9 +26,13 @@
 #include "cli/generate_docs.hpp"
 #include "cli/help_topics.hpp"
 #include "cli/info_command.hpp"
+#include "cli/jet_command.hpp"
+#include "cli/jet_plan.hpp"
 #include "cli/messages.hpp"
 #include "cli/plan.hpp"
 #include "cli/render_command.hpp"
+#include "cli/simulate_command.hpp"
+#include "cli/simulate_plan.hpp"
 #include "cli/stability_command.hpp"
 #include "cli/threads.hpp"
 #include "cli/verify_command.hpp"
@@ -109,6 +113,24 @@ int run_bench_command(const BenchFlags& flags) {
   return done_or_reported(run_bench(*plan, Messages(*verbosity)));
 }
 
+int run_water_command(const WaterFlags& flags) {
+  const auto verbosity = plan_verbosity(flags.run);
+  if (!verbosity) return report(verbosity.error());
+  const auto plan = plan_water(flags);
+  if (!plan) return report(plan.error());
+  if (auto limited = limit_threads(flags.run.threads); !limited) return report(limited.error());
+  return done_or_reported(run_water(*plan, Messages(*verbosity)));
+}
+
+int run_jet_command(const JetFlags& flags) {
+  const auto verbosity = plan_verbosity(flags.run);
+  if (!verbosity) return report(verbosity.error());
+  const auto plan = plan_jet(flags);
+  if (!plan) return report(plan.error());
+  if (auto limited = limit_threads(flags.run.threads); !limited) return report(limited.error());
+  return done_or_reported(run_jet(*plan, Messages(*verbosity)));
+}
+
 int run_stability_command(const StabilityFlags& flags) {
   const auto verbosity = plan_verbosity(flags.run);
   if (!verbosity) return report(verbosity.error());
@@ -154,6 +176,8 @@ int run_arguments(const std::vector<std::string>& arguments) {
     case Request::merge: return done_or_reported(run_merge(line->merge_flags));
     case Request::devices: return done_or_reported(run_devices(line->devices_flags));
     case Request::stability: return run_stability_command(line->stability_flags);
+    case Request::water: return run_water_command(line->water_flags);
+    case Request::jet: return run_jet_command(line->jet_flags);
     case Request::convert: break;
   }
   if (line->convert_flags.config) {

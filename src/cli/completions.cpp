@@ -50,6 +50,18 @@ std::vector<std::string> names_of_commands(const CLI::App& app) {
   return names;
 }
 
+// What a script's function for the command is called: "simulate_water".
+std::string function_name(const CLI::App& command) { return replaced(full_name(command), " ", "_"); }
+
+// "'simulate water'": of the commands that are two words.
+std::vector<std::string> quoted_inner_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : all_commands(app)) {
+    if (command->get_parent() != &app) names.push_back(fmt::format("'{}'", full_name(*command)));
+  }
+  return names;
+}
+
 const CLI::Option* positional_of(const CLI::App& command) {
   for (const CLI::Option* option : command.get_options()) {
     if (option->get_positional()) return option;
@@ -79,16 +91,16 @@ std::string bash_command(const CLI::App& command) {
     for (std::string& word : words_of(*option)) options.push_back(std::move(word));
   }
   const CLI::Option* positional = positional_of(command);
-  const std::vector<std::string> values = positional == nullptr ? std::vector<std::string>{} : choices(*positional);
+  std::vector<std::string> values = positional == nullptr ? names_of_commands(command) : choices(*positional);
   return fmt::format(
-      "    {})\n"
+      "    '{}')\n"
       "      options=\"{}\"\n"
       "      words=\"{}\"\n"
       "      case $previous in\n"
       "{}"
       "      esac\n"
       "      ;;\n",
-      command.get_name(), fmt::join(options, " "),
+      full_name(command), fmt::join(options, " "),
       values.empty() ? "@files" : fmt::format("{}", fmt::join(values, " ")), bash_values(command));
 }
 
@@ -105,8 +117,31 @@ std::string zsh_action(const CLI::Option& option) {
   return takes_file(option) ? ":file:_files" : fmt::format(":{}: ", zsh_escaped(option.get_type_name()));
 }
 
+// The choice among the commands of `app`, the first word after its name; no other word comes before it.
+std::string zsh_choice(const CLI::App& app) {
+  std::string described;
+  std::string branches;
+  for (const CLI::App* command : commands_of(app)) {
+    described += fmt::format("      '{}:{}'\n", command->get_name(), zsh_escaped(command->get_description()));
+    if (command->get_name() == "convert") continue;
+    branches += fmt::format("    {}) shift words; (( CURRENT-- )); _isoextract_{} ;;\n", command->get_name(),
+                            function_name(*command));
+  }
+  return fmt::format(R"(  if (( CURRENT == 2 )); then
+    local -a commands=(
+{}    )
+    _describe 'command' commands
+  fi
+  case $words[2] in
+{})",
+                     described, branches);
+}
+
 std::string zsh_command(const CLI::App& command) {
-  std::string out = fmt::format("_isoextract_{}() {{\n  _arguments -s -S", command.get_name());
+  if (!commands_of(command).empty()) {
+    return fmt::format("_isoextract_{}() {{\n{}  esac\n}}\n\n", function_name(command), zsh_choice(command));
+  }
+  std::string out = fmt::format("_isoextract_{}() {{\n  _arguments -s -S", function_name(command));
   for (const CLI::Option* option : command.get_options()) {
     if (option->get_positional()) {
       if (option == positional_of(command)) out += fmt::format(" \\\n    '*{}'", zsh_action(*option));
@@ -130,7 +165,7 @@ std::string fish_quoted(const std::string& text) {
 }
 
 std::string fish_option(const CLI::App& command, const CLI::Option& option) {
-  std::string line = fmt::format("complete -c isoextract -n '__isoextract_command_is {}'", command.get_name());
+  std::string line = fmt::format("complete -c isoextract -n '__isoextract_command_is {}'", full_name(command));
   for (const std::string& name : option.get_snames()) line += " -s " + name;
   for (const std::string& name : option.get_lnames()) line += " -l " + name;
   const std::vector<std::string> values = choices(option);
@@ -144,7 +179,7 @@ std::string fish_option(const CLI::App& command, const CLI::Option& option) {
 
 std::string fish_positional(const CLI::App& command, const CLI::Option& option) {
   const std::vector<std::string> values = choices(option);
-  return fmt::format("complete -c isoextract -n '__isoextract_command_is {}' {} -a '{}'\n", command.get_name(),
+  return fmt::format("complete -c isoextract -n '__isoextract_command_is {}' {} -a '{}'\n", full_name(command),
                      values.empty() ? "-F" : "-f", fmt::join(values.empty() ? demo_names() : values, " "));
 }
 
@@ -152,7 +187,7 @@ std::string fish_positional(const CLI::App& command, const CLI::Option& option) 
 
 std::string bash_completion(const CLI::App& app) {
   std::string commands;
-  for (const CLI::App* command : commands_of(app)) commands += bash_command(*command);
+  for (const CLI::App* command : all_commands(app)) commands += bash_command(*command);
   return fmt::format(R"(# bash completion of isoextract. Made by 'isoextract generate bash'; do not edit.
 
 _isoextract() {{
@@ -171,6 +206,11 @@ _isoextract() {{
   if [[ $is_first == no ]]; then
     case $first in
       {0}) command=$first ;;
+    esac
+    local second
+    read -r _ _ second _ <<<"$rest"
+    case "$first $second" in
+      {5}) command="$first $second" ;;
     esac
   fi
   if [[ $current == --*=* ]]; then
@@ -225,20 +265,12 @@ _isoextract() {{
 complete -F _isoextract isoextract
 )",
                      fmt::join(names_of_commands(app), "|"), commands, fmt::join(demo_names(), " "),
-                     fmt::join(names_of_commands(app), " "), "--version");
+                     fmt::join(names_of_commands(app), " "), "--version", fmt::join(quoted_inner_names(app), "|"));
 }
 
 std::string zsh_completion(const CLI::App& app) {
   std::string functions;
-  std::string described;
-  std::string branches;
-  for (const CLI::App* command : commands_of(app)) {
-    functions += zsh_command(*command);
-    described += fmt::format("      '{}:{}'\n", command->get_name(), zsh_escaped(command->get_description()));
-    if (command->get_name() != "convert") {
-      branches += fmt::format("    {0}) shift words; (( CURRENT-- )); _isoextract_{0} ;;\n", command->get_name());
-    }
-  }
+  for (const CLI::App* command : all_commands(app)) functions += zsh_command(*command);
   return fmt::format(R"(#compdef isoextract
 # zsh completion of isoextract. Made by 'isoextract generate zsh'; do not edit.
 
@@ -248,12 +280,6 @@ _isoextract_inputs() {{
 }}
 
 {}_isoextract() {{
-  if (( CURRENT == 2 )); then
-    local -a commands=(
-{}    )
-    _describe 'command' commands
-  fi
-  case $words[2] in
 {}    convert) shift words; (( CURRENT-- )); _isoextract_convert ;;
     *) _isoextract_convert ;;
   esac
@@ -261,7 +287,7 @@ _isoextract_inputs() {{
 
 _isoextract "$@"
 )",
-                     fmt::join(demo_names(), " "), functions, described, branches);
+                     fmt::join(demo_names(), " "), functions, zsh_choice(app));
 }
 
 std::string fish_completion(const CLI::App& app) {
@@ -273,7 +299,10 @@ function __isoextract_command_is
     if set -q words[2]; and contains -- $words[2] {0}
         set command $words[2]
     end
-    test $command = $argv[1]
+    if set -q words[3]; and contains -- "$words[2] $words[3]" {1}
+        set command "$words[2] $words[3]"
+    end
+    test $command = "$argv"
 end
 
 function __isoextract_first_word
@@ -282,13 +311,17 @@ end
 
 complete -c isoextract -f
 )",
-                                fmt::join(names_of_commands(app), " "));
+                                fmt::join(names_of_commands(app), " "), fmt::join(quoted_inner_names(app), " "));
   for (const CLI::App* command : commands_of(app)) {
     out += fmt::format("complete -c isoextract -n __isoextract_first_word -a {} -d {}\n", command->get_name(),
                        fish_quoted(first_sentence(command->get_description())));
   }
   out += "complete -c isoextract -n __isoextract_first_word -l version -d 'Show the version and exit'\n";
-  for (const CLI::App* command : commands_of(app)) {
+  for (const CLI::App* command : all_commands(app)) {
+    for (const CLI::App* inner : commands_of(*command)) {
+      out += fmt::format("complete -c isoextract -n '__isoextract_command_is {}' -f -a {} -d {}\n", full_name(*command),
+                         inner->get_name(), fish_quoted(first_sentence(inner->get_description())));
+    }
     for (const CLI::Option* option : command->get_options()) {
       out += option->get_positional() ? fish_positional(*command, *option) : fish_option(*command, *option);
     }

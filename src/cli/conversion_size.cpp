@@ -76,7 +76,8 @@ Result<std::uint64_t> estimated_memory(const convert::ConversionJob& job, const 
     most = std::max(most, kProgramBytes + size.sample_bytes + size.samples * 2 * sizeof(float));
   }
   for (const convert::ResolvedIso& iso : source->isos) {
-    const ConversionSize size = size_of(source->field, iso.value);
+    // Of labels, about all of them together: what is not 0.
+    const ConversionSize size = size_of(source->field, iso.asked.is_label() ? 0.5 : iso.value);
     most = std::max(most, estimated_bytes(size) + attribute_bytes(*source, size.vertices));
   }
   return most;

@@ -17,6 +17,8 @@
 #include "cli/mesh_error_text.hpp"
 #include "cli/messages.hpp"
 #include "cli/packing_text.hpp"
+#include "cli/pages_plan.hpp"
+#include "cli/picture_plan.hpp"
 #include "cli/plan.hpp"
 #include "cli/progress_bar.hpp"
 #include "cli/remedies.hpp"
@@ -78,14 +80,22 @@ std::string ends_text(const std::vector<SurfaceEnd>& ends, const ConvertPlan& pl
     text += fmt::format("{}without {} cells around samples that are not numbers", text.empty() ? "" : "; ", hole_cells);
   }
   if (!text.empty()) return text;
-  return ends.empty() ? "empty" : "closed";
+  if (ends.empty()) return "empty";
+  const bool rectangles = plan.job.surface.voxel_faces == extract::VoxelFaces::rectangles;
+  return rectangles ? "closed, but not edge by edge (--t-junctions)" : "closed";
+}
+
+// What the number of a surface is.
+std::string_view surface_word(const convert::ConversionJob& job) {
+  const std::vector<convert::IsoChoice> isos = job.isos();
+  return !isos.empty() && isos.front().is_label() ? "label" : "iso";
 }
 
 // Says on stderr what a conversion does: notes and summaries as they come, stages where --explain or --verbose asks.
 class Narrator final : public convert::Events {
  public:
   Narrator(const ConvertPlan& plan, const Messages& messages, ProgressBar& bar)
-      : plan_(plan), messages_(messages), bar_(bar) {}
+      : plan_(plan), messages_(messages), bar_(bar), word_(surface_word(plan.job)) {}
 
   void note(const std::string& text) override {
     bar_.above([&] { messages_.note(text); });
@@ -122,9 +132,9 @@ class Narrator final : public convert::Events {
       ends_.push_back({surface.iso, stats.meets_border && !plan_.job.surface.cap, stats.hole_cells});
     }
     tell_stage(
-        fmt::format("{} iso {}: extracted in {}: {:.3f} s to compare samples, {:.3f} s to count, {:.3f} s "
+        fmt::format("{} {} {}: extracted in {}: {:.3f} s to compare samples, {:.3f} s to count, {:.3f} s "
                     "to make the mesh",
-                    label_, surface.iso, times_text(surface.time), stats.classify.wall_seconds,
+                    label_, word_, surface.iso, times_text(surface.time), stats.classify.wall_seconds,
                     stats.count.wall_seconds, stats.emit.wall_seconds));
     if (stats.device) {
       tell_stage(fmt::format(
@@ -145,8 +155,8 @@ class Narrator final : public convert::Events {
   }
 
   void carried(const convert::CarriedAttributes& attributes) override {
-    tell_stage(fmt::format("{} iso {}: attributes of {} vertices in {}", label_, attributes.iso, attributes.vertices,
-                           times_text(attributes.time)));
+    tell_stage(fmt::format("{} {} {}: attributes of {} vertices in {}", label_, word_, attributes.iso,
+                           attributes.vertices, times_text(attributes.time)));
   }
 
   void read_attributes(const StageTime& time) override {
@@ -154,13 +164,13 @@ class Narrator final : public convert::Events {
   }
 
   void coloured(const convert::ColourRecord& record) override {
-    colours_.push_back(fmt::format("colours of iso {}: {}, {} from {:.6g} to {:.6g}{}", record.iso,
+    colours_.push_back(fmt::format("colours of {} {}: {}, {} from {:.6g} to {:.6g}{}", word_, record.iso,
                                    printable(record.attribute), word_of(record.map), record.min, record.max,
                                    record.own_range ? ", the range of its vertices" : ""));
   }
 
   void simplified(const convert::MeshSimplification& simplification) override {
-    tell_stage(fmt::format("{} iso {}: simplified in {}: {}", label_, simplification.iso,
+    tell_stage(fmt::format("{} {} {}: simplified in {}: {}", label_, word_, simplification.iso,
                            times_text(simplification.facts.time), simplification_details(simplification)));
     simplified_.push_back(simplification_summary(simplification));
   }
@@ -171,7 +181,7 @@ class Narrator final : public convert::Events {
   }
 
   void packed(const convert::MeshPackingRecord& record) override {
-    tell_stage(fmt::format("{} iso {}: packed in {}: {}", label_, record.iso, times_text(record.facts.time),
+    tell_stage(fmt::format("{} {} {}: packed in {}: {}", label_, word_, record.iso, times_text(record.facts.time),
                            packing_details(record)));
     packed_.push_back(packing_summary(record));
   }
@@ -186,7 +196,7 @@ class Narrator final : public convert::Events {
     std::uint64_t bytes = 0;
     for (const meshes::WrittenFile& file : output.files) bytes += file.bytes;
     bar_.above([&] {
-      messages_.summary(fmt::format("{} iso {} -> {}: {} triangles, {} vertices, {}; {}; {}; {:.2f} s", label_,
+      messages_.summary(fmt::format("{} {} {} -> {}: {} triangles, {} vertices, {}; {}; {}; {:.2f} s", label_, word_,
                                     fmt::join(output.isos, ", "), path, output.triangles, output.vertices,
                                     format_byte_size(bytes), ends_text(ends_, plan_),
                                     describe(plan_.job.source.placement), watch_.elapsed().wall_seconds));
@@ -241,6 +251,7 @@ class Narrator final : public convert::Events {
   const ConvertPlan& plan_;
   const Messages& messages_;
   ProgressBar& bar_;
+  std::string_view word_;
   Stopwatch watch_;  // since the start, or since the last file
   std::string label_;
   std::vector<SurfaceEnd> ends_;
@@ -253,11 +264,13 @@ class Narrator final : public convert::Events {
 
 Result<void> check_stdout(const convert::ConversionJob& job) {
   const bool to_stdout = std::ranges::find(job.outputs, "-", &convert::OutputFileJob::path) != job.outputs.end();
-  const bool is_text = !job.field_file && (job.ascii || job.format == meshes::MeshFormat::obj);
+  const bool is_text = !job.field_file && !job.picture_file && (job.ascii || job.format == meshes::MeshFormat::obj);
   if (!to_stdout || is_text || ::isatty(STDOUT_FILENO) == 0) return {};
   return fail(ErrorKind::usage,
               fmt::format("stdout is a terminal, and {} is binary data",
-                          job.field_file ? kFieldFormat : meshes::mesh_format_info(job.format).name),
+                          job.field_file     ? kFieldFormat
+                          : job.picture_file ? kPictureFormat
+                                             : meshes::mesh_format_info(job.format).name),
               "redirect it to a file or a pipe");
 }
 
@@ -295,10 +308,21 @@ convert::Outcome convert_as_planned(const ConvertPlan& plan, const Messages& mes
     const Context context{plan.memory};
     ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
     Narrator narrator(plan, messages, bar);
-    outcome = convert::run(plan.job, context, narrator, {plan.report.has_value()});
+    outcome = convert::run(plan.job, context, narrator, {plan.report || plan.pages.html});
     return {};
   });
   return begun ? outcome : failed(begun.error());
+}
+
+// The conversion as the one frame of a sequence.
+Result<void> write_pages_of(const ConvertPlan& plan, const convert::Outcome& outcome,
+                            const std::vector<std::string>& arguments) {
+  batch::FrameRow row{0, plan.job.source.input, batch::FrameStatus::done, batch::figures_of(outcome), {}, {}};
+  for (const meshes::WrittenFile& file : outcome.files) row.outputs.push_back(file.path);
+  HtmlPage page;
+  page.add(0, outcome);
+  return write_pages(plan.pages, std::span(&row, 1), page, plan.job.source.placement.up, arguments,
+                     Context(plan.memory));
 }
 
 }  // namespace
@@ -339,11 +363,16 @@ Result<void> run_convert(const ConvertFlags& flags, const std::vector<std::strin
   if (plan->report) {
     if (auto checked = check_report_file(*plan->report, plan->job); !checked) return checked;
   }
+  for (const auto& page : {plan->pages.html, plan->pages.contact_sheet}) {
+    if (!page) continue;
+    if (auto checked = check_report_file(*page, plan->job); !checked) return checked;
+  }
   for (const std::string& text : plan->notes) messages.note(text);
   convert::Outcome outcome = convert_as_planned(*plan, messages);
   outcome.notes.insert(outcome.notes.begin(), plan->notes.begin(), plan->notes.end());
   if (outcome.done()) messages.detail(fmt::format("peak memory {}", format_byte_size(outcome.peak_memory)));
-  const Result<void> done = outcome.error ? tl::unexpected(*outcome.error) : Result<void>();
+  Result<void> done = outcome.error ? tl::unexpected(*outcome.error) : Result<void>();
+  if (done && plan->pages.any()) done = attempt([&] { return write_pages_of(*plan, outcome, arguments); });
   if (!plan->report) return done;
   auto reported =
       attempt([&] { return write_report(*plan->report, &plan->job, outcome, arguments, plan->memory.limit()); });

@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include "cli/field_plan.hpp"
+#include "cli/picture_plan.hpp"
 #include "cli/shared_options.hpp"
 #include "cli/vertex_plan.hpp"
 
@@ -18,6 +19,17 @@ void declare_convert_surface(CLI::App& app, ConvertFlags& flags) {
                fmt::format("{} Required but for particles, whose method has one; several times for several surfaces.",
                            kIsoText));
   declare_surface(group, flags.surface);
+  group.value(
+      "--labels", "all|L,...", flags.labels, parse_labels,
+      "Of a label map, whose samples are integers, the surface of each of these labels as a mesh of its own, in "
+      "place of --iso: all but 0, or those that are listed. They are called label L. With --method voxels.");
+  group.flag(
+      "--no-merge", flags.no_merge,
+      "With --method voxels: leave each face by itself, as two triangles. Otherwise coplanar faces are merged to "
+      "large rectangles.");
+  group.flag("--t-junctions", flags.t_junctions,
+             "With --method voxels: draw each rectangle with two triangles, though corners of others lie within its "
+             "sides. These are the fewest triangles, but the mesh is not closed edge by edge.");
   group.choice("--normals", flags.normals,
                "Normals to store: none, one a triangle, or the field's gradient at each vertex (default: smooth for "
                "glb and gltf, none for ply, obj and drc; stl always has one a triangle).");
@@ -122,7 +134,8 @@ void declare_output(CLI::App& app, ConvertFlags& flags) {
       "-o,--output", "FILE", flags.output, parse_text,
       "The mesh file; its extension chooses the format. A name that ends in .vdb is that of the field "
       "itself, resampled and filtered where that is asked for, as an OpenVDB file in place of a "
-      "mesh, which needs no --iso and takes no option of surfaces (default: the input's name with .glb, in "
+      "mesh, which needs no --iso and takes no option of surfaces. One that ends in .png is that of a picture of the "
+      "surfaces. (default: the input's name with .glb, in "
       "the current folder; an input from stdin has none). '-' is stdout and needs --format. "
       "'{iso}' stands for the iso value as it was given, be it a number or a word such as p99, and gives each "
       "its own file. A file gets its name when it is whole. What a killed run leaves, on some file systems, is called "
@@ -131,13 +144,26 @@ void declare_output(CLI::App& app, ConvertFlags& flags) {
   for (const meshes::MeshFormatInfo& info : meshes::mesh_formats()) {
     formats.push_back({std::string(info.name), {info.format}});
   }
+  formats.push_back({std::string(kPictureFormat), {std::nullopt, true}});
   formats.push_back({std::string(kFieldFormat), {}});
   group.choice("--format", flags.format, std::move(formats), "Format of the output, whatever the extension.");
+  group.value<render::PictureSize>("--size", "WxH", flags.size, parse_picture_size,
+                                   "Of a picture, in pixels (default: 960x720).");
+  group.value<render::ViewAngles>(
+      "--camera", "AZ,EL[,DISTANCE]", flags.camera, render::parse_view_angles,
+      "Where a picture is drawn from: degrees around the up axis from the front, degrees above the ground, and how far "
+      "from the middle of the surfaces (default: 35,20, and so far that all of them are seen).");
   group.flag("--half", flags.half, "Store a field with values of 16 bits: files of half the size or less.");
   group.value<std::string>("--report", "FILE", flags.report, parse_text,
                            "Write a JSON report of the conversion: options, input, stages with time and memory, what "
                            "was left out, and the facts of each mesh, which take time and memory of their own. Of a "
                            "conversion that fails, it says why.");
+  group.value<std::string>("--html", "FILE", flags.html, parse_text,
+                           "Write a page about the conversion, or all frames of it, that needs no other file: pictures "
+                           "of at most 12 of its meshes, a table and, of several frames, plots by gnuplot, the error "
+                           "where it is measured, what was left out.");
+  group.value<std::string>("--contact-sheet", "FILE", flags.contact_sheet, parse_text,
+                           "Draw the meshes of at most 60 frames side by side, as a .png.");
   group.flag("--ascii", flags.ascii, "Write ply or stl as text instead of binary.");
   declare_packing(group, flags);
 }

@@ -7,10 +7,13 @@
 #include "batch/output_names.hpp"
 #include "cli/field_plan.hpp"
 #include "cli/packing_plan.hpp"
+#include "cli/pages_plan.hpp"
 #include "cli/particle_plan.hpp"
+#include "cli/picture_plan.hpp"
 #include "cli/plan.hpp"
 #include "cli/plan_parts.hpp"
 #include "cli/vertex_plan.hpp"
+#include "cli/voxel_plan.hpp"
 #include "files/file_bytes.hpp"
 
 namespace isoextract::cli {
@@ -24,11 +27,12 @@ bool is_folder(const std::string& path) {
 }
 
 Result<meshes::MeshFormat> plan_format(const ConvertFlags& flags) {
-  if (writes_field(flags)) return meshes::MeshFormat::glb;  // which nothing is written as
+  if (writes_field(flags) || writes_picture(flags)) return meshes::MeshFormat::glb;  // which nothing is written as
   if (flags.format) return *flags.format->mesh;
   if (!flags.output || is_folder(*flags.output)) return meshes::MeshFormat::glb;
   if (*flags.output == "-") return refuse_usage("-o - needs --format", "for example --format ply");
-  return format_of_path(*flags.output, "choose the format with --format", ", or vdb for the field itself");
+  return format_of_path(*flags.output, "choose the format with --format",
+                        ", png for a picture, or vdb for the field itself");
 }
 
 Result<convert::Normals> plan_normals(const ConvertFlags& flags, meshes::MeshFormat format) {
@@ -48,7 +52,7 @@ Result<convert::Normals> plan_normals(const ConvertFlags& flags, meshes::MeshFor
 }
 
 std::string with_iso(std::string path, const convert::IsoChoice& iso) {
-  const std::string text = text_of(iso);
+  const std::string text = name_part_of(iso);
   for (std::size_t at = path.find(kIsoPattern); at != std::string::npos; at = path.find(kIsoPattern, at)) {
     path.replace(at, kIsoPattern.size(), text);
     at += text.size();
@@ -56,8 +60,13 @@ std::string with_iso(std::string path, const convert::IsoChoice& iso) {
   return path;
 }
 
+std::string_view extension_of(const ConvertFlags& flags, const meshes::MeshFormatInfo& format) {
+  const std::string_view other = other_extension(flags);
+  return other.empty() ? format.name : other;
+}
+
 std::string output_path(const ConvertFlags& flags, const std::string& input, const meshes::MeshFormatInfo& format) {
-  return flags.output ? *flags.output : fmt::format("{}.{}", batch::stem_of(input), format.name);
+  return flags.output ? *flags.output : fmt::format("{}.{}", batch::stem_of(input), extension_of(flags, format));
 }
 
 Result<std::vector<convert::OutputFileJob>> plan_outputs(const ConvertFlags& flags,
@@ -67,7 +76,7 @@ Result<std::vector<convert::OutputFileJob>> plan_outputs(const ConvertFlags& fla
   if (!flags.output && files::is_standard_input(flags.input.inputs.front())) {
     return refuse_usage("an input from stdin has no name that the mesh could have", "give -o FILE, or -o - for stdout");
   }
-  if (path == "-" && !format.can_stream) {
+  if (path == "-" && !format.can_stream && !writes_picture(flags)) {
     return refuse_usage(
         fmt::format("{} cannot be written to stdout", format.name),
         format.format == meshes::MeshFormat::gltf ? "it is two files; use --format glb" : "give a file with -o");
@@ -77,11 +86,15 @@ Result<std::vector<convert::OutputFileJob>> plan_outputs(const ConvertFlags& fla
     for (const convert::IsoChoice& iso : flags.isos) jobs.push_back({with_iso(path, iso), {iso}});
     return jobs;
   }
+  if (has_all_labels(flags) && !format.holds_several_meshes) {
+    return refuse_usage(fmt::format("one {} file holds one surface, and --labels all may give several", format.name),
+                        "write all into a glb, or list labels");
+  }
   if (flags.isos.size() > 1 && !format.holds_several_meshes) {
-    return refuse_usage(
-        fmt::format("one {} file holds one surface, and {} iso values were given", format.name, flags.isos.size()),
-        fmt::format("write one file each with -o {}_{{iso}}.{}, or all into a glb",
-                    batch::stem_of(flags.input.inputs.front()), format.name));
+    return refuse_usage(fmt::format("one {} file holds one surface, and {} {} were given", format.name,
+                                    flags.isos.size(), flags.labels ? "labels" : "iso values"),
+                        fmt::format("write one file each with -o {}_{{iso}}.{}, or all into a glb",
+                                    batch::stem_of(flags.input.inputs.front()), format.name));
   }
   return std::vector<convert::OutputFileJob>{{path, flags.isos}};
 }
@@ -120,13 +133,16 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string
   const meshes::MeshFormatInfo& info = meshes::mesh_format_info(*format);
   if (as_field) job.field_file = convert::FieldFileOptions{flags.half};
   const auto by_name = flags.output ? meshes::mesh_format_by_path(*flags.output) : std::nullopt;
-  if (by_name && (as_field || *by_name != *format)) {
+  if (by_name && (as_field || writes_picture(flags) || *by_name != *format)) {
     plan.notes.push_back(fmt::format("{}: its format is {}, as --format says, and not what its name says",
-                                     *flags.output, as_field ? kFieldFormat : info.name));
+                                     *flags.output, extension_of(flags, info)));
   }
   if (flags.ascii && !info.has_ascii) {
     return refuse_usage(fmt::format("--ascii does not go with {}", info.name), "ply and stl can be written as text");
   }
+  auto picture = plan_picture(flags);
+  if (!picture) return tl::unexpected(picture.error());
+  job.picture_file = *picture;
   const auto normals = plan_normals(flags, *format);
   if (!normals) return tl::unexpected(normals.error());
   job.normals = *normals;
@@ -140,8 +156,10 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string
   auto placement = as_field ? convert::Placement() : plan_placement(flags.placement, *format, plan.notes);
   if (!placement) return tl::unexpected(placement.error());
   job.source.placement = std::move(*placement);
+  if (job.picture_file) job.source.placement.turn_z_up_to_y_up = false;
 
   job.surface = plan_surface(flags.surface);
+  if (auto planned = plan_voxels(flags, plan.notes, job.surface); !planned) return tl::unexpected(planned.error());
   job.verify = flags.verify;
   job.backend = {flags.backend.value_or(convert::Backend::cpu), plan_gpu(flags.device)};
   if (job.backend.backend == convert::Backend::cpu && !job.verify && (flags.device.device || flags.device.gpu_memory)) {
@@ -157,6 +175,9 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string
   job.error = flags.error;
   plan.explain = flags.explain;
   plan.report = flags.report;
+  auto pages = plan_pages(flags, job);
+  if (!pages) return tl::unexpected(pages.error());
+  plan.pages = std::move(*pages);
   return plan;
 }
 
@@ -164,6 +185,7 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& given) {
   const std::vector<std::string>& inputs = given.input.inputs;
   if (inputs.empty()) return refuse_usage("no INPUT was given", "isoextract INPUT --iso V -o OUT.glb");
   ConvertFlags flags = given;
+  if (auto taken = take_labels(flags); !taken) return tl::unexpected(taken.error());
   auto note = writes_field(flags) ? std::string() : take_iso_of_method(flags, inputs.front());
   if (!note) return tl::unexpected(note.error());
   auto plan = plan_conversion(flags, inputs.front(), flags.isos);
@@ -189,9 +211,7 @@ std::vector<convert::ConversionJob> plan_files(const ConvertFlags& flags) {
     job.source.input = input;
     job.source.read = plan_read(flags.input).value_or(volumes::ReadOptions{});
     job.format = format;
-    const std::string path = writes_field(flags) && !flags.output
-                                 ? fmt::format("{}.{}", batch::stem_of(input), kFieldFormat)
-                                 : output_path(flags, input, meshes::mesh_format_info(format));
+    const std::string path = output_path(flags, input, meshes::mesh_format_info(format));
     job.outputs.push_back({path, {}});
     for (const convert::IsoChoice& iso : flags.isos) job.outputs.push_back({with_iso(path, iso), {iso}});
   }

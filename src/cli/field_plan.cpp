@@ -23,7 +23,10 @@ bool has_field_extension(const std::string& path) {
 // What is about surfaces, and was given.
 std::string_view surface_option(const ConvertFlags& flags) {
   const SurfaceFlags& surface = flags.surface;
-  const std::array<std::pair<bool, std::string_view>, 24> options{{{!flags.isos.empty(), "--iso"},
+  const std::array<std::pair<bool, std::string_view>, 27> options{{{flags.labels.has_value(), "--labels"},
+                                                                   {flags.no_merge, "--no-merge"},
+                                                                   {flags.t_junctions, "--t-junctions"},
+                                                                   {!flags.isos.empty(), "--iso"},
                                                                    {flags.batch.iso_table.has_value(), "--iso-table"},
                                                                    {surface.method.has_value(), "--method"},
                                                                    {flags.normals.has_value(), "--normals"},
@@ -54,7 +57,7 @@ std::string_view surface_option(const ConvertFlags& flags) {
 }  // namespace
 
 bool writes_field(const ConvertFlags& flags) {
-  if (flags.format) return !flags.format->mesh;
+  if (flags.format) return !flags.format->mesh && !flags.format->picture;
   return flags.output && has_field_extension(*flags.output);
 }
 

@@ -18,8 +18,11 @@ namespace {
 
 constexpr std::array<std::string_view, 8> kGroups{"Input",    "Particles", "Frames", "Surface",
                                                   "Vertices", "Placement", "Output", "Run"};
-constexpr std::array<std::string_view, 11> kCommands{"convert",   "info",  "verify",  "compare", "render",  "bench",
-                                                     "stability", "merge", "devices", "help",    "generate"};
+// Of all commands.
+constexpr std::array<std::string_view, 10> kAllGroups{"Input",   "Scene",    "Simulation", "Particles", "Frames",
+                                                      "Surface", "Vertices", "Placement",  "Output",    "Run"};
+constexpr std::array<std::string_view, 12> kCommands{"convert",   "info",  "verify",  "compare",  "render", "bench",
+                                                     "stability", "merge", "devices", "simulate", "help",   "generate"};
 
 constexpr std::array kExamples{
     Example{"isoextract smoke.vdb --iso 0.5 -o smoke.glb", "A fog volume as a glTF file for Blender or a browser."},
@@ -160,7 +163,7 @@ std::vector<HelpTopic> help_topics() {
 
 std::span<const Example> examples() { return kExamples; }
 
-std::span<const std::string_view> option_groups() { return kGroups; }
+std::span<const std::string_view> option_groups() { return kAllGroups; }
 
 HelpBlock group_block(const CLI::App& command, std::string_view group) {
   HelpBlock block;
@@ -201,7 +204,15 @@ std::string help_overview(const CLI::App& app) {
 
 std::string help_of_command(const CLI::App& command) {
   std::string out = fmt::format("{}\n\nUsage: {}\n", command.get_description(), synopsis(command));
-  for (const std::string_view group : kGroups) {
+  HelpBlock inner;
+  for (const CLI::App* sub_command : commands_of(command)) {
+    inner.rows.push_back({full_name(*sub_command), sub_command->get_description()});
+  }
+  if (!inner.rows.empty()) {
+    out += fmt::format("\nCommands ('isoextract {} COMMAND --help' lists their options):\n{}", full_name(command),
+                       plain_text(inner));
+  }
+  for (const std::string_view group : kAllGroups) {
     const HelpBlock block = group_block(command, group);
     if (!block.rows.empty()) out += fmt::format("\n{}:\n{}", group, plain_text(block));
   }

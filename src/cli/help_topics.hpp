@@ -29,7 +29,7 @@ struct Example {
 };
 [[nodiscard]] std::span<const Example> examples();
 
-// The groups that convert's options are in, in the order of the help.
+// The groups that options are in, in the order of the help.
 [[nodiscard]] std::span<const std::string_view> option_groups();
 
 // The rows of a command's options in a group.

@@ -100,6 +100,8 @@ InputReport look_at_particles(const InfoPlan& plan, const std::string& input, co
   const std::uint64_t made = kProgramBytes + context.memory().peak();
   report.field = report_of(plan, input, report.volume, std::move(field));
   report.field->bytes = std::max(report.field->bytes, made);
+  std::string& command = report.field->command;
+  if (report.particles->statistics.bounds.not_finite > 0 && !command.empty()) command += " --nan outside";
   return report;
 }
 

@@ -73,7 +73,8 @@ std::string upper(std::string_view text) {
 
 std::string synopsis_section(const CLI::App& app) {
   std::string out = ".Sh SYNOPSIS\n";
-  for (const CLI::App* command : commands_of(app)) {
+  for (const CLI::App* command : all_commands(app)) {
+    if (!commands_of(*command).empty()) continue;
     const std::string line = synopsis(*command);
     out += fmt::format(".Nm\n{}\n", escaped(line.substr(line.find(' ') + 1)));
   }
@@ -82,12 +83,12 @@ std::string synopsis_section(const CLI::App& app) {
 
 std::string commands_section(const CLI::App& app) {
   std::vector<HelpRow> rows;
-  for (const CLI::App* command : commands_of(app)) rows.push_back({command->get_name(), command->get_description()});
+  for (const CLI::App* command : all_commands(app)) rows.push_back({full_name(*command), command->get_description()});
   return ".Sh COMMANDS\n" + tagged_list(rows);
 }
 
 std::string options_section(const CLI::App& command) {
-  std::string out = fmt::format(".Sh OPTIONS OF {}\n", upper(command.get_name()));
+  std::string out = fmt::format(".Sh OPTIONS OF {}\n", upper(full_name(command)));
   for (const std::string_view group : option_groups()) {
     const HelpBlock block = group_block(command, group);
     if (!block.rows.empty()) out += fmt::format(".Ss {}\n{}", group, tagged_list(block.rows));
@@ -124,7 +125,7 @@ std::string man_page(const CLI::App& app) {
       "Meshes are closed wherever the surface does not leave the data, and the same input and options give the same "
       "bytes whatever the number of threads.");
   out += commands_section(app);
-  for (const CLI::App* command : commands_of(app)) out += options_section(*command);
+  for (const CLI::App* command : all_commands(app)) out += options_section(*command);
   out += ".Sh OPTIONS WITHOUT A COMMAND\n" + tagged_list(group_block(app, "Run").rows);
   std::string exit_status;
   for (const HelpTopic& topic : help_topics()) {

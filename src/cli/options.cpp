@@ -13,10 +13,18 @@
 #include "cli/help_topics.hpp"
 #include "cli/render_options.hpp"
 #include "cli/shared_options.hpp"
+#include "cli/simulate_options.hpp"
 #include "field/demo_field.hpp"
 
 namespace isoextract::cli {
 namespace {
+
+// As one word, for --methods.
+std::string following_method_ids() {
+  std::vector<std::string_view> ids;
+  for (const extract::MethodInfo& method : extract::following_methods()) ids.push_back(method.id);
+  return fmt::format("{}", fmt::join(ids, ","));
+}
 
 void declare_merge(CLI::App& app, MergeFlags& flags) {
   Group(app, "Input")
@@ -77,8 +85,7 @@ void declare_bench(CLI::App& app, BenchFlags& flags) {
   surface.value("--iso", "V", flags.iso, parse_number,
                 "The value whose surface is extracted (default: the demo field's own). Files need it.");
   surface.value("--methods", "M,M,...", flags.methods, parse_methods,
-                fmt::format("Of {} (default: {}).", fmt::join(extract::method_ids(), " and "),
-                            fmt::join(extract::method_ids(), ",")));
+                fmt::format("Of {} (default: {}).", fmt::join(extract::method_ids(), ", "), following_method_ids()));
   declare_nan(surface, flags.nan);
   const Group output(app, "Output");
   output.value<std::string>("--csv", "FILE", flags.csv, parse_text, "Write the rows of the table as CSV.");
@@ -163,6 +170,10 @@ std::unique_ptr<CommandLine> declare_command_line() {
 
   line->devices = add_command(app, "devices", "List the GPUs that can be used without a display.");
   declare_devices(*line->devices, line->devices_flags);
+
+  line->simulate =
+      add_command(app, "simulate", "Simulate what surfaces can be extracted from, and write it as a sequence.");
+  declare_simulate(*line);
 
   line->help = add_command(app, "help", "Explain a command or a topic.");
   std::vector<Choice<std::string>> topics;

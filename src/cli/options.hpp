@@ -31,7 +31,11 @@
 #include "points/method.hpp"
 #include "render/camera.hpp"
 #include "render/scene.hpp"
+#include "simulate/water.hpp"
+#include "simulate/water_fields.hpp"
+#include "volumes/particle_writer.hpp"
 #include "volumes/volume_reader.hpp"
+#include "volumes/volume_writer.hpp"
 
 namespace isoextract::cli {
 
@@ -126,9 +130,10 @@ struct BatchFlags {
   std::optional<ProgressStyle> progress;
 };
 
-// What -o is written as: a format of meshes or, without one, the field itself as an OpenVDB file.
+// What -o is written as: a format of meshes or, without one, a picture of them or the field itself as an OpenVDB file.
 struct OutputFormat {
   std::optional<meshes::MeshFormat> mesh;
+  bool picture = false;
 };
 
 struct ConvertFlags {
@@ -138,7 +143,10 @@ struct ConvertFlags {
   std::optional<convert::Backend> backend;
   DeviceFlags device;
   std::vector<convert::IsoChoice> isos;
+  std::optional<std::vector<convert::IsoChoice>> labels;
   SurfaceFlags surface;
+  bool no_merge = false;
+  bool t_junctions = false;
   std::optional<convert::Normals> normals;
   std::vector<convert::AttributeChoice> attributes;
   std::optional<ColourFlag> colour;
@@ -149,6 +157,8 @@ struct ConvertFlags {
   std::optional<std::string> output;
   std::optional<OutputFormat> format;
   bool half = false;
+  std::optional<render::PictureSize> size;
+  std::optional<render::ViewAngles> camera;
   bool ascii = false;
   // Of --draco: its bits, or nothing in it where the voxel says.
   std::optional<std::optional<std::uint64_t>> draco;
@@ -159,6 +169,8 @@ struct ConvertFlags {
   bool verify = false;
   bool explain = false;
   std::optional<std::string> report;
+  std::optional<std::string> html;
+  std::optional<std::string> contact_sheet;
   std::optional<std::string> config;
   RunFlags run;
 };
@@ -254,6 +266,51 @@ struct StabilityFlags {
   RunFlags run;
 };
 
+// Where the files of a simulation go.
+struct SequenceFlags {
+  std::optional<std::uint64_t> steps;
+  std::optional<std::uint64_t> every;
+  std::optional<std::string> output;
+  bool no_clobber = false;
+  bool make_folders = false;
+  std::optional<std::uint64_t> memory_limit;
+};
+
+struct WaterFlags {
+  std::optional<glm::ivec2> size;
+  std::optional<std::uint64_t> seed;
+  std::optional<double> relief;
+  std::optional<double> level;
+  std::optional<double> depth;
+  std::vector<simulate::Tap> sources;
+  std::vector<simulate::Tap> drains;
+  std::optional<simulate::WaterRule> rule;
+  std::optional<double> friction;
+  std::optional<double> flow_div;
+  std::optional<simulate::WaterContent> what;
+  std::optional<volumes::VolumeFileFormat> format;
+  std::optional<glm::dvec3> spacing;
+  SequenceFlags sequence;
+  RunFlags run;
+};
+
+struct JetFlags {
+  std::optional<std::uint64_t> count;
+  std::optional<double> radius;
+  std::optional<glm::dvec3> tank;
+  std::optional<double> nozzle;
+  std::optional<double> speed;
+  std::optional<std::uint64_t> seed;
+  std::optional<std::uint64_t> frames;
+  std::optional<double> fps;
+  std::optional<double> gravity;
+  std::optional<double> viscosity;
+  std::optional<std::uint64_t> iterations;
+  std::optional<volumes::ParticleFileFormat> format;
+  SequenceFlags sequence;
+  RunFlags run;
+};
+
 struct CommandLine {
   CLI::App app;
   CLI::App* convert = nullptr;
@@ -265,6 +322,9 @@ struct CommandLine {
   CLI::App* stability = nullptr;
   CLI::App* devices = nullptr;
   CLI::App* merge = nullptr;
+  CLI::App* simulate = nullptr;  // its sub-commands say what
+  CLI::App* simulate_water = nullptr;
+  CLI::App* simulate_jet = nullptr;
   CLI::App* help = nullptr;
   CLI::App* generate = nullptr;
 
@@ -277,6 +337,8 @@ struct CommandLine {
   StabilityFlags stability_flags;
   DevicesFlags devices_flags;
   MergeFlags merge_flags;
+  WaterFlags water_flags;
+  JetFlags jet_flags;
   std::optional<std::string> help_topic;
   std::optional<Document> document;
   bool quiet = false;  // of help and generate, which say nothing else anyway
@@ -298,6 +360,11 @@ struct BadValue : CLI::ParseError {
 [[nodiscard]] bool takes_value(const CLI::Option& option);
 [[nodiscard]] bool value_is_optional(const CLI::Option& option);  // without one the first choice is meant
 [[nodiscard]] std::vector<const CLI::Option*> options_in_group(const CLI::App& command, const std::string& group);
+// The commands of the program, or the sub-commands of a command: "water" of "simulate".
 [[nodiscard]] std::vector<const CLI::App*> commands_of(const CLI::App& app);
+// The commands of the program, each followed by its sub-commands.
+[[nodiscard]] std::vector<const CLI::App*> all_commands(const CLI::App& app);
+// As it is written after the program's name: "simulate water".
+[[nodiscard]] std::string full_name(const CLI::App& command);
 
 }  // namespace isoextract::cli

@@ -66,7 +66,7 @@ Result<std::string> take_iso_of_method(ConvertFlags& flags, const std::string& i
   const bool expected = particles->expected;
   const points::MethodInfo& method = points::method_info(particles->method);
   if (!expected) {
-    if (files::is_standard_input(input)) return std::string();
+    if (files::is_standard_input(input) && !read->format) return std::string();
     convert::SourceOptions source;
     source.input = input;
     source.read = std::move(*read);

@@ -20,7 +20,8 @@ namespace isoextract::cli {
 
 // Where no iso value was given and `input` is of particles: gives the flags that of their method, and returns a note of
 // it. Else nothing is changed and the note is empty; who opens the input tells what is wrong with it. Looks into the
-// file where no option says that it is of particles, but not into standard input, which would have to be kept.
+// file where no option says that it is of particles, but not into standard input, which would have to be kept: that is
+// of particles where the format that it is read as is one of them.
 [[nodiscard]] Result<std::string> take_iso_of_method(ConvertFlags& flags, const std::string& input);
 
 }  // namespace isoextract::cli

@@ -18,6 +18,14 @@
 
 namespace isoextract::cli {
 
+// What is written about a conversion, or all frames of it, besides its meshes.
+struct PagesPlan {
+  std::optional<std::string> html;
+  std::optional<std::string> contact_sheet;
+
+  [[nodiscard]] bool any() const { return html || contact_sheet; }
+};
+
 struct ConvertPlan {
   convert::ConversionJob job;
   MemoryBudget memory;
@@ -25,7 +33,8 @@ struct ConvertPlan {
   Verbosity verbosity = Verbosity::normal;
   bool explain = false;
   std::optional<std::string> report;  // the path of the JSON report
-  std::vector<std::string> notes;     // what was asked for and changes nothing, one sentence each
+  PagesPlan pages;
+  std::vector<std::string> notes;  // what was asked for and changes nothing, one sentence each
 };
 
 struct InfoPlan {

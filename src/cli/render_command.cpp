@@ -17,6 +17,7 @@
 #include "files/output_file.hpp"
 #include "images/exr_writer.hpp"
 #include "images/png_writer.hpp"
+#include "render/gpu_renderer.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -33,10 +34,22 @@ class RenderNotes final : public convert::Events {
   ProgressBar& bar_;
 };
 
-Result<std::unique_ptr<render::Renderer>> open_renderer(const RenderPlan& plan) {
+// A GPU that was asked for never turns into the processor; of its own accord only one that is none of software is
+// taken.
+Result<std::unique_ptr<render::Renderer>> open_renderer(const RenderPlan& plan, const Messages& messages) {
+  if (plan.backend == convert::Backend::cpu) return render::make_cpu_renderer();
+  auto gpu = render::make_gpu_renderer({plan.gpu.device, plan.gpu.memory_bytes});
   if (plan.backend == convert::Backend::gpu) {
-    return fail(ErrorKind::unavailable, "pictures cannot be drawn on a GPU by this version", Hint(Remedy::use_cpu));
+    if (!gpu) return tl::unexpected(std::move(gpu.error()));
+    return std::move(gpu->renderer);
   }
+  if (gpu && !gpu->device.software) {
+    messages.note(fmt::format("backend: gpu, {}", gl::describe(gpu->device)));
+    return std::move(gpu->renderer);
+  }
+  messages.detail(
+      fmt::format("backend: cpu, because {}",
+                  gpu ? fmt::format("{} draws on the processor", gl::describe(gpu->device)) : gpu.error().message));
   return render::make_cpu_renderer();
 }
 
@@ -126,7 +139,7 @@ class Pictures {
     if (auto written = write_picture(rendered->picture, picture.output, context_); !written) return written;
     const StageTime writing = write_watch.elapsed();
     const render::RenderStatistics& statistics = rendered->statistics;
-    const std::string name = picture.output == "-" ? "stdout" : picture.output;
+    const std::string name = files::shown_output_name(picture.output);
     bar.above([&] {
       messages_.summary(fmt::format("{} -> {}: {} x {} pixels; drawn in {:.2f} s",
                                     picture.input ? files::shown_input_name(*picture.input) : plan_.meshes.front(),
@@ -172,7 +185,7 @@ Result<void> check_outputs(const RenderPlan& plan) {
 Result<void> run_render(const RenderPlan& plan, const Messages& messages) {
   for (const std::string& note : plan.notes) messages.note(note);
   if (auto fine = check_outputs(plan); !fine) return fine;
-  const auto renderer = open_renderer(plan);
+  const auto renderer = open_renderer(plan, messages);
   if (!renderer) return tl::unexpected(renderer.error());
   const Context context{plan.memory};
   Pictures pictures(plan, messages, **renderer, context);

@@ -11,29 +11,13 @@
 #include "base/srgb.hpp"
 #include "cli/option_group.hpp"
 #include "cli/shared_options.hpp"
+#include "cli/values.hpp"
 #include "cli/vertex_plan.hpp"
 #include "render/renderer.hpp"
 #include "render/transfer_function.hpp"
 
 namespace isoextract::cli {
 namespace {
-
-Result<render::PictureSize> parse_picture_size(std::string_view text) {
-  const std::size_t cross = text.find('x');
-  const auto side = [](std::string_view word) -> int {
-    int pixels = 0;
-    const auto [end, problem] = std::from_chars(word.data(), word.data() + word.size(), pixels);
-    return problem == std::errc() && end == word.data() + word.size() ? pixels : 0;
-  };
-  const auto in_range = [](int pixels) { return pixels >= 1 && pixels <= render::PictureSize::kMaxSide; };
-  if (cross != std::string_view::npos) {
-    const render::PictureSize size{side(text.substr(0, cross)), side(text.substr(cross + 1))};
-    if (in_range(size.width) && in_range(size.height)) return size;
-  }
-  return fail(ErrorKind::usage, fmt::format("expected width and height in pixels, 1 to {} each, such as 1920x1080, "
-                                            "found '{}'",
-                                            render::PictureSize::kMaxSide, text));
-}
 
 // None, or a colour as screens have it.
 Result<glm::dvec4> parse_background(std::string_view text) {

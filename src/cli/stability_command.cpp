@@ -10,11 +10,14 @@
 #include "cli/backends.hpp"
 #include "cli/messages.hpp"
 #include "cli/plan.hpp"
+#include "cli/water_report.hpp"
 #include "convert/json_values.hpp"
 #include "measure/stability.hpp"
 
 namespace isoextract::cli {
 namespace {
+
+constexpr std::string_view kWaterCases = "water";  // all of them together, a table of their own
 
 // Those that were asked for; otherwise the CPU, and a GPU where there is one.
 Result<std::vector<measure::BenchBackend>> choose_backends(const StabilityFlags& flags, const Messages& messages) {
@@ -32,6 +35,7 @@ Result<std::vector<measure::BenchBackend>> choose_backends(const StabilityFlags&
 Result<std::vector<const measure::StabilityCase*>> chosen_cases(const std::vector<std::string>& names) {
   std::vector<std::string> known;
   for (const measure::StabilityCase& test : measure::stability_cases()) known.emplace_back(test.name);
+  known.emplace_back(kWaterCases);
   for (const std::string& name : names) {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
     const std::string near = nearest_name(name, known);
@@ -45,15 +49,29 @@ Result<std::vector<const measure::StabilityCase*>> chosen_cases(const std::vecto
   return chosen;
 }
 
-std::string list_text(const std::vector<const measure::StabilityCase*>& cases) {
+bool wants_water(const std::vector<std::string>& names) {
+  return names.empty() || std::ranges::find(names, kWaterCases) != names.end();
+}
+
+// Of all cases of water.
+std::string water_extremes() {
+  std::vector<std::string> texts;
+  for (const simulate::WaterStabilityScene& scene : simulate::water_stability_scenes()) {
+    texts.push_back(fmt::format("{}: {}", scene.name, scene.extreme));
+  }
+  return fmt::format("Simulated, friction 0 and 1, flow-div 1 to 4. {}", fmt::join(texts, " "));
+}
+
+std::string list_text(const std::vector<const measure::StabilityCase*>& cases, bool water) {
   std::string text;
   for (const measure::StabilityCase* test : cases) {
     text += fmt::format("{}\n  {}\n  Plain float32: {}.\n", test->name, test->extreme, test->plain);
   }
+  if (water) text += fmt::format("{}\n  {}\n", kWaterCases, water_extremes());
   return text;
 }
 
-convert::Json list_json(const std::vector<const measure::StabilityCase*>& cases) {
+convert::Json list_json(const std::vector<const measure::StabilityCase*>& cases, bool water) {
   convert::Json json = convert::Json::array();
   for (const measure::StabilityCase* test : cases) {
     json.push_back({{"case", test->name},
@@ -61,6 +79,7 @@ convert::Json list_json(const std::vector<const measure::StabilityCase*>& cases)
                     {"plain_float32", test->plain},
                     {"plain_float32_fails", test->plain_fails}});
   }
+  if (water) json.push_back({{"case", kWaterCases}, {"extreme", water_extremes()}});
   return json;
 }
 
@@ -120,20 +139,16 @@ convert::Json row_json(const measure::StabilityRow& row) {
   return json;
 }
 
-}  // namespace
-
-Result<void> run_stability(const StabilityFlags& flags, const Messages& messages) {
-  const auto cases = chosen_cases(flags.cases);
-  if (!cases) return tl::unexpected(cases.error());
-  if (flags.list) {
-    return print_to_stdout(flags.json ? convert::json_text(list_json(*cases)) : list_text(*cases));
-  }
+// Of the cases by every method on every backend.
+Result<std::vector<measure::StabilityRow>> extracted_rows(const std::vector<const measure::StabilityCase*>& cases,
+                                                          const StabilityFlags& flags, const Messages& messages) {
   const auto backends = choose_backends(flags, messages);
   if (!backends) return tl::unexpected(backends.error());
-  for (const std::string& missing : measure::missing_methods(*backends, extract::kMethods)) messages.note(missing);
+  const std::vector<extract::MethodInfo> methods = extract::following_methods();
+  for (const std::string& missing : measure::missing_methods(*backends, methods)) messages.note(missing);
   std::vector<measure::StabilityRow> rows;
-  for (const measure::StabilityCase* test : *cases) {
-    for (const extract::MethodInfo& method : extract::kMethods) {
+  for (const measure::StabilityCase* test : cases) {
+    for (const extract::MethodInfo& method : methods) {
       for (const measure::BenchBackend& backend : *backends) {
         if (!backend.runs(method.method)) continue;
         rows.push_back(measure::run_stability_case(*test, method, *backend.extractor));
@@ -141,14 +156,40 @@ Result<void> run_stability(const StabilityFlags& flags, const Messages& messages
       }
     }
   }
-  const std::size_t failed = count_failed(rows);
+  return rows;
+}
+
+}  // namespace
+
+Result<void> run_stability(const StabilityFlags& flags, const Messages& messages) {
+  const auto cases = chosen_cases(flags.cases);
+  if (!cases) return tl::unexpected(cases.error());
+  const bool water = wants_water(flags.cases);
+  if (flags.list) {
+    return print_to_stdout(flags.json ? convert::json_text(list_json(*cases, water)) : list_text(*cases, water));
+  }
+  std::vector<measure::StabilityRow> rows;
+  if (!cases->empty()) {
+    auto extracted = extracted_rows(*cases, flags, messages);
+    if (!extracted) return tl::unexpected(extracted.error());
+    rows = std::move(*extracted);
+  }
+  std::vector<simulate::WaterStabilityRow> water_rows;
+  if (water) {
+    auto simulated = simulate::run_water_stability();
+    if (!simulated) return tl::unexpected(simulated.error());
+    water_rows = std::move(*simulated);
+  }
+  const std::size_t failed = count_failed(rows) + count_failed(water_rows);
   convert::Json json{{"version", version()}, {"passed", failed == 0}};
   json["rows"] = convert::Json::array();
   for (const measure::StabilityRow& row : rows) json["rows"].push_back(row_json(row));
-  if (auto printed = print_to_stdout(flags.json ? convert::json_text(json) : table_text(rows)); !printed)
-    return printed;
+  if (water) json["water"] = water_json(water_rows);
+  std::string text = rows.empty() ? "" : table_text(rows);
+  if (water) text += (text.empty() ? "" : "\n") + water_table(water_rows);
+  if (auto printed = print_to_stdout(flags.json ? convert::json_text(json) : text); !printed) return printed;
   if (failed == 0) return {};
-  return fail(ErrorKind::verification, fmt::format("{} of {} cases failed", failed, rows.size()),
+  return fail(ErrorKind::verification, fmt::format("{} of {} cases failed", failed, rows.size() + water_rows.size()),
               "the verdicts say how; please report them");
 }
 

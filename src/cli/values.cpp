@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "base/byte_size.hpp"
+#include "simulate/terrain.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -110,10 +111,83 @@ Result<convert::IsoChoice> parse_iso(std::string_view text) {
   return convert::IsoChoice(*number);
 }
 
+Result<std::vector<convert::IsoChoice>> parse_labels(std::string_view text) {
+  constexpr std::string_view kExpected = "all, or whole numbers with commas between them";
+  if (text == "all") return std::vector{convert::IsoChoice::all_labels()};
+  std::vector<convert::IsoChoice> labels;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const auto number = whole_text_as<std::int64_t>(text.substr(begin, end - begin));
+    if (!number) return expected_found(kExpected, text);
+    const auto label = convert::IsoChoice::label(*number);
+    if (std::ranges::find(labels, label) != labels.end()) return expected_found("each label once", text);
+    labels.push_back(label);
+    begin = end + 1;
+  }
+  return labels;
+}
+
 Result<double> parse_positive(std::string_view text) {
   const auto number = whole_text_as<double>(text);
   if (!number || !std::isfinite(*number) || *number <= 0) return expected_found("a number above 0", text);
   return *number;
+}
+
+Result<double> parse_part(std::string_view text) {
+  const auto number = whole_text_as<double>(text);
+  if (!number || !(*number >= 0 && *number <= 1)) return expected_found("a number from 0 to 1", text);
+  return *number;
+}
+
+Result<double> parse_one_or_more(std::string_view text) {
+  const auto number = whole_text_as<double>(text);
+  if (!number || !std::isfinite(*number) || *number < 1) return expected_found("a number of 1 or more", text);
+  return *number;
+}
+
+Result<std::uint64_t> parse_count(std::string_view text) {
+  const auto number = whole_text_as<std::uint64_t>(text);
+  if (!number) return expected_found("a whole number, 0 or more", text);
+  return *number;
+}
+
+Result<std::uint64_t> parse_positive_count(std::string_view text) {
+  const auto number = whole_text_as<std::uint64_t>(text);
+  if (!number || *number == 0) return expected_found("a whole number above 0", text);
+  return *number;
+}
+
+Result<glm::ivec2> parse_grid_size(std::string_view text) {
+  const std::vector<std::string_view> parts = split(text, ",xX");
+  const auto along = [&](std::size_t axis) { return whole_text_as<int>(parts[axis]).value_or(0); };
+  const auto fits = [](int cells) { return cells >= 2 && cells <= simulate::kMaxGridSize; };
+  if (parts.size() != 2 || !fits(along(0)) || !fits(along(1))) {
+    return expected_found(fmt::format("NXxNY, each 2 to {}", simulate::kMaxGridSize), text);
+  }
+  return glm::ivec2{along(0), along(1)};
+}
+
+Result<glm::dvec3> parse_sides(std::string_view text) {
+  glm::dvec3 sides;
+  const std::vector<std::string_view> parts = split(text, "xX");
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto side = parts.size() == 3 || parts.size() == 1 ? parse_positive(parts[axis % parts.size()])
+                                                             : Result<double>(expected_found("", text));
+    if (!side) return expected_found("three lengths above 0, such as 60x40x60, or one for all", text);
+    sides[static_cast<int>(axis)] = *side;
+  }
+  return sides;
+}
+
+Result<simulate::Tap> parse_tap(std::string_view text) {
+  const std::vector<std::string_view> parts = split(text, ",");
+  if (parts.size() == 3) {
+    const auto x = whole_text_as<int>(parts[0]);
+    const auto y = whole_text_as<int>(parts[1]);
+    const auto rate = parse_positive(parts[2]);
+    if (x && y && rate) return simulate::Tap{{*x, *y}, *rate};
+  }
+  return expected_found("X,Y,RATE: a cell, counted from 0, and a depth a step above 0", text);
 }
 
 Result<double> parse_not_negative(std::string_view text) {
@@ -151,6 +225,23 @@ Result<glm::dvec3> parse_vector(std::string_view text) {
   const auto numbers = numbers_in(text, 3);
   if (!numbers) return expected_found("three numbers X,Y,Z", text);
   return glm::dvec3((*numbers)[0], (*numbers)[1], (*numbers)[2]);
+}
+
+Result<render::PictureSize> parse_picture_size(std::string_view text) {
+  const std::vector<std::string_view> parts = split(text, "xX");
+  const auto refused = [&] {
+    return expected_found(
+        fmt::format("a width and a height of at most {} pixels, such as 1920x1080", render::PictureSize::kMaxSide),
+        text);
+  };
+  if (parts.size() != 2) return refused();
+  render::PictureSize size;
+  for (auto [side, part] : {std::pair(&size.width, parts[0]), std::pair(&size.height, parts[1])}) {
+    const auto number = whole_text_as<int>(part);
+    if (!number || *number < 1 || *number > render::PictureSize::kMaxSide) return refused();
+    *side = *number;
+  }
+  return size;
 }
 
 Result<std::array<std::string, 3>> parse_columns(std::string_view text) {

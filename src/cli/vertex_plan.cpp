@@ -32,12 +32,16 @@ std::optional<std::array<double, 2>> parse_range(std::string_view text) {
   return std::array{(*numbers)[0], (*numbers)[1]};
 }
 
-Result<void> check_name_of_map(std::string_view text) {
+Result<void> check_name_of_map(std::string_view text, convert::Colormap map) {
   const std::size_t colon = text.rfind(':');
   const std::string_view from = text.substr(std::min(text.find('='), text.size()));
   // A path may have a colon, and demo fields have one.
   if (colon == std::string_view::npos || !from.empty()) return {};
   const std::string word(text.substr(colon + 1));
+  if (parse_range(word)) {
+    return fail(ErrorKind::usage, fmt::format("expected MIN,MAX once, behind the colour map, found {} before it", word),
+                fmt::format("as in {}:{}:{}", text.substr(0, colon), word_of(map), word));
+  }
   const std::string near = nearest_name(word, colormap_names());
   return fail(ErrorKind::usage,
               fmt::format("expected a colour map ({}) or MIN,MAX after the colon, found '{}'",
@@ -105,7 +109,7 @@ Result<ColourFlag> parse_colour(std::string_view text) {
     return fail(ErrorKind::usage,
                 fmt::format("expected MIN below MAX, found {} and {}", (*flag.range)[0], (*flag.range)[1]));
   }
-  if (auto fine = check_name_of_map(rest); !fine) return tl::unexpected(std::move(fine.error()));
+  if (auto fine = check_name_of_map(rest, flag.map); !fine) return tl::unexpected(std::move(fine.error()));
   if (rest == kIso) return flag;
   auto choice = parse_attribute(rest);
   if (!choice) return tl::unexpected(std::move(choice.error()));

@@ -107,6 +107,17 @@ Result<VolumeAttribute> read_volume_attribute(const SourceOptions& options, cons
   return attribute;
 }
 
+// Options say what is read of the input. Hints at them mislead where it is about an attribute, which has none.
+Hint hint_of_attribute(Hint hint) {
+  switch (hint.remedy) {
+    case Remedy::choose_grid:
+    case Remedy::choose_grid_number: return "an attribute is one of the file's grids" + hint.text;
+    case Remedy::leave_out_grid: return "leave the name of a grid out: there is one volume in the file";
+    case Remedy::describe_raw: return "attributes are read from files that say what is in them";
+    default: return hint;
+  }
+}
+
 // The vertices in the world of the input.
 Result<std::shared_ptr<ReservedBuffer<glm::dvec3>>> world_positions(const field::Affine& world_from_output,
                                                                     const mesh::Mesh& mesh, const Context& context) {
@@ -220,6 +231,7 @@ Result<std::vector<VolumeAttribute>> read_volume_attributes(const SourceOptions&
     if (!attribute) {
       attribute.error().message =
           fmt::format("the attribute '{}': {}", printable(choice.name), attribute.error().message);
+      attribute.error().hint = hint_of_attribute(std::move(attribute.error().hint));
       return tl::unexpected(std::move(attribute.error()));
     }
     attributes.push_back(std::move(*attribute));

@@ -20,7 +20,9 @@
 #include "convert/field_file.hpp"
 #include "convert/mesh_packing.hpp"
 #include "convert/output_checks.hpp"
+#include "convert/picture_file.hpp"
 #include "convert/source.hpp"
+#include "extract/voxels.hpp"
 #include "field/statistics.hpp"
 #include "files/file_bytes.hpp"
 #include "files/output_file.hpp"
@@ -52,6 +54,7 @@ class Conversion {
     auto source = open_source(job_.source, use_of(job_), context_, events_);
     if (!source) return tl::unexpected(std::move(source.error()));
     source_ = std::move(*source);
+    if (auto found = find_labels(); !found) return found;
     std::span<const ResolvedIso> isos = source_.isos;
     for (const OutputFileJob& output : job_.outputs) {
       if (auto done = job_.field_file ? write_samples(output) : write(output, isos.first(output.isos.size())); !done)
@@ -72,7 +75,7 @@ class Conversion {
   struct OutputFile {
     WrittenOutput written;
     meshes::MeshWriter writer;
-    std::vector<mesh::Mesh> held;     // for the sink, which has no writer
+    std::vector<mesh::Mesh> held;     // for the sink or the picture, which have no writer
     std::vector<MeshRecord> records;  // where they were asked for
     StageTime recording;
   };
@@ -124,15 +127,15 @@ class Conversion {
   // One surface is made, written and let go after the other, where the format allows.
   Result<void> write(const OutputFileJob& output, std::span<const ResolvedIso> asked) {
     OutputFile file{{output, {}, 0, 0, {}, {}}, meshes::MeshWriter(output.path, write_options(), context_), {}, {}, {}};
-    const std::vector<ResolvedIso> isos = each_once(asked);
+    const std::vector<ResolvedIso> isos = labels_ ? each_label(asked, labels_->labels()) : each_once(asked);
     if (isos.size() < asked.size()) tell_repeated(output, asked);
     for (const ResolvedIso& iso : isos) {
       if (auto go_on = context_.check(); !go_on) return go_on;
       auto surface = make_surface(iso);
       if (!surface) return tl::unexpected(std::move(surface.error()));
       if (!*surface) continue;
-      if (output.isos.size() > 1) {
-        (*surface)->mesh.name = fmt::format("{} iso {}", (*surface)->mesh.name, text_of(iso.asked));
+      if (output.isos.size() > 1 || labels_) {
+        (*surface)->mesh.name = fmt::format("{} {}", (*surface)->mesh.name, surface_text(iso.asked));
       }
       if (auto added = add(std::move(**surface), file); !added) return added;
     }
@@ -141,6 +144,31 @@ class Conversion {
 
   [[nodiscard]] meshes::MeshWriteOptions write_options() const {
     return {job_.format, job_.normals == Normals::flat, job_.ascii, mesh_packing(job_.packing, source_)};
+  }
+
+  // All labels that are asked for, in one look at the samples.
+  Result<void> find_labels() {
+    extract::LabelChoice choice;
+    for (const ResolvedIso& iso : source_.isos) {
+      if (!iso.asked.is_label()) return {};
+      choice.all = choice.all || iso.asked.kind == IsoChoice::Kind::all_labels;
+      choice.values.push_back(static_cast<std::int64_t>(iso.value));
+    }
+    if (source_.isos.empty()) return {};
+    if (!extractor_->has(job_.surface.method)) {
+      const Error error{ErrorKind::unavailable,
+                        fmt::format("the {} backend does not have {}", extractor_->name(), method().title),
+                        Remedy::use_cpu};
+      if (!gave_way(error)) return tl::unexpected(error);
+    }
+    auto found = extract::LabelVoxels::find(source_.field, extract_options(0), choice, context_);
+    if (!found) return tl::unexpected(std::move(found.error()));
+    if (auto whole = volumes::check_not_lost(source_.field); !whole) return whole;
+    labels_ = std::move(*found);
+    if (!labels_->labels().empty() || job_.empty != EmptyPolicy::error) return {};
+    return tl::unexpected(source_.empty ? empty_source()
+                                        : Error{ErrorKind::input, source_.label + ": no sample has a label but 0",
+                                                Remedy::allow_empty, Reason::no_surface});
   }
 
   // Nothing where it is empty and empty surfaces are skipped.
@@ -197,7 +225,8 @@ class Conversion {
   // When the vertices are those that are written. Attributes that are only for that go.
   Result<void> colour(Surface& surface) {
     std::vector<double> isos;
-    for (const ResolvedIso& iso : source_.isos) isos.push_back(iso.value);
+    for (const ResolvedIso& iso : labels_ ? each_label(source_.isos, labels_->labels()) : source_.isos)
+      isos.push_back(iso.value);
     surface.mesh.material = material_of(job_, isos, surface.iso, source_.field.kind);
     if (!job_.colour || !job_.colour->attribute) return {};
     auto record = add_colours(*job_.colour, job_.format, surface.mesh, context_);
@@ -232,7 +261,8 @@ class Conversion {
     const double iso = asked_iso.value;
     const Stopwatch watch;
     const extract::ExtractOptions options = extract_options(iso);
-    auto extraction = extractor_->extract(source_.field, options, context_);
+    auto extraction =
+        labels_ ? extract_label(asked_iso, options) : extractor_->extract(source_.field, options, context_);
     if (!extraction && gave_way(extraction.error())) extraction = extractor_->extract(source_.field, options, context_);
     if (!extraction) return tl::unexpected(std::move(extraction.error()));
     if (auto whole = volumes::check_not_lost(source_.field); !whole) return tl::unexpected(std::move(whole.error()));
@@ -249,6 +279,12 @@ class Conversion {
       if (auto same = check_verification(source_.label, *record); !same) return tl::unexpected(std::move(same.error()));
     }
     return std::move(extraction->mesh);
+  }
+
+  Result<extract::Extraction> extract_label(const ResolvedIso& asked, const extract::ExtractOptions& options) {
+    auto extraction = labels_->extract(source_.field, static_cast<std::int64_t>(asked.value), options, context_);
+    if (extraction) extraction->mesh.name = source_.field.name;
+    return extraction;
   }
 
   // Where the choice was the program's, a GPU that cannot do the work is no reason to end: the processor takes over,
@@ -273,6 +309,10 @@ class Conversion {
   Error no_surface(const ResolvedIso& asked) {
     const double iso = asked.value;
     if (source_.empty) return empty_source();
+    if (labels_) {
+      return {ErrorKind::input, fmt::format("{}: no sample has {}", source_.label, text_of(asked)), Remedy::allow_empty,
+              Reason::no_surface};
+    }
     const Stopwatch watch;
     const field::FieldStatistics statistics = field::measure_statistics(source_.field);
     outcome_.stages.push_back({"statistics", std::nullopt, watch.elapsed()});
@@ -307,7 +347,7 @@ class Conversion {
     file.written.triangles += surface.mesh.triangles.size();
     file.written.vertices += surface.mesh.positions.size();
     Result<void> added;
-    if (sink_ != nullptr) {
+    if (sink_ != nullptr || job_.picture_file) {
       file.held.push_back(std::move(surface.mesh));
     } else {
       added = file.writer.add(std::move(surface.mesh));
@@ -317,6 +357,7 @@ class Conversion {
   }
 
   Result<meshes::MeshWriteResult> complete(OutputFile& file) {
+    if (sink_ == nullptr && job_.picture_file) return write_picture(file.held, job_, file.written.job, context_);
     if (sink_ == nullptr) return file.writer.finish();
     if (auto taken = sink_->take({file.written.job, file.written.isos, std::move(file.held), write_options().packing});
         !taken) {
@@ -405,9 +446,9 @@ class Conversion {
     }
     if (skipped.empty()) return;
     const std::string path = files::shown_output_name(output.path);
-    events_.note(fmt::format("{}: no surface at iso {}; {}{}", source_.label, fmt::join(skipped, ", "),
-                             isos.empty() && sink_ == nullptr ? path + " was not written" : path + " is without it",
-                             besides));
+    events_.note(
+        fmt::format("{}: no surface at {}{}; {}{}", source_.label, labels_ ? "" : "iso ", fmt::join(skipped, ", "),
+                    isos.empty() && sink_ == nullptr ? path + " was not written" : path + " is without it", besides));
   }
 
   const ConversionJob& job_;
@@ -418,6 +459,7 @@ class Conversion {
   KeptBackends* kept_backends_;  // null where none are kept
   MeshSink* sink_;               // null where files are written
   Source source_;
+  std::optional<extract::LabelVoxels> labels_;  // where those are what is asked for
   std::unique_ptr<extract::Extractor> extractor_;
   std::unique_ptr<extract::Extractor> other_extractor_;  // only to verify
 };

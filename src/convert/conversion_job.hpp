@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,6 +21,7 @@
 #include "field/interpolant.hpp"
 #include "meshes/mesh_writer.hpp"
 #include "points/method.hpp"
+#include "render/camera.hpp"
 #include "volumes/grid_tools.hpp"
 #include "volumes/volume_reader.hpp"
 
@@ -93,6 +95,7 @@ struct SurfaceOptions {
   extract::Method method = extract::Method::mc;
   extract::NanPolicy nan = extract::NanPolicy::error;
   bool cap = false;
+  extract::VoxelFaces voxel_faces = extract::VoxelFaces::merged;
 
   friend bool operator==(const SurfaceOptions&, const SurfaceOptions&) = default;
 };
@@ -123,6 +126,17 @@ struct FieldFileOptions {
   friend bool operator==(const FieldFileOptions&, const FieldFileOptions&) = default;
 };
 
+// A picture of the surfaces, as a PNG file (render/preview.hpp). Its up axis is that of the input's world.
+struct PictureFileOptions {
+  static constexpr int kMaxSide = render::PictureSize::kMaxSide;
+
+  std::int64_t width = 960;  // pixels, from 1 to kMaxSide
+  std::int64_t height = 720;
+  render::ViewAngles angles;
+
+  friend bool operator==(const PictureFileOptions&, const PictureFileOptions&) = default;
+};
+
 struct ConversionJob {
   SourceOptions source;
   SurfaceOptions surface;
@@ -141,6 +155,8 @@ struct ConversionJob {
   PackingOptions packing;
   // In place of surfaces: outputs have no iso values then, and what is about meshes does nothing.
   std::optional<FieldFileOptions> field_file;
+  // In place of meshes of the surfaces; the format, and what is about packing, does nothing then.
+  std::optional<PictureFileOptions> picture_file;
   std::vector<OutputFileJob> outputs;
 
   // Of all outputs, in their order.

@@ -1,5 +1,8 @@
 #include "convert/iso_choice.hpp"
 
+#include <charconv>
+#include <system_error>
+
 #include <fmt/format.h>
 
 namespace isoextract::convert {
@@ -7,6 +10,8 @@ namespace {
 
 constexpr std::string_view kSuggested = "auto";
 constexpr char kPercentile = 'p';
+constexpr std::string_view kLabel = "label ";
+constexpr std::string_view kAllLabels = "all labels";
 
 }  // namespace
 
@@ -23,13 +28,32 @@ IsoChoice IsoChoice::percentile(field::Percent percent) {
   return choice;
 }
 
+IsoChoice IsoChoice::label(std::int64_t number) {
+  IsoChoice choice;
+  choice.kind = Kind::label;
+  choice.number = static_cast<double>(number);
+  return choice;
+}
+
+IsoChoice IsoChoice::all_labels() {
+  IsoChoice choice;
+  choice.kind = Kind::all_labels;
+  return choice;
+}
+
 std::string text_of(const IsoChoice& choice) {
   switch (choice.kind) {
     case IsoChoice::Kind::number: break;
     case IsoChoice::Kind::suggested: return std::string(kSuggested);
     case IsoChoice::Kind::percentile: return kPercentile + choice.percent.text();
+    case IsoChoice::Kind::label: return fmt::format("{}{}", kLabel, choice.number);
+    case IsoChoice::Kind::all_labels: return std::string(kAllLabels);
   }
   return fmt::format("{}", choice.number);
+}
+
+std::string name_part_of(const IsoChoice& choice) {
+  return choice.kind == IsoChoice::Kind::label ? fmt::format("{}", choice.number) : text_of(choice);
 }
 
 Json json_of(const IsoChoice& choice) { return choice.is_number() ? Json(choice.number) : Json(text_of(choice)); }
@@ -40,6 +64,16 @@ std::optional<IsoChoice> iso_choice_of(std::string_view word) {
   const auto percent = field::Percent::parse(word.substr(1));
   if (!percent) return std::nullopt;
   return IsoChoice::percentile(*percent);
+}
+
+std::optional<IsoChoice> label_choice_of(std::string_view word) {
+  if (word == kAllLabels) return IsoChoice::all_labels();
+  if (!word.starts_with(kLabel)) return std::nullopt;
+  const std::string_view digits = word.substr(kLabel.size());
+  std::int64_t number = 0;
+  const auto [rest, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+  if (error != std::errc() || rest != digits.data() + digits.size()) return std::nullopt;
+  return IsoChoice::label(number);
 }
 
 }  // namespace isoextract::convert

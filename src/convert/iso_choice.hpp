@@ -1,7 +1,8 @@
-// Which iso value is asked for: a number, or one that is found in the field.
+// Which surface is asked for: that of an iso value, a number or one that is found in the field, or that of a label.
 #pragma once
 
 #include <compare>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -16,9 +17,11 @@ struct IsoChoice {
     number,
     suggested,   // field::suggest_iso(), of particles the usual value of their method
     percentile,  // of the samples that are read: all of them, whatever part or grid is extracted from
+    label,       // the voxels with this number in a label map
+    all_labels,  // each of its labels
   };
   Kind kind = Kind::number;
-  double number = 0;       // finite; 0 of other kinds
+  double number = 0;       // finite; of a label an integer; 0 of other kinds
   field::Percent percent;  // likewise
 
   IsoChoice() = default;
@@ -26,20 +29,32 @@ struct IsoChoice {
   [[nodiscard]] static IsoChoice suggested();
   [[nodiscard]] static IsoChoice percentile(field::Percent percent);
 
+  [[nodiscard]] static IsoChoice label(std::int64_t number);
+  [[nodiscard]] static IsoChoice all_labels();
+
   [[nodiscard]] bool is_number() const { return kind == Kind::number; }
+  [[nodiscard]] bool is_label() const { return kind == Kind::label || kind == Kind::all_labels; }
+  // Whether the samples decide which value that is.
+  [[nodiscard]] bool is_found() const { return kind == Kind::suggested || kind == Kind::percentile; }
 
   friend bool operator==(const IsoChoice&, const IsoChoice&) = default;
   // NOLINTNEXTLINE(modernize-use-nullptr): there is none
   friend auto operator<=>(const IsoChoice&, const IsoChoice&) = default;
 };
 
-// The shortest that iso_choice_of() takes: "0.3", "auto", "p99.9".
+// The shortest that iso_choice_of() and label_choice_of() take: "0.3", "auto", "p99.9", "label 5", "all labels".
 [[nodiscard]] std::string text_of(const IsoChoice& choice);
+
+// The same as a part of a file's name: of a label its number.
+[[nodiscard]] std::string name_part_of(const IsoChoice& choice);
 
 // A number as one, else the word.
 [[nodiscard]] Json json_of(const IsoChoice& choice);
 
 // "auto" or "p" and a Percent. Nothing for other words, numbers among them.
 [[nodiscard]] std::optional<IsoChoice> iso_choice_of(std::string_view word);
+
+// "label 5", "all labels". Nothing for other words.
+[[nodiscard]] std::optional<IsoChoice> label_choice_of(std::string_view word);
 
 }  // namespace isoextract::convert

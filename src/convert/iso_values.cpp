@@ -39,16 +39,18 @@ Result<ResolvedIso> suggested_iso(const IsoChoice& choice, const field::ScalarFi
 }  // namespace
 
 std::string text_of(const ResolvedIso& iso) {
-  return iso.asked.is_number() ? text_of(iso.asked) : fmt::format("{} ({})", text_of(iso.asked), iso.value);
+  return !iso.asked.is_found() ? text_of(iso.asked) : fmt::format("{} ({})", text_of(iso.asked), iso.value);
 }
+
+std::string surface_text(const IsoChoice& asked) { return asked.is_label() ? text_of(asked) : "iso " + text_of(asked); }
 
 Json json_of(const ResolvedIso& iso) {
   return {{"asked", json_of(iso.asked)},
           {"iso", iso.value},
-          {"found_by", iso.asked.is_number() ? Json(nullptr) : Json(iso.found_by)}};
+          {"found_by", !iso.asked.is_found() ? Json(nullptr) : Json(iso.found_by)}};
 }
 
-bool all_numbers(std::span<const IsoChoice> choices) { return std::ranges::all_of(choices, &IsoChoice::is_number); }
+bool all_known(std::span<const IsoChoice> choices) { return std::ranges::none_of(choices, &IsoChoice::is_found); }
 
 Result<std::vector<ResolvedIso>> resolve_isos(std::span<const IsoChoice> choices, const field::ScalarField& field,
                                               bool empty_is_fine, const Context& context) {
@@ -58,7 +60,7 @@ Result<std::vector<ResolvedIso>> resolve_isos(std::span<const IsoChoice> choices
     isos.push_back({choice, choice.number, {}});
     if (choice.kind == IsoChoice::Kind::percentile) percents.push_back(choice.percent);
   }
-  if (all_numbers(choices)) return isos;
+  if (all_known(choices)) return isos;
   auto memory = context.reserve(field::measuring_bytes(percents.size()), "statistics of the samples");
   if (!memory) return tl::unexpected(std::move(memory.error()));
   std::optional<std::vector<double>> percentiles;
@@ -92,6 +94,10 @@ Result<std::vector<ResolvedIso>> resolve_isos(std::span<const IsoChoice> choices
                               label, text_of(IsoChoice::suggested()), text_of(choice)),
                   fmt::format("the usual value of {} is {}", info.title, info.iso));
     }
+    if (choice.is_label()) {
+      return fail(ErrorKind::usage,
+                  fmt::format("{}: expected a label map, a volume of integers, found particles", label));
+    }
     if (choice.is_number()) {
       isos.push_back({choice, choice.number, {}});
     } else {
@@ -103,6 +109,20 @@ Result<std::vector<ResolvedIso>> resolve_isos(std::span<const IsoChoice> choices
 
 bool is_repeated(const ResolvedIso& before, const ResolvedIso& iso) {
   return before.value == iso.value && !(before.asked.is_number() && iso.asked.is_number());
+}
+
+std::vector<ResolvedIso> each_label(std::span<const ResolvedIso> asked, const std::vector<std::int64_t>& all) {
+  std::vector<ResolvedIso> labels;
+  const auto add = [&](const IsoChoice& label) {
+    if (std::ranges::find(labels, label, &ResolvedIso::asked) == labels.end())
+      labels.push_back({label, label.number, {}});
+  };
+  for (const ResolvedIso& iso : asked) {
+    if (iso.asked.kind == IsoChoice::Kind::label) add(iso.asked);
+    if (iso.asked.kind != IsoChoice::Kind::all_labels) continue;
+    for (const std::int64_t label : all) add(IsoChoice::label(label));
+  }
+  return labels;
 }
 
 std::vector<ResolvedIso> each_once(std::span<const ResolvedIso> isos) {

@@ -22,6 +22,7 @@ Json options_of(const ConversionJob& job, std::uint64_t memory_limit) {
     json["simplify"] = fmt::format("{}{}", job.simplify->distance, job.simplify->in_world_units ? "world" : "voxel");
   }
   if (job.field_file) json["format"] = "vdb";
+  if (job.picture_file) json["format"] = "png";
   json["memory_limit"] = memory_limit;
   return json;
 }

@@ -14,10 +14,13 @@
 namespace isoextract::convert {
 namespace {
 
+using Format = std::optional<volumes::ParticleFormatDescription>;
+
 // What is said of a volume and means nothing of particles.
-Result<void> check_no_volume_options(const SourceOptions& options) {
+Result<void> check_no_volume_options(const SourceOptions& options, const Format& format) {
   const volumes::ReadOptions& read = options.read;
-  if (!read.grid && !read.raw && !read.spacing && !read.origin && !read.kind) return {};
+  const bool names_other_grid = read.grid && !(format && format->has_grids);
+  if (!names_other_grid && !read.raw && !read.spacing && !read.origin && !read.kind) return {};
   return fail(ErrorKind::usage,
               fmt::format("{}: this is read as particles, which have no grid, layout, spacing, origin or inside to be "
                           "chosen",
@@ -25,9 +28,10 @@ Result<void> check_no_volume_options(const SourceOptions& options) {
               Remedy::leave_out_volumes);
 }
 
-bool is_particle_format(const std::string& id) {
+Format particle_format(const std::string& id) {
   const auto formats = volumes::particle_format_descriptions();
-  return std::ranges::find(formats, id, &volumes::ParticleFormatDescription::id) != formats.end();
+  const auto found = std::ranges::find(formats, id, &volumes::ParticleFormatDescription::id);
+  return found == formats.end() ? Format() : Format(*found);
 }
 
 }  // namespace
@@ -36,15 +40,18 @@ Result<bool> is_particles(const SourceOptions& options, const Context& context) 
   const bool expected = options.particles.expected;
   const auto volume = volumes::is_surely_volume(options.input, options.read, context);
   if (!volume) return tl::unexpected(volume.error());
-  if (*volume && !expected) return false;
-  bool particles = false;
+  if (*volume && !expected && options.read.format) return false;
+  Format particles;
   if (options.read.format) {
-    particles = is_particle_format(*options.read.format);
+    particles = particle_format(*options.read.format);
   } else if (!options.read.raw && !options.input.starts_with(field::kDemoPrefix)) {
-    const auto detected = volumes::detect_particles(options.input, particle_read_options(options), context);
-    if (!detected) return tl::unexpected(detected.error());
-    particles = detected->has_value();
+    auto detected = volumes::detect_particles(options.input, particle_read_options(options), context);
+    if (!detected && *volume && !expected) return false;
+    if (!detected) return tl::unexpected(std::move(detected.error()));
+    particles = std::move(*detected);
   }
+  // Where a file may hold grids of both, its content says what it is of, or the name of the grid that is asked for.
+  if (*volume && !expected && !(particles && particles->has_grids)) return false;
   if (!particles && *volume) {
     return fail(ErrorKind::usage,
                 fmt::format("{}: this is a volume, and options of particles were given",
@@ -52,7 +59,7 @@ Result<bool> is_particles(const SourceOptions& options, const Context& context) 
                 Remedy::leave_out_particles);
   }
   if (!particles && !expected) return false;  // where it is expected, the reader says best what it is not
-  if (auto fine = check_no_volume_options(options); !fine) return tl::unexpected(std::move(fine.error()));
+  if (auto fine = check_no_volume_options(options, particles); !fine) return tl::unexpected(std::move(fine.error()));
   return true;
 }
 
@@ -83,6 +90,7 @@ volumes::ParticleReadOptions particle_read_options(const SourceOptions& options)
   volumes::ParticleReadOptions read;
   read.format = options.read.format;
   read.frame = options.read.volume;
+  read.grid = options.read.grid;
   for (const AttributeChoice& choice : options.attributes) {
     if (std::ranges::find(read.attributes, choice.from) == read.attributes.end()) {
       read.attributes.push_back(choice.from);

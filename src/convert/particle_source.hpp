@@ -18,7 +18,8 @@
 namespace isoextract::convert {
 
 // Whether the input is read as particles: where that is expected, and else where its content or, of formats that only
-// their names tell, its name says so. Volumes come first. Fails with ErrorKind::usage where particles are expected and
+// their names tell, its name says so. Volumes come first, but for files of points alone in a format that holds both,
+// and for sets of points in one that are chosen by name. Fails with ErrorKind::usage where particles are expected and
 // the input is a volume, and where it is of particles and options are about volumes; and where it cannot be read.
 [[nodiscard]] Result<bool> is_particles(const SourceOptions& options, const Context& context = Context());
 

@@ -32,10 +32,10 @@ Result<void> change_resolution(const SourceOptions& options, bool keep_data, con
 
 // The iso values of what was read.
 void tell_isos(const std::optional<StageTime>& time, Events& events, const Source& source) {
-  if (std::ranges::all_of(source.isos, [](const ResolvedIso& iso) { return iso.asked.is_number(); })) return;
+  if (std::ranges::all_of(source.isos, [](const ResolvedIso& iso) { return !iso.asked.is_found(); })) return;
   events.resolved(source.isos, time);
   for (const ResolvedIso& iso : source.isos) {
-    if (iso.asked.is_number()) continue;
+    if (!iso.asked.is_found()) continue;
     events.note(
         fmt::format("{}: iso {} is {}: {}", field_label(source.field), text_of(iso.asked), iso.value, iso.found_by));
   }
@@ -135,6 +135,7 @@ extract::ExtractOptions Source::extract_options(const SurfaceOptions& surface, d
   options.method = surface.method;
   options.nan = surface.nan;
   options.cap = surface.cap;
+  options.voxel_faces = surface.voxel_faces;
   options.iso = iso;
   options.region = region;
   options.output_from_index = output_from_index;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -83,12 +84,14 @@ void put_colour(const glm::dvec3& colour, bool linear, std::byte* out) {
   for (int c = 0; c < 3; ++c) out[c] = static_cast<std::byte>(as_fraction<std::uint8_t>(colour[c]));
 }
 
-// From the outermost on, from 0 to 1; of one that is alone 1.
+// From the outermost on, from 0 to 1; of one that is alone 1. Values that were found can be the same, of which there is
+// one surface.
 double depth_of(const std::vector<double>& isos, double iso, field::FieldKind kind) {
-  if (isos.size() < 2) return 1;
+  const std::set<double> surfaces(isos.begin(), isos.end());
+  if (surfaces.size() < 2) return 1;
   const auto outer = std::ranges::count_if(
-      isos, [&](double other) { return kind == field::FieldKind::density ? other < iso : other > iso; });
-  return static_cast<double>(outer) / static_cast<double>(isos.size() - 1);
+      surfaces, [&](double other) { return kind == field::FieldKind::density ? other < iso : other > iso; });
+  return static_cast<double>(outer) / static_cast<double>(surfaces.size() - 1);
 }
 
 double opacity_of(const ConversionJob& job, const std::vector<double>& isos, double iso, field::FieldKind kind) {

@@ -133,6 +133,10 @@ std::vector<WorkFact> extraction_facts(const extract::ExtractStats& stats, const
   if (!asked.error) {
     facts.push_back({"error", "left out", std::nullopt, std::nullopt, "the error of the mesh"});
   }
+  if (options.method == extract::Method::voxels && options.voxel_faces == extract::VoxelFaces::rectangles) {
+    facts.push_back({"border_vertices", "left out", std::nullopt, std::nullopt,
+                     "vertices of rectangles within the sides of others, where the mesh is not closed edge by edge"});
+  }
   if (!options.cap && stats.inside_at_border) {
     facts.push_back({"caps", "left out", std::nullopt, std::nullopt,
                      stats.meets_border ? "caps where the surface leaves the data"

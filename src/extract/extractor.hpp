@@ -20,6 +20,7 @@
 #include "base/stopwatch.hpp"
 #include "base/words.hpp"
 #include "extract/method.hpp"
+#include "extract/voxel_faces.hpp"
 #include "field/scalar_field.hpp"
 #include "mesh/mesh.hpp"
 
@@ -29,7 +30,8 @@ enum class NanPolicy {
   error,    // a NaN sample is ErrorKind::input; the message says where the first one is
   outside,  // a NaN sample is outside; the surface passes halfway between it and its inside neighbours
   hole,     // a cell with a NaN corner draws nothing, nor does a square of the cap; all else is as if none were NaN.
-            // Where only a point would join what is left on both sides, each side has a vertex of its own there.
+            // Where only a point would join what is left on both sides, each side has a vertex of its own there. Not of
+            // methods whose surfaces are always closed.
 };
 constexpr auto words_of(NanPolicy /*type*/) {
   return std::array{Word{NanPolicy::error, "error"}, Word{NanPolicy::outside, "outside"},
@@ -41,7 +43,9 @@ struct ExtractOptions {
   double iso = 0;
   bool smooth_normals = false;  // from the gradient of the field at the vertex (MethodTraits::gradient_normals)
   bool edge_keys = false;       // fill Mesh::edges (MethodTraits::vertices_on_edges): for who compares meshes
-  bool cap = false;             // close the surface where it leaves the data or the region
+  bool cap = false;             // close the surface where it leaves the data or the region; of methods whose surfaces
+                                // always are (MethodTraits::always_closed) it changes nothing
+  VoxelFaces voxel_faces = VoxelFaces::merged;  // Method::voxels
   NanPolicy nan = NanPolicy::error;
   std::optional<field::IndexBox> region;  // extract only from cells within this box of samples (clipped to the data)
   bool shared_frame = false;  // regions of one field are relative to one origin, however far it reaches, so that they

@@ -1,5 +1,8 @@
 #include "extract/method.hpp"
 
+#include <algorithm>
+#include <iterator>
+
 #include <fmt/format.h>
 
 #include "extract/extractor.hpp"
@@ -17,6 +20,13 @@ static_assert(in_order_of_the_enum());
 
 }  // namespace
 
+std::vector<MethodInfo> following_methods() {
+  std::vector<MethodInfo> methods;
+  std::ranges::copy_if(kMethods, std::back_inserter(methods),
+                       [](const MethodInfo& method) { return method.traits.follows_interpolant; });
+  return methods;
+}
+
 std::string why_no_edges(const MethodInfo& method) {
   if (method.traits.vertices_on_edges) return "";
   return fmt::format("{}: the vertices are not on edges of the grid", method.title);
@@ -32,10 +42,19 @@ std::string why_no_gradient_normals(const MethodInfo& method) {
   return fmt::format("{}: there are no normals from the field's gradient", method.title);
 }
 
+std::string why_no_holes(const MethodInfo& method) {
+  if (!method.traits.always_closed) return "";
+  return fmt::format("{}: the surface is closed everywhere, so a sample that is not a number leaves no hole in it",
+                     method.title);
+}
+
 Result<void> check_method(const MethodInfo& method, const ExtractOptions& options) {
   if (options.edge_keys && !method.traits.vertices_on_edges) return fail(ErrorKind::usage, why_no_edges(method));
   if (options.smooth_normals && !method.traits.gradient_normals) {
     return fail(ErrorKind::usage, why_no_gradient_normals(method));
+  }
+  if (options.nan == NanPolicy::hole && method.traits.always_closed) {
+    return fail(ErrorKind::usage, why_no_holes(method));
   }
   return {};
 }

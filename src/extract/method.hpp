@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/context.hpp"
 #include "base/error.hpp"
@@ -21,8 +22,9 @@ struct ExtractOptions;
 struct Extraction;
 
 enum class Method {
-  mc,  // marching cubes, with the topology of the trilinear interpolant (asymptotic_decider.hpp)
-  mt,  // marching tetrahedra, six a cell (cell_tables.hpp)
+  mc,      // marching cubes, with the topology of the trilinear interpolant (asymptotic_decider.hpp)
+  mt,      // marching tetrahedra, six a cell (cell_tables.hpp)
+  voxels,  // the exposed faces of the samples inside, each a box (voxels.hpp)
 };
 
 struct MethodTraits {
@@ -36,6 +38,8 @@ struct MethodTraits {
   bool follows_interpolant = true;
   // There are normals from the field's gradient (ExtractOptions::smooth_normals).
   bool gradient_normals = true;
+  // The surface is closed at the border of the data as well: there is no cap, and no hole.
+  bool always_closed = false;
 
   friend bool operator==(const MethodTraits&, const MethodTraits&) = default;
 };
@@ -55,6 +59,10 @@ struct MethodInfo {
 // Cell by cell, by a table of cases (cell_tables.hpp).
 [[nodiscard]] Result<Extraction> extract_by_cells(const field::ScalarField& field, const ExtractOptions& options,
                                                   const Context& context);
+
+// The boxes of the samples inside (voxels.hpp).
+[[nodiscard]] Result<Extraction> extract_voxels(const field::ScalarField& field, const ExtractOptions& options,
+                                                const Context& context);
 
 // In the order of the enum.
 inline constexpr std::array kMethods{
@@ -76,6 +84,16 @@ inline constexpr std::array kMethods{
                           .follows_interpolant = true,
                           .gradient_normals = true},
                .run_on_cpu = extract_by_cells},
+    MethodInfo{.method = Method::voxels,
+               .id = "voxels",
+               .title = "voxels",
+               .help = "voxels: a solid box around each sample inside, always closed, with flat faces",
+               .traits = {.vertices_on_edges = false,
+                          .axis_edges_only = false,
+                          .follows_interpolant = false,
+                          .gradient_normals = false,
+                          .always_closed = true},
+               .run_on_cpu = extract_voxels},
 };
 
 [[nodiscard]] constexpr const MethodInfo& method_info(Method method) {
@@ -94,14 +112,19 @@ constexpr auto words_of(Method /*type*/) {
   return words;
 }
 
+// Those whose surface follows the field, in the order of the enum: what is compared by errors and crossings where
+// nobody names methods.
+[[nodiscard]] std::vector<MethodInfo> following_methods();
+
 // Why a question cannot be put to the surfaces of a method, as a sentence without its full stop that begins with the
 // method's title; empty where it can.
 [[nodiscard]] std::string why_no_edges(const MethodInfo& method);             // no edges to compare vertices by
 [[nodiscard]] std::string why_no_error(const MethodInfo& method);             // no error against the field
 [[nodiscard]] std::string why_no_gradient_normals(const MethodInfo& method);  // no normals from gradients
+[[nodiscard]] std::string why_no_holes(const MethodInfo& method);             // no holes where samples are not numbers
 
 // Fails with ErrorKind::usage where `options` ask for what the method does not have: edge keys without vertices on
-// edges, normals from gradients.
+// edges, normals from gradients, holes.
 [[nodiscard]] Result<void> check_method(const MethodInfo& method, const ExtractOptions& options);
 
 }  // namespace isoextract::extract

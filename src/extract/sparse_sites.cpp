@@ -63,19 +63,14 @@ SparseSites::SparseSites(const field::ScalarField& field, const field::SparseSam
         };
       })) {}
 
-Result<void> SparseSites::find(ExtractStats& stats) {
+Result<void> SparseSites::compare(ExtractStats& stats) {
   stats.brick = kBrick;
   stats.bricks = samples_.blocks.size();
   std::vector<glm::ivec3> nodes = field::SparseLookup::node_origins(samples_);
-  const std::string what = fmt::format("{}: finding what lies beside its {} blocks and {} tiles", field_.source,
-                                       samples_.blocks.size(), samples_.tiles.size());
   auto memory = context_.reserve(
-      nodes.size() * sizeof(field::SparseLookup::Node) + samples_.blocks.size() * sizeof(BlockBits), what);
+      nodes.size() * sizeof(field::SparseLookup::Node) + samples_.blocks.size() * sizeof(BlockBits), finding_text());
   if (!memory) return tl::unexpected(memory.error());
   samples_memory_ = std::move(*memory);
-  const auto skins = context_.reserve(tile_skin_bytes(samples_, rule_, field_.scale),
-                                      what);  // until sites are listed
-  if (!skins) return tl::unexpected(skins.error());
   const Stopwatch watch;
   lookup_.emplace(samples_, std::move(nodes));
   visit_sample_type(samples_.type, [&]<class T>(std::type_identity<T>) { classify<T>(stats); });
@@ -83,12 +78,26 @@ Result<void> SparseSites::find(ExtractStats& stats) {
     return nan_error(field_, stats.nan_samples, first_nan());
   }
   has_holes_ = stats.nan_samples != 0 && options_.nan == NanPolicy::hole;
-  if (auto wanted = context_.check(); !wanted) return wanted;
+  stats.classify = watch.elapsed();
+  return context_.check();
+}
+
+Result<void> SparseSites::find(ExtractStats& stats) {
+  if (auto compared = compare(stats); !compared) return compared;
+  const Stopwatch watch;
+  const auto skins = context_.reserve(tile_skin_bytes(samples_, rule_, field_.scale),
+                                      finding_text());  // until sites are listed
+  if (!skins) return tl::unexpected(skins.error());
   if (auto listed = list_sites(); !listed) return listed;
   stats.bricks_visited = stored_sites_;
   stats.places_visited = sites_.size() - stored_sites_;
-  stats.classify = watch.elapsed();
+  stats.classify += watch.elapsed();
   return {};
+}
+
+std::string SparseSites::finding_text() const {
+  return fmt::format("{}: finding what lies beside its {} blocks and {} tiles", field_.source, samples_.blocks.size(),
+                     samples_.tiles.size());
 }
 
 template <class T>

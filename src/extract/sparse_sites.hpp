@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <tbb/parallel_for.h>
@@ -38,6 +39,11 @@ class SparseSites {
   // those are errors, and where there is no memory for it; with ErrorKind::cancelled between the two.
   [[nodiscard]] Result<void> find(ExtractStats& stats);
 
+  // The first part of that, for who needs no sites: what is inside, and the figures of it.
+  [[nodiscard]] Result<void> compare(ExtractStats& stats);
+  [[nodiscard]] const BlockBits& block_bits(std::size_t block) const { return bits_[block]; }
+  [[nodiscard]] const ConstantSides& sides() const { return sides_; }
+
   // Stored blocks first, then places without one; each part sorted by x, y, z.
   [[nodiscard]] const std::vector<glm::ivec3>& origins() const { return sites_; }
   [[nodiscard]] std::size_t stored() const { return stored_sites_; }
@@ -51,7 +57,7 @@ class SparseSites {
     return sites;
   }
 
-  [[nodiscard]] const field::SparseLookup& lookup() const { return *lookup_; }  // once find() was called
+  [[nodiscard]] const field::SparseLookup& lookup() const { return *lookup_; }  // once samples were compared
   [[nodiscard]] bool has_holes() const { return has_holes_; }  // some samples are NaN, and NanPolicy::hole
 
   // Of any sample: for the few that are looked at one by one.
@@ -91,6 +97,7 @@ class SparseSites {
  private:
   template <class T>
   void classify(ExtractStats& stats);
+  [[nodiscard]] std::string finding_text() const;
   [[nodiscard]] Result<void> list_sites();
   [[nodiscard]] glm::ivec3 first_nan() const;
   [[nodiscard]] bool touches_region(const glm::ivec3& origin, int size) const;

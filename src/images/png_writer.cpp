@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 #include <png.h>
 #include <tbb/parallel_for.h>
@@ -30,7 +31,7 @@ void encode_row(std::span<const glm::vec4> row, int channels, std::uint8_t* out)
 
 }  // namespace
 
-Result<void> write_png(files::OutputFile& file, const LightImage& image, const Context& context) {
+Result<EncodedImage> encode_png(const LightImage& image, const std::string& name, const Context& context) {
   const bool opaque = std::ranges::all_of(image.colour, [](const glm::vec4& p) { return byte_of(double{p.a}) == 255; });
   const int channels = opaque ? 3 : 4;
   png_image header{};
@@ -40,11 +41,11 @@ Result<void> write_png(files::OutputFile& file, const LightImage& image, const C
   header.format = opaque ? PNG_FORMAT_RGB : PNG_FORMAT_RGBA;
 
   const std::size_t row_bytes = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(channels);
-  const std::string what = file.shown_name() + ": a picture as PNG";
+  const std::string what = name + ": a picture as PNG";
   const auto rows =
       make_reserved_buffer<std::uint8_t>(row_bytes * static_cast<std::size_t>(image.height), context, what);
   if (!rows) return tl::unexpected(rows.error());
-  const auto encoded = make_reserved_buffer<std::byte>(PNG_IMAGE_PNG_SIZE_MAX(header), context, what);
+  auto encoded = make_reserved_buffer<std::byte>(PNG_IMAGE_PNG_SIZE_MAX(header), context, what);
   if (!encoded) return tl::unexpected(encoded.error());
 
   tbb::parallel_for(std::size_t{0}, static_cast<std::size_t>(image.height), [&](std::size_t y) {
@@ -54,9 +55,14 @@ Result<void> write_png(files::OutputFile& file, const LightImage& image, const C
   png_alloc_size_t size = (*encoded)->values.size();
   if (png_image_write_to_memory(&header, (*encoded)->values.data(), &size, 0, (*rows)->values.data(), 0, nullptr) ==
       0) {
-    return fail(ErrorKind::output, file.shown_name() + ": a picture could not be encoded as PNG: " + header.message);
+    return fail(ErrorKind::output, name + ": a picture could not be encoded as PNG: " + header.message);
   }
-  return file.write((*encoded)->values.span().first(size));
+  return EncodedImage{std::move(*encoded), size};
+}
+
+Result<void> write_png(files::OutputFile& file, const LightImage& image, const Context& context) {
+  const auto encoded = encode_png(image, file.shown_name(), context);
+  return encoded ? file.write(encoded->bytes()) : tl::unexpected(encoded.error());
 }
 
 }  // namespace isoextract::images

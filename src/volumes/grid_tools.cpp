@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -20,7 +21,7 @@
 namespace isoextract::volumes {
 namespace {
 
-using Tools = isoextract_grid_tools_plugin_v1;
+using Tools = isoextract_grid_tools_plugin_v2;
 
 // Looked for each time, which is little beside the work; once loaded it stays.
 Result<const Tools*> grid_tools_for(const std::string& work) {
@@ -139,6 +140,58 @@ std::span<const std::byte> bytes_of(const void* bytes, std::uint64_t count) {
   return {static_cast<const std::byte*>(bytes), static_cast<std::size_t>(count)};
 }
 
+// A field and what its grid is called.
+struct NamedField {
+  const field::ScalarField* field;
+  std::string name;
+};
+
+Result<std::uint64_t> write_grids(const std::filesystem::path& path, std::span<const NamedField> fields, bool as_half,
+                                  const Context& context) {
+  const std::string work = path.string();
+  const auto tools = grid_tools_for(work);
+  if (!tools) return tl::unexpected(tools.error());
+  std::uint64_t listed = 0;
+  for (const NamedField& named : fields) listed += list_bytes(*named.field);
+  const auto lists = context.reserve(listed, work);
+  if (!lists) return tl::unexpected(lists.error());
+  auto file = files::OutputFile::create(path);
+  if (!file) return tl::unexpected(file.error());
+  VdbSink sink{*file, {}};
+  std::vector<GridInput> inputs;
+  std::vector<isoextract_named_grid> grids;
+  for (const NamedField& named : fields) {
+    inputs.emplace_back(*named.field);
+    grids.push_back({inputs.back().get(), named.name.c_str()});
+  }
+  isoextract_vdb_job job{};
+  job.grids = grids.data();
+  job.count = grids.size();
+  job.is_half = as_half ? 1 : 0;
+  job.sink = &sink;
+  job.append = [](void* to, const void* bytes, std::uint64_t count) {
+    auto& sink_of = *static_cast<VdbSink*>(to);
+    return sink_of.took(sink_of.file.write(bytes_of(bytes, count))) ? 0 : 1;
+  };
+  if (!files::is_stream(path)) {
+    job.overwrite = [](void* to, std::uint64_t place, const void* bytes, std::uint64_t count) {
+      auto& sink_of = *static_cast<VdbSink*>(to);
+      return sink_of.took(sink_of.file.overwrite(place, bytes_of(bytes, count))) ? 0 : 1;
+    };
+  }
+  const PluginMemory memory(context, work);
+  if ((*tools)->write_vdb(&job, &memory.host()) != 0) {
+    if (sink.error) return tl::unexpected(*sink.error);
+    return tl::unexpected(memory.failure_or(tools_failed(**tools, work, ErrorKind::output)));
+  }
+  for (const NamedField& named : fields) {
+    if (auto whole = check_not_lost(*named.field); !whole) return tl::unexpected(whole.error());
+  }
+  const std::uint64_t bytes = file->bytes_written();
+  if (auto committed = file->commit(); !committed) return tl::unexpected(committed.error());
+  return bytes;
+}
+
 }  // namespace
 
 Result<void> check_grid_tools(const std::string& work) {
@@ -215,40 +268,15 @@ Result<field::ScalarField> filter_level_set(const field::ScalarField& field, Lev
 
 Result<std::uint64_t> write_vdb(const std::filesystem::path& path, const field::ScalarField& field,
                                 const VdbWriteOptions& options, const Context& context) {
-  const std::string work = path.string();
-  const auto tools = grid_tools_for(work);
-  if (!tools) return tl::unexpected(tools.error());
-  const auto lists = context.reserve(list_bytes(field), work);
-  if (!lists) return tl::unexpected(lists.error());
-  auto file = files::OutputFile::create(path);
-  if (!file) return tl::unexpected(file.error());
-  VdbSink sink{*file, {}};
-  const GridInput input(field);
-  const std::string& name = options.name.empty() ? field.name : options.name;
-  isoextract_vdb_job job{};
-  job.grid = input.get();
-  job.name = name.c_str();
-  job.is_half = options.as_half ? 1 : 0;
-  job.sink = &sink;
-  job.append = [](void* to, const void* bytes, std::uint64_t count) {
-    auto& sink_of = *static_cast<VdbSink*>(to);
-    return sink_of.took(sink_of.file.write(bytes_of(bytes, count))) ? 0 : 1;
-  };
-  if (!files::is_stream(path)) {
-    job.overwrite = [](void* to, std::uint64_t place, const void* bytes, std::uint64_t count) {
-      auto& sink_of = *static_cast<VdbSink*>(to);
-      return sink_of.took(sink_of.file.overwrite(place, bytes_of(bytes, count))) ? 0 : 1;
-    };
-  }
-  const PluginMemory memory(context, work);
-  if ((*tools)->write_vdb(&job, &memory.host()) != 0) {
-    if (sink.error) return tl::unexpected(*sink.error);
-    return tl::unexpected(memory.failure_or(tools_failed(**tools, work, ErrorKind::output)));
-  }
-  if (auto whole = check_not_lost(field); !whole) return tl::unexpected(whole.error());
-  const std::uint64_t bytes = file->bytes_written();
-  if (auto committed = file->commit(); !committed) return tl::unexpected(committed.error());
-  return bytes;
+  const NamedField named{&field, options.name.empty() ? field.name : options.name};
+  return write_grids(path, {&named, 1}, options.as_half, context);
+}
+
+Result<std::uint64_t> write_vdb(const std::filesystem::path& path, std::span<const field::ScalarField> fields,
+                                const Context& context) {
+  std::vector<NamedField> named;
+  for (const field::ScalarField& field : fields) named.push_back({&field, field.name});
+  return write_grids(path, named, false, context);
 }
 
 }  // namespace isoextract::volumes

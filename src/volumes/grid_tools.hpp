@@ -72,11 +72,15 @@ struct VdbWriteOptions {
   bool as_half = false;  // values are rounded to 16 bits
 };
 
-// Writes a file of one grid of floats, whole or not at all; samples of other types are rounded to that. A level set has
-// the class "level set", a density "fog volume". Which voxels are active and what is beyond a dense field says
-// grid_tools_plugin.h. To standard output or a pipe it is written as a stream. Gives the number of bytes. Fails with
-// ErrorKind::output as well.
+// Writes a file of grids of floats, one or more, whole or not at all; samples of other types are rounded to that. A
+// level set has the class "level set", a density "fog volume". Which voxels are active and what is beyond a dense field
+// says grid_tools_plugin.h. To standard output or a pipe it is written as a stream. Gives the number of bytes. Fails
+// with ErrorKind::output as well.
 [[nodiscard]] Result<std::uint64_t> write_vdb(const std::filesystem::path& path, const field::ScalarField& field,
                                               const VdbWriteOptions& options = {}, const Context& context = Context());
+// Each grid has its field's name.
+[[nodiscard]] Result<std::uint64_t> write_vdb(const std::filesystem::path& path,
+                                              std::span<const field::ScalarField> fields,
+                                              const Context& context = Context());
 
 }  // namespace isoextract::volumes

@@ -76,12 +76,17 @@ const ParticleFormat* format_of(const files::InputFile& file, const ParticleRead
 // Options that belong to some formats are an error for the others: they would do nothing, in silence.
 void check_options(const files::InputFile& file, const ParticleFormatDescription& about,
                    const ParticleReadOptions& options) {
-  const auto refuse = [&](std::string_view what) {
-    throw Refused{{ErrorKind::usage, fmt::format("{}: {}; this is read as {}", file.name(), what, about.id), {}}};
+  const auto refuse = [&](std::string_view what, Hint hint) {
+    throw Refused{{ErrorKind::usage, fmt::format("{}: {}; this is read as {}", file.name(), what, about.id), hint}};
   };
-  if (options.frame && !about.has_frames) refuse("the number of a frame is for files that may hold several");
-  if (options.grid && !about.has_grids) refuse("the name of a grid is for files that may hold several");
-  if (options.columns && !about.has_columns) refuse("columns of x, y and z are for tables");
+  if (options.frame && !about.has_frames) {
+    refuse("the number of a frame is for files that may hold several", Remedy::leave_out_volume);
+  }
+  if (options.grid && !about.has_grids) {
+    refuse("the name of a grid is for files that may hold several", Remedy::leave_out_grid);
+  }
+  if (options.columns && !about.has_columns)
+    refuse("columns of x, y and z are for tables", "the file itself says which of its numbers are x, y and z");
 }
 
 // Calls work(file), which may throw, and gives what it returns. No exception gets further.

@@ -159,6 +159,31 @@ class AttributesTest(ProgramTest):
         self.assertEqual(sorted(Glb((self.folder / "out.glb").read_bytes()).primitive()["attributes"]),
                          ["COLOR_0", "NORMAL", "POSITION"])
 
+    def test_each_surface_has_the_range_of_its_own_vertices(self):
+        self.convert("ball.nrrd", "--iso", "0", "--iso", "2", "--attribute", "heat=linear.nrrd", "--color-by", "heat:gray",
+                     "-o", "two.glb")
+        glb = Glb((self.folder / "two.glb").read_bytes())
+        ranges = set()
+        for mesh in range(2):
+            pairs = sorted(zip(glb.values("_heat", mesh), glb.values("COLOR_0", mesh)))
+            self.assertEqual((pairs[0][1][0], pairs[-1][1][0]), (0, 65535))
+            middle = (pairs[0][0][0] + pairs[-1][0][0]) / 2
+            _, colour = min((abs(value - middle), colour) for (value,), colour in pairs)
+            self.assertAlmostEqual(colour[0] / 65535, 0.214, delta=0.05)  # half of sRGB, as linear light
+            ranges.add((pairs[0][0], pairs[-1][0]))
+        self.assertEqual(len(ranges), 2)
+
+    def test_several_attributes_are_not_mixed_up(self):
+        self.particles()
+        for order in (("v", "p=pressure"), ("p=pressure", "v")):
+            words = [word for name in order for word in ("--attribute", name)]
+            self.convert("a.ply", "--radius", "0.25", *words, "--ascii", "-o", "out.ply")
+            found = columns(self.folder / "out.ply")
+            self.assertEqual(found["p"], found["v_0"])  # pressure is x
+            for c, axis in enumerate("xyz"):
+                for place, value in zip(found[axis], found[f"v_{c}"]):
+                    self.assertAlmostEqual(value, min(max(place, 0), 4 * STEP), delta=0.6 * STEP)
+
     @needs_program("node")
     def test_everything_that_makes_the_file_smaller_keeps_them(self):
         self.particles()
@@ -253,6 +278,7 @@ class AttributesTest(ProgramTest):
                            (("--attribute", "=a"), "NAME=FROM"), (("--attribute", "a="), "NAME=FROM"),
                            (("--color-by", "a:virids"), "did you mean 'viridis'?"),
                            (("--color-by", "a:1,1"), "MIN below MAX"),
+                           (("--color-by", "a:0,1:gray"), "as in a:gray:0,1"),
                            (("--attribute", "a=linear.nrrd", "--attribute", "a=b"), "given twice"),
                            (("--attribute", "a=linear.nrrd", "--color-by", "a=b.nrrd"), "another name")):
             self.assert_fails(1, self.run_program(*ball, *more), part)
@@ -261,6 +287,11 @@ class AttributesTest(ProgramTest):
             run = self.run_program(*ball, *more, "-o", "a.ply")
             self.assertIn(run.code, (1, 2), run.err)
             self.assertIn(part, run.err)
+        # Options of the input do not help.
+        for wrong, part in (("a=linear.nrrd[x]", "leave the name of a grid out"), ("a=a.raw", "files that say what is in")):
+            run = self.run_program(*ball, "--attribute", wrong, "-o", "a.ply")
+            self.assertIn(part, run.err)
+            self.assertNotRegex(run.err, "--(grid|dims)")
         self.particles()
         self.assert_fails(2, self.run_program("a.ply", "--color-by", "nix", "-o", "b.ply"), "no attribute" , "'nix'")
         self.assertFalse({"a.stl", "a.obj", "b.ply"} & set(self.files()))
@@ -277,7 +308,7 @@ class AttributesTest(ProgramTest):
         for value in found["again"]:
             self.assertAlmostEqual(value, 0.5, delta=1e-4)
         self.assert_fails(2, self.run_program(gas, "--grid", "density", "--iso", "0.5", "--attribute", "nix", "-o", "a.ply"),
-                          "the attribute 'nix'", "nix")
+                          "the attribute 'nix'", "nix", "an attribute is one of the file's grids\n  density")
 
     @unittest.skipUnless(PLUGIN.exists(), "the plug-ins around OpenVDB were not built")
     @needs_data("vdb/c42_gas_seq/fluid_data_0002.vdb")

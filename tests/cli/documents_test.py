@@ -5,7 +5,8 @@ import subprocess
 
 from support import SOURCE, ProgramTest, main, needs_program
 
-COMMANDS = ("convert", "info", "verify", "compare", "render", "bench", "stability", "merge", "devices", "help", "generate")
+COMMANDS = ("convert", "info", "verify", "compare", "render", "bench", "stability", "merge", "devices",
+            "simulate", "simulate water", "simulate jet", "help", "generate")
 
 
 class DocumentsTest(ProgramTest):
@@ -25,7 +26,7 @@ class DocumentsTest(ProgramTest):
         for command in COMMANDS:
             options = self.options(command)
             self.assertIn("help", options)
-            page = self.text(command, "--help")
+            page = self.text(*command.split(), "--help")
             for option in options:
                 for document in (page, man, *scripts):
                     self.assertIn(f"--{option}", document)
@@ -40,7 +41,7 @@ class DocumentsTest(ProgramTest):
         overview = self.text("help")
         self.assertEqual(overview, self.text("--help"))
         self.assertEqual(overview, self.text("-h"))
-        for name in (*COMMANDS, "input", "particles", "frames", "surface", "vertices", "placement", "output", "run", "formats", "demo", "coordinates",
+        for name in (*(name for name in COMMANDS if " " not in name), "input", "particles", "frames", "surface", "vertices", "placement", "output", "run", "formats", "demo", "coordinates",
                      "exit-codes"):
             self.assertRegex(overview, rf"\n  {name} ")
             self.assertGreater(len(self.text("help", name)), 100)
@@ -114,7 +115,7 @@ class DocumentsTest(ProgramTest):
                 ("isoextract --meth", ["--method"]),
                 ("isoextract in.vdb --iso 0 --meth", ["--method"]),
                 ("isoextract convert --meth", ["--method"]),
-                ("isoextract in.vdb --method ", ["mc", "mt"]),
+                ("isoextract in.vdb --method ", ["mc", "mt", "voxels"]),
                 ("isoextract in.vdb --method=m", ["mc", "mt"]),
                 ("isoextract in.vdb --format g", ["glb", "gltf"]),
                 ("isoextract in.vdb --iso ", []),
@@ -131,7 +132,7 @@ class DocumentsTest(ProgramTest):
             self.assertEqual(self.bash_completes(line), wanted, line)
 
     def test_bash_completes_commands(self):
-        self.assertTrue(set(COMMANDS) <= set(self.bash_completes("isoextract ")))
+        self.assertTrue({name for name in COMMANDS if " " not in name} <= set(self.bash_completes("isoextract ")))
 
     def test_bash_keeps_names_with_spaces_whole(self):
         (self.folder / "a file.vdb").touch()
@@ -148,7 +149,7 @@ class DocumentsTest(ProgramTest):
         script = self.folder / "isoextract.fish"
         script.write_text(self.text("generate", "fish"))
         subprocess.run(["fish", "-n", script], check=True)
-        for line, wanted in (("isoextract --meth", ["--method"]), ("isoextract x --method ", ["mc", "mt"]),
+        for line, wanted in (("isoextract --meth", ["--method"]), ("isoextract x --method ", ["mc", "mt", "voxels"]),
                              ("isoextract info --js", ["--json"]), ("isoextract info --meth", []),
                              ("isoextract generate ", ["bash", "fish", "man", "zsh"])):
             run = subprocess.run(["fish", "--no-config", "-c", 'source $argv[1]; complete -C $argv[2]', script, line],

@@ -33,6 +33,29 @@ class OpenVdbTest(ProgramTest):
             self.assertIn(part, run.stderr)
         self.assertFalse((self.folder / "bent.ply").exists())
 
+    def test_points_are_particles_where_they_are_alone_or_named(self):
+        alone = self.folder / "alone" / "isoextract"
+        alone.parent.mkdir()
+        shutil.copy(PROGRAM, alone)
+        points = grid("drops", kind="ptdataidx32_5_4_3")
+        (self.folder / "points.vdb").write_bytes(vdb(points))
+        (self.folder / "both.vdb").write_bytes(vdb(grid("density", VOXELS), points))
+
+        def run(*arguments):
+            return subprocess.run([alone, *arguments], cwd=self.folder, check=False, capture_output=True, text=True)
+
+        for arguments in (("points.vdb", "-o", "a.ply"), ("info", "points.vdb"), ("points.vdb", "--grid", "drops"),
+                          ("both.vdb", "--grid", "drops", "-o", "a.ply")):
+            ended = run(*arguments)
+            self.assertEqual(ended.returncode, 3, ended.stderr)
+            self.assertIn("isoextract-particles-openvdb.so", ended.stderr)
+        ended = run("both.vdb", "--iso", "0.5", "-o", "a.ply")
+        self.assertEqual(ended.returncode, 0, ended.stderr)
+        self.assertIn("both.vdb[density]", ended.stderr)
+        ended = run("both.vdb", "--grid", "density", "--radius", "1", "-o", "a.ply")
+        self.assertEqual(ended.returncode, 1, ended.stderr)
+        self.assertIn("this is a volume", ended.stderr)
+
     @unittest.skipUnless(PLUGIN.exists(), "the plug-ins around OpenVDB were not built")
     def test_a_frustum_becomes_a_mesh(self):
         run = self.convert("bent.vdb", "--iso", "0.5", "-o", "bent.ply")

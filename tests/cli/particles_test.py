@@ -258,7 +258,9 @@ class ParticlesTest(ProgramTest):
         self.assertIn("2 particles at places that are no numbers were left out", run.err)
         self.assertEqual(report["particles"]["not_finite"], 2)
         self.check_block(self.mesh("a.ply"))
-        self.assertIn("2 particles; --nan outside leaves them out", self.convert("info", "a.csv").text)
+        told = self.convert("info", "a.csv").text
+        self.assertIn("2 particles; --nan outside leaves them out", told)
+        self.convert(*re.search(r"^  isoextract (.+)$", told, re.MULTILINE)[1].split())
 
     def test_columns(self):
         self.write_csv("a.csv", [(7, *p) for p in block()], "id,Px,Py,Pz")
@@ -282,6 +284,26 @@ class ParticlesTest(ProgramTest):
         self.convert("a.npy", "--input-format", "npy", "--radius", "0.25", "-o", "a.ply")
         self.check_block(self.mesh("a.ply"))
 
+    def test_structured_arrays_are_particles_where_that_is_said(self):
+        points = block()
+        header = ("{'descr': [('pos', '<f4', (3,)), ('heat', '<f4')], 'fortran_order': False, "
+                  f"'shape': ({len(points)},), }}").ljust(117) + "\n"
+        data = b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header)) + header.encode()
+        (self.folder / "a.npy").write_bytes(data + b"".join(struct.pack("<4f", *p, 1) for p in points))
+        self.assert_fails(2, self.run_program("info", "a.npy"), "found a structure",
+                          "--particles METHOD takes the rows of an array for particles")
+        self.convert("a.npy", "--particles", "sph", "--attribute", "heat", "-o", "a.ply")
+        self.check_block(self.mesh("a.ply"))
+
+    def test_a_folder_of_them_is_a_sequence(self):
+        for k in range(3):
+            self.write_ply(f"drops_{k}.ply", block(3, (k, 0, 0)))
+        (self.folder / "d").mkdir()
+        for name in [name for name in self.files() if name.startswith("drops")]:
+            (self.folder / name).rename(self.folder / "d" / name)
+        self.convert("d", "--radius", "0.25", "-o", "out_{}.obj")
+        self.assertEqual({"out_0.obj", "out_1.obj", "out_2.obj"} - set(self.files()), set())
+
     def test_what_makes_no_sense_is_refused(self):
         self.write_csv("a.csv", block())
         self.write_raw("a.raw", (4, 4, 4), lambda x, y, z: x)
@@ -299,7 +321,8 @@ class ParticlesTest(ProgramTest):
         self.assert_fails(1, self.run_program("a.csv", "--attribute", "a", "-o", "a.stl"), "stl has no attributes")
         self.assert_fails(1, self.run_program("a.csv", "--attribute", "a", "--attribute", "a"), "twice")
         self.assert_fails(2, self.run_program("a.csv", "--attribute", "nix", "-o", "a.ply"), "no attribute 'nix'")
-        self.assert_fails(1, self.run_program("a.csv", "--cell-size", "9", "-o", "a.ply"), "spacing")
+        self.assert_fails(1, self.run_program("a.csv", "--cell-size", "9", "-o", "a.ply"), "a.csv: expected samples",
+                          "give a smaller --cell-size")
         self.assert_fails(1, self.run_program("a.csv", "--particles", "blobs"), "weight, sph, anisotropic")
         self.assert_fails(1, self.run_program("nothing.csv"), "--iso V is missing")
         self.assertFalse([name for name in self.files() if name.endswith((".ply", ".stl", ".glb"))])
@@ -309,6 +332,11 @@ class ParticlesTest(ProgramTest):
         with (self.folder / "a.ply").open("rb") as file:
             self.convert("-", "--radius", "0.25", "-o", "b.ply", stdin=file)
         self.check_block(self.mesh("b.ply"))
+        self.write_csv("a.csv", block())
+        with (self.folder / "a.csv").open("rb") as file:
+            run = self.convert("-", "--input-format", "csv", "-o", "c.ply", stdin=file)
+        self.assertIn("iso 0.6, the usual one", run.err)
+        self.check_block(self.mesh("c.ply"))
 
     def test_info(self):
         self.write_ply("a.ply", block())

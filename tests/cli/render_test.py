@@ -2,59 +2,11 @@
 
 import json
 import struct
-import zlib
 
+from png_reader import Png
 from support import NO_GPU, SPHERE, ProgramTest, main
 
 SMALL = ("--size", "48x32", "--backend", "cpu")
-
-
-class Picture:
-    """An 8-bit RGB or RGBA picture of a PNG file; pixels are tuples."""
-
-    def __init__(self, data):
-        assert data[:8] == b"\x89PNG\r\n\x1a\n"
-        at, packed = 8, b""
-        while at < len(data):
-            size, kind = struct.unpack(">I4s", data[at : at + 8])
-            body = data[at + 8 : at + 8 + size]
-            assert struct.unpack(">I", data[at + 8 + size : at + 12 + size])[0] == zlib.crc32(kind + body)
-            if kind == b"IHDR":
-                self.width, self.height, depth, colour = struct.unpack(">IIBB", body[:10])
-            if kind == b"IDAT":
-                packed += body
-            at += 12 + size
-        assert depth == 8
-        self.channels = {2: 3, 6: 4}[colour]
-        self.bytes = self.unfiltered(zlib.decompress(packed))
-
-    def unfiltered(self, rows):
-        pitch, channels, rest, above = self.width * self.channels, self.channels, [], bytes(self.width * self.channels)
-        for y in range(self.height):
-            kind, row = rows[y * (pitch + 1)], bytearray(rows[y * (pitch + 1) + 1 : (y + 1) * (pitch + 1)])
-            for x in range(pitch):
-                left, corner = (row[x - channels], above[x - channels]) if x >= channels else (0, 0)
-                up = above[x]
-                paeth = min((abs(up - corner), 0, left), (abs(left - corner), 1, up), (abs(left + up - 2 * corner), 2, corner))
-                row[x] = (row[x] + (0, left, up, (left + up) // 2, paeth[2])[kind]) & 255
-            rest.append(row)
-            above = row
-        return b"".join(rest)
-
-    @property
-    def shape(self):
-        return self.height, self.width, self.channels
-
-    def at(self, x, y):
-        first = (x + self.width * y) * self.channels
-        return tuple(self.bytes[first : first + self.channels])
-
-    def difference(self, other):
-        assert self.shape == other.shape
-        return max(abs(a - b) for a, b in zip(self.bytes, other.bytes))
-
-    def alpha(self):
-        return sum(self.bytes[3::4])
 
 
 def exr_channels(data):
@@ -72,16 +24,16 @@ def exr_channels(data):
 class RenderTest(ProgramTest):
     def picture(self, *arguments, name="out.png"):
         self.convert("render", *arguments, *SMALL, "-o", name)
-        return Picture((self.folder / name).read_bytes())
+        return Png((self.folder / name).read_bytes())
 
     def test_a_volume(self):
         run = self.convert("render", SPHERE, *SMALL, "-o", "out.png")
         self.assertRegex(run.err, r"demo:sphere\?size=24 -> out.png: 48 x 32 pixels; drawn in [0-9.]+ s\n")
         self.assertEqual(self.files(), ["out.png"])
-        picture = Picture((self.folder / "out.png").read_bytes())
+        picture = Png((self.folder / "out.png").read_bytes())
         self.assertEqual(picture.shape, (32, 48, 4))
-        self.assertEqual(picture.at(0, 0), (0, 0, 0, 0))
-        self.assertGreater(picture.at(24, 16)[3], 40)
+        self.assertEqual(picture.pixel(0, 0), (0, 0, 0, 0))
+        self.assertGreater(picture.pixel(24, 16)[3], 40)
         self.convert("render", SPHERE, *SMALL)
         self.assertEqual(self.files(), ["out.png", "sphere.png"])
         self.assertEqual((self.folder / "sphere.png").read_bytes(), (self.folder / "out.png").read_bytes())
@@ -95,7 +47,7 @@ class RenderTest(ProgramTest):
 
     def test_stdout(self):
         run = self.convert("render", SPHERE, *SMALL, "-o", "-")
-        self.assertEqual(Picture(run.out).shape, (32, 48, 4))
+        self.assertEqual(Png(run.out).shape, (32, 48, 4))
         self.assertEqual(self.files(), [])
 
     def test_meshes_alone_and_with_surfaces(self):
@@ -103,11 +55,11 @@ class RenderTest(ProgramTest):
         self.convert(SPHERE, "--iso", "0", "-o", "sphere.glb")
         surface = self.picture(SPHERE, "--tf", "none", "--iso", "0", "--background", "black")
         self.assertEqual(surface.shape, (32, 48, 3))
-        self.assertGreater(min(surface.at(24, 16)), 100)
+        self.assertGreater(min(surface.pixel(24, 16)), 100)
         # The mesh's box and the field's differ, and with them the camera's distance. Turned back from y up, the mesh of the
         # glb is where the other is.
         ply, glb = (self.picture(mesh, "--background", "black") for mesh in ("sphere.ply", "sphere.glb"))
-        self.assertGreater(min(ply.at(24, 16)), 100)
+        self.assertGreater(min(ply.pixel(24, 16)), 100)
         self.assertLessEqual(ply.difference(glb), 3)
         both = self.picture(SPHERE, "sphere.ply", "--opacity", "0.5", "--shading", "flat")
         self.assertEqual(both.shape, (32, 48, 4))
@@ -115,10 +67,10 @@ class RenderTest(ProgramTest):
     def test_colours_and_opacity_of_surfaces(self):
         options = ("--tf", "none", "--iso", "-0.2", "--iso", "0.2", "--color-by", "iso")
         seen = self.picture("demo:sphere?size=24", *options)
-        middle = seen.at(24, 16)
+        middle = seen.pixel(24, 16)
         self.assertGreater(max(middle[:3]) - min(middle[:3]), 30)
         opaque = self.picture("demo:sphere?size=24", *options, "--opacity", "1")
-        self.assertGreater(max(abs(a - b) for a, b in zip(opaque.at(24, 16), middle)), 10)
+        self.assertGreater(max(abs(a - b) for a, b in zip(opaque.pixel(24, 16), middle)), 10)
 
     def test_exr(self):
         self.convert("render", SPHERE, "--iso", "0", *SMALL, "-o", "out.exr")
@@ -128,7 +80,7 @@ class RenderTest(ProgramTest):
     def test_a_turn(self):
         self.convert("render", "demo:torus?size=24", *SMALL, "--frames", "4", "-o", "turn_{:02}.png", "--camera", "0,30")
         self.assertEqual(self.files(), [f"turn_{i:02}.png" for i in (1, 2, 3, 4)])
-        pictures = [Picture((self.folder / name).read_bytes()) for name in self.files()]
+        pictures = [Png((self.folder / name).read_bytes()) for name in self.files()]
         turned = self.picture("demo:torus?size=24", "--camera", "90,30", name="turned.png")
         self.assertEqual(turned.difference(pictures[1]), 0)
 
@@ -141,7 +93,7 @@ class RenderTest(ProgramTest):
         pictures = json.loads((self.folder / "all.json").read_text())["pictures"]
         self.assertEqual([picture["frame"] for picture in pictures], [1, 2])
         self.assertEqual(pictures[0]["camera"], pictures[1]["camera"])
-        first, second = (Picture((self.folder / f"p_00{i}.png").read_bytes()).alpha() for i in (1, 2))
+        first, second = (Png((self.folder / f"p_00{i}.png").read_bytes()).alpha() for i in (1, 2))
         self.assertGreater(first, 1.5 * second)
         for name in ("p_001.png", "p_002.png"):
             (self.folder / name).unlink()
@@ -151,9 +103,9 @@ class RenderTest(ProgramTest):
     def test_transfer_functions_of_files(self):
         (self.folder / "a.tf").write_text("# red inside\n-1 0 0 0 0\n0 0 0 0 0\n0 1 0 0 1\n1 1 0 0 1\n")
         picture = self.picture(SPHERE, "--tf", "a.tf", "--unit-length", "0.01")
-        self.assertEqual(picture.at(24, 16)[3], 255)
-        self.assertGreater(picture.at(24, 16)[0], 250)
-        self.assertEqual(picture.at(24, 16)[1], 0)
+        self.assertEqual(picture.pixel(24, 16)[3], 255)
+        self.assertGreater(picture.pixel(24, 16)[0], 250)
+        self.assertEqual(picture.pixel(24, 16)[1], 0)
         (self.folder / "b.tf").write_text("0 0 0 0 0\n1 1 0 0\n")
         run = self.run_program("render", SPHERE, "--tf", "b.tf", "-o", "no.png")
         self.assert_fails(2, run, "b.tf: line 2: expected a value, red, green, blue and opacity", "found 4 numbers")

@@ -12,6 +12,7 @@ class StabilityTest(ProgramTest):
         report = json.loads(run.text)
         self.assertTrue(report["passed"])
         names = [entry["case"] for entry in json.loads(self.run_program("stability", "--list", "--json").text)]
+        self.assertEqual(names.pop(), "water")
         self.assertGreaterEqual(len(names), 30)
         self.assertEqual([(row["case"], row["method"], row["backend"]) for row in report["rows"]],
                          [(name, method, backend) for name in names for method in ("mc", "mt")
@@ -29,6 +30,21 @@ class StabilityTest(ProgramTest):
         self.assertEqual([line.split()[0] for line in lines[1:-1]], ["float-max", "jump"])
         self.assertTrue(all(line.endswith("pass") and " gpu:points " in line for line in lines[1:-1]), run.text)
         self.assertEqual(lines[-1], "2 of 2 passed")
+
+    def test_water_is_kept_by_one_rule_and_not_by_the_other(self):
+        rows = json.loads(self.run_program("stability", "--case", "water", "--json").text)["water"]
+        self.assertEqual(len(rows), 24)
+        self.assertEqual({(row["friction"], row["flow_div"]) for row in rows},
+                         {(friction, flow_div) for friction in (0, 1) for flow_div in (1, 2, 3, 4)})
+        for row in rows:
+            self.assertEqual((row["conservative"]["failures"], row["conservative"]["steps"]), ([], 10_000))
+            self.assertLessEqual(row["conservative"]["drift"], row["drift_allowed"])
+            self.assertGreaterEqual(row["conservative"]["least_depth"], 0)
+        self.assertGreater(sum(not row["printed"]["passed"] for row in rows), 12)
+        run = self.run_program("stability", "--case", "water")
+        self.assertEqual((run.code, run.err), (0, ""))
+        self.assertIn("printed, as expected: ", run.text)
+        self.assertRegex(run.text.splitlines()[-1], r"water: 24 of 24 passed by the conservative rule, \d+ by the printed one")
 
     def test_threads_do_not_matter(self):
         texts = {self.run_program("stability", "--backends", "cpu,gpu", "--threads", threads).text

@@ -10,6 +10,7 @@ MAY_INCLUDE = {
     "base": [],
     "field": ["base"],
     "points": ["field"],
+    "simulate": ["field", "points"],
     "mesh": ["base"],
     "files": ["base"],
     "gl": ["base"],
@@ -21,9 +22,9 @@ MAY_INCLUDE = {
     "measure": ["extract", "mesh"],
     "images": ["field", "files"],
     "render": ["gl", "field", "mesh", "images"],
-    "convert": ["volumes", "meshes", "gpu", "edit", "measure"],
+    "convert": ["volumes", "meshes", "gpu", "edit", "measure", "render"],
     "batch": ["convert"],
-    "cli": ["batch", "render"],
+    "cli": ["batch", "simulate", "render"],
 }
 
 LINE_LIMIT = 500
@@ -196,10 +197,10 @@ def check_map(root):
 
 
 def check_length(root):
-    """No file of sources, tests or shaders is too long to read."""
+    """No file of sources, tests or shaders is too long to read; the map has a line for each of them."""
     for path in project_files(root):
         parts = path.relative_to(root).parts
-        if parts[0] not in ("src", "tests", "shaders") or path.name == "package-lock.json":
+        if parts[0] not in ("src", "tests", "shaders") or path.name in ("package-lock.json", "README.md"):
             continue
         text = text_of(path)
         lines = len(text.splitlines()) if text is not None else 0

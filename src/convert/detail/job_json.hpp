@@ -35,10 +35,10 @@ concept JsonValue = std::same_as<T, bool> || std::same_as<T, double> || std::sam
     std::same_as<T, std::int64_t> || std::same_as<T, std::string>;
 
 template <class T>
-concept JobStructure =
-    std::same_as<T, volumes::RawLayout> || std::same_as<T, ParticleOptions> || std::same_as<T, AttributeChoice> ||
-    std::same_as<T, ColourChoice> || std::same_as<T, SimplifyBound> || std::same_as<T, OutputFileJob> ||
-    std::same_as<T, FilterStep> || std::same_as<T, FieldFileOptions> || std::same_as<T, ConversionJob>;
+concept JobStructure = std::same_as<T, volumes::RawLayout> || std::same_as<T, ParticleOptions> ||
+    std::same_as<T, AttributeChoice> || std::same_as<T, ColourChoice> || std::same_as<T, SimplifyBound> ||
+    std::same_as<T, OutputFileJob> || std::same_as<T, FilterStep> || std::same_as<T, FieldFileOptions> ||
+    std::same_as<T, PictureFileOptions> || std::same_as<T, ConversionJob>;
 
 class JobJson {
  public:
@@ -136,8 +136,10 @@ class JobJson {
 
   static Json encode(const IsoChoice& choice) { return json_of(choice); }
   static Expected decode(const Json& json, IsoChoice& target) {
-    const auto choice = json.is_string() ? iso_choice_of(json.get<std::string>()) : std::nullopt;
-    if (!json.is_number() && !choice) return "a number, auto or a percentile such as p99";
+    const std::string word = json.is_string() ? json.get<std::string>() : "";
+    auto choice = iso_choice_of(word);
+    if (!choice) choice = label_choice_of(word);
+    if (!json.is_number() && !choice) return "a number, auto, a percentile such as p99 or a label such as label 5";
     target = choice ? *choice : IsoChoice(json.get<double>());
     return {};
   }
@@ -262,6 +264,12 @@ class JobJson {
       each("width", value.width);
     } else if constexpr (std::same_as<Structure, FieldFileOptions>) {
       each("half", value.as_half);
+    } else if constexpr (std::same_as<Structure, PictureFileOptions>) {
+      each("width", value.width);
+      each("height", value.height);
+      each("azimuth", value.angles.azimuth);
+      each("elevation", value.angles.elevation);
+      each("distance", value.angles.distance);
     } else if constexpr (std::same_as<Structure, OutputFileJob>) {
       each("path", value.path);
       each("iso", value.isos);
@@ -293,6 +301,7 @@ class JobJson {
     each("method", job.surface.method);
     each("nan", job.surface.nan);
     each("cap", job.surface.cap);
+    each("voxel_faces", job.surface.voxel_faces);
     each("normals", job.normals);
     each("colour", job.colour);
     each("opacity", job.opacity);
@@ -310,6 +319,7 @@ class JobJson {
     each("position_bits", job.packing.position_bits);
     each("optimize_order", job.packing.optimize_order);
     each("field_file", job.field_file);
+    each("picture_file", job.picture_file);
     each("outputs", job.outputs);
   }
 };

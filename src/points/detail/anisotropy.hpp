@@ -27,7 +27,7 @@
 #include "base/context.hpp"
 #include "base/error.hpp"
 #include "base/reserved_buffer.hpp"
-#include "points/detail/cell_grid.hpp"
+#include "points/cell_grid.hpp"
 #include "points/detail/kernel_bricks.hpp"
 #include "points/particle_field.hpp"
 

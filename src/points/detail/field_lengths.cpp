@@ -50,8 +50,10 @@ Result<void> settle_lengths(const ParticleSet& particles, const FieldOptions& op
   // Else particles between samples would leave no trace.
   if (has_kernels && !(figures.support >= figures.spacing)) {
     return fail(ErrorKind::usage,
-                fmt::format("expected samples at most as far apart as a kernel reaches, {}; found a spacing of {}",
-                            figures.support, figures.spacing));
+                fmt::format("{}: expected samples at most as far apart as a kernel reaches, {:.6g}; found a spacing of "
+                            "{:.6g}",
+                            particles.label, figures.support, figures.spacing),
+                Remedy::smaller_cells);
   }
   return {};
 }

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "points/detail/cell_grid.hpp"
+#include "points/cell_grid.hpp"
 #include "points/detail/sparse_bricks.hpp"
 
 namespace isoextract::points {

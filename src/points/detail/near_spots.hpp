@@ -7,7 +7,7 @@
 
 #include <glm/glm.hpp>
 
-#include "points/detail/cell_grid.hpp"
+#include "points/cell_grid.hpp"
 #include "points/detail/spline_sums.hpp"
 
 namespace isoextract::points {

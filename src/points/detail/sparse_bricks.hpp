@@ -10,7 +10,7 @@
 #include "base/context.hpp"
 #include "base/error.hpp"
 #include "field/samples.hpp"
-#include "points/detail/cell_grid.hpp"
+#include "points/cell_grid.hpp"
 
 namespace isoextract::points {
 

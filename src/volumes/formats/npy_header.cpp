@@ -162,6 +162,10 @@ Result<NpyHeader> read_npy_header(const files::InputFile& file) {
   std::array<std::byte, 12> start{};
   const auto known = static_cast<std::size_t>(std::min<std::uint64_t>(start.size(), file.size()));
   if (auto read = file.read_at(0, std::span(start).first(known)); !read) return tl::unexpected(read.error());
+  if (files::is_gzip(std::span(start).first(known))) {
+    return fail(ErrorKind::input, file.name() + ": expected a NumPy file as it is, found it packed by gzip",
+                "unpack it first");
+  }
   if (!starts_with(start, kNpyMagic)) return fail_magic(file, "a NumPy file", "'\\x93NUMPY'");
   const int version = std::to_integer<int>(start[6]);
   if (version < 1 || version > 3) {

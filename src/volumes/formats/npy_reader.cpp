@@ -51,7 +51,8 @@ Result<DenseFile> open_npy(const files::InputFile& file) {
     return fail(ErrorKind::input,
                 fmt::format("{}: expected numbers of type u1, i1, u2, i2, u4, i4, f2, f4 or f8, found {}", file.name(),
                             printable(header->descr, 40)),
-                "convert the array in NumPy, for example with a.astype('f4')");
+                header->fields.empty() ? Hint("convert the array in NumPy, for example with a.astype('f4')")
+                                       : Hint(Remedy::read_as_particles));
   }
 
   DenseFile dense;

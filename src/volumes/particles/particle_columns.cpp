@@ -216,7 +216,7 @@ ColumnChoice choose_columns(const ParticleTable& table, const ParticleReadOption
     if (!columns[attribute.columns.front()].numeric) {
       throw DamagedParticles(fmt::format("expected numbers as '{}', found {}", printable(name, 80),
                                          columns[attribute.columns.front()].type),
-                             "attributes of numbers are: " + attribute_list(table, choice.position));
+                             "of numbers " + attribute_list(table, choice.position));
     }
     if (std::ranges::count(choice.attributes, attribute.name, &ColumnGroup::name) > 0) continue;
     choice.attributes.push_back(std::move(attribute));

@@ -102,9 +102,15 @@ class PluginParticles : public ParticleFormat {
           throw DamagedParticles(fmt::format("expected the name of a whole attribute, found '{}'",
                                              printable(table_.columns[first].name, 80)));
         }
-        // The first group is the position.
+        float* values = set.attributes[a].values.data();
+        if (group == table_.groups.begin()) {  // the position, of which plug-ins do not know as an attribute
+          for (const glm::dvec3& p : set.positions) {
+            for (int axis = 0; axis < 3; ++axis) *values++ = static_cast<float>(p[axis]);
+          }
+          continue;
+        }
         const auto index = static_cast<std::size_t>(group - table_.groups.begin()) - 1;
-        if (plugin_->quantity(&file_, index, set.attributes[a].values.data()) != 0) failed();
+        if (plugin_->quantity(&file_, index, values) != 0) failed();
       }
     }
 

@@ -173,9 +173,20 @@ TEST_F(FindFrames, SeveralSequencesInAFolderAreListed) {
   EXPECT_LT(found({"d"}).size(), 400U);
 }
 
-TEST_F(FindFrames, AFolderWithoutVolumesIsAnError) {
+TEST_F(FindFrames, AFolderWithoutVolumesIsOfParticles) {
+  make({"d/drops_1.ply", "d/drops_2.ply", "d/readme.txt"});
+  EXPECT_EQ(found({"d"}), "1=d/drops_1.ply 2=d/drops_2.ply");
+  EXPECT_EQ(find({"d"})->notes, std::vector<std::string>{"d: 1 other file is not named like particles"});
+  make({"packed/peri_0.csv.gz", "packed/peri_100.csv.gz"});
+  EXPECT_EQ(found({"packed"}), "0=packed/peri_0.csv.gz 100=packed/peri_100.csv.gz");
+  make({"d/smoke_7.vdb"});
+  EXPECT_EQ(found({"d"}), "7=d/smoke_7.vdb");
+  EXPECT_EQ(find({"d"})->notes, std::vector<std::string>{"d: 3 other files are not named like a volume"});
+}
+
+TEST_F(FindFrames, AFolderOfOtherFilesIsAnError) {
   make({"d/readme.txt"});
-  EXPECT_EQ(found({"d"}), "2: d: no file in the folder is named like a volume");
+  EXPECT_EQ(found({"d"}), "2: d: no file in the folder is named like a volume or particles");
 }
 
 TEST_F(FindFrames, ASingleInputIsAFrame) {

@@ -34,7 +34,7 @@ ConversionJob full_job() {
   job.source.resolution = glm::ivec3(10, 20, 30);
   job.source.roi = field::Box{{-1, -2, -3}, {1, 2, 3}};
   job.source.placement = {Space::index, UpAxis::y, true, 0.001, "mm"};
-  job.surface = {extract::Method::mt, extract::NanPolicy::hole, true};
+  job.surface = {extract::Method::mt, extract::NanPolicy::hole, true, extract::VoxelFaces::plain};
   job.normals = Normals::flat;
   job.colour = ColourChoice{"heat", Colormap::turbo, std::array{-1.5, 2.25}};
   job.opacity = {0.25, 1};
@@ -48,7 +48,9 @@ ConversionJob full_job() {
   job.packing = {meshes::Compression::draco, true, 12, true};
   job.field_file = FieldFileOptions{true};
   job.outputs = {{"a.stl", {0.1}},
-                 {"-", {1.0 / 3, -5, IsoChoice::suggested(), IsoChoice::percentile(*field::Percent::parse("99.9"))}}};
+                 {"-",
+                  {1.0 / 3, -5, IsoChoice::suggested(), IsoChoice::percentile(*field::Percent::parse("99.9")),
+                   IsoChoice::label(-7), IsoChoice::all_labels()}}};
   return job;
 }
 
@@ -89,10 +91,12 @@ TEST(ConversionJob, EveryMemberCounts) {
 }
 
 TEST(ConversionJob, IsoValuesAreNumbersOrWords) {
-  EXPECT_EQ(json_of(full_job())["outputs"][1]["iso"].dump(), R"([0.3333333333333333,-5.0,"auto","p99.9"])");
+  EXPECT_EQ(json_of(full_job())["outputs"][1]["iso"].dump(),
+            R"([0.3333333333333333,-5.0,"auto","p99.9","label -7","all labels"])");
   std::set<std::string> hashes;
-  for (const IsoChoice& iso : {IsoChoice(), IsoChoice(99), IsoChoice::suggested(),
-                               IsoChoice::percentile(field::Percent(99)), IsoChoice::percentile(field::Percent(0))}) {
+  for (const IsoChoice& iso :
+       {IsoChoice(), IsoChoice(99), IsoChoice::suggested(), IsoChoice::percentile(field::Percent(99)),
+        IsoChoice::percentile(field::Percent(0)), IsoChoice::label(99), IsoChoice::label(0), IsoChoice::all_labels()}) {
     ConversionJob job;
     job.outputs = {{"a.ply", {iso}}};
     EXPECT_TRUE(hashes.insert(hash_of(job)).second) << text_of(iso);
@@ -130,7 +134,7 @@ TEST(ConversionJob, RefusesWhatItDoesNotUnderstand) {
     return job ? std::string() : job.error().message;
   };
   EXPECT_NE(refusal(R"({"isovalue": 3})").find("no member 'isovalue'"), std::string::npos);
-  EXPECT_NE(refusal(R"({"method": "mq"})").find("'method' to be one of mc, mt"), std::string::npos);
+  EXPECT_NE(refusal(R"({"method": "mq"})").find("'method' to be one of mc, mt, voxels"), std::string::npos);
   EXPECT_NE(refusal(R"({"cap": 1})").find("'cap' to be true or false"), std::string::npos);
   EXPECT_NE(refusal(R"({"resolution": [1, 2]})").find("three whole numbers, or null"), std::string::npos);
   EXPECT_NE(refusal(R"({"resolution": [1, 2, 3000000000]})").find("three whole numbers"), std::string::npos);

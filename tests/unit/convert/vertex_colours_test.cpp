@@ -86,6 +86,13 @@ TEST(VertexColours, RangesLengthsAndNumbersThatAreNone) {
   ASSERT_TRUE(record);
   EXPECT_EQ((std::array{record->min, record->max}), (std::array{0.0, 13.0}));
 
+  mesh::Mesh high = with_values({4, 8, 6});
+  ASSERT_TRUE(add_colours(by_heat(), meshes::MeshFormat::ply, high, Context()));
+  EXPECT_EQ(colours_of<std::uint8_t>(high), (std::vector<std::uint8_t>{0, 0, 0, 255, 255, 255, 128, 128, 128}));
+  mesh::Mesh given = with_values({4, 8, 1});
+  ASSERT_TRUE(add_colours(by_heat(Colormap::gray, std::array{2.0, 6.0}), meshes::MeshFormat::ply, given, Context()));
+  EXPECT_EQ(colours_of<std::uint8_t>(given), (std::vector<std::uint8_t>{128, 128, 128, 255, 255, 255, 0, 0, 0}));
+
   mesh::Mesh alike = with_values({2, 2});
   ASSERT_TRUE(add_colours(by_heat(), meshes::MeshFormat::ply, alike, Context()));
   EXPECT_EQ(colours_of<std::uint8_t>(alike).front(), 128);
@@ -114,8 +121,14 @@ TEST(Materials, OuterSurfacesLetInnerOnesBeSeen) {
   const auto plain = material_of(job, isos, 1, field::FieldKind::density);
   ASSERT_TRUE(plain);
   EXPECT_EQ(*plain, (mesh::Material{{}, 0.5}));
-  isos = {1};
+  isos = {1, 3, 2, 3};  // a value that was found can be one that was given: it has one surface
+  job.opacity = {0.1, 0.2, 0.3, 0.4};
+  EXPECT_EQ(opacity(3, field::FieldKind::density), 0.2);
   job.opacity.clear();
+  job.colour = ColourChoice{{}, Colormap::gray, {}};
+  EXPECT_EQ(opacity(2, field::FieldKind::density), 0.625);
+  EXPECT_EQ(opacity(3, field::FieldKind::density), 1);
+  isos = {1};
   job.colour = ColourChoice{{}, Colormap::gray, {}};
   EXPECT_EQ(opacity(1, field::FieldKind::density), 1);
 }

@@ -90,6 +90,8 @@ extract::MethodTraits observed_traits(extract::Extractor& extractor, extract::Me
   const auto fine = error_at(47, true);
   seen.gradient_normals = coarse && fine && coarse->smooth_normals.points > 0 &&
                           is_second_order(coarse->smooth_normals.rms_degrees, fine->smooth_normals.rms_degrees);
+  const field::ScalarField cut = field::make_demo_field("demo:gyroid?size=12").value();
+  seen.always_closed = mesh::measure_topology(extractor.extract(cut, placed(cut, method))->mesh).open_edges == 0;
   return seen;
 }
 
@@ -102,6 +104,7 @@ TEST(MethodTraits, AreTrueOfEveryMethod) {
     EXPECT_EQ(seen.axis_edges_only, method.traits.axis_edges_only);
     EXPECT_EQ(seen.follows_interpolant, method.traits.follows_interpolant);
     EXPECT_EQ(seen.gradient_normals, method.traits.gradient_normals);
+    EXPECT_EQ(seen.always_closed, method.traits.always_closed);
   }
 }
 

@@ -270,6 +270,46 @@ TEST(OpenVdbPoints, PositionsAndAttributes) {
   EXPECT_EQ(seen.size(), places.size());
 }
 
+TEST(OpenVdbPoints, ThePositionIsAnAttributeToo) {
+  NEEDS_OPENVDB_PLUGIN();
+  const TempFolder folder;
+  write_vdb(folder / "p.vdb", {point_grid("drops", some_places(), 0.5)});
+  volumes::ParticleReadOptions options;
+  options.attributes = {"position", "heat"};
+  const auto read = try_points(folder / "p.vdb", options);
+  ASSERT_TRUE(read) << read.error().message;
+  const auto& position = attribute_named(read->particles, "position");
+  ASSERT_EQ(position.components, 3U);
+  for (std::size_t i = 0; i < read->particles.size(); ++i) {
+    for (int axis = 0; axis < 3; ++axis) {
+      EXPECT_EQ(position.values[3 * i + static_cast<std::size_t>(axis)],
+                static_cast<float>(read->particles.positions[i][axis]));
+    }
+  }
+  EXPECT_EQ(attribute_named(read->particles, "heat").components, 1U);
+}
+
+TEST(OpenVdbPoints, AnAttributeOfFewerPointsIsDamage) {
+  NEEDS_OPENVDB_PLUGIN();
+  namespace points = openvdb::points;
+  const TempFolder folder;
+  const auto grid = point_grid("drops", some_places(), 0.5);
+  for (auto leaf = grid->tree().beginLeaf(); leaf; ++leaf) {
+    const auto& old = leaf->constAttributeArray("heat");
+    if (old.size() < 2) continue;
+    points::AttributeSet set(leaf->attributeSet(), old.size());
+    set.replace("heat", points::TypedAttributeArray<float>::create(old.size() - 1, 1, true));
+    leaf->replaceAttributeSet(new points::AttributeSet(set), true);
+  }
+  write_vdb(folder / "p.vdb", {grid});
+  volumes::ParticleReadOptions options;
+  options.attributes = {"heat"};
+  const auto read = try_points(folder / "p.vdb", options);
+  ASSERT_FALSE(read);
+  expect_in(read.error().message, "the file is damaged: expected a value of 'heat' for each point");
+  EXPECT_TRUE(try_points(folder / "p.vdb"));
+}
+
 TEST(OpenVdbPoints, FilesOfPointsAloneAreParticles) {
   const TempFolder folder;
   const auto drops = point_grid("drops", some_places(), 0.5);

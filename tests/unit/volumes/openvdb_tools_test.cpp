@@ -47,6 +47,27 @@ field::ScalarField sparse_field(std::vector<float>& values) {
   return field;
 }
 
+TEST(OpenVdbTools, AFileHoldsSeveralGrids) {
+  NEEDS_OPENVDB_PLUGIN();
+  const PluginFolder plugins(BUILT_PLUGINS);
+  std::vector<float> values;
+  std::vector<field::ScalarField> fields(2, sparse_field(values));
+  fields[1].name = "fog";
+  fields[1].index_to_world = {};
+  const TempFolder folder;
+  const auto written = volumes::write_vdb(folder / "w.vdb", fields);
+  ASSERT_TRUE(written) << written.error().message;
+  EXPECT_EQ(*written, std::filesystem::file_size(folder / "w.vdb"));
+  for (const field::ScalarField& field : fields) {
+    volumes::ReadOptions options;
+    options.grid = field.name;
+    const auto read = volumes::read_volume(folder / "w.vdb", options);
+    ASSERT_TRUE(read) << read.error().message;
+    EXPECT_EQ(read->index_to_world, field.index_to_world);
+    EXPECT_EQ(samples_of(*read).blocks.size(), samples_of(field).blocks.size());
+  }
+}
+
 TEST(OpenVdbTools, SparseFieldsAreWrittenBitForBit) {
   NEEDS_OPENVDB_PLUGIN();
   const PluginFolder plugins(BUILT_PLUGINS);
@@ -108,6 +129,21 @@ TEST(OpenVdbTools, DenseFieldsAreWrittenAndNoPartOfAFileStays) {
   EXPECT_FALSE(std::filesystem::exists(folder / "e.vdb"));
 }
 
+TEST(OpenVdbTools, NodesAboveScatteredBricksAreReserved) {
+  NEEDS_OPENVDB_PLUGIN();
+  const PluginFolder plugins(BUILT_PLUGINS);
+  std::vector<float> values;
+  field::ScalarField field = sparse_field(values);
+  auto& samples = std::get<field::SparseSamples>(field.samples);
+  for (int i = 1; i < 64; ++i) samples.blocks.push_back({{4096 * i, 0, 0}, values.data()});
+  const TempFolder folder;
+  // Each has a node of 16^3 pointers above it, and one of 32^3.
+  const auto refused = volumes::write_vdb(folder / "w.vdb", field, {}, with_memory(std::uint64_t{12} << 20));
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().hint.remedy, Remedy::raise_memory_limit);
+  EXPECT_TRUE(volumes::write_vdb(folder / "w.vdb", field, {}, with_memory(std::uint64_t{40} << 20)));
+}
+
 points::ParticleSet two_balls() {
   points::ParticleSet set;
   set.label = "two balls";
@@ -161,6 +197,18 @@ TEST(OpenVdbTools, SpheresHaveTheirVolume) {
     EXPECT_EQ(sparse_value<float>(samples_of(fog->field), {20, 20, 20}), 0);
   }
   EXPECT_EQ(context.memory().reserved(), 0U);
+}
+
+TEST(OpenVdbTools, CountingWhatSpheresTouchIsReservedToo) {
+  NEEDS_OPENVDB_PLUGIN();
+  const PluginFolder plugins(BUILT_PLUGINS);
+  volumes::SphereOptions options;
+  options.radius = 1;
+  options.voxel = 0.001;
+  constexpr std::uint64_t kLimit = std::uint64_t{16} << 20;
+  const Context context = with_memory(kLimit);
+  EXPECT_FALSE(volumes::spheres_to_field(two_balls(), options, context));
+  EXPECT_GT(context.memory().peak(), kLimit / 2);  // refused while it counted
 }
 
 TEST(OpenVdbTools, ASmoothSphereAloneIsASphere) {

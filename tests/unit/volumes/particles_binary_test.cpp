@@ -263,7 +263,8 @@ TEST(ParticlesNpy, WrongArraysAreRefused) {
           {npy_bytes("[('x', '|O')]", "(3,)", data), "expected numbers, found the type |O"},
           {npy_bytes("[('x', '<f8', (99999999999,))]", "(3,)", data), "expected a smaller field 'x'"},
           {npy_bytes("[('x', '<f8')]", "(9,)", data), "expected columns x, y and z"},
-          {npy_bytes("[('x', [('y', '<f8')])]", "(9,)", data), "found shape (9) of a structure"}};
+          {npy_bytes("[('x', [('y', '<f8')])]", "(9,)", data), "found shape (9) of a structure"},
+          {gzip(npy_bytes("'<f8'", "(3, 3)", data)), "found it packed by gzip"}};
   for (const auto& [bytes, message] : bad) {
     SCOPED_TRACE(message);
     expect_in(particle_refusal({"a.npy", bytes}).message, message);

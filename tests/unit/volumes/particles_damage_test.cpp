@@ -157,10 +157,14 @@ TEST(ParticlesFormat, ByContentThenByName) {
 }
 
 TEST(ParticlesFormat, OptionsOfOtherFormatsAreRefused) {
-  EXPECT_EQ(particle_refusal({"a.csv", "1 2 3\n"}, of_frame(0)).kind, ErrorKind::usage);
+  const Error frame = particle_refusal({"a.csv", "1 2 3\n"}, of_frame(0));
+  EXPECT_EQ(frame.kind, ErrorKind::usage);
+  EXPECT_EQ(frame.hint.remedy, Remedy::leave_out_volume);
   volumes::ParticleReadOptions options;
   options.columns = {"1", "2", "3"};
-  EXPECT_EQ(particle_refusal({"a.bgeo", bgeo_classic()}, options).kind, ErrorKind::usage);
+  const Error columns = particle_refusal({"a.bgeo", bgeo_classic()}, options);
+  EXPECT_EQ(columns.kind, ErrorKind::usage);
+  EXPECT_FALSE(columns.hint.empty());
   for (const volumes::ParticleFormatDescription& about : volumes::particle_format_descriptions()) {
     EXPECT_FALSE(about.id.empty() || about.title.empty() || about.extensions.empty());
   }

@@ -91,6 +91,11 @@ TEST(ParticlesVtk, LegacyAndXml) {
     EXPECT_EQ(context.memory().reserved(), 3U * (24 + 4 + 12));
   }
   EXPECT_EQ(context.memory().reserved(), 0U);
+  volumes::ParticleReadOptions places;
+  places.attributes = {"position"};
+  const auto with_places = read_vtk(folder / "a.vtk", places);
+  ASSERT_TRUE(with_places) << with_places.error().message;
+  expect_attribute(with_places->particles, "position", 3, {1, 2, 3, 4, 5, 6, 7, 8, 9.5F});
   const auto xml = read_vtk(folder / "b.vtp", with_all());
   ASSERT_TRUE(xml) << xml.error().message;
   expect_positions(xml->particles, {{1, 2, 3}, {4, 5, 6}});

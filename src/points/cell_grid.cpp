@@ -1,4 +1,4 @@
-#include "points/detail/cell_grid.hpp"
+#include "points/cell_grid.hpp"
 
 #include <limits>
 

@@ -1,0 +1,203 @@
+#include "cli/html_page.hpp"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/byte_size.hpp"
+#include "base/printable.hpp"
+#include "base/version.hpp"
+#include "cli/values.hpp"
+#include "images/png_writer.hpp"
+
+namespace isoextract::cli {
+namespace {
+
+constexpr std::string_view kStyle =
+    "body{font:15px/1.5 system-ui,sans-serif;color:#1c2430;background:#fff;max-width:70rem;margin:2rem auto;padding:0 "
+    "1rem}h1{font-size:1.5rem}h2{font-size:1.15rem;margin-top:2rem}code,pre{font:13px/1.4 ui-monospace,monospace}"
+    "pre{background:#f2f4f7;padding:.7rem;overflow-x:auto}table{border-collapse:collapse;font-size:13px}"
+    "th,td{border-bottom:1px solid #d8dde5;padding:.25rem .7rem;text-align:right}th:first-child,td:first-child,"
+    "td.words,th.words{text-align:left}figure{display:inline-block;margin:.3rem;text-align:center}"
+    "img{max-width:100%;border:1px solid #d8dde5}figcaption{font-size:12px;color:#56606e}.failed{color:#a61b1b}"
+    ".scroll{overflow-x:auto}svg{max-width:100%;height:auto}";
+
+std::string escaped(std::string_view text) {
+  std::string html;
+  for (const char c : printable(text)) {
+    switch (c) {
+      case '&': html += "&amp;"; break;
+      case '<': html += "&lt;"; break;
+      case '>': html += "&gt;"; break;
+      case '"': html += "&quot;"; break;
+      default: html += c;
+    }
+  }
+  return html;
+}
+
+std::string base64(std::span<const std::byte> bytes) {
+  constexpr std::string_view kDigits64 = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
+    std::uint32_t group = 0;
+    for (std::size_t b = 0; b < 3; ++b) {
+      group = (group << 8U) | (b < count ? std::to_integer<std::uint32_t>(bytes[i + b]) : 0U);
+    }
+    for (std::size_t d = 0; d < 4; ++d) text += d <= count ? kDigits64[(group >> (18 - 6 * d)) & 63U] : '=';
+  }
+  return text;
+}
+
+// A row of a table; the first `words` cells are text.
+std::string row_of(std::span<const std::string> cells, std::string_view tag, std::size_t words) {
+  std::string html = "<tr>";
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    html += fmt::format("<{0}{1}>{2}</{0}>", tag, i < words ? " class=\"words\"" : "", cells[i]);
+  }
+  return html + "</tr>\n";
+}
+
+template <class T>
+std::string optional_text(const std::optional<T>& value) {
+  return value ? fmt::format("{:.6g}", static_cast<double>(*value)) : "";
+}
+
+std::string count_text(const std::optional<std::uint64_t>& value) { return value ? fmt::format("{}", *value) : ""; }
+
+std::string frames_section(std::span<const batch::FrameRow> rows) {
+  const std::array<std::string, 12> heads{"frame",    "input", "output", "status",     "iso",     "triangles",
+                                          "vertices", "area",  "volume", "components", "seconds", "bytes"};
+  std::string html = "<h2>Frames</h2>\n<div class=\"scroll\"><table>\n<thead>" + row_of(heads, "th", 4) + "</thead>\n";
+  for (const batch::FrameRow& row : rows) {
+    const std::string status = row.error.empty() ? std::string(word_of(row.status))
+                                                 : fmt::format("<span class=\"failed\">{}: {}</span>",
+                                                               word_of(row.status), escaped(row.error));
+    std::vector<batch::SurfaceFigures> surfaces = row.figures.surfaces;
+    const bool none = surfaces.empty();
+    if (none) surfaces.emplace_back();
+    for (const batch::SurfaceFigures& surface : surfaces) {
+      const std::string iso = surface.asked.empty() ? fmt::format("{:.6g}", surface.iso)
+                                                    : fmt::format("{:.6g} ({})", surface.iso, escaped(surface.asked));
+      html += row_of(
+          std::array<std::string, 12>{
+              fmt::format("{}", row.frame), escaped(row.input), row.outputs.empty() ? "" : escaped(row.outputs.front()),
+              status, none ? "" : iso, none ? "" : fmt::format("{}", surface.triangles), count_text(surface.vertices),
+              optional_text(surface.area), optional_text(surface.volume), count_text(surface.components),
+              fmt::format("{:.3f}", row.figures.wall_seconds), fmt::format("{}", row.figures.bytes)},
+          "td", 4);
+    }
+  }
+  return html + "</table></div>\n";
+}
+
+}  // namespace
+
+void HtmlPage::add(std::int64_t frame, const convert::Outcome& outcome) {
+  for (const convert::MeshRecord& mesh : outcome.meshes) {
+    if (!mesh.error || mesh.error->field.interior.points == 0) continue;
+    const measure::ErrorStatistics& found = mesh.error->field.interior;
+    errors_.push_back({frame, mesh.iso, found.rms.world, found.max.world, found.max.voxels});
+  }
+  const auto take = [&](const convert::WorkFact& fact) {
+    LeftOut& all = left_out_[{fact.what, fact.done}];
+    all.count += fact.count.value_or(0);
+    all.total += fact.total.value_or(0);
+    if (++all.times == 1) all.first = fact.text;
+  };
+  for (const convert::WorkFact& fact : outcome.work) take(fact);
+  for (const convert::ExtractionRecord& extraction : outcome.extractions) {
+    for (const convert::WorkFact& fact : extraction.work) take(fact);
+  }
+  for (const convert::StageRecord& stage : outcome.stages) stages_[stage.stage] += stage.time.wall_seconds;
+  if (!outcome.device.empty()) devices_.insert(fmt::format("{} ({})", outcome.device, outcome.backend));
+  for (const std::string& note : outcome.notes) notes_.emplace_back(frame, note);
+}
+
+std::string HtmlPage::left_out_section() const {
+  if (left_out_.empty()) return {};
+  std::string html = "<h2>What was looked at, and what was left out</h2>\n<ul>\n";
+  for (const auto& [name, fact] : left_out_) {
+    html += fmt::format("<li><b>{}</b> {}: {}", escaped(name.first), escaped(name.second), escaped(fact.first));
+    if (fact.times > 1 && fact.total > 0) {
+      html += fmt::format("; in all {} of {} over {} surfaces or frames", fact.count, fact.total, fact.times);
+    }
+    html += "</li>\n";
+  }
+  return html + "</ul>\n";
+}
+
+std::string HtmlPage::error_section() const {
+  if (errors_.empty()) {
+    return "<h2>Error</h2>\n<p>It was not measured; <code>--error</code> measures the distance of each mesh from its "
+           "isosurface.</p>\n";
+  }
+  std::string html = "<h2>Error</h2>\n<p>Distances of the meshes from their isosurfaces.</p>\n<table>\n" +
+                     row_of(std::array<std::string, 5>{"frame", "iso", "rms", "largest", "largest, voxels"}, "th", 1);
+  for (const MeasuredError& error : errors_) {
+    html += row_of(std::array<std::string, 5>{fmt::format("{}", error.frame), fmt::format("{:.6g}", error.iso),
+                                              fmt::format("{:.3g}", error.rms), fmt::format("{:.3g}", error.largest),
+                                              fmt::format("{:.3g}", error.voxels)},
+                   "td", 1);
+  }
+  return html + "</table>\n";
+}
+
+std::string HtmlPage::stage_section() const {
+  if (stages_.empty()) return {};
+  std::string html = "<h2>Time by stage</h2>\n<table>\n" +
+                     row_of(std::array<std::string, 2>{"stage", "seconds, of all frames"}, "th", 1);
+  for (const auto& [stage, seconds] : stages_) {
+    html += row_of(std::array<std::string, 2>{escaped(stage), fmt::format("{:.4f}", seconds)}, "td", 1);
+  }
+  return html + "</table>\n";
+}
+
+Result<std::string> HtmlPage::text(std::span<const batch::FrameRow> rows, const MeshPictures& pictures,
+                                   const std::string& svg, const std::vector<std::string>& arguments,
+                                   const Context& context) const {
+  std::vector<std::string> words{"isoextract"};
+  for (const std::string& argument : arguments) words.push_back(shell_quoted(argument));
+  const std::string title = rows.size() == 1 ? rows.front().input : fmt::format("{} frames", rows.size());
+  std::string html = fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
+      "content=\"width=device-width\">\n<meta name=\"generator\" "
+      "content=\"{0}\">\n<title>{1}</title>\n<style>{2}</style>\n"
+      "</head>\n<body>\n<h1>{1}</h1>\n<pre>{3}</pre>\n",
+      escaped(generator()), escaped(title), kStyle, escaped(fmt::format("{}", fmt::join(words, " "))));
+  if (pictures.count() > 0) html += "<h2>Pictures</h2>\n<div>\n";
+  for (std::size_t n = 0; n < pictures.count(); ++n) {
+    const auto picture = pictures.draw(n, context);
+    if (!picture) return tl::unexpected(picture.error());
+    const auto png = images::encode_png({picture->width, picture->height, picture->colour.span(), {}, {}},
+                                        pictures.mesh(n).label, context);
+    if (!png) return tl::unexpected(png.error());
+    const std::string label = escaped(pictures.mesh(n).label);
+    html += fmt::format("<figure><img width=\"{}\" height=\"{}\" alt=\"{}\" src=\"data:image/png;base64,{}\">",
+                        picture->width, picture->height, label, base64(png->bytes()));
+    html += fmt::format("<figcaption>{}</figcaption></figure>\n", label);
+    if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
+  }
+  if (pictures.count() > 0) html += "</div>\n";
+  html += frames_section(rows);
+  if (!svg.empty()) {
+    const std::size_t start = svg.find("<svg");
+    html += "<h2>Over time</h2>\n" + svg.substr(start == std::string::npos ? 0 : start) + "\n";
+  }
+  html += error_section() + left_out_section() + stage_section();
+  if (!notes_.empty()) {
+    html += "<h2>Notes</h2>\n<ul>\n";
+    for (const auto& [frame, note] : notes_) html += fmt::format("<li>{}: {}</li>\n", frame, escaped(note));
+    html += "</ul>\n";
+  }
+  html += fmt::format("<h2>Versions</h2>\n<p>{}", escaped(generator()));
+  for (const std::string& device : devices_) html += "; " + escaped(device);
+  return html + "</p>\n</body>\n</html>\n";
+}
+
+}  // namespace isoextract::cli

@@ -1,0 +1,60 @@
+// One page of a conversion, or of all frames of a sequence, that needs no other file: pictures, the table of frames,
+// plots, errors, what was left out, versions.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <set>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/context.hpp"
+#include "base/error.hpp"
+#include "batch/frame_table.hpp"
+#include "cli/mesh_pictures.hpp"
+#include "convert/outcome.hpp"
+
+namespace isoextract::cli {
+
+class HtmlPage {
+ public:
+  // What `frame` did, and is not in its row. Not from several threads at once.
+  void add(std::int64_t frame, const convert::Outcome& outcome);
+
+  // The page as text. `rows` are all frames; one that was not converted in this run has no errors and stages. `svg` is
+  // the plot over the frames, or empty. `arguments` are the words of the command line without the program.
+  [[nodiscard]] Result<std::string> text(std::span<const batch::FrameRow> rows, const MeshPictures& pictures,
+                                         const std::string& svg, const std::vector<std::string>& arguments,
+                                         const Context& context) const;
+
+ private:
+  struct MeasuredError {
+    std::int64_t frame = 0;
+    double iso = 0;
+    double rms = 0;
+    double largest = 0;
+    double voxels = 0;  // the largest, in voxels
+  };
+  // All frames together.
+  struct LeftOut {
+    std::uint64_t count = 0;
+    std::uint64_t total = 0;
+    std::size_t times = 0;
+    std::string first;  // as the first of them says it
+  };
+
+  [[nodiscard]] std::string left_out_section() const;
+  [[nodiscard]] std::string error_section() const;
+  [[nodiscard]] std::string stage_section() const;
+
+  std::vector<MeasuredError> errors_;
+  std::map<std::pair<std::string, std::string>, LeftOut> left_out_;  // by what, and what was done with it
+  std::map<std::string, double> stages_;                             // seconds, of all frames together
+  std::set<std::string> devices_;
+  std::vector<std::pair<std::int64_t, std::string>> notes_;
+};
+
+}  // namespace isoextract::cli

@@ -1,0 +1,106 @@
+#include "cli/jet_command.hpp"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "base/byte_size.hpp"
+#include "base/context.hpp"
+#include "base/printable.hpp"
+#include "base/stopwatch.hpp"
+#include "cli/progress_bar.hpp"
+#include "cli/simulate_command.hpp"
+#include "points/method.hpp"
+
+namespace isoextract::cli {
+namespace {
+
+class JetRun {
+ public:
+  JetRun(const JetPlan& plan, const Messages& messages)
+      : plan_(plan), messages_(messages), work_(plan.sequence.memory), shown_(plan.sequence.memory) {}
+
+  Result<void> run() {
+    const auto frames = check_sequence(plan_.sequence);
+    if (!frames) return tl::unexpected(frames.error());
+    const std::size_t left = plan_.sequence.frames.size() - frames->size();
+    if (left > 0)
+      messages_.note(fmt::format("{} of {} frames are there and left alone", left, plan_.sequence.frames.size()));
+    if (frames->empty()) return {};
+    auto jet = simulate::ParticleJet::make(plan_.jet, work_);
+    if (!jet) return tl::unexpected(jet.error());
+    {
+      const ProgressBar bar(shown_.progress(), messages_.verbosity() != Verbosity::quiet);
+      shown_.progress().begin("simulating", frames->back().step);
+      for (const SequenceFrame& frame : *frames) {
+        if (auto done = advance(*jet, frame); !done) return done;
+      }
+    }
+    tell(*jet, *frames);
+    return {};
+  }
+
+ private:
+  Result<void> advance(simulate::ParticleJet& jet, const SequenceFrame& frame) {
+    while (jet.figures().frames < frame.step) {
+      const Stopwatch watch;
+      if (auto done = jet.advance(work_); !done) return done;
+      seconds_ += watch.elapsed().wall_seconds;
+      shown_.progress().advance(1);
+    }
+    const auto particles = jet.particles(work_);
+    if (!particles) return tl::unexpected(particles.error());
+    const auto bytes = volumes::write_particles(frame.files.front(), *particles, plan_.format);
+    if (!bytes) return tl::unexpected(bytes.error());
+    bytes_ += *bytes;
+    return {};
+  }
+
+  void tell(const simulate::ParticleJet& jet, const std::vector<SequenceFrame>& frames) const {
+    const simulate::JetFigures figures = jet.figures();
+    const double moved = static_cast<double>(figures.particle_steps);
+    messages_.summary(
+        fmt::format("{} particles of radius {:.6g} in the tank; {} frames of {} steps: {:.2f} million "
+                    "particles moved, {:.3f} million per second",
+                    jet.size(), jet.radius(), figures.frames, figures.steps, 1e-6 * moved,
+                    seconds_ > 0 ? 1e-6 * moved / seconds_ : 0));
+    if (jet.size() < plan_.jet.count) {
+      messages_.note(fmt::format("{} of {} particles have not left the nozzle: more frames let them in",
+                                 plan_.jet.count - jet.size(), plan_.jet.count));
+    }
+    if (figures.slowed_down > 0) {
+      messages_.note(fmt::format("particles were slowed down {} times, to twice the speed of a fall through the tank",
+                                 figures.slowed_down));
+    }
+    if (!plan_.pattern.empty()) tell_how_to_convert(jet.radius());
+    const std::string first = printable(frames.front().files.front().string());
+    messages_.summary(frames.size() == 1 ? fmt::format("-> {} ({})", first, format_byte_size(bytes_))
+                                         : fmt::format("-> {} to {}: {} files, {}", first,
+                                                       printable(frames.back().files.back().string()), frames.size(),
+                                                       format_byte_size(bytes_)));
+  }
+
+  // All frames on one grid, which only the same radius for all gives.
+  void tell_how_to_convert(double radius) const {
+    messages_.summary(
+        fmt::format("to be converted with: isoextract {} --particles weight --iso {} --radius {} --animate "
+                    "--fps {} -o jet.glb",
+                    shell_quoted(printable(plan_.pattern)), points::method_info(points::Method::weight).iso, radius,
+                    plan_.jet.fps));
+  }
+
+  const JetPlan& plan_;
+  const Messages& messages_;
+  Context work_;
+  Context shown_;  // the bar's: what the work counts are its own steps
+  double seconds_ = 0;
+  std::uint64_t bytes_ = 0;
+};
+
+}  // namespace
+
+Result<void> run_jet(const JetPlan& plan, const Messages& messages) { return JetRun(plan, messages).run(); }
+
+}  // namespace isoextract::cli

@@ -1,0 +1,71 @@
+#include "cli/jet_plan.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "batch/frame_range.hpp"
+#include "batch/output_template.hpp"
+#include "cli/plan_parts.hpp"
+
+namespace isoextract::cli {
+namespace {
+
+Result<volumes::ParticleFileFormat> plan_particle_format(const JetFlags& flags) {
+  if (flags.format) return *flags.format;
+  const std::string& output = *flags.sequence.output;
+  if (const auto format = volumes::particle_file_format_by_path(output)) return *format;
+  std::vector<std::string_view> names;
+  for (const auto& entry : words_of(volumes::ParticleFileFormat{})) names.push_back(entry.word);
+  return refuse_usage(fmt::format("-o {}: expected an extension of {}", output, fmt::join(names, ", ")),
+                      "or give --format");
+}
+
+}  // namespace
+
+Result<JetPlan> plan_jet(const JetFlags& flags) {
+  JetPlan plan;
+  simulate::JetOptions& jet = plan.jet;
+  jet.count = flags.count.value_or(jet.count);
+  jet.radius = flags.radius;
+  jet.tank = flags.tank.value_or(jet.tank);
+  jet.nozzle = flags.nozzle;
+  jet.speed = flags.speed.value_or(jet.speed);
+  jet.gravity = flags.gravity.value_or(jet.gravity);
+  jet.fps = flags.fps.value_or(jet.fps);
+  jet.viscosity = flags.viscosity.value_or(jet.viscosity);
+  jet.seed = flags.seed.value_or(jet.seed);
+  if (flags.iterations) {
+    constexpr std::uint64_t kMost = std::numeric_limits<int>::max();
+    jet.iterations = static_cast<int>(std::min(*flags.iterations, kMost));  // more than there may be, either way
+  }
+  const std::uint64_t frames = flags.frames.value_or(kJetFrames);
+  if (frames > batch::kMaxFrames) {
+    return refuse_usage(fmt::format("--frames {}: expected at most {}", frames, batch::kMaxFrames));
+  }
+  SequenceFlags sequence = flags.sequence;
+  sequence.steps = frames;
+  SequenceKind kind{.stem = "jet", .example = kJetExample, .extension = "", .grids = {""}, .steps = frames, .first = 1};
+  if (sequence.output && !sequence.output->empty()) {
+    const auto format = plan_particle_format(flags);
+    if (!format) return tl::unexpected(format.error());
+    plan.format = *format;
+    kind.extension = word_of(plan.format);
+  }
+  auto planned = plan_sequence(sequence, kind);
+  if (!planned) return tl::unexpected(planned.error());
+  plan.sequence = std::move(*planned);
+  const auto name = batch::OutputTemplate::parse(*sequence.output);
+  if (name && name->uses(batch::OutputWord::frame) && !name->uses(batch::OutputWord::stem) &&
+      !sequence.output->ends_with('/')) {
+    plan.pattern = *sequence.output;
+  }
+  return plan;
+}
+
+}  // namespace isoextract::cli

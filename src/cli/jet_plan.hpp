@@ -1,0 +1,25 @@
+// From the options of `simulate jet` to a plan.
+#pragma once
+
+#include <string>
+
+#include "base/error.hpp"
+#include "cli/options.hpp"
+#include "cli/simulate_plan.hpp"
+#include "simulate/particle_jet.hpp"
+#include "volumes/particle_writer.hpp"
+
+namespace isoextract::cli {
+
+inline constexpr std::uint64_t kJetFrames = 120;
+inline constexpr const char* kJetExample = "jet_{:04}.ply";
+
+struct JetPlan {
+  simulate::JetOptions jet;
+  volumes::ParticleFileFormat format = volumes::ParticleFileFormat::ply;
+  std::string pattern;    // by which all frames can be read again; empty where there is none
+  SequencePlan sequence;  // a step is a frame of the jet
+};
+[[nodiscard]] Result<JetPlan> plan_jet(const JetFlags& flags);
+
+}  // namespace isoextract::cli

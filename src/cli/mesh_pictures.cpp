@@ -1,0 +1,82 @@
+#include "cli/mesh_pictures.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "convert/picture_file.hpp"
+#include "files/output_file.hpp"
+#include "images/png_writer.hpp"
+#include "mesh/metrics.hpp"
+#include "meshes/mesh_reader.hpp"
+#include "render/contact_sheet.hpp"
+#include "render/renderer.hpp"
+#include "render/surface_normals.hpp"
+
+namespace isoextract::cli {
+
+Result<MeshPictures> MeshPictures::open(std::vector<WrittenMesh> meshes, const render::PictureSize& size,
+                                        convert::UpAxis up, const Context& context) {
+  MeshPictures pictures;
+  pictures.options_.size = size;
+  pictures.options_.up = up == convert::UpAxis::y ? render::UpAxis::y : render::UpAxis::z;
+  std::optional<field::Box>& box = pictures.options_.box;
+  for (const WrittenMesh& written : meshes) {
+    for (const std::string& file : written.files) {
+      auto read = meshes::read_mesh(file, context);
+      if (!read) return tl::unexpected(std::move(read.error()));
+      if (read->y_up) pictures.options_.up = render::UpAxis::y;
+      if (read->mesh.triangles.empty()) continue;
+      const mesh::Bounds own = mesh::measure_bounds(read->mesh);
+      box = box ? field::Box{glm::min(box->min, own.min), glm::max(box->max, own.max)} : field::Box{own.min, own.max};
+    }
+    if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
+  }
+  pictures.meshes_ = std::move(meshes);
+  return pictures;
+}
+
+Result<render::Picture> MeshPictures::draw(std::size_t n, const Context& context) const {
+  std::vector<meshes::MeshFile> files;
+  for (const std::string& file : meshes_[n].files) {
+    auto read = meshes::read_mesh(file, context);
+    if (!read) return tl::unexpected(std::move(read.error()));
+    if (auto made = render::add_normals(read->mesh, file, context); !made) return tl::unexpected(made.error());
+    files.push_back(std::move(*read));
+  }
+  std::vector<render::Surface> surfaces;
+  for (const meshes::MeshFile& file : files) surfaces.push_back(convert::surface_of(file.mesh));
+  const auto renderer = render::make_cpu_renderer();
+  auto drawn = render::draw_preview(surfaces, options_, *renderer, context);
+  if (!drawn) return tl::unexpected(std::move(drawn.error()));
+  return std::move(drawn->picture);
+}
+
+std::vector<WrittenMesh> some_of(std::vector<WrittenMesh> meshes, std::size_t most) {
+  if (meshes.size() <= most) return meshes;
+  std::vector<WrittenMesh> some;
+  for (std::size_t i = 0; i < most; ++i) some.push_back(std::move(meshes[i * (meshes.size() - 1) / (most - 1)]));
+  return some;
+}
+
+Result<void> write_contact_sheet(const std::string& path, const MeshPictures& meshes, const Context& context) {
+  std::optional<render::ContactSheet> sheet;
+  for (std::size_t n = 0; n < meshes.count(); ++n) {
+    auto picture = meshes.draw(n, context);
+    if (!picture) return tl::unexpected(std::move(picture.error()));
+    if (!sheet) {
+      auto made = render::ContactSheet::create({picture->width, picture->height}, meshes.count(), context);
+      if (!made) return tl::unexpected(std::move(made.error()));
+      sheet = std::move(*made);
+    }
+    sheet->place(n, *picture, meshes.mesh(n).label);
+  }
+  auto file = files::OutputFile::create(path);
+  if (!file) return tl::unexpected(std::move(file.error()));
+  const render::Picture& all = sheet->picture();
+  if (auto written = images::write_png(*file, {all.width, all.height, all.colour.span(), {}, {}}, context); !written) {
+    return written;
+  }
+  return file->commit();
+}
+
+}  // namespace isoextract::cli

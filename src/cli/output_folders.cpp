@@ -1,0 +1,34 @@
+#include "cli/output_folders.hpp"
+
+#include <set>
+
+#include <fmt/format.h>
+
+namespace isoextract::cli {
+
+namespace fs = std::filesystem;
+
+bool is_there(const fs::path& file) {
+  std::error_code none;
+  return fs::exists(file, none);
+}
+
+Result<void> see_to_folders(std::span<const fs::path> files, bool make) {
+  std::set<fs::path> folders;
+  for (const fs::path& file : files) folders.insert(file.parent_path());
+  for (const fs::path& folder : folders) {
+    if (folder.empty() || is_there(folder)) continue;
+    if (!make) {
+      return fail(ErrorKind::output, fmt::format("{}: there is no such folder", folder.string()),
+                  "--mkdir makes the folders of the outputs");
+    }
+    std::error_code error;
+    fs::create_directories(folder, error);
+    if (error) {
+      return fail(ErrorKind::output, fmt::format("{}: cannot make the folder: {}", folder.string(), error.message()));
+    }
+  }
+  return {};
+}
+
+}  // namespace isoextract::cli

@@ -1,0 +1,17 @@
+// The folders that outputs go to.
+#pragma once
+
+#include <filesystem>
+#include <span>
+
+#include "base/error.hpp"
+
+namespace isoextract::cli {
+
+// Something of that name, whatever it is.
+[[nodiscard]] bool is_there(const std::filesystem::path& file);
+
+// Sees that the folders of the files are there: makes them if `make` says so. Fails with ErrorKind::output.
+[[nodiscard]] Result<void> see_to_folders(std::span<const std::filesystem::path> files, bool make);
+
+}  // namespace isoextract::cli

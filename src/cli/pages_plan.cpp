@@ -1,0 +1,91 @@
+#include "cli/pages_plan.hpp"
+
+#include <filesystem>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/ascii.hpp"
+#include "cli/frame_plot.hpp"
+#include "cli/gnuplot.hpp"
+#include "cli/picture_plan.hpp"
+#include "cli/plan_parts.hpp"
+#include "files/output_file.hpp"
+
+namespace isoextract::cli {
+namespace {
+
+constexpr std::size_t kPicturesOfPage = 12;
+constexpr std::size_t kPicturesOfSheet = 60;
+constexpr render::PictureSize kOnPage{320, 240};
+constexpr render::PictureSize kAlone{960, 720};
+constexpr render::PictureSize kOnSheet{320, 240};
+
+std::string extension_of(const std::string& path) {
+  return lower_case(std::filesystem::path(path).extension().string());
+}
+
+std::vector<WrittenMesh> meshes_of(std::span<const batch::FrameRow> rows) {
+  std::vector<WrittenMesh> meshes;
+  for (const batch::FrameRow& row : rows) {
+    WrittenMesh mesh{fmt::format("{}", row.frame), {}};
+    for (const std::string& file : row.outputs) {
+      if (extension_of(file) != ".bin") mesh.files.push_back(file);
+    }
+    if (!mesh.files.empty()) meshes.push_back(std::move(mesh));
+  }
+  return meshes;
+}
+
+}  // namespace
+
+Result<PagesPlan> plan_pages(const ConvertFlags& flags, const convert::ConversionJob& job) {
+  PagesPlan plan{flags.html, flags.contact_sheet};
+  if (!plan.any()) return plan;
+  const std::string_view option = plan.html ? "--html" : "--contact-sheet";
+  if (plan.html && (plan.html->empty() || *plan.html == "-")) return refuse_usage("--html needs the name of a file");
+  if (plan.contact_sheet && extension_of(*plan.contact_sheet) != fmt::format(".{}", kPictureFormat)) {
+    return refuse_usage(fmt::format("--contact-sheet {}: expected a name that ends in .png", *plan.contact_sheet));
+  }
+  if (job.field_file || job.picture_file) {
+    return refuse_usage(fmt::format("{} shows the meshes that are written, and none is", option),
+                        "name the output as a mesh");
+  }
+  if (flags.batch.animate) {
+    return refuse_usage(
+        fmt::format("{} shows the meshes of frames, which have no files of their own with --animate", option),
+        "leave --animate out");
+  }
+  if (flags.output == "-") {
+    return refuse_usage(fmt::format("{} shows the mesh's file, and there is none on stdout", option),
+                        "give a file with -o");
+  }
+  return plan;
+}
+
+Result<void> write_pages(const PagesPlan& plan, std::span<const batch::FrameRow> rows, const HtmlPage& page,
+                         convert::UpAxis up, const std::vector<std::string>& arguments, const Context& context) {
+  if (plan.contact_sheet) {
+    const auto pictures = MeshPictures::open(some_of(meshes_of(rows), kPicturesOfSheet), kOnSheet, up, context);
+    if (!pictures) return tl::unexpected(pictures.error());
+    if (pictures->count() == 0) {
+      return fail(ErrorKind::output, fmt::format("{}: there is no mesh to draw", *plan.contact_sheet));
+    }
+    if (auto written = write_contact_sheet(*plan.contact_sheet, *pictures, context); !written) return written;
+  }
+  if (!plan.html) return {};
+  std::string svg;
+  if (rows.size() > 1) {
+    auto plot = run_gnuplot(frame_plot_script(rows, PictureFormat::svg));
+    if (!plot) return tl::unexpected(std::move(plot.error()));
+    svg = std::move(*plot);
+  }
+  const auto pictures =
+      MeshPictures::open(some_of(meshes_of(rows), kPicturesOfPage), rows.size() == 1 ? kAlone : kOnPage, up, context);
+  if (!pictures) return tl::unexpected(pictures.error());
+  const auto text = page.text(rows, *pictures, svg, arguments, context);
+  if (!text) return tl::unexpected(text.error());
+  return files::write_file(*plan.html, *text);
+}
+
+}  // namespace isoextract::cli

@@ -1,0 +1,175 @@
+#include "cli/simulate_command.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/byte_size.hpp"
+#include "base/printable.hpp"
+#include "base/stopwatch.hpp"
+#include "cli/output_folders.hpp"
+#include "cli/progress_bar.hpp"
+#include "convert/output_checks.hpp"
+#include "simulate/water_fields.hpp"
+#include "volumes/grid_tools.hpp"
+#include "volumes/volume_writer.hpp"
+
+namespace isoextract::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Where nothing is asked for: a spring in the hills, and a basin that is not quite dry.
+void add_default_scene(const simulate::TerrainOptions& terrain, simulate::WaterOptions& water, double& level) {
+  water.sources.push_back({{terrain.size.x / 8, terrain.size.y / 2}, std::max(terrain.size.x, terrain.size.y) / 32.0});
+  level = simulate::kLowestLand + terrain.relief / 12;
+}
+
+class WaterRun {
+ public:
+  WaterRun(const WaterPlan& plan, const Messages& messages)
+      : plan_(plan), messages_(messages), context_(plan.sequence.memory) {}
+
+  Result<void> run() {
+    auto frames = check_sequence(plan_.sequence);
+    if (!frames) return tl::unexpected(frames.error());
+    const std::size_t left = plan_.sequence.frames.size() - frames->size();
+    if (left > 0)
+      messages_.note(fmt::format("{} of {} frames are there and left alone", left, plan_.sequence.frames.size()));
+    if (frames->empty()) return {};
+    if (plan_.format == volumes::VolumeFileFormat::vdb) {
+      if (auto can = volumes::check_grid_tools(frames->front().files.front().string()); !can) return can;
+    }
+    auto automaton = make_automaton();
+    if (!automaton) return tl::unexpected(automaton.error());
+    const ProgressBar bar(context_.progress(), messages_.verbosity() != Verbosity::quiet);
+    context_.progress().begin("simulating", frames->back().step);
+    for (const SequenceFrame& frame : *frames) {
+      const Stopwatch watch;
+      if (auto done = automaton->run(frame.step - automaton->steps_done()); !done) return done;
+      seconds_ += watch.elapsed().wall_seconds;
+      if (auto written = write(*automaton, frame); !written) return written;
+    }
+    tell(*automaton, *frames);
+    return {};
+  }
+
+ private:
+  Result<simulate::WaterAutomaton> make_automaton() {
+    auto terrain = simulate::make_terrain(plan_.terrain, context_);
+    if (!terrain) return tl::unexpected(terrain.error());
+    const auto heights = (*terrain)->values.span();
+    simulate::WaterOptions water = plan_.water;
+    double level = plan_.level.value_or(0);
+    if (plan_.default_scene) add_default_scene(plan_.terrain, water, level);
+    auto depth = make_reserved_buffer<double>(heights.size(), context_, "the water");
+    if (!depth) return tl::unexpected(depth.error());
+    std::ranges::transform(heights, (*depth)->values.begin(),
+                           [&](double height) { return std::max(level - height, 0.0) + plan_.depth.value_or(0); });
+    return simulate::WaterAutomaton::create(plan_.terrain.size, heights, (*depth)->values.span(), std::move(water),
+                                            context_);
+  }
+
+  Result<void> write(const simulate::WaterAutomaton& automaton, const SequenceFrame& frame) {
+    if (plan_.what != simulate::WaterContent::heights) {
+      const auto layers = simulate::layers_for(automaton);
+      if (!layers) return tl::unexpected(layers.error());
+      // All frames alike, as long as the water lets them.
+      if (*layers > layers_) {
+        layers_ = *layers;
+        grown_.emplace_back(frame.files.front().string(), layers_);
+      }
+    }
+    const auto fields = simulate::water_fields(automaton, plan_.what, layers_, plan_.spacing, context_);
+    if (!fields) return tl::unexpected(fields.error());
+    const std::span all(*fields);
+    for (std::size_t f = 0; f < frame.files.size(); ++f) {
+      // Of several grids in one file there is one file.
+      const auto bytes = volumes::write_volume(frame.files[f], frame.files.size() == 1 ? all : all.subspan(f, 1),
+                                               plan_.format, context_);
+      if (!bytes) return tl::unexpected(bytes.error());
+      bytes_ += *bytes;
+    }
+    return context_.check();
+  }
+
+  void tell(const simulate::WaterAutomaton& automaton, const std::vector<SequenceFrame>& frames) const {
+    const simulate::WaterBalance balance = automaton.balance();
+    const simulate::WaterExtremes found = automaton.extremes();
+    const glm::ivec2 size = automaton.size();
+    const double cells = static_cast<double>(size.x) * size.y * static_cast<double>(automaton.steps_done());
+    messages_.summary(fmt::format("{} steps of {} x {} cells by the {} rule: {:.1f} million cells per second",
+                                  automaton.steps_done(), size.x, size.y, word_of(plan_.water.rule),
+                                  seconds_ > 0 ? 1e-6 * cells / seconds_ : 0));
+    messages_.summary(
+        fmt::format("water: {:.6g} at the start, {:.6g} poured, {:.6g} drained, {:.6g} there; out of balance by {:.1e} "
+                    "of it; depths {:.4g} to {:.4g}",
+                    balance.at_start, balance.poured, balance.drained, balance.there, balance.drift(),
+                    found.least_depth, found.most_depth));
+    if (found.below_zero > 0) {
+      messages_.note(fmt::format("{} of {} cells have a depth below 0, as the printed rule leaves them{}",
+                                 found.below_zero, std::int64_t{size.x} * size.y,
+                                 plan_.what == simulate::WaterContent::heights ? "" : "; in a volume they are empty"));
+    }
+    for (std::size_t g = 1; g < grown_.size(); ++g) {
+      messages_.note(fmt::format("{}: the water stands higher, so volumes have {} layers in place of {} from here on",
+                                 printable(grown_[g].first), grown_[g].second, grown_[g - 1].second));
+    }
+    tell_how_to_read(frames);
+    std::size_t files = 0;
+    for (const SequenceFrame& frame : frames) files += frame.files.size();
+    const std::string first = printable(frames.front().files.front().string());
+    messages_.summary(files == 1 ? fmt::format("-> {} ({})", first, format_byte_size(bytes_))
+                                 : fmt::format("-> {} to {}: {} files, {}", first,
+                                               printable(frames.back().files.back().string()), files,
+                                               format_byte_size(bytes_)));
+  }
+
+  // What files without a header, or without a place in it, leave to options.
+  void tell_how_to_read(const std::vector<SequenceFrame>& frames) const {
+    const bool raw = plan_.format == volumes::VolumeFileFormat::raw;
+    if (plan_.what == simulate::WaterContent::heights || (!raw && plan_.format != volumes::VolumeFileFormat::npy))
+      return;
+    const glm::dvec3& s = plan_.spacing;
+    std::string options;
+    if (raw)
+      options += fmt::format(" --dims {},{},{} --dtype f32", plan_.terrain.size.x, plan_.terrain.size.y, layers_);
+    if (s != glm::dvec3(1.0)) options += fmt::format(" --spacing {},{},{}", s.x, s.y, s.z);
+    options += fmt::format(" --origin {},{},{}", 0.5 * s.x, 0.5 * s.y, 0.5 * s.z);
+    messages_.summary(fmt::format("to be read with: isoextract {} --iso 0.5{}",
+                                  shell_quoted(printable(frames.back().files.back().string())), options));
+  }
+
+  const WaterPlan& plan_;
+  const Messages& messages_;
+  Context context_;
+  int layers_ = 1;
+  std::vector<std::pair<std::string, int>> grown_;  // the first file with so many layers; the first of all, too
+  double seconds_ = 0;
+  std::uint64_t bytes_ = 0;
+};
+
+}  // namespace
+
+Result<std::vector<SequenceFrame>> check_sequence(const SequencePlan& plan) {
+  std::vector<SequenceFrame> frames;
+  std::vector<fs::path> files;
+  for (const SequenceFrame& frame : plan.frames) {
+    const bool leave = plan.no_clobber && std::ranges::any_of(frame.files, is_there);
+    if (leave) continue;
+    frames.push_back(frame);
+    files.insert(files.end(), frame.files.begin(), frame.files.end());
+  }
+  if (auto seen = see_to_folders(files, plan.make_folders); !seen) return tl::unexpected(seen.error());
+  for (const fs::path& file : files) {
+    if (file == "-") continue;
+    if (auto can = convert::check_output_file(file, {}); !can) return tl::unexpected(can.error());
+  }
+  return frames;
+}
+
+Result<void> run_water(const WaterPlan& plan, const Messages& messages) { return WaterRun(plan, messages).run(); }
+
+}  // namespace isoextract::cli

@@ -1,0 +1,160 @@
+#include "cli/simulate_plan.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "batch/output_names.hpp"
+#include "batch/output_template.hpp"
+#include "cli/plan_parts.hpp"
+#include "field/demo_field.hpp"
+
+namespace isoextract::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_folder(const std::string& output) {
+  std::error_code none;
+  return output.ends_with('/') || fs::is_directory(output, none);
+}
+
+// Whether the name is one of a sequence. Nothing that is wrong with it is wrong later.
+Result<bool> names_sequence(const std::string& output, const SequenceKind& kind) {
+  if (is_folder(output)) return true;
+  const auto name = batch::OutputTemplate::parse(output);
+  if (!name) return tl::unexpected(name.error());
+  if (name->uses(batch::OutputWord::iso)) {
+    return refuse_usage(fmt::format("-o {}: what is simulated has no iso value", output));
+  }
+  if (name->uses(batch::OutputWord::grid) && kind.grids.front().empty()) {
+    return refuse_usage(fmt::format("-o {}: one file holds all grids", output), "leave {grid} out");
+  }
+  if (kind.grids.size() > 1 && !name->uses(batch::OutputWord::grid)) {
+    return refuse_usage(fmt::format("-o {}: {} are files of their own, which {{grid}} in the name tells apart", output,
+                                    fmt::join(kind.grids, " and ")),
+                        fmt::format("for example {}", fs::path(kind.example).stem().string() + "_{grid}" +
+                                                          fs::path(kind.example).extension().string()));
+  }
+  return name->uses(batch::OutputWord::frame);
+}
+
+Result<std::vector<std::uint64_t>> frame_steps(const SequenceFlags& flags, const SequenceKind& kind, bool is_sequence) {
+  const std::uint64_t steps = flags.steps.value_or(kind.steps);
+  if (!is_sequence) {
+    if (!flags.every) return std::vector{steps};
+    return refuse_usage(
+        fmt::format("--every {}: there are several frames, and the name {} has no place for their number", *flags.every,
+                    *flags.output),
+        fmt::format("write -o {}", kind.example));
+  }
+  const std::uint64_t every = flags.every.value_or(kind.every);
+  if (steps % every != 0) {
+    return refuse_usage(
+        fmt::format("--steps {}: expected a multiple of --every, which is {}{}: the last steps would be in no frame",
+                    steps, every, flags.every ? "" : " by default"),
+        fmt::format("for example --steps {}", steps + every - steps % every));
+  }
+  if (steps / every >= batch::kMaxFrames) {
+    return refuse_usage(fmt::format("--steps {} --every {}: more than {} frames", steps, every, batch::kMaxFrames));
+  }
+  std::vector<std::uint64_t> frames;
+  for (std::uint64_t step = kind.first * every; step <= steps; step += every) frames.push_back(step);
+  return frames;
+}
+
+Result<volumes::VolumeFileFormat> plan_format(const WaterFlags& flags) {
+  if (flags.format) return *flags.format;
+  const std::string& output = *flags.sequence.output;
+  if (const auto format = volumes::volume_file_format_by_path(output)) return *format;
+  std::vector<std::string_view> names;
+  for (const auto& entry : words_of(volumes::VolumeFileFormat{})) names.push_back(entry.word);
+  return refuse_usage(fmt::format("-o {}: expected an extension of {}", output, fmt::join(names, ", ")),
+                      "or give --format");
+}
+
+Result<void> check_taps(const std::vector<simulate::Tap>& taps, glm::ivec2 size, const char* option) {
+  for (const simulate::Tap& tap : taps) {
+    if (tap.cell.x >= 0 && tap.cell.y >= 0 && tap.cell.x < size.x && tap.cell.y < size.y) continue;
+    return refuse_usage(fmt::format("{} {},{},{}: expected a cell of the grid of {} x {}, counted from 0,0", option,
+                                    tap.cell.x, tap.cell.y, tap.rate, size.x, size.y));
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<SequencePlan> plan_sequence(const SequenceFlags& flags, const SequenceKind& kind) {
+  if (!flags.output || flags.output->empty()) {
+    return refuse_usage("-o FILE is missing: where the simulation is written",
+                        fmt::format("for example -o {}", kind.example));
+  }
+  const auto is_sequence = names_sequence(*flags.output, kind);
+  if (!is_sequence) return tl::unexpected(is_sequence.error());
+  const auto steps = frame_steps(flags, kind, *is_sequence);
+  if (!steps) return tl::unexpected(steps.error());
+  std::vector<batch::OutputSource> sources;
+  for (std::size_t frame = 0; frame < steps->size(); ++frame) {
+    for (const std::string& grid : kind.grids) {
+      sources.push_back(
+          {static_cast<std::int64_t>(frame + kind.first), std::string(field::kDemoPrefix) + kind.stem, grid, {}});
+    }
+  }
+  const auto named = batch::name_outputs(sources, flags.output, meshes::MeshFormat::glb, kind.extension);
+  if (!named) return tl::unexpected(named.error());
+  SequencePlan plan;
+  plan.steps = steps->back();
+  auto files = named->begin();
+  for (const std::uint64_t step : *steps) {
+    SequenceFrame frame{step, {}};
+    for (std::size_t grid = 0; grid < kind.grids.size(); ++grid) frame.files.emplace_back((files++)->front().path);
+    plan.frames.push_back(std::move(frame));
+  }
+  plan.no_clobber = flags.no_clobber;
+  plan.make_folders = flags.make_folders || flags.output->ends_with('/');
+  plan.memory = plan_memory(flags.memory_limit);
+  return plan;
+}
+
+Result<WaterPlan> plan_water(const WaterFlags& flags) {
+  WaterPlan plan;
+  plan.terrain.size = flags.size.value_or(plan.terrain.size);
+  plan.terrain.seed = flags.seed.value_or(plan.terrain.seed);
+  plan.terrain.relief = flags.relief.value_or(plan.terrain.relief);
+  plan.level = flags.level;
+  plan.depth = flags.depth;
+  plan.default_scene = flags.sources.empty() && !flags.level && !flags.depth;
+  plan.water.rule = flags.rule.value_or(plan.water.rule);
+  plan.water.friction = flags.friction.value_or(plan.water.friction);
+  plan.water.flow_div = flags.flow_div.value_or(plan.water.flow_div);
+  plan.water.sources = flags.sources;
+  plan.water.drains = flags.drains;
+  if (auto fine = check_taps(flags.sources, plan.terrain.size, "--source"); !fine) return tl::unexpected(fine.error());
+  if (auto fine = check_taps(flags.drains, plan.terrain.size, "--drain"); !fine) return tl::unexpected(fine.error());
+  plan.what = flags.what.value_or(plan.what);
+  plan.spacing = flags.spacing.value_or(plan.spacing);
+  SequenceKind kind{"water", kWaterExample, "", simulate::field_names(plan.what), kWaterSteps, kWaterEvery};
+  if (flags.sequence.output && !flags.sequence.output->empty()) {
+    const auto format = plan_format(flags);
+    if (!format) return tl::unexpected(format.error());
+    plan.format = *format;
+    kind.extension = word_of(plan.format);
+    kind.example = std::string(fs::path(kWaterExample).replace_extension(kind.extension));
+    if (plan.format == volumes::VolumeFileFormat::vdb && plan.what == simulate::WaterContent::both) kind.grids = {""};
+  }
+  if (plan.what == simulate::WaterContent::heights) {
+    if (flags.sequence.output && plan.format != volumes::VolumeFileFormat::npy) {
+      return refuse_usage("--what heights writes NPY arrays", "name the output .npy");
+    }
+    if (flags.spacing) return refuse_usage("--what heights has no voxels, which --spacing would place");
+  }
+  auto sequence = plan_sequence(flags.sequence, kind);
+  if (!sequence) return tl::unexpected(sequence.error());
+  plan.sequence = std::move(*sequence);
+  return plan;
+}
+
+}  // namespace isoextract::cli

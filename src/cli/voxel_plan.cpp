@@ -1,0 +1,52 @@
+#include "cli/voxel_plan.hpp"
+
+#include <fmt/format.h>
+
+#include "cli/plan_parts.hpp"
+#include "extract/method.hpp"
+
+namespace isoextract::cli {
+
+Result<void> take_labels(ConvertFlags& flags) {
+  if (!flags.labels) return {};
+  const extract::MethodInfo& method = extract::method_info(plan_surface(flags.surface).method);
+  if (method.method != extract::Method::voxels) {
+    return refuse_usage(fmt::format("--labels does not go with {}: only voxels are made label by label", method.title),
+                        "give --method voxels");
+  }
+  if (!flags.isos.empty()) return refuse_usage("--labels and --iso exclude each other");
+  if (flags.batch.iso_table) return refuse_usage("--labels and --iso-table exclude each other");
+  if (has_all_labels(flags) && flags.output && flags.output->find("{iso}") != std::string::npos) {
+    return refuse_usage("--labels all does not go with {iso} in -o: which labels there are is known once they are read",
+                        "list the labels, or write all into a glb");
+  }
+  flags.isos = *flags.labels;
+  return {};
+}
+
+bool has_all_labels(const ConvertFlags& flags) {
+  return flags.labels && flags.labels->front().kind == convert::IsoChoice::Kind::all_labels;
+}
+
+Result<void> plan_voxels(const ConvertFlags& flags, std::vector<std::string>& notes, convert::SurfaceOptions& surface) {
+  const extract::MethodInfo& method = extract::method_info(surface.method);
+  if (method.traits.always_closed && surface.cap) {
+    notes.push_back(fmt::format("--cap changes nothing: the surface of {} is closed everywhere", method.title));
+  }
+  if (surface.nan == extract::NanPolicy::hole && !extract::why_no_holes(method).empty()) {
+    return refuse_usage(fmt::format("--nan hole: {}", extract::why_no_holes(method)), "--nan outside needs none");
+  }
+  if (!flags.no_merge && !flags.t_junctions) return {};
+  if (flags.no_merge && flags.t_junctions) {
+    return refuse_usage("--no-merge and --t-junctions exclude each other: faces by themselves have no T-junctions");
+  }
+  if (surface.method != extract::Method::voxels) {
+    return refuse_usage(fmt::format("{} does not go with {}, which has no faces to merge",
+                                    flags.no_merge ? "--no-merge" : "--t-junctions", method.title),
+                        "give --method voxels");
+  }
+  surface.voxel_faces = flags.no_merge ? extract::VoxelFaces::plain : extract::VoxelFaces::rectangles;
+  return {};
+}
+
+}  // namespace isoextract::cli

@@ -1,0 +1,54 @@
+#include "convert/picture_file.hpp"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "files/output_file.hpp"
+#include "images/png_writer.hpp"
+#include "render/preview.hpp"
+#include "render/renderer.hpp"
+
+namespace isoextract::convert {
+
+render::Surface surface_of(const mesh::Mesh& mesh) {
+  render::Surface surface;
+  surface.mesh = &mesh;
+  if (mesh.material) {
+    surface.colour = mesh.material->colour.value_or(surface.colour);
+    surface.opacity = mesh.material->opacity;
+  }
+  surface.shading = mesh.normals.empty() ? render::Shading::flat : render::Shading::smooth;
+  surface.vertex_colours = std::ranges::any_of(
+      mesh.attributes, [](const mesh::Attribute& a) { return a.role == mesh::AttributeRole::colour; });
+  return surface;
+}
+
+Result<meshes::MeshWriteResult> write_picture(std::span<const mesh::Mesh> meshes, const ConversionJob& job,
+                                              const OutputFileJob& output, const Context& context) {
+  std::vector<render::Surface> surfaces;
+  for (const mesh::Mesh& mesh : meshes) surfaces.push_back(surface_of(mesh));
+  render::PreviewOptions options;
+  const auto side = [](std::int64_t pixels) {  // one that is out of range stays so
+    return static_cast<int>(std::clamp<std::int64_t>(pixels, 0, PictureFileOptions::kMaxSide + 1));
+  };
+  options.size = {side(job.picture_file->width), side(job.picture_file->height)};
+  options.angles = job.picture_file->angles;
+  if (!job.source.placement.unit.empty()) options.unit = "m";
+  options.up = job.source.placement.up == UpAxis::y ? render::UpAxis::y : render::UpAxis::z;
+  const auto renderer = render::make_cpu_renderer();
+  auto drawn = render::draw_preview(surfaces, options, *renderer, context);
+  if (!drawn) return tl::unexpected(std::move(drawn.error()));
+  auto file = files::OutputFile::create(output.path);
+  if (!file) return tl::unexpected(std::move(file.error()));
+  const render::Picture& picture = drawn->picture;
+  if (auto written = images::write_png(*file, {picture.width, picture.height, picture.colour.span(), {}, {}}, context);
+      !written) {
+    return tl::unexpected(std::move(written.error()));
+  }
+  const std::uint64_t bytes = file->bytes_written();
+  if (auto committed = file->commit(); !committed) return tl::unexpected(std::move(committed.error()));
+  return meshes::MeshWriteResult{{{output.path, bytes}}, {}};
+}
+
+}  // namespace isoextract::convert

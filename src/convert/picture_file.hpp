@@ -1,0 +1,25 @@
+// The stage that draws the surfaces, in place of writing them as meshes.
+#pragma once
+
+#include <span>
+
+#include "base/context.hpp"
+#include "base/error.hpp"
+#include "convert/conversion_job.hpp"
+#include "mesh/mesh.hpp"
+#include "meshes/mesh_writer.hpp"
+#include "render/scene.hpp"
+
+namespace isoextract::convert {
+
+// How a picture shows a mesh: by its material, its vertices' colours, and its normals where it has some. The mesh is
+// lent.
+[[nodiscard]] render::Surface surface_of(const mesh::Mesh& mesh);
+
+// Draws `meshes` on the processor, the same picture for any number of threads, and writes it to `output`, whole or not
+// at all. Fails as render::draw_preview() does, and with ErrorKind::output.
+[[nodiscard]] Result<meshes::MeshWriteResult> write_picture(std::span<const mesh::Mesh> meshes,
+                                                            const ConversionJob& job, const OutputFileJob& output,
+                                                            const Context& context);
+
+}  // namespace isoextract::convert

@@ -1,0 +1,214 @@
+#include "extract/detail/voxel_mesh.hpp"
+
+#include <algorithm>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include "base/stopwatch.hpp"
+#include "extract/detail/face_rectangles.hpp"
+#include "extract/detail/surface_points.hpp"
+#include "extract/mesh_assembly.hpp"
+
+namespace isoextract::extract {
+namespace {
+
+// Rectangles of one layer whose triangles follow one another.
+struct Portion {
+  int axis;
+  std::span<const FaceRectangle> rectangles;
+  std::uint64_t first_triangle = 0;
+};
+constexpr std::size_t kPortion = 4096;
+
+// The border of a rectangle as vertices, and the triangles between them.
+//
+//   top    T0-------T1----T2      The left side, from the top left down, makes a fan around the second vertex of the
+//          |              |       bottom; the right side, from the bottom right up, one around the last but one of the
+//   left   |              | right top. What is left lies between two parallel rows. No triangle has three vertices on
+//          |              |       one side, so none has zero area, and there are two fewer than vertices.
+//   bottom B0--B1---------B2
+class BorderPolygon {
+ public:
+  BorderPolygon(const SurfacePoints& points, int axis, bool closes, bool mirrored)
+      : finders_{SurfacePoints::Finder(points), SurfacePoints::Finder(points), SurfacePoints::Finder(points),
+                 SurfacePoints::Finder(points)},
+        axis_(axis),
+        closes_(closes),
+        mirrored_(mirrored) {}
+
+  void look_up(const FaceRectangle& rectangle) {
+    const int width = rectangle.high[0] - rectangle.low[0];
+    const int height = rectangle.high[1] - rectangle.low[1];
+    bottom_.clear();
+    top_.clear();
+    left_.clear();
+    right_.clear();
+    // u x v is the axis, but for planes across y.
+    turned_ = (rectangle.upward == (axis_ == 1)) != mirrored_;
+    // By the quadrant in which the rectangle is.
+    const FaceCorner low_low = corner(rectangle, 0, 0);
+    const FaceCorner high_low = corner(rectangle, 1, 0);
+    const FaceCorner low_high = corner(rectangle, 0, 1);
+    const FaceCorner high_high = corner(rectangle, 1, 1);
+    const int voxel = rectangle.upward ? 0 : 1;  // its side across the plane
+    // A side's voxel along the lower axis across it: that of the plane, or the other one along it.
+    const auto upper = [&](int other_axis, int quadrant) { return axis_ < other_axis ? voxel : quadrant; };
+    const int u = plane_u(axis_);
+    const int v = plane_v(axis_);
+    bottom_.push_back({finders_[0].vertex(low_low), 0});
+    top_.push_back({finders_[2].vertex(low_high), 0});
+    if (closes_) {
+      finders_[0].along(low_low, u, width, upper(v, 1), [&](auto vertex, int at) { bottom_.push_back({vertex, at}); });
+      finders_[2].along(low_high, u, width, upper(v, 0), [&](auto vertex, int at) { top_.push_back({vertex, at}); });
+      finders_[3].along(low_low, v, height, upper(u, 1), [&](auto vertex, int at) { left_.push_back({vertex, at}); });
+      finders_[1].along(high_low, v, height, upper(u, 0), [&](auto vertex, int at) { right_.push_back({vertex, at}); });
+    }
+    bottom_.push_back({finders_[1].vertex(high_low), 2 * width});
+    top_.push_back({finders_[1].vertex(high_high), 2 * width});
+  }
+
+  [[nodiscard]] std::size_t triangles() const {
+    return bottom_.size() + top_.size() + left_.size() + right_.size() - 2;
+  }
+
+  void write(glm::uvec3*& out) const {
+    const auto put = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+      *out++ = turned_ ? glm::uvec3(a, c, b) : glm::uvec3(a, b, c);
+    };
+    const std::uint32_t left_apex = bottom_[1].vertex;
+    std::uint32_t last = top_.front().vertex;
+    for (std::size_t l = left_.size(); l-- > 0;) {
+      put(last, left_[l].vertex, left_apex);
+      last = left_[l].vertex;
+    }
+    put(last, bottom_.front().vertex, left_apex);
+    const std::size_t top_end = top_.size() - 2;
+    const std::uint32_t right_apex = top_[top_end].vertex;
+    last = bottom_.back().vertex;
+    for (const Found& found : right_) {
+      put(last, found.vertex, right_apex);
+      last = found.vertex;
+    }
+    put(last, top_.back().vertex, right_apex);
+    std::size_t b = 1;
+    std::size_t t = 0;
+    while (b + 1 < bottom_.size() || t < top_end) {
+      const bool below = t == top_end || (b + 1 < bottom_.size() && bottom_[b + 1].at <= top_[t + 1].at);
+      if (below) {
+        put(bottom_[b].vertex, bottom_[b + 1].vertex, top_[t].vertex);
+        ++b;
+      } else {
+        put(bottom_[b].vertex, top_[t + 1].vertex, top_[t].vertex);
+        ++t;
+      }
+    }
+  }
+
+ private:
+  struct Found {
+    std::uint32_t vertex;
+    int at;  // half steps along the side
+  };
+
+  // The rectangle's corner at the high end of u, of v, and its face there.
+  [[nodiscard]] FaceCorner corner(const FaceRectangle& rectangle, int high_u, int high_v) const {
+    FaceCorner found;
+    found.corner[axis_] = rectangle.plane;
+    found.corner[plane_u(axis_)] = high_u != 0 ? rectangle.high[0] : rectangle.low[0];
+    found.corner[plane_v(axis_)] = high_v != 0 ? rectangle.high[1] : rectangle.low[1];
+    found.face = axis_ * 4 + ((1 - high_u) | (1 - high_v) << 1);
+    return found;
+  }
+
+  std::array<SurfacePoints::Finder, 4> finders_;  // each stays near its side
+  int axis_;
+  bool closes_;
+  bool mirrored_;
+  bool turned_ = false;
+  std::vector<Found> bottom_;
+  std::vector<Found> top_;
+  std::vector<Found> left_;
+  std::vector<Found> right_;
+};
+
+template <class F>
+void for_each_portion(std::vector<Portion>& portions, const SurfacePoints& points, bool closes, bool mirrored,
+                      const Context& context, const F& f) {
+  tbb::parallel_for(std::size_t{0}, portions.size(), [&](std::size_t p) {
+    if (context.cancelled()) return;
+    BorderPolygon polygon(points, portions[p].axis, closes, mirrored);
+    f(portions[p], polygon);
+  });
+}
+
+std::vector<Portion> portions_of(const std::vector<LayerRectangles>& layers) {
+  std::vector<Portion> portions;
+  for (const LayerRectangles& layer : layers) {
+    const std::span<const FaceRectangle> all = layer.rectangles.values();
+    for (std::size_t begin = 0; begin < all.size(); begin += kPortion) {
+      portions.push_back({layer.axis, all.subspan(begin, std::min(kPortion, all.size() - begin))});
+    }
+  }
+  return portions;
+}
+
+}  // namespace
+
+Result<Extraction> mesh_voxels(const field::ScalarField& field, const VoxelChunks& voxels, const glm::ivec3& base,
+                               const OutputFrame& placement, const ExtractOptions& options, const ExtractStats& stats,
+                               const Context& context) {
+  Extraction result;
+  result.stats = stats;
+  result.mesh.origin = placement.origin();
+  if (auto fits = check_placement(field, placement); !fits) return tl::unexpected(fits.error());
+  Stopwatch watch;
+  const bool closes = options.voxel_faces != VoxelFaces::rectangles;
+  const std::string what = fmt::format("{}: the faces of its voxels", field.source);
+  auto layers = list_face_rectangles(voxels, options.voxel_faces, context, what);
+  if (!layers) return tl::unexpected(layers.error());
+  auto points = SurfacePoints::make(voxels, *layers, closes, context, what);
+  if (!points) return tl::unexpected(points.error());
+
+  std::vector<Portion> portions = portions_of(*layers);
+  const auto each = [&](const auto& f) {
+    for_each_portion(portions, *points, closes, placement.mirrored(), context, f);
+  };
+  MeshSizes sizes{points->vertices(), 0};
+  if (closes) {
+    each([](Portion& portion, BorderPolygon& polygon) {
+      for (const FaceRectangle& rectangle : portion.rectangles) {
+        polygon.look_up(rectangle);
+        portion.first_triangle += polygon.triangles();
+      }
+    });
+  } else {
+    for (Portion& portion : portions) portion.first_triangle = 2 * portion.rectangles.size();
+  }
+  for (Portion& portion : portions) sizes.triangles += std::exchange(portion.first_triangle, sizes.triangles);
+  result.stats.count += watch.elapsed();
+  if (auto wanted = context.check(); !wanted) return tl::unexpected(wanted.error());
+
+  watch.restart();
+  auto memory = reserve_mesh(field, sizes, options, context);
+  if (!memory) return tl::unexpected(memory.error());
+  allocate_mesh(result.mesh, sizes, {}, options);
+  context.progress().begin("extracting", 0);
+  points->write_positions(placement, base, result.mesh);
+  each([&](const Portion& portion, BorderPolygon& polygon) {
+    glm::uvec3* out = result.mesh.triangles.data() + portion.first_triangle;
+    for (const FaceRectangle& rectangle : portion.rectangles) {
+      polygon.look_up(rectangle);
+      polygon.write(out);
+    }
+  });
+  if (auto wanted = context.check(); !wanted) return tl::unexpected(wanted.error());
+  result.mesh.memory = std::move(*memory);
+  result.stats.emit += watch.elapsed();
+  return result;
+}
+
+}  // namespace isoextract::extract

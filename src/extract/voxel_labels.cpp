@@ -1,0 +1,325 @@
+// The voxels of each label of a label map, found in one pass: chunk by chunk, runs of equal samples become bits of
+// their label.
+#include <algorithm>
+#include <array>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include "extract/dense_input.hpp"
+#include "extract/detail/reserved_list.hpp"
+#include "extract/detail/voxel_input.hpp"
+#include "extract/detail/voxel_mesh.hpp"
+#include "extract/sparse_blocks.hpp"
+#include "extract/voxels.hpp"
+
+namespace isoextract::extract {
+namespace {
+
+constexpr std::size_t kChunksATask = 256;
+
+// What a chunk holds of one label.
+struct LabelPart {
+  std::int64_t label = 0;
+  glm::ivec3 origin{0};
+  bool full = false;
+  ChunkBits bits{};
+};
+
+// The samples of a chunk as rows of 64, of which `begin` to `end` - 1 count; rows that do not are null.
+template <class T>
+struct SampleRows {
+  std::array<const T*, 64> rows{};
+  int begin = 0;
+  int end = 64;
+};
+
+// The labels of one chunk after the other.
+class ChunkLabels {
+ public:
+  explicit ChunkLabels(const LabelChoice& choice, std::optional<std::int64_t> around)
+      : choice_(choice), around_(around) {}
+
+  template <class T>
+  void add(const SampleRows<T>& samples, const glm::ivec3& origin, ReservedList<LabelPart>& found) {
+    parts_.clear();
+    for (std::size_t r = 0; r < samples.rows.size(); ++r) {
+      const T* row = samples.rows[r];
+      if (row == nullptr) continue;
+      for (int x = samples.begin; x < samples.end;) {
+        const T label = row[x];
+        int end = x + 1;
+        while (end < samples.end && row[end] == label) ++end;
+        if (ChunkBits* bits = bits_of(static_cast<std::int64_t>(label))) {
+          (*bits)[r] |= kAllBits >> (64 - (end - x)) << x;
+        }
+        x = end;
+      }
+    }
+    for (LabelPart& part : parts_) {
+      part.origin = origin;
+      part.full = part.bits == full_chunk();
+      found.add(part);
+    }
+  }
+
+ private:
+  // Null for labels that nobody asked for.
+  ChunkBits* bits_of(std::int64_t label) {
+    // Mostly the one of the run before, or of the row before.
+    for (std::size_t p = parts_.size(); p-- > 0;) {
+      if (parts_[p].label == label) return &parts_[p].bits;
+    }
+    if (!is_wanted(label)) return nullptr;
+    parts_.emplace_back().label = label;
+    return &parts_.back().bits;
+  }
+
+  [[nodiscard]] bool is_wanted(std::int64_t label) const {
+    if (!choice_.all) return std::ranges::find(choice_.values, label) != choice_.values.end();
+    return label != 0 && label != around_;
+  }
+
+  const LabelChoice& choice_;
+  std::optional<std::int64_t> around_;  // what a sparse field has everywhere else
+  std::vector<LabelPart> parts_;
+};
+
+// Of sparse samples, put together from blocks, tiles and the background.
+template <class T>
+class SparseRows {
+ public:
+  SparseRows(const field::SparseSamples& samples, const field::SparseLookup& lookup, const field::IndexBox& region)
+      : samples_(samples), lookup_(lookup), region_(region) {}
+
+  const SampleRows<T>& read(const glm::ivec3& origin) {
+    for (int place = 0; place < 8; ++place) {
+      const std::int32_t stored = lookup_.place(origin + glm::ivec3(kBlockSize * place, 0, 0));
+      const T* block =
+          stored >= 0 ? static_cast<const T*>(samples_.blocks[static_cast<std::size_t>(stored)].values) : nullptr;
+      const T constant = block == nullptr ? static_cast<T>(lookup_.constant_of(stored)) : T{};
+      for (int x = 0; x < kBlockSize; ++x) {
+        for (int y = 0; y < kBlockSize; ++y) {
+          for (int z = 0; z < kBlockSize; ++z) {
+            values_[64 * chunk_row(y, z) + static_cast<std::size_t>(kBlockSize * place + x)] =
+                block == nullptr ? constant : block[x << 6 | y << 3 | z];
+          }
+        }
+      }
+    }
+    rows_.begin = std::clamp(region_.min.x - origin.x, 0, 64);
+    rows_.end = std::clamp(region_.max.x - origin.x + 1, 0, 64);
+    for (int z = 0; z < kBlockSize; ++z) {
+      for (int y = 0; y < kBlockSize; ++y) {
+        const glm::ivec3 p = origin + glm::ivec3(0, y, z);
+        const bool holds = p.y >= region_.min.y && p.y <= region_.max.y && p.z >= region_.min.z && p.z <= region_.max.z;
+        rows_.rows[chunk_row(y, z)] = holds ? values_.data() + 64 * chunk_row(y, z) : nullptr;
+      }
+    }
+    return rows_;
+  }
+
+ private:
+  const field::SparseSamples& samples_;
+  const field::SparseLookup& lookup_;
+  const field::IndexBox& region_;
+  std::array<T, 64 * 64> values_;
+  SampleRows<T> rows_;
+};
+
+template <class T>
+SampleRows<T> dense_rows(const DenseView<T>& view, const glm::ivec3& origin) {
+  SampleRows<T> rows;
+  rows.end = std::min(64, view.dims.x - origin.x);
+  for (int z = 0; z < std::min(kVoxelChunk.z, view.dims.z - origin.z); ++z) {
+    for (int y = 0; y < std::min(kVoxelChunk.y, view.dims.y - origin.y); ++y) {
+      rows.rows[chunk_row(y, z)] = view.row(origin.y + y, origin.z + z) + origin.x;
+    }
+  }
+  return rows;
+}
+
+Result<void> check_label_map(const field::ScalarField& field, const LabelChoice& choice) {
+  const bool integers =
+      visit_sample_type(field.type(), []<class T>(std::type_identity<T>) { return !field::is_floating_sample<T>; });
+  if (!integers) {
+    return fail(ErrorKind::usage, fmt::format("{}: expected integers as the samples of a label map, found {}",
+                                              field.source, field::sample_type_name(field.type())));
+  }
+  if (!field.scale.is_identity()) {
+    return fail(ErrorKind::usage,
+                fmt::format("{}: expected samples that are labels as they are stored, found a scale of {} and {}",
+                            field.source, field.scale.slope, field.scale.intercept));
+  }
+  const auto* sparse = std::get_if<field::SparseSamples>(&field.samples);
+  if (sparse == nullptr || choice.all) return {};
+  const auto around = static_cast<std::int64_t>(sparse->background);
+  if (std::ranges::find(choice.values, around) == choice.values.end()) return {};
+  return fail(ErrorKind::usage,
+              fmt::format("{}: label {} is the background of a sparse grid, which has no end", field.source, around));
+}
+
+}  // namespace
+
+struct LabelVoxels::Found {
+  Found(std::string text, const field::IndexBox& within, const OutputFrame& placement)
+      : what(std::move(text)), region(within), frame(placement) {}
+
+  std::string what;  // for messages
+  std::vector<std::int64_t> labels;
+  glm::ivec3 base{0};
+  field::IndexBox region;
+  OutputFrame frame;
+  ExtractStats stats;
+  std::optional<field::SparseLookup> lookup;
+  std::vector<Reservation> memory;
+  std::vector<ReservedList<LabelPart>> tasks;
+  std::map<std::int64_t, std::vector<const LabelPart*>> parts;  // in chunk_order()
+
+  // Fills `tasks`: add(labels, n, list) for each of `count` chunks.
+  template <class Add>
+  void run(std::size_t count, const LabelChoice& choice, std::optional<std::int64_t> around, const Context& context,
+           const Add& add) {
+    stats.brick = "64x8x8 voxels";
+    stats.bricks = count;
+    stats.bricks_visited = count;
+    const std::size_t portions = (count + kChunksATask - 1) / kChunksATask;
+    tasks.clear();
+    tasks.reserve(portions);
+    for (std::size_t p = 0; p < portions; ++p) tasks.emplace_back(context, what);
+    context.progress().begin("finding labels", portions);
+    tbb::parallel_for(std::size_t{0}, portions, [&](std::size_t p) {
+      if (context.cancelled()) return;
+      add(ChunkLabels(choice, around), kChunksATask * p, std::min(kChunksATask * (p + 1), count), tasks[p]);
+      context.progress().advance(1);
+    });
+  }
+
+  void find_dense(const field::DenseSamples& samples, const LabelChoice& choice, const Context& context) {
+    const ChunkGrid grid(region);
+    const glm::u64vec3 dims(region.dims());
+    stats.samples_classified = dims.x * dims.y * dims.z;
+    base = region.min;
+    field::visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) {
+      if constexpr (!field::is_floating_sample<T>) {
+        const DenseView<T> view = part_of(dense_view<T>(samples), region);
+        run(grid.count(), choice, std::nullopt, context,
+            [&](ChunkLabels chunk, std::size_t begin, std::size_t end, ReservedList<LabelPart>& list) {
+              for (std::size_t n = begin; n < end; ++n)
+                chunk.add(dense_rows(view, grid.origin(n)), grid.origin(n), list);
+            });
+      }
+    });
+  }
+
+  [[nodiscard]] Result<void> find_sparse(const field::ScalarField& field, const field::SparseSamples& samples,
+                                         const LabelChoice& choice, const Context& context) {
+    std::vector<glm::ivec3> nodes = field::SparseLookup::node_origins(samples);
+    auto held = context.reserve(nodes.size() * sizeof(field::SparseLookup::Node), what);
+    if (!held) return tl::unexpected(held.error());
+    memory.push_back(std::move(*held));
+    lookup.emplace(samples, std::move(nodes));
+    Reservation list_memory;
+    const auto origins = sparse_chunks(field, samples, region, false,
+                                       std::vector<std::uint8_t>(samples.tiles.size(), 1), context, list_memory);
+    if (!origins) return tl::unexpected(origins.error());
+    stats.samples_classified = samples.blocks.size() * kBlockSize * kBlockSize * kBlockSize;
+    field::visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) {
+      if constexpr (!field::is_floating_sample<T>) {
+        run(origins->size(), choice, static_cast<std::int64_t>(samples.background), context,
+            [&](ChunkLabels chunk, std::size_t begin, std::size_t end, ReservedList<LabelPart>& list) {
+              SparseRows<T> rows(samples, *lookup, region);
+              for (std::size_t n = begin; n < end; ++n) chunk.add(rows.read((*origins)[n]), (*origins)[n], list);
+            });
+      }
+    });
+    return {};
+  }
+
+  // Puts the parts in order; the labels that were asked for, or all that were found.
+  [[nodiscard]] Result<void> collect(const LabelChoice& choice, const Context& context) {
+    if (auto wanted = context.check(); !wanted) return wanted;
+    std::uint64_t count = 0;
+    for (const ReservedList<LabelPart>& task : tasks) {
+      if (task.error()) return tl::unexpected(*task.error());
+      count += task.values().size();
+    }
+    auto held = context.reserve(count * 2 * sizeof(const LabelPart*), what);
+    if (!held) return tl::unexpected(held.error());
+    memory.push_back(std::move(*held));
+    for (const ReservedList<LabelPart>& task : tasks) {
+      for (const LabelPart& part : task.values()) parts[part.label].push_back(&part);
+    }
+    labels = choice.values;
+    if (choice.all) {
+      labels.clear();
+      for (const auto& [label, unused] : parts) labels.push_back(label);
+    }
+    return {};
+  }
+};
+
+Result<LabelVoxels> LabelVoxels::find(const field::ScalarField& field, const ExtractOptions& options,
+                                      const LabelChoice& choice, const Context& context) {
+  if (auto sound = check_label_map(field, choice); !sound) return tl::unexpected(sound.error());
+  if (auto sound = check_request(field, options); !sound) return tl::unexpected(sound.error());
+  const Stopwatch watch;
+  const auto* dense = std::get_if<field::DenseSamples>(&field.samples);
+  const auto* sparse = std::get_if<field::SparseSamples>(&field.samples);
+  field::IndexBox stored = dense != nullptr ? field::IndexBox{glm::ivec3(0), dense->dims - 1} : stored_box(*sparse);
+  field::IndexBox region = stored;
+  if (stored.empty()) {
+    stored = region = {glm::ivec3(0), glm::ivec3(0)};
+  } else if (dense != nullptr) {
+    const auto asked = voxel_region(field, stored, options);
+    if (!asked) return tl::unexpected(asked.error());
+    region = *asked;
+  } else {
+    const auto reach = sparse_reach(field, *sparse, options, false);
+    if (!reach) return tl::unexpected(reach.error());
+    region = reach->region;
+  }
+  const OutputFrame frame = voxel_frame(field, options, stored, options.region ? region : stored);
+  auto found = std::make_shared<Found>(field.source + ": the voxels of its labels", region, frame);
+  if (dense != nullptr) {
+    found->find_dense(*dense, choice, context);
+  } else if (auto done = found->find_sparse(field, *sparse, choice, context); !done) {
+    return tl::unexpected(done.error());
+  }
+  if (auto done = found->collect(choice, context); !done) return tl::unexpected(done.error());
+  found->stats.classify = watch.elapsed();
+  return LabelVoxels(std::move(found));
+}
+
+const std::vector<std::int64_t>& LabelVoxels::labels() const { return found_->labels; }
+
+Result<Extraction> LabelVoxels::extract(const field::ScalarField& field, std::int64_t label,
+                                        const ExtractOptions& options, const Context& context) const {
+  const auto entry = found_->parts.find(label);
+  if (entry == found_->parts.end()) return Extraction{{}, found_->stats};
+  auto memory = context.reserve(VoxelChunks::bytes(entry->second.size()), found_->what);
+  if (!memory) return tl::unexpected(memory.error());
+  std::vector<VoxelChunk> chunks;
+  chunks.reserve(entry->second.size());
+  for (const LabelPart* part : entry->second) {
+    chunks.push_back({part->origin, part->full ? &full_chunk() : &part->bits});
+  }
+  VoxelChunks::Unlisted unlisted;
+  if (found_->lookup) {
+    unlisted = [this, label](const glm::ivec3& origin) {
+      const std::int32_t place = found_->lookup->place(origin);
+      return place < field::SparseLookup::kBackground && is_in(found_->region, origin) &&
+             found_->lookup->constant_of(place) == static_cast<double>(label);
+    };
+  }
+  const VoxelChunks voxels(std::move(chunks), std::move(unlisted), found_, std::move(*memory));
+  ExtractStats stats = found_->stats;
+  if (label != found_->labels.front()) stats.classify = {};  // all were found at once
+  return mesh_voxels(field, voxels, found_->base, found_->frame, options, stats, context);
+}
+
+}  // namespace isoextract::extract

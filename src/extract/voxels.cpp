@@ -1,0 +1,181 @@
+#include "extract/voxels.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include "base/reserved_buffer.hpp"
+#include "extract/dense_input.hpp"
+#include "extract/detail/voxel_input.hpp"
+#include "extract/detail/voxel_mesh.hpp"
+#include "extract/sparse_sites.hpp"
+
+namespace isoextract::extract {
+namespace {
+
+constexpr const char* kChunkName = "64x8x8 voxels";
+
+std::string chunks_text(const field::ScalarField& field) { return fmt::format("{}: its voxels", field.source); }
+
+// fill(n, bits) writes the n-th of `count` chunks, whose place is origin(n). In parallel, twice: bits are kept only of
+// those that are neither full nor empty.
+template <class Fill, class Origin>
+Result<VoxelChunks> fill_chunks(const field::ScalarField& field, std::size_t count, const Fill& fill,
+                                const Origin& origin, VoxelChunks::Unlisted unlisted, const Context& context) {
+  auto memory = context.reserve(VoxelChunks::bytes(count), chunks_text(field));
+  if (!memory) return tl::unexpected(memory.error());
+  std::vector<VoxelChunk> chunks(count);
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t n) {
+    ChunkBits bits;
+    fill(n, bits);
+    const auto all = [&](std::uint64_t word) {
+      return std::ranges::all_of(bits, [&](auto row) { return row == word; });
+    };
+    chunks[n] = {origin(n), all(0) ? &empty_chunk() : all(kAllBits) ? &full_chunk() : nullptr};
+  });
+  const auto is_mixed = [](const VoxelChunk& chunk) { return chunk.bits == nullptr; };
+  const auto mixed = static_cast<std::size_t>(std::ranges::count_if(chunks, is_mixed));
+  auto bits = make_reserved_buffer<ChunkBits>(mixed, context, chunks_text(field));
+  if (!bits) return tl::unexpected(bits.error());
+  std::size_t next = 0;
+  for (VoxelChunk& chunk : chunks) {
+    if (is_mixed(chunk)) chunk.bits = &(*bits)->values[next++];
+  }
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t n) {
+    if (chunks[n].bits == &full_chunk() || chunks[n].bits == &empty_chunk()) return;
+    fill(n, (*bits)->values[static_cast<std::size_t>(chunks[n].bits - (*bits)->values.data())]);
+  });
+  if (!unlisted) std::erase_if(chunks, [](const VoxelChunk& chunk) { return chunk.bits == &empty_chunk(); });
+  return VoxelChunks(std::move(chunks), std::move(unlisted), std::move(*bits), std::move(*memory));
+}
+
+void count_chunks(ExtractStats& stats, std::uint64_t all, const VoxelChunks& voxels) {
+  stats.brick = kChunkName;
+  stats.bricks = all;
+  stats.bricks_visited = static_cast<std::uint64_t>(std::ranges::count_if(voxels.chunks(), [](const VoxelChunk& chunk) {
+    return chunk.bits != &full_chunk() && chunk.bits != &empty_chunk();
+  }));
+}
+
+Result<Extraction> extract_dense_voxels(const field::ScalarField& field, const field::DenseSamples& samples,
+                                        const ExtractOptions& options, const Context& context) {
+  const auto region = voxel_region(field, {glm::ivec3(0), samples.dims - 1}, options);
+  if (!region) return tl::unexpected(region.error());
+  ExtractStats stats;
+  const ChunkGrid grid(*region);
+  Result<VoxelChunks> voxels;
+  {
+    auto masks = make_masks(field, glm::ivec3(region->dims()), context);
+    if (!masks) return tl::unexpected(masks.error());
+    const auto classified = visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) -> Result<bool> {
+      const DenseView<T> view = part_of(dense_view<T>(samples), *region);
+      const auto threshold = classify_dense(field, view, region->min, options, *masks, stats, context);
+      if (!threshold) return tl::unexpected(threshold.error());
+      return threshold->has_value();
+    });
+    if (!classified) return tl::unexpected(classified.error());
+    if (!*classified) {
+      count_chunks(stats, grid.count(), {});
+      return Extraction{{}, stats};
+    }
+    const glm::ivec3& dims = masks->dims();
+    voxels = fill_chunks(
+        field, grid.count(),
+        [&](std::size_t n, ChunkBits& bits) {
+          const glm::ivec3 origin = grid.origin(n);
+          for (int z = 0; z < 8; ++z) {
+            for (int y = 0; y < 8; ++y) {
+              const bool there = origin.y + y < dims.y && origin.z + z < dims.z;
+              bits[chunk_row(y, z)] = there ? masks->row(origin.y + y, origin.z + z)[origin.x / 64] : 0;
+            }
+          }
+        },
+        [&](std::size_t n) { return grid.origin(n); }, nullptr, context);
+  }
+  if (!voxels) return tl::unexpected(voxels.error());
+  count_chunks(stats, grid.count(), *voxels);
+  if (auto wanted = context.check(); !wanted) return tl::unexpected(wanted.error());
+  const OutputFrame placement = voxel_frame(field, options, {glm::ivec3(0), samples.dims - 1}, *region);
+  return mesh_voxels(field, *voxels, region->min, placement, options, stats, context);
+}
+
+// Eight bytes as the rows of 8 x 8 bits, which change places with the columns (Warren: Hacker's Delight, 7-3).
+std::uint64_t turn_bits(std::uint64_t rows) {
+  std::uint64_t t = (rows ^ rows >> 7) & 0x00AA00AA00AA00AAULL;
+  rows ^= t ^ t << 7;
+  t = (rows ^ rows >> 14) & 0x0000CCCC0000CCCCULL;
+  rows ^= t ^ t << 14;
+  t = (rows ^ rows >> 28) & 0x00000000F0F0F0F0ULL;
+  return rows ^ t ^ t << 28;
+}
+
+// A block's bits, whose words are along x, into the rows of a chunk; it is the `place`-th along x.
+void put_block(const BlockBits& block, int place, ChunkBits& bits) {
+  for (int y = 0; y < kBlockSize; ++y) {
+    std::uint64_t rows = 0;
+    for (int x = 0; x < kBlockSize; ++x) rows |= (block[static_cast<std::size_t>(x)] >> 8 * y & 0xFF) << 8 * x;
+    rows = turn_bits(rows);
+    for (int z = 0; z < kBlockSize; ++z) bits[chunk_row(y, z)] |= (rows >> 8 * z & 0xFF) << 8 * place;
+  }
+}
+
+Extraction no_voxels() {
+  Extraction nothing;
+  nothing.stats.brick = kChunkName;
+  return nothing;
+}
+
+Result<Extraction> extract_sparse_voxels(const field::ScalarField& field, const field::SparseSamples& samples,
+                                         const ExtractOptions& options, const Context& context) {
+  if (stored_box(samples).empty()) return no_voxels();
+  const bool unbounded = InsideRule{field.kind, options.iso}(field.scale(samples.background));
+  const auto reach = sparse_reach(field, samples, options, unbounded);
+  if (!reach) return tl::unexpected(reach.error());
+  ExtractStats stats;
+  SparseSites samples_seen(field, samples, reach->region, options, context);
+  if (auto compared = samples_seen.compare(stats); !compared) return tl::unexpected(compared.error());
+  const ConstantSides& sides = samples_seen.sides();
+  Reservation list_memory;
+  const auto origins =
+      sparse_chunks(field, samples, reach->region, unbounded, sides.tiles_inside, context, list_memory);
+  if (!origins) return tl::unexpected(origins.error());
+  const field::SparseLookup& lookup = samples_seen.lookup();
+  const auto voxels = fill_chunks(
+      field, origins->size(),
+      [&](std::size_t n, ChunkBits& bits) {
+        const glm::ivec3& origin = (*origins)[n];
+        bits.fill(0);
+        for (int place = 0; place < 8; ++place) {
+          const std::int32_t stored = lookup.place(origin + glm::ivec3(8 * place, 0, 0));
+          if (stored >= 0) {
+            put_block(samples_seen.block_bits(static_cast<std::size_t>(stored)), place, bits);
+          } else if (sides.inside(stored)) {
+            for (std::uint64_t& row : bits) row |= std::uint64_t{0xFF} << 8 * place;
+          }
+        }
+        const ChunkBits within = bits_within(origin, reach->region);
+        for (std::size_t row = 0; row < bits.size(); ++row) bits[row] &= within[row];
+      },
+      [&](std::size_t n) { return (*origins)[n]; },
+      [&](const glm::ivec3& origin) { return is_in(reach->region, origin) && sides.inside(lookup.place(origin)); },
+      context);
+  if (!voxels) return tl::unexpected(voxels.error());
+  count_chunks(stats, origins->size(), *voxels);
+  if (auto wanted = context.check(); !wanted) return tl::unexpected(wanted.error());
+  return mesh_voxels(field, *voxels, glm::ivec3(0), sparse_voxel_frame(field, options, *reach), options, stats,
+                     context);
+}
+
+}  // namespace
+
+Result<Extraction> extract_voxels(const field::ScalarField& field, const ExtractOptions& options,
+                                  const Context& context) {
+  if (const auto* dense = std::get_if<field::DenseSamples>(&field.samples)) {
+    return extract_dense_voxels(field, *dense, options, context);
+  }
+  return extract_sparse_voxels(field, std::get<field::SparseSamples>(field.samples), options, context);
+}
+
+}  // namespace isoextract::extract

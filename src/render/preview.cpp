@@ -1,0 +1,126 @@
+#include "render/preview.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "render/picture_text.hpp"
+
+namespace isoextract::render {
+namespace {
+
+constexpr glm::dvec4 kGround{0.82, 0.84, 0.87, 1.0};
+
+// From the upper left, and a weaker one from the right, so that no side is black.
+const std::vector<Light>& preview_lights() {
+  static const std::vector<Light> lights{Light{{-0.4, 0.6, 0.7}, true, glm::dvec3(0.9)},
+                                         Light{{0.8, 0.1, 0.4}, true, glm::dvec3(0.25)}};
+  return lights;
+}
+
+// Half as wide and high: colours are means, which premultiplied light allows.
+Result<Picture> halved(const Picture& fine, const Context& context) {
+  auto made = make_picture(fine.width / 2, fine.height / 2, context);
+  if (!made) return made;
+  Picture& coarse = *made;
+  for (int y = 0; y < coarse.height; ++y) {
+    for (int x = 0; x < coarse.width; ++x) {
+      const std::size_t first =
+          static_cast<std::size_t>(2 * x) + static_cast<std::size_t>(fine.width) * static_cast<std::size_t>(2 * y);
+      const std::size_t below = first + static_cast<std::size_t>(fine.width);
+      const std::array<std::size_t, 4> four{first, first + 1, below, below + 1};
+      const std::size_t at =
+          static_cast<std::size_t>(x) + static_cast<std::size_t>(coarse.width) * static_cast<std::size_t>(y);
+      glm::vec4 sum{0.0F};
+      std::size_t nearest = first;
+      for (const std::size_t i : four) {
+        sum += fine.colour[i];
+        if (fine.depth[i] < fine.depth[nearest]) nearest = i;
+      }
+      coarse.colour[at] = 0.25F * sum;
+      coarse.depth[at] = fine.depth[nearest];
+      coarse.normals[at] = fine.normals[nearest];
+    }
+  }
+  return made;
+}
+
+void draw_scale_bar(Picture& picture, const ScaleBar& bar) {
+  const int dot = std::max(1, picture.height / 360);
+  const int margin = 8 * dot;
+  const glm::ivec2 low{margin, picture.height - margin};
+  fill_box(picture, {low.x, low.y - 2 * dot}, {low.x + bar.pixels, low.y}, kInk);
+  for (const int x : {low.x, low.x + bar.pixels - dot}) fill_box(picture, {x, low.y - 6 * dot}, {x + dot, low.y}, kInk);
+  const glm::ivec2 words = text_size(bar.text, dot);
+  draw_text(picture, {low.x + (bar.pixels - words.x) / 2, low.y - 7 * dot - words.y}, bar.text, dot, kInk);
+}
+
+// So near that the corners of the box just fit into the picture, with a margin.
+Camera close_framing(const field::Box& box, ViewAngles angles, UpAxis up, const PictureSize& size) {
+  constexpr double kFilled = 0.9;
+  const Camera far = framing(box, angles, up, size);
+  if (angles.distance || box.min == box.max) return far;
+  const double high = kFilled * std::tan(far.fovy / 2);
+  const double wide = high * size.width / size.height;
+  double distance = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::dvec3 place{(corner & 1) != 0 ? box.max.x : box.min.x, (corner & 2) != 0 ? box.max.y : box.min.y,
+                           (corner & 4) != 0 ? box.max.z : box.min.z};
+    const glm::dvec3 seen = far.rotation() * (place - far.target);
+    distance = std::max(distance, seen.z + std::max(std::abs(seen.x) / wide, std::abs(seen.y) / high));
+  }
+  angles.distance = distance;
+  return framing(box, angles, up, size);
+}
+
+bool is_empty(const Surface& surface) { return surface.mesh->triangles.empty(); }
+
+}  // namespace
+
+ScaleBar scale_bar(const Camera& camera, const PictureSize& size, const std::string& unit) {
+  const double of_pixel = 2 * camera.unit() * std::tan(camera.fovy / 2) / size.height;
+  const double most = 0.25 * size.width * of_pixel;
+  const double power = std::pow(10.0, std::floor(std::log10(most)));
+  double length = power;
+  for (const double times : {2.0, 5.0}) {
+    if (times * power <= most) length = times * power;
+  }
+  return {length, std::max(1, static_cast<int>(std::lround(length / of_pixel))),
+          unit.empty() ? fmt::format("{:.6g}", length) : fmt::format("{:.6g} {}", length, unit)};
+}
+
+Result<Rendered> draw_preview(std::span<const Surface> surfaces, const PreviewOptions& options, Renderer& renderer,
+                              const Context& context) {
+  Scene scene;
+  scene.lights = preview_lights();
+  scene.background = kGround;
+  std::ranges::remove_copy_if(surfaces, std::back_inserter(scene.surfaces), is_empty);
+  field::Box box{glm::dvec3(-1), glm::dvec3(1)};
+  if (options.box) {
+    box = *options.box;
+  } else if (!scene.surfaces.empty()) {
+    auto own = box_of(scene);
+    if (!own) return tl::unexpected(std::move(own.error()));
+    box = *own;
+  }
+  const bool fine = 2 * std::max(options.size.width, options.size.height) <= PictureSize::kMaxSide;
+  RenderOptions drawn;
+  drawn.size = fine ? PictureSize{2 * options.size.width, 2 * options.size.height} : options.size;
+  const Camera camera = close_framing(box, options.angles, options.up, options.size);
+  auto rendered = renderer.draw(scene, camera, drawn, context);
+  if (!rendered) return rendered;
+  if (fine) {
+    auto coarse = halved(rendered->picture, context);
+    if (!coarse) return tl::unexpected(std::move(coarse.error()));
+    rendered->picture = std::move(*coarse);
+  }
+  if (options.scale_bar && !scene.surfaces.empty()) {
+    draw_scale_bar(rendered->picture, scale_bar(camera, options.size, options.unit));
+  }
+  return rendered;
+}
+
+}  // namespace isoextract::render

@@ -1,0 +1,244 @@
+#include "simulate/detail/fluid.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+
+namespace isoextract::simulate {
+namespace {
+
+constexpr std::size_t kGrain = 256;  // particles
+
+// Epsilon of equation 11, times the square of the spacing. Within a fluid the sum that it is added to is about 0.4.
+constexpr double kRelaxation = 0.1;
+
+using Range = tbb::blocked_range<std::size_t>;
+
+template <class F>
+void for_each_index(std::size_t count, const F& f) {
+  tbb::parallel_for(Range(0, count, kGrain), [&](const Range& range) {
+    for (std::size_t i = range.begin(); i != range.end(); ++i) f(i);
+  });
+}
+
+}  // namespace
+
+Fluid::Fluid(const FluidOptions& options)
+    : options_(options),
+      kernels_(options.spacing),
+      least_(options.low + options.spacing / 2),
+      most_(options.high - options.spacing / 2) {}
+
+Result<Fluid> Fluid::make(const FluidOptions& options, std::size_t capacity, const Context& context) {
+  constexpr std::size_t kBytes = 4 * sizeof(glm::dvec3) + sizeof(double) + 2 * sizeof(std::uint32_t);
+  auto memory = context.reserve(std::uint64_t{capacity} * kBytes, fmt::format("a fluid of {} particles", capacity));
+  if (!memory) return tl::unexpected(memory.error());
+  Fluid fluid(options);
+  fluid.memory_ = std::move(*memory);
+  fluid.places_ = Buffer<glm::dvec3>(capacity);
+  fluid.velocities_ = Buffer<glm::dvec3>(capacity);
+  fluid.moved_ = Buffer<glm::dvec3>(capacity);
+  fluid.scratch_ = Buffer<glm::dvec3>(capacity);
+  fluid.multipliers_ = Buffer<double>(capacity);
+  fluid.numbers_ = Buffer<std::uint32_t>(capacity);
+  fluid.number_scratch_ = Buffer<std::uint32_t>(capacity);
+  return fluid;
+}
+
+void Fluid::add(const glm::dvec3& place, const glm::dvec3& velocity) {
+  places_[size_] = place;
+  velocities_[size_] = velocity;
+  numbers_[size_] = static_cast<std::uint32_t>(size_);
+  ++size_;
+}
+
+Result<void> Fluid::step(double duration, const Context& context) {
+  if (auto go_on = context.check(); !go_on) return go_on;
+  if (size_ == 0) return {};
+  predict(duration);
+  if (auto sorted = sort_by_cells(context); !sorted) return sorted;
+  stabilise();
+  for (int i = 0; i < options_.iterations && find_multipliers(moved_); ++i) {
+    find_corrections(moved_);
+    for_each_index(size_, [&](std::size_t k) { moved_[k] = glm::clamp(moved_[k] + scratch_[k], least_, most_); });
+  }
+  update_velocities(duration);
+  if (options_.viscosity > 0) even_out_velocities();
+  return {};
+}
+
+double Fluid::fastest() const {
+  const auto most = [&](const Range& range, double speed2) {
+    for (std::size_t i = range.begin(); i != range.end(); ++i) {
+      speed2 = std::max(speed2, glm::dot(velocities_[i], velocities_[i]));
+    }
+    return speed2;
+  };
+  return std::sqrt(
+      tbb::parallel_reduce(Range(0, size_, kGrain), 0.0, most, [](double a, double b) { return std::max(a, b); }));
+}
+
+double Fluid::energy() const {
+  double sum = 0;
+  for (std::size_t i = 0; i < size_; ++i) {
+    sum += glm::dot(velocities_[i], velocities_[i]) / 2 + options_.gravity * (places_[i].z - options_.low.z);
+  }
+  return sum;
+}
+
+void Fluid::predict(double duration) {
+  const glm::dvec3 fall(0, 0, -options_.gravity * duration);
+  for_each_index(size_, [&](std::size_t i) {
+    moved_[i] = glm::clamp(places_[i] + duration * (velocities_[i] + fall), least_, most_);
+  });
+}
+
+// Neighbours in space are neighbours in memory from here on. Velocities are not: they are about to be made anew.
+Result<void> Fluid::sort_by_cells(const Context& context) {
+  const auto grid = points::CellGrid::make(moved_.span().first(size_), {.origin = options_.low, .unit = 1},
+                                           kernels_.reach(), points::CellGrid::Coinciding::apart, context, "a fluid");
+  if (!grid) return tl::unexpected(grid.error());
+  const auto member = [&](std::size_t spot) { return grid->members(spot).front(); };
+  for_each_index(size_, [&](std::size_t i) {
+    scratch_[i] = moved_[member(i)];
+    velocities_[i] = places_[member(i)];
+    number_scratch_[i] = numbers_[member(i)];
+  });
+  std::swap(moved_, scratch_);
+  std::swap(places_, velocities_);
+  std::swap(numbers_, number_scratch_);
+  return neighbours_.make(*grid, moved_.span().first(size_), kernels_.reach(), context);
+}
+
+// Of the box: a place is that far inside of the half space of each wall. Their product is exact where two walls are far
+// apart, and nearly so in edges and corners.
+Fluid::Wall Fluid::wall_at(const glm::dvec3& place) const {
+  double left = 1;  // of the kernel, in the box
+  glm::dvec3 logarithmic(0);
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double side : {1.0, -1.0}) {
+      const double distance = side > 0 ? place[axis] - options_.low[axis] : options_.high[axis] - place[axis];
+      if (distance >= kernels_.reach()) continue;
+      const double inside = 1 - kernels_.wall(distance);
+      left *= inside;
+      logarithmic[axis] += side * kernels_.wall_slope(distance) / inside;
+    }
+  }
+  return {1 - left, left * logarithmic};
+}
+
+// In shares of that at rest, by the particles that were neighbours at the start of the step.
+double Fluid::density_at(std::size_t i, const Buffer<glm::dvec3>& places) const {
+  double density = FluidKernels::own_density();
+  for (const std::uint32_t j : neighbours_.of(i)) {
+    const glm::dvec3 d = places[i] - places[j];
+    const double distance2 = glm::dot(d, d);
+    if (distance2 < kernels_.reach2()) density += kernels_.density(distance2);
+  }
+  return density;
+}
+
+// Equation 11. False where no density is above that at rest.
+bool Fluid::find_multipliers(const Buffer<glm::dvec3>& places) {
+  const double relaxation = kRelaxation / (options_.spacing * options_.spacing);
+  const auto find = [&](std::size_t i) {
+    const glm::dvec3 place = places[i];
+    const Wall wall = wall_at(place);
+    const double density = density_at(i, places) + wall.share;
+    if (!(density > 1)) return 0.0;
+    glm::dvec3 own = wall.gradient;
+    double squares = relaxation;
+    for (const std::uint32_t j : neighbours_.of(i)) {
+      const glm::dvec3 d = place - places[j];
+      const double distance2 = glm::dot(d, d);
+      if (distance2 >= kernels_.reach2()) continue;
+      const glm::dvec3 gradient = kernels_.gradient(d, distance2);
+      own += gradient;
+      squares += glm::dot(gradient, gradient);
+    }
+    return (1 - density) / (squares + glm::dot(own, own));
+  };
+  return tbb::parallel_reduce(
+      Range(0, size_, kGrain), false,
+      [&](const Range& range, bool any) {
+        for (std::size_t i = range.begin(); i != range.end(); ++i) {
+          multipliers_[i] = find(i);
+          any = any || multipliers_[i] != 0;
+        }
+        return any;
+      },
+      std::logical_or<>());
+}
+
+// Equation 12, into the scratch.
+void Fluid::find_corrections(const Buffer<glm::dvec3>& places) {
+  for_each_index(size_, [&](std::size_t i) {
+    const double own = multipliers_[i];
+    glm::dvec3 correction(0);
+    for (const std::uint32_t j : neighbours_.of(i)) {
+      const double both = own + multipliers_[j];
+      if (both == 0) continue;
+      const glm::dvec3 d = places[i] - places[j];
+      const double distance2 = glm::dot(d, d);
+      if (distance2 < kernels_.reach2()) correction += both * kernels_.gradient(d, distance2);
+    }
+    if (own != 0) correction += own * wall_at(places[i]).gradient;
+    scratch_[i] = correction;
+  });
+}
+
+// What was too dense before the step is moved apart before and after it alike, so that no velocity comes of it.
+void Fluid::stabilise() {
+  if (!find_multipliers(places_)) return;
+  find_corrections(places_);
+  for_each_index(size_, [&](std::size_t i) {
+    places_[i] = glm::clamp(places_[i] + scratch_[i], least_, most_);
+    moved_[i] = glm::clamp(moved_[i] + scratch_[i], least_, most_);
+  });
+}
+
+void Fluid::update_velocities(double duration) {
+  const double top2 = options_.top_speed * options_.top_speed;
+  slowed_down_ += tbb::parallel_reduce(
+      Range(0, size_, kGrain), std::uint64_t{0},
+      [&](const Range& range, std::uint64_t slowed) {
+        for (std::size_t i = range.begin(); i != range.end(); ++i) {
+          velocities_[i] = (moved_[i] - places_[i]) / duration;
+          const double speed2 = glm::dot(velocities_[i], velocities_[i]);
+          if (speed2 > top2) {
+            velocities_[i] *= options_.top_speed / std::sqrt(speed2);
+            moved_[i] = glm::clamp(places_[i] + duration * velocities_[i], least_, most_);
+            ++slowed;
+          }
+        }
+        return slowed;
+      },
+      std::plus<>());
+  std::swap(places_, moved_);
+}
+
+// Equation 17, divided by the larger of two densities where that is above the one at rest. So the velocities of a crowd
+// are a weighted mean of what they were, and no particle gets faster than the fastest.
+void Fluid::even_out_velocities() {
+  for_each_index(size_, [&](std::size_t i) { multipliers_[i] = std::max(density_at(i, places_), 1.0); });
+  for_each_index(size_, [&](std::size_t i) {
+    glm::dvec3 change(0);
+    for (const std::uint32_t j : neighbours_.of(i)) {
+      const glm::dvec3 d = places_[i] - places_[j];
+      const double distance2 = glm::dot(d, d);
+      if (distance2 >= kernels_.reach2()) continue;
+      const double weight = kernels_.density(distance2) / std::max(multipliers_[i], multipliers_[j]);
+      change += weight * (velocities_[j] - velocities_[i]);
+    }
+    scratch_[i] = velocities_[i] + options_.viscosity * change;
+  });
+  std::swap(velocities_, scratch_);
+}
+
+}  // namespace isoextract::simulate

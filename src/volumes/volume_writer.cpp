@@ -1,0 +1,60 @@
+#include "volumes/volume_writer.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "files/output_file.hpp"
+#include "volumes/grid_tools.hpp"
+#include "volumes/volume_reader.hpp"
+#include "volumes/write/dense_writers.hpp"
+
+namespace isoextract::volumes {
+namespace {
+
+tl::unexpected<Error> cannot_hold(const std::filesystem::path& path, VolumeFileFormat format, const std::string& what) {
+  return fail(ErrorKind::output, fmt::format("{}: {} files do not hold {}", path.string(), word_of(format), what));
+}
+
+Result<std::string> header_of(const std::filesystem::path& path, const field::ScalarField& field,
+                              const field::DenseSamples& samples, VolumeFileFormat format) {
+  if (format == VolumeFileFormat::npy) return npy_header(samples);
+  if (format != VolumeFileFormat::nrrd) return "";
+  if (samples.type == field::SampleType::f16) return cannot_hold(path, format, "16-bit floats");
+  return nrrd_header(field, samples);
+}
+
+}  // namespace
+
+std::optional<VolumeFileFormat> volume_file_format_by_path(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  if (extension.empty()) return std::nullopt;
+  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
+  return value_of<VolumeFileFormat>(extension.substr(1));
+}
+
+Result<std::uint64_t> write_volume(const std::filesystem::path& path, std::span<const field::ScalarField> fields,
+                                   VolumeFileFormat format, const Context& context) {
+  if (format == VolumeFileFormat::vdb) return write_vdb(path, fields, context);
+  if (fields.size() != 1) return cannot_hold(path, format, fmt::format("{} fields", fields.size()));
+  const field::ScalarField& field = fields.front();
+  const auto* samples = std::get_if<field::DenseSamples>(&field.samples);
+  if (samples == nullptr) return cannot_hold(path, format, "sparse fields");
+  if (!field.scale.is_identity()) return cannot_hold(path, format, "a scale of values");
+  const auto header = header_of(path, field, *samples, format);
+  if (!header) return tl::unexpected(header.error());
+  auto file = files::OutputFile::create(path);
+  if (!file) return tl::unexpected(file.error());
+  if (auto written = file->write(*header); !written) return tl::unexpected(written.error());
+  const std::span bytes(static_cast<const std::byte*>(samples->data),
+                        samples->count() * field::sample_size(samples->type));
+  if (auto written = file->write(bytes); !written) return tl::unexpected(written.error());
+  if (auto whole = check_not_lost(field); !whole) return tl::unexpected(whole.error());
+  const std::uint64_t count = file->bytes_written();
+  if (auto committed = file->commit(); !committed) return tl::unexpected(committed.error());
+  return count;
+}
+
+}  // namespace isoextract::volumes

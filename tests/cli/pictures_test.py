@@ -1,0 +1,197 @@
+"""Pictures in place of meshes, contact sheets, and pages about conversions."""
+
+import base64
+import html.parser
+import re
+import shutil
+
+from png_reader import Png
+from support import SPHERE, ProgramTest, main, needs_program
+
+GROUND = (234, 236, 240)  # of a preview
+
+
+class Page(html.parser.HTMLParser):
+    """What a page holds; fails on tags that are not closed."""
+
+    EMPTY = {"meta", "img", "link", "br", "path", "circle", "use"}
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.images, self.rows, self.links, self.words = [], [], 0, [], ""
+        self.feed(text)
+        assert not self.open, self.open
+
+    def handle_starttag(self, tag, attrs):
+        given = dict(attrs)
+        self.rows += tag == "tr"
+        if tag == "img":
+            self.images.append(given["src"])
+        self.links += [given[name] for name in ("src", "href", "xlink:href") if name in given]
+        if tag not in self.EMPTY:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attrs):
+        if tag in self.EMPTY:
+            self.handle_starttag(tag, attrs)
+
+    def handle_endtag(self, tag):
+        if tag not in self.EMPTY:
+            assert self.open and self.open[-1] == tag, (tag, self.open)
+            self.open.pop()
+
+    def handle_data(self, data):
+        self.words += data
+
+
+class PicturesTest(ProgramTest):
+    def png(self, name):
+        return Png((self.folder / name).read_bytes())
+
+    def frames(self, count):
+        for frame in range(count):
+            size = 0.3 + 0.1 * frame
+            self.write_raw(f"f_{frame:02}_20x20x20_f32.raw", (20, 20, 20),
+                           lambda x, y, z, size=size: size - ((x - 9.5)**2 + (y - 9.5)**2 + (z - 9.5)**2)**0.5 / 10)
+        return "f_{:02}_20x20x20_f32.raw", "--dims", "20x20x20", "--dtype", "f32", "--iso", "0"
+
+
+class PictureTest(PicturesTest):
+    def test_a_picture_shows_the_surface(self):
+        run = self.convert(SPHERE, "--iso", "0", "-o", "ball.png", "--size", "120x90")
+        self.assertIn("-> ball.png: ", run.err)
+        png = self.png("ball.png")
+        self.assertEqual((png.width, png.height), (120, 90))
+        for x, y in ((0, 0), (119, 0), (119, 89)):
+            for found, expected in zip(png.pixel(x, y), GROUND):
+                self.assertAlmostEqual(found, expected, delta=3)
+        covered = sum(max(abs(a - b) for a, b in zip(p, GROUND)) > 12 for p in png.pixels())
+        # A ball that is framed by the sphere around its box, of 3^0.5 times its radius.
+        self.assertAlmostEqual(covered / (3.1416 * (45 / 3**0.5)**2), 1, delta=0.35)
+        bright, dark = png.pixel(52, 35), png.pixel(68, 62)
+        self.assertGreater(sum(bright), sum(dark) + 60)
+
+    def test_the_same_picture_for_any_number_of_threads(self):
+        for threads in ("1", "2"):
+            self.convert(SPHERE, "--iso", "0", "-o", f"{threads}.png", "--size", "64x48", "--threads", threads)
+        self.assertEqual((self.folder / "1.png").read_bytes(), (self.folder / "2.png").read_bytes())
+
+    def test_the_camera_goes_round(self):
+        self.write_raw("slab.raw", (24, 8, 8), lambda x, y, z: 1 if 2 <= x < 22 and 2 <= y < 6 and 2 <= z < 6 else 0, "B")
+        widths = {}
+        for azimuth in (0, 90):
+            self.convert("slab.raw", "--dims", "24x8x8", "--dtype", "u8", "--iso", "0.5", "-o", "a.png", "--size", "80x80",
+                         "--camera", f"{azimuth},0")
+            png = self.png("a.png")
+            seen = [x for x in range(80) for y in range(20, 60) if max(abs(a - b) for a, b in zip(png.pixel(x, y), GROUND)) > 12]
+            widths[azimuth] = max(seen) - min(seen)
+        self.assertGreater(widths[0], 2.5 * widths[90])
+
+    def test_colours_of_vertices_are_seen(self):
+        self.convert(SPHERE, "--iso", "0", "--color-by", "height=demo:sphere?size=24", "-o", "c.png", "--size", "60x45")
+        self.assertEqual(self.convert(SPHERE, "--iso", "0", "--color-by", "iso", "-o", "i.png", "--size", "60x45").code, 0)
+
+    def test_stdout_and_format(self):
+        run = self.convert(SPHERE, "--iso", "0", "-o", "-", "--format", "png", "--size", "32x24")
+        self.assertEqual(Png(run.out).width, 32)
+        self.assertEqual(self.files(), [])
+
+    def test_what_makes_no_sense_is_refused(self):
+        for arguments, words in ((("-o", "a.png", "--ascii"), "--ascii is about the file of a mesh"),
+                                 (("-o", "a.png", "--draco"), "--draco is about the file of a mesh"),
+                                 (("-o", "a.glb", "--size", "9x9"), "--size is about a picture"),
+                                 (("-o", "a.glb", "--camera", "1,2"), "--camera is about a picture"),
+                                 (("-o", "a.png", "--size", "0x9"), "--size: expected a width and a height"),
+                                 (("-o", "a.png", "--size", "99999x9"), "--size: expected a width and a height"),
+                                 (("-o", "a.png", "--camera", "x"), "--camera: expected")):
+            self.assert_fails(1, self.run_program(SPHERE, "--iso", "0", *arguments), words)
+        self.assertEqual(self.files(), [])
+
+    def test_no_surface_leaves_no_picture(self):
+        self.assert_fails(2, self.run_program(SPHERE, "--iso", "99", "-o", "a.png"), "no surface")
+        self.assertEqual(self.files(), [])
+
+    def test_frames_become_pictures(self):
+        self.convert(*self.frames(3), "-o", "p_{:02}.png", "--size", "40x30")
+        names = [name for name in self.files() if name.startswith("p_")]
+        self.assertEqual(names, ["p_00.png", "p_01.png", "p_02.png"])
+        before = (self.folder / "p_01.png").stat().st_mtime_ns
+        self.convert(*self.frames(3), "-o", "p_{:02}.png", "--size", "40x30", "--resume")
+        self.assertEqual((self.folder / "p_01.png").stat().st_mtime_ns, before)
+
+
+class ContactSheetTest(PicturesTest):
+    def test_frames_are_side_by_side(self):
+        self.convert(*self.frames(4), "-o", "m_{:02}.ply", "--contact-sheet", "all.png")
+        sheet = self.png("all.png")
+        self.assertEqual(sheet.width % 324, 4)
+        columns = sheet.width // 324
+        covered = []
+        for n in range(4):
+            x0, y0 = 4 + n % columns * 324, 4 + n // columns * ((sheet.height - 4) // -(-4 // columns))
+            part = [sheet.pixel(x0 + x, y0 + y) for y in range(0, 200, 4) for x in range(0, 320, 4)]
+            covered.append(sum(max(abs(a - b) for a, b in zip(p, GROUND)) > 12 for p in part))
+        # One camera for all: the ball is seen to grow.
+        self.assertEqual(covered, sorted(covered))
+        self.assertGreater(covered[3], 2 * covered[0])
+
+    def test_what_makes_no_sense_is_refused(self):
+        frames = self.frames(2)
+        for arguments, words in ((("-o", "m_{:02}.ply", "--contact-sheet", "a.jpg"), "ends in .png"),
+                                 (("-o", "m_{:02}.png", "--contact-sheet", "a.png"), "--contact-sheet shows the meshes"),
+                                 (("-o", "m.glb", "--animate", "--contact-sheet", "a.png"), "no files of their own")):
+            self.assert_fails(1, self.run_program(*frames, *arguments), words)
+        self.assertEqual([name for name in self.files() if not name.endswith(".raw")], [])
+
+
+class PageTest(PicturesTest):
+    def page(self, name):
+        text = (self.folder / name).read_text()
+        page = Page(text)
+        # It needs no other file.
+        self.assertEqual([link for link in page.links if not link.startswith(("data:", "#"))], [])
+        self.assertNotRegex(text, r"url\((?!#|['\"]?#)")
+        return page
+
+    def test_a_page_of_one_conversion(self):
+        self.convert(SPHERE, "--iso", "0", "--error", "-o", "a&b.glb", "--html", "page.html")
+        page = self.page("page.html")
+        self.assertEqual(len(page.images), 1)
+        picture = Png(base64.b64decode(page.images[0].removeprefix("data:image/png;base64,")))
+        self.assertEqual((picture.width, picture.height), (960, 720))
+        for words in ("a&b.glb", "Distances of the meshes", "left out", "Versions", "isoextract"):
+            self.assertIn(words, page.words)
+
+    @needs_program("gnuplot")
+    def test_a_page_of_a_sequence(self):
+        self.convert(*self.frames(3), "-o", "m_{:02}.glb", "--html", "page.html")
+        page = self.page("page.html")
+        self.assertEqual(len(page.images), 3)
+        text = (self.folder / "page.html").read_text()
+        self.assertIn("<svg", text)
+        for frame in range(3):
+            self.assertIn(f"m_{frame:02}.glb", page.words)
+        triangles = [int(n) for n in re.findall(r"<td>0</td><td>(\d+)</td>", text)]
+        self.assertEqual(len(triangles), 3)
+        self.assertEqual(triangles, sorted(triangles))
+
+    @needs_program("gnuplot")
+    def test_frames_that_failed_are_on_the_page(self):
+        arguments = self.frames(3)
+        (self.folder / "f_01_20x20x20_f32.raw").write_bytes(b"short")
+        run = self.run_program(*arguments, "-o", "m_{:02}.glb", "--html", "page.html")
+        self.assertEqual(run.code, 5, run.err)
+        page = self.page("page.html")
+        self.assertEqual(len(page.images), 2)
+        self.assertIn("failed: ", page.words)
+
+    def test_names_of_the_page_are_checked(self):
+        shutil.copy(self.write_raw("a.raw", (4, 4, 4), lambda x, y, z: x), self.folder / "b.raw")
+        for name in ("", "-", "a.raw", "out.glb"):
+            run = self.run_program("a.raw", "--dims", "4x4x4", "--dtype", "f32", "--iso", "1.5", "-o", "out.glb", "--html", name)
+            self.assertEqual(run.code, 1, run.err)
+        self.assertEqual(self.files(), ["a.raw", "b.raw"])
+
+
+if __name__ == "__main__":
+    main()

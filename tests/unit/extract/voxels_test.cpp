@@ -1,0 +1,173 @@
+// Surfaces of voxels: what they must be for any voxels at all.
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "extract/voxels.hpp"
+#include "support/voxel_patterns.hpp"
+
+namespace isoextract::extract {
+namespace {
+
+using test::VoxelPattern;
+
+mesh::Mesh mesh_of(const VoxelPattern& pattern, VoxelFaces faces = VoxelFaces::merged) {
+  return test::extract(test::field_of(pattern), test::voxel_options(faces)).mesh;
+}
+
+void expect_right(const VoxelPattern& pattern) {
+  for (const VoxelFaces faces : {VoxelFaces::merged, VoxelFaces::plain}) {
+    SCOPED_TRACE(word_of(faces));
+    test::expect_surface_of(pattern, mesh_of(pattern, faces));
+  }
+}
+
+TEST(Voxels, EachOfTheCornersPatterns) {
+  for (unsigned bits = 1; bits < 256; ++bits) {
+    SCOPED_TRACE(bits);
+    VoxelPattern pattern{{2, 2, 2}, {}};
+    for (unsigned n = 0; n < 8; ++n) pattern.inside.push_back(bits >> n & 1);
+    expect_right(pattern);
+  }
+}
+
+TEST(Voxels, ThousandsOfRandomPatterns) {
+  for (unsigned seed = 0; seed < 2000; ++seed) {
+    SCOPED_TRACE(seed);
+    const int side = 3 + static_cast<int>(seed % 6);
+    const VoxelPattern pattern = test::random_pattern({side, 3 + static_cast<int>(seed / 6 % 5), side}, seed,
+                                                      10 + static_cast<int>(seed * 7 % 85));
+    if (pattern.count() > 0) expect_right(pattern);
+    if (testing::Test::HasFailure()) return;
+  }
+}
+
+TEST(Voxels, OverTheBordersOfChunks) {
+  for (unsigned seed = 0; seed < 4; ++seed) {
+    SCOPED_TRACE(seed);
+    expect_right(test::random_pattern({70, 17, 19}, seed, 20 + 20 * static_cast<int>(seed)));
+  }
+}
+
+TEST(Voxels, OneSampleIsABox) {
+  const VoxelPattern pattern{{1, 1, 1}, {1}};
+  const mesh::Mesh mesh = mesh_of(pattern);
+  EXPECT_EQ(mesh.positions.size(), 8U);
+  EXPECT_EQ(mesh.triangles.size(), 12U);
+  test::expect_surface_of(pattern, mesh);
+  const mesh::Bounds bounds = mesh::measure_bounds(mesh);
+  EXPECT_EQ(bounds.min, glm::dvec3(-0.5));
+  EXPECT_EQ(bounds.max, glm::dvec3(0.5));
+}
+
+TEST(Voxels, ASolidBlockIsTwelveTriangles) {
+  const VoxelPattern pattern = test::random_pattern({130, 20, 30}, 0, 100);
+  EXPECT_EQ(mesh_of(pattern).triangles.size(), 12U);
+  EXPECT_EQ(mesh_of(pattern).positions.size(), 8U);
+  EXPECT_EQ(mesh_of(pattern, VoxelFaces::plain).triangles.size(), 2U * 2 * (130 * 20 + 20 * 30 + 30 * 130));
+}
+
+// Two pillars between two plates, which touch along an edge and are joined at both of its ends: the edge has a vertex
+// in the middle for each of them.
+TEST(Voxels, AnEdgeThatIsTwoEdges) {
+  VoxelPattern pattern{{2, 2, 3}, {1, 1, 1, 1, 1, 0, 0, 1, 1, 1, 1, 1}};
+  for (const VoxelFaces faces : {VoxelFaces::merged, VoxelFaces::plain}) {
+    const mesh::Mesh mesh = mesh_of(pattern, faces);
+    test::expect_surface_of(pattern, mesh);
+    const auto in_the_middle = [](const glm::vec3& p) { return p == glm::vec3(0.5F, 0.5F, 1); };
+    EXPECT_EQ(std::count_if(mesh.positions.begin(), mesh.positions.end(), in_the_middle), 2);
+  }
+}
+
+TEST(Voxels, ContactsDoubleVertices) {
+  const auto vertices = [](const VoxelPattern& pattern) { return mesh_of(pattern).positions.size(); };
+  EXPECT_EQ(vertices({{2, 1, 1}, {1, 1}}), 8U);                     // by a face: one box
+  EXPECT_EQ(vertices({{2, 2, 1}, {1, 0, 0, 1}}), 16U);              // along an edge
+  EXPECT_EQ(vertices({{2, 2, 2}, {1, 0, 0, 0, 0, 0, 0, 1}}), 16U);  // in a corner
+}
+
+// Rectangles as they are: the same surface, and never more triangles than where neighbours fit.
+TEST(Voxels, TJunctionsAreFewerTriangles) {
+  const VoxelPattern pattern = test::random_pattern({20, 20, 20}, 3, 70);
+  const mesh::Mesh fewest = mesh_of(pattern, VoxelFaces::rectangles);
+  const mesh::Mesh merged = mesh_of(pattern);
+  const mesh::Mesh plain = mesh_of(pattern, VoxelFaces::plain);
+  EXPECT_LT(fewest.triangles.size(), merged.triangles.size());
+  EXPECT_LT(merged.triangles.size(), plain.triangles.size());
+  EXPECT_EQ(test::areas_by_direction(fewest), test::areas_by_direction(plain));
+  EXPECT_EQ(mesh::measure_size(fewest).volume, static_cast<double>(pattern.count()));
+  EXPECT_EQ(mesh::measure_topology(fewest).unused_vertices, 0U);
+  EXPECT_EQ(mesh::measure_size(fewest).zero_area_triangles, 0U);
+}
+
+TEST(Voxels, MirroredAndShearedPlaces) {
+  const VoxelPattern pattern = test::random_pattern({9, 8, 7}, 5, 40);
+  for (const double sign : {1.0, -1.0}) {
+    ExtractOptions options = test::voxel_options();
+    options.output_from_index.linear = {{0.5 * sign, 0, 0}, {0.25, 2, 0}, {0, -1, 4}};
+    const mesh::Mesh mesh = test::extract(test::field_of(pattern), options).mesh;
+    test::expect_sound(mesh, true);
+    EXPECT_EQ(mesh::measure_size(mesh).volume, 4.0 * static_cast<double>(pattern.count()));
+  }
+}
+
+TEST(Voxels, TheSameBytesForAnyNumberOfThreads) {
+  const VoxelPattern pattern = test::random_pattern({150, 40, 40}, 8, 45);
+  std::vector<glm::uvec3> first;
+  std::vector<glm::vec3> places;
+  for (const std::size_t threads : {1, 2, 7}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    const mesh::Mesh mesh = mesh_of(pattern);
+    if (threads == 1) {
+      first.assign(mesh.triangles.begin(), mesh.triangles.end());
+      places.assign(mesh.positions.begin(), mesh.positions.end());
+    }
+    EXPECT_TRUE(std::equal(first.begin(), first.end(), mesh.triangles.begin(), mesh.triangles.end()));
+    EXPECT_TRUE(std::equal(places.begin(), places.end(), mesh.positions.begin(), mesh.positions.end()));
+  }
+}
+
+TEST(Voxels, ARegionIsClosedWhereItCuts) {
+  const VoxelPattern pattern = test::random_pattern({70, 12, 12}, 6, 60);
+  ExtractOptions options = test::voxel_options();
+  options.region = field::IndexBox{{3, 2, 5}, {66, 9, 9}};
+  VoxelPattern part = pattern;
+  part.for_each([&](const glm::ivec3& p) {
+    const bool kept =
+        glm::all(glm::greaterThanEqual(p, options.region->min)) && glm::all(glm::lessThanEqual(p, options.region->max));
+    if (!kept) part.inside[static_cast<std::size_t>(p.x + 70 * (p.y + 12 * p.z))] = 0;
+  });
+  test::expect_surface_of(part, test::extract(test::field_of(pattern), options).mesh);
+}
+
+TEST(Voxels, WhatTheMethodDoesNotHave) {
+  const field::ScalarField field = test::field_of({{1, 1, 1}, {1}});
+  ExtractOptions options = test::voxel_options();
+  options.nan = NanPolicy::hole;
+  EXPECT_EQ(make_cpu_extractor()->extract(field, options).error().kind, ErrorKind::usage);
+  options = test::voxel_options();
+  options.smooth_normals = true;
+  EXPECT_EQ(make_cpu_extractor()->extract(field, options).error().kind, ErrorKind::usage);
+  options = test::voxel_options();
+  options.edge_keys = true;
+  EXPECT_EQ(make_cpu_extractor()->extract(field, options).error().kind, ErrorKind::usage);
+}
+
+TEST(Voxels, MemoryAndTheWishToEnd) {
+  const field::ScalarField field = test::field_of(test::random_pattern({64, 64, 64}, 1, 50));
+  const Context small{MemoryBudget(1 << 20)};
+  const auto refused = make_cpu_extractor()->extract(field, test::voxel_options(), small);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, ErrorKind::input);
+  EXPECT_EQ(small.memory().reserved(), 0U);
+  Context enough{MemoryBudget(1 << 28)};
+  {
+    const auto made = make_cpu_extractor()->extract(field, test::voxel_options(), enough);
+    ASSERT_TRUE(made);
+    EXPECT_EQ(enough.memory().reserved(), made->mesh.memory.bytes());
+  }
+  enough.cancel();
+  EXPECT_EQ(make_cpu_extractor()->extract(field, test::voxel_options(), enough).error().kind, ErrorKind::cancelled);
+}
+
+}  // namespace
+}  // namespace isoextract::extract

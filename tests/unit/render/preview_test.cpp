@@ -1,0 +1,136 @@
+// Previews, their scale bars, words in pictures, contact sheets.
+#include "render/preview.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "render/contact_sheet.hpp"
+#include "render/picture_text.hpp"
+
+namespace isoextract::render {
+namespace {
+
+// A box of two triangles a side.
+mesh::Mesh box_mesh(const glm::vec3& half) {
+  mesh::Mesh mesh;
+  mesh.positions = Buffer<glm::vec3>(8);
+  for (int i = 0; i < 8; ++i) {
+    mesh.positions[static_cast<std::size_t>(i)] =
+        half * glm::vec3((i & 1) != 0 ? 1 : -1, (i & 2) != 0 ? 1 : -1, (i & 4) != 0 ? 1 : -1);
+  }
+  constexpr std::array<glm::uvec3, 12> kTriangles{{{0, 2, 1},
+                                                   {1, 2, 3},
+                                                   {4, 5, 6},
+                                                   {5, 7, 6},
+                                                   {0, 1, 4},
+                                                   {1, 5, 4},
+                                                   {2, 6, 3},
+                                                   {3, 6, 7},
+                                                   {0, 4, 2},
+                                                   {2, 4, 6},
+                                                   {1, 3, 5},
+                                                   {3, 7, 5}}};
+  mesh.triangles = Buffer<glm::uvec3>(kTriangles.size());
+  std::copy(kTriangles.begin(), kTriangles.end(), mesh.triangles.begin());
+  return mesh;
+}
+
+Picture preview_of(const mesh::Mesh& mesh, const PreviewOptions& options) {
+  Surface surface;
+  surface.mesh = &mesh;
+  surface.shading = Shading::flat;
+  const auto renderer = make_cpu_renderer();
+  auto drawn = draw_preview(std::span(&surface, 1), options, *renderer, Context());
+  EXPECT_TRUE(drawn.has_value()) << drawn.error().message;
+  return std::move(drawn->picture);
+}
+
+TEST(Preview, AllOfTheMeshIsSeenAndFillsThePicture) {
+  for (const glm::vec3 half :
+       {glm::vec3(1, 1, 1), glm::vec3(20, 1, 1), glm::vec3(1, 1, 30), glm::vec3(1e-6F, 2e-6F, 1e-6F)}) {
+    const mesh::Mesh mesh = box_mesh(half);
+    PreviewOptions options;
+    options.size = {120, 90};
+    options.scale_bar = false;
+    const Picture picture = preview_of(mesh, options);
+    ASSERT_EQ(picture.width, 120);
+    ASSERT_EQ(picture.height, 90);
+    glm::ivec2 low{120, 90};
+    glm::ivec2 high{-1};
+    for (int y = 0; y < 90; ++y) {
+      for (int x = 0; x < 120; ++x) {
+        if (!std::isfinite(picture.depth[static_cast<std::size_t>(x + 120 * y)])) continue;
+        low = glm::min(low, glm::ivec2(x, y));
+        high = glm::max(high, glm::ivec2(x, y));
+      }
+    }
+    EXPECT_GT(std::min({low.x, low.y, 119 - high.x, 89 - high.y}), 1);
+    EXPECT_GT(std::max((high.x - low.x) / 120.0, (high.y - low.y) / 90.0), 0.75);
+  }
+}
+
+TEST(Preview, WithoutASurfaceThereIsTheGroundAlone) {
+  PreviewOptions options;
+  options.size = {8, 6};
+  const Picture picture = preview_of(mesh::Mesh(), options);
+  for (const glm::vec4& pixel : picture.colour) EXPECT_EQ(pixel, picture.colour[0]);
+  EXPECT_EQ(picture.colour[0].a, 1.0F);
+}
+
+TEST(ScaleBar, IsRoundAndAsLongAsItSays) {
+  for (const double size : {1e-9, 0.3, 1.0, 7.0, 42.0, 3e7}) {
+    const PictureSize pixels{800, 600};
+    const Camera camera = framing({glm::dvec3(-size), glm::dvec3(size)}, {}, UpAxis::z, pixels);
+    const ScaleBar bar = scale_bar(camera, pixels, "mm");
+    const double digits = bar.length / std::pow(10, std::floor(std::log10(bar.length * (1 + 1e-9))));
+    EXPECT_TRUE(std::abs(digits - 1) < 1e-6 || std::abs(digits - 2) < 1e-6 || std::abs(digits - 5) < 1e-6) << digits;
+    EXPECT_GT(bar.pixels, 800 / 4 / 2.6);
+    EXPECT_LE(bar.pixels, 800 / 4 + 1);
+    EXPECT_TRUE(bar.text.ends_with(" mm"));
+    // Two points of the middle plane that far apart are that many pixels apart.
+    const glm::dmat4 clip = camera.clip_of_world(pixels);
+    const glm::dvec3 right = glm::transpose(camera.rotation()) * glm::dvec3(bar.length, 0, 0);
+    const glm::dvec4 a = clip * glm::dvec4(camera.target, 1);
+    const glm::dvec4 b = clip * glm::dvec4(camera.target + right, 1);
+    EXPECT_NEAR((b.x / b.w - a.x / a.w) * 400, bar.pixels, 0.6);
+  }
+}
+
+TEST(PictureText, DrawsWhatItSaysAndIsCutOff) {
+  auto picture = make_picture(20, 12, Context());
+  ASSERT_TRUE(picture.has_value());
+  fill_box(*picture, {0, 0}, {20, 12}, glm::vec3(1));
+  draw_text(*picture, {1, 1}, "1L", 1, glm::vec3(0));
+  const auto dark = [&](int x, int y) { return picture->colour[static_cast<std::size_t>(x + 20 * y)].r < 0.5F; };
+  // The foot of the 1 is three dots wide, its stem one.
+  EXPECT_TRUE(dark(2, 8) && dark(3, 8) && dark(4, 8) && !dark(5, 8));
+  EXPECT_TRUE(dark(3, 5) && !dark(2, 5) && !dark(4, 5));
+  EXPECT_EQ(text_size("1l", 2), glm::ivec2(24, 18));
+  draw_text(*picture, {18, -3}, "888", 3, glm::vec3(0));  // beyond the picture: nothing but a part of it is drawn
+}
+
+TEST(ContactSheet, HasEveryPictureOnceInOrder) {
+  auto sheet = ContactSheet::create({30, 20}, 5, Context());
+  ASSERT_TRUE(sheet.has_value());
+  for (std::size_t n = 0; n < 5; ++n) {
+    auto cell = make_picture(30, 20, Context());
+    ASSERT_TRUE(cell.has_value());
+    fill_box(*cell, {0, 0}, {30, 20}, glm::vec3(0.1F * static_cast<float>(n + 1), 0, 0));
+    sheet->place(n, *cell, "a long label that does not fit");
+  }
+  const Picture& picture = sheet->picture();
+  for (std::size_t n = 0; n < 5; ++n) {
+    std::size_t found = 0;
+    for (const glm::vec4& pixel : picture.colour) {
+      found += pixel == glm::vec4(0.1F * static_cast<float>(n + 1), 0, 0, 1) ? 1 : 0;
+    }
+    EXPECT_EQ(found, 600U) << n;
+  }
+  EXPECT_FALSE(ContactSheet::create({9000, 9000}, 9, Context()).has_value());
+}
+
+}  // namespace
+}  // namespace isoextract::render
