@@ -175,7 +175,8 @@ class Spheres {
     paint.normalised = true;
     std::vector<std::byte> bytes;
     for (std::size_t v = 0; v < meshes_[2].positions.size(); ++v) {
-      for (const int c : {v % 256, (3 * v) % 256, 255 - v % 256, 100 + v % 150}) bytes.push_back(std::byte(c));
+      for (const std::size_t c : {v % 256, (3 * v) % 256, 255 - v % 256, 100 + v % 150})
+        bytes.push_back(static_cast<std::byte>(c));
     }
     paint.values = test::buffer_of(bytes);
     meshes_[2].attributes.push_back(std::move(paint));

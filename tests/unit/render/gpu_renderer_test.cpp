@@ -10,17 +10,17 @@ namespace isoextract::render {
 namespace {
 
 // A ball within layers, two of which are see-through.
-class Setup {
+class BallInLayers {
  public:
-  Setup() {
+  BallInLayers() {
     scene_.volume = &volume_;
     for (const auto& [mesh, opacity] : {std::pair(&layers_[0], 0.5), std::pair(&layers_[1], 0.5)}) {
       scene_.surfaces.push_back({mesh, {0.5, 0.6, 0.1}, opacity});
     }
     scene_.surfaces.push_back({&layers_[2]});
   }
-  Setup(const Setup&) = delete;
-  Setup& operator=(const Setup&) = delete;
+  BallInLayers(const BallInLayers&) = delete;
+  BallInLayers& operator=(const BallInLayers&) = delete;
   const Scene& scene() const { return scene_; }
   Camera camera(const PictureSize& size) const { return framing(*box_of(scene_), {30, 10}, UpAxis::z, size); }
 
@@ -33,14 +33,14 @@ class Setup {
 };
 
 Result<Rendered> draw_with(const GpuRenderOptions& how, const PictureSize& size, const Context& context = Context()) {
-  const Setup setup;
+  const BallInLayers setup;
   auto made = make_gpu_renderer(how);
   if (!made) return tl::unexpected(made.error());
   return made->renderer->draw(setup.scene(), setup.camera(size), {size}, context);
 }
 
 TEST(GpuRenderer, DrawsPicturesOfAnySizeOneAfterAnother) {
-  const Setup setup;
+  const BallInLayers setup;
   // The third is drawn in two parts.
   for (const PictureSize& size : {PictureSize{64, 48}, {1, 1}, {1200, 900}, {7, 300}, {64, 48}}) {
     const RenderOptions options{size};
@@ -108,7 +108,7 @@ TEST(GpuRenderer, RefusesADeviceThatIsNotThere) {
 }
 
 TEST(GpuRenderer, LeavesNoObjectsOnTheDevice) {
-  const Setup setup;
+  const BallInLayers setup;
   const PictureSize size{40, 30};
   // Names are given out again: what is next does not grow.
   const auto next_names = [&] {
@@ -121,7 +121,7 @@ TEST(GpuRenderer, LeavesNoObjectsOnTheDevice) {
 }
 
 TEST(GpuRenderer, WorksBesideAnotherContext) {
-  const Setup setup;
+  const BallInLayers setup;
   const PictureSize size{40, 30};
   const Rendered alone = test::draw_on_gpu(setup.scene(), setup.camera(size), {size});
   const auto other = draw_with({}, size);
