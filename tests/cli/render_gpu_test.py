@@ -2,9 +2,7 @@
 
 import json
 
-from support import NO_GPU, SPHERE, ProgramTest, main
-
-from png_reader import Png  # isort: skip - support says where it is
+from support import NO_GPU, SPHERE, Png, ProgramTest, main
 
 SIZE = ("--size", "64x48")
 

@@ -2,9 +2,7 @@
 
 import json
 import struct
-
-from png_reader import Png
-from support import NO_GPU, SPHERE, ProgramTest, main
+from support import NO_GPU, SPHERE, Png, ProgramTest, main
 
 SMALL = ("--size", "48x32", "--backend", "cpu")
 
