@@ -4,6 +4,7 @@ import base64
 import html.parser
 import re
 import shutil
+
 from support import SPHERE, Png, ProgramTest, main, needs_program
 
 GROUND = (234, 236, 240)  # of a preview

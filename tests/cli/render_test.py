@@ -2,6 +2,7 @@
 
 import json
 import struct
+
 from support import NO_GPU, SPHERE, Png, ProgramTest, main
 
 SMALL = ("--size", "48x32", "--backend", "cpu")
