@@ -90,6 +90,7 @@ TEST(Camera, BoundsOnTheScreenHoldAllThatIsSeenAndLittleElse) {
   // The eye within the box, and the box behind the eye.
   Camera within = camera;
   within.eye = {1, 0.5, 0.5};
+  within.near_depth = 0.01;
   EXPECT_EQ(pixels_of(within, kSize, {}, box), (PixelBox{{0, 0}, {64, 48}}));
   within.eye = {1, 30, 0.5};
   within.target = {1, 31, 0.5};
