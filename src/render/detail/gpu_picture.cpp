@@ -240,9 +240,8 @@ Result<void> GpuPicture::cast_rays(const PixelBox& tile, const PixelBox& box, bo
   if (surfaces) {
     task_.surfaces.bind_shading(rays);
     targets_->bind_opaque(rays);
-    const bool lists = task_.surfaces.have_see_through();
-    rays.set("has_lists", lists ? 1 : 0);
-    if (lists) targets_->bind_lists(rays);
+    targets_->bind_lists(rays);
+    rays.set("has_lists", task_.surfaces.have_see_through() ? 1 : 0);
   }
   rays.use();
   const int width = box.max.x - box.min.x;

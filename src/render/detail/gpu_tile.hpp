@@ -27,6 +27,7 @@ class GpuTile {
   void begin_rays(const PixelBox& box) const;
 
   void bind_opaque(const gl::CellProgram& program) const;
+  // Also where there is no room for lists: a sampler of a program has a unit of its own, looked at or not.
   void bind_lists(const gl::CellProgram& program) const;
 
   // Into the pixels of `box`. `counts` has room for four numbers a pixel.
