@@ -111,11 +111,12 @@ class PictureTest(PicturesTest):
         self.assertEqual(self.files(), [])
 
     def test_frames_become_pictures(self):
-        self.convert(*self.frames(3), "-o", "p_{:02}.png", "--size", "40x30")
+        arguments = self.frames(3)
+        self.convert(*arguments, "-o", "p_{:02}.png", "--size", "40x30")
         names = [name for name in self.files() if name.startswith("p_")]
         self.assertEqual(names, ["p_00.png", "p_01.png", "p_02.png"])
         before = (self.folder / "p_01.png").stat().st_mtime_ns
-        self.convert(*self.frames(3), "-o", "p_{:02}.png", "--size", "40x30", "--resume")
+        self.convert(*arguments, "-o", "p_{:02}.png", "--size", "40x30", "--resume")
         self.assertEqual((self.folder / "p_01.png").stat().st_mtime_ns, before)
 
 

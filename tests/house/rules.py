@@ -20,9 +20,9 @@ MAY_INCLUDE = {
     "gpu": ["gl", "extract"],
     "edit": ["mesh"],
     "measure": ["extract", "mesh"],
-    "images": ["field", "files"],
-    "render": ["gl", "field", "mesh", "images"],
-    "convert": ["volumes", "meshes", "gpu", "edit", "measure", "render"],
+    "images": ["files"],
+    "render": ["gl", "field", "mesh"],
+    "convert": ["volumes", "meshes", "gpu", "edit", "measure", "images", "render"],
     "batch": ["convert"],
     "cli": ["batch", "simulate", "render"],
 }

@@ -92,7 +92,7 @@ class RulesTest(unittest.TestCase):
 
     def test_graphics_headers(self):
         self.plant_in_room("volumes", "#include <epoxy/gl.h>\n")
-        self.expect_one("src/volumes/planted.cpp:1", "gl and gpu")
+        self.expect_one("src/volumes/planted.cpp:1", "gl, gpu and render")
 
     def test_what_only_cli_may_do(self):
         for code in (

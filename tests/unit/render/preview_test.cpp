@@ -68,7 +68,7 @@ TEST(Preview, AllOfTheMeshIsSeenAndFillsThePicture) {
       }
     }
     EXPECT_GT(std::min({low.x, low.y, 119 - high.x, 89 - high.y}), 1);
-    EXPECT_GT(std::max((high.x - low.x) / 120.0, (high.y - low.y) / 90.0), 0.75);
+    EXPECT_GT(std::max((high.x - low.x) / 120.0, (high.y - low.y) / 90.0), 0.65);
   }
 }
 
