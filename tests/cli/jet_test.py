@@ -7,7 +7,7 @@ import subprocess
 
 from support import SOURCE, ProgramTest, main, needs_program, read_glb
 
-# A tank of 24 x 16 x 24 with 1500 particles of radius 0.5; they come in over 17 frames.
+# A tank of 24 x 16 x 24 with 1500 particles of radius 0.5; they come in over 21 frames.
 SCENE = ("--count", "1500", "--radius", "0.5", "--tank", "24x16x24", "--nozzle", "3")
 PLY_NAMES = ["x", "y", "z", "velocity_x", "velocity_y", "velocity_z", "age", "id"]
 
@@ -31,13 +31,13 @@ class JetTest(ProgramTest):
         return run
 
     def test_frames_hold_what_left_the_nozzle(self):
-        run = self.simulate(*SCENE, "--frames", "20", "-o", "jet_{:04}.ply")
-        self.assertEqual(self.files(), [f"jet_{frame:04}.ply" for frame in range(1, 21)])
-        self.assertRegex(run.err, r"1500 particles of radius 0\.5 in the tank; 20 frames of \d+ steps: [\d.]+ million "
+        run = self.simulate(*SCENE, "--frames", "21", "-o", "jet_{:04}.ply")
+        self.assertEqual(self.files(), [f"jet_{frame:04}.ply" for frame in range(1, 22)])
+        self.assertRegex(run.err, r"1500 particles of radius 0\.5 in the tank; 21 frames of \d+ steps: [\d.]+ million "
                                   r"particles moved, [\d.]+ million per second")
-        self.assertIn("-> jet_0001.ply to jet_0020.ply: 20 files", run.err)
+        self.assertIn("-> jet_0001.ply to jet_0021.ply: 21 files", run.err)
         self.assertNotIn("not left the nozzle", run.err)
-        for frame in range(1, 21):
+        for frame in range(1, 22):
             names, rows = read_rows(self.folder / f"jet_{frame:04}.ply")
             self.assertEqual(names, PLY_NAMES)
             # 29 places of the lattice are in a circle of radius 3; at speed 60 a layer leaves every 1/60 s.
@@ -46,7 +46,7 @@ class JetTest(ProgramTest):
                 self.assertTrue(max(abs(x) / 24, abs(y) / 16, abs(z) / 24) <= 0.5)
                 self.assertEqual(identity, number)
                 self.assertAlmostEqual(age, frame / 24 - number // 29 / 60, places=5)
-        info = json.loads(self.convert("info", "jet_0020.ply", "--json").text)[0]
+        info = json.loads(self.convert("info", "jet_0021.ply", "--json").text)[0]
         self.assertEqual(info["particles"]["count"], 1500)
 
     def test_the_same_bytes_for_any_number_of_threads_and_other_ones_for_another_seed(self):
@@ -117,7 +117,7 @@ class JetTest(ProgramTest):
         self.assertEqual(mesh.open_edges(), 0)
         # A bar along x that bends down: in glTF y is up. It is on its way for 1/4 s.
         low, high = mesh.bounds()
-        self.assertTrue(-13 <= low[0] <= -10 and 1 <= high[0] <= 6, (low, high))
+        self.assertTrue(-14 <= low[0] <= -11 and 3 <= high[0] <= 7, (low, high))
 
     def test_standard_output_takes_one_frame(self):
         self.simulate(*SCENE, "--frames", "2", "-o", "a.ply")
