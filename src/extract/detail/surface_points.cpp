@@ -3,31 +3,45 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
-#include <iterator>
 #include <utility>
 
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
+#include "base/reserved_buffer.hpp"
 #include "extract/row_bits.hpp"
 
 namespace isoextract::extract {
 namespace {
+
+glm::ivec3 chunk_step(int n) { return kVoxelChunk * glm::ivec3(n & 1, n >> 1 & 1, n >> 2); }
+
+// Bit b of word n: whether voxel n of the eight around corner b of a row is inside.
+using CornerWords = std::array<std::uint64_t, 8>;
+
+// Where two of the four around an edge touch along it only: a and d are opposite, as are b and c.
+std::uint64_t diagonal(std::uint64_t a, std::uint64_t b, std::uint64_t c, std::uint64_t d) {
+  return (a ^ b) & (a ^ c) & ~(a ^ d);
+}
+
+// Corners that such an edge ends in.
+std::uint64_t contacts(const CornerWords& w) {
+  return diagonal(w[0], w[2], w[4], w[6]) | diagonal(w[1], w[3], w[5], w[7]) |  // along x
+         diagonal(w[0], w[1], w[4], w[5]) | diagonal(w[2], w[3], w[6], w[7]) |  // along y
+         diagonal(w[0], w[1], w[2], w[3]) | diagonal(w[4], w[5], w[6], w[7]);   // along z
+}
 
 // The voxels around the corners of one chunk, row by row.
 class CornerRows {
  public:
   CornerRows(const VoxelChunks& voxels, const glm::ivec3& origin) {
     for (int n = 0; n < 8; ++n) {
-      const glm::ivec3 away(n & 1, n >> 1 & 1, n >> 2);
-      near_[static_cast<std::size_t>(n)] = &voxels.at(origin - kVoxelChunk * (1 - away));
+      near_[static_cast<std::size_t>(n)] = &voxels.at(origin - chunk_step(7 - n));
     }
   }
 
-  // Bit b of word n: whether voxel n of the eight around corner b of the row is inside.
-  using Words = std::array<std::uint64_t, 8>;
-  [[nodiscard]] Words row(int y, int z) const {
-    Words words;
+  [[nodiscard]] CornerWords row(int y, int z) const {
+    CornerWords words;
     for (int n = 0; n < 8; n += 2) {
       const int voxel_y = y - 1 + (n >> 1 & 1);
       const int voxel_z = z - 1 + (n >> 2);
@@ -40,26 +54,31 @@ class CornerRows {
     return words;
   }
 
+  // Whether voxels touch along an edge only, anywhere.
+  [[nodiscard]] bool touch() const {
+    CornerWords whole{};  // where each chunk is of one kind they touch as chunks do, or not at all
+    bool uniform = true;
+    for (std::size_t n = 0; n < 8; ++n) {
+      whole[n] = near_[n] == &full_chunk() ? kAllBits : 0;
+      uniform = uniform && (whole[n] != 0 || near_[n] == &empty_chunk());
+    }
+    if (uniform) return contacts(whole) != 0;
+    for (int z = 0; z < 8; ++z) {
+      for (int y = 0; y < 8; ++y) {
+        if (contacts(row(y, z)) != 0) return true;
+      }
+    }
+    return false;
+  }
+
  private:
   std::array<const ChunkBits*, 8> near_;
 };
 
-unsigned pattern_at(const CornerRows::Words& words, int bit) {
+unsigned pattern_at(const CornerWords& words, int bit) {
   unsigned pattern = 0;
   for (std::size_t n = 0; n < 8; ++n) pattern |= static_cast<unsigned>(words[n] >> bit & 1) << n;
   return pattern;
-}
-
-// Where two of the four around an edge touch along it only: a and d are opposite, as are b and c.
-std::uint64_t diagonal(std::uint64_t a, std::uint64_t b, std::uint64_t c, std::uint64_t d) {
-  return (a ^ b) & (a ^ c) & ~(a ^ d);
-}
-
-// Corners that such an edge ends in.
-std::uint64_t contacts(const CornerRows::Words& w) {
-  return diagonal(w[0], w[2], w[4], w[6]) | diagonal(w[1], w[3], w[5], w[7]) |  // along x
-         diagonal(w[0], w[1], w[4], w[5]) | diagonal(w[2], w[3], w[6], w[7]) |  // along y
-         diagonal(w[0], w[1], w[2], w[3]) | diagonal(w[4], w[5], w[6], w[7]);   // along z
 }
 
 // Edges upward from corner `p`, of the given pattern, that need a vertex in the middle for each voxel; bits of axes.
@@ -74,56 +93,80 @@ unsigned doubled_edges(const VoxelChunks& voxels, const glm::ivec3& p, const Cor
   return edges;
 }
 
+void make_unique(std::vector<glm::ivec3>& origins) {
+  tbb::parallel_sort(origins.begin(), origins.end(),
+                     [](const glm::ivec3& a, const glm::ivec3& b) { return chunk_order(a) < chunk_order(b); });
+  origins.erase(std::unique(origins.begin(), origins.end()), origins.end());
+}
+
+// f(which of the four, corner) for the corners of a layer's rectangles.
+template <class F>
+void for_each_corner(const LayerRectangles& layer, const F& f) {
+  for (const FaceRectangle& rectangle : layer.rectangles.values()) {
+    glm::ivec3 corner;
+    corner[layer.axis] = rectangle.plane;
+    for (std::size_t c = 0; c < 4; ++c) {
+      corner[plane_u(layer.axis)] = (c & 1) != 0 ? rectangle.high[0] : rectangle.low[0];
+      corner[plane_v(layer.axis)] = (c & 2) != 0 ? rectangle.high[1] : rectangle.low[1];
+      f(c, corner);
+    }
+  }
+}
+
 std::uint64_t below_bit(int bit) { return (std::uint64_t{1} << bit) - 1; }
 
 }  // namespace
 
-Result<std::vector<glm::ivec3>> SurfacePoints::list_origins(const VoxelChunks& voxels, const Context& context,
-                                                            const std::string& what, Reservation& memory) {
-  // Corners of a chunk's voxels are in it, and in those after it where voxels at its end are inside.
-  const auto reaches = [](const VoxelChunk& chunk) {
-    unsigned axes = 0;
-    for (int z = 0; z < 8; ++z) {
-      for (int y = 0; y < 8; ++y) {
-        const std::uint64_t word = (*chunk.bits)[chunk_row(y, z)];
-        axes |= word >> 63 != 0 ? 1U : 0U;
-        axes |= word != 0 && y == 7 ? 2U : 0U;
-        axes |= word != 0 && z == 7 ? 4U : 0U;
-      }
-    }
-    return axes;
-  };
-  const auto is_within = [&](const VoxelChunk& chunk) {
-    const auto is_full = [&](const glm::ivec3& step) { return &voxels.at(chunk.origin + step) == &full_chunk(); };
-    if (chunk.bits != &full_chunk()) return false;
-    for (int axis = 0; axis < 3; ++axis) {
-      glm::ivec3 step(0);
-      step[axis] = kVoxelChunk[axis];
-      if (!is_full(step) || !is_full(-step)) return false;
-    }
-    return true;
-  };
-  std::vector<VoxelChunk> chunks;  // those that have a face
-  auto listed = context.reserve(voxels.chunks().size() * sizeof(VoxelChunk), what);
-  if (!listed) return tl::unexpected(listed.error());
-  chunks.reserve(voxels.chunks().size());
-  std::ranges::remove_copy_if(voxels.chunks(), std::back_inserter(chunks), is_within);
+// Chunks that have a used corner: a few of those that have faces, where these are large.
+Result<std::vector<glm::ivec3>> SurfacePoints::list_origins(const VoxelChunks& voxels,
+                                                            const std::vector<LayerRectangles>& rectangles, bool closes,
+                                                            const Context& context, const std::string& what,
+                                                            Reservation& memory) {
+  std::vector<ReservedList<glm::ivec3>> of_layers;
+  of_layers.reserve(rectangles.size());
+  for (std::size_t l = 0; l < rectangles.size(); ++l) of_layers.emplace_back(context, what);
+  tbb::parallel_for(std::size_t{0}, rectangles.size(), [&](std::size_t l) {
+    std::array<glm::ivec3, 4> last;  // neighbours in the list mostly share it
+    last.fill(glm::ivec3(1));
+    for_each_corner(rectangles[l], [&](std::size_t c, const glm::ivec3& corner) {
+      const glm::ivec3 origin = chunk_origin(corner);
+      if (origin != last[c]) of_layers[l].add(origin);
+      last[c] = origin;
+    });
+    make_unique(of_layers[l].values());
+  });
   std::uint64_t count = 0;
-  for (const VoxelChunk& chunk : chunks) count += std::uint64_t{1} << std::popcount(reaches(chunk));
+  for (const ReservedList<glm::ivec3>& layer : of_layers) {
+    if (layer.error()) return tl::unexpected(*layer.error());
+    count += layer.values().size();
+  }
+
+  // By chunk, those after it, itself first, in which voxels touch along an edge. One that is listed speaks for itself.
+  const std::vector<VoxelChunk>& chunks = voxels.chunks();
+  auto flags = make_reserved_buffer<std::uint8_t>(closes ? chunks.size() : 0, context, what);
+  if (!flags) return tl::unexpected(flags.error());
+  tbb::parallel_for(std::size_t{0}, (*flags)->values.size(), [&](std::size_t c) {
+    unsigned found = 0;
+    for (int n = 0; n < 8; ++n) {
+      const glm::ivec3 origin = chunks[c].origin + chunk_step(n);
+      if ((n == 0 || !voxels.lists(origin)) && CornerRows(voxels, origin).touch()) found |= 1U << n;
+    }
+    (*flags)->values[c] = static_cast<std::uint8_t>(found);
+  });
+  for (const std::uint8_t found : (*flags)->values) count += static_cast<std::uint64_t>(std::popcount(found));
+
   auto held = context.reserve(count * sizeof(glm::ivec3), what);
   if (!held) return tl::unexpected(held.error());
   memory = std::move(*held);
   std::vector<glm::ivec3> origins;
   origins.reserve(count);
-  for (const VoxelChunk& chunk : chunks) {
-    const unsigned axes = reaches(chunk);
-    for (unsigned n = 0; n < 8; ++n) {
-      if ((n & ~axes) == 0) origins.push_back(chunk.origin + kVoxelChunk * glm::ivec3(n & 1, n >> 1 & 1, n >> 2));
-    }
+  for (const ReservedList<glm::ivec3>& layer : of_layers) {
+    origins.insert(origins.end(), layer.values().begin(), layer.values().end());
   }
-  tbb::parallel_sort(origins.begin(), origins.end(),
-                     [](const glm::ivec3& a, const glm::ivec3& b) { return chunk_order(a) < chunk_order(b); });
-  origins.erase(std::unique(origins.begin(), origins.end()), origins.end());
+  for (std::size_t c = 0; c < (*flags)->values.size(); ++c) {
+    for_each_bit((*flags)->values[c], [&](int n) { origins.push_back(chunks[c].origin + chunk_step(n)); });
+  }
+  make_unique(origins);
   return origins;
 }
 
@@ -131,7 +174,7 @@ Result<SurfacePoints> SurfacePoints::make(const VoxelChunks& voxels, const std::
                                           bool closes, const Context& context, const std::string& what) {
   SurfacePoints points;
   Reservation list_memory;
-  auto origins = list_origins(voxels, context, what, list_memory);
+  auto origins = list_origins(voxels, rectangles, closes, context, what, list_memory);
   if (!origins) return tl::unexpected(origins.error());
   points.origins_ = std::move(*origins);
   points.memory_.push_back(std::move(list_memory));
@@ -151,18 +194,7 @@ Result<SurfacePoints> SurfacePoints::make(const VoxelChunks& voxels, const std::
     if (closes) points.mark_contacts(voxels, c);
   });
   tbb::parallel_for(std::size_t{0}, rectangles.size(), [&](std::size_t l) {
-    const int axis = rectangles[l].axis;
-    for (const FaceRectangle& rectangle : rectangles[l].rectangles.values()) {
-      glm::ivec3 corner;
-      corner[axis] = rectangle.plane;
-      for (const int u : {rectangle.low[0], rectangle.high[0]}) {
-        for (const int v : {rectangle.low[1], rectangle.high[1]}) {
-          corner[plane_u(axis)] = u;
-          corner[plane_v(axis)] = v;
-          points.mark(corner);
-        }
-      }
-    }
+    for_each_corner(rectangles[l], [&](std::size_t /*which*/, const glm::ivec3& corner) { points.mark(corner); });
   });
   if (auto wanted = context.check(); !wanted) return tl::unexpected(wanted.error());
 
@@ -212,7 +244,7 @@ bool SurfacePoints::has_specials(const VoxelChunks& voxels, std::size_t chunk, b
     for (int y = 0; y < 8; ++y) {
       std::uint64_t used = used_[chunk][chunk_row(y, z)];
       if (used == 0) continue;
-      const CornerRows::Words words = rows.row(y, z);
+      const CornerWords words = rows.row(y, z);
       for (; used != 0; used &= used - 1) {
         const int bit = std::countr_zero(used);
         const CornerFans& fans = corner_fans()[pattern_at(words, bit)];
@@ -233,7 +265,7 @@ void SurfacePoints::fill_specials(const VoxelChunks& voxels, std::size_t chunk, 
   for (int z = 0; z < 8; ++z) {
     for (int y = 0; y < 8; ++y) {
       const std::size_t row = chunk_row(y, z);
-      const CornerRows::Words words = rows.row(y, z);
+      const CornerWords words = rows.row(y, z);
       for_each_bit(used_[chunk][row], [&](int bit) {
         const unsigned pattern = pattern_at(words, bit);
         const CornerFans& fans = corner_fans()[pattern];
@@ -299,15 +331,15 @@ void SurfacePoints::Finder::go_to(const glm::ivec3& corner) {
   const glm::ivec3 origin = chunk_origin(corner);
   if (origin == origin_) return;
   origin_ = origin;
-  chunk_ = static_cast<std::size_t>(points_.index_.find(origin));
+  chunk_ = points_.index_.find(origin);
 }
 
 std::uint32_t SurfacePoints::Finder::vertex(const FaceCorner& at) {
   go_to(at.corner);
   const std::size_t row = chunk_row(at.corner.y, at.corner.z);
   const int bit = at.corner.x & 63;
-  const std::uint32_t first = points_.first_[chunk_][row] + points_.vertices_below(chunk_, row, below_bit(bit));
-  const std::int32_t special = points_.special_number_[chunk_];
+  const std::uint32_t first = points_.first_[chunk()][row] + points_.vertices_below(chunk(), row, below_bit(bit));
+  const std::int32_t special = points_.special_number_[chunk()];
   if (special == kNoSpecials) return first;
   const Specials& specials = points_.specials_[static_cast<std::size_t>(special)];
   const CornerFans& fans = corner_fans()[specials.pattern[64 * row + static_cast<std::size_t>(bit)]];
@@ -316,7 +348,7 @@ std::uint32_t SurfacePoints::Finder::vertex(const FaceCorner& at) {
 
 std::optional<std::uint32_t> SurfacePoints::Finder::middle_vertex(const glm::ivec3& corner, int axis, int upper) {
   go_to(corner);
-  const std::int32_t special = points_.special_number_[chunk_];
+  const std::int32_t special = points_.special_number_[chunk()];
   if (special == kNoSpecials) return std::nullopt;
   const Specials& specials = points_.specials_[static_cast<std::size_t>(special)];
   const std::size_t row = chunk_row(corner.y, corner.z);
@@ -324,7 +356,8 @@ std::optional<std::uint32_t> SurfacePoints::Finder::middle_vertex(const glm::ive
   const auto has = [&](int a) { return (specials.middles[static_cast<std::size_t>(a)][row] >> bit & 1) != 0; };
   if (!has(axis)) return std::nullopt;
   const CornerFans& fans = corner_fans()[specials.pattern[64 * row + static_cast<std::size_t>(bit)]];
-  std::uint32_t number = points_.first_[chunk_][row] + points_.vertices_below(chunk_, row, below_bit(bit)) + fans.fans;
+  std::uint32_t number =
+      points_.first_[chunk()][row] + points_.vertices_below(chunk(), row, below_bit(bit)) + fans.fans;
   for (int a = 0; a < axis; ++a) number += has(a) ? 2 : 0;
   return number + static_cast<std::uint32_t>(upper);
 }
@@ -335,7 +368,11 @@ int SurfacePoints::Finder::steps_to_next(const glm::ivec3& corner, int axis, int
   for (int steps = 1; steps < limit;) {
     p[axis] = corner[axis] + steps;
     go_to(p);
-    const std::uint64_t word = points_.used_[chunk_][chunk_row(p.y, p.z)] >> (p.x & 63);
+    if (chunk_ < 0) {
+      steps += kVoxelChunk[axis] - (p[axis] & (kVoxelChunk[axis] - 1));
+      continue;
+    }
+    const std::uint64_t word = points_.used_[chunk()][chunk_row(p.y, p.z)] >> (p.x & 63);
     if (axis == 0) {
       if (word != 0) return std::min(steps + std::countr_zero(word), limit);
       steps += 64 - (p.x & 63);

@@ -65,12 +65,13 @@ class SurfacePoints {
 
    private:
     void go_to(const glm::ivec3& corner);
+    [[nodiscard]] std::size_t chunk() const { return static_cast<std::size_t>(chunk_); }
     [[nodiscard]] std::optional<std::uint32_t> middle_vertex(const glm::ivec3& corner, int axis, int upper);
     [[nodiscard]] int steps_to_next(const glm::ivec3& corner, int axis, int limit);
 
     const SurfacePoints& points_;
-    glm::ivec3 origin_{1};  // of no chunk
-    std::size_t chunk_ = 0;
+    glm::ivec3 origin_{1};     // of no chunk
+    std::int32_t chunk_ = -1;  // there: none, where no corner is used
   };
 
  private:
@@ -84,7 +85,9 @@ class SurfacePoints {
 
   static constexpr std::int32_t kNoSpecials = -1;
 
-  [[nodiscard]] static Result<std::vector<glm::ivec3>> list_origins(const VoxelChunks& voxels, const Context& context,
+  [[nodiscard]] static Result<std::vector<glm::ivec3>> list_origins(const VoxelChunks& voxels,
+                                                                    const std::vector<LayerRectangles>& rectangles,
+                                                                    bool closes, const Context& context,
                                                                     const std::string& what, Reservation& memory);
   void mark(const glm::ivec3& corner);
   void mark_contacts(const VoxelChunks& voxels, std::size_t chunk);

@@ -57,6 +57,8 @@ class VoxelChunks {
     return unlisted_ && unlisted_(origin) ? full_chunk() : empty_chunk();
   }
 
+  [[nodiscard]] bool lists(const glm::ivec3& origin) const { return index_.find(origin) >= 0; }
+
   [[nodiscard]] bool inside(const glm::ivec3& p) const {
     return (at(chunk_origin(p))[chunk_row(p.y, p.z)] >> (p.x & 63) & 1) != 0;
   }

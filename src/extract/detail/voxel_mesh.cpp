@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
+#include "base/reserved_buffer.hpp"
 #include "base/stopwatch.hpp"
 #include "extract/detail/face_rectangles.hpp"
 #include "extract/detail/surface_points.hpp"
@@ -135,6 +136,36 @@ class BorderPolygon {
   std::vector<Found> right_;
 };
 
+// Where sides of rectangles pass through a corner, a fan there may have no rectangle that ends in it: its vertex goes.
+// Vertices keep their order.
+Result<void> drop_unused_vertices(mesh::Mesh& mesh, const Context& context, const std::string& what) {
+  auto numbers = make_reserved_buffer<std::uint32_t>(mesh.positions.size(), context, what);
+  if (!numbers) return tl::unexpected(numbers.error());
+  Buffer<std::uint32_t>& number = (*numbers)->values;
+  std::fill(number.begin(), number.end(), 0U);
+  for (const glm::uvec3& triangle : mesh.triangles) {
+    for (int c = 0; c < 3; ++c) number[triangle[c]] = 1;
+  }
+  std::uint32_t used = 0;
+  for (std::size_t v = 0; v < number.size(); ++v) {
+    if (number[v] == 0) continue;
+    mesh.positions[used] = mesh.positions[v];
+    number[v] = used++;
+  }
+  if (used == number.size()) return {};
+  tbb::parallel_for(std::size_t{0}, mesh.triangles.size(), [&](std::size_t t) {
+    glm::uvec3& triangle = mesh.triangles[t];
+    triangle = {number[triangle.x], number[triangle.y], number[triangle.z]};
+  });
+  auto memory = context.reserve(used * sizeof(glm::vec3), what);  // for both, while they are copied
+  if (!memory) return tl::unexpected(memory.error());
+  Buffer<glm::vec3> positions(used);
+  std::copy_n(mesh.positions.begin(), used, positions.begin());
+  mesh.positions = std::move(positions);
+  mesh.memory.shrink(mesh.positions.size_bytes() + mesh.triangles.size_bytes());
+  return {};
+}
+
 template <class F>
 void for_each_portion(std::vector<Portion>& portions, const SurfacePoints& points, bool closes, bool mirrored,
                       const Context& context, const F& f) {
@@ -207,6 +238,10 @@ Result<Extraction> mesh_voxels(const field::ScalarField& field, const VoxelChunk
   });
   if (auto wanted = context.check(); !wanted) return tl::unexpected(wanted.error());
   result.mesh.memory = std::move(*memory);
+  if (!closes) {
+    if (auto dropped = drop_unused_vertices(result.mesh, context, what); !dropped)
+      return tl::unexpected(dropped.error());
+  }
   result.stats.emit += watch.elapsed();
   return result;
 }

@@ -37,7 +37,7 @@ TEST(VoxelsSparse, TheSameBytesAsDense) {
       options.region = field::IndexBox{{5, 3, 8}, {77, 30, 20}};
       const mesh::Mesh part = test::extract(sparse, options).mesh;
       if (faces != VoxelFaces::rectangles) test::expect_sound(part, true);
-      EXPECT_EQ(mesh::measure_size(test::extract(dense, options).mesh).volume, mesh::measure_size(part).volume);
+      EXPECT_EQ(test::exact_volume(test::extract(dense, options).mesh), test::exact_volume(part));
     }
   }
 }
@@ -65,7 +65,7 @@ TEST(VoxelsSparse, FarAndLargeIsCheap) {
   const auto large = make_cpu_extractor()->extract(tiles({{{0, 0, 0}, 4096, 1}}, 0), test::voxel_options(), context);
   ASSERT_TRUE(large) << large.error().message;
   EXPECT_EQ(large->mesh.triangles.size(), 12U);
-  EXPECT_EQ(mesh::measure_size(large->mesh).volume, 4096.0 * 4096 * 4096);
+  EXPECT_EQ(test::exact_volume(large->mesh), 4096.0 * 4096 * 4096);
 }
 
 // The background is inside: the surface is that of the cavity, which turns its inside out, and a region closes it.
@@ -74,12 +74,12 @@ TEST(VoxelsSparse, AnInsideWithoutEnd) {
   const mesh::Mesh cavities = test::extract(field, test::voxel_options()).mesh;
   test::expect_sound(cavities, true);
   EXPECT_EQ(cavities.triangles.size(), 24U);
-  EXPECT_EQ(mesh::measure_size(cavities).volume, -(512.0 + 128 * 128 * 128));
+  EXPECT_EQ(test::exact_volume(cavities), -(512.0 + 128 * 128 * 128));
   ExtractOptions options = test::voxel_options();
   options.region = field::IndexBox{{-100, -3, -50}, {130, 30, 20}};
   const mesh::Mesh part = test::extract(field, options).mesh;
   test::expect_sound(part, true);
-  EXPECT_EQ(mesh::measure_size(part).volume, 231.0 * 34 * 71 - 512 - 3 * 31 * 21);
+  EXPECT_EQ(test::exact_volume(part), 231.0 * 34 * 71 - 512 - 3 * 31 * 21);
 }
 
 // Each label against the voxels of that value.
@@ -103,7 +103,7 @@ TEST(VoxelsSparse, LabelsOneByOne) {
         ASSERT_TRUE(found);
         test::expect_sound(found->mesh, true);
         const mesh::Mesh expected = test::extract(one, options).mesh;
-        EXPECT_EQ(mesh::measure_size(found->mesh).volume, mesh::measure_size(expected).volume);
+        EXPECT_EQ(test::exact_volume(found->mesh), test::exact_volume(expected));
         if (!cut) expect_same_bytes(expected, found->mesh);
       }
     }
