@@ -88,7 +88,7 @@ TYPED_TEST(GpuPictureOfSamples, VolumesLookAsOnTheProcessorWhateverTheirPlace) {
         options.early_termination = seed % 2 == 0;
         const Compared both = compare(scene, camera, options);
         EXPECT_EQ(both.off, 0U) << seed;
-        EXPECT_GT(both.gpu.rays, 100U);
+        EXPECT_GT(both.gpu.rays, 50U);
         EXPECT_NEAR(double(both.gpu.rays), double(both.cpu.rays), 1e-3 * double(both.cpu.rays));
         EXPECT_NEAR(double(both.gpu.samples), double(both.cpu.samples), 1e-3 * double(both.cpu.samples));
       }
@@ -258,7 +258,7 @@ TEST(GpuPicture, ManySeeThroughSurfacesAreSortedWhateverTheirOrder) {
   const Camera camera = framing(*box_of(scene), {12, 7}, UpAxis::z, options.size);
   const Compared both = compare(scene, camera, options);
   EXPECT_LE(both.off, 64U * 48 / 200);
-  EXPECT_GT(both.gpu.fragments, 30000U);
+  EXPECT_GT(both.gpu.fragments, 15000U);
 }
 
 }  // namespace
