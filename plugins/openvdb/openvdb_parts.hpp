@@ -71,7 +71,8 @@ class Reserved {
   std::uint64_t bytes_ = 0;
 };
 
-// Ends OpenVDB's loops when the host wants it. Templates are to have the type of its base, as OpenVDB's library has them.
+// Ends OpenVDB's loops when the host wants it. Templates are to have the type of its base, as OpenVDB's library has
+// them.
 class Interrupter : public openvdb::util::NullInterrupter {
  public:
   explicit Interrupter(const isoextract_plugin_host& host) : host_(host) {}

@@ -10,8 +10,8 @@
 #include <tbb/parallel_for.h>
 
 #include "field/samples.hpp"
-#include "points/cubic_spline.hpp"
 #include "points/cell_grid.hpp"
+#include "points/cubic_spline.hpp"
 #include "points/detail/nearest_tree.hpp"
 #include "points/detail/spot_density.hpp"
 #include "points/particle_statistics.hpp"

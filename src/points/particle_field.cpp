@@ -8,8 +8,8 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-#include "points/detail/anisotropy.hpp"
 #include "points/cell_grid.hpp"
+#include "points/detail/anisotropy.hpp"
 #include "points/detail/field_lengths.hpp"
 #include "points/detail/kernel_bricks.hpp"
 #include "points/detail/sparse_bricks.hpp"

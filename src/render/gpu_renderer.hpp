@@ -25,7 +25,7 @@ struct GpuRenderOptions {
                                               // default: three quarters of what it has; no limit where it does not tell
   std::uint64_t list_bytes = 256 << 20;  // of these, what fragments of see-through surfaces may take, 8 bytes each: a
                                          // part of the picture that has more is drawn in smaller ones
-  bool debug = false;  // ErrorKind::unavailable for whatever the driver complains about; for tests
+  bool debug = false;                    // ErrorKind::unavailable for whatever the driver complains about; for tests
 
   friend bool operator==(const GpuRenderOptions&, const GpuRenderOptions&) = default;
 };

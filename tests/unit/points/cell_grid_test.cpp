@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "points/detail/brick_list.hpp"
 #include "points/cell_grid.hpp"
+#include "points/detail/brick_list.hpp"
 #include "points/detail/nearest_tree.hpp"
 #include "unit/points/particles.hpp"
 

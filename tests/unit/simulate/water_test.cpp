@@ -315,7 +315,9 @@ TEST(Water, RefusesWhatMakesNoSense) {
   };
   EXPECT_NE(refusal([](WaterOptions& o) { o.friction = 1.5; }).find("0 to 1, found 1.5"), std::string::npos);
   EXPECT_NE(refusal([](WaterOptions& o) { o.flow_div = 0.5; }).find("1 or more, found 0.5"), std::string::npos);
-  EXPECT_NE(refusal([](WaterOptions& o) { o.sources = {{{4, 0}, 1}}; }).find("0,0 to 3,2, found 4,0"),
+  EXPECT_NE(refusal([](WaterOptions& o) {
+              o.sources = {{{4, 0}, 1}};
+            }).find("0,0 to 3,2, found 4,0"),
             std::string::npos);
   EXPECT_NE(refusal([](WaterOptions& o) { o.drains = {{{0, 0}, 0}}; }).find("a rate above 0"), std::string::npos);
   const auto poor = WaterAutomaton::create({4, 3}, flat, {}, {}, Context(MemoryBudget(100)));

@@ -2,8 +2,8 @@
 #include "volumes/volume_writer.hpp"
 
 #include <fstream>
-#include <sstream>
 #include <iterator>
+#include <sstream>
 
 #include "unit/volumes/volume_files.hpp"
 
