@@ -131,6 +131,9 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string
   const auto format = plan_format(flags);
   if (!format) return tl::unexpected(format.error());
   const meshes::MeshFormatInfo& info = meshes::mesh_format_info(*format);
+  auto picture = plan_picture(flags);
+  if (!picture) return tl::unexpected(picture.error());
+  job.picture_file = *picture;
   if (as_field) job.field_file = convert::FieldFileOptions{flags.half};
   const auto by_name = flags.output ? meshes::mesh_format_by_path(*flags.output) : std::nullopt;
   if (by_name && (as_field || writes_picture(flags) || *by_name != *format)) {
@@ -140,9 +143,6 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string
   if (flags.ascii && !info.has_ascii) {
     return refuse_usage(fmt::format("--ascii does not go with {}", info.name), "ply and stl can be written as text");
   }
-  auto picture = plan_picture(flags);
-  if (!picture) return tl::unexpected(picture.error());
-  job.picture_file = *picture;
   const auto normals = plan_normals(flags, *format);
   if (!normals) return tl::unexpected(normals.error());
   job.normals = *normals;

@@ -60,7 +60,7 @@ struct Tap {
 };
 
 inline constexpr double kDefaultFriction = 0.8;
-inline constexpr double kDefaultFlowDiv = 4;
+inline constexpr double kDefaultFlowDiv = 5;  // with 4 a chequered pattern of levels never dies out
 
 struct WaterOptions {
   WaterRule rule = WaterRule::conservative;
