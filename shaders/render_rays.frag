@@ -5,6 +5,9 @@ layout(location = 1) out vec3 picture_normal;
 layout(location = 2) out float picture_depth;
 layout(location = 3) out uvec4 picture_counts;  // rays in the volume, samples taken, skipped, terminated
 
+// Drivers on the processor leave loops after so many rounds, whatever is left to be done: then the first count has this.
+const uint kCutOff = 2u;
+
 uniform double near_depth;
 uniform double far_depth;
 uniform double unit;
@@ -24,8 +27,8 @@ layout(std430, binding = 1) buffer Fragments { uvec2 fragments[]; };
 
 bool is_before(uvec2 a, uvec2 b) { return a.x < b.x || (a.x == b.x && a.y < b.y); }  // depths are positive
 
-// Shell's method, with Knuth's gaps: lists are mostly short, and may be long.
-void sort(uint begin, uint count) {
+// Shell's method, with Knuth's gaps: lists are mostly short, and may be long. False where it was cut off.
+bool sort(uint begin, uint count) {
   uint gap = 1u;
   while (gap < count / 3u) gap = 3u * gap + 1u;
   for (; gap > 0u; gap /= 3u) {
@@ -39,6 +42,7 @@ void sort(uint begin, uint count) {
       fragments[begin + to] = moved;
     }
   }
+  return gap == 0u;
 }
 #endif
 
@@ -73,6 +77,7 @@ void main() {
   dvec3 direction = direction_of(pixel);
   const double kNever = 1e300lf;
   double fragment_depth = kNever;
+  bool is_whole = true;
 #ifdef SURFACES
   uint fragment_triangle = kNone;
   uint opaque_triangle = texelFetch(opaque_triangles, pixel, 0).r;
@@ -81,7 +86,7 @@ void main() {
   if (has_lists) {
     end = texelFetch(list_ends, pixel, 0).r;
     next = end - texelFetch(list_counts, pixel, 0).r;
-    sort(next, end - next);
+    is_whole = sort(next, end - next);
   }
   bool fetch = true;
 #endif
@@ -108,8 +113,9 @@ void main() {
   }
   Brick brick = Brick(ivec3(-2147483647), 3, -1, ivec3(0));
 #endif
+  bool is_done = false;
   // Each time: a part of a slab, up to its end or to a fragment, or a fragment outside of the volume, or a brick skipped.
-  for (;;) {
+  while (!is_done) {
 #ifdef SURFACES
     if (fetch) {
       fetch = false;
@@ -147,7 +153,10 @@ void main() {
     }
 #endif
     bool meets = fragment_depth < (inside ? last : kNever);
-    if (!inside && !meets) break;
+    if (!inside && !meets) {
+      is_done = true;
+      break;
+    }
 #ifdef VOLUME
     if (inside && entry.a > 0.0) {
       double to = meets ? fragment_depth : last;
@@ -162,7 +171,10 @@ void main() {
       inside = false;
       ++k;
     }
-    if (has_ended()) break;
+    if (has_ended()) {
+      is_done = true;
+      break;
+    }
 #endif
 #ifdef SURFACES
     if (meets) {
@@ -172,7 +184,7 @@ void main() {
         settled = light <= 0.5;
         settle(fragment_depth, there.normal);
       }
-      if (has_ended()) break;
+      is_done = has_ended();
       fetch = true;
     }
 #endif
@@ -182,5 +194,5 @@ void main() {
   picture_colour = vec4(colour + left * background.a * background.rgb, 1.0 - left * (1.0 - background.a));
   picture_normal = normal_found;
   picture_depth = found_depth ? float(depth_found * unit) : uintBitsToFloat(0x7f800000u);
-  picture_counts = uvec4(rays, samples, skipped, uint(max(slabs - reached, 0)));
+  picture_counts = uvec4(is_whole && is_done ? rays : rays | kCutOff, samples, skipped, uint(max(slabs - reached, 0)));
 }

@@ -169,8 +169,14 @@ Result<void> GpuPicture::draw_tile(const PixelBox& tile, Rendered& rendered) {
   for (const PixelBox& part : around(tile, within)) {
     if (auto cast = cast_rays(tile, part, false); !cast) return cast;
   }
-  targets_->read(tile, rendered.picture, counts_, rendered.statistics);
-  return task_.gl.check("reading a picture");
+  const bool whole = targets_->read(tile, rendered.picture, counts_, rendered.statistics);
+  if (auto checked = task_.gl.check("reading a picture"); !checked) return checked;
+  if (whole) return {};
+  return fail(ErrorKind::unavailable,
+              fmt::format("{}: a ray has more samples, or more surfaces behind each other, than the driver lets a loop "
+                          "have rounds",
+                          task_.gl.device().renderer),
+              Remedy::use_cpu);
 }
 
 Result<void> GpuPicture::draw_opaque(const PixelBox& tile) {

@@ -7,6 +7,8 @@
 namespace isoextract::render::detail {
 namespace {
 
+constexpr std::uint32_t kCutOff = 2;  // as shaders/render_rays.frag has it
+
 gl::GlTexture make_image(GLenum format, const glm::ivec2& size) {
   gl::GlTexture texture = gl::GlTexture::make();
   glActiveTexture(GL_TEXTURE0);
@@ -131,7 +133,7 @@ void GpuTile::bind_lists(const gl::CellProgram& program) const {
   bind_texture(program, "list_ends", TextureUnit::list_ends, GL_TEXTURE_2D, list_ends_);
 }
 
-void GpuTile::read(const PixelBox& box, Picture& picture, std::vector<glm::uvec4>& counts,
+bool GpuTile::read(const PixelBox& box, Picture& picture, std::vector<glm::uvec4>& counts,
                    RenderStatistics& statistics) const {
   const glm::ivec2 size = size_of(box);
   const std::size_t first = static_cast<std::size_t>(box.min.x) +
@@ -148,12 +150,15 @@ void GpuTile::read(const PixelBox& box, Picture& picture, std::vector<glm::uvec4
   glPixelStorei(GL_PACK_ROW_LENGTH, 0);
   read_pixels(GL_COLOR_ATTACHMENT3, GL_RGBA_INTEGER, GL_UNSIGNED_INT, counts.data());
   const std::size_t pixels = static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y);
+  bool whole = true;
   for (std::size_t p = 0; p < pixels; ++p) {
-    statistics.rays += counts[p].x;
+    whole = whole && (counts[p].x & kCutOff) == 0;
+    statistics.rays += counts[p].x & ~kCutOff;
     statistics.samples += counts[p].y;
     statistics.samples_skipped += counts[p].z;
     statistics.samples_terminated += counts[p].w;
   }
+  return whole;
 }
 
 }  // namespace isoextract::render::detail

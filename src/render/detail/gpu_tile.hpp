@@ -30,8 +30,9 @@ class GpuTile {
   // Also where there is no room for lists: a sampler of a program has a unit of its own, looked at or not.
   void bind_lists(const gl::CellProgram& program) const;
 
-  // Into the pixels of `box`. `counts` has room for four numbers a pixel.
-  void read(const PixelBox& box, Picture& picture, std::vector<glm::uvec4>& counts, RenderStatistics& statistics) const;
+  // Into the pixels of `box`. `counts` has room for four numbers a pixel. False where the driver cut rays off.
+  [[nodiscard]] bool read(const PixelBox& box, Picture& picture, std::vector<glm::uvec4>& counts,
+                          RenderStatistics& statistics) const;
 
   // A pixel of it has on the device and in `counts`.
   static constexpr std::uint64_t kPictureBytes = 16 + 16 + 4 + 16;

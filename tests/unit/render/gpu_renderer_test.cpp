@@ -99,6 +99,27 @@ TEST(GpuRenderer, EndsWhereSomebodyAsksForIt) {
   EXPECT_EQ(ended.error().kind, ErrorKind::cancelled);
 }
 
+// llvmpipe leaves loops after 65,535 rounds; other devices draw it.
+TEST(GpuRenderer, RaysThatTheDriverCutsOffAreNoPicture) {
+  const auto field = test::dense_field<std::uint8_t>({1100, 2, 2}, [](int, int, int) { return 1; });
+  const Volume volume{&field, field::scaling({1e-3, 1, 1}), test::constant_transfer({1, 1, 1}, 0.5), 1};
+  Scene scene;
+  scene.volume = &volume;
+  Camera camera;
+  camera.eye = {-10, 0.5, 0.5};
+  camera.target = {0, 0.5, 0.5};
+  RenderOptions options{{1, 1}};
+  options.samples_per_voxel = 64;
+  ASSERT_NE(test::kGpuRenderers->find(), nullptr);
+  const auto drawn = test::kGpuRenderers->find()->draw(scene, camera, options, Context());
+  if (drawn) {
+    EXPECT_LE(test::pixels_off(test::draw(scene, camera, options).picture, drawn->picture), 0U);
+  } else {
+    EXPECT_EQ(drawn.error().kind, ErrorKind::unavailable);
+    EXPECT_EQ(drawn.error().hint.remedy, Remedy::use_cpu);
+  }
+}
+
 TEST(GpuRenderer, RefusesADeviceThatIsNotThere) {
   GpuRenderOptions how;
   how.device = 99;
