@@ -1,5 +1,5 @@
-// Between what screens show and linear light (IEC 61966-2-1). glTF's colours of vertices and materials are linear, and so
-// is everything that is computed with.
+// Between what screens show and linear light (IEC 61966-2-1). glTF's colours of vertices and materials are linear, and
+// so is everything that is computed with.
 #pragma once
 
 #include <cmath>
