@@ -47,6 +47,7 @@ ConversionJob full_job() {
   job.ascii = true;
   job.packing = {meshes::Compression::draco, true, 12, true};
   job.field_file = FieldFileOptions{true};
+  job.picture_file = PictureFileOptions{320, 200, {12.5, -40, 3.0}};
   job.outputs = {{"a.stl", {0.1}},
                  {"-",
                   {1.0 / 3, -5, IsoChoice::suggested(), IsoChoice::percentile(*field::Percent::parse("99.9")),

@@ -72,7 +72,7 @@ TEST(VolumeWriter, ArraysOfOneLayerHaveTwoAxes) {
   const std::string bytes = bytes_of_file(folder / "a.npy");
   ASSERT_EQ(bytes.size(), 128U + 12 * 8);
   EXPECT_EQ(bytes.substr(0, 10), std::string("\x93NUMPY\1\0\x76\0", 10));
-  EXPECT_EQ(bytes.substr(10, 58), "{'descr': '<f8', 'fortran_order': False, 'shape': (4, 3), }");
+  EXPECT_EQ(bytes.substr(10, 59), "{'descr': '<f8', 'fortran_order': False, 'shape': (4, 3), }");
   EXPECT_EQ(bytes[127], '\n');
 }
 
