@@ -140,7 +140,7 @@ TEST(ConversionJob, RefusesWhatItDoesNotUnderstand) {
   EXPECT_NE(refusal(R"({"resolution": [1, 2]})").find("three whole numbers, or null"), std::string::npos);
   EXPECT_NE(refusal(R"({"resolution": [1, 2, 3000000000]})").find("three whole numbers"), std::string::npos);
   EXPECT_NE(refusal(R"({"outputs": [{"path": "a", "iso": ["0"]}]})").find("'outputs'"), std::string::npos);
-  EXPECT_NE(refusal(R"({"outputs": [{"path": "a", "iso": ["p101"]}]})").find("a number, auto or a percentile"),
+  EXPECT_NE(refusal(R"({"outputs": [{"path": "a", "iso": ["p101"]}]})").find("a number, auto, a percentile"),
             std::string::npos);
   EXPECT_NE(refusal(R"({"gpu_memory": -1})").find("whole number from 0 on"), std::string::npos);
   EXPECT_NE(refusal(R"({"particles": {"method": "spline"}})").find("one of weight, sph, anisotropic"),
