@@ -288,6 +288,7 @@ class AttributesTest(ProgramTest):
             self.assertIn(run.code, (1, 2), run.err)
             self.assertIn(part, run.err)
         # Options of the input do not help.
+        (self.folder / "a.raw").write_bytes(bytes(8))
         for wrong, part in (("a=linear.nrrd[x]", "leave the name of a grid out"), ("a=a.raw", "files that say what is in")):
             run = self.run_program(*ball, "--attribute", wrong, "-o", "a.ply")
             self.assertIn(part, run.err)
@@ -308,7 +309,7 @@ class AttributesTest(ProgramTest):
         for value in found["again"]:
             self.assertAlmostEqual(value, 0.5, delta=1e-4)
         self.assert_fails(2, self.run_program(gas, "--grid", "density", "--iso", "0.5", "--attribute", "nix", "-o", "a.ply"),
-                          "the attribute 'nix'", "nix", "an attribute is one of the file's grids\n  density")
+                          "the attribute 'nix'", "nix", "an attribute is one of the file's grids\n", "\n  density ")
 
     @unittest.skipUnless(PLUGIN.exists(), "the plug-ins around OpenVDB were not built")
     @needs_data("vdb/c42_gas_seq/fluid_data_0002.vdb")
