@@ -129,7 +129,8 @@ class CpuRenderer : public Renderer {
         for (int x = tile.min.x; x < tile.max.x; ++x) {
           const bool within =
               x >= work.within.min.x && x < work.within.max.x && y >= work.within.min.y && y < work.within.max.y;
-          const auto of_tile = static_cast<std::size_t>(x - tile.min.x + detail::Tile::kSide * (y - tile.min.y));
+          const int in_tile = x - tile.min.x + detail::Tile::kSide * (y - tile.min.y);
+          const auto of_tile = static_cast<std::size_t>(in_tile);
           const detail::Pixel pixel = local.caster.cast(work.surfaces.direction(x + 0.5, y + 0.5),
                                                         local.fragments.of(of_tile), within, local.statistics);
           const std::size_t at = static_cast<std::size_t>(x) +

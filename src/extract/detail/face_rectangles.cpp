@@ -107,7 +107,9 @@ class LayerSweeps {
   }
 
   // Of the voxels `t` steps into the layer.
-  [[nodiscard]] PlaneSweep& at(int t, int upward) { return sweeps_[static_cast<std::size_t>(2 * t + upward)]; }
+  [[nodiscard]] PlaneSweep& at(int t, int upward) {
+    return sweeps_[2 * static_cast<std::size_t>(t) + static_cast<std::size_t>(upward)];
+  }
 
   void end_row(int row, ReservedList<FaceRectangle>& found) {
     for (PlaneSweep& sweep : sweeps_) sweep.end_row(row, found);

@@ -154,6 +154,7 @@ TEST(PrintedRule, MovesWaterAsComputedByHand) {
   WaterOptions options;
   options.rule = WaterRule::printed;
   options.friction = 0;
+  options.flow_div = 4;
   WaterAutomaton automaton = automaton_on({3, 3}, std::vector<double>(9, 0), {0, 0, 0, 0, 4, 0, 0, 0, 0}, options);
   ASSERT_TRUE(automaton.run(1));
   // Each flow takes a quarter of what the one before it left: 1, 0.75, 0.5625, 0.421875.
