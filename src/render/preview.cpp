@@ -29,7 +29,7 @@ Result<Picture> halved(const Picture& fine, const Context& context) {
   for (int y = 0; y < coarse.height; ++y) {
     for (int x = 0; x < coarse.width; ++x) {
       const std::size_t first =
-          static_cast<std::size_t>(2 * x) + static_cast<std::size_t>(fine.width) * static_cast<std::size_t>(2 * y);
+          2 * static_cast<std::size_t>(x) + static_cast<std::size_t>(fine.width) * 2 * static_cast<std::size_t>(y);
       const std::size_t below = first + static_cast<std::size_t>(fine.width);
       const std::array<std::size_t, 4> four{first, first + 1, below, below + 1};
       const std::size_t at =
