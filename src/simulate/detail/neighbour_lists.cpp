@@ -1,7 +1,7 @@
 #include "simulate/detail/neighbour_lists.hpp"
 
+#include <algorithm>
 #include <array>
-#include <string>
 #include <utility>
 
 #include <tbb/blocked_range.h>
@@ -10,66 +10,89 @@
 namespace isoextract::simulate {
 namespace {
 
-// Makes room for at least `count` values, a quarter more than that where there is none yet.
-template <class T>
-Result<void> make_room(Buffer<T>& values, Reservation& memory, std::size_t count, const Context& context) {
-  if (values.size() >= count) return {};
-  const std::size_t wanted = count + count / 4;
-  values = Buffer<T>();
-  memory.release();
-  auto reserved = context.reserve(std::uint64_t{wanted} * sizeof(T), "neighbours of particles");
-  if (!reserved) return tl::unexpected(reserved.error());
-  memory = std::move(*reserved);
-  values = Buffer<T>(wanted);
-  return {};
-}
-
-// f(particle, visit) for each particle, in parallel; visit(g) calls g(neighbour) in the order of the spots.
-template <class F>
-void for_each_particle(const points::CellGrid& grid, std::span<const glm::dvec3> places, double reach, const F& f) {
-  const double reach2 = reach * reach;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, grid.cell_count(), 16), [&](const auto& range) {
-    for (std::size_t c = range.begin(); c != range.end(); ++c) {
-      // Nine columns of cells; each is one run of spots.
-      std::array<std::pair<std::size_t, std::size_t>, 9> runs;
-      std::size_t run_count = 0;
-      const points::CellGrid::Cell& cell = grid.cell(c);
-      grid.for_each_run(cell.at - 1, cell.at + 1, [&](std::size_t first, std::size_t last) {
-        runs[run_count++] = {grid.cell(first).first, grid.cell_end(last - 1)};
-      });
-      for (std::size_t i = cell.first; i != grid.cell_end(c); ++i) {
-        f(i, [&](const auto& g) {
-          const glm::dvec3 place = places[i];
-          for (std::size_t r = 0; r < run_count; ++r) {
-            for (std::size_t j = runs[r].first; j != runs[r].second; ++j) {
-              const glm::dvec3 d = place - places[j];
-              if (glm::dot(d, d) < reach2 && j != i) g(static_cast<std::uint32_t>(j));
-            }
-          }
-        });
-      }
-    }
-  });
-}
+constexpr std::size_t kBlockCells = 64;
+constexpr const char* kWhat = "neighbours of particles";
 
 }  // namespace
 
+bool NeighbourLists::Block::make_room(std::size_t count, const Context& context) {
+  if (neighbours.size() - used >= count) return true;
+  const std::size_t wanted = std::max(used + count, 2 * neighbours.size());
+  auto reserved = context.reserve(std::uint64_t{wanted} * sizeof(std::uint32_t), kWhat);
+  if (!reserved) {
+    error = reserved.error();
+    return false;
+  }
+  Buffer<std::uint32_t> larger(wanted);
+  std::copy_n(neighbours.begin(), used, larger.begin());
+  neighbours = std::move(larger);
+  memory = std::move(*reserved);
+  return true;
+}
+
+void NeighbourLists::fill(Block& block, std::size_t first_cell, std::size_t last_cell, const points::CellGrid& grid,
+                          std::span<const glm::dvec3> places, double reach, const Context& context) {
+  const double reach2 = reach * reach;
+  block.used = 0;
+  block.error.reset();
+  for (std::size_t c = first_cell; c != last_cell; ++c) {
+    // Nine columns of cells; each is one run of spots.
+    std::array<std::pair<std::size_t, std::size_t>, 9> runs;
+    std::size_t run_count = 0;
+    std::size_t candidates = 0;
+    const points::CellGrid::Cell& cell = grid.cell(c);
+    grid.for_each_run(cell.at - 1, cell.at + 1, [&](std::size_t first, std::size_t last) {
+      runs[run_count] = {grid.cell(first).first, grid.cell_end(last - 1)};
+      candidates += runs[run_count].second - runs[run_count].first;
+      ++run_count;
+    });
+    for (std::size_t i = cell.first; i != grid.cell_end(c); ++i) {
+      if (!block.make_room(candidates, context)) return;
+      const glm::dvec3 place = places[i];
+      std::uint32_t* next = block.neighbours.data() + block.used;
+      for (std::size_t r = 0; r < run_count; ++r) {
+        for (std::size_t j = runs[r].first; j != runs[r].second; ++j) {
+          const glm::dvec3 d = place - places[j];
+          // Written in any case, so that there is nothing to predict; there is room, as one candidate is i itself.
+          *next = static_cast<std::uint32_t>(j);
+          next += static_cast<std::size_t>(glm::dot(d, d) < reach2) & static_cast<std::size_t>(j != i);
+        }
+      }
+      const std::size_t end = static_cast<std::size_t>(next - block.neighbours.data());
+      lists_[i] = {block.neighbours.data() + block.used, end - block.used};
+      block.used = end;
+    }
+  }
+  // Lists that were made before there was more room begin elsewhere now.
+  const std::uint32_t* at = block.neighbours.data();
+  for (std::size_t i = grid.cell(first_cell).first; i != grid.cell_end(last_cell - 1); ++i) {
+    lists_[i] = {at, lists_[i].size()};
+    at += lists_[i].size();
+  }
+}
+
 Result<void> NeighbourLists::make(const points::CellGrid& grid, std::span<const glm::dvec3> places, double reach,
                                   const Context& context) {
-  const std::size_t count = places.size();
-  if (auto done = make_room(firsts_, firsts_memory_, count + 1, context); !done) return done;
-  for_each_particle(grid, places, reach, [&](std::size_t i, const auto& visit) {
-    std::size_t near = 0;
-    visit([&](std::uint32_t) { ++near; });
-    firsts_[i + 1] = near;
+  if (lists_.size() < places.size()) {
+    const std::size_t wanted = places.size() + places.size() / 4;
+    lists_ = {};
+    lists_memory_.release();
+    auto reserved = context.reserve(std::uint64_t{wanted} * sizeof(lists_[0]), kWhat);
+    if (!reserved) return tl::unexpected(reserved.error());
+    lists_memory_ = std::move(*reserved);
+    lists_ = Buffer<std::span<const std::uint32_t>>(wanted);
+  }
+  const std::size_t blocks = (grid.cell_count() + kBlockCells - 1) / kBlockCells;
+  if (blocks_.size() < blocks) blocks_.resize(blocks);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks, 1), [&](const auto& range) {
+    for (std::size_t b = range.begin(); b != range.end(); ++b) {
+      fill(blocks_[b], b * kBlockCells, std::min(grid.cell_count(), (b + 1) * kBlockCells), grid, places, reach,
+           context);
+    }
   });
-  firsts_[0] = 0;
-  for (std::size_t i = 0; i < count; ++i) firsts_[i + 1] += firsts_[i];
-  if (auto done = make_room(neighbours_, neighbours_memory_, firsts_[count], context); !done) return done;
-  for_each_particle(grid, places, reach, [&](std::size_t i, const auto& visit) {
-    std::uint32_t* next = neighbours_.data() + firsts_[i];
-    visit([&](std::uint32_t j) { *next++ = j; });
-  });
+  for (std::size_t b = 0; b < blocks; ++b) {
+    if (blocks_[b].error) return tl::unexpected(*blocks_[b].error);
+  }
   return {};
 }
 

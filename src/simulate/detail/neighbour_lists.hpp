@@ -1,14 +1,17 @@
-// For each of many particles those that are near it, as one list after another.
+// For each of many particles those that are near it, as a list.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
+#include <vector>
 
 #include <glm/glm.hpp>
 
 #include "base/buffer.hpp"
 #include "base/context.hpp"
+#include "base/error.hpp"
 #include "points/cell_grid.hpp"
 
 namespace isoextract::simulate {
@@ -21,15 +24,25 @@ class NeighbourLists {
   [[nodiscard]] Result<void> make(const points::CellGrid& grid, std::span<const glm::dvec3> places, double reach,
                                   const Context& context);
 
-  [[nodiscard]] std::span<const std::uint32_t> of(std::size_t particle) const {
-    return {neighbours_.data() + firsts_[particle], firsts_[particle + 1] - firsts_[particle]};
-  }
+  [[nodiscard]] std::span<const std::uint32_t> of(std::size_t particle) const { return lists_[particle]; }
 
  private:
-  Buffer<std::size_t> firsts_;  // one more at the end
-  Buffer<std::uint32_t> neighbours_;
-  Reservation firsts_memory_;
-  Reservation neighbours_memory_;
+  // The lists of the particles of some cells, filled by one thread: nobody knows beforehand how long they are.
+  struct Block {
+    Buffer<std::uint32_t> neighbours;
+    std::size_t used = 0;
+    Reservation memory;
+    std::optional<Error> error;
+
+    // Whether there is room for `count` more; what is used stays.
+    bool make_room(std::size_t count, const Context& context);
+  };
+  void fill(Block& block, std::size_t first_cell, std::size_t last_cell, const points::CellGrid& grid,
+            std::span<const glm::dvec3> places, double reach, const Context& context);
+
+  std::vector<Block> blocks_;
+  Buffer<std::span<const std::uint32_t>> lists_;
+  Reservation lists_memory_;
 };
 
 }  // namespace isoextract::simulate
