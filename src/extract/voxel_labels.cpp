@@ -248,7 +248,7 @@ struct LabelVoxels::Found {
       if (task.error()) return tl::unexpected(*task.error());
       count += task.values().size();
     }
-    auto held = context.reserve(count * 2 * sizeof(const LabelPart*), what);
+    auto held = context.reserve(count * 2 * sizeof(std::uintptr_t), what);
     if (!held) return tl::unexpected(held.error());
     memory.push_back(std::move(*held));
     for (const ReservedList<LabelPart>& task : tasks) {
