@@ -106,7 +106,7 @@ Result<SceneSource> SceneSource::open(const RenderPlan& plan, const Context& con
   if (plan.transfer_file) {
     auto transfer = read_transfer(*plan.transfer_file, context);
     if (!transfer) return tl::unexpected(std::move(transfer.error()));
-    source.transfer_ = std::move(*transfer);
+    source.transfer_ = *transfer;
   }
   return source;
 }
@@ -115,7 +115,7 @@ Result<void> SceneSource::choose_transfer(const field::ScalarField& field, const
   if (!transfer_) {
     auto transfer = render::TransferFunction::create(named_transfer(*plan_, field, context));
     if (!transfer) return tl::unexpected(std::move(transfer.error()));
-    transfer_ = std::move(*transfer);
+    transfer_ = *transfer;
   }
   return {};
 }

@@ -14,7 +14,7 @@ int rows_of(const NozzleOptions& options) { return static_cast<int>(options.radi
 }  // namespace
 
 std::uint64_t Nozzle::bytes(const NozzleOptions& options) {
-  const auto side = static_cast<std::uint64_t>(2 * rows_of(options) + 1);
+  const std::uint64_t side = 2 * static_cast<std::uint64_t>(rows_of(options)) + 1;
   return side * side * sizeof(glm::dvec2);
 }
 

@@ -34,7 +34,8 @@ class Nozzle {
 
   // When particle `number` leaves, or left.
   [[nodiscard]] double left_at(std::uint64_t number) const {
-    return static_cast<double>(number / lattice_.size()) * (options_.spacing / options_.speed);
+    const std::uint64_t layer = number / lattice_.size();
+    return static_cast<double>(layer) * (options_.spacing / options_.speed);
   }
 
   // f(place, velocity) for what leaves the nozzle until `time`, beginning at 0 with the first layer, where it is then
