@@ -130,6 +130,8 @@ class SimulateTest(ProgramTest):
         self.assertRegex(run.err, r"note: \d+ of 432 cells have a depth below 0, as the printed rule leaves them")
         run = self.simulate(*SMALL, "--steps", 100, "--friction", 0, "-o", "w.npy")
         self.assertNotIn("below 0", run.err)
+        self.assertIn("note: water does not come to rest with --flow-div 6 and --friction 0", run.err)
+        self.assertNotIn("come to rest", self.simulate(*SMALL, "--steps", 10, "-o", "w.npy").err)
 
     def test_what_makes_no_sense(self):
         def refused(*arguments):
