@@ -42,6 +42,11 @@ class WaterRun {
     if (plan_.format == volumes::VolumeFileFormat::vdb) {
       if (auto can = volumes::check_grid_tools(frames->front().files.front().string()); !can) return can;
     }
+    if (plan_.water.flow_div * plan_.water.friction < 4) {
+      messages_.note(
+          fmt::format("water does not come to rest with --flow-div {} and --friction {}: their product is below 4",
+                      plan_.water.flow_div, plan_.water.friction));
+    }
     auto automaton = make_automaton();
     if (!automaton) return tl::unexpected(automaton.error());
     const ProgressBar bar(context_.progress(), messages_.verbosity() != Verbosity::quiet);

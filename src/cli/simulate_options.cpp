@@ -41,8 +41,8 @@ void declare_water(CLI::App& app, WaterFlags& flags) {
       "--friction", "F", flags.friction, parse_part,
       fmt::format("The part of its energy that water loses, 0 to 1 (default: {}).", simulate::kDefaultFriction));
   simulation.value("--flow-div", "D", flags.flow_div, parse_one_or_more,
-                   fmt::format("What flows between neighbours is their difference over this; below 5 levels swing "
-                               "(default: {}).",
+                   fmt::format("What flows between neighbours is their difference over this, 1 or more; water comes to "
+                               "rest where it is above 4 / F (default: {}).",
                                simulate::kDefaultFlowDiv));
   declare_steps(simulation, flags.sequence, kWaterSteps, kWaterEvery);
   const Group output(app, "Output");

@@ -32,7 +32,7 @@ std::size_t count_failed(const std::vector<simulate::WaterStabilityRow>& rows) {
 }
 
 std::string water_table(const std::vector<simulate::WaterStabilityRow>& rows) {
-  std::string text = fmt::format("{:<30}{:<28} {:<28}\n", "water", "conservative rule", "printed rule");
+  std::string text = fmt::format("{:<30}{:<28} {}\n", "water", "conservative rule", "printed rule");
   text += fmt::format("{:<10} {:>8} {:>9} {:>9} {:>8} {:>8} {:>9} {:>8} {:>8}  {}\n", "case", "friction", "flow-div",
                       "min depth", "drift", "energy", "min depth", "drift", "energy", "verdict");
   std::size_t printed_failures = 0;

@@ -22,9 +22,11 @@
 // right and front. Then what drives water over a face is the same number with the other sign from the other side, so
 // that it crosses in one direction only. All flows come from the state at the start of the step, none is negative, and
 // the four of a cell are scaled down together where they are more than its water. A cell gathers what flows in, in one
-// order: W' = W - out + ((left + right) + (back + front)), E' = (1 - friction) E + ((left - right) + (back - front)),
-// friction once a step. Water is conserved to rounding and never below 0. Depths up to 1e-100 do not flow, smaller
-// energies are 0, because numbers that halve for ever become slow. The same bits for any number of threads.
+// order: W' = W - out + ((left + right) + (back + front)), E' = (1 - friction) E + ((left - right) + (back - front)).
+// Water is conserved to rounding and never below 0. It comes to rest where flow_div * friction is above 4: an even lake
+// that moves by the energy E passes 2 E / flow_div over each face, so that a cell gets 4 E / flow_div from its left and
+// back, beside (1 - friction) E of its own. Depths up to 1e-100 do not flow, smaller energies are 0, because numbers
+// that halve for ever become slow. The same bits for any number of threads.
 //
 // The border is a wall under both rules. The paper has pressure 0 outside, but the listing asks first whether there is
 // a neighbour, and never uses it.
@@ -60,12 +62,12 @@ struct Tap {
 };
 
 inline constexpr double kDefaultFriction = 0.8;
-inline constexpr double kDefaultFlowDiv = 5;  // with 4 a chequered pattern of levels never dies out
+inline constexpr double kDefaultFlowDiv = 6;
 
 struct WaterOptions {
   WaterRule rule = WaterRule::conservative;
   double friction = kDefaultFriction;  // 0 to 1: the part of its energy that a cell loses
-  double flow_div = kDefaultFlowDiv;   // 1 or more; from 4 on the four flows of a cell never need scaling
+  double flow_div = kDefaultFlowDiv;   // 1 or more; from 4 on a cell need not scale its flows
   std::vector<Tap> sources;
   std::vector<Tap> drains;
 };

@@ -16,8 +16,9 @@ inline constexpr std::uint64_t kStabilitySteps = 10'000;
 inline constexpr double kDriftAllowed = 1e-12;
 
 struct WaterFindings {
-  double drift = 0;         // WaterBalance::drift() at the end, or where a number became infinite
-  double least_depth = 0;   // of any cell after any step
+  double drift = 0;  // WaterBalance::drift() at the end, or where a number became infinite
+  // Of any cell, after each of the first 1000 steps and every 50th from there on.
+  double least_depth = 0;
   double most_energy = 0;   // likewise, by its absolute value
   std::uint64_t steps = 0;  // done: fewer than asked for where a number became infinite
   bool finite = true;

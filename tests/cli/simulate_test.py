@@ -101,6 +101,7 @@ class SimulateTest(ProgramTest):
         for grid in ("terrain", "water"):
             self.convert("w.vdb", "--grid", grid, "--iso", "0.5", "-o", f"{grid}.ply", "-q")
         self.simulate(*SMALL, "--steps", 20, "--what", "terrain", "-o", "t.nrrd", "-q")
+        # Beyond its box a VDB grid is empty, so that its surface closes there.
         self.convert("t.nrrd", "--iso", "0.5", "--cap", "-o", "t.ply", "-q")
         compared = self.run_program("compare", "t.ply", "terrain.ply", "--max-distance", "1")
         self.assertEqual(compared.code, 0, compared.err)
@@ -128,8 +129,13 @@ class SimulateTest(ProgramTest):
     def test_the_printed_rule_is_told(self):
         run = self.simulate(*SMALL, "--steps", 20, "--rule", "printed", "--friction", 0, "-o", "w.npy")
         self.assertRegex(run.err, r"note: \d+ of 432 cells have a depth below 0, as the printed rule leaves them")
-        run = self.simulate(*SMALL, "--steps", 20, "--friction", 0, "-o", "w.npy")
+        run = self.run_program(*SMALL, "--steps", 2000, "--rule", "printed", "--friction", 0, "-o", "x.npy")
+        self.assert_fails(4, run, "step 2000", "which a volume can hold")
+        self.assertEqual(self.files(), ["w.npy"])
+        run = self.simulate(*SMALL, "--steps", 100, "--friction", 0, "-o", "w.npy")
         self.assertNotIn("below 0", run.err)
+        self.assertIn("note: water does not come to rest with --flow-div 6 and --friction 0", run.err)
+        self.assertNotIn("come to rest", self.simulate(*SMALL, "--steps", 10, "-o", "w.npy").err)
 
     def test_what_makes_no_sense(self):
         def refused(*arguments):

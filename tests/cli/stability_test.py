@@ -2,7 +2,7 @@
 
 import json
 
-from support import NO_GPU, ProgramTest, main
+from support import NO_GPU, SOURCE, ProgramTest, main
 
 
 class StabilityTest(ProgramTest):
@@ -44,6 +44,7 @@ class StabilityTest(ProgramTest):
         run = self.run_program("stability", "--case", "water")
         self.assertEqual((run.code, run.err), (0, ""))
         self.assertIn("printed, as expected: ", run.text)
+        self.assertIn(f"```text\n{run.text}```\n", (SOURCE / "docs/simulate.md").read_text())
         self.assertRegex(run.text.splitlines()[-1], r"water: 24 of 24 passed by the conservative rule, \d+ by the printed one")
 
     def test_threads_do_not_matter(self):

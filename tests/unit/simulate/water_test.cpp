@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <tuple>
 
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
@@ -191,13 +191,14 @@ TEST(PrintedRule, GoesBelowZeroWhereTheConservativeOneDoesNot) {
   WaterAutomaton kept = hills({16, 16}, options);
   options.rule = WaterRule::printed;
   WaterAutomaton printed = hills({16, 16}, options);
-  double least = 0;
-  for (int n = 0; n < 50; ++n) {
-    ASSERT_TRUE(printed.run(4) && kept.run(4));
-    least = std::min(least, printed.extremes().least_depth);
+  while (printed.extremes().least_depth > -0.01) {
+    ASSERT_LT(printed.steps_done(), 200U);
+    ASSERT_TRUE(printed.run(1) && kept.run(1));
     EXPECT_GE(kept.extremes().least_depth, 0);
   }
-  EXPECT_LT(least, -0.01);
+  EXPECT_LT(printed.balance().drift(), 1e-12) << "what goes below zero is elsewhere above";
+  ASSERT_TRUE(printed.run(400) && kept.run(400));
+  EXPECT_FALSE(printed.balance().drift() < 1) << "until the numbers are so large that rounding swallows the water";
   EXPECT_LT(kept.balance().drift(), 1e-12);
 }
 
@@ -258,18 +259,22 @@ TEST(ConservativeRule, LeavesALakeAlone) {
   }
 }
 
-TEST(ConservativeRule, EvensWaterOut) {
-  WaterAutomaton automaton = automaton_on({6, 6}, std::vector<double>(36, 0),
-                                          [] {
-                                            std::vector<double> depth(36, 0);
-                                            depth[0] = 36;
-                                            return depth;
-                                          }(),
-                                          {});
-  ASSERT_TRUE(automaton.run(3000));
-  const WaterExtremes found = automaton.extremes();
-  EXPECT_NEAR(found.least_depth, 1, 1e-9);
-  EXPECT_NEAR(found.most_depth, 1, 1e-9);
+// A lake that is even but moves by the energy E passes 2 E / D over each face, so that a cell gets 4 E / D from its
+// left and back and keeps (1 - F) E: the movement dies down where D F is above 4.
+TEST(ConservativeRule, WaterComesToRestWhereTheDivisorIsAboveFourOverFriction) {
+  for (const auto& [friction, flow_div, rests] :
+       {std::tuple{0.8, 5.5, true}, std::tuple{0.5, 8.5, true}, std::tuple{0.3, 14.0, true},
+        std::tuple{0.8, 4.5, false}, std::tuple{0.5, 6.0, false}, std::tuple{0.3, 12.0, false}}) {
+    WaterOptions options;
+    options.friction = friction;
+    options.flow_div = flow_div;
+    std::vector<double> depth(144, 0);
+    depth[0] = 144;
+    WaterAutomaton automaton = automaton_on({12, 12}, std::vector<double>(144, 0), depth, options);
+    ASSERT_TRUE(automaton.run(20'000));
+    const WaterExtremes found = automaton.extremes();
+    EXPECT_EQ(found.most_depth - found.least_depth < 1e-9, rests) << friction << " " << flow_div;
+  }
 }
 
 TEST(ConservativeRule, GivesTheSameBitsForAnyNumberOfThreads) {
@@ -282,11 +287,9 @@ TEST(ConservativeRule, GivesTheSameBitsForAnyNumberOfThreads) {
     return plain_of(automaton);
   };
   const PlainWater one = water_of(1);
-  for (const int threads : {2, 3}) {
-    const PlainWater many = water_of(threads);
-    EXPECT_EQ(many.water, one.water);
-    EXPECT_EQ(many.energy, one.energy);
-  }
+  const PlainWater two = water_of(2);
+  EXPECT_EQ(two.water, one.water);
+  EXPECT_EQ(two.energy, one.energy);
 }
 
 TEST(Water, EndsBetweenStepsWhenAsked) {
@@ -300,27 +303,25 @@ TEST(Water, EndsBetweenStepsWhenAsked) {
 
 TEST(Water, RefusesWhatMakesNoSense) {
   const std::vector<double> flat(12, 0);
-  const auto kind = [&](glm::ivec2 size, const std::vector<double>& terrain, const std::vector<double>& depth,
-                        WaterOptions options) {
-    const auto made = WaterAutomaton::create(size, terrain, depth, std::move(options));
+  const auto said = [&](glm::ivec2 size, const std::vector<double>& terrain, const std::vector<double>& depth) {
+    const auto made = WaterAutomaton::create(size, terrain, depth, {});
     return made ? std::string("made") : made.error().message;
   };
-  EXPECT_EQ(kind({4, 3}, flat, {}, {}), "made");
-  EXPECT_NE(kind({5, 3}, flat, {}, {}).find("15 cells, found 12"), std::string::npos);
-  EXPECT_NE(kind({4, 3}, flat, std::vector<double>(12, -1), {}).find("depths of 0 or more"), std::string::npos);
-  EXPECT_NE(kind({4, 3}, std::vector<double>(12, std::nan("")), {}, {}).find("finite heights"), std::string::npos);
-  const auto refusal = [&](const auto& spoil) {
+  EXPECT_EQ(said({4, 3}, flat, {}), "made");
+  EXPECT_NE(said({5, 3}, flat, {}).find("15 cells, found 12"), std::string::npos);
+  EXPECT_NE(said({4, 3}, flat, std::vector<double>(12, -1)).find("depths of 0 or more"), std::string::npos);
+  EXPECT_NE(said({4, 3}, std::vector<double>(12, std::nan("")), {}).find("finite heights"), std::string::npos);
+  const auto with = [&](const auto& change) {
     WaterOptions options;
-    spoil(options);
-    return kind({4, 3}, flat, {}, std::move(options));
+    change(options);
+    const auto made = WaterAutomaton::create({4, 3}, flat, {}, options);
+    return made ? std::string("made") : made.error().message;
   };
-  EXPECT_NE(refusal([](WaterOptions& o) { o.friction = 1.5; }).find("0 to 1, found 1.5"), std::string::npos);
-  EXPECT_NE(refusal([](WaterOptions& o) { o.flow_div = 0.5; }).find("1 or more, found 0.5"), std::string::npos);
-  EXPECT_NE(refusal([](WaterOptions& o) {
-              o.sources = {{{4, 0}, 1}};
-            }).find("0,0 to 3,2, found 4,0"),
-            std::string::npos);
-  EXPECT_NE(refusal([](WaterOptions& o) { o.drains = {{{0, 0}, 0}}; }).find("a rate above 0"), std::string::npos);
+  using Options = WaterOptions;
+  EXPECT_NE(with([](Options& o) { o.friction = 1.5; }).find("0 to 1, found 1.5"), std::string::npos);
+  EXPECT_NE(with([](Options& o) { o.flow_div = 0.5; }).find("1 or more, found 0.5"), std::string::npos);
+  EXPECT_NE(with([](Options& o) { o.sources = {{{4, 0}, 1}}; }).find("0,0 to 3,2, found 4,0"), std::string::npos);
+  EXPECT_NE(with([](Options& o) { o.drains = {{{0, 0}, 0}}; }).find("a rate above 0"), std::string::npos);
   const auto poor = WaterAutomaton::create({4, 3}, flat, {}, {}, Context(MemoryBudget(100)));
   EXPECT_EQ(poor.error().hint.remedy, Remedy::raise_memory_limit);
 }
