@@ -82,7 +82,7 @@ typedef struct isoextract_named_grid {
 typedef struct isoextract_vdb_job {
   const isoextract_named_grid* grids; /* of the file, in their order */
   uint64_t count;                     /* 1 or more */
-  int32_t is_half; /* not 0 if values are to be stored as 16-bit numbers */
+  int32_t is_half;                    /* not 0 if values are to be stored as 16-bit numbers */
   /* Where the bytes of the file go: appended, or, where overwrite is not null, put in the place of some that were
    * written. 0 if all is well. Without overwrite the file has no places of its grids, as one that is piped. */
   void* sink;

@@ -113,9 +113,8 @@ void main() {
   }
   Brick brick = Brick(ivec3(-2147483647), 3, -1, ivec3(0));
 #endif
-  bool is_done = false;
   // Each time: a part of a slab, up to its end or to a fragment, or a fragment outside of the volume, or a brick skipped.
-  while (!is_done) {
+  for (;;) {
 #ifdef SURFACES
     if (fetch) {
       fetch = false;
@@ -153,10 +152,7 @@ void main() {
     }
 #endif
     bool meets = fragment_depth < (inside ? last : kNever);
-    if (!inside && !meets) {
-      is_done = true;
-      break;
-    }
+    if (!inside && !meets) break;
 #ifdef VOLUME
     if (inside && entry.a > 0.0) {
       double to = meets ? fragment_depth : last;
@@ -171,10 +167,7 @@ void main() {
       inside = false;
       ++k;
     }
-    if (has_ended()) {
-      is_done = true;
-      break;
-    }
+    if (has_ended()) break;
 #endif
 #ifdef SURFACES
     if (meets) {
@@ -184,15 +177,17 @@ void main() {
         settled = light <= 0.5;
         settle(fragment_depth, there.normal);
       }
-      is_done = has_ended();
+      if (has_ended()) break;
       fetch = true;
     }
 #endif
   }
+  // Not by a flag that is set where the loop is left: compilers take it for set behind the loop.
+  is_whole = is_whole && (has_ended() || (k >= slabs && fragment_depth >= kNever));
   int reached = inside ? k + 1 : k;
   float left = has_ended() ? 0.0 : light;
   picture_colour = vec4(colour + left * background.a * background.rgb, 1.0 - left * (1.0 - background.a));
   picture_normal = normal_found;
   picture_depth = found_depth ? float(depth_found * unit) : uintBitsToFloat(0x7f800000u);
-  picture_counts = uvec4(is_whole && is_done ? rays : rays | kCutOff, samples, skipped, uint(max(slabs - reached, 0)));
+  picture_counts = uvec4(is_whole ? rays : rays | kCutOff, samples, skipped, uint(max(slabs - reached, 0)));
 }

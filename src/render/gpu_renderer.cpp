@@ -1,6 +1,5 @@
 #include "render/gpu_renderer.hpp"
 
-#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -11,22 +10,6 @@
 
 namespace isoextract::render {
 namespace {
-
-// Rounds after which drivers on the processor leave a loop, whatever is left to be done.
-constexpr double kMostRounds = 65000;
-
-// How many slabs a ray can have at most.
-double most_slabs(const Volume& volume, const RenderOptions& options) {
-  const auto box = box_of_volume(*volume.field);
-  if (!box) return 0;
-  const glm::dmat3& linear = volume.index_to_world.linear;
-  const glm::dvec3 sides = box->max - box->min;
-  double longest = 0;  // of the box's diagonals
-  for (const double y : {-1.0, 1.0}) {
-    for (const double z : {-1.0, 1.0}) longest = std::max(longest, glm::length(linear * (sides * glm::dvec3(1, y, z))));
-  }
-  return longest / step_of(volume, options);
-}
 
 class GpuRenderer final : public Renderer {
  public:
@@ -40,12 +23,6 @@ class GpuRenderer final : public Renderer {
   Result<Rendered> draw(const Scene& scene, const Camera& camera, const RenderOptions& options,
                         const Context& context) override {
     if (auto sound = check(scene, camera, options); !sound) return tl::unexpected(std::move(sound.error()));
-    if (gl_->device().software && scene.volume != nullptr && most_slabs(*scene.volume, options) > kMostRounds) {
-      return fail(ErrorKind::unavailable,
-                  fmt::format("{}: expected rays of at most {} samples, found up to {:.0f}", gl_->device().renderer,
-                              kMostRounds, most_slabs(*scene.volume, options)),
-                  Remedy::use_cpu);
-    }
     // Another context may have come since.
     if (auto current = gl_->make_current(); !current) return tl::unexpected(std::move(current.error()));
     const std::size_t known_messages = gl_->debug_messages().size();
