@@ -73,31 +73,15 @@ int run_info_command(const InfoFlags& flags, const CLI::App& command) {
   return failure ? exit_code(*failure) : kDone;
 }
 
-int run_verify_command(const VerifyFlags& flags) {
+// Of a command whose options become a plan: all of it is checked before any work.
+template <class Flags, class Plan, class Run>
+int plan_and_run(const Flags& flags, const Plan& plan_of, const Run& run) {
   const auto verbosity = plan_verbosity(flags.run);
   if (!verbosity) return report(verbosity.error());
-  const auto plan = plan_verify(flags);
+  const auto plan = plan_of(flags);
   if (!plan) return report(plan.error());
   if (auto limited = limit_threads(flags.run.threads); !limited) return report(limited.error());
-  return done_or_reported(run_verify(*plan, Messages(*verbosity)));
-}
-
-int run_compare_command(const CompareFlags& flags) {
-  const auto verbosity = plan_verbosity(flags.run);
-  if (!verbosity) return report(verbosity.error());
-  const auto plan = plan_compare(flags);
-  if (!plan) return report(plan.error());
-  if (auto limited = limit_threads(flags.run.threads); !limited) return report(limited.error());
-  return done_or_reported(run_compare(*plan, Messages(*verbosity)));
-}
-
-int run_render_command(const RenderFlags& flags) {
-  const auto verbosity = plan_verbosity(flags.run);
-  if (!verbosity) return report(verbosity.error());
-  const auto plan = plan_render(flags);
-  if (!plan) return report(plan.error());
-  if (auto limited = limit_threads(flags.run.threads); !limited) return report(limited.error());
-  return done_or_reported(run_render(*plan, Messages(*verbosity)));
+  return done_or_reported(run(*plan, Messages(*verbosity)));
 }
 
 int run_bench_command(const BenchFlags& flags) {
@@ -111,24 +95,6 @@ int run_bench_command(const BenchFlags& flags) {
     if (!limited) return report(limited.error());
   }
   return done_or_reported(run_bench(*plan, Messages(*verbosity)));
-}
-
-int run_water_command(const WaterFlags& flags) {
-  const auto verbosity = plan_verbosity(flags.run);
-  if (!verbosity) return report(verbosity.error());
-  const auto plan = plan_water(flags);
-  if (!plan) return report(plan.error());
-  if (auto limited = limit_threads(flags.run.threads); !limited) return report(limited.error());
-  return done_or_reported(run_water(*plan, Messages(*verbosity)));
-}
-
-int run_jet_command(const JetFlags& flags) {
-  const auto verbosity = plan_verbosity(flags.run);
-  if (!verbosity) return report(verbosity.error());
-  const auto plan = plan_jet(flags);
-  if (!plan) return report(plan.error());
-  if (auto limited = limit_threads(flags.run.threads); !limited) return report(limited.error());
-  return done_or_reported(run_jet(*plan, Messages(*verbosity)));
 }
 
 int run_stability_command(const StabilityFlags& flags) {
@@ -169,15 +135,15 @@ int run_arguments(const std::vector<std::string>& arguments) {
       }
       return print(generate_document(line->app, *line->document));
     case Request::info: return run_info_command(line->info_flags, *line->info);
-    case Request::verify: return run_verify_command(line->verify_flags);
-    case Request::compare: return run_compare_command(line->compare_flags);
-    case Request::render: return run_render_command(line->render_flags);
+    case Request::verify: return plan_and_run(line->verify_flags, plan_verify, run_verify);
+    case Request::compare: return plan_and_run(line->compare_flags, plan_compare, run_compare);
+    case Request::render: return plan_and_run(line->render_flags, plan_render, run_render);
     case Request::bench: return run_bench_command(line->bench_flags);
     case Request::merge: return done_or_reported(run_merge(line->merge_flags));
     case Request::devices: return done_or_reported(run_devices(line->devices_flags));
     case Request::stability: return run_stability_command(line->stability_flags);
-    case Request::water: return run_water_command(line->water_flags);
-    case Request::jet: return run_jet_command(line->jet_flags);
+    case Request::water: return plan_and_run(line->water_flags, plan_water, run_water);
+    case Request::jet: return plan_and_run(line->jet_flags, plan_jet, run_jet);
     case Request::convert: break;
   }
   if (line->convert_flags.config) {

@@ -60,13 +60,13 @@ std::string with_iso(std::string path, const convert::IsoChoice& iso) {
   return path;
 }
 
-std::string_view extension_of(const ConvertFlags& flags, const meshes::MeshFormatInfo& format) {
+std::string_view format_name(const ConvertFlags& flags, const meshes::MeshFormatInfo& format) {
   const std::string_view other = other_extension(flags);
   return other.empty() ? format.name : other;
 }
 
 std::string output_path(const ConvertFlags& flags, const std::string& input, const meshes::MeshFormatInfo& format) {
-  return flags.output ? *flags.output : fmt::format("{}.{}", batch::stem_of(input), extension_of(flags, format));
+  return flags.output ? *flags.output : fmt::format("{}.{}", batch::stem_of(input), format_name(flags, format));
 }
 
 Result<std::vector<convert::OutputFileJob>> plan_outputs(const ConvertFlags& flags,
@@ -138,7 +138,7 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string
   const auto by_name = flags.output ? meshes::mesh_format_by_path(*flags.output) : std::nullopt;
   if (by_name && (as_field || writes_picture(flags) || *by_name != *format)) {
     plan.notes.push_back(fmt::format("{}: its format is {}, as --format says, and not what its name says",
-                                     *flags.output, extension_of(flags, info)));
+                                     *flags.output, format_name(flags, info)));
   }
   if (flags.ascii && !info.has_ascii) {
     return refuse_usage(fmt::format("--ascii does not go with {}", info.name), "ply and stl can be written as text");

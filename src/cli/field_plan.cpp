@@ -2,23 +2,16 @@
 
 #include <algorithm>
 #include <array>
-#include <filesystem>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "base/ascii.hpp"
 #include "batch/output_names.hpp"
 #include "cli/plan_parts.hpp"
 #include "files/file_bytes.hpp"
 
 namespace isoextract::cli {
 namespace {
-
-bool has_field_extension(const std::string& path) {
-  const std::string extension = lower_case(std::filesystem::path(path).extension().string());
-  return extension.size() == kFieldFormat.size() + 1 && extension.substr(1) == kFieldFormat;
-}
 
 // What is about surfaces, and was given.
 std::string_view surface_option(const ConvertFlags& flags) {
@@ -58,7 +51,7 @@ std::string_view surface_option(const ConvertFlags& flags) {
 
 bool writes_field(const ConvertFlags& flags) {
   if (flags.format) return !flags.format->mesh && !flags.format->picture;
-  return flags.output && has_field_extension(*flags.output);
+  return flags.output && extension_of(*flags.output) == fmt::format(".{}", kFieldFormat);
 }
 
 Result<void> check_field_options(const ConvertFlags& flags) {

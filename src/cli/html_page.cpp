@@ -7,10 +7,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "base/byte_size.hpp"
 #include "base/printable.hpp"
 #include "base/version.hpp"
 #include "cli/values.hpp"
+#include "convert/picture_file.hpp"
 #include "images/png_writer.hpp"
 
 namespace isoextract::cli {
@@ -174,8 +174,7 @@ Result<std::string> HtmlPage::text(std::span<const batch::FrameRow> rows, const 
   for (std::size_t n = 0; n < pictures.count(); ++n) {
     const auto picture = pictures.draw(n, context);
     if (!picture) return tl::unexpected(picture.error());
-    const auto png = images::encode_png({picture->width, picture->height, picture->colour.span(), {}, {}},
-                                        pictures.mesh(n).label, context);
+    const auto png = images::encode_png(convert::light_of(*picture), pictures.mesh(n).label, context);
     if (!png) return tl::unexpected(png.error());
     const std::string label = escaped(pictures.mesh(n).label);
     html += fmt::format("<figure><img width=\"{}\" height=\"{}\" alt=\"{}\" src=\"data:image/png;base64,{}\">",

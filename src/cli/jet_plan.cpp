@@ -14,20 +14,6 @@
 #include "cli/plan_parts.hpp"
 
 namespace isoextract::cli {
-namespace {
-
-Result<volumes::ParticleFileFormat> plan_particle_format(const JetFlags& flags) {
-  if (flags.format) return *flags.format;
-  const std::string& output = *flags.sequence.output;
-  if (const auto format = volumes::particle_file_format_by_path(output)) return *format;
-  std::vector<std::string_view> names;
-  for (const auto& entry : words_of(volumes::ParticleFileFormat{})) names.push_back(entry.word);
-  return refuse_usage(fmt::format("-o {}: expected an extension of {}", output, fmt::join(names, ", ")),
-                      "or give --format");
-}
-
-}  // namespace
-
 Result<JetPlan> plan_jet(const JetFlags& flags) {
   JetPlan plan;
   simulate::JetOptions& jet = plan.jet;
@@ -52,7 +38,7 @@ Result<JetPlan> plan_jet(const JetFlags& flags) {
   sequence.steps = frames;
   SequenceKind kind{.stem = "jet", .example = kJetExample, .extension = "", .grids = {""}, .steps = frames, .first = 1};
   if (sequence.output && !sequence.output->empty()) {
-    const auto format = plan_particle_format(flags);
+    const auto format = format_of_output(flags.format, *flags.sequence.output, volumes::particle_file_format_by_path);
     if (!format) return tl::unexpected(format.error());
     plan.format = *format;
     kind.extension = word_of(plan.format);

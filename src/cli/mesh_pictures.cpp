@@ -4,8 +4,6 @@
 #include <utility>
 
 #include "convert/picture_file.hpp"
-#include "files/output_file.hpp"
-#include "images/png_writer.hpp"
 #include "mesh/metrics.hpp"
 #include "meshes/mesh_reader.hpp"
 #include "render/contact_sheet.hpp"
@@ -18,13 +16,13 @@ Result<MeshPictures> MeshPictures::open(std::vector<WrittenMesh> meshes, const r
                                         convert::UpAxis up, const Context& context) {
   MeshPictures pictures;
   pictures.options_.size = size;
-  pictures.options_.up = up == convert::UpAxis::y ? render::UpAxis::y : render::UpAxis::z;
+  pictures.options_.up = convert::shown_up(up);
   std::optional<field::Box>& box = pictures.options_.box;
   for (const WrittenMesh& written : meshes) {
+    if (meshes.size() == 1) break;  // its own box frames it
     for (const std::string& file : written.files) {
       auto read = meshes::read_mesh(file, context);
       if (!read) return tl::unexpected(std::move(read.error()));
-      if (read->y_up) pictures.options_.up = render::UpAxis::y;
       if (read->mesh.triangles.empty()) continue;
       const mesh::Bounds own = mesh::measure_bounds(read->mesh);
       box = box ? field::Box{glm::min(box->min, own.min), glm::max(box->max, own.max)} : field::Box{own.min, own.max};
@@ -36,17 +34,19 @@ Result<MeshPictures> MeshPictures::open(std::vector<WrittenMesh> meshes, const r
 }
 
 Result<render::Picture> MeshPictures::draw(std::size_t n, const Context& context) const {
+  render::PreviewOptions options = options_;
   std::vector<meshes::MeshFile> files;
   for (const std::string& file : meshes_[n].files) {
     auto read = meshes::read_mesh(file, context);
     if (!read) return tl::unexpected(std::move(read.error()));
+    if (read->y_up) options.up = render::UpAxis::y;
     if (auto made = render::add_normals(read->mesh, file, context); !made) return tl::unexpected(made.error());
     files.push_back(std::move(*read));
   }
   std::vector<render::Surface> surfaces;
   for (const meshes::MeshFile& file : files) surfaces.push_back(convert::surface_of(file.mesh));
   const auto renderer = render::make_cpu_renderer();
-  auto drawn = render::draw_preview(surfaces, options_, *renderer, context);
+  auto drawn = render::draw_preview(surfaces, options, *renderer, context);
   if (!drawn) return tl::unexpected(std::move(drawn.error()));
   return std::move(drawn->picture);
 }
@@ -70,13 +70,8 @@ Result<void> write_contact_sheet(const std::string& path, const MeshPictures& me
     }
     sheet->place(n, *picture, meshes.mesh(n).label);
   }
-  auto file = files::OutputFile::create(path);
-  if (!file) return tl::unexpected(std::move(file.error()));
-  const render::Picture& all = sheet->picture();
-  if (auto written = images::write_png(*file, {all.width, all.height, all.colour.span(), {}, {}}, context); !written) {
-    return written;
-  }
-  return file->commit();
+  const auto written = convert::write_png(path, sheet->picture(), context);
+  return written ? Result<void>() : tl::unexpected(written.error());
 }
 
 }  // namespace isoextract::cli

@@ -21,8 +21,8 @@ struct WrittenMesh {
 
 class MeshPictures {
  public:
-  // Reads all files once, for the box that holds every mesh. `up` is that of formats which prescribe none. Fails as
-  // meshes::read_mesh() does.
+  // Reads all files once where there are several meshes, for the box that holds every one. `up` is that of formats
+  // which prescribe none. Fails as meshes::read_mesh() does.
   [[nodiscard]] static Result<MeshPictures> open(std::vector<WrittenMesh> meshes, const render::PictureSize& size,
                                                  convert::UpAxis up, const Context& context);
 

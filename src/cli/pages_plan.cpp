@@ -1,11 +1,9 @@
 #include "cli/pages_plan.hpp"
 
-#include <filesystem>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "base/ascii.hpp"
 #include "cli/frame_plot.hpp"
 #include "cli/gnuplot.hpp"
 #include "cli/picture_plan.hpp"
@@ -20,10 +18,6 @@ constexpr std::size_t kPicturesOfSheet = 60;
 constexpr render::PictureSize kOnPage{320, 240};
 constexpr render::PictureSize kAlone{960, 720};
 constexpr render::PictureSize kOnSheet{320, 240};
-
-std::string extension_of(const std::string& path) {
-  return lower_case(std::filesystem::path(path).extension().string());
-}
 
 std::vector<WrittenMesh> meshes_of(std::span<const batch::FrameRow> rows) {
   std::vector<WrittenMesh> meshes;

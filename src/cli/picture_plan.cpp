@@ -2,12 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <filesystem>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "base/ascii.hpp"
 #include "cli/field_plan.hpp"
 #include "cli/plan_parts.hpp"
 
@@ -15,8 +13,7 @@ namespace isoextract::cli {
 
 bool writes_picture(const ConvertFlags& flags) {
   if (flags.format) return flags.format->picture;
-  return flags.output &&
-         lower_case(std::filesystem::path(*flags.output).extension().string()) == fmt::format(".{}", kPictureFormat);
+  return flags.output && extension_of(*flags.output) == fmt::format(".{}", kPictureFormat);
 }
 
 Result<std::optional<convert::PictureFileOptions>> plan_picture(const ConvertFlags& flags) {

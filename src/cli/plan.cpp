@@ -1,10 +1,12 @@
 #include "cli/plan.hpp"
 
 #include <algorithm>
+#include <filesystem>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/ascii.hpp"
 #include "cli/particle_plan.hpp"
 #include "cli/plan_parts.hpp"
 #include "files/file_bytes.hpp"
@@ -44,6 +46,10 @@ convert::SurfaceOptions plan_surface(const SurfaceFlags& flags) {
   surface.nan = flags.nan.value_or(surface.nan);
   surface.cap = flags.cap;
   return surface;
+}
+
+std::string extension_of(const std::string& path) {
+  return lower_case(std::filesystem::path(path).extension().string());
 }
 
 Result<convert::Placement> plan_placement(const PlacementFlags& flags, meshes::MeshFormat format,

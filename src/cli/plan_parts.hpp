@@ -7,6 +7,9 @@
 #include <string_view>
 #include <vector>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include "base/error.hpp"
 #include "cli/options.hpp"
 #include "cli/plan.hpp"
@@ -21,6 +24,21 @@ namespace isoextract::cli {
 // `besides` is what else than formats of meshes is expected.
 [[nodiscard]] Result<meshes::MeshFormat> format_of_path(const std::string& path, std::string hint,
                                                         std::string_view besides = "");
+
+// Of a name, in small letters and with its dot; empty where there is none.
+[[nodiscard]] std::string extension_of(const std::string& path);
+
+// The format of files that is said by --format, or by the name after -o. `by_path` finds it by a name.
+template <class Format, class ByPath>
+[[nodiscard]] Result<Format> format_of_output(const std::optional<Format>& said, const std::string& output,
+                                              const ByPath& by_path) {
+  if (said) return *said;
+  if (const auto format = by_path(output)) return *format;
+  std::vector<std::string_view> names;
+  for (const auto& entry : words_of(Format{})) names.push_back(entry.word);
+  return refuse_usage(fmt::format("-o {}: expected an extension of {}", output, fmt::join(names, ", ")),
+                      "or give --format");
+}
 
 // What --memory-limit says.
 [[nodiscard]] MemoryBudget plan_memory(const std::optional<std::uint64_t>& limit);

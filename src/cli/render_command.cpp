@@ -13,10 +13,10 @@
 #include "cli/scene_source.hpp"
 #include "convert/json_values.hpp"
 #include "convert/output_checks.hpp"
+#include "convert/picture_file.hpp"
 #include "files/file_bytes.hpp"
 #include "files/output_file.hpp"
 #include "images/exr_writer.hpp"
-#include "images/png_writer.hpp"
 #include "render/gpu_renderer.hpp"
 
 namespace isoextract::cli {
@@ -55,13 +55,13 @@ Result<std::unique_ptr<render::Renderer>> open_renderer(const RenderPlan& plan, 
 
 Result<void> write_picture(const render::Picture& picture, const std::string& path, const Context& context) {
   context.progress().begin("writing", 0);
+  if (picture_file_of(path) != PictureFile::exr) {
+    const auto written = convert::write_png(path, picture, context);
+    return written ? Result<void>() : tl::unexpected(written.error());
+  }
   auto file = files::OutputFile::create(path);
   if (!file) return tl::unexpected(std::move(file.error()));
-  const images::LightImage image{picture.width, picture.height, picture.colour.span(), picture.depth.span(),
-                                 picture.normals.span()};
-  auto written = picture_file_of(path) == PictureFile::exr ? images::write_exr(*file, image, context)
-                                                           : images::write_png(*file, image, context);
-  if (!written) return written;
+  if (auto written = images::write_exr(*file, convert::light_of(picture), context); !written) return written;
   return file->commit();
 }
 

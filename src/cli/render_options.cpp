@@ -51,12 +51,8 @@ Result<std::vector<glm::dvec3>> parse_colours(std::string_view text) {
 }
 
 Result<std::array<double, 2>> parse_value_range(std::string_view text) {
-  const std::size_t comma = text.find(',');
-  if (comma != std::string_view::npos) {
-    const auto low = parse_number(text.substr(0, comma));
-    const auto high = parse_number(text.substr(comma + 1));
-    if (low && high && *low < *high) return std::array{*low, *high};
-  }
+  const auto numbers = parse_numbers(text);
+  if (numbers && numbers->size() == 2 && (*numbers)[0] < (*numbers)[1]) return std::array{(*numbers)[0], (*numbers)[1]};
   return fail(ErrorKind::usage, fmt::format("expected two values MIN,MAX with MIN below MAX, found '{}'", text));
 }
 

@@ -1,7 +1,6 @@
 #include "cli/render_plan.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <filesystem>
 #include <numbers>
@@ -13,6 +12,7 @@
 #include "batch/find_frames.hpp"
 #include "batch/output_names.hpp"
 #include "cli/batch_plan.hpp"
+#include "cli/output_folders.hpp"
 #include "cli/particle_plan.hpp"
 #include "cli/plan.hpp"
 #include "cli/plan_parts.hpp"
@@ -159,16 +159,10 @@ Result<void> check_useful(const RenderFlags& flags, const Inputs& inputs, const 
   return {};
 }
 
-bool is_there(const std::string& path) {
-  std::error_code none;
-  return std::filesystem::exists(path, none);
-}
-
 }  // namespace
 
 std::optional<PictureFile> picture_file_of(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
+  const std::string extension = extension_of(path);
   if (path == "-" || extension == ".png") return PictureFile::png;
   if (extension == ".exr") return PictureFile::exr;
   return std::nullopt;

@@ -11,6 +11,7 @@
 #include "cli/turned_mesh.hpp"
 #include "convert/conversion.hpp"
 #include "convert/mesh_sink.hpp"
+#include "convert/picture_file.hpp"
 #include "field/statistics.hpp"
 #include "files/file_bytes.hpp"
 #include "meshes/mesh_reader.hpp"
@@ -83,12 +84,6 @@ Result<render::TransferFunction> read_transfer(const std::string& path, const Co
   return transfer;
 }
 
-bool has_colours(const mesh::Mesh& mesh) {
-  return std::ranges::any_of(mesh.attributes, [](const mesh::Attribute& attribute) {
-    return attribute.role == mesh::AttributeRole::colour && attribute.components >= 3;
-  });
-}
-
 }  // namespace
 
 Result<SceneSource> SceneSource::open(const RenderPlan& plan, const Context& context, convert::Events& events) {
@@ -158,14 +153,8 @@ Result<void> SceneSource::read_volume(const std::string& input, const std::strin
 }
 
 void SceneSource::add_surface(render::Scene& scene, const mesh::Mesh& mesh) const {
-  render::Surface surface;
-  surface.mesh = &mesh;
+  render::Surface surface = convert::surface_of(mesh);
   surface.shading = plan_->shading;
-  surface.vertex_colours = has_colours(mesh);
-  if (mesh.material) {
-    surface.colour = mesh.material->colour.value_or(surface.colour);
-    surface.opacity = mesh.material->opacity;
-  }
   const std::vector<double>& opacity = plan_->opacity;
   if (opacity.size() == 1) surface.opacity = opacity.front();
   if (opacity.size() > 1) surface.opacity = opacity[std::min(scene.surfaces.size(), opacity.size() - 1)];

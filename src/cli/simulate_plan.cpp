@@ -66,16 +66,6 @@ Result<std::vector<std::uint64_t>> frame_steps(const SequenceFlags& flags, const
   return frames;
 }
 
-Result<volumes::VolumeFileFormat> plan_format(const WaterFlags& flags) {
-  if (flags.format) return *flags.format;
-  const std::string& output = *flags.sequence.output;
-  if (const auto format = volumes::volume_file_format_by_path(output)) return *format;
-  std::vector<std::string_view> names;
-  for (const auto& entry : words_of(volumes::VolumeFileFormat{})) names.push_back(entry.word);
-  return refuse_usage(fmt::format("-o {}: expected an extension of {}", output, fmt::join(names, ", ")),
-                      "or give --format");
-}
-
 Result<void> check_taps(const std::vector<simulate::Tap>& taps, glm::ivec2 size, const char* option) {
   for (const simulate::Tap& tap : taps) {
     if (tap.cell.x >= 0 && tap.cell.y >= 0 && tap.cell.x < size.x && tap.cell.y < size.y) continue;
@@ -138,7 +128,7 @@ Result<WaterPlan> plan_water(const WaterFlags& flags) {
   plan.spacing = flags.spacing.value_or(plan.spacing);
   SequenceKind kind{"water", kWaterExample, "", simulate::field_names(plan.what), kWaterSteps, kWaterEvery};
   if (flags.sequence.output && !flags.sequence.output->empty()) {
-    const auto format = plan_format(flags);
+    const auto format = format_of_output(flags.format, *flags.sequence.output, volumes::volume_file_format_by_path);
     if (!format) return tl::unexpected(format.error());
     plan.format = *format;
     kind.extension = word_of(plan.format);

@@ -73,6 +73,32 @@ std::optional<glm::ivec3> whole_vector(std::string_view text, int least) {
   return vector;
 }
 
+// Two whole numbers.
+std::optional<glm::ivec2> whole_pair(std::string_view text, std::string_view separators, int least, int most) {
+  const std::vector<std::string_view> parts = split(text, separators);
+  if (parts.size() != 2) return std::nullopt;
+  glm::ivec2 pair;
+  for (int i = 0; i < 2; ++i) {
+    const auto number = whole_text_as<int>(parts[static_cast<std::size_t>(i)]);
+    if (!number || *number < least || *number > most) return std::nullopt;
+    pair[i] = *number;
+  }
+  return pair;
+}
+
+// Three numbers above 0, or one for all.
+std::optional<glm::dvec3> three_above_0(std::string_view text, std::string_view separators) {
+  const std::vector<std::string_view> parts = split(text, separators);
+  if (parts.size() != 1 && parts.size() != 3) return std::nullopt;
+  glm::dvec3 numbers;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto number = parse_positive(parts[static_cast<std::size_t>(axis) % parts.size()]);
+    if (!number) return std::nullopt;
+    numbers[axis] = *number;
+  }
+  return numbers;
+}
+
 // Letters to insert, remove, replace or swap to get from a to b.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::vector<std::size_t>> cost(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
@@ -158,25 +184,15 @@ Result<std::uint64_t> parse_positive_count(std::string_view text) {
 }
 
 Result<glm::ivec2> parse_grid_size(std::string_view text) {
-  const std::vector<std::string_view> parts = split(text, ",xX");
-  const auto along = [&](std::size_t axis) { return whole_text_as<int>(parts[axis]).value_or(0); };
-  const auto fits = [](int cells) { return cells >= 2 && cells <= simulate::kMaxGridSize; };
-  if (parts.size() != 2 || !fits(along(0)) || !fits(along(1))) {
-    return expected_found(fmt::format("NXxNY, each 2 to {}", simulate::kMaxGridSize), text);
-  }
-  return glm::ivec2{along(0), along(1)};
+  const auto size = whole_pair(text, ",xX", 2, simulate::kMaxGridSize);
+  if (!size) return expected_found(fmt::format("NXxNY, each 2 to {}", simulate::kMaxGridSize), text);
+  return *size;
 }
 
 Result<glm::dvec3> parse_sides(std::string_view text) {
-  glm::dvec3 sides;
-  const std::vector<std::string_view> parts = split(text, "xX");
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto side = parts.size() == 3 || parts.size() == 1 ? parse_positive(parts[axis % parts.size()])
-                                                             : Result<double>(expected_found("", text));
-    if (!side) return expected_found("three lengths above 0, such as 60x40x60, or one for all", text);
-    sides[static_cast<int>(axis)] = *side;
-  }
-  return sides;
+  const auto sides = three_above_0(text, "xX");
+  if (!sides) return expected_found("three lengths above 0, such as 60x40x60, or one for all", text);
+  return *sides;
 }
 
 Result<simulate::Tap> parse_tap(std::string_view text) {
@@ -228,20 +244,13 @@ Result<glm::dvec3> parse_vector(std::string_view text) {
 }
 
 Result<render::PictureSize> parse_picture_size(std::string_view text) {
-  const std::vector<std::string_view> parts = split(text, "xX");
-  const auto refused = [&] {
+  const auto size = whole_pair(text, "xX", 1, render::PictureSize::kMaxSide);
+  if (!size) {
     return expected_found(
         fmt::format("a width and a height of at most {} pixels, such as 1920x1080", render::PictureSize::kMaxSide),
         text);
-  };
-  if (parts.size() != 2) return refused();
-  render::PictureSize size;
-  for (auto [side, part] : {std::pair(&size.width, parts[0]), std::pair(&size.height, parts[1])}) {
-    const auto number = whole_text_as<int>(part);
-    if (!number || *number < 1 || *number > render::PictureSize::kMaxSide) return refused();
-    *side = *number;
   }
-  return size;
+  return render::PictureSize{size->x, size->y};
 }
 
 Result<std::array<std::string, 3>> parse_columns(std::string_view text) {
@@ -264,13 +273,9 @@ Result<std::array<std::string, 3>> parse_columns(std::string_view text) {
 }
 
 Result<glm::dvec3> parse_spacing(std::string_view text) {
-  auto numbers = numbers_in(text, 3);
-  if (!numbers) numbers = numbers_in(text, 1);
-  if (!numbers || std::any_of(numbers->begin(), numbers->end(), [](double s) { return s <= 0; })) {
-    return expected_found("one or three numbers above 0, such as 0.5,0.5,2", text);
-  }
-  if (numbers->size() == 1) return glm::dvec3(numbers->front());
-  return glm::dvec3((*numbers)[0], (*numbers)[1], (*numbers)[2]);
+  const auto spacing = three_above_0(text, ",");
+  if (!spacing) return expected_found("one or three numbers above 0, such as 0.5,0.5,2", text);
+  return *spacing;
 }
 
 Result<glm::ivec3> parse_dims(std::string_view text) {

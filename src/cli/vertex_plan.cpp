@@ -1,7 +1,6 @@
 #include "cli/vertex_plan.hpp"
 
 #include <algorithm>
-#include <filesystem>
 #include <set>
 #include <utility>
 
@@ -9,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "batch/frame_pattern.hpp"
+#include "cli/output_folders.hpp"
 #include "cli/plan_parts.hpp"
 #include "convert/attribute_source.hpp"
 #include "field/demo_field.hpp"
@@ -67,11 +67,6 @@ Result<void> check_formats(const ConvertFlags& flags, const meshes::MeshFormatIn
         "glb and gltf have them");
   }
   return {};
-}
-
-bool is_there_already(const std::string& path) {
-  std::error_code none;
-  return std::filesystem::exists(path, none);
 }
 
 }  // namespace
@@ -161,7 +156,7 @@ Result<void> plan_vertices(const ConvertFlags& flags, std::size_t isos, convert:
 Result<void> number_attributes(std::vector<convert::AttributeChoice>& attributes, std::int64_t frame) {
   for (convert::AttributeChoice& choice : attributes) {
     const convert::AttributePlace place = convert::attribute_place(choice);
-    if (place.file.empty() || place.file.starts_with(field::kDemoPrefix) || is_there_already(place.file)) continue;
+    if (place.file.empty() || place.file.starts_with(field::kDemoPrefix) || is_there(place.file)) continue;
     const auto pattern = batch::FramePattern::parse(place.file);
     if (!pattern) return tl::unexpected(pattern.error());
     if (!*pattern) continue;

@@ -19,9 +19,27 @@ render::Surface surface_of(const mesh::Mesh& mesh) {
     surface.opacity = mesh.material->opacity;
   }
   surface.shading = mesh.normals.empty() ? render::Shading::flat : render::Shading::smooth;
-  surface.vertex_colours = std::ranges::any_of(
-      mesh.attributes, [](const mesh::Attribute& a) { return a.role == mesh::AttributeRole::colour; });
+  surface.vertex_colours = std::ranges::any_of(mesh.attributes, [](const mesh::Attribute& attribute) {
+    return attribute.role == mesh::AttributeRole::colour && attribute.components >= 3;
+  });
   return surface;
+}
+
+render::UpAxis shown_up(UpAxis up) { return up == UpAxis::y ? render::UpAxis::y : render::UpAxis::z; }
+
+images::LightImage light_of(const render::Picture& picture) {
+  return {picture.width, picture.height, picture.colour.span(), picture.depth.span(), picture.normals.span()};
+}
+
+Result<std::uint64_t> write_png(const std::string& path, const render::Picture& picture, const Context& context) {
+  auto file = files::OutputFile::create(path);
+  if (!file) return tl::unexpected(std::move(file.error()));
+  if (auto written = images::write_png(*file, light_of(picture), context); !written) {
+    return tl::unexpected(std::move(written.error()));
+  }
+  const std::uint64_t bytes = file->bytes_written();
+  if (auto committed = file->commit(); !committed) return tl::unexpected(std::move(committed.error()));
+  return bytes;
 }
 
 Result<meshes::MeshWriteResult> write_picture(std::span<const mesh::Mesh> meshes, const ConversionJob& job,
@@ -35,20 +53,13 @@ Result<meshes::MeshWriteResult> write_picture(std::span<const mesh::Mesh> meshes
   options.size = {side(job.picture_file->width), side(job.picture_file->height)};
   options.angles = job.picture_file->angles;
   if (!job.source.placement.unit.empty()) options.unit = "m";
-  options.up = job.source.placement.up == UpAxis::y ? render::UpAxis::y : render::UpAxis::z;
+  options.up = shown_up(job.source.placement.up);
   const auto renderer = render::make_cpu_renderer();
   auto drawn = render::draw_preview(surfaces, options, *renderer, context);
   if (!drawn) return tl::unexpected(std::move(drawn.error()));
-  auto file = files::OutputFile::create(output.path);
-  if (!file) return tl::unexpected(std::move(file.error()));
-  const render::Picture& picture = drawn->picture;
-  if (auto written = images::write_png(*file, {picture.width, picture.height, picture.colour.span(), {}, {}}, context);
-      !written) {
-    return tl::unexpected(std::move(written.error()));
-  }
-  const std::uint64_t bytes = file->bytes_written();
-  if (auto committed = file->commit(); !committed) return tl::unexpected(std::move(committed.error()));
-  return meshes::MeshWriteResult{{{output.path, bytes}}, {}};
+  const auto bytes = write_png(output.path, drawn->picture, context);
+  if (!bytes) return tl::unexpected(bytes.error());
+  return meshes::MeshWriteResult{{{output.path, *bytes}}, {}};
 }
 
 }  // namespace isoextract::convert

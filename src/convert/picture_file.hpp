@@ -1,13 +1,17 @@
 // The stage that draws the surfaces, in place of writing them as meshes.
 #pragma once
 
+#include <cstdint>
 #include <span>
+#include <string>
 
 #include "base/context.hpp"
 #include "base/error.hpp"
 #include "convert/conversion_job.hpp"
+#include "images/light_image.hpp"
 #include "mesh/mesh.hpp"
 #include "meshes/mesh_writer.hpp"
+#include "render/picture.hpp"
 #include "render/scene.hpp"
 
 namespace isoextract::convert {
@@ -15,6 +19,15 @@ namespace isoextract::convert {
 // How a picture shows a mesh: by its material, its vertices' colours, and its normals where it has some. The mesh is
 // lent.
 [[nodiscard]] render::Surface surface_of(const mesh::Mesh& mesh);
+
+[[nodiscard]] render::UpAxis shown_up(UpAxis up);
+
+// The picture is lent.
+[[nodiscard]] images::LightImage light_of(const render::Picture& picture);
+
+// Whole or not at all; gives the bytes of the file. Fails as images::write_png() does, and with ErrorKind::output.
+[[nodiscard]] Result<std::uint64_t> write_png(const std::string& path, const render::Picture& picture,
+                                              const Context& context);
 
 // Draws `meshes` on the processor, the same picture for any number of threads, and writes it to `output`, whole or not
 // at all. Fails as render::draw_preview() does, and with ErrorKind::output.

@@ -45,23 +45,7 @@ std::vector<Camera> cameras(const Scene& scene, const PictureSize& size, unsigne
 }
 
 TEST(GpuPicture, SixCasesAreWhatTheClosedFormSays) {
-  std::map<Case, int> met;
-  for (const double plane : {-2.9, 3.37, 10.6}) {
-    for (const double opacity : {1.0, 0.4}) {
-      const PlaneInFog setup(plane, opacity);
-      RenderOptions options{PlaneInFog::size()};
-      options.early_termination = false;
-      const double exact = difference(setup, test::draw_on_gpu(setup.scene(), setup.camera(), options).picture, met);
-      EXPECT_LT(exact, 1e-4) << plane << " " << opacity;
-      options.early_termination = true;
-      const double ended = difference(setup, test::draw_on_gpu(setup.scene(), setup.camera(), options).picture, met);
-      EXPECT_LE(ended, kAllowed) << plane << " " << opacity;
-    }
-  }
-  for (const Case one : {Case::neither, Case::surface_only, Case::volume_only, Case::surface_in_front,
-                         Case::volume_in_front, Case::inside}) {
-    EXPECT_GT(met[one], 100) << static_cast<int>(one);
-  }
+  expect_six_cases([](const auto&... parts) { return test::draw_on_gpu(parts...); }, 1e-4);
 }
 
 template <class T>

@@ -111,4 +111,27 @@ inline double difference(const PlaneInFog& setup, const Picture& picture, std::m
   return largest;
 }
 
+// That `draw` gives pictures as the closed form says: within `allowed` without early termination, and within kAllowed
+// with it; and that all six cases were met.
+template <class Draw>
+void expect_six_cases(const Draw& draw, double allowed) {
+  std::map<Case, int> met;
+  for (const double plane : {-2.9, 3.37, 10.6}) {
+    for (const double opacity : {1.0, 0.4}) {
+      const PlaneInFog setup(plane, opacity);
+      RenderOptions options{PlaneInFog::size()};
+      options.early_termination = false;
+      const double exact = difference(setup, draw(setup.scene(), setup.camera(), options).picture, met);
+      EXPECT_LT(exact, allowed) << plane << " " << opacity;
+      options.early_termination = true;
+      const double ended = difference(setup, draw(setup.scene(), setup.camera(), options).picture, met);
+      EXPECT_LE(ended, kAllowed) << plane << " " << opacity;
+    }
+  }
+  for (const Case one : {Case::neither, Case::surface_only, Case::volume_only, Case::surface_in_front,
+                         Case::volume_in_front, Case::inside}) {
+    EXPECT_GT(met[one], 100) << static_cast<int>(one);
+  }
+}
+
 }  // namespace isoextract::render
