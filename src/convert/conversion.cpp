@@ -18,6 +18,7 @@
 #include "convert/detail/recorder.hpp"
 #include "convert/field_file.hpp"
 #include "convert/mesh_packing.hpp"
+#include "convert/mesh_pieces.hpp"
 #include "convert/output_checks.hpp"
 #include "convert/picture_file.hpp"
 #include "convert/source.hpp"
@@ -120,7 +121,8 @@ class Conversion {
 
   // One surface is made, written and let go after the other, where the format allows.
   Result<void> write(const OutputFileJob& output, std::span<const ResolvedIso> asked) {
-    OutputFile file{{output, {}, 0, 0, {}, {}}, meshes::MeshWriter(output.path, write_options(), context_), {}, {}, {}};
+    OutputFile file = open(output);
+    bool in_pieces = false;
     const std::vector<ResolvedIso> isos = labels_ ? each_label(asked, labels_->labels()) : each_once(asked);
     if (isos.size() < asked.size()) tell_repeated(output, asked);
     for (const ResolvedIso& iso : isos) {
@@ -131,9 +133,41 @@ class Conversion {
       if (output.isos.size() > 1 || labels_) {
         (*surface)->mesh.name = fmt::format("{} {}", (*surface)->mesh.name, surface_text(iso.asked));
       }
-      if (auto added = add(std::move(**surface), file); !added) return added;
+      if (job_.pieces.split) {
+        in_pieces = true;
+        if (auto added = add_pieces(std::move(**surface), iso, file); !added) return added;
+      } else if (auto added = add(std::move(**surface), file); !added) {
+        return added;
+      }
     }
+    // Then each of the pieces has a file, and this one is not there.
+    if (in_pieces && file.written.isos.empty()) return {};
     return file.written.isos.empty() ? leave_out(output, isos) : finish(file, isos);
+  }
+
+  [[nodiscard]] OutputFile open(const OutputFileJob& output) const {
+    return {{output, {}, 0, 0, {}, {}}, meshes::MeshWriter(output.path, write_options(), context_), {}, {}, {}};
+  }
+
+  // As meshes of one file, or each as a file.
+  Result<void> add_pieces(Surface surface, const ResolvedIso& iso, OutputFile& file) {
+    const std::string& pattern = file.written.job.path;
+    const bool into_files = pattern.find(kPieceWord) != std::string::npos;
+    auto pieces = split_mesh(std::move(surface.mesh), into_files, context_);
+    if (!pieces) return tl::unexpected(std::move(pieces.error()));
+    for (std::size_t i = 0; i < pieces->size(); ++i) {
+      Surface piece{surface.iso, std::move((*pieces)[i]), {}};
+      if (!into_files) {
+        if (auto added = add(std::move(piece), file); !added) return added;
+        continue;
+      }
+      const OutputFileJob own_job{piece_path(pattern, i + 1), {iso.asked}};
+      if (auto checked = check_output_file(own_job.path, job_.source.input); !checked) return checked;
+      OutputFile own = open(own_job);
+      if (auto added = add(std::move(piece), own); !added) return added;
+      if (auto written = finish(own, std::span(&iso, 1)); !written) return written;
+    }
+    return {};
   }
 
   [[nodiscard]] meshes::MeshWriteOptions write_options() const {
@@ -179,6 +213,7 @@ class Conversion {
       isos.push_back(iso.value);
     if (auto made = finish_surface(job_, source_, isos, context_, events_, surface); !made)
       return tl::unexpected(std::move(made.error()));
+    if (surface.mesh.triangles.empty() && job_.empty != EmptyPolicy::write) return std::optional<Surface>();
     return surface;
   }
 

@@ -8,7 +8,9 @@
 #include "base/printable.hpp"
 #include "base/stopwatch.hpp"
 #include "convert/mesh_packing.hpp"
+#include "convert/mesh_pieces.hpp"
 #include "convert/mesh_simplify.hpp"
+#include "convert/mesh_smooth.hpp"
 #include "convert/vertex_colours.hpp"
 #include "volumes/volume_reader.hpp"
 
@@ -38,6 +40,32 @@ class SurfaceStages {
                       source_.label, surface.iso, records->front().out_of_reach, surface.mesh.positions.size()));
     }
     events_.carried({surface.iso, surface.mesh.positions.size(), std::move(*records), watch.elapsed()});
+    return {};
+  }
+
+  Result<void> drop_pieces(Surface& surface) {
+    if (!job_.pieces.drops()) return {};
+    const bool was_empty = surface.mesh.triangles.empty();
+    auto record = convert::drop_pieces(surface.mesh, surface.iso, job_.pieces, source_.output_from_index, context_);
+    if (!record) return tl::unexpected(std::move(record.error()));
+    events_.picked(*record);
+    if (record->facts.without_volume > 0) {
+      events_.note(fmt::format("{} iso {}: {} open components have no volume, and stay", source_.label, surface.iso,
+                               record->facts.without_volume));
+    }
+    if (was_empty || !surface.mesh.triangles.empty() || job_.empty != EmptyPolicy::error) return {};
+    return tl::unexpected(Error{ErrorKind::input,
+                                fmt::format("{}: none of the {} components at iso {} is as large as asked for",
+                                            source_.label, record->facts.before.components, surface.iso),
+                                Remedy::allow_empty, Reason::no_surface});
+  }
+
+  Result<void> smooth(Surface& surface) {
+    if (!job_.smooth || surface.mesh.triangles.empty()) return {};
+    auto record =
+        smooth_mesh(surface.mesh, surface.iso, *job_.smooth, source_.output_from_index, capped_box(), context_);
+    if (!record) return tl::unexpected(std::move(record.error()));
+    events_.smoothed(*record);
     return {};
   }
 
@@ -80,13 +108,21 @@ class SurfaceStages {
     const Stopwatch watch;
     const field::ScalarField& data = source_.data ? *source_.data : source_.field;
     surface.error = measure_mesh_error(surface.mesh, data, extract_options_of(job_, source_, surface.iso), *job_.error,
-                                       source_.data ? &source_.field : nullptr, context_);
+                                       source_.data ? &source_.field : nullptr, job_.smooth.has_value(), context_);
     if (auto whole = volumes::check_not_lost(data); !whole) return whole;
     events_.measured(*surface.error, watch.elapsed());
     return {};
   }
 
  private:
+  // The samples whose outermost the caps go through, where there are caps.
+  [[nodiscard]] std::optional<field::IndexBox> capped_box() const {
+    if (!job_.surface.cap) return std::nullopt;
+    if (source_.region) return source_.region;
+    if (std::holds_alternative<field::SparseSamples>(source_.field.samples)) return std::nullopt;
+    return source_.field.extents();
+  }
+
   const ConversionJob& job_;
   const Source& source_;
   const Context& context_;
@@ -107,6 +143,8 @@ Result<void> finish_surface(const ConversionJob& job, const Source& source, cons
                             const Context& context, Events& events, Surface& surface) {
   SurfaceStages stages(job, source, context, events);
   if (auto carried = stages.carry_attributes(surface); !carried) return carried;
+  if (auto dropped = stages.drop_pieces(surface); !dropped) return dropped;
+  if (auto smoothed = stages.smooth(surface); !smoothed) return smoothed;
   if (auto simplified = stages.simplify(surface); !simplified) return simplified;
   if (auto coloured = stages.colour(isos, surface); !coloured) return coloured;
   return stages.measure_error(surface);

@@ -217,17 +217,20 @@ Result<SmoothFacts> smooth_mesh(mesh::Mesh& mesh, const SmoothOptions& options, 
     auto moves = options.method == SmoothMethod::taubin ? taubin_moves(signal, vertices, options, context)
                                                         : sinc_moves(signal, vertices, options, context);
     if (!moves) return tl::unexpected(std::move(moves.error()));
-    facts.greatest_move = tbb::parallel_reduce(
-        tbb::blocked_range<std::size_t>(0, vertices, kVerticesAtATime), 0.0,
-        [&](const auto& range, double most) {
+    const glm::dvec2 most = tbb::parallel_reduce(
+        tbb::blocked_range<std::size_t>(0, vertices, kVerticesAtATime), glm::dvec2(0),
+        [&](const auto& range, glm::dvec2 so_far) {
           for (std::size_t v = range.begin(); v != range.end(); ++v) {
             const glm::vec3 place = glm::dvec3(mesh.positions[v]) + glm::dvec3((*moves)[v]);
-            most = std::max(most, glm::length(options.to_metric * glm::dvec3(place - mesh.positions[v])));
+            const glm::dvec3 move = glm::dvec3(place) - glm::dvec3(mesh.positions[v]);
+            so_far = glm::max(so_far, {glm::length(options.to_metric * move), glm::length(move)});
             mesh.positions[v] = place;
           }
-          return most;
+          return so_far;
         },
-        [](double a, double b) { return std::max(a, b); });
+        [](const glm::dvec2& x, const glm::dvec2& y) { return glm::max(x, y); });
+    facts.greatest_move = most.x;
+    facts.greatest_move_world = most.y;
     for (std::size_t v = 0; v < vertices; ++v) {
       facts.border_vertices += signal.bound(v) == kStays ? 1 : 0;
       facts.wall_vertices += signal.bound(v) != kStays && signal.bound(v) != 0 ? 1 : 0;

@@ -11,6 +11,7 @@
 //   is moved so far that the pass band is passed whole. It is that of VTK's vtkWindowedSincPolyDataFilter.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 
@@ -53,8 +54,9 @@ struct SmoothFacts {
   std::uint64_t vertices = 0;
   std::uint64_t border_vertices = 0;  // of open borders, which stay where they are
   std::uint64_t wall_vertices = 0;
-  double greatest_move = 0;  // of a vertex, in the space of to_metric
-  double volume_before = 0;  // of the mesh's coordinates; they mean something where it is closed
+  double greatest_move = 0;        // of a vertex, in the space of to_metric
+  double greatest_move_world = 0;  // and in the mesh's own
+  double volume_before = 0;        // of the mesh's coordinates; they mean something where it is closed
   double volume_after = 0;
   StageTime time;
 };

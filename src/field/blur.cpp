@@ -15,11 +15,8 @@
 #include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
-#include "base/reserved_buffer.hpp"
-#include "field/detail/blurred_blocks.hpp"
-#include "field/sparse_lookup.hpp"
+#include "field/detail/blurred_samples.hpp"
 
 namespace isoextract::field {
 namespace {
@@ -28,9 +25,6 @@ template <class T>
 using Blurred =
     std::conditional_t<std::is_same_v<T, double> || std::is_same_v<T, std::uint32_t> || std::is_same_v<T, std::int32_t>,
                        double, float>;
-
-constexpr int kBlurBlockSide = SparseBlock::kSize;
-constexpr std::size_t kBlurBlockSamples = std::size_t{kBlurBlockSide} * kBlurBlockSide * kBlurBlockSide;
 
 // Of a Gaussian: the weight at the middle, and those beside it.
 std::vector<double> gaussian_weights(double sigma) {
@@ -94,26 +88,6 @@ void weigh_rows(const std::vector<double>& weights, const Rows& rows, int first,
     }
   }
 }
-
-// All of a field but its samples.
-ScalarField without_samples(const ScalarField& field) {
-  ScalarField other;
-  other.name = field.name;
-  other.source = field.source;
-  other.format = field.format;
-  other.world_space = field.world_space;
-  other.grids = field.grids;
-  other.grid = field.grid;
-  other.kind = field.kind;
-  other.scale = field.scale;
-  other.index_to_world = field.index_to_world;
-  other.index_to_file = field.index_to_file;
-  return other;
-}
-
-std::string work_on(const ScalarField& field) { return field.source + ": its blurred samples"; }
-
-std::uint64_t threads_at_most() { return static_cast<std::uint64_t>(tbb::this_task_arena::max_concurrency()) + 1; }
 
 // A few lines of samples along an axis at a time, side by side.
 constexpr std::int64_t kLines = 32;
@@ -193,14 +167,6 @@ bool is_known_number(T value) {
   return true;
 }
 
-template <class F>
-void for_slices(const DenseSamples& samples, const Context& context, const F& f) {
-  const std::size_t slice = static_cast<std::size_t>(samples.dims.x) * static_cast<std::size_t>(samples.dims.y);
-  tbb::parallel_for(0, samples.dims.z, [&](int k) {
-    if (!context.cancelled()) f(k, static_cast<std::size_t>(k) * slice, static_cast<std::size_t>(k + 1) * slice);
-  });
-}
-
 template <class T>
 Result<Samples> blur_dense(const ScalarField& field, const DenseSamples& data, const glm::dvec3& sigma,
                            const Context& context) {
@@ -245,105 +211,6 @@ Result<Samples> blur_dense(const ScalarField& field, const DenseSamples& data, c
   blurred.type = sample_type_of<Out>();
   blurred.dims = data.dims;
   blurred.data = values;
-  blurred.owner = std::move(*made);
-  return blurred;
-}
-
-// A block of a sparse grid with what is around it, z fastest.
-template <class T>
-class Surroundings {
- public:
-  Surroundings(const SparseSamples& samples, const SparseLookup& lookup, const glm::ivec3& reach)
-      : samples_(samples), lookup_(lookup), reach_(reach), dims_(kBlurBlockSide + 2 * reach) {}
-
-  [[nodiscard]] std::size_t size() const {
-    return static_cast<std::size_t>(dims_.x) * static_cast<std::size_t>(dims_.y) * static_cast<std::size_t>(dims_.z);
-  }
-  [[nodiscard]] const glm::ivec3& dims() const { return dims_; }
-
-  // Of the block at `origin`.
-  void gather(const glm::ivec3& origin, double* values) const {
-    const glm::ivec3 low = origin - reach_;
-    const glm::ivec3 high = low + dims_;  // exclusive
-    for (int x = block_origin(low).x; x < high.x; x += kBlurBlockSide) {
-      for (int y = block_origin(low).y; y < high.y; y += kBlurBlockSide) {
-        for (int z = block_origin(low).z; z < high.z; z += kBlurBlockSide) {
-          const glm::ivec3 place(x, y, z);
-          take(place, glm::max(place, low), glm::min(place + kBlurBlockSide, high), low, values);
-        }
-      }
-    }
-  }
-
- private:
-  void take(const glm::ivec3& place, const glm::ivec3& from, const glm::ivec3& to, const glm::ivec3& low,
-            double* values) const {
-    const std::int32_t stored = lookup_.place(place);
-    const T* block =
-        stored >= 0 ? static_cast<const T*>(samples_.blocks[static_cast<std::size_t>(stored)].values) : nullptr;
-    const double constant = block != nullptr ? 0 : lookup_.constant_of(stored);
-    for (int x = from.x; x < to.x; ++x) {
-      for (int y = from.y; y < to.y; ++y) {
-        const glm::ivec3 at = glm::ivec3(x, y, from.z) - low;
-        double* row =
-            values +
-            (static_cast<std::size_t>(at.x) * static_cast<std::size_t>(dims_.y) + static_cast<std::size_t>(at.y)) *
-                static_cast<std::size_t>(dims_.z) +
-            at.z;
-        const std::size_t count = static_cast<std::size_t>(to.z - from.z);
-        if (block == nullptr) {
-          std::fill_n(row, count, constant);
-        } else {
-          const T* values_of = block + block_offset({x, y, from.z});
-          std::transform(values_of, values_of + count, row, [](T value) { return static_cast<double>(value); });
-        }
-      }
-    }
-  }
-
-  const SparseSamples& samples_;
-  const SparseLookup& lookup_;
-  glm::ivec3 reach_;
-  glm::ivec3 dims_;
-};
-
-// fill(origin, values, scratch) makes the values of a block, with `scratch_size` numbers for itself.
-template <class T, class Out, class Fill>
-Result<Samples> blur_sparse(const ScalarField& field, const SparseSamples& data, const glm::ivec3& reach,
-                            std::size_t scratch_per_sample, const Context& context, const Fill& fill) {
-  const std::string what = work_on(field);
-  const auto lookup_memory =
-      context.reserve(SparseLookup::node_origins(data).size() * sizeof(SparseLookup::Node), what);
-  if (!lookup_memory) return tl::unexpected(lookup_memory.error());
-  const SparseLookup lookup(data);
-  auto places = find_blurred_blocks(data, lookup, std::max({reach.x, reach.y, reach.z}), what, context);
-  if (!places) return tl::unexpected(std::move(places.error()));
-  const Surroundings<T> around(data, lookup, reach);
-  const std::size_t scratch_size = scratch_per_sample * around.size();
-  const auto scratch_memory = context.reserve(threads_at_most() * scratch_size * sizeof(double), what);
-  if (!scratch_memory) return tl::unexpected(scratch_memory.error());
-  const std::size_t count = places->origins.size();
-  auto made = make_reserved_buffer<Out>(count * kBlurBlockSamples, context, what);
-  if (!made) return tl::unexpected(made.error());
-  Out* const values = (*made)->values.data();
-  tbb::enumerable_thread_specific<std::vector<double>> scratch([&] { return std::vector<double>(scratch_size); });
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t b) {
-    if (context.cancelled()) return;
-    std::vector<double>& own = scratch.local();
-    around.gather(places->origins[b], own.data());
-    fill(around.dims(), own.data(), own.data() + around.size(), values + b * kBlurBlockSamples);
-    context.progress().advance(1);
-  });
-  if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
-  SparseSamples blurred;
-  blurred.type = sample_type_of<Out>();
-  blurred.background = data.background;
-  blurred.active_box = data.active_box;
-  blurred.active_voxels = data.active_voxels;
-  blurred.tiles = std::move(places->tiles);
-  blurred.blocks.reserve(count);
-  for (std::size_t b = 0; b < count; ++b)
-    blurred.blocks.push_back({places->origins[b], values + b * kBlurBlockSamples});
   blurred.owner = std::move(*made);
   return blurred;
 }
@@ -403,96 +270,6 @@ void blur_block(const std::array<std::vector<double>, 3>& weights, glm::ivec3 di
   }
 }
 
-// The lower median of what is no NaN; there is one.
-template <class T>
-T median_of(std::vector<T>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-template <class T>
-bool is_nan(T value) {
-  if constexpr (is_floating_sample<T>) return std::isnan(static_cast<double>(value));
-  return false;
-}
-
-template <class T>
-Result<Samples> median_dense(const ScalarField& field, const DenseSamples& data, int width, const Context& context) {
-  auto made = make_reserved_buffer<T>(data.count(), context, work_on(field));
-  if (!made) return tl::unexpected(made.error());
-  T* const values = (*made)->values.data();
-  const auto* from = static_cast<const T*>(data.data);
-  const glm::i64vec3 dims(data.dims);
-  tbb::enumerable_thread_specific<std::vector<T>> windows;
-  for_slices(data, context, [&](int k, std::size_t first, std::size_t) {
-    std::vector<T>& window = windows.local();
-    T* to = values + first;
-    for (int j = 0; j < data.dims.y; ++j) {
-      for (int i = 0; i < data.dims.x; ++i, ++to) {
-        const glm::ivec3 at(i, j, k);
-        const glm::ivec3 low = glm::max(at - width, glm::ivec3(0));
-        const glm::ivec3 high = glm::min(at + width, data.dims - 1);
-        *to = from[i + dims.x * (j + dims.y * k)];
-        if (is_nan(*to)) continue;
-        window.clear();
-        for (std::int64_t z = low.z; z <= high.z; ++z) {
-          for (std::int64_t y = low.y; y <= high.y; ++y) {
-            const T* row = from + dims.x * (y + dims.y * z);
-            std::copy_if(row + low.x, row + high.x + 1, std::back_inserter(window), [](T v) { return !is_nan(v); });
-          }
-        }
-        *to = median_of(window);
-      }
-    }
-    context.progress().advance(1);
-  });
-  if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
-  DenseSamples blurred;
-  blurred.type = data.type;
-  blurred.dims = data.dims;
-  blurred.data = values;
-  blurred.owner = std::move(*made);
-  return blurred;
-}
-
-// Of a number that was one.
-template <class T>
-T sample_of(double value) {
-  if constexpr (std::is_same_v<T, Half>)
-    return Half(static_cast<float>(value));
-  else
-    return static_cast<T>(value);
-}
-
-template <class T>
-void median_block(int width, const glm::ivec3& dims, const double* values, T* block) {
-  std::vector<double> window;
-  const auto value = [&](int x, int y, int z) {
-    return values +
-           (static_cast<std::size_t>(x) * static_cast<std::size_t>(dims.y) + static_cast<std::size_t>(y)) *
-               static_cast<std::size_t>(dims.z) +
-           z;
-  };
-  for (int x = 0; x < kBlurBlockSide; ++x) {
-    for (int y = 0; y < kBlurBlockSide; ++y) {
-      for (int z = 0; z < kBlurBlockSide; ++z, ++block) {
-        const double here = *value(x + width, y + width, z + width);
-        *block = sample_of<T>(here);
-        if (std::isnan(here)) continue;
-        window.clear();
-        for (int i = x; i <= x + 2 * width; ++i) {
-          for (int j = y; j <= y + 2 * width; ++j) {
-            std::copy_if(value(i, j, z), value(i, j, z + 2 * width + 1), std::back_inserter(window),
-                         [](double v) { return !std::isnan(v); });
-          }
-        }
-        *block = sample_of<T>(median_of(window));
-      }
-    }
-  }
-}
-
 }  // namespace
 
 Result<ScalarField> blur_gaussian(const ScalarField& field, const glm::dvec3& sigma, const Context& context) {
@@ -518,27 +295,6 @@ Result<ScalarField> blur_gaussian(const ScalarField& field, const glm::dvec3& si
                                       [&](const glm::ivec3& dims, double* values, double* scratch, auto* block) {
                                         blur_block(weights, dims, values, scratch, block);
                                       });
-  });
-  if (!samples) return tl::unexpected(samples.error());
-  ScalarField blurred = without_samples(field);
-  blurred.samples = std::move(*samples);
-  return blurred;
-}
-
-Result<ScalarField> blur_median(const ScalarField& field, int width, const Context& context) {
-  if (width < 1 || width > kMaxMedianWidth) {
-    return fail(ErrorKind::usage, fmt::format("{}: a median of {} voxels on either side, from 1 to {} are taken",
-                                              field.source, width, kMaxMedianWidth));
-  }
-  context.progress().begin("blurring", 0);
-  auto samples = visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) -> Result<Samples> {
-    if (const auto* dense = std::get_if<DenseSamples>(&field.samples)) {
-      return median_dense<T>(field, *dense, width, context);
-    }
-    return blur_sparse<T, T>(field, std::get<SparseSamples>(field.samples), glm::ivec3(width), 1, context,
-                             [&](const glm::ivec3& dims, const double* values, double*, T* block) {
-                               median_block(width, dims, values, block);
-                             });
   });
   if (!samples) return tl::unexpected(samples.error());
   ScalarField blurred = without_samples(field);

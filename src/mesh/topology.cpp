@@ -17,7 +17,7 @@
 namespace isoextract::mesh {
 namespace {
 
-constexpr std::size_t kGrain = 1 << 10;
+constexpr std::size_t kVerticesTogether = 1 << 10;
 
 // The vertices in up to eight ranges, and the corners at those of one of them: at all vertices at once they would take
 // more than the mesh. Triangles are passed over by blocks, most of which use the vertices of few ranges: vertices and
@@ -182,12 +182,13 @@ std::vector<Topology> look_at_vertices(std::span<const glm::uvec3> triangles, co
   for (std::size_t range = 0; range < ranges.count(); ++range) {
     const Buckets<Corner> corners = ranges.corners(range);
     const std::size_t first = ranges.first(range);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(first, ranges.end(range), kGrain), [&](const auto& vertices) {
-      Part& part = parts.local();
-      for (std::size_t v = vertices.begin(); v != vertices.end(); ++v) {
-        part.look_at(static_cast<std::uint32_t>(v), part_of(v), corners.at(v - first), triangles);
-      }
-    });
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(first, ranges.end(range), kVerticesTogether),
+                      [&](const auto& vertices) {
+                        Part& part = parts.local();
+                        for (std::size_t v = vertices.begin(); v != vertices.end(); ++v) {
+                          part.look_at(static_cast<std::uint32_t>(v), part_of(v), corners.at(v - first), triangles);
+                        }
+                      });
   }
   std::vector<Topology> results(count);
   for (const Part& part : parts) {
