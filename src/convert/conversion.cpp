@@ -155,6 +155,9 @@ class Conversion {
     const bool into_files = pattern.find(kPieceWord) != std::string::npos;
     auto pieces = split_mesh(std::move(surface.mesh), into_files, context_);
     if (!pieces) return tl::unexpected(std::move(pieces.error()));
+    for (std::size_t i = 0; into_files && i < pieces->size(); ++i) {
+      if (auto checked = check_output_file(piece_path(pattern, i + 1), job_.source.input); !checked) return checked;
+    }
     for (std::size_t i = 0; i < pieces->size(); ++i) {
       Surface piece{surface.iso, std::move((*pieces)[i]), {}};
       if (!into_files) {
@@ -162,7 +165,6 @@ class Conversion {
         continue;
       }
       const OutputFileJob own_job{piece_path(pattern, i + 1), {iso.asked}};
-      if (auto checked = check_output_file(own_job.path, job_.source.input); !checked) return checked;
       OutputFile own = open(own_job);
       if (auto added = add(std::move(piece), own); !added) return added;
       if (auto written = finish(own, std::span(&iso, 1)); !written) return written;
