@@ -111,6 +111,24 @@ FrameFigures figures_of(const Json& json) {
   return figures;
 }
 
+// What is known of the meshes that a surface was written as: several where its pieces are meshes of their own.
+void add_meshes(const convert::Outcome& outcome, SurfaceFigures& surface) {
+  const auto first = std::ranges::find(outcome.meshes, surface.iso, &convert::MeshRecord::iso);
+  if (first == outcome.meshes.end()) return;
+  surface.triangles = 0;  // of what was extracted, before it was changed
+  double volume = 0;
+  for (const convert::MeshRecord& mesh : outcome.meshes) {
+    if (mesh.iso != surface.iso || mesh.file != first->file) continue;
+    surface.triangles += mesh.triangles;
+    surface.vertices = surface.vertices.value_or(0) + mesh.vertices;
+    surface.components = surface.components.value_or(0) + mesh.topology.components;
+    surface.closed = surface.closed.value_or(true) && mesh.topology.is_closed_oriented_manifold();
+    surface.area = surface.area.value_or(0) + mesh.size.area;
+    volume += mesh.size.volume;
+  }
+  if (surface.closed.value_or(false)) surface.volume = volume;
+}
+
 }  // namespace
 
 FrameFigures figures_of(const convert::Outcome& outcome) {
@@ -118,15 +136,7 @@ FrameFigures figures_of(const convert::Outcome& outcome) {
   for (const convert::ExtractionRecord& extraction : outcome.extractions) {
     SurfaceFigures surface{extraction.iso, {}, extraction.triangles, {}, {}, {}, {}, {}};
     if (!extraction.asked.is_number()) surface.asked = text_of(extraction.asked);
-    const auto mesh = std::ranges::find(outcome.meshes, extraction.iso, &convert::MeshRecord::iso);
-    if (mesh != outcome.meshes.end()) {
-      surface.triangles = mesh->triangles;  // of the simplified mesh, where it was
-      surface.vertices = mesh->vertices;
-      surface.components = mesh->topology.components;
-      surface.closed = mesh->topology.is_closed_oriented_manifold();
-      surface.area = mesh->size.area;
-      if (*surface.closed) surface.volume = mesh->size.volume;
-    }
+    add_meshes(outcome, surface);
     figures.surfaces.push_back(surface);
   }
   for (const meshes::WrittenFile& file : outcome.files) figures.bytes += file.bytes;

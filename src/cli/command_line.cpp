@@ -63,13 +63,17 @@ Result<void> check_equals_signs(const CLI::App& command, const std::vector<std::
   return {};
 }
 
-// An option whose value may be left out takes the next word only if that is one of its values: an INPUT may follow it.
+// An option whose value may be left out takes the next word only if that is one of its values, or a
+// number where it has no list of them: an INPUT may follow it.
 void fill_in_optional_values(const CLI::App& command, std::vector<std::string>& arguments) {
   for (std::size_t a = 0; a < arguments.size() && arguments[a] != "--"; ++a) {
     const CLI::Option* option = arguments[a].starts_with("--") ? command.get_option_no_throw(arguments[a]) : nullptr;
     if (option == nullptr || !value_is_optional(*option)) continue;
     const std::vector<std::string> values = choices(*option);
-    if (a + 1 == arguments.size() || !contains(values, arguments[a + 1])) arguments[a] += "=" + values.front();
+    const std::string next = a + 1 == arguments.size() ? "" : arguments[a + 1];
+    const bool is_number = !next.empty() && next.find_first_not_of("0123456789") == std::string::npos;
+    const bool is_value = values.empty() ? is_number : contains(values, next);
+    if (!is_value) arguments[a] += "=" + (values.empty() ? option->get_default_str() : values.front());
   }
 }
 

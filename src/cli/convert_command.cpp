@@ -13,6 +13,7 @@
 #include "base/machine.hpp"
 #include "base/printable.hpp"
 #include "base/stopwatch.hpp"
+#include "cli/edit_text.hpp"
 #include "cli/field_plan.hpp"
 #include "cli/mesh_error_text.hpp"
 #include "cli/messages.hpp"
@@ -169,10 +170,20 @@ class Narrator final : public convert::Events {
                                    record.own_range ? ", the range of its vertices" : ""));
   }
 
+  void picked(const convert::PieceRecord& record) override {
+    tell_stage(fmt::format("{} {} {}: pieces found in {}", label_, word_, record.iso, times_text(record.facts.time)));
+    edited_.push_back(pieces_summary(record));
+  }
+
+  void smoothed(const convert::SmoothRecord& record) override {
+    tell_stage(fmt::format("{} {} {}: smoothed in {}", label_, word_, record.iso, times_text(record.facts.time)));
+    edited_.push_back(smoothing_summary(record));
+  }
+
   void simplified(const convert::MeshSimplification& simplification) override {
     tell_stage(fmt::format("{} {} {}: simplified in {}: {}", label_, word_, simplification.iso,
                            times_text(simplification.facts.time), simplification_details(simplification)));
-    simplified_.push_back(simplification_summary(simplification));
+    edited_.push_back(simplification_summary(simplification));
   }
 
   void measured(const convert::MeshError& error, const StageTime& time) override {
@@ -193,14 +204,16 @@ class Narrator final : public convert::Events {
     }
     const std::string path = files::shown_output_name(output.job.path);
     tell_stage(fmt::format("{}: written in {}", path, times_text(output.time)));
+    std::vector<double> isos = output.isos;  // of pieces several times the same
+    isos.erase(std::unique(isos.begin(), isos.end()), isos.end());
     std::uint64_t bytes = 0;
     for (const meshes::WrittenFile& file : output.files) bytes += file.bytes;
     bar_.above([&] {
       messages_.summary(fmt::format("{} {} {} -> {}: {} triangles, {} vertices, {}; {}; {}; {:.2f} s", label_, word_,
-                                    fmt::join(output.isos, ", "), path, output.triangles, output.vertices,
+                                    fmt::join(isos, ", "), path, output.triangles, output.vertices,
                                     format_byte_size(bytes), ends_text(ends_, plan_),
                                     describe(plan_.job.source.placement), watch_.elapsed().wall_seconds));
-      for (const std::string& line : simplified_) messages_.summary("  " + line);
+      for (const std::string& line : edited_) messages_.summary("  " + line);
       for (const std::string& line : colours_) messages_.summary("  " + line);
       for (const std::string& line : packed_) messages_.summary("  " + line);
       for (const convert::MeshError& error : errors_) tell_error(error);
@@ -241,7 +254,7 @@ class Narrator final : public convert::Events {
   void forget() {
     ends_.clear();
     verified_.clear();
-    simplified_.clear();
+    edited_.clear();
     colours_.clear();
     packed_.clear();
     errors_.clear();
@@ -256,7 +269,7 @@ class Narrator final : public convert::Events {
   std::string label_;
   std::vector<SurfaceEnd> ends_;
   std::vector<std::string> verified_;
-  std::vector<std::string> simplified_;
+  std::vector<std::string> edited_;
   std::vector<std::string> colours_;
   std::vector<std::string> packed_;
   std::vector<convert::MeshError> errors_;

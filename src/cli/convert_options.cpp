@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "cli/edit_options.hpp"
 #include "cli/field_plan.hpp"
 #include "cli/picture_plan.hpp"
 #include "cli/shared_options.hpp"
@@ -138,7 +139,8 @@ void declare_output(CLI::App& app, ConvertFlags& flags) {
       "surfaces. (default: the input's name with .glb, in "
       "the current folder; an input from stdin has none). '-' is stdout and needs --format. "
       "'{iso}' stands for the iso value as it was given, be it a number or a word such as p99, and gives each "
-      "its own file. A file gets its name when it is whole. What a killed run leaves, on some file systems, is called "
+      "its own file; '{piece}' is the number of a piece, with --split-components. A file gets its name when it is "
+      "whole. What a killed run leaves, on some file systems, is called "
       ".isoextract-HOST-PID-N and stays until the next run writes into that folder.");
   std::vector<Choice<OutputFormat>> formats;
   for (const meshes::MeshFormatInfo& info : meshes::mesh_formats()) {
@@ -174,6 +176,7 @@ void declare_convert(CLI::App& app, ConvertFlags& flags) {
   declare_input(app, flags.input, "INPUT", "The volume or particles to convert");
   declare_particles(app, flags.particles);
   declare_convert_surface(app, flags);
+  declare_edits(app, flags.edits);
   declare_vertices(app, flags);
   declare_frames(app, flags.batch);
   declare_placement(app, flags.placement);

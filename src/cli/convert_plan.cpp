@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include "batch/output_names.hpp"
+#include "cli/edit_plan.hpp"
 #include "cli/field_plan.hpp"
 #include "cli/packing_plan.hpp"
 #include "cli/pages_plan.hpp"
@@ -81,6 +82,7 @@ Result<std::vector<convert::OutputFileJob>> plan_outputs(const ConvertFlags& fla
         fmt::format("{} cannot be written to stdout", format.name),
         format.format == meshes::MeshFormat::gltf ? "it is two files; use --format glb" : "give a file with -o");
   }
+  if (auto fits = check_piece_outputs(flags, path, format); !fits) return tl::unexpected(fits.error());
   if (path.find(kIsoPattern) != std::string::npos) {
     std::vector<convert::OutputFileJob> jobs;
     for (const convert::IsoChoice& iso : flags.isos) jobs.push_back({with_iso(path, iso), {iso}});
@@ -171,6 +173,7 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string
   job.source.resolution = flags.surface.resolution;
   job.source.filters = flags.surface.filters;
   job.simplify = flags.simplify;
+  if (auto planned = plan_edits(flags, job); !planned) return tl::unexpected(planned.error());
   job.empty = flags.empty.value_or(job.empty);
   job.error = flags.error;
   plan.explain = flags.explain;

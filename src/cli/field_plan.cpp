@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "batch/output_names.hpp"
+#include "cli/edit_plan.hpp"
 #include "cli/plan_parts.hpp"
 #include "files/file_bytes.hpp"
 
@@ -44,7 +45,7 @@ std::string_view surface_option(const ConvertFlags& flags) {
                                                                    {flags.verify, "--verify"},
                                                                    {flags.backend.has_value(), "--backend"}}};
   const auto given = std::ranges::find(options, true, &std::pair<bool, std::string_view>::first);
-  return given == options.end() ? "" : given->second;
+  return given == options.end() ? edit_option(flags.edits) : given->second;
 }
 
 }  // namespace

@@ -85,8 +85,18 @@ struct SurfaceFlags {
   std::optional<field::Box> roi;
   std::optional<glm::ivec3> resolution;
   std::vector<convert::FilterStep> filters;
+  std::vector<convert::BlurStep> blurs;
   bool cap = false;
   std::optional<extract::NanPolicy> nan;
+};
+
+// What changes a surface after it is extracted.
+struct EditFlags {
+  std::optional<convert::LeastPiece> least;
+  bool fill_cavities = false;
+  std::optional<std::uint64_t> largest;
+  bool split = false;
+  std::optional<convert::SmoothChoice> smooth;
 };
 
 struct PlacementFlags {
@@ -151,6 +161,7 @@ struct ConvertFlags {
   std::vector<convert::AttributeChoice> attributes;
   std::optional<ColourFlag> colour;
   std::optional<std::vector<double>> opacity;
+  EditFlags edits;
   std::optional<convert::SimplifyBound> simplify;
   std::optional<convert::EmptyPolicy> empty;
   PlacementFlags placement;

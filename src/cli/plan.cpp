@@ -193,6 +193,7 @@ Result<VerifyPlan> plan_verify(const VerifyFlags& flags) {
   plan.source.roi = flags.surface.roi;
   plan.source.resolution = flags.surface.resolution;
   plan.source.filters = flags.surface.filters;
+  plan.source.blurs = flags.surface.blurs;
   plan.surface = plan_surface(flags.surface);
   plan.gpu = plan_gpu(flags.device);
   plan.json = flags.json;

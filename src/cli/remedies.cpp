@@ -71,7 +71,8 @@ std::string words_of(const Hint& hint) {
     case Remedy::fewer_attributes: return "leave --attribute out for it";
     case Remedy::smaller_cells: return "give a smaller --cell-size or, if it is not theirs, a larger --radius";
     case Remedy::leave_out_filters:
-      return "leave --filter out: it is for level sets of VDB files, and of --particles spheres and smooth";
+      return "leave --filter out: it is for level sets of VDB files, and of --particles spheres and smooth; --blur is "
+             "for all";
     case Remedy::store_floats: return "leave --half out";
   }
   return text;

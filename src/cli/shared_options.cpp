@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "cli/edit_options.hpp"
 #include "volumes/particle_format.hpp"
 
 namespace isoextract::cli {
@@ -165,6 +166,7 @@ void declare_surface(const Group& group, SurfaceFlags& flags) {
                "with it: each value is taken from those up to 1 voxel away or, as in gaussian:3, up to 3. Several "
                "times for several "
                "filters, one after the other. Needs the plug-in around OpenVDB.");
+  declare_blur(group, flags);
   group.flag("--cap", flags.cap, "Close the surface where it leaves the data or the --roi.");
   declare_nan(group, flags.nan);
 }

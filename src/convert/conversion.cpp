@@ -14,14 +14,15 @@
 #include <tbb/task_arena.h>
 
 #include "base/machine.hpp"
-#include "base/printable.hpp"
 #include "base/stopwatch.hpp"
 #include "convert/detail/recorder.hpp"
 #include "convert/field_file.hpp"
 #include "convert/mesh_packing.hpp"
+#include "convert/mesh_pieces.hpp"
 #include "convert/output_checks.hpp"
 #include "convert/picture_file.hpp"
 #include "convert/source.hpp"
+#include "convert/surface_stages.hpp"
 #include "extract/voxels.hpp"
 #include "field/statistics.hpp"
 #include "files/file_bytes.hpp"
@@ -65,12 +66,6 @@ class Conversion {
   }
 
  private:
-  struct Surface {
-    double iso = 0;
-    mesh::Mesh mesh;
-    std::optional<MeshError> error;
-  };
-
   // A file while its surfaces are made.
   struct OutputFile {
     WrittenOutput written;
@@ -126,7 +121,8 @@ class Conversion {
 
   // One surface is made, written and let go after the other, where the format allows.
   Result<void> write(const OutputFileJob& output, std::span<const ResolvedIso> asked) {
-    OutputFile file{{output, {}, 0, 0, {}, {}}, meshes::MeshWriter(output.path, write_options(), context_), {}, {}, {}};
+    OutputFile file = open(output);
+    bool in_pieces = false;
     const std::vector<ResolvedIso> isos = labels_ ? each_label(asked, labels_->labels()) : each_once(asked);
     if (isos.size() < asked.size()) tell_repeated(output, asked);
     for (const ResolvedIso& iso : isos) {
@@ -137,9 +133,43 @@ class Conversion {
       if (output.isos.size() > 1 || labels_) {
         (*surface)->mesh.name = fmt::format("{} {}", (*surface)->mesh.name, surface_text(iso.asked));
       }
-      if (auto added = add(std::move(**surface), file); !added) return added;
+      if (job_.pieces.split) {
+        in_pieces = true;
+        if (auto added = add_pieces(std::move(**surface), iso, file); !added) return added;
+      } else if (auto added = add(std::move(**surface), file); !added) {
+        return added;
+      }
     }
+    // Then each of the pieces has a file, and this one is not there.
+    if (in_pieces && file.written.isos.empty()) return {};
     return file.written.isos.empty() ? leave_out(output, isos) : finish(file, isos);
+  }
+
+  [[nodiscard]] OutputFile open(const OutputFileJob& output) const {
+    return {{output, {}, 0, 0, {}, {}}, meshes::MeshWriter(output.path, write_options(), context_), {}, {}, {}};
+  }
+
+  // As meshes of one file, or each as a file.
+  Result<void> add_pieces(Surface surface, const ResolvedIso& iso, OutputFile& file) {
+    const std::string& pattern = file.written.job.path;
+    const bool into_files = pattern.find(kPieceWord) != std::string::npos;
+    auto pieces = split_mesh(std::move(surface.mesh), into_files, context_);
+    if (!pieces) return tl::unexpected(std::move(pieces.error()));
+    for (std::size_t i = 0; into_files && i < pieces->size(); ++i) {
+      if (auto checked = check_output_file(piece_path(pattern, i + 1), job_.source.input); !checked) return checked;
+    }
+    for (std::size_t i = 0; i < pieces->size(); ++i) {
+      Surface piece{surface.iso, std::move((*pieces)[i]), {}};
+      if (!into_files) {
+        if (auto added = add(std::move(piece), file); !added) return added;
+        continue;
+      }
+      const OutputFileJob own_job{piece_path(pattern, i + 1), {iso.asked}};
+      OutputFile own = open(own_job);
+      if (auto added = add(std::move(piece), own); !added) return added;
+      if (auto written = finish(own, std::span(&iso, 1)); !written) return written;
+    }
+    return {};
   }
 
   [[nodiscard]] meshes::MeshWriteOptions write_options() const {
@@ -161,7 +191,7 @@ class Conversion {
                         Remedy::use_cpu};
       if (!gave_way(error)) return tl::unexpected(error);
     }
-    auto found = extract::LabelVoxels::find(source_.field, extract_options(0), choice, context_);
+    auto found = extract::LabelVoxels::find(source_.field, extract_options_of(job_, source_, 0), choice, context_);
     if (!found) return tl::unexpected(std::move(found.error()));
     if (auto whole = volumes::check_not_lost(source_.field); !whole) return whole;
     labels_ = std::move(*found);
@@ -173,94 +203,28 @@ class Conversion {
 
   // Nothing where it is empty and empty surfaces are skipped.
   Result<std::optional<Surface>> make_surface(const ResolvedIso& asked) {
-    const double iso = asked.value;
     auto mesh = extract(asked);
     if (!mesh) return tl::unexpected(std::move(mesh.error()));
     if (mesh->triangles.empty() && job_.empty != EmptyPolicy::write) {
       if (job_.empty == EmptyPolicy::error) return tl::unexpected(no_surface(asked));
       return std::optional<Surface>();
     }
-    Surface surface{iso, std::move(*mesh), {}};
-    if (auto carried = carry_attributes(surface); !carried) return tl::unexpected(std::move(carried.error()));
-    if (job_.simplify) {
-      auto simplified = simplify_mesh(surface.mesh, iso, *job_.simplify, source_.output_from_index, context_);
-      if (!simplified) return tl::unexpected(std::move(simplified.error()));
-      events_.simplified(*simplified);
-    }
-    if (auto coloured = colour(surface); !coloured) return tl::unexpected(std::move(coloured.error()));
-    if (const std::string reason = extract::why_no_error(method()); job_.error && !reason.empty()) {
-      events_.note("the error of the mesh is not measured: " + reason);
-    } else if (job_.error) {
-      const Stopwatch watch;
-      const field::ScalarField& data = source_.data ? *source_.data : source_.field;
-      surface.error = measure_mesh_error(surface.mesh, data, extract_options(iso), *job_.error,
-                                         source_.data ? &source_.field : nullptr, context_);
-      if (auto whole = volumes::check_not_lost(data); !whole) return tl::unexpected(std::move(whole.error()));
-      events_.measured(*surface.error, watch.elapsed());
-    }
-    return surface;
-  }
-
-  // While every vertex is where the field puts it.
-  Result<void> carry_attributes(Surface& surface) {
-    if (!source_.attributes) return {};
-    const Stopwatch watch;
-    auto records = add_attributes(*source_.attributes, surface.mesh, context_);
-    if (!records) return tl::unexpected(std::move(records.error()));
-    for (AttributeRecord& record : *records) {
-      record.iso = surface.iso;
-      for (const std::string& text : notes_of(record, source_.label)) events_.note(text);
-    }
-    // Of particles all attributes have the same reach.
-    if (!records->empty() && records->front().out_of_reach > 0) {
-      events_.note(
-          fmt::format("{} iso {}: {} of {} vertices have the attributes of the nearest particle, as none is "
-                      "near enough to be interpolated",
-                      source_.label, surface.iso, records->front().out_of_reach, surface.mesh.positions.size()));
-    }
-    events_.carried({surface.iso, surface.mesh.positions.size(), std::move(*records), watch.elapsed()});
-    return {};
-  }
-
-  // When the vertices are those that are written. Attributes that are only for that go.
-  Result<void> colour(Surface& surface) {
+    Surface surface{asked.value, std::move(*mesh), {}};
     std::vector<double> isos;
     for (const ResolvedIso& iso : labels_ ? each_label(source_.isos, labels_->labels()) : source_.isos)
       isos.push_back(iso.value);
-    surface.mesh.material = material_of(job_, isos, surface.iso, source_.field.kind);
-    if (!job_.colour || !job_.colour->attribute) return {};
-    auto record = add_colours(*job_.colour, job_.format, surface.mesh, context_);
-    if (!record) return tl::unexpected(std::move(record.error()));
-    record->iso = surface.iso;
-    if (record->not_numbers > 0) {
-      events_.note(fmt::format("{} iso {}: {} of {} vertices are grey, as '{}' is no number there", source_.label,
-                               surface.iso, record->not_numbers, surface.mesh.positions.size(),
-                               printable(record->attribute)));
-    }
-    events_.coloured(*record);
-    for (const AttributeChoice& choice : job_.source.attributes) {
-      if (choice.written) continue;
-      std::erase_if(surface.mesh.attributes, [&](const mesh::Attribute& a) {
-        return a.role != mesh::AttributeRole::colour && a.name == choice.name;
-      });
-    }
-    return {};
+    if (auto made = finish_surface(job_, source_, isos, context_, events_, surface); !made)
+      return tl::unexpected(std::move(made.error()));
+    if (surface.mesh.triangles.empty() && job_.empty != EmptyPolicy::write) return std::optional<Surface>();
+    return surface;
   }
 
   [[nodiscard]] const extract::MethodInfo& method() const { return extract::method_info(job_.surface.method); }
 
-  [[nodiscard]] extract::ExtractOptions extract_options(double iso) const {
-    extract::ExtractOptions options = source_.extract_options(job_.surface, iso);
-    options.smooth_normals = job_.normals == Normals::smooth;
-    options.shared_frame = write_options().packing.quantizes();
-    options.edge_keys = job_.verify && method().traits.vertices_on_edges;
-    return options;
-  }
-
   Result<mesh::Mesh> extract(const ResolvedIso& asked_iso) {
     const double iso = asked_iso.value;
     const Stopwatch watch;
-    const extract::ExtractOptions options = extract_options(iso);
+    const extract::ExtractOptions options = extract_options_of(job_, source_, iso);
     auto extraction =
         labels_ ? extract_label(asked_iso, options) : extractor_->extract(source_.field, options, context_);
     if (!extraction && gave_way(extraction.error())) extraction = extractor_->extract(source_.field, options, context_);

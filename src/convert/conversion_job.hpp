@@ -16,6 +16,7 @@
 #include "convert/iso_choice.hpp"
 #include "convert/json_values.hpp"
 #include "convert/placement.hpp"
+#include "convert/surface_edits.hpp"
 #include "convert/vertex_choices.hpp"
 #include "extract/extractor.hpp"
 #include "field/interpolant.hpp"
@@ -83,6 +84,7 @@ struct SourceOptions {
   volumes::ReadOptions read;  // of particles its format, and its volume as the number of a frame
   ParticleOptions particles;
   std::vector<FilterStep> filters;          // of what was read or made, one after the other
+  std::vector<BlurStep> blurs;              // and then these
   std::vector<AttributeChoice> attributes;  // of the vertices; their names differ
   std::optional<glm::ivec3> resolution;     // of the grid to extract from, in place of the input's own samples
   std::optional<field::Box> roi;            // in the coordinates of placement.space
@@ -102,7 +104,7 @@ struct SurfaceOptions {
 
 // One file to write (glTF: one pair of files), and the surfaces in it.
 struct OutputFileJob {
-  std::string path;  // "-" is standard output
+  std::string path;  // "-" is standard output; with kPieceWord in it, each piece of the surface has a file
   std::vector<IsoChoice> isos;
 
   friend bool operator==(const OutputFileJob&, const OutputFileJob&) = default;
@@ -145,6 +147,9 @@ struct ConversionJob {
   // Of the surfaces, as many as there are iso values and in their order, each above 0 and at most 1; or one for all.
   // Empty: they are opaque, unless iso values colour several: then outer ones let inner ones be seen.
   std::vector<double> opacity;
+  // In the order in which they are done: pieces, smoothing, simplifying.
+  PieceChoice pieces;
+  std::optional<SmoothChoice> smooth;
   std::optional<SimplifyBound> simplify;
   std::optional<field::Interpolation> error;  // what the meshes are measured against; nothing: they are not
   bool verify = false;                        // the other backend is asked as well, and must agree

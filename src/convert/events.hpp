@@ -11,7 +11,9 @@
 #include "convert/iso_values.hpp"
 #include "convert/mesh_error.hpp"
 #include "convert/mesh_packing.hpp"
+#include "convert/mesh_pieces.hpp"
 #include "convert/mesh_simplify.hpp"
+#include "convert/mesh_smooth.hpp"
 #include "convert/outcome.hpp"
 #include "convert/particle_source.hpp"
 #include "convert/placement.hpp"
@@ -73,7 +75,7 @@ class Events {
   virtual void opened(const extract::Extractor&, const StageTime&) {}
   virtual void read(const std::string& /*input*/, const field::ScalarField&, const StageTime&) {}
   virtual void made_field(const ParticleRecord&) {}            // of particles, told after they are read
-  virtual void filtered(const WorkFact&, const StageTime&) {}  // a level set, told once a filter
+  virtual void filtered(const WorkFact&, const StageTime&) {}  // a field, told once a filter or blur
   // The iso values, where some were no numbers; a note tells of each of these. The time is that of looking at samples,
   // none for particles.
   virtual void resolved(const std::vector<ResolvedIso>&, const std::optional<StageTime>&) {}
@@ -84,6 +86,8 @@ class Events {
   virtual void extracted(const ExtractedSurface&) {}
   virtual void verified(const VerificationRecord&) {}
   virtual void carried(const CarriedAttributes&) {}  // told before the mesh is simplified
+  virtual void picked(const PieceRecord&) {}         // pieces that stay, and then
+  virtual void smoothed(const SmoothRecord&) {}
   virtual void simplified(const MeshSimplification&) {}
   virtual void coloured(const ColourRecord&) {}  // and after it
   virtual void measured(const MeshError&, const StageTime&) {}

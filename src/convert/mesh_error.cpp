@@ -49,18 +49,23 @@ double reach_from(const field::ScalarField& grid) {
   return std::max(1.0, 2 * longest);
 }
 
+// Smoothing moves vertices by a few voxels at the most, where the surface is thin.
+constexpr double kReachOfMoved = 4;
+
 }  // namespace
 
 MeshError measure_mesh_error(const mesh::Mesh& mesh, const field::ScalarField& field,
                              const extract::ExtractOptions& extracted, field::Interpolation interpolation,
-                             const field::ScalarField* grid, const Context& context) {
+                             const field::ScalarField* grid, bool moved, const Context& context) {
   MeshError error;
   error.iso = extracted.iso;
   measure::FieldErrorOptions options;
   options.interpolation = interpolation;
   options.grid = grid;
   options.vertices_on_edges = extract::method_info(extracted.method).traits.vertices_on_edges;
+  if (moved) options.vertices_on_edges = false;
   if (grid != nullptr) options.reach = reach_from(*grid);
+  if (moved) options.reach = std::max(options.reach, kReachOfMoved);
   error.field = measure::measure_field_error(mesh, field, extracted, options, context);
   error.analytic = measure::measure_analytic_error(mesh, field, extracted, grid, context);
   if (error.analytic && !extracted.region && field.kind == field::FieldKind::density) {

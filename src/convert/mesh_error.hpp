@@ -18,10 +18,11 @@ struct MeshError {
 };
 
 // Of methods that follow the interpolant (MethodTraits). `extracted` is how the mesh was extracted from `field`, or
-// from `grid` if there is one, which resample() made of it.
+// from `grid` if there is one, which was made of it by resample() or by blurring. `moved`: vertices are no longer where
+// they were extracted.
 [[nodiscard]] MeshError measure_mesh_error(const mesh::Mesh& mesh, const field::ScalarField& field,
                                            const extract::ExtractOptions& extracted, field::Interpolation interpolation,
-                                           const field::ScalarField* grid, const Context& context);
+                                           const field::ScalarField* grid, bool moved, const Context& context);
 
 // "error" of a mesh in docs/report.schema.json.
 [[nodiscard]] Json json_of(const MeshError& error);

@@ -95,6 +95,7 @@ Json json_of(const MeshRecord& mesh) {
   json["euler"] = mesh.topology.euler;
   json["bounds"] = mesh.vertices == 0 ? Json(nullptr) : json_of(field::Box{mesh.bounds.min, mesh.bounds.max});
   json["origin"] = json_of(mesh.origin);
+  json["component_table"] = json_of(mesh.component_table);
   if (mesh.error) json["error"] = json_of(*mesh.error);
   return json;
 }
@@ -204,6 +205,8 @@ InputFacts input_facts(const std::string& path, const field::ScalarField& field)
 Result<MeshRecord> mesh_record(double iso, const std::string& file, const mesh::Mesh& mesh, const Context& context) {
   auto topology = mesh::measure_topology(mesh, context);
   if (!topology) return tl::unexpected(std::move(topology.error()));
+  auto components = component_table(mesh, context);
+  if (!components) return tl::unexpected(std::move(components.error()));
   return MeshRecord{iso,
                     file,
                     mesh.name,
@@ -213,6 +216,7 @@ Result<MeshRecord> mesh_record(double iso, const std::string& file, const mesh::
                     mesh::measure_bounds(mesh),
                     mesh::measure_size(mesh),
                     *topology,
+                    std::move(*components),
                     std::nullopt};
 }
 
@@ -245,6 +249,8 @@ Json report_of(const ConversionJob* job, const Outcome& report, const std::vecto
   json["extractions"] = array_of(report.extractions);
   if (job != nullptr && job->verify) json["verification"] = array_of(report.verifications);
   if (job != nullptr && !job->source.attributes.empty()) json["attributes"] = array_of(report.attributes);
+  if (job != nullptr && job->pieces.drops()) json["pieces"] = array_of(report.pieces);
+  if (job != nullptr && job->smooth) json["smoothings"] = array_of(report.smoothings);
   json["simplifications"] = array_of(report.simplifications);
   if (job != nullptr && job->colour && job->colour->attribute) json["colours"] = array_of(report.colours);
   if (job != nullptr && job->packing.packs()) {

@@ -17,7 +17,9 @@
 #include "convert/json_values.hpp"
 #include "convert/mesh_error.hpp"
 #include "convert/mesh_packing.hpp"
+#include "convert/mesh_pieces.hpp"
 #include "convert/mesh_simplify.hpp"
+#include "convert/mesh_smooth.hpp"
 #include "convert/particle_source.hpp"
 #include "convert/verification.hpp"
 #include "convert/vertex_colours.hpp"
@@ -49,8 +51,8 @@ struct InputFacts {
 
 struct StageRecord {
   std::string stage;  // "open", "read", "particles to field", "read attributes", "filter", "resample", "classify",
-                      // "compile", "upload", "count", "emit", "verify", "attributes", "simplify", "error", "mesh
-                      // facts", "statistics", "write"
+                      // "compile", "upload", "count", "emit", "verify", "attributes", "pieces", "smooth", "simplify",
+                      // "error", "mesh facts", "statistics", "write"
   std::optional<double> iso;  // where the stage belongs to one surface
   StageTime time;
 };
@@ -73,6 +75,7 @@ struct MeshRecord {
   mesh::Bounds bounds;
   mesh::MeshSize size;  // its volume means something only where the mesh is closed
   mesh::Topology topology;
+  ComponentTable component_table;
   std::optional<MeshError> error;  // where it was measured
 };
 
@@ -100,6 +103,8 @@ struct Outcome {
   std::vector<ExtractionRecord> extractions;
   std::vector<VerificationRecord> verifications;
   std::vector<AttributeRecord> attributes;
+  std::vector<PieceRecord> pieces;
+  std::vector<SmoothRecord> smoothings;
   std::vector<MeshSimplification> simplifications;
   std::vector<ColourRecord> colours;
   std::vector<MeshPackingRecord> packings;

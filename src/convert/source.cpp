@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/printable.hpp"
+#include "convert/field_blur.hpp"
 #include "convert/field_label.hpp"
 #include "convert/level_set_filter.hpp"
 #include "convert/particle_field.hpp"
@@ -25,7 +26,7 @@ Result<void> change_resolution(const SourceOptions& options, bool keep_data, con
   const StageTime time = watch.elapsed();
   for (const std::string& text : grid->notes) events.note(text);
   events.resampled(*grid, resolution_fact(source.field, *grid), time);
-  if (keep_data) source.data = std::move(source.field);
+  if (keep_data && !source.data) source.data = std::move(source.field);
   source.field = std::move(*grid);
   return context.check();
 }
@@ -167,6 +168,10 @@ Result<Source> open_source(const SourceOptions& options, const SourceUse& use, c
   source.empty = sparse != nullptr && sparse->blocks.empty() && sparse->tiles.empty() && sparse->active_voxels == 0;
   if (auto filtered = filter_field(options.filters, source.label, context, events, source.field); !filtered) {
     return tl::unexpected(std::move(filtered.error()));
+  }
+  if (use.keep_data && !options.blurs.empty()) source.data = source.field;
+  if (auto blurred = blur_field(options.blurs, source.label, context, events, source.field); !blurred) {
+    return tl::unexpected(std::move(blurred.error()));
   }
   if (options.resolution) {
     auto changed = change_resolution(options, use.keep_data, context, events, source);

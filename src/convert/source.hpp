@@ -21,7 +21,7 @@ namespace isoextract::convert {
 
 struct Source {
   field::ScalarField field;                // to extract from
-  std::optional<field::ScalarField> data;  // what was read, where `field` is another grid and the data were asked for
+  std::optional<field::ScalarField> data;  // what was read, where `field` was made of it and the data were asked for
   field::Affine output_from_index;
   std::optional<field::IndexBox> region;
   std::vector<ResolvedIso> isos;  // one for each that was asked for
@@ -43,9 +43,9 @@ struct SourceUse {
 };
 [[nodiscard]] SourceUse use_of(const ConversionJob& job);
 
-// Fails as read_volume(), filter_field(), resample() and place_field() do, and for particles as is_particles(),
-// read_particles(), make_particle_field() and find_attributes() do, as resolve_isos(), and with attributes of volumes
-// as read_volume_attributes() does.
+// Fails as read_volume(), filter_field(), blur_field(), resample() and place_field() do, and for particles as
+// is_particles(), read_particles(), make_particle_field() and find_attributes() do, as resolve_isos(), and with
+// attributes of volumes as read_volume_attributes() does.
 [[nodiscard]] Result<Source> open_source(const SourceOptions& options, const SourceUse& use, const Context& context,
                                          Events& events);
 

@@ -10,14 +10,14 @@
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include "mesh/adjacency.hpp"
-#include "mesh/components.hpp"
 
 namespace isoextract::mesh {
 namespace {
 
-constexpr std::size_t kGrain = 1 << 10;
+constexpr std::size_t kVerticesTogether = 1 << 10;
 
 // The vertices in up to eight ranges, and the corners at those of one of them: at all vertices at once they would take
 // more than the mesh. Triangles are passed over by blocks, most of which use the vertices of few ranges: vertices and
@@ -97,10 +97,15 @@ class VertexRanges {
   std::array<std::uint64_t, kMost> corners_{};
 };
 
-// What one thread found out, at one vertex after the other. An edge counts at the lower of its ends.
+// What one thread found out, at one vertex after the other, of each of some parts of the mesh. An edge counts at the
+// lower of its ends.
 class Part {
  public:
-  void look_at(std::uint32_t vertex, std::span<const Corner> corners, std::span<const glm::uvec3> triangles) {
+  explicit Part(std::size_t parts) : facts_(parts) {}
+
+  void look_at(std::uint32_t vertex, std::size_t part, std::span<const Corner> corners,
+               std::span<const glm::uvec3> triangles) {
+    Topology& facts = facts_[part];
     sound_.clear();
     ways_.clear();
     for (const Corner corner : corners) {
@@ -111,15 +116,15 @@ class Part {
       ways_.push_back({t[(c + 1) % 3], t[(c + 2) % 3]});
     }
     if (sound_.empty()) {
-      ++facts_.unused_vertices;
+      ++facts.unused_vertices;
     } else if (goes_round_once()) {
-      for (const Way& way : ways_) facts_.edges += way.to > vertex ? 1 : 0;
+      for (const Way& way : ways_) facts.edges += way.to > vertex ? 1 : 0;
     } else {
-      look_at_edges(vertex, triangles);
+      look_at_edges(vertex, triangles, facts);
     }
   }
 
-  [[nodiscard]] const Topology& facts() const { return facts_; }
+  [[nodiscard]] const std::vector<Topology>& facts() const { return facts_; }
 
  private:
   // Through a triangle: along which edge it leaves the vertex, along which it comes back.
@@ -144,65 +149,94 @@ class Part {
     }
   }
 
-  void look_at_edges(std::uint32_t vertex, std::span<const glm::uvec3> triangles) {
+  void look_at_edges(std::uint32_t vertex, std::span<const glm::uvec3> triangles, Topology& facts) {
     star_.look_at(sound_, triangles);
-    if (star_.fans() > 1) ++facts_.nonmanifold_vertices;
+    if (star_.fans() > 1) ++facts.nonmanifold_vertices;
     const auto sides = star_.sides();
     for (std::size_t first = 0; first < sides.size();) {
       std::size_t last = first;
       while (last < sides.size() && sides[last].end == sides[first].end) ++last;
-      if (sides[first].end > vertex) add_edge(sides.subspan(first, last - first));
+      if (sides[first].end > vertex) add_edge(sides.subspan(first, last - first), facts);
       first = last;
     }
   }
 
-  void add_edge(std::span<const VertexStar::Side> sides) {
-    ++facts_.edges;
-    if (sides.size() == 1) ++facts_.open_edges;
-    if (sides.size() > 2) ++facts_.nonmanifold_edges;
-    if (sides.size() == 2 && sides[0].outgoing == sides[1].outgoing) ++facts_.misoriented_edges;
+  static void add_edge(std::span<const VertexStar::Side> sides, Topology& facts) {
+    ++facts.edges;
+    if (sides.size() == 1) ++facts.open_edges;
+    if (sides.size() > 2) ++facts.nonmanifold_edges;
+    if (sides.size() == 2 && sides[0].outgoing == sides[1].outgoing) ++facts.misoriented_edges;
   }
 
-  Topology facts_;
+  std::vector<Topology> facts_;
   VertexStar star_;
   std::vector<Corner> sound_;
   std::vector<Way> ways_;  // of `sound_`
 };
 
-Topology look_at_vertices(std::span<const glm::uvec3> triangles, const VertexRanges& ranges) {
-  tbb::enumerable_thread_specific<Part> parts;
+// part_of(vertex) below `count`; what it gives for an unused vertex is told of none.
+template <class PartOf>
+std::vector<Topology> look_at_vertices(std::span<const glm::uvec3> triangles, const VertexRanges& ranges,
+                                       std::size_t count, const PartOf& part_of) {
+  tbb::enumerable_thread_specific<Part> parts([&] { return Part(count); });
   for (std::size_t range = 0; range < ranges.count(); ++range) {
     const Buckets<Corner> corners = ranges.corners(range);
     const std::size_t first = ranges.first(range);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(first, ranges.end(range), kGrain), [&](const auto& vertices) {
-      Part& part = parts.local();
-      for (std::size_t v = vertices.begin(); v != vertices.end(); ++v) {
-        part.look_at(static_cast<std::uint32_t>(v), corners.at(v - first), triangles);
-      }
-    });
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(first, ranges.end(range), kVerticesTogether),
+                      [&](const auto& vertices) {
+                        Part& part = parts.local();
+                        for (std::size_t v = vertices.begin(); v != vertices.end(); ++v) {
+                          part.look_at(static_cast<std::uint32_t>(v), part_of(v), corners.at(v - first), triangles);
+                        }
+                      });
   }
-  Topology result;
+  std::vector<Topology> results(count);
   for (const Part& part : parts) {
-    result.edges += part.facts().edges;
-    result.open_edges += part.facts().open_edges;
-    result.nonmanifold_edges += part.facts().nonmanifold_edges;
-    result.misoriented_edges += part.facts().misoriented_edges;
-    result.nonmanifold_vertices += part.facts().nonmanifold_vertices;
-    result.unused_vertices += part.facts().unused_vertices;
+    for (std::size_t i = 0; i < count; ++i) {
+      const Topology& facts = part.facts()[i];
+      results[i].edges += facts.edges;
+      results[i].open_edges += facts.open_edges;
+      results[i].nonmanifold_edges += facts.nonmanifold_edges;
+      results[i].misoriented_edges += facts.misoriented_edges;
+      results[i].nonmanifold_vertices += facts.nonmanifold_vertices;
+      results[i].unused_vertices += facts.unused_vertices;
+    }
   }
-  return result;
+  return results;
 }
 
 Topology measure(const Mesh& mesh, const VertexRanges& ranges) {
   const auto triangles = mesh.triangles.span();
   const std::size_t vertices = mesh.positions.size();
-  Topology result = look_at_vertices(triangles, ranges);
+  Topology result = look_at_vertices(triangles, ranges, 1, [](std::size_t) { return std::size_t{0}; }).front();
   for (const glm::uvec3& t : triangles) result.repeated_index_triangles += repeats_index(t) ? 1 : 0;
   result.components = Components(triangles, vertices).count();
   result.euler = static_cast<std::int64_t>(vertices - result.unused_vertices) -
                  static_cast<std::int64_t>(result.edges) +
                  static_cast<std::int64_t>(triangles.size() - result.repeated_index_triangles);
   return result;
+}
+
+std::vector<Topology> measure(const Mesh& mesh, const VertexRanges& ranges, const Components& components) {
+  const auto triangles = mesh.triangles.span();
+  const std::size_t count = components.count();
+  if (count == 0) return {};
+  auto results = look_at_vertices(triangles, ranges, count, [&](std::size_t v) {
+    const std::uint32_t component = components.of_vertex(v);
+    return component == Components::kNone ? 0 : component;
+  });
+  for (Topology& result : results) {
+    result.components = 1;
+    result.unused_vertices = 0;
+    result.euler = -static_cast<std::int64_t>(result.edges);
+  }
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    if (components.of_vertex(v) != Components::kNone) ++results[components.of_vertex(v)].euler;
+  }
+  for (const glm::uvec3& t : triangles) {
+    if (!repeats_index(t)) ++results[components.of_vertex(t.x)].euler;
+  }
+  return results;
 }
 
 }  // namespace
@@ -219,6 +253,19 @@ Result<Topology> measure_topology(const Mesh& mesh, const Context& context) {
     const auto memory = context.reserve(std::max(ranges.bytes(), Components::bytes(vertices)), what);
     if (!memory) return tl::unexpected(memory.error());
     return measure(mesh, ranges);
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorKind::input, what + " need more memory than there is");
+  }
+}
+
+Result<std::vector<Topology>> measure_topology(const Mesh& mesh, const Components& components, const Context& context) {
+  const std::string what = mesh.name + ": the edges of its components";
+  try {
+    const VertexRanges ranges(mesh.triangles.span(), mesh.positions.size());
+    const auto threads = static_cast<std::uint64_t>(tbb::this_task_arena::max_concurrency());
+    const auto memory = context.reserve(ranges.bytes() + (threads + 1) * components.count() * sizeof(Topology), what);
+    if (!memory) return tl::unexpected(memory.error());
+    return measure(mesh, ranges, components);
   } catch (const std::bad_alloc&) {
     return fail(ErrorKind::input, what + " need more memory than there is");
   }

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "base/context.hpp"
 #include "base/error.hpp"
+#include "mesh/components.hpp"
 #include "mesh/mesh.hpp"
 
 namespace isoextract::mesh {
@@ -34,5 +36,10 @@ struct Topology {
 // Fails where its working memory is more than is left: for large meshes some four bytes a triangle, a quarter of the
 // mesh; for smaller ones up to 28.
 [[nodiscard]] Result<Topology> measure_topology(const Mesh& mesh, const Context& context);
+
+// Of each of the mesh's components by itself, in their order. Unused vertices and triangles that repeat an index are of
+// none. Fails likewise; it takes some 70 bytes a component and thread besides.
+[[nodiscard]] Result<std::vector<Topology>> measure_topology(const Mesh& mesh, const Components& components,
+                                                             const Context& context);
 
 }  // namespace isoextract::mesh

@@ -38,7 +38,8 @@ template <class T>
 concept JobStructure = std::same_as<T, volumes::RawLayout> || std::same_as<T, ParticleOptions> ||
     std::same_as<T, AttributeChoice> || std::same_as<T, ColourChoice> || std::same_as<T, SimplifyBound> ||
     std::same_as<T, OutputFileJob> || std::same_as<T, FilterStep> || std::same_as<T, FieldFileOptions> ||
-    std::same_as<T, PictureFileOptions> || std::same_as<T, ConversionJob>;
+    std::same_as<T, BlurStep> || std::same_as<T, LeastPiece> || std::same_as<T, PieceChoice> ||
+    std::same_as<T, SmoothChoice> || std::same_as<T, PictureFileOptions> || std::same_as<T, ConversionJob>;
 
 class JobJson {
  public:
@@ -262,6 +263,23 @@ class JobJson {
     } else if constexpr (std::same_as<Structure, FilterStep>) {
       each("filter", value.filter);
       each("width", value.width);
+    } else if constexpr (std::same_as<Structure, BlurStep>) {
+      each("kind", value.kind);
+      each("width", value.width);
+      each("in_world_units", value.in_world_units);
+    } else if constexpr (std::same_as<Structure, LeastPiece>) {
+      each("measure", value.measure);
+      each("amount", value.amount);
+      each("in_world_units", value.in_world_units);
+    } else if constexpr (std::same_as<Structure, PieceChoice>) {
+      each("least", value.least);
+      each("fill_cavities", value.fill_cavities);
+      each("largest", value.largest);
+      each("split", value.split);
+    } else if constexpr (std::same_as<Structure, SmoothChoice>) {
+      each("passes", value.passes);
+      each("method", value.method);
+      each("pass_band", value.pass_band);
     } else if constexpr (std::same_as<Structure, FieldFileOptions>) {
       each("half", value.as_half);
     } else if constexpr (std::same_as<Structure, PictureFileOptions>) {
@@ -291,6 +309,7 @@ class JobJson {
     each("particles", job.source.particles);
     each("attributes", job.source.attributes);
     each("filters", job.source.filters);
+    each("blurs", job.source.blurs);
     each("resolution", job.source.resolution);
     each("roi", job.source.roi);
     each("space", job.source.placement.space);
@@ -305,6 +324,8 @@ class JobJson {
     each("normals", job.normals);
     each("colour", job.colour);
     each("opacity", job.opacity);
+    each("pieces", job.pieces);
+    each("smooth", job.smooth);
     each("simplify", job.simplify);
     each("error", job.error);
     each("verify", job.verify);

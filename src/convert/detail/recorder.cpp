@@ -86,6 +86,18 @@ void Recorder::carried(const CarriedAttributes& attributes) {
   listener_.carried(attributes);
 }
 
+void Recorder::picked(const PieceRecord& record) {
+  outcome_.stages.push_back({"pieces", record.iso, record.facts.time});
+  outcome_.pieces.push_back(record);
+  listener_.picked(record);
+}
+
+void Recorder::smoothed(const SmoothRecord& record) {
+  outcome_.stages.push_back({"smooth", record.iso, record.facts.time});
+  outcome_.smoothings.push_back(record);
+  listener_.smoothed(record);
+}
+
 void Recorder::simplified(const MeshSimplification& simplification) {
   outcome_.stages.push_back({"simplify", simplification.iso, simplification.facts.time});
   outcome_.simplifications.push_back(simplification);

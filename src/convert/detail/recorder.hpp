@@ -23,6 +23,8 @@ class Recorder final : public Events {
   void extracted(const ExtractedSurface& surface) override;
   void verified(const VerificationRecord& record) override;
   void carried(const CarriedAttributes& attributes) override;
+  void picked(const PieceRecord& record) override;
+  void smoothed(const SmoothRecord& record) override;
   void simplified(const MeshSimplification& simplification) override;
   void coloured(const ColourRecord& record) override;
   void measured(const MeshError& error, const StageTime& time) override;

@@ -1,0 +1,141 @@
+#include "cli/edit_options.hpp"
+
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "field/blur.hpp"
+
+namespace isoextract::cli {
+namespace {
+
+// A number above 0 and what it is in: voxels, or with "world" behind it the units of something in the world.
+struct Measure {
+  double amount = 0;
+  bool in_world_units = false;
+};
+
+std::optional<Measure> measure_of(std::string_view text) {
+  constexpr std::string_view kVoxel = "voxel";
+  constexpr std::string_view kWorld = "world";
+  const bool in_world_units = text.ends_with(kWorld);
+  if (in_world_units)
+    text.remove_suffix(kWorld.size());
+  else if (text.ends_with(kVoxel))
+    text.remove_suffix(kVoxel.size());
+  const auto amount = parse_positive(text);
+  if (!amount) return std::nullopt;
+  return Measure{*amount, in_world_units};
+}
+
+tl::unexpected<Error> expected_but(const std::string& expected, std::string_view found) {
+  return fail(ErrorKind::usage, fmt::format("expected {}, found '{}'", expected, found));
+}
+
+}  // namespace
+
+Result<convert::LeastPiece> parse_least_piece(std::string_view text) {
+  const std::size_t colon = text.find(':');
+  if (colon == std::string_view::npos) {
+    if (const auto triangles = parse_positive_count(text)) {
+      return convert::LeastPiece{edit::PieceMeasure::triangles, static_cast<double>(*triangles), false};
+    }
+  } else if (const auto measure = value_of<edit::PieceMeasure>(text.substr(0, colon))) {
+    const auto least = measure_of(text.substr(colon + 1));
+    if (least && *measure != edit::PieceMeasure::triangles) {
+      return convert::LeastPiece{*measure, least->amount, least->in_world_units};
+    }
+  }
+  return expected_but(
+      "a number of triangles such as 100, or area:40 or volume:5, in voxels or as in volume:5world in the "
+      "units of the written mesh",
+      text);
+}
+
+Result<convert::SmoothChoice> parse_smoothing(std::string_view text) {
+  std::vector<std::string_view> parts;
+  for (std::string_view rest = text;;) {
+    const std::size_t colon = rest.find(':');
+    parts.push_back(rest.substr(0, colon));
+    if (colon == std::string_view::npos) break;
+    rest.remove_prefix(colon + 1);
+  }
+  convert::SmoothChoice choice;
+  const auto passes = parse_positive_count(parts[0]);
+  bool fits = passes && *passes <= edit::kMaxSmoothPasses && parts.size() <= 3;
+  if (fits && parts.size() > 1) {
+    const auto method = value_of<edit::SmoothMethod>(parts[1]);
+    fits = method.has_value();
+    choice.method = method.value_or(choice.method);
+  }
+  if (fits && parts.size() > 2) {
+    const auto band = parse_positive(parts[2]);
+    fits = band && *band < 1;
+    choice.pass_band = fits ? *band : choice.pass_band;
+  }
+  if (!fits) {
+    return expected_but(
+        fmt::format("a number of passes from 1 to {}, alone or as in 20:taubin or 20:sinc, and behind that "
+                    "perhaps a pass band between 0 and 1 as in 20:sinc:0.05",
+                    edit::kMaxSmoothPasses),
+        text);
+  }
+  choice.passes = *passes;
+  return choice;
+}
+
+Result<convert::BlurStep> parse_blur(std::string_view text) {
+  constexpr std::string_view kMedian = "median:";
+  if (text.starts_with(kMedian)) {
+    const auto width = parse_positive_count(text.substr(kMedian.size()));
+    if (width && *width <= static_cast<std::uint64_t>(field::kMaxMedianWidth)) {
+      return convert::BlurStep{convert::BlurKind::median, static_cast<double>(*width), false};
+    }
+  } else if (const auto sigma = measure_of(text);
+             sigma && (sigma->in_world_units || sigma->amount <= field::kMaxBlurSigma)) {
+    return convert::BlurStep{convert::BlurKind::gaussian, sigma->amount, sigma->in_world_units};
+  }
+  return expected_but(
+      fmt::format("the standard deviation of a Gaussian, above 0 and at most {} voxels, such as 1.5, or in the "
+                  "units of the input such as 0.7world; or median:1 to median:{}",
+                  field::kMaxBlurSigma, field::kMaxMedianWidth),
+      text);
+}
+
+void declare_blur(const Group& group, SurfaceFlags& flags) {
+  group.values(
+      "--blur", "SIGMA|median:N", flags.blurs, parse_blur,
+      "Blur the samples of any field, dense or sparse, before its surface is looked for: by a Gaussian with this "
+      "standard deviation, in voxels (1.5) or the input's units (0.7world), or by the median of the samples up to N "
+      "voxels away. Samples that are not numbers are left out of what is around them. Several times for several, "
+      "after --filter.");
+}
+
+void declare_edits(CLI::App& app, EditFlags& flags) {
+  const Group group(app, "Pieces and smoothing");
+  group.value("--drop-components", "MIN", flags.least, parse_least_piece,
+              "Drop components of fewer triangles than MIN (100), or of less area or volume (area:40, volume:5 in "
+              "voxels, volume:5world in the units of the written mesh). A body goes with the cavities in it; a "
+              "cavity that goes is filled.");
+  group.flag("--fill-cavities", flags.fill_cavities, "Drop the walls of all cavities, and what lies loose in them.");
+  group
+      .value("--largest", "N", flags.largest, parse_positive_count,
+             "Keep the N bodies of the largest area, with the cavities in them (default: 1). --drop-components and "
+             "--fill-cavities come first.")
+      ->expected(0, 1)
+      ->default_str("1");
+  group.flag("--split-components", flags.split,
+             "Write each body, with the cavities in it, as a mesh of its own, the largest first: in one file as "
+             "'NAME piece 1' and so on, or with {piece} in the name after -o as a file each.");
+  group.value(
+      "--smooth", "N[:taubin|sinc[:BAND]]", flags.smooth, parse_smoothing,
+      "Smooth the surface by N passes of Taubin's filter (the default) or of a windowed sinc, which keep its size. "
+      "BAND is what passes, between 0 and 1 (default: 0.1): a smaller one smooths more. Vertices of open "
+      "borders stay where they are, and those of caps in their plane. How far vertices moved, and by how much "
+      "the volume changed, is told.");
+}
+
+}  // namespace isoextract::cli

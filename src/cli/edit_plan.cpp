@@ -1,0 +1,58 @@
+#include "cli/edit_plan.hpp"
+
+#include <fmt/format.h>
+
+#include "batch/output_names.hpp"
+#include "cli/plan_parts.hpp"
+#include "cli/voxel_plan.hpp"
+
+namespace isoextract::cli {
+
+std::string_view edit_option(const EditFlags& flags) {
+  if (flags.least) return "--drop-components";
+  if (flags.fill_cavities) return "--fill-cavities";
+  if (flags.largest) return "--largest";
+  if (flags.split) return "--split-components";
+  return flags.smooth ? "--smooth" : "";
+}
+
+Result<void> plan_edits(const ConvertFlags& flags, convert::ConversionJob& job) {
+  const EditFlags& edits = flags.edits;
+  if (!flags.surface.blurs.empty() && flags.labels) {
+    return refuse_usage("--blur does not go with --labels: between two labels there is none",
+                        "leave --blur out; --smooth smooths the meshes");
+  }
+  if (edits.split && flags.error) {
+    return refuse_usage("--error measures a surface as a whole, and --split-components makes meshes of its pieces",
+                        "leave one of them out");
+  }
+  job.source.blurs = flags.surface.blurs;
+  job.pieces = {edits.least, edits.fill_cavities, edits.largest, edits.split};
+  job.smooth = edits.smooth;
+  return {};
+}
+
+Result<void> check_piece_outputs(const ConvertFlags& flags, const std::string& path,
+                                 const meshes::MeshFormatInfo& format) {
+  const bool has_word = path.find(convert::kPieceWord) != std::string::npos;
+  if (!flags.edits.split) {
+    if (!has_word) return {};
+    return refuse_usage(
+        fmt::format("-o {}: {} stands for pieces of a surface, which is written whole", path, convert::kPieceWord),
+        "give --split-components");
+  }
+  if (!has_word) {
+    if (format.holds_several_meshes) return {};
+    return refuse_usage(fmt::format("one {} file holds one mesh, and --split-components may give several", format.name),
+                        fmt::format("write one file each with -o {}_{}.{}, or all into a glb",
+                                    batch::stem_of(flags.input.inputs.front()), convert::kPieceWord, format.name));
+  }
+  if (has_all_labels(flags) || (flags.isos.size() > 1 && path.find("{iso}") == std::string::npos)) {
+    return refuse_usage(fmt::format("-o {}: pieces of several surfaces would have the same names", path),
+                        has_all_labels(flags) ? "list the labels, and put {iso} into the name as well"
+                                              : "put {iso} into the name as well");
+  }
+  return {};
+}
+
+}  // namespace isoextract::cli

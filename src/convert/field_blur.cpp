@@ -1,0 +1,61 @@
+#include "convert/field_blur.hpp"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/stopwatch.hpp"
+#include "field/blur.hpp"
+#include "volumes/volume_reader.hpp"
+
+namespace isoextract::convert {
+namespace {
+
+// Along the axes of the grid, in voxels.
+glm::dvec3 sigma_of(const BlurStep& step, const field::ScalarField& field) {
+  if (!step.in_world_units) return glm::dvec3(step.width);
+  glm::dvec3 sigma;
+  for (int axis = 0; axis < 3; ++axis) sigma[axis] = step.width / glm::length(field.index_to_world.linear[axis]);
+  return sigma;
+}
+
+std::string blurred_text(const field::ScalarField& field) {
+  if (const auto* dense = std::get_if<field::DenseSamples>(&field.samples)) {
+    return fmt::format("{} samples of {}", dense->count(), field::sample_type_name(field.type()));
+  }
+  return fmt::format("{} blocks (8x8x8) of {}", std::get<field::SparseSamples>(field.samples).blocks.size(),
+                     field::sample_type_name(field.type()));
+}
+
+}  // namespace
+
+std::string text_of(const BlurStep& step) {
+  if (step.kind == BlurKind::median) return fmt::format("a median of {} voxels on either side", step.width);
+  return fmt::format("a Gaussian of {}{}", step.width, step.in_world_units ? " of the input's units" : " voxels");
+}
+
+Result<void> blur_field(const std::vector<BlurStep>& steps, const std::string& label, const Context& context,
+                        Events& events, field::ScalarField& field) {
+  for (const BlurStep& step : steps) {
+    const Stopwatch watch;
+    const glm::dvec3 sigma = sigma_of(step, field);
+    if (step.kind == BlurKind::gaussian && glm::any(glm::greaterThan(sigma, glm::dvec3(field::kMaxBlurSigma)))) {
+      return fail(ErrorKind::usage, fmt::format("{}: {} is {:.4g} x {:.4g} x {:.4g} voxels, and at most {} are taken",
+                                                label, text_of(step), sigma.x, sigma.y, sigma.z, field::kMaxBlurSigma));
+    }
+    auto blurred = step.kind == BlurKind::gaussian ? field::blur_gaussian(field, sigma, context)
+                                                   : field::blur_median(field, static_cast<int>(step.width), context);
+    if (!blurred) return tl::unexpected(std::move(blurred.error()));
+    if (auto whole = volumes::check_not_lost(field); !whole) return whole;
+    const std::string in_voxels =
+        step.in_world_units ? fmt::format(", {:.4g} x {:.4g} x {:.4g} voxels", sigma.x, sigma.y, sigma.z) : "";
+    field = std::move(*blurred);
+    events.filtered({"blur", "blurred", std::nullopt, std::nullopt,
+                     fmt::format("the samples by {}{}: {}", text_of(step), in_voxels, blurred_text(field))},
+                    watch.elapsed());
+    if (auto go_on = context.check(); !go_on) return go_on;
+  }
+  return {};
+}
+
+}  // namespace isoextract::convert

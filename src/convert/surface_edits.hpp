@@ -1,0 +1,72 @@
+// How fields and surfaces are changed on their way, as values of a job.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "base/words.hpp"
+#include "edit/pieces.hpp"
+#include "edit/smooth.hpp"
+
+namespace isoextract::edit {
+
+constexpr auto words_of(PieceMeasure /*type*/) {
+  return std::array{Word{PieceMeasure::triangles, "triangles"}, Word{PieceMeasure::area, "area"},
+                    Word{PieceMeasure::volume, "volume"}};
+}
+
+}  // namespace isoextract::edit
+
+namespace isoextract::convert {
+
+enum class BlurKind { gaussian, median };
+constexpr auto words_of(BlurKind /*type*/) {
+  return std::array{Word{BlurKind::gaussian, "gaussian"}, Word{BlurKind::median, "median"}};
+}
+
+// One blur of a field (field/blur.hpp).
+struct BlurStep {
+  BlurKind kind = BlurKind::gaussian;
+  double width = 1;             // of a Gaussian its standard deviation, of a median whole voxels on either side
+  bool in_world_units = false;  // of the input; else in voxels
+
+  friend bool operator==(const BlurStep&, const BlurStep&) = default;
+};
+
+// The least size of components that stay.
+struct LeastPiece {
+  edit::PieceMeasure measure = edit::PieceMeasure::triangles;
+  double amount = 0;
+  bool in_world_units = false;  // squares or cubes of the unit of the written mesh; else of voxels
+
+  friend bool operator==(const LeastPiece&, const LeastPiece&) = default;
+};
+
+// Which pieces of a surface stay (edit/pieces.hpp), and whether each becomes a mesh.
+struct PieceChoice {
+  std::optional<LeastPiece> least;
+  bool fill_cavities = false;
+  std::optional<std::uint64_t> largest;  // 1 or more
+  bool split = false;
+
+  [[nodiscard]] bool drops() const { return least || fill_cavities || largest; }
+  friend bool operator==(const PieceChoice&, const PieceChoice&) = default;
+};
+
+struct SmoothChoice {
+  std::uint64_t passes = 20;  // 1 to edit::kMaxSmoothPasses
+  edit::SmoothMethod method = edit::SmoothMethod::taubin;
+  double pass_band = 0.1;  // above 0, below 1
+
+  friend bool operator==(const SmoothChoice&, const SmoothChoice&) = default;
+};
+
+// In the name of a file: the number of a piece, which then has a file of its own.
+inline constexpr std::string_view kPieceWord = "{piece}";
+// Files that one surface may be split into, and meshes in one file.
+inline constexpr std::uint64_t kMostPieceFiles = 1000;
+inline constexpr std::uint64_t kMostPieceMeshes = 100000;
+
+}  // namespace isoextract::convert

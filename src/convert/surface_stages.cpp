@@ -1,0 +1,153 @@
+#include "convert/surface_stages.hpp"
+
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/printable.hpp"
+#include "base/stopwatch.hpp"
+#include "convert/mesh_packing.hpp"
+#include "convert/mesh_pieces.hpp"
+#include "convert/mesh_simplify.hpp"
+#include "convert/mesh_smooth.hpp"
+#include "convert/vertex_colours.hpp"
+#include "volumes/volume_reader.hpp"
+
+namespace isoextract::convert {
+namespace {
+
+class SurfaceStages {
+ public:
+  SurfaceStages(const ConversionJob& job, const Source& source, const Context& context, Events& events)
+      : job_(job), source_(source), context_(context), events_(events) {}
+
+  // While every vertex is where the field puts it.
+  Result<void> carry_attributes(Surface& surface) {
+    if (!source_.attributes) return {};
+    const Stopwatch watch;
+    auto records = add_attributes(*source_.attributes, surface.mesh, context_);
+    if (!records) return tl::unexpected(std::move(records.error()));
+    for (AttributeRecord& record : *records) {
+      record.iso = surface.iso;
+      for (const std::string& text : notes_of(record, source_.label)) events_.note(text);
+    }
+    // Of particles all attributes have the same reach.
+    if (!records->empty() && records->front().out_of_reach > 0) {
+      events_.note(
+          fmt::format("{} iso {}: {} of {} vertices have the attributes of the nearest particle, as none is "
+                      "near enough to be interpolated",
+                      source_.label, surface.iso, records->front().out_of_reach, surface.mesh.positions.size()));
+    }
+    events_.carried({surface.iso, surface.mesh.positions.size(), std::move(*records), watch.elapsed()});
+    return {};
+  }
+
+  Result<void> drop_pieces(Surface& surface) {
+    if (!job_.pieces.drops()) return {};
+    const bool was_empty = surface.mesh.triangles.empty();
+    auto record = convert::drop_pieces(surface.mesh, surface.iso, job_.pieces, source_.output_from_index, context_);
+    if (!record) return tl::unexpected(std::move(record.error()));
+    events_.picked(*record);
+    if (record->facts.without_volume > 0) {
+      events_.note(fmt::format("{} iso {}: {} open components have no volume, and stay", source_.label, surface.iso,
+                               record->facts.without_volume));
+    }
+    if (was_empty || !surface.mesh.triangles.empty() || job_.empty != EmptyPolicy::error) return {};
+    return tl::unexpected(Error{ErrorKind::input,
+                                fmt::format("{}: none of the {} components at iso {} is as large as asked for",
+                                            source_.label, record->facts.before.components, surface.iso),
+                                Remedy::allow_empty, Reason::no_surface});
+  }
+
+  Result<void> smooth(Surface& surface) {
+    if (!job_.smooth || surface.mesh.triangles.empty()) return {};
+    auto record =
+        smooth_mesh(surface.mesh, surface.iso, *job_.smooth, source_.output_from_index, capped_box(), context_);
+    if (!record) return tl::unexpected(std::move(record.error()));
+    events_.smoothed(*record);
+    return {};
+  }
+
+  Result<void> simplify(Surface& surface) {
+    if (!job_.simplify) return {};
+    auto simplified = simplify_mesh(surface.mesh, surface.iso, *job_.simplify, source_.output_from_index, context_);
+    if (!simplified) return tl::unexpected(std::move(simplified.error()));
+    events_.simplified(*simplified);
+    return {};
+  }
+
+  // When the vertices are those that are written. Attributes that are only for that go.
+  Result<void> colour(const std::vector<double>& isos, Surface& surface) {
+    surface.mesh.material = material_of(job_, isos, surface.iso, source_.field.kind);
+    if (!job_.colour || !job_.colour->attribute) return {};
+    auto record = add_colours(*job_.colour, job_.format, surface.mesh, context_);
+    if (!record) return tl::unexpected(std::move(record.error()));
+    record->iso = surface.iso;
+    if (record->not_numbers > 0) {
+      events_.note(fmt::format("{} iso {}: {} of {} vertices are grey, as '{}' is no number there", source_.label,
+                               surface.iso, record->not_numbers, surface.mesh.positions.size(),
+                               printable(record->attribute)));
+    }
+    events_.coloured(*record);
+    for (const AttributeChoice& choice : job_.source.attributes) {
+      if (choice.written) continue;
+      std::erase_if(surface.mesh.attributes, [&](const mesh::Attribute& a) {
+        return a.role != mesh::AttributeRole::colour && a.name == choice.name;
+      });
+    }
+    return {};
+  }
+
+  Result<void> measure_error(Surface& surface) {
+    if (!job_.error) return {};
+    if (const std::string reason = extract::why_no_error(extract::method_info(job_.surface.method)); !reason.empty()) {
+      events_.note("the error of the mesh is not measured: " + reason);
+      return {};
+    }
+    const Stopwatch watch;
+    const field::ScalarField& data = source_.data ? *source_.data : source_.field;
+    surface.error = measure_mesh_error(surface.mesh, data, extract_options_of(job_, source_, surface.iso), *job_.error,
+                                       source_.data ? &source_.field : nullptr, job_.smooth.has_value(), context_);
+    if (auto whole = volumes::check_not_lost(data); !whole) return whole;
+    events_.measured(*surface.error, watch.elapsed());
+    return {};
+  }
+
+ private:
+  // The samples whose outermost the caps go through, where there are caps.
+  [[nodiscard]] std::optional<field::IndexBox> capped_box() const {
+    if (!job_.surface.cap) return std::nullopt;
+    if (source_.region) return source_.region;
+    if (std::holds_alternative<field::SparseSamples>(source_.field.samples)) return std::nullopt;
+    return source_.field.extents();
+  }
+
+  const ConversionJob& job_;
+  const Source& source_;
+  const Context& context_;
+  Events& events_;
+};
+
+}  // namespace
+
+extract::ExtractOptions extract_options_of(const ConversionJob& job, const Source& source, double iso) {
+  extract::ExtractOptions options = source.extract_options(job.surface, iso);
+  options.smooth_normals = job.normals == Normals::smooth;
+  options.shared_frame = mesh_packing(job.packing, source).quantizes();
+  options.edge_keys = job.verify && extract::method_info(job.surface.method).traits.vertices_on_edges;
+  return options;
+}
+
+Result<void> finish_surface(const ConversionJob& job, const Source& source, const std::vector<double>& isos,
+                            const Context& context, Events& events, Surface& surface) {
+  SurfaceStages stages(job, source, context, events);
+  if (auto carried = stages.carry_attributes(surface); !carried) return carried;
+  if (auto dropped = stages.drop_pieces(surface); !dropped) return dropped;
+  if (auto smoothed = stages.smooth(surface); !smoothed) return smoothed;
+  if (auto simplified = stages.simplify(surface); !simplified) return simplified;
+  if (auto coloured = stages.colour(isos, surface); !coloured) return coloured;
+  return stages.measure_error(surface);
+}
+
+}  // namespace isoextract::convert

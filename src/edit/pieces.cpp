@@ -1,0 +1,290 @@
+#include "edit/pieces.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <new>
+#include <numeric>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "edit/detail/shell_nesting.hpp"
+#include "mesh/adjacency.hpp"
+#include "mesh/component_facts.hpp"
+
+namespace isoextract::edit {
+namespace {
+
+using mesh::ComponentFacts;
+using mesh::Components;
+
+// What the list of components takes, with their nesting and the choice among them.
+constexpr std::uint64_t kComponentBytes = sizeof(ComponentFacts) + 128;
+
+// The components of a mesh, measured, and which lies in which.
+struct Shells {
+  Components components;
+  std::vector<ComponentFacts> facts;
+  Nesting nesting;
+  Reservation memory;
+
+  static Result<Shells> find(const mesh::Mesh& mesh, const glm::dmat3& to_metric, const Context& context) {
+    const std::string what = mesh.name + ": the pieces of its surface";
+    auto memory = context.reserve(Components::bytes(mesh.positions.size()), what);
+    if (!memory) return tl::unexpected(std::move(memory.error()));
+    Components components(mesh.triangles.span(), mesh.positions.size());
+    auto list = context.reserve(components.count() * kComponentBytes, what);
+    if (!list) return tl::unexpected(std::move(list.error()));
+    memory->take(std::move(*list));
+    auto facts = measure_components(mesh, components, to_metric, context);
+    if (!facts) return tl::unexpected(std::move(facts.error()));
+    Nesting nesting = find_nesting(mesh, components, *facts);
+    return Shells{std::move(components), std::move(*facts), std::move(nesting), std::move(*memory)};
+  }
+
+  [[nodiscard]] std::size_t count() const { return facts.size(); }
+  [[nodiscard]] bool is_body(std::size_t i) const { return nesting.body[i] == i; }
+};
+
+double measured(const ComponentFacts& facts, PieceMeasure measure) {
+  switch (measure) {
+    case PieceMeasure::triangles: return static_cast<double>(facts.triangles);
+    case PieceMeasure::area: return facts.area;
+    case PieceMeasure::volume: break;
+  }
+  return facts.is_closed() ? std::abs(facts.volume) : std::numeric_limits<double>::infinity();
+}
+
+// Bodies by their area, the largest first.
+std::vector<std::uint32_t> bodies_by_area(const Shells& shells, const std::vector<bool>& stays) {
+  std::vector<std::uint32_t> bodies;
+  for (std::uint32_t i = 0; i < shells.count(); ++i) {
+    if (stays[i] && shells.is_body(i)) bodies.push_back(i);
+  }
+  std::ranges::stable_sort(bodies, std::greater<>(), [&](std::uint32_t i) { return shells.facts[i].area; });
+  return bodies;
+}
+
+std::vector<bool> choose(const Shells& shells, const PieceOptions& options) {
+  const std::size_t count = shells.count();
+  std::vector<bool> stays(count, true);
+  std::vector<bool> filled(count, false);  // cavities that are, by themselves and not with their body
+  for (std::size_t i = 0; i < count; ++i) {
+    const bool small = options.least && measured(shells.facts[i], options.measure) < *options.least;
+    if (!shells.is_body(i)) {
+      filled[i] = small || options.fill_cavities;
+    } else if (small) {
+      stays[i] = false;
+    }
+  }
+  // A filled cavity takes the bodies in it along, and their cavities are filled with it.
+  for (bool more = true; more;) {
+    more = false;
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::uint32_t around = shells.nesting.within[i];
+      const bool swallowed =
+          shells.is_body(i) ? around != Nesting::kNone && filled[around] : filled[shells.nesting.body[i]];
+      if (swallowed && !filled[i]) filled[i] = more = true;
+    }
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    if (filled[i]) stays[i] = false;
+  }
+  if (options.largest) {
+    std::vector<std::uint32_t> bodies = bodies_by_area(shells, stays);
+    for (std::size_t i = *options.largest; i < bodies.size(); ++i) stays[bodies[i]] = false;
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!stays[shells.nesting.body[i]]) stays[i] = false;
+  }
+  return stays;
+}
+
+PieceCounts counts_of(const Shells& shells, const std::vector<bool>& stays) {
+  PieceCounts counts;
+  for (std::size_t i = 0; i < shells.count(); ++i) {
+    if (!stays[i]) continue;
+    ++counts.components;
+    counts.bodies += shells.is_body(i) ? 1 : 0;
+    counts.triangles += shells.facts[i].triangles;
+  }
+  return counts;
+}
+
+// Leaves of the mesh what stays.
+Result<void> take_out(mesh::Mesh& mesh, const Components& components, const std::vector<bool>& stays,
+                      std::uint64_t triangles, const Context& context) {
+  const auto remains = [&](std::size_t vertex) {
+    const std::uint32_t component = components.of_vertex(vertex);
+    return component != Components::kNone && stays[component];
+  };
+  std::uint64_t vertices = 0;
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) vertices += remains(v) ? 1 : 0;
+  const std::uint64_t left = vertices * vertex_bytes(mesh) + triangles * sizeof(glm::uvec3);
+  const auto memory = context.reserve(left + (vertices + mesh.positions.size()) * sizeof(std::uint32_t),
+                                      mesh.name + ": what is left of its surface");
+  if (!memory) return tl::unexpected(memory.error());
+  Buffer<std::uint32_t> old_of_new(vertices);
+  Buffer<std::uint32_t> new_of_old(mesh.positions.size());
+  std::uint32_t next = 0;
+  for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) {
+    if (!remains(v)) continue;
+    old_of_new[next] = v;
+    new_of_old[v] = next++;
+  }
+  Buffer<glm::uvec3> kept(triangles);
+  glm::uvec3* to = kept.begin();
+  for (const glm::uvec3& t : mesh.triangles) {
+    if (!mesh::repeats_index(t) && remains(t.x)) *to++ = {new_of_old[t.x], new_of_old[t.y], new_of_old[t.z]};
+  }
+  gather_vertices(mesh, old_of_new.span());
+  mesh.triangles = std::move(kept);
+  mesh.memory.shrink(left);
+  return {};
+}
+
+Result<KeptPieces> keep(mesh::Mesh mesh, const PieceOptions& options, const Context& context) {
+  const Stopwatch watch;
+  auto shells = Shells::find(mesh, options.to_metric, context);
+  if (!shells) return tl::unexpected(std::move(shells.error()));
+  const std::vector<bool> stays = choose(*shells, options);
+  PieceFacts facts;
+  facts.before = counts_of(*shells, std::vector<bool>(shells->count(), true));
+  facts.after = counts_of(*shells, stays);
+  if (options.least && options.measure == PieceMeasure::volume) {
+    for (std::size_t i = 0; i < shells->count(); ++i) {
+      facts.without_volume += stays[i] && !shells->facts[i].is_closed() ? 1 : 0;
+    }
+  }
+  if (facts.after.components < facts.before.components) {
+    if (auto taken = take_out(mesh, shells->components, stays, facts.after.triangles, context); !taken) {
+      return tl::unexpected(std::move(taken.error()));
+    }
+  }
+  facts.time = watch.elapsed();
+  return KeptPieces{std::move(mesh), facts};
+}
+
+// The vertices and triangles of each piece, as its part of two lists.
+struct PieceLists {
+  Buffer<std::uint32_t> vertices;
+  Buffer<std::uint32_t> triangles;
+  std::vector<std::uint64_t> first_vertex;
+  std::vector<std::uint64_t> first_triangle;
+};
+
+PieceLists list_pieces(const mesh::Mesh& mesh, const Components& components, const std::vector<std::uint32_t>& piece_of,
+                       std::size_t pieces) {
+  PieceLists lists{Buffer<std::uint32_t>(mesh.positions.size()), Buffer<std::uint32_t>(mesh.triangles.size()),
+                   std::vector<std::uint64_t>(pieces + 1), std::vector<std::uint64_t>(pieces + 1)};
+  const auto fill = [](std::size_t count, const auto& piece, std::vector<std::uint64_t>& first, auto& list) {
+    for (std::size_t i = 0; i < count; ++i) {
+      if (const auto p = piece(i); p != Components::kNone) ++first[p + 1];
+    }
+    std::partial_sum(first.begin(), first.end(), first.begin());
+    std::vector<std::uint64_t> next(first.begin(), first.end() - 1);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      if (const auto p = piece(i); p != Components::kNone) list[next[p]++] = i;
+    }
+  };
+  const auto of_vertex = [&](std::size_t v) {
+    const std::uint32_t component = components.of_vertex(v);
+    return component == Components::kNone ? Components::kNone : piece_of[component];
+  };
+  fill(mesh.positions.size(), of_vertex, lists.first_vertex, lists.vertices);
+  fill(
+      mesh.triangles.size(),
+      [&](std::size_t t) {
+        return mesh::repeats_index(mesh.triangles[t]) ? Components::kNone : of_vertex(mesh.triangles[t].x);
+      },
+      lists.first_triangle, lists.triangles);
+  return lists;
+}
+
+template <class T>
+Buffer<T> gathered_from(const Buffer<T>& values, std::size_t width, std::span<const std::uint32_t> old_of_new) {
+  if (values.empty()) return {};
+  Buffer<T> result(old_of_new.size() * width);
+  for (std::size_t i = 0; i < old_of_new.size(); ++i) {
+    std::copy_n(values.data() + old_of_new[i] * width, width, result.data() + i * width);
+  }
+  return result;
+}
+
+Result<std::vector<mesh::Mesh>> split(mesh::Mesh mesh, std::uint64_t most, const Context& context) {
+  auto shells = Shells::find(mesh, glm::dmat3(1.0), context);
+  if (!shells) return tl::unexpected(std::move(shells.error()));
+  const auto bodies = bodies_by_area(*shells, std::vector<bool>(shells->count(), true));
+  if (bodies.size() > most) {
+    return fail(ErrorKind::input, fmt::format("{}: the surface has {} pieces, more than the {} that are split",
+                                              mesh.name, bodies.size(), most));
+  }
+  if (bodies.size() <= 1) {
+    std::vector<mesh::Mesh> one;
+    if (!bodies.empty()) one.push_back(std::move(mesh));
+    return one;
+  }
+  const std::uint64_t vertices = mesh.positions.size();
+  const std::string what = mesh.name + ": its pieces as meshes";
+  const auto memory = context.reserve((2 * vertices + mesh.triangles.size()) * sizeof(std::uint32_t), what);
+  if (!memory) return tl::unexpected(memory.error());
+  std::vector<std::uint32_t> piece_of(shells->count());
+  for (std::uint32_t p = 0; p < bodies.size(); ++p) piece_of[bodies[p]] = p;
+  for (std::size_t i = 0; i < shells->count(); ++i) piece_of[i] = piece_of[shells->nesting.body[i]];
+  const PieceLists lists = list_pieces(mesh, shells->components, piece_of, bodies.size());
+  Buffer<std::uint32_t> new_of_old(vertices);
+  std::vector<mesh::Mesh> pieces(bodies.size());
+  for (std::size_t p = 0; p < pieces.size(); ++p) {
+    const auto part = [p](const Buffer<std::uint32_t>& list, const std::vector<std::uint64_t>& first) {
+      return list.span().subspan(first[p], first[p + 1] - first[p]);
+    };
+    const auto own = part(lists.vertices, lists.first_vertex);
+    const auto triangles = part(lists.triangles, lists.first_triangle);
+    auto own_memory = context.reserve(own.size() * vertex_bytes(mesh) + triangles.size() * sizeof(glm::uvec3), what);
+    if (!own_memory) return tl::unexpected(std::move(own_memory.error()));
+    mesh::Mesh& piece = pieces[p];
+    piece.name = mesh.name;
+    piece.origin = mesh.origin;
+    piece.material = mesh.material;
+    piece.memory = std::move(*own_memory);
+    piece.positions = gathered_from(mesh.positions, 1, own);
+    piece.normals = gathered_from(mesh.normals, 1, own);
+    piece.edges = gathered_from(mesh.edges, 1, own);
+    for (const mesh::Attribute& attribute : mesh.attributes) {
+      piece.attributes.push_back(attribute.without_values());
+      piece.attributes.back().values = gathered_from(attribute.values, attribute.stride(), own);
+    }
+    for (std::uint32_t i = 0; i < own.size(); ++i) new_of_old[own[i]] = i;
+    piece.triangles = Buffer<glm::uvec3>(triangles.size());
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+      const glm::uvec3& t = mesh.triangles[triangles[i]];
+      piece.triangles[i] = {new_of_old[t.x], new_of_old[t.y], new_of_old[t.z]};
+    }
+  }
+  return pieces;
+}
+
+template <class Work>
+auto with_memory(const std::string& name, const Work& work) -> decltype(work()) {
+  try {
+    return work();
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorKind::input, name + ": the pieces of its surface need more memory than there is",
+                Remedy::extract_part);
+  }
+}
+
+}  // namespace
+
+Result<KeptPieces> keep_pieces(mesh::Mesh mesh, const PieceOptions& options, const Context& context) {
+  const std::string name = mesh.name;
+  return with_memory(name, [&] { return keep(std::move(mesh), options, context); });
+}
+
+Result<std::vector<mesh::Mesh>> split_pieces(mesh::Mesh mesh, std::uint64_t most, const Context& context) {
+  const std::string name = mesh.name;
+  return with_memory(name, [&] { return split(std::move(mesh), most, context); });
+}
+
+}  // namespace isoextract::edit

@@ -1,0 +1,67 @@
+// The pieces of a surface: small ones dropped, the largest kept, each as a mesh of its own.
+//
+// A piece is a body: a shell together with the walls of the cavities in it, as what is printed or simulated is. A shell
+// is a component of the mesh that is closed; where its triangles face into the space that it closes off, it is the wall
+// of a cavity. A component that is open is a piece by itself, and so is a cavity around which no shell is found. What
+// lies loose in a cavity is a piece by itself.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "base/context.hpp"
+#include "base/error.hpp"
+#include "base/stopwatch.hpp"
+#include "mesh/mesh.hpp"
+
+namespace isoextract::edit {
+
+enum class PieceMeasure { triangles, area, volume };
+
+// What goes, in this order.
+struct PieceOptions {
+  // Components of less, each measured by itself: a body goes with its cavities, a cavity that goes is filled. Open
+  // components have no volume and stay where that is what is measured.
+  std::optional<double> least;
+  PieceMeasure measure = PieceMeasure::triangles;
+  bool fill_cavities = false;  // all of them
+  // How many bodies stay: those of the largest area, their cavities not counted; of equal ones the first.
+  std::optional<std::uint64_t> largest;
+  // From the mesh's coordinates to the space in which areas and volumes are meant.
+  glm::dmat3 to_metric{1.0};
+};
+
+struct PieceCounts {
+  std::uint64_t triangles = 0;
+  std::uint64_t components = 0;
+  std::uint64_t bodies = 0;  // with the open components; the other components are walls of cavities
+};
+
+struct PieceFacts {
+  PieceCounts before;
+  PieceCounts after;
+  std::uint64_t without_volume = 0;  // open components that stayed because volume was measured
+  StageTime time;
+};
+
+struct KeptPieces {
+  mesh::Mesh mesh;
+  PieceFacts facts;
+};
+
+// The vertices and triangles of what stays, in their order and with all that belongs to them; where all stays, the
+// mesh. A filled cavity takes what lies in it along. No triangle is changed: what was closed is closed. The same for
+// any number of threads. Fails where the memory for it is not there.
+[[nodiscard]] Result<KeptPieces> keep_pieces(mesh::Mesh mesh, const PieceOptions& options,
+                                             const Context& context = Context());
+
+// Each piece as a mesh, the largest area first, with all that belongs to its vertices; none of a mesh without
+// triangles. Names are the mesh's. Fails where the memory is not there for all of them beside the mesh, and where there
+// are more than `most`: nothing is made then.
+[[nodiscard]] Result<std::vector<mesh::Mesh>> split_pieces(mesh::Mesh mesh, std::uint64_t most,
+                                                           const Context& context = Context());
+
+}  // namespace isoextract::edit

@@ -1,0 +1,270 @@
+#include "edit/smooth.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <new>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+
+#include "mesh/adjacency.hpp"
+#include "mesh/metrics.hpp"
+
+namespace isoextract::edit {
+namespace {
+
+using Neighbours = mesh::Buckets<std::uint32_t>;
+
+constexpr double kLambda = 0.5;
+constexpr std::size_t kVerticesAtATime = 1 << 12;
+
+template <class Body>
+void for_each_vertex(std::size_t count, const Body& body) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kVerticesAtATime), [&](const auto& range) {
+    for (std::size_t v = range.begin(); v != range.end(); ++v) body(v);
+  });
+}
+
+// The other way round for the vertices that triangles come back from.
+Neighbours ends_of_edges(const mesh::Mesh& mesh, bool outgoing) {
+  return {mesh.triangles.size(), mesh.positions.size(), [&mesh, outgoing](std::size_t i, const auto& put) {
+            const glm::uvec3& t = mesh.triangles[i];
+            if (mesh::repeats_index(t)) return;
+            for (int c = 0; c < 3; ++c) {
+              const std::uint32_t from = t[c];
+              const std::uint32_t to = t[(c + 1) % 3];
+              if (outgoing)
+                put(from, to);
+              else
+                put(to, from);
+            }
+          }};
+}
+
+// How a vertex may move, as bits.
+constexpr std::uint8_t kStays = 8;  // 1, 2 and 4: not across a side of the box along x, y, z
+
+class Signal {
+ public:
+  Signal(const mesh::Mesh& mesh, const SmoothOptions& options)
+      : mesh_(mesh), neighbours_(ends_of_edges(mesh, true)), bound_(mesh.positions.size()), walls_(options.walls) {
+    if (walls_) from_box_ = glm::inverse(walls_->to_box);
+    const Neighbours incoming = ends_of_edges(mesh, false);
+    for_each_vertex(mesh.positions.size(), [&](std::size_t v) {
+      const auto out = neighbours_.at(v);
+      bound_[v] = out.empty() || !std::ranges::equal(out, incoming.at(v)) ? kStays : sides_of(v);
+    });
+  }
+
+  // The mean of the neighbours less the vertex, of places that are moved by `moves`; as far as the vertex may move.
+  [[nodiscard]] glm::dvec3 laplacian(const Buffer<glm::vec3>& moves, std::size_t v) const {
+    if (bound_[v] == kStays) return glm::dvec3(0);
+    const glm::dvec3 here = glm::dvec3(mesh_.positions[v]) + glm::dvec3(moves[v]);
+    glm::dvec3 sum(0);
+    const auto near = neighbours_.at(v);
+    for (const std::uint32_t n : near) sum += glm::dvec3(mesh_.positions[n]) + glm::dvec3(moves[n]) - here;
+    sum /= static_cast<double>(near.size());
+    if (bound_[v] == 0) return sum;
+    glm::dvec3 in_box = walls_->to_box * sum;
+    for (int axis = 0; axis < 3; ++axis) {
+      if ((bound_[v] >> axis & 1) != 0) in_box[axis] = 0;
+    }
+    return from_box_ * in_box;
+  }
+
+  [[nodiscard]] std::uint8_t bound(std::size_t v) const { return bound_[v]; }
+
+ private:
+  [[nodiscard]] std::uint8_t sides_of(std::size_t v) const {
+    if (!walls_) return 0;
+    constexpr double kNear = 1e-4;
+    const glm::dvec3 p = walls_->to_box * mesh_.position(v) + walls_->offset;
+    std::uint8_t sides = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (std::abs(p[axis] - walls_->min[axis]) <= kNear || std::abs(p[axis] - walls_->max[axis]) <= kNear) {
+        sides = static_cast<std::uint8_t>(sides | 1 << axis);
+      }
+    }
+    return sides;
+  }
+
+  const mesh::Mesh& mesh_;
+  Neighbours neighbours_;
+  Buffer<std::uint8_t> bound_;
+  std::optional<SmoothWalls> walls_;
+  glm::dmat3 from_box_{1.0};
+};
+
+Buffer<glm::vec3> no_moves(std::size_t count) {
+  Buffer<glm::vec3> moves(count);
+  std::ranges::fill(moves, glm::vec3(0));
+  return moves;
+}
+
+double taubin_mu(double pass_band) { return 1 / (pass_band - 1 / kLambda); }
+
+Result<Buffer<glm::vec3>> taubin_moves(const Signal& signal, std::size_t vertices, const SmoothOptions& options,
+                                       const Context& context) {
+  Buffer<glm::vec3> moves = no_moves(vertices);
+  Buffer<glm::vec3> next(vertices);
+  const std::array<double, 2> steps{kLambda, taubin_mu(options.pass_band)};
+  for (std::uint64_t pass = 0; pass < options.passes; ++pass) {
+    for (const double step : steps) {
+      for_each_vertex(vertices,
+                      [&](std::size_t v) { next[v] = glm::dvec3(moves[v]) + step * signal.laplacian(moves, v); });
+      std::swap(moves, next);
+    }
+    if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
+    context.progress().advance(1);
+  }
+  return moves;
+}
+
+// What a sum of Chebyshev polynomials is at cos(angle).
+double chebyshev_sum(const std::vector<double>& coefficients, double angle) {
+  double sum = 0;
+  for (std::size_t i = 0; i < coefficients.size(); ++i) {
+    sum += coefficients[i] * std::cos(static_cast<double>(i) * angle);
+  }
+  return sum;
+}
+
+double angle_of(double frequency) { return std::acos(1 - frequency / 2); }
+
+// Of a step at `angle`, so that what does not vary stays as it is.
+std::vector<double> step_coefficients(std::uint64_t degree, double angle) {
+  std::vector<double> coefficients{angle / std::numbers::pi};
+  for (std::uint64_t i = 1; i <= degree; ++i) {
+    const auto n = static_cast<double>(i);
+    const double window = 0.54 + 0.46 * std::cos(n * std::numbers::pi / static_cast<double>(degree + 1));
+    coefficients.push_back(window * 2 * std::sin(n * angle) / (n * std::numbers::pi));
+  }
+  const double sum = chebyshev_sum(coefficients, 0);
+  for (double& c : coefficients) c /= sum;
+  return coefficients;
+}
+
+// The nearest step beyond the pass band that passes all of it, but for a thousandth.
+std::vector<double> sinc_coefficients(const SmoothOptions& options) {
+  const double band = angle_of(options.pass_band);
+  constexpr int kSteps = 1000;
+  std::vector<double> coefficients;
+  for (int i = 0; i <= kSteps; ++i) {
+    const double shift = (std::numbers::pi - band) * i / kSteps;
+    coefficients = step_coefficients(options.passes, band + shift);
+    if (chebyshev_sum(coefficients, band) >= 0.999) break;
+  }
+  return coefficients;
+}
+
+// T_n of the places less the places: T_n = 2 X T_(n-1) - T_(n-2), with X = I + L / 2.
+Result<Buffer<glm::vec3>> sinc_moves(const Signal& signal, std::size_t vertices, const SmoothOptions& options,
+                                     const Context& context) {
+  const std::vector<double> coefficients = sinc_coefficients(options);
+  Buffer<glm::vec3> before = no_moves(vertices);
+  Buffer<glm::vec3> now(vertices);
+  Buffer<glm::vec3> moves(vertices);
+  for_each_vertex(vertices, [&](std::size_t v) {
+    now[v] = 0.5 * signal.laplacian(before, v);
+    moves[v] = coefficients[1] * glm::dvec3(now[v]);
+  });
+  for (std::size_t n = 2; n < coefficients.size(); ++n) {
+    for_each_vertex(vertices, [&](std::size_t v) {
+      before[v] = 2.0 * glm::dvec3(now[v]) + signal.laplacian(now, v) - glm::dvec3(before[v]);
+      moves[v] = glm::dvec3(moves[v]) + coefficients[n] * glm::dvec3(before[v]);
+    });
+    std::swap(before, now);
+    if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
+    context.progress().advance(1);
+  }
+  return moves;
+}
+
+void renew_normals(mesh::Mesh& mesh) {
+  const mesh::Adjacency adjacency(mesh.triangles.span(), mesh.positions.size());
+  for_each_vertex(mesh.positions.size(), [&](std::size_t v) {
+    glm::dvec3 sum(0);
+    for (const mesh::Corner corner : adjacency.corners(v)) {
+      const glm::uvec3& t = mesh.triangles[mesh::triangle_of(corner)];
+      const auto c = static_cast<int>(corner % 3);
+      const glm::dvec3 here(mesh.positions[t[c]]);
+      const glm::dvec3 a = glm::dvec3(mesh.positions[t[(c + 1) % 3]]) - here;
+      const glm::dvec3 b = glm::dvec3(mesh.positions[t[(c + 2) % 3]]) - here;
+      const glm::dvec3 normal = glm::cross(a, b);
+      const double length = glm::length(normal);
+      if (length > 0) sum += normal / length * std::atan2(length, glm::dot(a, b));
+    }
+    // One that has none keeps what it had.
+    if (const double length = glm::length(sum); length > 0) mesh.normals[v] = sum / length;
+  });
+}
+
+Result<SmoothFacts> smooth_mesh(mesh::Mesh& mesh, const SmoothOptions& options, const Context& context) {
+  const Stopwatch watch;
+  SmoothFacts facts;
+  const std::size_t vertices = mesh.positions.size();
+  facts.vertices = vertices;
+  facts.volume_before = measure_size(mesh).volume;
+  {
+    const Signal signal(mesh, options);
+    context.progress().begin("smoothing", options.passes);
+    auto moves = options.method == SmoothMethod::taubin ? taubin_moves(signal, vertices, options, context)
+                                                        : sinc_moves(signal, vertices, options, context);
+    if (!moves) return tl::unexpected(std::move(moves.error()));
+    const glm::dvec2 most = tbb::parallel_reduce(
+        tbb::blocked_range<std::size_t>(0, vertices, kVerticesAtATime), glm::dvec2(0),
+        [&](const auto& range, glm::dvec2 so_far) {
+          for (std::size_t v = range.begin(); v != range.end(); ++v) {
+            const glm::vec3 place = glm::dvec3(mesh.positions[v]) + glm::dvec3((*moves)[v]);
+            const glm::dvec3 move = glm::dvec3(place) - glm::dvec3(mesh.positions[v]);
+            so_far = glm::max(so_far, {glm::length(options.to_metric * move), glm::length(move)});
+            mesh.positions[v] = place;
+          }
+          return so_far;
+        },
+        [](const glm::dvec2& x, const glm::dvec2& y) { return glm::max(x, y); });
+    facts.greatest_move = most.x;
+    facts.greatest_move_world = most.y;
+    for (std::size_t v = 0; v < vertices; ++v) {
+      facts.border_vertices += signal.bound(v) == kStays ? 1 : 0;
+      facts.wall_vertices += signal.bound(v) != kStays && signal.bound(v) != 0 ? 1 : 0;
+    }
+  }
+  mesh.edges = {};
+  if (!mesh.normals.empty()) renew_normals(mesh);
+  facts.volume_after = measure_size(mesh).volume;
+  facts.time = watch.elapsed();
+  return facts;
+}
+
+}  // namespace
+
+double smoothing_gain(const SmoothOptions& options, double frequency) {
+  if (options.method == SmoothMethod::sinc) return chebyshev_sum(sinc_coefficients(options), angle_of(frequency));
+  const double pass = (1 - kLambda * frequency) * (1 - taubin_mu(options.pass_band) * frequency);
+  return std::pow(pass, static_cast<double>(options.passes));
+}
+
+Result<SmoothFacts> smooth(mesh::Mesh& mesh, const SmoothOptions& options, const Context& context) {
+  const std::uint64_t vertices = mesh.positions.size();
+  const std::uint64_t triangles = mesh.triangles.size();
+  const std::string what = mesh.name + ": smoothing its surface";
+  const std::uint64_t filtering =
+      2 * Neighbours::bytes(3 * triangles, vertices) + vertices * (3 * sizeof(glm::vec3) + 1);
+  const std::uint64_t shading = mesh.normals.empty() ? 0 : mesh::Adjacency::bytes(triangles, vertices);
+  const auto memory = context.reserve(std::max(filtering, shading), what);
+  if (!memory) return tl::unexpected(memory.error());
+  try {
+    return smooth_mesh(mesh, options, context);
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorKind::input, what + " needs more memory than there is", Remedy::extract_part);
+  }
+}
+
+}  // namespace isoextract::edit

@@ -1,0 +1,154 @@
+// What blurs of fields have in common, whatever they make of a sample and those around it.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include "base/reserved_buffer.hpp"
+#include "field/detail/blurred_blocks.hpp"
+#include "field/scalar_field.hpp"
+#include "field/sparse_lookup.hpp"
+
+namespace isoextract::field {
+
+inline constexpr int kBlurBlockSide = SparseBlock::kSize;
+inline constexpr std::size_t kBlurBlockSamples = std::size_t{kBlurBlockSide} * kBlurBlockSide * kBlurBlockSide;
+
+// All of a field but its samples.
+inline ScalarField without_samples(const ScalarField& field) {
+  ScalarField other;
+  other.name = field.name;
+  other.source = field.source;
+  other.format = field.format;
+  other.world_space = field.world_space;
+  other.grids = field.grids;
+  other.grid = field.grid;
+  other.kind = field.kind;
+  other.scale = field.scale;
+  other.index_to_world = field.index_to_world;
+  other.index_to_file = field.index_to_file;
+  return other;
+}
+
+inline std::string work_on(const ScalarField& field) { return field.source + ": its blurred samples"; }
+
+inline std::uint64_t threads_at_most() {
+  return static_cast<std::uint64_t>(tbb::this_task_arena::max_concurrency()) + 1;
+}
+
+// f(k, first, end) for each slice k of dense samples, which are those from `first` to `end`.
+template <class F>
+void for_slices(const DenseSamples& samples, const Context& context, const F& f) {
+  const std::size_t slice = static_cast<std::size_t>(samples.dims.x) * static_cast<std::size_t>(samples.dims.y);
+  tbb::parallel_for(0, samples.dims.z, [&](int k) {
+    if (!context.cancelled()) f(k, static_cast<std::size_t>(k) * slice, static_cast<std::size_t>(k + 1) * slice);
+  });
+}
+
+// A block of a sparse grid with what is around it, z fastest.
+template <class T>
+class Surroundings {
+ public:
+  Surroundings(const SparseSamples& samples, const SparseLookup& lookup, const glm::ivec3& reach)
+      : samples_(samples), lookup_(lookup), reach_(reach), dims_(kBlurBlockSide + 2 * reach) {}
+
+  [[nodiscard]] std::size_t size() const {
+    return static_cast<std::size_t>(dims_.x) * static_cast<std::size_t>(dims_.y) * static_cast<std::size_t>(dims_.z);
+  }
+  [[nodiscard]] const glm::ivec3& dims() const { return dims_; }
+
+  // Of the block at `origin`.
+  void gather(const glm::ivec3& origin, double* values) const {
+    const glm::ivec3 low = origin - reach_;
+    const glm::ivec3 high = low + dims_;  // exclusive
+    for (int x = block_origin(low).x; x < high.x; x += kBlurBlockSide) {
+      for (int y = block_origin(low).y; y < high.y; y += kBlurBlockSide) {
+        for (int z = block_origin(low).z; z < high.z; z += kBlurBlockSide) {
+          const glm::ivec3 place(x, y, z);
+          take(place, glm::max(place, low), glm::min(place + kBlurBlockSide, high), low, values);
+        }
+      }
+    }
+  }
+
+ private:
+  void take(const glm::ivec3& place, const glm::ivec3& from, const glm::ivec3& to, const glm::ivec3& low,
+            double* values) const {
+    const std::int32_t stored = lookup_.place(place);
+    const T* block =
+        stored >= 0 ? static_cast<const T*>(samples_.blocks[static_cast<std::size_t>(stored)].values) : nullptr;
+    const double constant = block != nullptr ? 0 : lookup_.constant_of(stored);
+    for (int x = from.x; x < to.x; ++x) {
+      for (int y = from.y; y < to.y; ++y) {
+        const glm::ivec3 at = glm::ivec3(x, y, from.z) - low;
+        double* row =
+            values +
+            (static_cast<std::size_t>(at.x) * static_cast<std::size_t>(dims_.y) + static_cast<std::size_t>(at.y)) *
+                static_cast<std::size_t>(dims_.z) +
+            at.z;
+        const std::size_t count = static_cast<std::size_t>(to.z - from.z);
+        if (block == nullptr) {
+          std::fill_n(row, count, constant);
+        } else {
+          const T* values_of = block + block_offset({x, y, from.z});
+          std::transform(values_of, values_of + count, row, [](T value) { return static_cast<double>(value); });
+        }
+      }
+    }
+  }
+
+  const SparseSamples& samples_;
+  const SparseLookup& lookup_;
+  glm::ivec3 reach_;
+  glm::ivec3 dims_;
+};
+
+// fill(origin, values, scratch) makes the values of a block, with `scratch_size` numbers for itself.
+template <class T, class Out, class Fill>
+Result<Samples> blur_sparse(const ScalarField& field, const SparseSamples& data, const glm::ivec3& reach,
+                            std::size_t scratch_per_sample, const Context& context, const Fill& fill) {
+  const std::string what = work_on(field);
+  const auto lookup_memory =
+      context.reserve(SparseLookup::node_origins(data).size() * sizeof(SparseLookup::Node), what);
+  if (!lookup_memory) return tl::unexpected(lookup_memory.error());
+  const SparseLookup lookup(data);
+  auto places = find_blurred_blocks(data, lookup, std::max({reach.x, reach.y, reach.z}), what, context);
+  if (!places) return tl::unexpected(std::move(places.error()));
+  const Surroundings<T> around(data, lookup, reach);
+  const std::size_t scratch_size = scratch_per_sample * around.size();
+  const auto scratch_memory = context.reserve(threads_at_most() * scratch_size * sizeof(double), what);
+  if (!scratch_memory) return tl::unexpected(scratch_memory.error());
+  const std::size_t count = places->origins.size();
+  auto made = make_reserved_buffer<Out>(count * kBlurBlockSamples, context, what);
+  if (!made) return tl::unexpected(made.error());
+  Out* const values = (*made)->values.data();
+  tbb::enumerable_thread_specific<std::vector<double>> scratch([&] { return std::vector<double>(scratch_size); });
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t b) {
+    if (context.cancelled()) return;
+    std::vector<double>& own = scratch.local();
+    around.gather(places->origins[b], own.data());
+    fill(around.dims(), own.data(), own.data() + around.size(), values + b * kBlurBlockSamples);
+    context.progress().advance(1);
+  });
+  if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
+  SparseSamples blurred;
+  blurred.type = sample_type_of<Out>();
+  blurred.background = data.background;
+  blurred.active_box = data.active_box;
+  blurred.active_voxels = data.active_voxels;
+  blurred.tiles = std::move(places->tiles);
+  blurred.blocks.reserve(count);
+  for (std::size_t b = 0; b < count; ++b)
+    blurred.blocks.push_back({places->origins[b], values + b * kBlurBlockSamples});
+  blurred.owner = std::move(*made);
+  return blurred;
+}
+
+}  // namespace isoextract::field
