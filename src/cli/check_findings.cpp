@@ -28,25 +28,25 @@ class Findings {
 
   std::vector<Finding> run() {
     if (check_.triangles == 0) {
-      slicer("There is nothing to print: the mesh has no triangles.");
-      engine("There is nothing to draw: the mesh has no triangles.");
-      return std::move(all_);
+      return {{kSlicer, "There is nothing to print: the mesh has no triangles."},
+              {kEngine, "There is nothing to draw: the mesh has no triangles."}};
     }
     tell_borders();
     tell_sides();
     tell_overlaps();
     tell_bodies();
     tell_shading();
-    if (all_.empty()) {
+    if (slicers_.empty()) {
       slicer("It takes the mesh as it is: closed, manifold, facing outward, and nowhere through itself.");
     }
     tell_size();
-    return std::move(all_);
+    slicers_.insert(slicers_.end(), engines_.begin(), engines_.end());
+    return std::move(slicers_);
   }
 
  private:
-  void slicer(std::string text) { all_.push_back({kSlicer, std::move(text)}); }
-  void engine(std::string text) { all_.push_back({kEngine, std::move(text)}); }
+  void slicer(std::string text) { slicers_.push_back({kSlicer, std::move(text)}); }
+  void engine(std::string text) { engines_.push_back({kEngine, std::move(text)}); }
 
   void tell_borders() {
     const auto& topology = check_.topology;
@@ -70,6 +70,10 @@ class Findings {
 
   void tell_sides() {
     const std::uint64_t inside_out = check_.count(Shell::inside_out);
+    if (check_.topology.misoriented_edges > 0) {
+      slicer(fmt::format("It has to turn triangles round: at {} neighbours wind against each other.",
+                         amount(check_.topology.misoriented_edges, "edge", "edges")));
+    }
     if (inside_out > 0) {
       slicer(fmt::format("It takes {} for a hollow: turn the triangles round.",
                          amount(inside_out, "component that is inside out", "components that are inside out")));
@@ -136,7 +140,8 @@ class Findings {
 
   const CheckReport& report_;
   const MeshCheck& check_;
-  std::vector<Finding> all_;
+  std::vector<Finding> slicers_;
+  std::vector<Finding> engines_;
 };
 
 }  // namespace

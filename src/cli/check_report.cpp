@@ -122,7 +122,9 @@ void add_mesh(NamedLines& lines, const CheckReport& report, const MeshCheck& che
   lines.add("closed", closed_line(check));
   lines.add("manifold", answer(Requirement::manifold, check));
   lines.add("oriented", answer(Requirement::oriented, check));
-  lines.add("outward", answer(Requirement::outward, check));
+  lines.add("outward", check.components.empty() || check.count(Shell::open) < check.components.size()
+                           ? answer(Requirement::outward, check)
+                           : "not known: nothing is closed");
   lines.add("intersections", intersection_line(check));
   lines.add("zero area", none_or(Requirement::no_zero_area, check));
   lines.add("duplicates", none_or(Requirement::no_duplicates, check));

@@ -22,8 +22,8 @@ struct EdgeDefects {
   [[nodiscard]] bool none() const { return open + nonmanifold + misoriented + nonmanifold_vertices == 0; }
 };
 
-// Open edges that follow each other along one fan of triangles after the other: the rim of a hole. Where two rims touch
-// in a vertex they are two; where an edge of three triangles or more ends on them, what meets there is one.
+// Open edges that follow each other along one fan of triangles after the other: the rim of a hole. A vertex of several
+// fans counts as several vertices, one a fan. Where an edge of three triangles or more ends on rims, they are one.
 struct BorderLoop {
   std::uint64_t edges = 0;
   double length = 0;

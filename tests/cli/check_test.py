@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 import struct
 import sys
 
@@ -12,6 +13,9 @@ try:
 except ImportError:
     sys.exit(f"{sys.executable} has no module jsonschema: {INSTALL}, as python3-jsonschema, for Debian's own python3")
 
+MIB = 1 << 20
+# The program and its libraries, the stacks of its threads, and small things that nobody reserves.
+OVERHEAD = 64 * MIB
 SCHEMA = json.loads((SOURCE / "docs" / "check.schema.json").read_text())
 FORMATS = ("glb", "gltf", "ply", "obj", "stl", "drc")
 CUBE = [(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)]
@@ -34,7 +38,8 @@ class CheckTest(ProgramTest):
     def test_a_sound_mesh_in_every_format(self):
         for extension in FORMATS:
             name = f"sphere.{extension}"
-            self.convert(SPHERE, "--iso", 0, "-o", name)
+            # As few bits as Draco has unless told leave some triangles no area.
+            self.convert(SPHERE, "--iso", 0, "-o", name, *(["--draco", "20"] if extension == "drc" else []))
             report = self.json(name, "--require", "printable,one-component,no-unused-vertices")
             mesh = report["mesh"]
             self.assertTrue(mesh["closed"], name)
@@ -44,10 +49,19 @@ class CheckTest(ProgramTest):
             self.assertEqual(report["unit"], "metre" if extension in ("glb", "gltf") else None)
             self.assertTrue(all(one["met"] for one in report["required"]))
             self.assertEqual(len(report["required"]), 9)
-            # Those of STL are its triangles' own, and others have the field's.
-            normals = mesh["normals"]
-            self.assertEqual(normals["corners"] + normals["missing"], 3 * mesh["triangles"], name)
-            self.assertEqual((normals["against"], normals["missing"], normals["not_unit"]), (0, 0, 0), name)
+
+    def test_normals_in_every_format(self):
+        """Of facets, of vertices, and of corners whose vertices were welded."""
+        for extension in FORMATS:
+            for kind in ("smooth", "flat", "none"):
+                name = f"{kind}.{extension}"
+                options = [] if extension == "stl" else ["--normals", kind]
+                self.convert(SPHERE, "--iso", 0, *options, "-o", name, *(["--draco", "20"] if extension == "drc" else []))
+                mesh = self.json(name)["mesh"]
+                if (kind == "none" and extension != "stl") or name == "flat.ply":
+                    self.assertIsNone(mesh["normals"], name)
+                    continue
+                self.assertEqual(mesh["normals"], {"corners": 3 * mesh["triangles"], "against": 0, "missing": 0, "not_unit": 0}, name)
 
     def test_the_schema_is_one_and_refuses_what_it_does_not_know(self):
         jsonschema.Draft202012Validator.check_schema(SCHEMA)
@@ -207,9 +221,30 @@ class CheckTest(ProgramTest):
         self.convert("check", "huge.obj", "--require", "printable,one-component")
         self.assertAlmostEqual(self.json("huge.obj")["mesh"]["volume"] / 1e90, 1, places=5)
 
+    def write_ply(self, name, vertices, triangles):
+        """Both as packed numbers."""
+        header = (f"ply\nformat binary_little_endian 1.0\nelement vertex {len(vertices) // 12}\nproperty float x\nproperty float y\n"
+                  f"property float z\nelement face {len(triangles) // 13}\nproperty list uchar int vertex_indices\nend_header\n")
+        (self.folder / name).write_bytes(header.encode() + vertices + triangles)
+
+    def test_memory_is_reserved_before_it_is_taken(self):
+        """With less than the process took, but for its libraries and stacks, it must refuse."""
+        self.convert("demo:gyroid?size=224", "--iso", 0, "-o", "gyroid.glb")
+        count = 500000
+        corners = [(i % 500, i // 500, 0.25 * (i % 3)) for i in range(count)]
+        self.write_ply("soup.ply", b"".join(struct.pack("<9f", x, y, z, x + 0.9, y, z, x, y + 0.9, z) for x, y, z in corners),
+                       b"".join(struct.pack("<B3i", 3, i, i + 1, i + 2) for i in range(0, 3 * count, 3)))
+        for name in ("gyroid.glb", "soup.ply"):
+            run = self.convert("check", name, "--verbose")
+            peak, unit = re.search(r"peak memory ([\d.]+) (MiB|GiB)", run.err).groups()
+            peak = float(peak) * {"MiB": MIB, "GiB": 1024 * MIB}[unit]
+            self.assertGreater(peak, 2 * OVERHEAD, name)
+            refused = self.run_program("check", name, "--memory-limit", str(int(peak - OVERHEAD)))
+            self.assert_fails(2, refused, "--memory-limit")
+
     def test_same_figures_for_any_number_of_threads(self):
         self.convert("demo:gyroid?size=40", "--iso", 0, "-o", "gyroid.ply")
-        mesh = read_ply(self.folder / "gyroid.ply")
+        mesh = read_ply((self.folder / "gyroid.ply").read_bytes())
         shaken = [tuple(c + 0.06 * math.sin(50 * i + axis) for axis, c in enumerate(v)) for i, v in enumerate(mesh.vertices)]
         self.write_obj("shaken.obj", shaken, mesh.triangles)
         one = self.convert("check", "shaken.obj", "--json", "--threads", 1).out

@@ -102,8 +102,8 @@ TEST(MeshCheckTest, HolesAreCountedAndMeasured) {
   EXPECT_EQ(two.components[0].genus, 0);
 }
 
-// Two rims through one vertex: holes in one cube at a corner, on both sides of what is left of the fan.
-TEST(MeshCheckTest, RimsThatTouchInAVertexAreTwo) {
+// Two triangles less at a pole: were it two vertices, one for each fan, the surface would have one rim.
+TEST(MeshCheckTest, AVertexOfTwoFansIsTwo) {
   mesh::Mesh mesh = test::sphere(6, false);
   const std::size_t pole_triangles = 12;
   std::vector<std::size_t> at_pole;

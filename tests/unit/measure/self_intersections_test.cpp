@@ -270,7 +270,7 @@ TEST(SelfIntersectionsTest, EndsWhereThereAreTooMany) {
 }
 
 TEST(SelfIntersectionsTest, SameForAnyNumberOfThreads) {
-  const mesh::Mesh mesh = soup(random_triangles(20000, 400, 5));
+  const mesh::Mesh mesh = soup(random_triangles(4000, 400, 5));
   const auto with_threads = [&](std::size_t threads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     return find(mesh);
