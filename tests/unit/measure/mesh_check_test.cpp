@@ -118,6 +118,11 @@ TEST(MeshCheckTest, AVertexOfTwoFansIsTwo) {
   EXPECT_EQ(found.topology.open_edges, 6U);
   EXPECT_EQ(found.loops.size(), 1U);  // each fan joins an edge of one hole with one of the other
   EXPECT_FALSE(meets(Requirement::manifold, found));
+  // Two triangles that share a corner alone have a rim each.
+  const MeshCheck bow =
+      check(make_mesh("bow", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}}, {{0, 1, 2}, {0, 3, 4}}));
+  EXPECT_EQ(bow.components.size(), 1U);
+  EXPECT_EQ(bow.loops.size(), 2U);
 }
 
 TEST(MeshCheckTest, ATriangleTurnedRound) {
@@ -180,6 +185,35 @@ TEST(MeshCheckTest, ShellsWithinShells) {
       EXPECT_EQ(found.components[i].shell, (depth - i) % 2 == 1 ? Shell::hollow : Shell::body);
     }
   }
+}
+
+// Rays that leave through corners, along sides, and lines that pass a shell behind the ray's start alone.
+TEST(MeshCheckTest, ShellsWithinShellsOfSlantedFaces) {
+  const auto octahedron = [](float radius, const glm::vec3& centre = glm::vec3(0)) {
+    std::vector<glm::vec3> positions{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+    for (glm::vec3& p : positions) p = p * radius + centre;
+    return make_mesh("octahedron", positions,
+                     {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}});
+  };
+  const auto within = [](const MeshCheck& found) {
+    std::vector<std::uint32_t> depths;
+    for (const Component& component : found.components) depths.push_back(component.within);
+    return depths;
+  };
+  using Depths = std::vector<std::uint32_t>;
+  EXPECT_EQ(within(check(all_of(octahedron(1), octahedron(2), octahedron(3), octahedron(4)))), (Depths{3, 2, 1, 0}));
+  // The ray goes along the side between two faces, y = 0, or through it, y = z.
+  EXPECT_EQ(within(check(all_of(octahedron(1), octahedron(0.125F, {0.25F, 0, 0.25F})))), (Depths{0, 1}));
+  EXPECT_EQ(within(check(all_of(octahedron(1), octahedron(0.125F, {0.25F, 0.25F, 0})))), (Depths{0, 1}));
+  EXPECT_EQ(within(check(all_of(octahedron(8), octahedron(1, {-20, 0, 0}), octahedron(1, {0, 8, 4})))),
+            (Depths{0, 0, 0}));
+  // Beyond a face, within its box.
+  EXPECT_EQ(within(check(all_of(octahedron(8), octahedron(0.5F, {5, 2.5F, 2.5F})))), (Depths{0, 0}));
+  // The diagonals of the faces in front of the rays.
+  mesh::Mesh outer = cube(3);
+  for (glm::vec3& p : outer.positions) p.y = -p.y;
+  for (glm::uvec3& t : outer.triangles) std::swap(t.y, t.z);
+  EXPECT_EQ(within(check(all_of(cube(1), std::move(outer)))), (Depths{1, 0}));
 }
 
 TEST(MeshCheckTest, SeamsOfDoubledVerticesAreTold) {
