@@ -52,7 +52,6 @@ Result<mesh::Mesh> copy_of_part(const mesh::Mesh& mesh, const meshes::MeshPart& 
 
 Result<void> check_parts(const CheckPlan& plan, const meshes::MeshFile& file, const Context& context,
                          CheckReport& report) {
-  if (file.parts.size() < 2) return {};
   for (const meshes::MeshPart& part : file.parts) {
     auto mesh = copy_of_part(file.mesh, part, context);
     if (!mesh) return tl::unexpected(mesh.error());

@@ -157,6 +157,7 @@ FileNormals normals_of(const FileSurface& surface) {
 
 std::vector<MeshPart> parts_of(const FileSurface& surface) {
   std::vector<MeshPart> parts;
+  if (surface.parts.size() < 2) return parts;
   for (std::size_t i = 0; i < surface.parts.size(); ++i) {
     const FilePart& part = surface.parts[i];
     const bool last = i + 1 == surface.parts.size();
@@ -180,8 +181,9 @@ MeshFile read_file(const files::InputFile& file, const MeshReadOptions& options)
       surface.normals.values.empty()
           ? 0
           : surface.normals.values.size() * sizeof(glm::vec3) + surface.triangles.size() * sizeof(glm::uvec3);
-  std::uint64_t part_bytes = surface.parts.size() * sizeof(MeshPart);
-  for (const FilePart& part : surface.parts) part_bytes += part.name.size();
+  std::uint64_t part_bytes = 0;
+  for (const FilePart& part : surface.parts) part_bytes += sizeof(MeshPart) + part.name.size();
+  if (surface.parts.size() < 2) part_bytes = 0;
   auto memory = context.reserve(result.mesh.positions.size() * mesh::vertex_bytes(result.mesh) +
                                     result.mesh.triangles.size_bytes() + normal_bytes + part_bytes,
                                 "its vertices and triangles");

@@ -52,7 +52,7 @@ struct MeshReadOptions {
 struct MeshFile {
   mesh::Mesh mesh;                 // named like the file; without normals
   FileNormals normals;             // where they were asked for and the file has any; the mesh's memory counts them
-  std::vector<MeshPart> parts;     // of glTF, one for each place where a mesh stands
+  std::vector<MeshPart> parts;     // of glTF, one for each place where a mesh stands; none where that is one
   std::string_view format;         // "PLY, text"
   bool y_up = false;               // its format prescribes that y points up; the others do not say what does
   bool is_ours = false;            // it says that isoextract wrote it; STL as text does not say who did

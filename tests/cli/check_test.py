@@ -181,6 +181,21 @@ class CheckTest(ProgramTest):
             normals = self.json("turned.gltf")["mesh"]["normals"]
             self.assertEqual((normals["against"], normals["missing"], normals["not_unit"]), (0, 0, 0), change)
 
+    def test_damaged_normals(self):
+        self.write_obj("range.obj", CUBE, FACES, [(0, 0, 1)] * 7)
+        self.assert_fails(2, self.run_program("check", "range.obj"), "range.obj: expected numbers of normals below 7", "found 7")
+        self.write_obj("some.obj", CUBE, FACES, CUBE)
+        text = (self.folder / "some.obj").read_text()
+        (self.folder / "some.obj").write_text(text.replace("f 1//1 3//3 2//2", "f 1 3/ 2/2/"))
+        self.assertEqual(self.json("some.obj")["mesh"]["normals"]["missing"], 3 + 2)  # and one vertex's is of length 0
+        self.convert(SPHERE, "--iso", 0, "-o", "sphere.gltf")
+        model = json.loads((self.folder / "sphere.gltf").read_text())
+        (primitive,) = model["meshes"][0]["primitives"]
+        model["accessors"][primitive["attributes"]["NORMAL"]]["count"] -= 1
+        (self.folder / "sphere.gltf").write_text(json.dumps(model))
+        self.assert_fails(2, self.run_program("check", "sphere.gltf"), "sphere.gltf: expected ", " normals of component type 5126")
+        self.convert("compare", "sphere.gltf", "sphere.gltf")  # which does without
+
     def test_each_mesh_of_a_file_and_all(self):
         self.convert(SPHERE, "--iso", -0.2, "--iso", 0.2, "-o", "two.glb")
         report = self.json("two.glb")
