@@ -78,8 +78,8 @@ void fill_in_optional_values(const CLI::App& command, std::vector<std::string>& 
 }
 
 bool takes_inputs(const CommandLine& line, const CLI::App& command) {
-  return &command == line.convert || &command == line.info || &command == line.compare || &command == line.render ||
-         &command == line.bench || &command == line.verify;
+  return &command == line.convert || &command == line.info || &command == line.compare || &command == line.check ||
+         &command == line.render || &command == line.bench || &command == line.verify;
 }
 
 // The volume, then the mesh.
@@ -100,6 +100,7 @@ bool take_input(CommandLine& line, const CLI::App* command, const std::string& w
   if (command == line.convert) line.convert_flags.input.inputs.push_back(word);
   if (command == line.info) line.info_flags.input.inputs.push_back(word);
   if (command == line.compare) line.compare_flags.meshes.push_back(word);
+  if (command == line.check) line.check_flags.meshes.push_back(word);
   if (command == line.render) line.render_flags.input.inputs.push_back(word);
   if (command == line.bench) line.bench_flags.input.inputs.push_back(word);
   if (command == line.verify) return take_verify_input(line.verify_flags, word);
@@ -171,6 +172,7 @@ Request request_of(const CommandLine& line, const CLI::App* command) {
   if (command == line.info) return Request::info;
   if (command == line.verify) return Request::verify;
   if (command == line.compare) return Request::compare;
+  if (command == line.check) return Request::check;
   if (command == line.render) return Request::render;
   if (command == line.bench) return Request::bench;
   if (command == line.stability) return Request::stability;

@@ -14,6 +14,7 @@ enum class Request {
   info,
   verify,
   compare,
+  check,
   render,
   bench,
   stability,

@@ -18,6 +18,7 @@
 #include "cli/batch_command.hpp"
 #include "cli/batch_plan.hpp"
 #include "cli/bench_command.hpp"
+#include "cli/check_command.hpp"
 #include "cli/command_line.hpp"
 #include "cli/compare_command.hpp"
 #include "cli/config_file.hpp"
@@ -137,6 +138,7 @@ int run_arguments(const std::vector<std::string>& arguments) {
     case Request::info: return run_info_command(line->info_flags, *line->info);
     case Request::verify: return plan_and_run(line->verify_flags, plan_verify, run_verify);
     case Request::compare: return plan_and_run(line->compare_flags, plan_compare, run_compare);
+    case Request::check: return plan_and_run(line->check_flags, plan_check, run_check);
     case Request::render: return plan_and_run(line->render_flags, plan_render, run_render);
     case Request::bench: return run_bench_command(line->bench_flags);
     case Request::merge: return done_or_reported(run_merge(line->merge_flags));

@@ -21,8 +21,9 @@ constexpr std::array<std::string_view, 8> kGroups{"Input",    "Particles", "Fram
 // Of all commands.
 constexpr std::array<std::string_view, 10> kAllGroups{"Input",   "Scene",    "Simulation", "Particles", "Frames",
                                                       "Surface", "Vertices", "Placement",  "Output",    "Run"};
-constexpr std::array<std::string_view, 12> kCommands{"convert",   "info",  "verify",  "compare",  "render", "bench",
-                                                     "stability", "merge", "devices", "simulate", "help",   "generate"};
+constexpr std::array<std::string_view, 13> kCommands{"convert",  "info",  "verify",    "compare", "check",
+                                                     "render",   "bench", "stability", "merge",   "devices",
+                                                     "simulate", "help",  "generate"};
 
 constexpr std::array kExamples{
     Example{"isoextract smoke.vdb --iso 0.5 -o smoke.glb", "A fog volume as a glTF file for Blender or a browser."},
@@ -36,6 +37,8 @@ constexpr std::array kExamples{
     Example{"isoextract dam.bgeo --particles smooth --radius 0.025 -o dam.vdb", "Their level set, for other programs."},
     Example{"isoextract verify smoke.vdb --iso 0.5 smoke.glb", "Whether a mesh is what its volume gives."},
     Example{"isoextract compare a.glb b.ply --max-distance 0.1", "Whether two meshes are the same surface, to 0.1."},
+    Example{"isoextract check head.stl --require printable",
+            "What is wrong with a mesh; exit code 6 if a slicer minds."},
     Example{"isoextract render smoke.vdb mesh.glb -o smoke.png", "A picture of a volume with a mesh in it."},
     Example{"isoextract 'demo:gyroid?size=128' --iso 0 --format ply -o - > gyroid.ply", "No file at all, and a pipe."},
 };

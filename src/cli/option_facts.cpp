@@ -18,6 +18,7 @@ std::string synopsis(const CLI::App& command) {
   if (name == "info") return "isoextract info INPUT... [options]";
   if (name == "verify") return "isoextract verify INPUT --iso V [MESH] [options]";
   if (name == "compare") return "isoextract compare A B [options]";
+  if (name == "check") return "isoextract check MESH [options]";
   if (name == "render") return "isoextract render INPUT... [-o FILE] [options]";
   if (name == "bench") return "isoextract bench [INPUT...] [options]";
   if (name == "devices") return "isoextract devices [options]";

@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "base/version.hpp"
+#include "cli/check_options.hpp"
 #include "cli/convert_options.hpp"
 #include "cli/help_topics.hpp"
 #include "cli/render_options.hpp"
@@ -155,6 +156,9 @@ std::unique_ptr<CommandLine> declare_command_line() {
   line->compare = add_command(app, "compare", "Compare two meshes: their topology, and the distances between them.");
   declare_compare(*line->compare, line->compare_flags);
   declare_run(*line->compare, line->compare_flags.run);
+
+  line->check = add_command(app, "check", "Say what is wrong with a mesh, for printing, engines and solvers.");
+  declare_check(*line->check, line->check_flags);
 
   line->render = add_command(app, "render", "Draw volumes, surfaces and meshes as pictures, as PNG or OpenEXR.");
   declare_render(*line->render, line->render_flags);

@@ -27,6 +27,7 @@
 #include "extract/extractor.hpp"
 #include "field/interpolant.hpp"
 #include "field/scalar_field.hpp"
+#include "measure/mesh_requirement.hpp"
 #include "meshes/mesh_writer.hpp"
 #include "points/method.hpp"
 #include "render/camera.hpp"
@@ -214,6 +215,16 @@ struct CompareFlags {
   RunFlags run;
 };
 
+struct CheckFlags {
+  std::vector<std::string> meshes;
+  bool weld = false;
+  std::optional<std::vector<measure::Requirement>> required;
+  std::optional<std::uint64_t> memory_limit;
+  bool json = false;
+  std::optional<std::string> report;
+  RunFlags run;
+};
+
 struct RenderFlags {
   InputFlags input;  // volumes and meshes
   ParticleFlags particles;
@@ -329,6 +340,7 @@ struct CommandLine {
   CLI::App* info = nullptr;
   CLI::App* verify = nullptr;
   CLI::App* compare = nullptr;
+  CLI::App* check = nullptr;
   CLI::App* render = nullptr;
   CLI::App* bench = nullptr;
   CLI::App* stability = nullptr;
@@ -344,6 +356,7 @@ struct CommandLine {
   InfoFlags info_flags;
   VerifyFlags verify_flags;
   CompareFlags compare_flags;
+  CheckFlags check_flags;
   RenderFlags render_flags;
   BenchFlags bench_flags;
   StabilityFlags stability_flags;

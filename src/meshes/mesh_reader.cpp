@@ -124,26 +124,73 @@ Buffer<std::byte> content_of(const files::InputFile& file, MemoryUse& memory) {
   return content;
 }
 
-FileSurface read_surface(const files::InputFile& file) {
+FileSurface read_surface(const files::InputFile& file, const MeshReadOptions& options) {
   MemoryUse memory(file.context());
   const Buffer<std::byte> content = content_of(file, memory);
-  const MeshSource source{file, content.span(), memory};
+  const MeshSource source{file, content.span(), memory, options.normals};
   return reader_of(source)(source);
 }
 
-MeshFile read_file(const files::InputFile& file) {
+// Takes what `surface` has; whose vertices and triangles the mesh has by now.
+FileNormals normals_of(const FileSurface& surface) {
+  FileNormals normals;
+  const auto& [values, numbers] = surface.normals;
+  if (values.empty()) return normals;
+  if (numbers.empty() && values.size() != surface.positions.size()) {
+    throw DamagedMesh(
+        fmt::format("expected a normal of each of {} vertices, found {}", surface.positions.size(), values.size()));
+  }
+  const auto& corners = numbers.empty() ? surface.triangles : numbers;
+  normals.values = Buffer<glm::vec3>(values.size());
+  std::copy(values.begin(), values.end(), normals.values.begin());
+  normals.numbers = Buffer<glm::uvec3>(corners.size());
+  std::copy(corners.begin(), corners.end(), normals.numbers.begin());
+  for (const glm::uvec3& t : normals.numbers) {
+    for (int c = 0; c < 3; ++c) {
+      if (t[c] < values.size() || t[c] == FileNormals::kNone) continue;
+      throw DamagedMesh(
+          fmt::format("expected numbers of normals below {}, as many as there are, found {}", values.size(), t[c]));
+    }
+  }
+  return normals;
+}
+
+std::vector<MeshPart> parts_of(const FileSurface& surface) {
+  std::vector<MeshPart> parts;
+  if (surface.parts.size() < 2) return parts;
+  for (std::size_t i = 0; i < surface.parts.size(); ++i) {
+    const FilePart& part = surface.parts[i];
+    const bool last = i + 1 == surface.parts.size();
+    const std::uint64_t end_vertex = last ? surface.positions.size() : surface.parts[i + 1].first_vertex;
+    const std::uint64_t end_triangle = last ? surface.triangles.size() : surface.parts[i + 1].first_triangle;
+    parts.push_back({part.name, part.first_vertex, end_vertex - part.first_vertex, part.first_triangle,
+                     end_triangle - part.first_triangle});
+  }
+  return parts;
+}
+
+MeshFile read_file(const files::InputFile& file, const MeshReadOptions& options) {
   const Context& context = file.context();
-  const FileSurface surface = read_surface(file);
+  const FileSurface surface = read_surface(file, options);
   if (surface.positions.empty() && !surface.triangles.empty()) {
     throw DamagedMesh("expected vertices, found triangles without any");
   }
   MeshFile result;
   result.mesh = mesh_of(surface, context);
-  auto memory = context.reserve(
-      result.mesh.positions.size() * mesh::vertex_bytes(result.mesh) + result.mesh.triangles.size_bytes(),
-      "its vertices and triangles");
+  const std::uint64_t normal_bytes =
+      surface.normals.values.empty()
+          ? 0
+          : surface.normals.values.size() * sizeof(glm::vec3) + surface.triangles.size() * sizeof(glm::uvec3);
+  std::uint64_t part_bytes = 0;
+  for (const FilePart& part : surface.parts) part_bytes += sizeof(MeshPart) + part.name.size();
+  if (surface.parts.size() < 2) part_bytes = 0;
+  auto memory = context.reserve(result.mesh.positions.size() * mesh::vertex_bytes(result.mesh) +
+                                    result.mesh.triangles.size_bytes() + normal_bytes + part_bytes,
+                                "its vertices and triangles");
   if (!memory) throw DamagedMesh(memory.error().message, memory.error().hint);
   result.mesh.memory = std::move(*memory);
+  result.normals = normals_of(surface);
+  result.parts = parts_of(surface);
   result.mesh.name = file.path().filename().string();
   result.format = surface.format;
   result.y_up = surface.y_up;
@@ -154,11 +201,11 @@ MeshFile read_file(const files::InputFile& file) {
 
 }  // namespace
 
-Result<MeshFile> read_mesh(const std::filesystem::path& path, const Context& context) {
+Result<MeshFile> read_mesh(const std::filesystem::path& path, const Context& context, const MeshReadOptions& options) {
   try {
     const auto file = files::InputFile::open(path, context);
     if (!file) return tl::unexpected(file.error());
-    return read_file(*file);
+    return read_file(*file, options);
   } catch (const Cancelled& cancelled) {
     return tl::unexpected(cancelled.error);
   } catch (const DamagedMesh& damage) {

@@ -11,6 +11,7 @@
 // back.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -24,8 +25,34 @@
 
 namespace isoextract::meshes {
 
+// Normals as the file has them, in the frame of the mesh. STL has one a triangle, OBJ one a corner, and other formats
+// one a vertex; corners that were welded keep their own.
+struct FileNormals {
+  static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+
+  Buffer<glm::vec3> values;    // any length; of files, so that they need not be finite
+  Buffer<glm::uvec3> numbers;  // of each triangle's corners: which value they have, or kNone
+
+  [[nodiscard]] bool empty() const { return values.empty(); }
+};
+
+// One mesh of a file that holds several: its vertices and triangles follow each other.
+struct MeshPart {
+  std::string name;  // as the file has it, up to 200 bytes; may be empty
+  std::uint64_t first_vertex = 0;
+  std::uint64_t vertices = 0;
+  std::uint64_t first_triangle = 0;
+  std::uint64_t triangles = 0;
+};
+
+struct MeshReadOptions {
+  bool normals = false;
+};
+
 struct MeshFile {
   mesh::Mesh mesh;                 // named like the file; without normals
+  FileNormals normals;             // where they were asked for and the file has any; the mesh's memory counts them
+  std::vector<MeshPart> parts;     // of glTF, one for each place where a mesh stands; none where that is one
   std::string_view format;         // "PLY, text"
   bool y_up = false;               // its format prescribes that y points up; the others do not say what does
   bool is_ours = false;            // it says that isoextract wrote it; STL as text does not say who did
@@ -40,7 +67,8 @@ struct MeshFile {
 // Fails with ErrorKind::input: a file that cannot be read, is damaged, has coordinates that are not finite, indices of
 // vertices that are not there, or needs more memory than is left; or glTF that requires an extension which may change
 // its triangles and is not read. The mesh keeps its part reserved. A file without triangles is no error.
-[[nodiscard]] Result<MeshFile> read_mesh(const std::filesystem::path& path, const Context& context = Context());
+[[nodiscard]] Result<MeshFile> read_mesh(const std::filesystem::path& path, const Context& context = Context(),
+                                         const MeshReadOptions& options = {});
 
 // The names of the files in which a .gltf keeps its data, as it has them; none where it is no glTF, or has none.
 [[nodiscard]] std::vector<std::string> data_file_names(const std::filesystem::path& gltf,

@@ -5,7 +5,7 @@ import subprocess
 
 from support import SOURCE, ProgramTest, main, needs_program
 
-COMMANDS = ("convert", "info", "verify", "compare", "render", "bench", "stability", "merge", "devices",
+COMMANDS = ("convert", "info", "verify", "compare", "check", "render", "bench", "stability", "merge", "devices",
             "simulate", "simulate water", "simulate jet", "help", "generate")
 
 

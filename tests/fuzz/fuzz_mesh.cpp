@@ -34,7 +34,7 @@ void read_one(const std::string& bytes) {
   test::write_bytes(files.input, bytes);
   const Context context(MemoryBudget(std::uint64_t{8} << 20));
   {
-    const auto read = meshes::read_mesh(files.input, context);
+    const auto read = meshes::read_mesh(files.input, context, {.normals = true});
     if (!read) {
       require(read.error().kind == ErrorKind::input && read.error().message.starts_with(files.input.string()));
       return;
@@ -43,6 +43,16 @@ void read_one(const std::string& bytes) {
     require(is_finite(mesh.origin));
     for (const glm::vec3& p : mesh.positions) require(is_finite(glm::dvec3(p)));
     for (const glm::uvec3& t : mesh.triangles) require(std::max({t.x, t.y, t.z}) < mesh.positions.size());
+    require(read->normals.empty() || read->normals.numbers.size() == mesh.triangles.size());
+    for (const glm::uvec3& t : read->normals.numbers) {
+      for (int c = 0; c < 3; ++c) require(t[c] < read->normals.values.size() || t[c] == meshes::FileNormals::kNone);
+    }
+    for (const meshes::MeshPart& part : read->parts) {
+      require(part.first_triangle + part.triangles <= mesh.triangles.size());
+      for (std::uint64_t t = part.first_triangle; t < part.first_triangle + part.triangles; ++t) {
+        for (int c = 0; c < 3; ++c) require(mesh.triangles[t][c] - part.first_vertex < part.vertices);
+      }
+    }
     for (const mesh::Attribute& attribute : mesh.attributes) {
       require(attribute.values.size() == mesh.positions.size() * attribute.stride());
     }

@@ -27,6 +27,26 @@ mesh::Attribute kind_of(const DracoAttribute& attribute, std::size_t number) {
   return kind;
 }
 
+// Where no two triangles share a vertex, vertices come three a triangle.
+void add_normals(const DracoSurface& unpacked, std::span<const std::uint32_t> vertices, bool is_soup, MemoryUse& memory,
+                 FileSurface& surface) {
+  const auto normals = std::ranges::find_if(unpacked.attributes, &DracoAttribute::is_normal);
+  if (normals == unpacked.attributes.end() || normals->type != mesh::ComponentType::f32 || normals->components != 3) {
+    return;
+  }
+  std::vector<glm::vec3>& values = surface.normals.values;
+  const std::size_t count = is_soup ? unpacked.vertices : vertices.size();
+  memory.make_room(values, count);
+  for (std::size_t i = 0; i < count; ++i) {
+    glm::vec3 normal;
+    std::memcpy(&normal, normals->values.data() + (is_soup ? i : vertices[i]) * sizeof normal, sizeof normal);
+    values.push_back(normal);
+  }
+  if (!is_soup) return;
+  memory.make_room(surface.normals.numbers, count / 3);
+  for (std::uint32_t c = 0; c + 2 < count; c += 3) surface.normals.numbers.emplace_back(c, c + 1, c + 2);
+}
+
 }  // namespace
 
 DracoSurface unpack_draco_surface(std::span<const std::byte> bytes, MemoryUse& memory) {
@@ -103,6 +123,7 @@ FileSurface read_drc(const MeshSource& source) {
     }
     surface.triangles = std::move(unpacked.triangles);
   }
+  if (source.with_normals) add_normals(unpacked, vertices, is_soup, source.memory, surface);
   bool has_colours = false;
   for (std::size_t a = 0; a < unpacked.attributes.size(); ++a) {
     const DracoAttribute& attribute = unpacked.attributes[a];

@@ -14,8 +14,10 @@
 #include <fmt/format.h>
 
 #include "meshes/detail/json_tree.hpp"
+#include "meshes/mesh_reader.hpp"
 #include "meshes/read/gltf_data.hpp"
 #include "meshes/read/gltf_json.hpp"
+#include "meshes/read/gltf_normals.hpp"
 #include "meshes/read/mesh_format_readers.hpp"
 
 namespace isoextract::meshes {
@@ -87,7 +89,13 @@ class ModelReader {
     for (const Instance& instance : instances) {
       Transform transform = instance.transform;
       if (surface_.origin) transform.offset = glm::dvec3(0);
-      add_mesh(entry(model_, "meshes", instance.mesh), transform);
+      const json& mesh = entry(model_, "meshes", instance.mesh);
+      constexpr std::size_t kNameBytes = 200;  // a scene may have one mesh in very many places
+      const std::string_view name = text_of(mesh, "name").substr(0, kNameBytes);
+      source_.memory.make_room(surface_.parts, 1);
+      source_.memory.take(2 * (sizeof(MeshPart) + name.size()));  // the list that is given out, too
+      surface_.parts.push_back({std::string(name), surface_.positions.size(), surface_.triangles.size()});
+      add_mesh(mesh, transform);
     }
     for (const std::string& name : left_out_) {
       surface_.notes.push_back(
@@ -363,7 +371,8 @@ class ModelReader {
     const std::size_t first_triangle = surface_.triangles.size();
     require_vertex_count(first_vertex + places.count);
     const std::vector<GltfView> views = attribute_views(*attributes, places.count);
-    if (primitive.contains("indices") && !is_soup) {
+    const bool is_indexed = primitive.contains("indices") && !is_soup;
+    if (is_indexed) {
       source_.memory.make_room(surface_.positions, places.count);
       for (std::uint64_t v = 0; v < places.count; ++v) surface_.positions.push_back(places.point(v));
       add_values(views, places.count, [](std::uint64_t v) { return v; });
@@ -374,10 +383,20 @@ class ModelReader {
     for (std::size_t v = first_vertex; v < surface_.positions.size(); ++v) {
       surface_.positions[v] = transform.linear * surface_.positions[v] + transform.offset;
     }
+    if (source_.with_normals) {
+      const auto corners = [&](std::uint64_t t) -> std::array<std::uint64_t, 3> {
+        if (!is_indexed) return corners_of(mode, t);
+        const glm::uvec3& triangle = surface_.triangles[first_triangle + t];
+        return {triangle.x - first_vertex, triangle.y - first_vertex, triangle.z - first_vertex};
+      };
+      add_gltf_normals(*data_, *attributes, places.count, surface_.triangles.size() - first_triangle, corners,
+                       transform, source_.memory, surface_.normals);
+    }
     // What a map that mirrors turned inside out is turned back; glTF 2.0, 3.7.4.
     if (glm::determinant(transform.linear) < 0) {
       for (std::size_t t = first_triangle; t < surface_.triangles.size(); ++t) {
         std::swap(surface_.triangles[t].y, surface_.triangles[t].z);
+        if (source_.with_normals) std::swap(surface_.normals.numbers[t].y, surface_.normals.numbers[t].z);
       }
     }
   }

@@ -39,10 +39,25 @@ struct FileAttribute {
   std::vector<std::byte> values;
 };
 
+// Normals as the file has them, which are not always those of vertices: STL has one a triangle, OBJ one a corner.
+struct FileSurfaceNormals {
+  std::vector<glm::vec3> values;
+  std::vector<glm::uvec3> numbers;  // of each triangle's corners; empty: those of its vertices
+};
+
+// What belongs to one mesh of a file of several.
+struct FilePart {
+  std::string name;
+  std::uint64_t first_vertex = 0;
+  std::uint64_t first_triangle = 0;
+};
+
 struct FileSurface {
   std::vector<glm::dvec3> positions;
   std::vector<glm::uvec3> triangles;
   std::vector<FileAttribute> attributes;  // of each position
+  FileSurfaceNormals normals;             // where they were asked for and the file has any
+  std::vector<FilePart> parts;            // of a format that holds several meshes, one after the other
   // The positions are float32 numbers relative to this, as the file has them; to be kept so.
   std::optional<glm::dvec3> origin;
   std::string_view format;
@@ -89,6 +104,7 @@ struct MeshSource {
   const files::InputFile& file;
   std::span<const std::byte> content;
   MemoryUse& memory;
+  bool with_normals = false;
   [[nodiscard]] std::string_view text() const {
     return {reinterpret_cast<const char*>(content.data()), content.size()};
   }

@@ -328,8 +328,20 @@ bool append(std::vector<std::byte>& values, ComponentType type, double number) {
   return append<double>(values, number);
 }
 
+// Of nx, ny and nz, where they are numbers.
+std::optional<std::array<std::size_t, 3>> find_normals(const Element& element) {
+  std::array<std::size_t, 3> columns{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto found = element.find(std::string{'n', "xyz"[axis]});
+    if (!found || element.properties[*found].count_type) return std::nullopt;
+    columns[axis] = *found;
+  }
+  return columns;
+}
+
 template <class Body>
-void read_vertices(Body& body, const Element& element, MemoryUse& memory, FileSurface& surface) {
+void read_vertices(Body& body, const Element& element, const MeshSource& source, FileSurface& surface) {
+  MemoryUse& memory = source.memory;
   std::array<std::size_t, 3> columns{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::string_view name = std::string_view("xyz").substr(axis, 1);
@@ -347,10 +359,16 @@ void read_vertices(Body& body, const Element& element, MemoryUse& memory, FileSu
     surface.attributes.push_back({std::move(attribute.kind), {}});
     memory.make_room(surface.attributes.back().values, element.count * surface.attributes.back().kind.stride());
   }
+  const auto normals = source.with_normals ? find_normals(element) : std::nullopt;
+  if (normals) memory.make_room(surface.normals.values, element.count);
   ElementReader reader(body, element, memory);
   for (std::uint64_t v = 0; v < element.count; ++v) {
     reader.next();
     surface.positions.emplace_back(reader.scalar(columns[0]), reader.scalar(columns[1]), reader.scalar(columns[2]));
+    if (normals) {
+      const auto [x, y, z] = *normals;
+      surface.normals.values.emplace_back(reader.scalar(x), reader.scalar(y), reader.scalar(z));
+    }
     for (std::size_t a = 0; a < attributes.size(); ++a) {
       FileAttribute& attribute = surface.attributes[first + a];
       for (const std::size_t column : attributes[a].columns) {
@@ -391,7 +409,8 @@ void read_faces(Body& body, const Element& element, MemoryUse& memory, FileSurfa
 }
 
 template <class Body>
-void read_body(Body body, const Header& header, MemoryUse& memory, FileSurface& surface) {
+void read_body(Body body, const Header& header, const MeshSource& source, FileSurface& surface) {
+  MemoryUse& memory = source.memory;
   std::uint64_t left = body.size();
   for (const Element& element : header.elements) {
     const std::uint64_t least = element.least_bytes(header.encoding == Encoding::text);
@@ -406,7 +425,7 @@ void read_body(Body body, const Header& header, MemoryUse& memory, FileSurface& 
       throw DamagedMesh(fmt::format("expected properties of the element '{}' in the header, found none", element.name));
     }
     if (element.name == "vertex") {
-      read_vertices(body, element, memory, surface);
+      read_vertices(body, element, source, surface);
     } else if (element.name == "face") {
       read_faces(body, element, memory, surface);
     } else {
@@ -431,9 +450,9 @@ FileSurface read_ply(const MeshSource& source) {
   surface.is_ours = header.is_ours;
   const std::string_view body = text.substr(header.bytes);
   if (header.encoding == Encoding::text) {
-    read_body(TextBody(body), header, source.memory, surface);
+    read_body(TextBody(body), header, source, surface);
   } else {
-    read_body(BinaryBody(body, header.encoding == Encoding::big), header, source.memory, surface);
+    read_body(BinaryBody(body, header.encoding == Encoding::big), header, source, surface);
   }
   return surface;
 }

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -13,11 +14,17 @@ namespace {
 constexpr std::size_t kPreambleBytes = 80 + sizeof(std::uint32_t);
 constexpr std::size_t kRecordBytes = 4 * sizeof(glm::vec3) + sizeof(std::uint16_t);
 
-FileSurface weld(const std::vector<glm::vec3>& corners, const MeshSource& source, std::string_view format) {
+// `normals` are one a triangle, where they were asked for.
+FileSurface weld(const std::vector<glm::vec3>& corners, std::vector<glm::vec3> normals, const MeshSource& source,
+                 std::string_view format) {
   require_vertex_count(corners.size());
   FileSurface surface;
   surface.format = format;
   weld_corners(corners, surface, source.memory);
+  if (!source.with_normals) return surface;
+  source.memory.make_room(surface.normals.numbers, normals.size());
+  for (std::uint32_t t = 0; t < normals.size(); ++t) surface.normals.numbers.emplace_back(t);
+  surface.normals.values = std::move(normals);
   return surface;
 }
 
@@ -46,11 +53,17 @@ FileSurface read_binary(const MeshSource& source) {
   std::vector<glm::vec3> corners;
   source.memory.make_room(corners, 3 * count);
   corners.resize(3 * count);
+  std::vector<glm::vec3> normals;
+  if (source.with_normals) {
+    source.memory.make_room(normals, count);
+    normals.resize(count);
+  }
   for (std::size_t t = 0; t < count; ++t) {
     const std::byte* record = source.content.data() + kPreambleBytes + t * kRecordBytes;
     std::memcpy(&corners[3 * t], record + sizeof(glm::vec3), 3 * sizeof(glm::vec3));
+    if (source.with_normals) std::memcpy(&normals[t], record, sizeof(glm::vec3));
   }
-  FileSurface surface = weld(corners, source, "STL, binary");
+  FileSurface surface = weld(corners, std::move(normals), source, "STL, binary");
   surface.is_ours = is_signature(source.text());
   if (const std::uint64_t more = source.content.size() - binary_size(count); more > 0) {
     surface.notes.push_back(fmt::format("{} bytes after its last triangle were left out", more));
@@ -61,6 +74,8 @@ FileSurface read_binary(const MeshSource& source) {
 FileSurface read_text(const MeshSource& source) {
   TextScanner scanner(without_utf8_mark(source.text()));
   std::vector<glm::vec3> corners;
+  std::vector<glm::vec3> normals;
+  glm::vec3 normal(0.0F);  // of the facet
   std::size_t closed = 0;  // corners whose facet has ended
   bool ended = false;
   constexpr std::array<std::string_view, 3> kEnds{"endloop", "endfacet", "endsolid"};
@@ -72,7 +87,14 @@ FileSurface read_text(const MeshSource& source) {
       for (int axis = 0; axis < 3; ++axis) p[axis] = static_cast<float>(scanner.number(scanner.word()));
       source.memory.make_room(corners, 1);
       corners.push_back(p);
+      if (source.with_normals && corners.size() % 3 == 0) {
+        source.memory.make_room(normals, 1);
+        normals.push_back(normal);
+      }
       ended = false;
+    } else if (source.with_normals && is_word(keyword, "facet")) {
+      scanner.word();  // "normal"
+      for (int axis = 0; axis < 3; ++axis) normal[axis] = static_cast<float>(scanner.number(scanner.word()));
     } else if (end != kEnds.end()) {
       const std::size_t count = corners.size() - closed;
       if (count != 3 && (count != 0 || *end == "endloop")) {
@@ -83,7 +105,7 @@ FileSurface read_text(const MeshSource& source) {
     }
   }
   if (!ended) scanner.expected("'endsolid'", "the end of the file");
-  return weld(corners, source, "STL, text");
+  return weld(corners, std::move(normals), source, "STL, text");
 }
 
 }  // namespace

@@ -29,6 +29,13 @@ TEST(MeshFileContext, IsKeptTo) {
       if (info.format == MeshFormat::gltf) bytes += std::filesystem::file_size(folder / "kept.bin");
       EXPECT_GE(context.counters().bytes_read, bytes) << info.name;
     }
+    {
+      const auto read = read_mesh(path, context, {.normals = true});
+      ASSERT_TRUE(read) << info.name;
+      EXPECT_EQ(context.memory().reserved(), read->mesh.positions.size_bytes() + read->mesh.triangles.size_bytes() +
+                                                 read->normals.values.size_bytes() +
+                                                 read->normals.numbers.size_bytes());
+    }
     EXPECT_EQ(context.memory().reserved(), 0U);
     context.cancel();
     const auto ended = read_mesh(path, context);

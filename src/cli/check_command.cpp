@@ -1,0 +1,125 @@
+#include "cli/check_command.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/byte_size.hpp"
+#include "base/context.hpp"
+#include "base/machine.hpp"
+#include "base/stopwatch.hpp"
+#include "cli/check_report.hpp"
+#include "cli/progress_bar.hpp"
+#include "files/output_file.hpp"
+#include "meshes/mesh_reader.hpp"
+
+namespace isoextract::cli {
+namespace {
+
+// Welded where that is asked for, with its normals.
+Result<measure::MeshCheck> check_one(mesh::Mesh& mesh, const meshes::FileNormals& normals,
+                                     std::span<const glm::uvec3> normal_numbers, bool weld, const Context& context) {
+  if (weld) {
+    if (auto joined = measure::join_repeated_vertices(mesh, context); !joined) return tl::unexpected(joined.error());
+  }
+  auto check = measure::check_mesh(mesh, context);
+  if (check && !normals.empty()) {
+    check->normals = measure::check_normals(mesh, normals.values.span(), normal_numbers);
+    // A mesh of the file that has none at all, beside others that do.
+    if (check->normals->corners == 0) check->normals.reset();
+  }
+  return check;
+}
+
+// A copy of what is checked of it: positions and triangles.
+Result<mesh::Mesh> copy_of_part(const mesh::Mesh& mesh, const meshes::MeshPart& part, const Context& context) {
+  auto memory = context.reserve(part.vertices * sizeof(glm::vec3) + part.triangles * sizeof(glm::uvec3),
+                                fmt::format("{}: one of its meshes", mesh.name));
+  if (!memory) return tl::unexpected(std::move(memory.error()));
+  mesh::Mesh copy;
+  copy.name = mesh.name;
+  copy.origin = mesh.origin;
+  copy.positions = Buffer<glm::vec3>(part.vertices);
+  copy.triangles = Buffer<glm::uvec3>(part.triangles);
+  std::ranges::copy(mesh.positions.span().subspan(part.first_vertex, part.vertices), copy.positions.begin());
+  std::ranges::transform(mesh.triangles.span().subspan(part.first_triangle, part.triangles), copy.triangles.begin(),
+                         [&](const glm::uvec3& t) { return t - static_cast<std::uint32_t>(part.first_vertex); });
+  copy.memory = std::move(*memory);
+  return copy;
+}
+
+Result<void> check_parts(const CheckPlan& plan, const meshes::MeshFile& file, const Context& context,
+                         CheckReport& report) {
+  for (const meshes::MeshPart& part : file.parts) {
+    auto mesh = copy_of_part(file.mesh, part, context);
+    if (!mesh) return tl::unexpected(mesh.error());
+    const auto numbers = file.normals.empty()
+                             ? std::span<const glm::uvec3>()
+                             : file.normals.numbers.span().subspan(part.first_triangle, part.triangles);
+    auto check = check_one(*mesh, file.normals, numbers, plan.weld, context);
+    if (!check) return tl::unexpected(check.error());
+    report.parts.push_back({part.name, std::move(*check)});
+  }
+  return {};
+}
+
+Result<CheckReport> make_report(const CheckPlan& plan, const Messages& messages, const Context& context) {
+  CheckReport report;
+  report.file = plan.mesh;
+  report.welded = plan.weld;
+  report.required = plan.required;
+  ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
+  context.progress().begin("reading the mesh", 0);
+  auto file = meshes::read_mesh(plan.mesh, context, {.normals = true});
+  if (!file) return tl::unexpected(std::move(file.error()));
+  bar.above([&] {
+    for (const std::string& note : file->notes) messages.note(note);
+  });
+  file->mesh.name = plan.mesh;
+  report.format = file->format;
+  report.in_metres = file->y_up;  // glTF alone prescribes both
+  report.has_normals = !file->normals.empty();
+  if (auto checked = check_parts(plan, *file, context, report); !checked) return tl::unexpected(checked.error());
+  auto whole = check_one(file->mesh, file->normals, file->normals.numbers.span(), plan.weld, context);
+  if (!whole) return tl::unexpected(std::move(whole.error()));
+  report.whole = std::move(*whole);
+  return report;
+}
+
+Result<void> meet_requirements(const CheckReport& report) {
+  std::vector<std::string_view> words;
+  std::vector<std::string> found;
+  for (const measure::Requirement one : report.required) {
+    const auto why = measure::why_not(one, report.whole);
+    if (!why) continue;
+    words.push_back(word_of(one));
+    if (std::ranges::find(found, *why) == found.end()) found.push_back(*why);
+  }
+  if (words.empty()) return {};
+  const auto& joined = report.whole.joined;
+  const bool would_close = joined && joined->open_edges == 0 && report.whole.topology.open_edges > 0;
+  return fail(ErrorKind::verification,
+              fmt::format("{}: it is not {}: {}", report.file, fmt::join(words, ", "), fmt::join(found, "; ")),
+              would_close ? "--weld joins vertices at one place, and then it is closed" : "");
+}
+
+}  // namespace
+
+Result<void> run_check(const CheckPlan& plan, const Messages& messages) {
+  const Stopwatch watch;
+  const Context context{plan.memory};
+  const auto report = make_report(plan, messages, context);
+  if (!report) return tl::unexpected(report.error());
+  messages.detail(fmt::format("checked in {:.2f} s, peak memory {}", watch.elapsed().wall_seconds,
+                              format_byte_size(peak_memory())));
+  const std::string json = plan.json || plan.report ? convert::json_text(check_json(*report)) : std::string();
+  if (plan.report) {
+    if (auto written = files::write_file(*plan.report, json); !written) return written;
+  }
+  if (auto printed = print_to_stdout(plan.json ? json : check_text(*report)); !printed) return printed;
+  return meet_requirements(*report);
+}
+
+}  // namespace isoextract::cli

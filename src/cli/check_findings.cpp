@@ -1,0 +1,151 @@
+// What a slicer or an engine would say of a mesh, in plain sentences.
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "cli/check_report.hpp"
+
+namespace isoextract::cli {
+namespace {
+
+using measure::MeshCheck;
+using measure::Shell;
+
+constexpr std::string_view kSlicer = "slicer";
+constexpr std::string_view kEngine = "engine";
+
+std::string amount(std::uint64_t count, std::string_view one, std::string_view many) {
+  return fmt::format("{} {}", count, count == 1 ? one : many);
+}
+
+std::string size_text(const glm::dvec3& size, double scale, std::string_view unit) {
+  return fmt::format("{:.4g} x {:.4g} x {:.4g} {}", size.x * scale, size.y * scale, size.z * scale, unit);
+}
+
+class Findings {
+ public:
+  explicit Findings(const CheckReport& report) : report_(report), check_(report.whole) {}
+
+  std::vector<Finding> run() {
+    if (check_.triangles == 0) {
+      return {{kSlicer, "There is nothing to print: the mesh has no triangles."},
+              {kEngine, "There is nothing to draw: the mesh has no triangles."}};
+    }
+    tell_borders();
+    tell_sides();
+    tell_overlaps();
+    tell_bodies();
+    tell_shading();
+    if (slicers_.empty()) {
+      slicer("It takes the mesh as it is: closed, manifold, facing outward, and nowhere through itself.");
+    }
+    tell_size();
+    slicers_.insert(slicers_.end(), engines_.begin(), engines_.end());
+    return std::move(slicers_);
+  }
+
+ private:
+  void slicer(std::string text) { slicers_.push_back({kSlicer, std::move(text)}); }
+  void engine(std::string text) { engines_.push_back({kEngine, std::move(text)}); }
+
+  void tell_borders() {
+    const auto& topology = check_.topology;
+    if (topology.open_edges > 0 && check_.joined && check_.joined->open_edges == 0) {
+      slicer("It joins vertices at one place, and then the mesh is closed; with --weld this report is about that.");
+      engine("It keeps vertices at one place apart: seams of colours, textures or normals.");
+    } else if (topology.open_edges > 0) {
+      const auto* longest = &*std::ranges::max_element(check_.loops, {}, &measure::BorderLoop::length);
+      slicer(fmt::format("It fills {} in its own way, the longest {:.4g} around, or refuses the mesh.",
+                         amount(check_.loops.size(), "hole", "holes"), longest->length));
+      engine("It shows the back of the surface through the holes, or nothing: draw both sides of its triangles.");
+    }
+    if (topology.nonmanifold_edges > 0) {
+      slicer(fmt::format("At {} of more than two triangles it has to guess what is inside.",
+                         amount(topology.nonmanifold_edges, "edge", "edges")));
+    }
+    if (topology.nonmanifold_edges + topology.nonmanifold_vertices > 0) {
+      engine("Subdivision, unwrapping and collision solids want a manifold, and may refuse this mesh.");
+    }
+  }
+
+  void tell_sides() {
+    const std::uint64_t inside_out = check_.count(Shell::inside_out);
+    if (check_.topology.misoriented_edges > 0) {
+      slicer(fmt::format("It has to turn triangles round: at {} neighbours wind against each other.",
+                         amount(check_.topology.misoriented_edges, "edge", "edges")));
+    }
+    if (inside_out > 0) {
+      slicer(fmt::format("It takes {} for a hollow: turn the triangles round.",
+                         amount(inside_out, "component that is inside out", "components that are inside out")));
+      engine("It shows the inside of what is inside out, where it draws one side of triangles only.");
+    }
+    if (check_.topology.misoriented_edges > 0) {
+      engine(fmt::format("It does not draw a part of the triangles: at {} neighbours wind against each other.",
+                         amount(check_.topology.misoriented_edges, "edge", "edges")));
+    }
+  }
+
+  void tell_overlaps() {
+    const auto& found = check_.intersections;
+    if (found.pairs > 0) {
+      slicer(
+          fmt::format("It finds {}{} of triangles that pass through each other: walls inside of walls, and slices "
+                      "whose outlines cross.",
+                      found.at_least ? "more than " : "", amount(found.pairs, "pair", "pairs")));
+    }
+    if (found.in_one_plane + found.duplicate_triangles > 0) {
+      engine("Triangles that lie on others in one plane flicker.");
+    }
+    if (check_.count(Shell::nested) > 0) {
+      slicer(fmt::format("It fills {} within {} twice, or makes it hollow.",
+                         amount(check_.count(Shell::nested), "body", "bodies"),
+                         check_.count(Shell::nested) == 1 ? "another" : "others"));
+    }
+  }
+
+  void tell_bodies() {
+    const std::uint64_t bodies = check_.components.size() - check_.count(Shell::hollow);
+    if (bodies > 1) {
+      const auto& smallest = *std::ranges::min_element(check_.components, {}, &measure::Component::triangles);
+      slicer(fmt::format("It prints {} separate pieces; the smallest has {}.", bodies,
+                         amount(smallest.triangles, "triangle", "triangles")));
+    }
+  }
+
+  void tell_shading() {
+    if (check_.intersections.zero_area_triangles > 0) {
+      engine(fmt::format("It cannot shade {} without area: they have no normal.",
+                         amount(check_.intersections.zero_area_triangles, "triangle", "triangles")));
+    }
+    if (check_.normals && check_.normals->against > 0) {
+      engine(fmt::format("It shades {:.2g} % of the corners from the wrong side: their normals point into the mesh.",
+                         100 * check_.normals->fraction_against()));
+    }
+    if (!report_.has_normals) {
+      engine("It makes normals of its own: the file has none.");
+    }
+  }
+
+  void tell_size() {
+    const glm::dvec3 size = check_.bounds.max - check_.bounds.min;
+    if (report_.in_metres) {
+      engine(fmt::format("It is {} large.", size_text(size, 1, "m")));
+      slicer(fmt::format("It is {} large, if it knows that glTF is in metres.", size_text(size, 1000, "mm")));
+      return;
+    }
+    const bool small = std::max({size.x, size.y, size.z}) < 1;
+    slicer(fmt::format("It reads the numbers as millimetres: {}{}.", size_text(size, 1, "mm"),
+                       small ? "; if they are metres, scale by 1000" : ""));
+  }
+
+  const CheckReport& report_;
+  const MeshCheck& check_;
+  std::vector<Finding> slicers_;
+  std::vector<Finding> engines_;
+};
+
+}  // namespace
+
+std::vector<Finding> findings_of(const CheckReport& report) { return Findings(report).run(); }
+
+}  // namespace isoextract::cli

@@ -1,0 +1,310 @@
+#include "cli/check_report.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "base/printable.hpp"
+#include "cli/layout.hpp"
+
+namespace isoextract::cli {
+namespace {
+
+using convert::Json;
+using measure::BorderLoop;
+using measure::Component;
+using measure::MeshCheck;
+using measure::Requirement;
+using measure::Shell;
+
+constexpr std::size_t kRowsOfText = 12;
+constexpr std::size_t kRowsOfJson = 1000;
+
+// The places of the largest of a list, in falling order; of equal ones the first comes first.
+template <class T, class Size>
+std::vector<std::size_t> largest(const std::vector<T>& list, std::size_t most, const Size& size_of) {
+  std::vector<std::size_t> order(list.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto last = order.begin() + static_cast<std::ptrdiff_t>(std::min(most, order.size()));
+  std::ranges::partial_sort(order, last, [&](std::size_t a, std::size_t b) {
+    return size_of(list[a]) != size_of(list[b]) ? size_of(list[a]) > size_of(list[b]) : a < b;
+  });
+  order.erase(last, order.end());
+  return order;
+}
+
+std::vector<std::size_t> largest_components(const MeshCheck& check, std::size_t most) {
+  return largest(check.components, most, [](const Component& component) { return component.triangles; });
+}
+
+std::vector<std::size_t> longest_loops(const MeshCheck& check, std::size_t most) {
+  return largest(check.loops, most, [](const BorderLoop& loop) { return loop.length; });
+}
+
+// "yes", or "no: 12 open edges in 2 loops".
+std::string answer(Requirement requirement, const MeshCheck& check) {
+  const auto why = measure::why_not(requirement, check);
+  return why ? "no: " + *why : "yes";
+}
+
+// "none", or "12 triangles without area".
+std::string none_or(Requirement requirement, const MeshCheck& check) {
+  return measure::why_not(requirement, check).value_or("none");
+}
+
+std::string point_in_words(const glm::dvec3& v) { return fmt::format("({:.9g}, {:.9g}, {:.9g})", v.x, v.y, v.z); }
+
+std::string closed_line(const MeshCheck& check) {
+  std::string text = answer(Requirement::closed, check);
+  if (check.loops.empty()) return text;
+  const BorderLoop& loop = check.loops[longest_loops(check, 1).front()];
+  text += fmt::format("; the longest of {} edges, {:.6g}", loop.edges, loop.length);
+  if (check.joined) {
+    text += check.joined->open_edges == 0
+                ? fmt::format("; closed were {} vertices joined with others at their place", check.repeated_vertices)
+                : fmt::format("; {} open edges were {} vertices joined with others at their place",
+                              check.joined->open_edges, check.repeated_vertices);
+  }
+  return text;
+}
+
+std::string intersection_line(const MeshCheck& check) {
+  const auto& found = check.intersections;
+  std::string text = none_or(Requirement::no_self_intersections, check);
+  if (found.pairs == 0) return text;
+  if (!found.at_least) {
+    text += fmt::format(", {} triangles in all", found.triangles);
+    if (found.in_one_plane > 0) text += fmt::format("; {} pairs in one plane", found.in_one_plane);
+    if (found.neighbours > 0) text += fmt::format("; {} of neighbours", found.neighbours);
+  }
+  const auto& [first, second] = found.examples.front();
+  return text + fmt::format("; the first are {} and {}", first, second);
+}
+
+std::string components_line(const MeshCheck& check) {
+  std::string text = fmt::format("{}", check.topology.components);
+  const char* before = ": ";
+  for (const Word<Shell>& shell : words_of(Shell{})) {
+    if (const std::uint64_t count = check.count(shell.value); count > 0) {
+      text += fmt::format("{}{} {}", before, count, shell.word);
+      before = ", ";
+    }
+  }
+  return text;
+}
+
+std::string normals_line(const MeshCheck& check) {
+  if (!check.normals) return "none in the file";
+  const auto& normals = *check.normals;
+  std::string text = fmt::format("{} of {} corners point against their triangle ({:.3g} %)", normals.against,
+                                 normals.corners, 100 * normals.fraction_against());
+  if (normals.missing > 0) text += fmt::format("; {} have none", normals.missing);
+  if (normals.not_unit > 0) text += fmt::format("; {} are not of length 1", normals.not_unit);
+  return text;
+}
+
+void add_mesh(NamedLines& lines, const CheckReport& report, const MeshCheck& check) {
+  lines.add("vertices", check.repeated_vertices == 0 ? fmt::format("{}", check.vertices)
+                                                     : fmt::format("{}, {} of them at the place of another",
+                                                                   check.vertices, check.repeated_vertices));
+  lines.add("triangles", fmt::format("{}", check.triangles));
+  const glm::dvec3 size = check.bounds.max - check.bounds.min;
+  lines.add("size", fmt::format("{:.6g} x {:.6g} x {:.6g}{}", size.x, size.y, size.z,
+                                report.in_metres ? " m" : "; the format has no unit"));
+  lines.add("bounds", fmt::format("{} .. {}", point_in_words(check.bounds.min), point_in_words(check.bounds.max)));
+  lines.add("area", fmt::format("{:.9g}{}", check.size.area, report.in_metres ? " m2" : ""));
+  if (check.topology.is_closed_oriented_manifold()) {
+    lines.add("volume", fmt::format("{:.9g}{}", check.size.volume, report.in_metres ? " m3" : ""));
+    lines.add("genus", fmt::format("{}", check.topology.genus()));
+  }
+  lines.add("components", components_line(check));
+  lines.add("closed", closed_line(check));
+  lines.add("manifold", answer(Requirement::manifold, check));
+  lines.add("oriented", answer(Requirement::oriented, check));
+  lines.add("outward", check.components.empty() || check.count(Shell::open) < check.components.size()
+                           ? answer(Requirement::outward, check)
+                           : "not known: nothing is closed");
+  lines.add("intersections", intersection_line(check));
+  lines.add("zero area", none_or(Requirement::no_zero_area, check));
+  lines.add("duplicates", none_or(Requirement::no_duplicates, check));
+  lines.add("unused", none_or(Requirement::no_unused_vertices, check));
+  if (report.has_normals) lines.add("normals", normals_line(check));
+}
+
+void add_components(NamedLines& lines, const MeshCheck& check) {
+  if (check.components.size() < 2) return;
+  lines.plain("");
+  lines.plain(fmt::format("  {:>10} {:>10} {:>8} {:>12} {:>12} {:>6} {:>6}  {}", "component", "triangles", "holes",
+                          "area", "volume", "genus", "within", "is"));
+  const auto rows = largest_components(check, kRowsOfText);
+  for (const std::size_t row : rows) {
+    const Component& component = check.components[row];
+    const bool closed = component.shell != Shell::open;
+    lines.plain(fmt::format("  {:>10} {:>10} {:>8} {:>12.6g} {:>12} {:>6} {:>6}  {}", row, component.triangles,
+                            component.loops, component.area, closed ? fmt::format("{:.6g}", component.volume) : "-",
+                            component.genus ? fmt::format("{}", *component.genus) : "-", component.within,
+                            word_of(component.shell)));
+  }
+  if (check.components.size() > rows.size()) {
+    lines.plain(fmt::format("  and {} smaller ones", check.components.size() - rows.size()));
+  }
+}
+
+std::string part_name(const PartReport& part, std::size_t number) {
+  return part.name.empty() ? fmt::format("mesh {}", number) : printable(part.name, 60);
+}
+
+void add_parts(NamedLines& lines, const CheckReport& report) {
+  const std::size_t shown = std::min(report.parts.size(), kRowsOfText);
+  for (std::size_t i = 0; i < shown; ++i) {
+    lines.plain("");
+    lines.plain(part_name(report.parts[i], i));
+    add_mesh(lines, report, report.parts[i].check);
+  }
+  if (shown < report.parts.size()) {
+    lines.plain("");
+    lines.plain(fmt::format("and {} meshes more, which the JSON report has", report.parts.size() - shown));
+  }
+}
+
+Json edges_json(const measure::EdgeDefects& edges) {
+  return {{"open_edges", edges.open},
+          {"nonmanifold_edges", edges.nonmanifold},
+          {"misoriented_edges", edges.misoriented},
+          {"nonmanifold_vertices", edges.nonmanifold_vertices}};
+}
+
+Json bounds_json(const mesh::Bounds& bounds) { return convert::json_of(field::Box{bounds.min, bounds.max}); }
+
+Json component_json(const Component& component, std::size_t number) {
+  const bool closed = component.shell != Shell::open;
+  Json json{{"component", number},
+            {"shell", word_of(component.shell)},
+            {"within", component.within},
+            {"vertices", component.vertices},
+            {"triangles", component.triangles}};
+  json.update(edges_json(component.edges));
+  json["loops"] = component.loops;
+  json["genus"] = convert::optional_json(component.genus);
+  json["area"] = component.area;
+  json["volume"] = closed ? Json(component.volume) : Json(nullptr);
+  json["bounds"] = bounds_json(component.bounds);
+  return json;
+}
+
+Json intersections_json(const measure::SelfIntersections& found) {
+  const auto counted = [&](std::uint64_t count) { return found.at_least ? Json(nullptr) : Json(count); };
+  Json examples = Json::array();
+  for (const auto& [first, second] : found.examples) examples.push_back({first, second});
+  return {{"pairs", found.pairs},
+          {"more", found.at_least},
+          {"in_one_plane", counted(found.in_one_plane)},
+          {"neighbours", counted(found.neighbours)},
+          {"triangles", counted(found.triangles)},
+          {"examples", std::move(examples)}};
+}
+
+Json normals_json(const std::optional<measure::NormalFacts>& normals) {
+  if (!normals) return nullptr;
+  return {{"corners", normals->corners},
+          {"against", normals->against},
+          {"missing", normals->missing},
+          {"not_unit", normals->not_unit}};
+}
+
+Json shells_json(const MeshCheck& check) {
+  Json shells = Json::object();
+  for (const Word<Shell>& shell : words_of(Shell{})) shells[std::string(shell.word)] = check.count(shell.value);
+  return shells;
+}
+
+Json mesh_json(const MeshCheck& check) {
+  const mesh::Topology& topology = check.topology;
+  const bool closed = topology.is_closed_oriented_manifold();
+  Json loops = Json::array();
+  for (const std::size_t row : longest_loops(check, kRowsOfJson)) {
+    const BorderLoop& loop = check.loops[row];
+    loops.push_back({{"edges", loop.edges}, {"length", loop.length}, {"component", loop.component}});
+  }
+  Json components = Json::array();
+  for (const std::size_t row : largest_components(check, kRowsOfJson)) {
+    components.push_back(component_json(check.components[row], row));
+  }
+  Json joined = nullptr;
+  if (check.joined) {
+    joined = edges_json({check.joined->open_edges, check.joined->nonmanifold_edges, check.joined->misoriented_edges,
+                         check.joined->nonmanifold_vertices});
+    joined["components"] = check.joined->components;
+  }
+  Json json{{"vertices", check.vertices},
+            {"triangles", check.triangles},
+            {"closed", topology.open_edges == 0 && check.triangles > 0}};
+  json.update(edges_json(
+      {topology.open_edges, topology.nonmanifold_edges, topology.misoriented_edges, topology.nonmanifold_vertices}));
+  json.update({{"loops", check.loops.size()},
+               {"longest_loops", std::move(loops)},
+               {"repeated_vertices", check.repeated_vertices},
+               {"if_joined", std::move(joined)},
+               {"unused_vertices", topology.unused_vertices},
+               {"repeated_index_triangles", topology.repeated_index_triangles},
+               {"zero_area_triangles", check.intersections.zero_area_triangles},
+               {"duplicate_triangles", check.intersections.duplicate_triangles},
+               {"self_intersections", intersections_json(check.intersections)},
+               {"components", topology.components},
+               {"shells", shells_json(check)},
+               {"largest_components", std::move(components)},
+               {"genus", closed ? Json(topology.genus()) : Json(nullptr)},
+               {"area", check.size.area},
+               {"volume", closed ? Json(check.size.volume) : Json(nullptr)},
+               {"bounds", bounds_json(check.bounds)},
+               {"normals", normals_json(check.normals)}});
+  return json;
+}
+
+Json required_json(const CheckReport& report) {
+  Json required = Json::array();
+  for (const Requirement one : report.required) {
+    const auto why = measure::why_not(one, report.whole);
+    required.push_back({{"requirement", word_of(one)}, {"met", !why}, {"found", convert::optional_json(why)}});
+  }
+  return required;
+}
+
+}  // namespace
+
+std::string check_text(const CheckReport& report) {
+  NamedLines lines;
+  lines.plain(printable(report.file));
+  lines.add("format", report.format);
+  if (!report.parts.empty()) lines.add("meshes", fmt::format("{}; here all as one", report.parts.size()));
+  if (report.welded) lines.add("welded", "vertices at one place were joined");
+  add_mesh(lines, report, report.whole);
+  add_components(lines, report.whole);
+  add_parts(lines, report);
+  lines.plain("");
+  lines.plain("what others would make of it");
+  for (const Finding& finding : findings_of(report)) lines.add(finding.who, finding.text);
+  return lines.take();
+}
+
+Json check_json(const CheckReport& report) {
+  Json parts = Json::array();
+  for (const PartReport& part : report.parts) {
+    Json json{{"name", part.name}};
+    json.update(mesh_json(part.check));
+    parts.push_back(std::move(json));
+  }
+  Json findings = Json::array();
+  for (const Finding& finding : findings_of(report)) findings.push_back({{"who", finding.who}, {"text", finding.text}});
+  return {{"file", report.file},
+          {"format", report.format},
+          {"unit", report.in_metres ? Json("metre") : Json(nullptr)},
+          {"welded", report.welded},
+          {"mesh", mesh_json(report.whole)},
+          {"meshes", std::move(parts)},
+          {"required", required_json(report)},
+          {"findings", std::move(findings)}};
+}
+
+}  // namespace isoextract::cli

@@ -1,0 +1,40 @@
+// What `check` found out, as a table, as sentences and as JSON.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "convert/json_values.hpp"
+#include "measure/mesh_check.hpp"
+
+namespace isoextract::cli {
+
+// One mesh of a file of several.
+struct PartReport {
+  std::string name;  // as the file has it; may be empty
+  measure::MeshCheck check;
+};
+
+struct CheckReport {
+  std::string file;
+  std::string_view format;
+  bool in_metres = false;    // as glTF prescribes; other formats have no unit
+  bool has_normals = false;  // one mesh of it at least
+  bool welded = false;
+  measure::MeshCheck whole;
+  std::vector<PartReport> parts;  // none where the file holds one mesh
+  std::vector<measure::Requirement> required;
+};
+
+// What those who use the mesh next would make of it.
+struct Finding {
+  std::string_view who;  // "slicer", "engine"
+  std::string text;      // a sentence
+};
+[[nodiscard]] std::vector<Finding> findings_of(const CheckReport& report);
+
+[[nodiscard]] std::string check_text(const CheckReport& report);
+[[nodiscard]] convert::Json check_json(const CheckReport& report);
+
+}  // namespace isoextract::cli

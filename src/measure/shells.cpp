@@ -1,0 +1,172 @@
+#include "measure/shells.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <new>
+#include <string>
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include "measure/detail/exact_sign.hpp"
+#include "measure/detail/triangle_boxes.hpp"
+#include "mesh/adjacency.hpp"
+
+namespace isoextract::measure {
+namespace {
+
+constexpr double kBoundless = std::numeric_limits<double>::infinity();
+
+// In the order of vertices and triangles, so that sums do not depend on threads.
+std::vector<Component> measure_components(const mesh::Mesh& mesh, const mesh::Components& components,
+                                          const MeshBorders& borders, std::vector<std::uint32_t>& rightmost) {
+  std::vector<Component> result(components.count());
+  rightmost.assign(components.count(), 0);
+  for (std::size_t c = 0; c < result.size(); ++c) {
+    result[c].edges = borders.components[c];
+    result[c].bounds = {glm::dvec3(kBoundless), glm::dvec3(-kBoundless)};
+  }
+  for (const BorderLoop& loop : borders.loops) ++result[loop.component].loops;
+  for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) {
+    const std::uint32_t c = components.of_vertex(v);
+    if (c == mesh::Components::kNone) continue;
+    Component& component = result[c];
+    const glm::dvec3 place = mesh.position(v);
+    if (component.vertices == 0 || mesh.positions[v].x > mesh.positions[rightmost[c]].x) rightmost[c] = v;
+    ++component.vertices;
+    component.bounds.min = glm::min(component.bounds.min, place);
+    component.bounds.max = glm::max(component.bounds.max, place);
+  }
+  for (const glm::uvec3& t : mesh.triangles) {
+    if (mesh::repeats_index(t)) continue;
+    const std::uint32_t number = components.of_vertex(t.x);
+    Component& component = result[number];
+    ++component.triangles;
+    // Relative to a vertex of the component, where little cancels.
+    const glm::dvec3 apex(mesh.positions[rightmost[number]]);
+    const glm::dvec3 a(mesh.positions[t.x]);
+    const glm::dvec3 normal = glm::cross(glm::dvec3(mesh.positions[t.y]) - a, glm::dvec3(mesh.positions[t.z]) - a);
+    component.area += glm::length(normal) / 2;
+    component.volume += glm::dot(a - apex, normal) / 6;
+  }
+  for (Component& component : result) {
+    const EdgeDefects& edges = component.edges;
+    if (edges.nonmanifold + edges.misoriented + edges.nonmanifold_vertices == 0) {
+      const auto edge_count = static_cast<std::int64_t>((3 * component.triangles + edges.open) / 2);
+      const std::int64_t euler =
+          static_cast<std::int64_t>(component.vertices) - edge_count + static_cast<std::int64_t>(component.triangles);
+      component.genus = (2 - static_cast<std::int64_t>(component.loops) - euler) / 2;
+    }
+    if (!edges.none()) component.volume = 0;
+  }
+  return result;
+}
+
+// Whether the ray from p along x passes the triangle a, b, c. Where it meets a side or a corner, that belongs to one of
+// the triangles that share it: points on a line count as right of it, and z as a little more than it is.
+bool is_passed(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& p) {
+  const glm::dvec2 at = along_axis(p, 0);
+  int winding = 0;
+  const auto add_side = [&](const glm::dvec3& from, const glm::dvec3& to) {
+    const bool rises = from.z <= p.z && to.z > p.z;
+    const bool falls = to.z <= p.z && from.z > p.z;
+    if (!rises && !falls) return;
+    const glm::dvec3& low = rises ? from : to;
+    const glm::dvec3& high = rises ? to : from;
+    if (turn_of(along_axis(low, 0), along_axis(high, 0), at) > 0) winding += rises ? 1 : -1;
+  };
+  add_side(a, b);
+  add_side(b, c);
+  add_side(c, a);
+  return winding != 0 && side_of_plane(a, b, c, p) == -winding;
+}
+
+class ShellNesting {
+ public:
+  ShellNesting(const mesh::Mesh& mesh, const mesh::Components& components, const std::vector<Component>& all)
+      : mesh_(mesh), components_(components), chosen_(chosen(mesh, components, all)) {}
+
+  [[nodiscard]] static std::uint64_t bytes(std::uint64_t triangles) {
+    return 2 * triangles * sizeof(std::uint32_t) + TriangleBoxes::bytes(triangles);
+  }
+
+  // Of each closed component, in how many others its rightmost vertex lies.
+  Result<void> count(const std::vector<std::uint32_t>& rightmost, std::vector<Component>& all, const Context& context) {
+    const TriangleBoxes boxes(mesh_.positions.span(), mesh_.triangles.span(), chosen_.span());
+    context.progress().begin("looking for shells within shells", all.size());
+    tbb::parallel_for(std::uint32_t{0}, static_cast<std::uint32_t>(all.size()), [&](std::uint32_t c) {
+      context.progress().advance(1);
+      if (!all[c].edges.none() || context.cancelled()) return;
+      const glm::vec3 p = mesh_.positions[rightmost[c]];
+      std::vector<std::uint32_t> passed;
+      const FloatBox ray{p, {std::numeric_limits<float>::infinity(), p.y, p.z}};
+      boxes.for_each_near(ray, [&](std::uint32_t t) {
+        const glm::uvec3& triangle = mesh_.triangles[t];
+        const std::uint32_t other = components_.of_vertex(triangle.x);
+        const auto corner = [&](int i) { return glm::dvec3(mesh_.positions[triangle[i]]); };
+        if (other != c && is_passed(corner(0), corner(1), corner(2), glm::dvec3(p))) passed.push_back(other);
+      });
+      std::ranges::sort(passed);
+      for (std::size_t i = 0; i < passed.size();) {
+        std::size_t last = i;
+        while (last < passed.size() && passed[last] == passed[i]) ++last;
+        all[c].within += static_cast<std::uint32_t>((last - i) % 2);
+        i = last;
+      }
+    });
+    return context.check();
+  }
+
+ private:
+  static Buffer<std::uint32_t> chosen(const mesh::Mesh& mesh, const mesh::Components& components,
+                                      const std::vector<Component>& all) {
+    Buffer<std::uint32_t> numbers(mesh.triangles.size());
+    std::size_t count = 0;
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+      const glm::uvec3& triangle = mesh.triangles[t];
+      if (mesh::repeats_index(triangle) || !all[components.of_vertex(triangle.x)].edges.none()) continue;
+      numbers[count++] = t;
+    }
+    Buffer<std::uint32_t> result(count);
+    std::copy_n(numbers.begin(), count, result.begin());
+    return result;
+  }
+
+  const mesh::Mesh& mesh_;
+  const mesh::Components& components_;
+  Buffer<std::uint32_t> chosen_;  // triangles of closed components
+};
+
+Shell shell_of(const Component& component) {
+  if (!component.edges.none()) return Shell::open;
+  if (component.within % 2 == 0) return component.volume < 0 ? Shell::inside_out : Shell::body;
+  return component.volume < 0 ? Shell::hollow : Shell::nested;
+}
+
+}  // namespace
+
+Result<std::vector<Component>> describe_components(const mesh::Mesh& mesh, const mesh::Components& components,
+                                                   const MeshBorders& borders, const Context& context) {
+  const std::string what = fmt::format("{}: its components", mesh.name);
+  const auto closed = static_cast<std::size_t>(std::ranges::count_if(borders.components, &EdgeDefects::none));
+  const std::uint64_t nesting = closed < 2 ? 0 : ShellNesting::bytes(mesh.triangles.size());
+  const auto memory = context.reserve(components.count() * (sizeof(Component) + sizeof(std::uint32_t)) + nesting, what);
+  if (!memory) return tl::unexpected(memory.error());
+  try {
+    std::vector<std::uint32_t> rightmost;
+    std::vector<Component> all = measure_components(mesh, components, borders, rightmost);
+    if (closed > 1) {
+      if (auto counted = ShellNesting(mesh, components, all).count(rightmost, all, context); !counted) {
+        return tl::unexpected(counted.error());
+      }
+    }
+    for (Component& component : all) component.shell = shell_of(component);
+    return all;
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorKind::input, what + " need more memory than there is");
+  }
+}
+
+}  // namespace isoextract::measure

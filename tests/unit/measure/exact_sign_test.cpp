@@ -1,0 +1,91 @@
+#include "measure/detail/exact_sign.hpp"
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include <gtest/gtest.h>
+
+namespace isoextract::measure {
+namespace {
+
+__extension__ using Whole = __int128;
+
+int sign_of(Whole value) { return value > 0 ? 1 : value < 0 ? -1 : 0; }
+
+// (b - a) x (c - a) . (d - a)
+int whole_side(const std::array<glm::i64vec3, 4>& p) {
+  const auto part = [&](int i, int axis) { return Whole{p[static_cast<std::size_t>(i)][axis] - p[0][axis]}; };
+  const Whole x = part(1, 1) * part(2, 2) - part(1, 2) * part(2, 1);
+  const Whole y = part(1, 2) * part(2, 0) - part(1, 0) * part(2, 2);
+  const Whole z = part(1, 0) * part(2, 1) - part(1, 1) * part(2, 0);
+  return sign_of(x * part(3, 0) + y * part(3, 1) + z * part(3, 2));
+}
+
+int side(const std::array<glm::i64vec3, 4>& p, double scale) {
+  std::array<glm::dvec3, 4> d;
+  for (std::size_t i = 0; i < 4; ++i) d[i] = glm::dvec3(p[i]) * scale;
+  return side_of_plane(d[0], d[1], d[2], d[3]);
+}
+
+TEST(ExactSign, SaysOnWhichSideOfAPlane) {
+  EXPECT_EQ(side_of_plane({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}), 1);
+  EXPECT_EQ(side_of_plane({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, -1}), -1);
+  EXPECT_EQ(side_of_plane({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {5, 7, 0}), 0);
+  EXPECT_EQ(turn_of({0, 0}, {1, 0}, {0, 1}), 1);
+  EXPECT_EQ(turn_of({0, 0}, {0, 1}, {1, 0}), -1);
+  EXPECT_EQ(turn_of({0, 0}, {1, 1}, {3, 3}), 0);
+}
+
+// Points that are on a plane, or beside it by one part in 2^22: what the sum in double does not tell.
+TEST(ExactSign, IsRightNearThePlane) {
+  std::mt19937 random(1);
+  std::uniform_int_distribution<std::int64_t> coordinate(-(1 << 11), 1 << 11);
+  std::uniform_int_distribution<std::int64_t> factor(-500, 500);
+  std::uniform_int_distribution<std::int64_t> off(-1, 1);
+  int zeros = 0;
+  for (int i = 0; i < 200000; ++i) {
+    const auto point = [&] { return glm::i64vec3(coordinate(random), coordinate(random), coordinate(random)); };
+    std::array<glm::i64vec3, 4> p{point(), point(), point(), {}};
+    p[3] = p[0] + factor(random) * (p[1] - p[0]) + factor(random) * (p[2] - p[0]) +
+           glm::i64vec3(off(random), off(random), off(random));
+    const int expected = whole_side(p);
+    zeros += expected == 0 ? 1 : 0;
+    // Powers of two change nothing: down to subnormal numbers, and up to the greatest.
+    for (const double scale : {1.0, 0x1p-149, 0x1p100}) ASSERT_EQ(side(p, scale), expected) << i;
+  }
+  EXPECT_GT(zeros, 1000);
+}
+
+TEST(ExactSign, TurnIsRightNearTheLine) {
+  std::mt19937 random(2);
+  std::uniform_int_distribution<std::int64_t> coordinate(-(1 << 12), 1 << 12);
+  std::uniform_int_distribution<std::int64_t> factor(-1000, 1000);
+  std::uniform_int_distribution<std::int64_t> off(-1, 1);
+  for (int i = 0; i < 200000; ++i) {
+    const glm::i64vec2 a(coordinate(random), coordinate(random));
+    const glm::i64vec2 b(coordinate(random), coordinate(random));
+    const glm::i64vec2 c = a + factor(random) * (b - a) + glm::i64vec2(off(random), off(random));
+    const int expected = sign_of(Whole{b.x - a.x} * (c.y - a.y) - Whole{b.y - a.y} * (c.x - a.x));
+    ASSERT_EQ(turn_of(glm::dvec2(a) * 0x1p-149, glm::dvec2(b) * 0x1p-149, glm::dvec2(c) * 0x1p-149), expected);
+    ASSERT_EQ(turn_of(glm::dvec2(a), glm::dvec2(b), glm::dvec2(c)), expected);
+  }
+}
+
+// Large and tiny coordinates in one determinant: the difference of two of them has more bits than double.
+TEST(ExactSign, LosesNoBitsOfFarApartNumbers) {
+  const double large = std::numeric_limits<float>::max();
+  const double tiny = std::numeric_limits<float>::denorm_min();
+  EXPECT_EQ(side_of_plane({large, 0, 0}, {0, large, 0}, {-large, -large, 0}, {0, 0, tiny}), 1);
+  EXPECT_EQ(side_of_plane({large, 0, 0}, {0, large, 0}, {-large, -large, 0}, {0, 0, -tiny}), -1);
+  EXPECT_EQ(turn_of({0, 0}, {large, large}, {tiny, 2 * tiny}), 1);
+  EXPECT_EQ(turn_of({large, large}, {-large, -large}, {tiny, 0}), 1);
+  EXPECT_EQ(turn_of({large, large}, {-large, -large}, {0, tiny}), -1);
+  EXPECT_EQ(turn_of({large, large}, {-large, -large}, {tiny, tiny}), 0);
+  EXPECT_TRUE(are_collinear({large, large, large}, {tiny, tiny, tiny}, {0, 0, 0}));
+  EXPECT_FALSE(are_collinear({large, large, large}, {tiny, tiny, 0}, {0, 0, 0}));
+}
+
+}  // namespace
+}  // namespace isoextract::measure
