@@ -169,6 +169,11 @@ class Narrator final : public convert::Events {
                                    record.own_range ? ", the range of its vertices" : ""));
   }
 
+  void shaded(double iso, const convert::WorkFact& fact, const StageTime& time) override {
+    tell_stage(fmt::format("{} iso {}: normals in {}", label_, iso, times_text(time)));
+    explain(fact);
+  }
+
   void simplified(const convert::MeshSimplification& simplification) override {
     tell_stage(fmt::format("{} {} {}: simplified in {}: {}", label_, word_, simplification.iso,
                            times_text(simplification.facts.time), simplification_details(simplification)));

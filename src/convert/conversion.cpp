@@ -18,6 +18,7 @@
 #include "base/stopwatch.hpp"
 #include "convert/detail/recorder.hpp"
 #include "convert/field_file.hpp"
+#include "convert/mesh_normals.hpp"
 #include "convert/mesh_packing.hpp"
 #include "convert/output_checks.hpp"
 #include "convert/picture_file.hpp"
@@ -69,6 +70,7 @@ class Conversion {
     double iso = 0;
     mesh::Mesh mesh;
     std::optional<MeshError> error;
+    std::optional<MeshRecord> record;  // where one was asked for; of the mesh before vertices were copied
   };
 
   // A file while its surfaces are made.
@@ -77,7 +79,6 @@ class Conversion {
     meshes::MeshWriter writer;
     std::vector<mesh::Mesh> held;     // for the sink or the picture, which have no writer
     std::vector<MeshRecord> records;  // where they were asked for
-    StageTime recording;
   };
 
   // Before the input is read: a missing GPU is told at once.
@@ -111,7 +112,7 @@ class Conversion {
     if (job_.empty == EmptyPolicy::error) return tl::unexpected(empty_source());
     const auto removed = remove_old_files(output);
     if (!removed) return tl::unexpected(removed.error());
-    events_.note(fmt::format("{}: {}; {} was not written{}", source_.label, why_empty(),
+    events_.note(fmt::format("{}: {}; {} was not written{}", source_.label, source_.why_empty(),
                              files::shown_output_name(output.path),
                              removed->empty() ? "" : "; the old one was removed"));
     return {};
@@ -126,7 +127,7 @@ class Conversion {
 
   // One surface is made, written and let go after the other, where the format allows.
   Result<void> write(const OutputFileJob& output, std::span<const ResolvedIso> asked) {
-    OutputFile file{{output, {}, 0, 0, {}, {}}, meshes::MeshWriter(output.path, write_options(), context_), {}, {}, {}};
+    OutputFile file{{output, {}, 0, 0, {}, {}}, meshes::MeshWriter(output.path, write_options(), context_), {}, {}};
     const std::vector<ResolvedIso> isos = labels_ ? each_label(asked, labels_->labels()) : each_once(asked);
     if (isos.size() < asked.size()) tell_repeated(output, asked);
     for (const ResolvedIso& iso : isos) {
@@ -143,7 +144,8 @@ class Conversion {
   }
 
   [[nodiscard]] meshes::MeshWriteOptions write_options() const {
-    return {job_.format, job_.normals == Normals::flat, job_.ascii, mesh_packing(job_.packing, source_)};
+    return {job_.format, job_.normals == Normals::flat, job_.ascii, mesh_packing(job_.packing, source_),
+            copies_vertices(job_)};
   }
 
   // All labels that are asked for, in one look at the samples.
@@ -174,13 +176,14 @@ class Conversion {
   // Nothing where it is empty and empty surfaces are skipped.
   Result<std::optional<Surface>> make_surface(const ResolvedIso& asked) {
     const double iso = asked.value;
+    source_.face_outward(iso);
     auto mesh = extract(asked);
     if (!mesh) return tl::unexpected(std::move(mesh.error()));
     if (mesh->triangles.empty() && job_.empty != EmptyPolicy::write) {
       if (job_.empty == EmptyPolicy::error) return tl::unexpected(no_surface(asked));
       return std::optional<Surface>();
     }
-    Surface surface{iso, std::move(*mesh), {}};
+    Surface surface{iso, std::move(*mesh), {}, {}};
     if (auto carried = carry_attributes(surface); !carried) return tl::unexpected(std::move(carried.error()));
     if (job_.simplify) {
       auto simplified = simplify_mesh(surface.mesh, iso, *job_.simplify, source_.output_from_index, context_);
@@ -188,6 +191,10 @@ class Conversion {
       events_.simplified(*simplified);
     }
     if (auto coloured = colour(surface); !coloured) return tl::unexpected(std::move(coloured.error()));
+    if (auto recorded = record(surface); !recorded) return tl::unexpected(std::move(recorded.error()));
+    if (auto fitted = fit_normals(surface.mesh, job_, source_, iso, context_, events_); !fitted) {
+      return tl::unexpected(std::move(fitted.error()));
+    }
     if (const std::string reason = extract::why_no_error(method()); job_.error && !reason.empty()) {
       events_.note("the error of the mesh is not measured: " + reason);
     } else if (job_.error) {
@@ -227,7 +234,7 @@ class Conversion {
     std::vector<double> isos;
     for (const ResolvedIso& iso : labels_ ? each_label(source_.isos, labels_->labels()) : source_.isos)
       isos.push_back(iso.value);
-    surface.mesh.material = material_of(job_, isos, surface.iso, source_.field.kind);
+    surface.mesh.material = material_of(job_, isos, surface.iso, source_.field.kind, open_);
     if (!job_.colour || !job_.colour->attribute) return {};
     auto record = add_colours(*job_.colour, job_.format, surface.mesh, context_);
     if (!record) return tl::unexpected(std::move(record.error()));
@@ -266,7 +273,8 @@ class Conversion {
     if (!extraction && gave_way(extraction.error())) extraction = extractor_->extract(source_.field, options, context_);
     if (!extraction) return tl::unexpected(std::move(extraction.error()));
     if (auto whole = volumes::check_not_lost(source_.field); !whole) return tl::unexpected(std::move(whole.error()));
-    const AskedFor asked{.flat_normals = job_.normals == Normals::flat, .error = job_.error.has_value()};
+    open_ = may_be_open(extraction->stats, options);
+    const AskedFor asked{.triangle_normals = are_of_triangles(job_.normals), .error = job_.error.has_value()};
     events_.extracted({iso, asked_iso.asked, extraction->mesh.triangles.size(), extraction->stats,
                        extraction_facts(extraction->stats, options, asked), watch.elapsed()});
     if (other_extractor_ != nullptr) {
@@ -297,12 +305,8 @@ class Conversion {
     return true;
   }
 
-  [[nodiscard]] const char* why_empty() const {
-    return source_.of_particles ? "there are no particles" : "the grid is empty: it has no voxels";
-  }
-
   [[nodiscard]] Error empty_source() const {
-    return {ErrorKind::input, fmt::format("{}: {}", source_.label, why_empty()), Remedy::allow_empty,
+    return {ErrorKind::input, fmt::format("{}: {}", source_.label, source_.why_empty()), Remedy::allow_empty,
             Reason::empty_grid};
   }
 
@@ -338,8 +342,9 @@ class Conversion {
   }
 
   Result<void> add(Surface surface, OutputFile& file) {
-    if (extras_.mesh_facts) {
-      if (auto recorded = record(surface, file); !recorded) return recorded;
+    if (surface.record) {
+      file.records.push_back(
+          record_as_written(std::move(*surface.record), file.written.job.path, surface.mesh, surface.error));
     }
     context_.progress().begin("writing", 0);
     const Stopwatch watch;
@@ -374,7 +379,7 @@ class Conversion {
     file.written.files = std::move(result->files);
     tell_packed(file.written, result->packed);
     file.written.time += watch.elapsed();
-    if (extras_.mesh_facts) events_.recorded(file.records, file.recording);
+    if (extras_.mesh_facts) events_.recorded(file.records, std::exchange(recording_, {}));
     for (const std::string& text : result->notes) events_.note(text);
     tell_skipped(file.written.job, asked, file.written.isos, "");
     events_.written(file.written);
@@ -414,15 +419,15 @@ class Conversion {
     return removed;
   }
 
-  // What only a report asks for: finding components and open edges takes longer than to extract the mesh.
-  Result<void> record(const Surface& surface, OutputFile& file) {
+  // What only a report asks for: finding components and open edges takes longer than to extract the mesh. Before
+  // vertices are copied for their normals, which would make open edges.
+  Result<void> record(Surface& surface) {
+    if (!extras_.mesh_facts) return {};
     const Stopwatch watch;
-    context_.progress().begin("measuring", 0);
-    auto made = mesh_record(surface.iso, file.written.job.path, surface.mesh, context_);
+    auto made = mesh_record(surface.iso, "", surface.mesh, context_);
     if (!made) return tl::unexpected(std::move(made.error()));
-    made->error = surface.error;
-    file.records.push_back(std::move(*made));
-    file.recording += watch.elapsed();
+    surface.record = std::move(*made);
+    recording_ += watch.elapsed();
     return {};
   }
 
@@ -460,6 +465,8 @@ class Conversion {
   MeshSink* sink_;               // null where files are written
   Source source_;
   std::optional<extract::LabelVoxels> labels_;  // where those are what is asked for
+  StageTime recording_;                         // of the file at hand, what reports ask for
+  bool open_ = false;                           // the surface at hand may have a border
   std::unique_ptr<extract::Extractor> extractor_;
   std::unique_ptr<extract::Extractor> other_extractor_;  // only to verify
 };

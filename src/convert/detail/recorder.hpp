@@ -25,6 +25,7 @@ class Recorder final : public Events {
   void carried(const CarriedAttributes& attributes) override;
   void simplified(const MeshSimplification& simplification) override;
   void coloured(const ColourRecord& record) override;
+  void shaded(double iso, const WorkFact& fact, const StageTime& time) override;
   void measured(const MeshError& error, const StageTime& time) override;
   void packed(const MeshPackingRecord& record) override;
   void written(const WrittenOutput& output) override;
