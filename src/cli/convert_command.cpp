@@ -170,7 +170,7 @@ class Narrator final : public convert::Events {
   }
 
   void shaded(double iso, const convert::WorkFact& fact, const StageTime& time) override {
-    tell_stage(fmt::format("{} iso {}: normals in {}", label_, iso, times_text(time)));
+    tell_stage(fmt::format("{} {} {}: normals in {}", label_, word_, iso, times_text(time)));
     explain(fact);
   }
 

@@ -1,6 +1,7 @@
 #include "mesh/shading_normals.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <new>
@@ -31,6 +32,8 @@ glm::dvec3 area_vector(std::span<const glm::vec3> positions, const glm::uvec3& t
   return length > 0 && std::isfinite(length) ? across : glm::dvec3(0);
 }
 
+double cosine(double degrees) { return std::cos(degrees * std::numbers::pi / 180); }
+
 glm::dvec3 unit(const glm::dvec3& v) {
   const double length = glm::length(v);
   return length > 0 ? v / length : glm::dvec3(0);
@@ -39,10 +42,13 @@ glm::dvec3 unit(const glm::dvec3& v) {
 // The triangles around one vertex after the other, in groups with a normal each. Keeps its memory.
 class ShadedStar {
  public:
-  ShadedStar(const Mesh& mesh, const ShadingOptions& options, const Adjacency& around)
+  // `flat` has a byte a triangle, or none.
+  ShadedStar(const Mesh& mesh, const ShadingOptions& options, const Adjacency& around,
+             std::span<const std::uint8_t> flat)
       : mesh_(mesh),
         options_(options),
         around_(around),
+        flat_(flat),
         crease_cosine_(options.crease_degrees ? cosine(*options.crease_degrees) : -2) {}
 
   // False: the vertex stays as it is.
@@ -56,7 +62,8 @@ class ShadedStar {
     faces_.clear();
     for (const Corner corner : corners) {
       const glm::dvec3 area = area_vector(mesh_.positions.span(), mesh_.triangles[triangle_of(corner)]);
-      faces_.push_back({area, unit(area), plane_of(corner)});
+      const bool is_flat = !flat_.empty() && flat_[triangle_of(corner)] != 0;
+      faces_.push_back({area, unit(area), plane_of(corner), is_flat});
     }
     own_stored_ = has_normal ? mesh_.normals[vertex] : glm::vec3(0);
     own_ = unit(glm::dvec3(own_stored_));
@@ -81,9 +88,9 @@ class ShadedStar {
     glm::dvec3 area;    // 0 where it has none; then it agrees with any normal
     glm::dvec3 normal;  // unit length, or 0
     std::uint8_t plane;
+    bool flat;  // it is of a flat part
   };
 
-  static double cosine(double degrees) { return std::cos(degrees * std::numbers::pi / 180); }
   static glm::vec3 stored(const glm::dvec3& normal) {
     return normal == glm::dvec3(0) ? glm::vec3(0, 0, 1) : glm::vec3(normal);
   }
@@ -94,7 +101,7 @@ class ShadedStar {
 
   [[nodiscard]] bool is_crease(const Face& a, const Face& b) const {
     if (a.plane != b.plane) return true;
-    return a.plane == 0 && a.area != glm::dvec3(0) && b.area != glm::dvec3(0) &&
+    return a.plane == 0 && (a.flat || b.flat) && a.area != glm::dvec3(0) && b.area != glm::dvec3(0) &&
            glm::dot(a.normal, b.normal) < crease_cosine_;
   }
 
@@ -114,8 +121,9 @@ class ShadedStar {
       const std::uint32_t a = sides[first].corner;
       const std::uint32_t b = sides[last - 1].corner;
       if (last - first == 2 && !is_crease(faces_[a], faces_[b])) {
-        const auto [low, high] = std::minmax(root_of(a), root_of(b));
-        group_of_[high] = low;
+        const std::uint32_t one = root_of(a);
+        const std::uint32_t other = root_of(b);
+        group_of_[std::max(one, other)] = std::min(one, other);
       }
       first = last;
     }
@@ -221,6 +229,7 @@ class ShadedStar {
   const Mesh& mesh_;
   const ShadingOptions& options_;
   const Adjacency& around_;
+  std::span<const std::uint8_t> flat_;
   double crease_cosine_;
   VertexStar star_;
   std::vector<Face> faces_;
@@ -242,12 +251,17 @@ class Shading {
                                        (mesh_.normals.empty() ? vertices_ * sizeof(glm::vec3) : 0));
     if (!around_memory) return tl::unexpected(around_memory.error());
     const Adjacency around(mesh_.triangles.span(), vertices_);
+    const std::uint64_t flags = options_.crease_degrees ? mesh_.triangles.size() : 0;
+    const auto flags_memory = reserve(flags);
+    if (!flags_memory) return tl::unexpected(flags_memory.error());
+    Buffer<std::uint8_t> flat(flags);
+    if (flags > 0) find_flat_parts(around, flat.span());
     const bool had_normals = !mesh_.normals.empty();
     Buffer<glm::vec3> made(had_normals ? 0 : vertices_);
     std::vector<std::uint32_t> copies((vertices_ + kVerticesAtATime - 1) / kVerticesAtATime, 0);
     // Of a range of vertices, by its number.
     for_ranges([&](std::size_t range, std::size_t first, std::size_t last) {
-      ShadedStar star(mesh_, options_, around);
+      ShadedStar star(mesh_, options_, around, flat.span());
       for (std::size_t v = first; v < last; ++v) {
         if (star.look_at(v) && !star.normals().empty()) {
           copies[range] += static_cast<std::uint32_t>(star.normals().size() - 1);
@@ -276,7 +290,7 @@ class Shading {
     Buffer<glm::uvec3> triangles(all > 0 ? mesh_.triangles.size() : 0);
     if (all > 0) std::copy(mesh_.triangles.begin(), mesh_.triangles.end(), triangles.begin());
     for_ranges([&](std::size_t range, std::size_t first, std::size_t last) {
-      ShadedStar star(mesh_, options_, around);
+      ShadedStar star(mesh_, options_, around, flat.span());
       std::uint64_t next = offset[range];
       for (std::size_t v = first; v < last; ++v) {
         const bool changes = star.look_at(v);
@@ -307,6 +321,29 @@ class Shading {
  private:
   [[nodiscard]] Result<Reservation> reserve(std::uint64_t bytes) const {
     return context_.reserve(bytes, fmt::format("{}: normals", source_));
+  }
+
+  // Sets 1 for each triangle that lies in one plane with a neighbour.
+  void find_flat_parts(const Adjacency& around, std::span<std::uint8_t> flat) const {
+    std::ranges::fill(flat, std::uint8_t{0});
+    const double least = cosine(kFlatDegrees);
+    for_ranges([&](std::size_t, std::size_t first, std::size_t last) {
+      VertexStar star;
+      for (std::size_t v = first; v < last; ++v) {
+        const auto corners = around.corners(v);
+        star.look_at(corners, std::as_const(mesh_.triangles).span());
+        const auto sides = star.sides();
+        for (std::size_t s = 0; s + 1 < sides.size(); ++s) {
+          if (sides[s].end < v || sides[s].end != sides[s + 1].end) continue;
+          const std::uint64_t a = triangle_of(corners[sides[s].corner]);
+          const std::uint64_t b = triangle_of(corners[sides[s + 1].corner]);
+          const glm::dvec3 normal = unit(area_vector(mesh_.positions.span(), mesh_.triangles[a]));
+          if (!(glm::dot(normal, unit(area_vector(mesh_.positions.span(), mesh_.triangles[b]))) >= least)) continue;
+          std::atomic_ref(flat[a]).store(1, std::memory_order_relaxed);
+          std::atomic_ref(flat[b]).store(1, std::memory_order_relaxed);
+        }
+      }
+    });
   }
 
   template <class Body>

@@ -20,12 +20,16 @@
 
 namespace isoextract::mesh {
 
+constexpr double kFlatDegrees = 1;
+
 struct ShadingOptions {
   // Of each triangle the number of the plane that it lies in, 0 where it is in none; or nothing where none is. Edges
   // between two numbers are creases, and triangles of a plane have its normal.
   std::span<const std::uint8_t> planes;
-  // The edges between triangles whose planes turn by more than this angle are creases, too, and every normal is held
-  // against its triangles. Nothing: vertices all of whose triangles are in no plane keep their normal as it is.
+  // The edges of flat parts across which the planes turn by more than this angle are creases, too, and every normal is
+  // held against its triangles. A triangle is of a flat part where it and a neighbour are in one plane, within
+  // kFlatDegrees; between others, as in rough data, only what points the wrong way is parted. Nothing: vertices all of
+  // whose triangles are in no plane keep their normal as it is.
   std::optional<double> crease_degrees;
   // False: no vertex is copied, and each has the mean of all its triangles.
   bool may_copy = true;
