@@ -34,6 +34,6 @@ struct ColourRecord {
 // and the greatest of them, or in the range that was given, and the opacity. `open`: its inside may be seen. Nothing
 // where none of this says anything.
 [[nodiscard]] std::optional<mesh::Material> material_of(const ConversionJob& job, const std::vector<double>& isos,
-                                                        double iso, field::FieldKind kind, bool open);
+                                                        double iso, field::FieldKind kind, bool open = false);
 
 }  // namespace isoextract::convert

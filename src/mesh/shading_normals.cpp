@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <new>
 #include <numbers>
@@ -194,34 +195,56 @@ class ShadedStar {
     return at;
   }
 
-  // Around the largest face left those within 45 degrees of it: their mean is within 90 of each.
+  // A normal that points against none of `chosen`: their mean, turned to the worst of them until none is left (the
+  // perceptron of Rosenblatt, 1958, which finds one where there is one with some room).
+  [[nodiscard]] std::optional<glm::dvec3> agreeing_normal(std::span<const std::uint32_t> chosen) const {
+    constexpr int kMostSteps = 32;
+    constexpr double kRoom = 0.25;  // of the cosine
+    glm::dvec3 sum(0);
+    for (const std::uint32_t f : chosen) sum += faces_[f].area;
+    glm::dvec3 normal = unit(sum);
+    for (int step = 0; step <= kMostSteps; ++step) {
+      double least = 1;
+      glm::dvec3 worst(0);
+      for (const std::uint32_t f : chosen) {
+        const double along = glm::dot(normal, faces_[f].normal);
+        if (along < least) {
+          least = along;
+          worst = faces_[f].normal;
+        }
+      }
+      if (least > kRoom) return normal;
+      normal = unit(normal + (kRoom - least) * worst);
+    }
+    return std::nullopt;
+  }
+
+  // One normal for as many faces as agree with one, the larger ones first; and again for those that are left.
   void part(std::uint32_t group) {
-    constexpr double kNear = std::numbers::sqrt2 / 2;
-    const auto is_left = [&](std::size_t f) {
-      return group_of_[f] == group && numbers_[f] == kUngrouped && faces_[f].area != glm::dvec3(0);
-    };
+    left_.clear();
+    for (std::uint32_t f = 0; f < faces_.size(); ++f) {
+      if (group_of_[f] == group && faces_[f].area != glm::dvec3(0)) left_.push_back(f);
+    }
+    std::ranges::stable_sort(left_, std::greater<>(), [&](std::uint32_t f) { return glm::length(faces_[f].area); });
     std::optional<glm::vec3> first_normal;
-    for (;;) {
-      std::size_t seed = faces_.size();
-      for (std::size_t f = 0; f < faces_.size(); ++f) {
-        if (is_left(f) && (seed == faces_.size() || glm::length(faces_[f].area) > glm::length(faces_[seed].area)))
-          seed = f;
+    while (!left_.empty()) {
+      chosen_ = left_;
+      auto normal = agreeing_normal(chosen_);
+      if (!normal) {
+        chosen_.clear();
+        for (const std::uint32_t f : left_) {
+          chosen_.push_back(f);
+          if (const auto with = agreeing_normal(chosen_)) {
+            normal = with;
+          } else {
+            chosen_.pop_back();
+          }
+        }
       }
-      if (seed == faces_.size()) break;
-      glm::dvec3 sum(0);
-      near_.assign(faces_.size(), 0);
-      for (std::size_t f = 0; f < faces_.size(); ++f) {
-        if (!is_left(f) || glm::dot(faces_[f].normal, faces_[seed].normal) < kNear) continue;
-        near_[f] = 1;
-        sum += faces_[f].area;
-      }
-      near_[seed] = 1;
-      const glm::vec3 normal = stored(unit(sum));
-      if (!first_normal) first_normal = normal;
-      const std::uint32_t at = number_of(normal);
-      for (std::size_t f = 0; f < faces_.size(); ++f) {
-        if (near_[f] != 0) numbers_[f] = at;
-      }
+      const std::uint32_t at = number_of(stored(*normal));
+      if (!first_normal) first_normal = stored(*normal);
+      for (const std::uint32_t f : chosen_) numbers_[f] = at;
+      std::erase_if(left_, [&](std::uint32_t f) { return numbers_[f] != kUngrouped; });
     }
     number(group, first_normal.value_or(own_ == glm::dvec3(0) ? stored(own_) : own_stored_));
   }
@@ -237,7 +260,8 @@ class ShadedStar {
   glm::dvec3 own_{0.0};         // the same, unit length
   std::vector<std::uint32_t> group_of_;
   std::vector<std::uint32_t> numbers_;
-  std::vector<std::uint8_t> near_;
+  std::vector<std::uint32_t> left_;
+  std::vector<std::uint32_t> chosen_;
   std::vector<glm::vec3> normals_;
 };
 

@@ -6,7 +6,8 @@
 // group keeps the normal that the vertex had where that is no farther from the group's mean than the group's farthest
 // triangle is; else it gets the mean, weighted by area (so that large flat triangles decide; as in N. Max, "Weights for
 // computing vertex normals from facet normals", 1999, area weights are the least disturbed by slivers). Where even the
-// mean points against a triangle of the group, the group is parted until none does.
+// mean points against a triangle of the group, it is turned until none is left, and where that cannot be, the group is
+// parted.
 #pragma once
 
 #include <cstdint>

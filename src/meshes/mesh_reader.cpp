@@ -139,6 +139,7 @@ MeshFile read_file(const files::InputFile& file) {
   }
   MeshFile result;
   result.mesh = mesh_of(surface, context);
+  if (surface.has_normals) join_normal_seams(result.mesh, context);
   auto memory = context.reserve(
       result.mesh.positions.size() * mesh::vertex_bytes(result.mesh) + result.mesh.triangles.size_bytes(),
       "its vertices and triangles");
