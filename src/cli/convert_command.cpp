@@ -180,6 +180,11 @@ class Narrator final : public convert::Events {
     edited_.push_back(smoothing_summary(record));
   }
 
+  void shaded(double iso, const convert::WorkFact& fact, const StageTime& time) override {
+    tell_stage(fmt::format("{} {} {}: normals in {}", label_, word_, iso, times_text(time)));
+    explain(fact);
+  }
+
   void simplified(const convert::MeshSimplification& simplification) override {
     tell_stage(fmt::format("{} {} {}: simplified in {}: {}", label_, word_, simplification.iso,
                            times_text(simplification.facts.time), simplification_details(simplification)));

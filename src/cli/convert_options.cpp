@@ -32,8 +32,10 @@ void declare_convert_surface(CLI::App& app, ConvertFlags& flags) {
              "With --method voxels: draw each rectangle with two triangles, though corners of others lie within its "
              "sides. These are the fewest triangles, but the mesh is not closed edge by edge.");
   group.choice("--normals", flags.normals,
-               "Normals to store: none, one a triangle, or the field's gradient at each vertex (default: smooth for "
-               "glb and gltf, none for ply, obj and drc; stl always has one a triangle).");
+               "Normals to store: none, one a triangle, or one a vertex: smooth is the field's gradient, area the mean "
+               "of the triangles around by their areas (default: smooth for glb and gltf, none for ply, obj and drc; "
+               "stl always has one a triangle). With --cap and --simplify a vertex gets a normal for each side of a "
+               "crease.");
   group.value("--simplify", "ERR", flags.simplify, parse_simplify_bound,
               "Leave out triangles as long as no point of either mesh is farther than ERR from the other: 0.1 or "
               "0.1voxel in voxels, 0.5world in the units of the written mesh. The distance is measured and told. Open "

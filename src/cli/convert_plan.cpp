@@ -47,7 +47,7 @@ Result<convert::Normals> plan_normals(const ConvertFlags& flags, meshes::MeshFor
   if (!method.traits.gradient_normals) {
     if (flags.normals != convert::Normals::smooth) return flags.normals.value_or(convert::Normals::none);
     return refuse_usage(fmt::format("--normals smooth: {}", extract::why_no_gradient_normals(method)),
-                        "--normals flat needs none");
+                        "--normals flat and --normals area need none");
   }
   return flags.normals.value_or(is_gltf(format) ? convert::Normals::smooth : convert::Normals::none);
 }
@@ -169,6 +169,7 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string
                                     flags.device.device ? "--device" : "--gpu-memory"),
                         "give --backend gpu or --backend auto");
   }
+  job.source.away_from_zero = flags.input.inside == InsideChoice::away_from_zero;
   job.source.roi = flags.surface.roi;
   job.source.resolution = flags.surface.resolution;
   job.source.filters = flags.surface.filters;

@@ -40,6 +40,13 @@
 
 namespace isoextract::cli {
 
+// Which side of an iso value is inside.
+enum class InsideChoice { above, below, away_from_zero };
+constexpr auto words_of(InsideChoice /*type*/) {
+  return std::array{Word{InsideChoice::above, "above"}, Word{InsideChoice::below, "below"},
+                    Word{InsideChoice::away_from_zero, "away-from-zero"}};
+}
+
 // What was given on the command line: each value checked by itself, no default applied yet.
 struct InputFlags {
   std::vector<std::string> inputs;
@@ -52,7 +59,7 @@ struct InputFlags {
   std::optional<std::uint64_t> skip;
   std::optional<glm::dvec3> spacing;
   std::optional<glm::dvec3> origin;
-  std::optional<field::FieldKind> inside;
+  std::optional<InsideChoice> inside;
   std::optional<std::uint64_t> memory_limit;
 };
 

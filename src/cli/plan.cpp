@@ -107,7 +107,8 @@ Result<volumes::ReadOptions> plan_read(const InputFlags& flags) {
   read.grid = flags.grid;
   read.spacing = flags.spacing;
   read.origin = flags.origin;
-  read.kind = flags.inside;
+  if (flags.inside == InsideChoice::above) read.kind = field::FieldKind::density;
+  if (flags.inside == InsideChoice::below) read.kind = field::FieldKind::level_set;
   if (flags.dims) {
     volumes::RawLayout raw;
     raw.dims = *flags.dims;
@@ -139,6 +140,12 @@ std::vector<NamedBackend> plan_backends(std::vector<NamedBackend> backends, cons
   return backends;
 }
 
+Result<void> refuse_two_sides(const InputFlags& flags, std::string_view command) {
+  if (flags.inside != InsideChoice::away_from_zero) return {};
+  return refuse_usage(fmt::format("--inside away-from-zero does not go with {}, whose field has one side", command),
+                      "give --inside above or below");
+}
+
 Result<Verbosity> plan_verbosity(const RunFlags& flags) {
   if (flags.quiet && flags.verbose) return refuse_usage("--quiet and --verbose exclude each other");
   return flags.quiet ? Verbosity::quiet : flags.verbose ? Verbosity::verbose : Verbosity::normal;
@@ -147,6 +154,7 @@ Result<Verbosity> plan_verbosity(const RunFlags& flags) {
 Result<InfoPlan> plan_info(const InfoFlags& flags, const CLI::App& command) {
   if (flags.input.inputs.empty()) return refuse_usage("no INPUT was given", "isoextract info INPUT");
   InfoPlan plan;
+  if (auto one_side = refuse_two_sides(flags.input, "info"); !one_side) return tl::unexpected(one_side.error());
   auto read = plan_read(flags.input);
   if (!read) return tl::unexpected(read.error());
   auto particles = plan_particles(flags.particles, std::nullopt);
@@ -190,6 +198,7 @@ Result<VerifyPlan> plan_verify(const VerifyFlags& flags) {
   auto placement = plan_placement(flags.placement, format, plan.notes);
   if (!placement) return tl::unexpected(placement.error());
   plan.source.placement = std::move(*placement);
+  plan.source.away_from_zero = flags.input.inside == InsideChoice::away_from_zero;
   plan.source.roi = flags.surface.roi;
   plan.source.resolution = flags.surface.resolution;
   plan.source.filters = flags.surface.filters;

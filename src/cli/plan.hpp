@@ -89,7 +89,10 @@ struct BenchPlan {
 [[nodiscard]] std::vector<NamedBackend> plan_backends(std::vector<NamedBackend> backends, const DeviceFlags& flags);
 [[nodiscard]] Result<Verbosity> plan_verbosity(const RunFlags& flags);
 [[nodiscard]] Result<ConvertPlan> plan_convert(const ConvertFlags& flags);
+// --inside away-from-zero is left to who makes a SourceOptions of the flags, or to refuse_two_sides().
 [[nodiscard]] Result<volumes::ReadOptions> plan_read(const InputFlags& flags);
+// For the commands that have no iso values of their own to turn each surface by.
+[[nodiscard]] Result<void> refuse_two_sides(const InputFlags& flags, std::string_view command);
 // All of it but which files are read and written: the job's input is empty, and it has no outputs. `input` and `isos`
 // are the first that there are, for messages.
 [[nodiscard]] Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string& input,

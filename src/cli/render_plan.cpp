@@ -179,6 +179,7 @@ Result<RenderPlan> plan_render(const RenderFlags& flags) {
   auto particles = plan_particles(flags.particles, flags.surface.nan);
   if (!particles) return tl::unexpected(std::move(particles.error()));
   plan.job.source.particles = std::move(*particles);
+  plan.job.source.away_from_zero = flags.input.inside == InsideChoice::away_from_zero;
   plan.job.source.roi = flags.surface.roi;
   plan.job.source.resolution = flags.surface.resolution;
   plan.job.source.filters = flags.surface.filters;

@@ -80,8 +80,9 @@ void declare_input(CLI::App& app, InputFlags& flags, const std::string& metavar,
   group.value("--origin", "X,Y,Z", flags.origin, parse_vector,
               "World position of the first sample; replaces what the file says.");
   group.choice("--inside", flags.inside,
-               "Which side of the iso value is inside: above as in densities, or below as in level sets (default: as "
-               "the file says, else above). A value equal to the iso value is outside.");
+               "Which side of an iso value is inside: above as in densities, below as in level sets (default: as the "
+               "file says, else above), or away-from-zero for fields of both signs: above a positive iso value, below "
+               "a negative one. A value equal to the iso value is outside.");
   group.value("--memory-limit", "SIZE", flags.memory_limit, parse_size, kMemoryLimitText);
 }
 

@@ -43,9 +43,10 @@ Result<convert::Source> open_source(const VerifyPlan& plan, const Context& conte
 }
 
 // Of one surface.
-Result<convert::VerificationRecord> compare_surface(const VerifyPlan& plan, double iso, const convert::Source& source,
+Result<convert::VerificationRecord> compare_surface(const VerifyPlan& plan, double iso, convert::Source& source,
                                                     extract::Extractor& first, extract::Extractor& second,
                                                     const Context& context) {
+  source.face_outward(iso);
   extract::ExtractOptions options = source.extract_options(plan.surface, iso);
   const extract::MethodInfo& method = extract::method_info(options.method);
   options.smooth_normals = method.traits.gradient_normals;
@@ -72,7 +73,7 @@ Result<void> verify_backends(const VerifyPlan& plan, const Messages& messages, c
   {
     ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
     Notes notes(messages, bar);
-    const auto source = open_source(plan, context, notes);
+    auto source = open_source(plan, context, notes);
     if (!source) return tl::unexpected(source.error());
     label = source->label;
     for (const convert::ResolvedIso& iso : source->isos) {
@@ -133,10 +134,11 @@ std::string hint_for(const measure::MeshMatch& match) {
 }
 
 // All surfaces that were asked for.
-Result<mesh::Mesh> extract_all(const VerifyPlan& plan, const convert::Source& source, const Context& context) {
+Result<mesh::Mesh> extract_all(const VerifyPlan& plan, convert::Source& source, const Context& context) {
   const std::unique_ptr<extract::Extractor> extractor = extract::make_cpu_extractor();
   std::vector<mesh::Mesh> meshes;
   for (const convert::ResolvedIso& iso : source.isos) {
+    source.face_outward(iso.value);
     auto extraction = extractor->extract(source.field, source.extract_options(plan.surface, iso.value), context);
     if (!extraction) return tl::unexpected(std::move(extraction.error()));
     meshes.push_back(std::move(extraction->mesh));
@@ -161,7 +163,7 @@ Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages, const
       notes.note(fmt::format("{}: attributes and colours of its vertices are not verified: {}", *plan.mesh,
                              fmt::join(names, ", ")));
     }
-    const auto source = open_source(plan, context, notes);
+    auto source = open_source(plan, context, notes);
     if (!source) return tl::unexpected(source.error());
     std::vector<std::string> isos;
     for (const convert::ResolvedIso& iso : source->isos) isos.push_back(text_of(iso));

@@ -17,6 +17,7 @@
 #include "base/stopwatch.hpp"
 #include "convert/detail/recorder.hpp"
 #include "convert/field_file.hpp"
+#include "convert/mesh_normals.hpp"
 #include "convert/mesh_packing.hpp"
 #include "convert/mesh_pieces.hpp"
 #include "convert/output_checks.hpp"
@@ -72,7 +73,6 @@ class Conversion {
     meshes::MeshWriter writer;
     std::vector<mesh::Mesh> held;     // for the sink or the picture, which have no writer
     std::vector<MeshRecord> records;  // where they were asked for
-    StageTime recording;
   };
 
   // Before the input is read: a missing GPU is told at once.
@@ -106,7 +106,7 @@ class Conversion {
     if (job_.empty == EmptyPolicy::error) return tl::unexpected(empty_source());
     const auto removed = remove_old_files(output);
     if (!removed) return tl::unexpected(removed.error());
-    events_.note(fmt::format("{}: {}; {} was not written{}", source_.label, why_empty(),
+    events_.note(fmt::format("{}: {}; {} was not written{}", source_.label, source_.why_empty(),
                              files::shown_output_name(output.path),
                              removed->empty() ? "" : "; the old one was removed"));
     return {};
@@ -146,7 +146,7 @@ class Conversion {
   }
 
   [[nodiscard]] OutputFile open(const OutputFileJob& output) const {
-    return {{output, {}, 0, 0, {}, {}}, meshes::MeshWriter(output.path, write_options(), context_), {}, {}, {}};
+    return {{output, {}, 0, 0, {}, {}}, meshes::MeshWriter(output.path, write_options(), context_), {}, {}};
   }
 
   // As meshes of one file, or each as a file.
@@ -159,7 +159,8 @@ class Conversion {
       if (auto checked = check_output_file(piece_path(pattern, i + 1), job_.source.input); !checked) return checked;
     }
     for (std::size_t i = 0; i < pieces->size(); ++i) {
-      Surface piece{surface.iso, std::move((*pieces)[i]), {}};
+      Surface piece{surface.iso, std::move((*pieces)[i]), {}, {}, {}};
+      if (auto shaded = shade_surface(job_, source_, extras_.mesh_facts, context_, events_, piece); !shaded) return shaded;
       if (!into_files) {
         if (auto added = add(std::move(piece), file); !added) return added;
         continue;
@@ -173,7 +174,8 @@ class Conversion {
   }
 
   [[nodiscard]] meshes::MeshWriteOptions write_options() const {
-    return {job_.format, job_.normals == Normals::flat, job_.ascii, mesh_packing(job_.packing, source_)};
+    return {job_.format, job_.normals == Normals::flat, job_.ascii, mesh_packing(job_.packing, source_),
+            copies_vertices(job_)};
   }
 
   // All labels that are asked for, in one look at the samples.
@@ -203,17 +205,18 @@ class Conversion {
 
   // Nothing where it is empty and empty surfaces are skipped.
   Result<std::optional<Surface>> make_surface(const ResolvedIso& asked) {
+    source_.face_outward(asked.value);
     auto mesh = extract(asked);
     if (!mesh) return tl::unexpected(std::move(mesh.error()));
     if (mesh->triangles.empty() && job_.empty != EmptyPolicy::write) {
       if (job_.empty == EmptyPolicy::error) return tl::unexpected(no_surface(asked));
       return std::optional<Surface>();
     }
-    Surface surface{asked.value, std::move(*mesh), {}};
+    Surface surface{asked.value, std::move(*mesh), {}, {}, {}};
     std::vector<double> isos;
     for (const ResolvedIso& iso : labels_ ? each_label(source_.isos, labels_->labels()) : source_.isos)
       isos.push_back(iso.value);
-    if (auto made = finish_surface(job_, source_, isos, context_, events_, surface); !made)
+    if (auto made = finish_surface(job_, source_, {isos, open_, extras_.mesh_facts}, context_, events_, surface); !made)
       return tl::unexpected(std::move(made.error()));
     if (surface.mesh.triangles.empty() && job_.empty != EmptyPolicy::write) return std::optional<Surface>();
     return surface;
@@ -230,7 +233,8 @@ class Conversion {
     if (!extraction && gave_way(extraction.error())) extraction = extractor_->extract(source_.field, options, context_);
     if (!extraction) return tl::unexpected(std::move(extraction.error()));
     if (auto whole = volumes::check_not_lost(source_.field); !whole) return tl::unexpected(std::move(whole.error()));
-    const AskedFor asked{.flat_normals = job_.normals == Normals::flat, .error = job_.error.has_value()};
+    open_ = may_be_open(extraction->stats, options);
+    const AskedFor asked{.triangle_normals = are_of_triangles(job_.normals), .error = job_.error.has_value()};
     events_.extracted({iso, asked_iso.asked, extraction->mesh.triangles.size(), extraction->stats,
                        extraction_facts(extraction->stats, options, asked), watch.elapsed()});
     if (other_extractor_ != nullptr) {
@@ -261,12 +265,8 @@ class Conversion {
     return true;
   }
 
-  [[nodiscard]] const char* why_empty() const {
-    return source_.of_particles ? "there are no particles" : "the grid is empty: it has no voxels";
-  }
-
   [[nodiscard]] Error empty_source() const {
-    return {ErrorKind::input, fmt::format("{}: {}", source_.label, why_empty()), Remedy::allow_empty,
+    return {ErrorKind::input, fmt::format("{}: {}", source_.label, source_.why_empty()), Remedy::allow_empty,
             Reason::empty_grid};
   }
 
@@ -302,8 +302,10 @@ class Conversion {
   }
 
   Result<void> add(Surface surface, OutputFile& file) {
-    if (extras_.mesh_facts) {
-      if (auto recorded = record(surface, file); !recorded) return recorded;
+    if (surface.record) {
+      recording_ += surface.recording;
+      file.records.push_back(
+          record_as_written(std::move(*surface.record), file.written.job.path, surface.mesh, surface.error));
     }
     context_.progress().begin("writing", 0);
     const Stopwatch watch;
@@ -338,7 +340,7 @@ class Conversion {
     file.written.files = std::move(result->files);
     tell_packed(file.written, result->packed);
     file.written.time += watch.elapsed();
-    if (extras_.mesh_facts) events_.recorded(file.records, file.recording);
+    if (extras_.mesh_facts) events_.recorded(file.records, std::exchange(recording_, {}));
     for (const std::string& text : result->notes) events_.note(text);
     tell_skipped(file.written.job, asked, file.written.isos, "");
     events_.written(file.written);
@@ -378,18 +380,6 @@ class Conversion {
     return removed;
   }
 
-  // What only a report asks for: finding components and open edges takes longer than to extract the mesh.
-  Result<void> record(const Surface& surface, OutputFile& file) {
-    const Stopwatch watch;
-    context_.progress().begin("measuring", 0);
-    auto made = mesh_record(surface.iso, file.written.job.path, surface.mesh, context_);
-    if (!made) return tl::unexpected(std::move(made.error()));
-    made->error = surface.error;
-    file.records.push_back(std::move(*made));
-    file.recording += watch.elapsed();
-    return {};
-  }
-
   // Values that were found may be the same, which nobody could know who asked for them.
   void tell_repeated(const OutputFileJob& output, std::span<const ResolvedIso> asked) {
     for (std::size_t i = 1; i < asked.size(); ++i) {
@@ -424,6 +414,8 @@ class Conversion {
   MeshSink* sink_;               // null where files are written
   Source source_;
   std::optional<extract::LabelVoxels> labels_;  // where those are what is asked for
+  StageTime recording_;                         // of the file at hand, what reports ask for
+  bool open_ = false;                           // the surface at hand may have a border
   std::unique_ptr<extract::Extractor> extractor_;
   std::unique_ptr<extract::Extractor> other_extractor_;  // only to verify
 };

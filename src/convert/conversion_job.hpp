@@ -28,9 +28,19 @@
 
 namespace isoextract::convert {
 
-enum class Normals { none, flat, smooth };
+enum class Normals {
+  none,
+  flat,    // one a triangle
+  smooth,  // at vertices: the field's gradient, as far as it agrees with the triangles (mesh/shading_normals.hpp)
+  area,    // at vertices: of the triangles around, weighted by their areas
+};
 constexpr auto words_of(Normals /*type*/) {
-  return std::array{Word{Normals::none, "none"}, Word{Normals::flat, "flat"}, Word{Normals::smooth, "smooth"}};
+  return std::array{Word{Normals::none, "none"}, Word{Normals::flat, "flat"}, Word{Normals::smooth, "smooth"},
+                    Word{Normals::area, "area"}};
+}
+
+[[nodiscard]] constexpr bool are_of_triangles(Normals normals) {
+  return normals == Normals::flat || normals == Normals::area;
 }
 
 // What becomes of a surface without triangles.
@@ -87,7 +97,10 @@ struct SourceOptions {
   std::vector<BlurStep> blurs;              // and then these
   std::vector<AttributeChoice> attributes;  // of the vertices; their names differ
   std::optional<glm::ivec3> resolution;     // of the grid to extract from, in place of the input's own samples
-  std::optional<field::Box> roi;            // in the coordinates of placement.space
+  // In place of read.kind: inside is above an iso value that is positive, below one that is negative, and at 0 as the
+  // field has it. Of volumes only.
+  bool away_from_zero = false;
+  std::optional<field::Box> roi;  // in the coordinates of placement.space
   Placement placement;
 
   friend bool operator==(const SourceOptions&, const SourceOptions&) = default;

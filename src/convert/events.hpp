@@ -89,7 +89,8 @@ class Events {
   virtual void picked(const PieceRecord&) {}         // pieces that stay, and then
   virtual void smoothed(const SmoothRecord&) {}
   virtual void simplified(const MeshSimplification&) {}
-  virtual void coloured(const ColourRecord&) {}  // and after it
+  virtual void coloured(const ColourRecord&) {}                              // and after it
+  virtual void shaded(double /*iso*/, const WorkFact&, const StageTime&) {}  // where normals were made to fit triangles
   virtual void measured(const MeshError&, const StageTime&) {}
   virtual void packed(const MeshPackingRecord&) {}  // before its file is written
   virtual void written(const WrittenOutput&) {}

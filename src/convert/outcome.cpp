@@ -203,6 +203,7 @@ InputFacts input_facts(const std::string& path, const field::ScalarField& field)
 }
 
 Result<MeshRecord> mesh_record(double iso, const std::string& file, const mesh::Mesh& mesh, const Context& context) {
+  context.progress().begin("measuring", 0);
   auto topology = mesh::measure_topology(mesh, context);
   if (!topology) return tl::unexpected(std::move(topology.error()));
   auto components = component_table(mesh, context);
@@ -218,6 +219,15 @@ Result<MeshRecord> mesh_record(double iso, const std::string& file, const mesh::
                     *topology,
                     std::move(*components),
                     std::nullopt};
+}
+
+MeshRecord record_as_written(MeshRecord record, const std::string& file, const mesh::Mesh& mesh,
+                             std::optional<MeshError> error) {
+  record.file = file;
+  record.name = mesh.name;
+  record.vertices = mesh.positions.size();
+  record.error = std::move(error);
+  return record;
 }
 
 Json report_of(const ConversionJob* job, const Outcome& report, const std::vector<std::string>& arguments,

@@ -52,7 +52,7 @@ struct InputFacts {
 struct StageRecord {
   std::string stage;  // "open", "read", "particles to field", "read attributes", "filter", "resample", "classify",
                       // "compile", "upload", "count", "emit", "verify", "attributes", "pieces", "smooth", "simplify",
-                      // "error", "mesh facts", "statistics", "write"
+                      // "normals", "error", "mesh facts", "statistics", "write"
   std::optional<double> iso;  // where the stage belongs to one surface
   StageTime time;
 };
@@ -82,6 +82,10 @@ struct MeshRecord {
 // Fails where the memory to look at the mesh is not there.
 [[nodiscard]] Result<MeshRecord> mesh_record(double iso, const std::string& file, const mesh::Mesh& mesh,
                                              const Context& context);
+
+// The same record with what was found out since, and the name and the number of vertices of the mesh as it is written.
+[[nodiscard]] MeshRecord record_as_written(MeshRecord record, const std::string& file, const mesh::Mesh& mesh,
+                                           std::optional<MeshError> error);
 
 // What a conversion did, or how far it came before it failed.
 struct Outcome {

@@ -20,7 +20,8 @@ using Format = std::optional<volumes::ParticleFormatDescription>;
 Result<void> check_no_volume_options(const SourceOptions& options, const Format& format) {
   const volumes::ReadOptions& read = options.read;
   const bool names_other_grid = read.grid && !(format && format->has_grids);
-  if (!names_other_grid && !read.raw && !read.spacing && !read.origin && !read.kind) return {};
+  if (!names_other_grid && !read.raw && !read.spacing && !read.origin && !read.kind && !options.away_from_zero)
+    return {};
   return fail(ErrorKind::usage,
               fmt::format("{}: this is read as particles, which have no grid, layout, spacing, origin or inside to be "
                           "chosen",

@@ -131,6 +131,15 @@ Result<field::ScalarField> read_field(const std::string& input, const volumes::R
   return field;
 }
 
+void Source::face_outward(double iso) {
+  if (!kind_at_zero) return;
+  const field::FieldKind side = iso > 0   ? field::FieldKind::density
+                                : iso < 0 ? field::FieldKind::level_set
+                                          : *kind_at_zero;
+  field.kind = side;
+  if (data) data->kind = side;
+}
+
 extract::ExtractOptions Source::extract_options(const SurfaceOptions& surface, double iso) const {
   extract::ExtractOptions options;
   options.method = surface.method;
@@ -177,6 +186,7 @@ Result<Source> open_source(const SourceOptions& options, const SourceUse& use, c
     auto changed = change_resolution(options, use.keep_data, context, events, source);
     if (!changed) return tl::unexpected(std::move(changed.error()));
   }
+  if (options.away_from_zero) source.kind_at_zero = source.field.kind;
   auto placed = place_field(source.field, options.placement, options.roi);
   if (!placed) return tl::unexpected(std::move(placed.error()));
   events.placed(*placed);

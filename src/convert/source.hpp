@@ -28,7 +28,17 @@ struct Source {
   std::string label;              // what messages call it
   bool empty = false;             // what was read has no voxels, or no particles
   bool of_particles = false;
-  std::optional<AttributeSource> attributes;  // of the vertices, where some were asked for
+  std::optional<field::FieldKind> kind_at_zero;  // SourceOptions::away_from_zero: what the field itself has
+  std::optional<AttributeSource> attributes;     // of the vertices, where some were asked for
+
+  // Where `empty`.
+  [[nodiscard]] const char* why_empty() const {
+    return of_particles ? "there are no particles" : "the grid is empty: it has no voxels";
+  }
+
+  // Before a surface is extracted: the field, and the data, get the side that is inside of this iso value. Nothing
+  // changes unless SourceOptions::away_from_zero asked for it.
+  void face_outward(double iso);
 
   // How a surface of it is extracted.
   [[nodiscard]] extract::ExtractOptions extract_options(const SurfaceOptions& surface, double iso) const;

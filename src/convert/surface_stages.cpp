@@ -7,6 +7,7 @@
 
 #include "base/printable.hpp"
 #include "base/stopwatch.hpp"
+#include "convert/mesh_normals.hpp"
 #include "convert/mesh_packing.hpp"
 #include "convert/mesh_pieces.hpp"
 #include "convert/mesh_simplify.hpp"
@@ -78,8 +79,8 @@ class SurfaceStages {
   }
 
   // When the vertices are those that are written. Attributes that are only for that go.
-  Result<void> colour(const std::vector<double>& isos, Surface& surface) {
-    surface.mesh.material = material_of(job_, isos, surface.iso, source_.field.kind);
+  Result<void> colour(const SurfaceFacts& facts, Surface& surface) {
+    surface.mesh.material = material_of(job_, facts.isos, surface.iso, source_.field.kind, facts.may_be_open);
     if (!job_.colour || !job_.colour->attribute) return {};
     auto record = add_colours(*job_.colour, job_.format, surface.mesh, context_);
     if (!record) return tl::unexpected(std::move(record.error()));
@@ -139,14 +140,31 @@ extract::ExtractOptions extract_options_of(const ConversionJob& job, const Sourc
   return options;
 }
 
-Result<void> finish_surface(const ConversionJob& job, const Source& source, const std::vector<double>& isos,
+Result<void> shade_surface(const ConversionJob& job, const Source& source, bool recorded, const Context& context,
+                           Events& events, Surface& surface) {
+  if (recorded) {
+    // Only for reports: finding components and open edges takes longer than to extract the mesh.
+    const Stopwatch watch;
+    context.progress().begin("measuring", 0);
+    auto made = mesh_record(surface.iso, "", surface.mesh, context);
+    if (!made) return tl::unexpected(std::move(made.error()));
+    surface.record = std::move(*made);
+    surface.recording += watch.elapsed();
+  }
+  return fit_normals(surface.mesh, job, source, surface.iso, context, events);
+}
+
+Result<void> finish_surface(const ConversionJob& job, const Source& source, const SurfaceFacts& facts,
                             const Context& context, Events& events, Surface& surface) {
   SurfaceStages stages(job, source, context, events);
   if (auto carried = stages.carry_attributes(surface); !carried) return carried;
   if (auto dropped = stages.drop_pieces(surface); !dropped) return dropped;
   if (auto smoothed = stages.smooth(surface); !smoothed) return smoothed;
   if (auto simplified = stages.simplify(surface); !simplified) return simplified;
-  if (auto coloured = stages.colour(isos, surface); !coloured) return coloured;
+  if (auto coloured = stages.colour(facts, surface); !coloured) return coloured;
+  if (!job.pieces.split) {
+    if (auto shaded = shade_surface(job, source, facts.recorded, context, events, surface); !shaded) return shaded;
+  }
   return stages.measure_error(surface);
 }
 

@@ -101,7 +101,13 @@ double opacity_of(const ConversionJob& job, const std::vector<double>& isos, dou
     return job.opacity[std::min(at, job.opacity.size() - 1)];
   }
   const bool by_iso = job.colour && !job.colour->attribute;
-  return by_iso ? kOutermostOpacity + (1 - kOutermostOpacity) * depth_of(isos, iso, kind) : 1;
+  if (!by_iso) return 1;
+  std::vector<double> around = isos;  // of the surfaces that may be around this one, or within it
+  if (job.source.away_from_zero) {
+    const bool above = kind == field::FieldKind::density;
+    std::erase_if(around, [&](double other) { return other != iso && !(above ? other > 0 : other < 0); });
+  }
+  return kOutermostOpacity + (1 - kOutermostOpacity) * depth_of(around, iso, kind);
 }
 
 }  // namespace
@@ -139,10 +145,11 @@ Result<ColourRecord> add_colours(const ColourChoice& choice, meshes::MeshFormat 
 }
 
 std::optional<mesh::Material> material_of(const ConversionJob& job, const std::vector<double>& isos, double iso,
-                                          field::FieldKind kind) {
+                                          field::FieldKind kind, bool open) {
   const bool by_iso = job.colour && !job.colour->attribute;
-  if (!by_iso && job.opacity.empty()) return std::nullopt;
+  if (!by_iso && job.opacity.empty() && !open) return std::nullopt;
   mesh::Material material;
+  material.double_sided = open;
   material.opacity = opacity_of(job, isos, iso, kind);
   if (!by_iso) return material;
   const auto [least, greatest] = std::ranges::minmax(isos);

@@ -31,8 +31,9 @@ struct ColourRecord {
                                                const Context& context);
 
 // Of the surface at `iso`, one of `isos`, which the job's choices came to: the colour by its place between the least
-// and the greatest of them, or in the range that was given, and the opacity. Nothing where neither was asked for.
+// and the greatest of them, or in the range that was given, and the opacity. `open`: its inside may be seen. Nothing
+// where none of this says anything.
 [[nodiscard]] std::optional<mesh::Material> material_of(const ConversionJob& job, const std::vector<double>& isos,
-                                                        double iso, field::FieldKind kind);
+                                                        double iso, field::FieldKind kind, bool open = false);
 
 }  // namespace isoextract::convert

@@ -127,7 +127,7 @@ std::vector<WorkFact> extraction_facts(const extract::ExtractStats& stats, const
         {"roi", "left out", std::nullopt, std::nullopt,
          fmt::format("what the region does not hold; it holds {} x {} x {} samples", dims.x, dims.y, dims.z)});
   }
-  if (!options.smooth_normals && !asked.flat_normals) {
+  if (!options.smooth_normals && !asked.triangle_normals) {
     facts.push_back({"normals", "left out", std::nullopt, std::nullopt, "normals, which nobody asked for"});
   }
   if (!asked.error) {

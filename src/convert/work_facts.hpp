@@ -35,7 +35,7 @@ struct WorkFact {
 
 // What was asked for besides the extraction.
 struct AskedFor {
-  bool flat_normals = false;  // made of the triangles when the mesh is written
+  bool triangle_normals = false;  // made of the triangles when the mesh is written, or before
   bool error = false;
 };
 

@@ -32,6 +32,7 @@ struct EdgeKey {
 struct Material {
   std::optional<glm::dvec3> colour;  // linear light, each channel from 0 to 1; nothing: the writer's own
   double opacity = 1;                // above 0, at most 1
+  bool double_sided = false;         // seen from behind as well: of a surface that is open, whose inside shows
 
   friend bool operator==(const Material&, const Material&) = default;
 };

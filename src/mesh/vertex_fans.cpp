@@ -22,11 +22,11 @@ Result<void> part_fans(Mesh& mesh, const std::string& source) {
   const Adjacency adjacency(old_triangles, vertices);
   Buffer<glm::uvec3> triangles(old_triangles.size());  // with the numbers of fans first, of new vertices then
   Buffer<std::uint32_t> first(vertices);               // of fans how many, then the first new vertex
-  constexpr std::uint32_t kGrain = 1 << 10;
+  constexpr std::uint32_t kVerticesAtOnce = 1 << 10;
   const auto at_corner = [&](Corner corner) -> std::uint32_t& {
     return triangles[triangle_of(corner)][static_cast<int>(corner % 3)];
   };
-  tbb::parallel_for(VertexRange(0, vertices, kGrain), [&](const VertexRange& range) {
+  tbb::parallel_for(VertexRange(0, vertices, kVerticesAtOnce), [&](const VertexRange& range) {
     VertexStar star;
     for (std::uint32_t v = range.begin(); v != range.end(); ++v) {
       const auto corners = adjacency.corners(v);
@@ -46,7 +46,7 @@ Result<void> part_fans(Mesh& mesh, const std::string& source) {
     const auto number = static_cast<std::uint32_t>(source_of.size());
     source_of.insert(source_of.end(), std::exchange(first[v], number), v);
   }
-  tbb::parallel_for(VertexRange(0, vertices, kGrain), [&](const VertexRange& range) {
+  tbb::parallel_for(VertexRange(0, vertices, kVerticesAtOnce), [&](const VertexRange& range) {
     for (std::uint32_t v = range.begin(); v != range.end(); ++v) {
       for (const Corner corner : adjacency.corners(v)) at_corner(corner) += first[v];
     }

@@ -177,6 +177,8 @@ MeshFile read_file(const files::InputFile& file, const MeshReadOptions& options)
   }
   MeshFile result;
   result.mesh = mesh_of(surface, context);
+  result.parts = parts_of(surface);
+  if (surface.has_normals) join_normal_seams(result.mesh, result.parts, context);
   const std::uint64_t normal_bytes =
       surface.normals.values.empty()
           ? 0
@@ -190,7 +192,6 @@ MeshFile read_file(const files::InputFile& file, const MeshReadOptions& options)
   if (!memory) throw DamagedMesh(memory.error().message, memory.error().hint);
   result.mesh.memory = std::move(*memory);
   result.normals = normals_of(surface);
-  result.parts = parts_of(surface);
   result.mesh.name = file.path().filename().string();
   result.format = surface.format;
   result.y_up = surface.y_up;

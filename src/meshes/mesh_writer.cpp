@@ -190,7 +190,7 @@ Result<void> MeshWriter::State::open() {
     case MeshFormat::glb: format = make_glb_writer(options, context, *file); break;
     case MeshFormat::ply: format = std::make_unique<OneMeshWriter>(write_ply, options, *file); break;
     case MeshFormat::stl: format = std::make_unique<OneMeshWriter>(write_stl, options, *file); break;
-    case MeshFormat::obj: format = make_obj_writer(options, *file); break;
+    case MeshFormat::obj: format = make_obj_writer(options, context, *file); break;
     case MeshFormat::drc: format = make_drc_writer(options, context, *file); break;
     case MeshFormat::gltf:
       const fs::path binary_path = fs::path(path).replace_extension(".bin");

@@ -306,6 +306,7 @@ class JobJson {
     each("spacing", job.source.read.spacing);
     each("origin", job.source.read.origin);
     each("inside", job.source.read.kind);
+    each("away_from_zero", job.source.away_from_zero);
     each("particles", job.source.particles);
     each("attributes", job.source.attributes);
     each("filters", job.source.filters);

@@ -109,6 +109,12 @@ void Recorder::coloured(const ColourRecord& record) {
   listener_.coloured(record);
 }
 
+void Recorder::shaded(double iso, const WorkFact& fact, const StageTime& time) {
+  outcome_.stages.push_back({"normals", iso, time});
+  outcome_.work.push_back(fact);
+  listener_.shaded(iso, fact, time);
+}
+
 void Recorder::measured(const MeshError& error, const StageTime& time) {
   outcome_.stages.push_back({"error", error.iso, time});
   listener_.measured(error, time);

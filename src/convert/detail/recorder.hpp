@@ -27,6 +27,7 @@ class Recorder final : public Events {
   void smoothed(const SmoothRecord& record) override;
   void simplified(const MeshSimplification& simplification) override;
   void coloured(const ColourRecord& record) override;
+  void shaded(double iso, const WorkFact& fact, const StageTime& time) override;
   void measured(const MeshError& error, const StageTime& time) override;
   void packed(const MeshPackingRecord& record) override;
   void written(const WrittenOutput& output) override;

@@ -373,6 +373,7 @@ class ModelReader {
     const std::vector<GltfView> views = attribute_views(*attributes, places.count);
     const bool is_indexed = primitive.contains("indices") && !is_soup;
     if (is_indexed) {
+      surface_.has_normals = surface_.has_normals || attributes->contains("NORMAL");
       source_.memory.make_room(surface_.positions, places.count);
       for (std::uint64_t v = 0; v < places.count; ++v) surface_.positions.push_back(places.point(v));
       add_values(views, places.count, [](std::uint64_t v) { return v; });

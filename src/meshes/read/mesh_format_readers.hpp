@@ -63,6 +63,8 @@ struct FileSurface {
   std::string_view format;
   bool y_up = false;     // the format prescribes that y points up
   bool is_ours = false;  // it says that isoextract wrote it
+  // Vertices have normals, and so there may be several of them at one place.
+  bool has_normals = false;
   std::vector<std::string> notes;
 };
 
@@ -133,6 +135,13 @@ void require_vertex_count(std::uint64_t count);
 // Makes one vertex of all corners whose coordinates are equal; -0 is 0, and NaN is itself. `corners` come three a
 // triangle. Returns the first corner of each new vertex. Attributes are left to the caller.
 std::vector<std::uint32_t> weld_corners(std::span<const glm::vec3> corners, FileSurface& surface, MemoryUse& memory);
+
+// Makes one vertex of copies that are there for their normals: where an edge that only one triangle runs along lies
+// upon another such edge, which runs the other way, and no third one, they are one edge. Of attributes those of the
+// first copy are kept. Surfaces that only touch in points, and surfaces that are closed by their numbers, stay as they
+// are. Parts stay apart; their vertices are fewer, and still follow each other. Throws DamagedMesh and Cancelled as
+// MemoryUse does.
+void join_normal_seams(mesh::Mesh& mesh, std::vector<MeshPart>& parts, const Context& context);
 
 // The text behind the mark that some programs put in front of UTF-8.
 [[nodiscard]] std::string_view without_utf8_mark(std::string_view text);

@@ -155,8 +155,9 @@ std::string GltfModel::json(const std::string& uri, int indent, Notes& notes) {
 int GltfModel::material(const GltfPart& part) {
   const bool vertex_colours = part.has_colours();
   const std::optional<mesh::Material>& look = part.mesh->material;
+  const std::string name = as_utf8(part.mesh->name);
   for (const MadeMaterial& made : materials_) {
-    if (made.vertex_colours == vertex_colours && made.look == look) return made.number;
+    if (made.vertex_colours == vertex_colours && made.look == look && made.name == name) return made.number;
   }
   constexpr double kLightGrey = 0.8;
   const mesh::Material own = look.value_or(mesh::Material());
@@ -166,8 +167,10 @@ int GltfModel::material(const GltfPart& part) {
   material.pbrMetallicRoughness.metallicFactor = 0.0;
   material.pbrMetallicRoughness.roughnessFactor = 0.6;
   if (own.opacity < 1) material.alphaMode = "BLEND";
+  material.doubleSided = own.double_sided;
+  material.name = name;
   model_.materials.push_back(std::move(material));
-  materials_.push_back({vertex_colours, look, last_number(taken_.materials, model_.materials)});
+  materials_.push_back({vertex_colours, look, name, last_number(taken_.materials, model_.materials)});
   return materials_.back().number;
 }
 

@@ -80,6 +80,7 @@ class GltfModel {
   struct MadeMaterial {
     bool vertex_colours;
     std::optional<mesh::Material> look;
+    std::string name;  // that of the mesh, so that each grid and iso value can be given another look
     int number;
   };
   std::vector<MadeMaterial> materials_;

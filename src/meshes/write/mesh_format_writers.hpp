@@ -37,7 +37,8 @@ class FormatWriter {
                                                              files::OutputFile& model, files::OutputFile& binary,
                                                              const std::string& binary_name);
 
-[[nodiscard]] std::unique_ptr<FormatWriter> make_obj_writer(const MeshWriteOptions& options, files::OutputFile& file);
+[[nodiscard]] std::unique_ptr<FormatWriter> make_obj_writer(const MeshWriteOptions& options, const Context& context,
+                                                            files::OutputFile& file);
 
 [[nodiscard]] std::unique_ptr<FormatWriter> make_drc_writer(const MeshWriteOptions& options, const Context& context,
                                                             files::OutputFile& file);

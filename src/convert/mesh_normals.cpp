@@ -1,0 +1,125 @@
+#include "convert/mesh_normals.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <variant>
+
+#include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+
+#include "base/buffer.hpp"
+#include "mesh/shading_normals.hpp"
+
+namespace isoextract::convert {
+namespace {
+
+bool has_vertex_normals(const ConversionJob& job) {
+  return job.normals == Normals::smooth || job.normals == Normals::area;
+}
+
+// The box of samples on whose faces caps stand, if there are any.
+std::optional<field::IndexBox> capped_box(const field::ScalarField& field, const extract::ExtractOptions& extracted) {
+  if (!extracted.cap) return std::nullopt;
+  if (!std::holds_alternative<field::DenseSamples>(field.samples)) return extracted.region;
+  const field::IndexBox all = field.extents();
+  if (!extracted.region) return all;
+  return field::IndexBox{glm::max(all.min, extracted.region->min), glm::min(all.max, extracted.region->max)};
+}
+
+// The faces of the capped box by number, from 1 on: in which of them a triangle lies with all its corners, 0 for none.
+class CapFaces {
+ public:
+  CapFaces(const mesh::Mesh& mesh, const field::Affine& output_from_index, const field::IndexBox& box)
+      : mesh_(mesh),
+        index_from_local_(glm::inverse(output_from_index.linear)),
+        offset_(index_from_local_ * (mesh.origin - output_from_index.offset)),
+        box_(box) {
+    // Vertices that are on no face are twice as far from each as this at least (extract/edge_geometry.hpp).
+    const float farthest = tbb::parallel_reduce(
+        tbb::blocked_range<std::size_t>(0, mesh.positions.size(), 1 << 14), 0.0F,
+        [&](const tbb::blocked_range<std::size_t>& part, float most) {
+          for (std::size_t v = part.begin(); v != part.end(); ++v) {
+            const glm::vec3 size = glm::abs(mesh.positions[v]);
+            most = std::max({most, size.x, size.y, size.z});
+          }
+          return most;
+        },
+        [](float a, float b) { return std::max(a, b); });
+    constexpr double kRoundings = 4 * 0x1p-24;
+    for (int axis = 0; axis < 3; ++axis) {
+      const glm::dvec3 row(index_from_local_[0][axis], index_from_local_[1][axis], index_from_local_[2][axis]);
+      tolerance_[axis] = kRoundings * static_cast<double>(farthest) * glm::length(row) + 1e-9;
+    }
+  }
+
+  [[nodiscard]] std::uint8_t operator()(const glm::uvec3& triangle) const {
+    unsigned on = 0x3F;  // a bit a face
+    for (int corner = 0; corner < 3 && on != 0; ++corner) {
+      on &= faces_at(offset_ + index_from_local_ * glm::dvec3(mesh_.positions[triangle[corner]]));
+    }
+    return on == 0 ? std::uint8_t{0} : static_cast<std::uint8_t>(1 + std::countr_zero(on));
+  }
+
+ private:
+  [[nodiscard]] unsigned faces_at(const glm::dvec3& index) const {
+    unsigned faces = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (std::abs(index[axis] - box_.min[axis]) <= tolerance_[axis]) faces |= 1U << (2 * axis);
+      if (std::abs(index[axis] - box_.max[axis]) <= tolerance_[axis]) faces |= 2U << (2 * axis);
+    }
+    return faces;
+  }
+
+  const mesh::Mesh& mesh_;
+  glm::dmat3 index_from_local_;
+  glm::dvec3 offset_;
+  field::IndexBox box_;
+  glm::dvec3 tolerance_{0.0};  // voxels
+};
+
+}  // namespace
+
+bool copies_vertices(const ConversionJob& job) { return has_vertex_normals(job) && (job.surface.cap || job.simplify); }
+
+Result<void> fit_normals(mesh::Mesh& mesh, const ConversionJob& job, const Source& source, double iso,
+                         const Context& context, Events& events) {
+  if (!has_vertex_normals(job) || mesh.triangles.empty()) return {};
+  const auto box = capped_box(source.field, source.extract_options(job.surface, iso));
+  if (job.normals == Normals::smooth && !job.simplify && !box) return {};
+  const Stopwatch watch;
+  context.progress().begin("normals", 0);
+  mesh::ShadingOptions options;
+  options.may_copy = copies_vertices(job);
+  if (job.simplify) options.crease_degrees = kCreaseDegrees;
+  const std::size_t triangles = box ? mesh.triangles.size() : 0;
+  const auto memory = context.reserve(triangles, source.label + ": normals");
+  if (!memory) return tl::unexpected(memory.error());
+  Buffer<std::uint8_t> planes(triangles);
+  if (box) {
+    const CapFaces face_of(mesh, source.output_from_index, *box);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles, 1 << 12), [&](const auto& part) {
+      for (std::size_t t = part.begin(); t != part.end(); ++t) planes[t] = face_of(mesh.triangles[t]);
+    });
+    options.planes = std::as_const(planes).span();
+  }
+  const std::uint64_t before = mesh.positions.size();
+  const auto copies = mesh::shade_by_triangles(mesh, options, source.label, context);
+  if (!copies) return tl::unexpected(copies.error());
+  events.shaded(iso,
+                {"normal_copies", "copied", *copies, before,
+                 fmt::format("{} of {} vertices, for another normal on each side of a crease", *copies, before)},
+                watch.elapsed());
+  return {};
+}
+
+bool may_be_open(const extract::ExtractStats& stats, const extract::ExtractOptions& extracted) {
+  if (extract::method_info(extracted.method).traits.always_closed) return false;
+  return stats.hole_cells > 0 || (stats.meets_border && !extracted.cap);
+}
+
+}  // namespace isoextract::convert
