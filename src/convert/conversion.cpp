@@ -18,6 +18,7 @@
 #include "base/stopwatch.hpp"
 #include "convert/detail/recorder.hpp"
 #include "convert/field_file.hpp"
+#include "convert/label_looks.hpp"
 #include "convert/mesh_packing.hpp"
 #include "convert/output_checks.hpp"
 #include "convert/picture_file.hpp"
@@ -109,7 +110,7 @@ class Conversion {
     if (!source_.empty || job_.empty == EmptyPolicy::write)
       return write_field(source_, job_, output, context_, events_);
     if (job_.empty == EmptyPolicy::error) return tl::unexpected(empty_source());
-    const auto removed = remove_old_files(output);
+    const auto removed = remove_old_meshes(output, job_.format, context_);
     if (!removed) return tl::unexpected(removed.error());
     events_.note(fmt::format("{}: {}; {} was not written{}", source_.label, why_empty(),
                              files::shown_output_name(output.path),
@@ -134,8 +135,11 @@ class Conversion {
       auto surface = make_surface(iso);
       if (!surface) return tl::unexpected(std::move(surface.error()));
       if (!*surface) continue;
-      if (output.isos.size() > 1 || labels_) {
-        (*surface)->mesh.name = fmt::format("{} {}", (*surface)->mesh.name, surface_text(iso.asked));
+      mesh::Mesh& mesh = (*surface)->mesh;
+      if (labels_) {
+        mesh.name = looks_.name(mesh.name, label_of(iso));
+      } else if (output.isos.size() > 1) {
+        mesh.name = fmt::format("{} {}", mesh.name, surface_text(iso.asked));
       }
       if (auto added = add(std::move(**surface), file); !added) return added;
     }
@@ -152,9 +156,12 @@ class Conversion {
     for (const ResolvedIso& iso : source_.isos) {
       if (!iso.asked.is_label()) return {};
       choice.all = choice.all || iso.asked.kind == IsoChoice::Kind::all_labels;
-      choice.values.push_back(static_cast<std::int64_t>(iso.value));
+      choice.values.push_back(label_of(iso));
     }
     if (source_.isos.empty()) return {};
+    auto looks = LabelLooks::open(job_, context_);
+    if (!looks) return tl::unexpected(std::move(looks.error()));
+    looks_ = std::move(*looks);
     if (!extractor_->has(job_.surface.method)) {
       const Error error{ErrorKind::unavailable,
                         fmt::format("the {} backend does not have {}", extractor_->name(), method().title),
@@ -228,6 +235,10 @@ class Conversion {
     for (const ResolvedIso& iso : labels_ ? each_label(source_.isos, labels_->labels()) : source_.isos)
       isos.push_back(iso.value);
     surface.mesh.material = material_of(job_, isos, surface.iso, source_.field.kind);
+    if (labels_) {
+      if (auto done = looks_.colour(job_, static_cast<std::int64_t>(surface.iso), surface.mesh, context_); !done)
+        return done;
+    }
     if (!job_.colour || !job_.colour->attribute) return {};
     auto record = add_colours(*job_.colour, job_.format, surface.mesh, context_);
     if (!record) return tl::unexpected(std::move(record.error()));
@@ -282,7 +293,7 @@ class Conversion {
   }
 
   Result<extract::Extraction> extract_label(const ResolvedIso& asked, const extract::ExtractOptions& options) {
-    auto extraction = labels_->extract(source_.field, static_cast<std::int64_t>(asked.value), options, context_);
+    auto extraction = labels_->extract(source_.field, label_of(asked), options, context_);
     if (extraction) extraction->mesh.name = source_.field.name;
     return extraction;
   }
@@ -390,28 +401,13 @@ class Conversion {
   }
 
   Result<void> leave_out(const OutputFileJob& output, std::span<const ResolvedIso> asked) {
-    const auto removed = sink_ == nullptr ? remove_old_files(output) : Result<std::vector<std::string>>();
+    const auto removed =
+        sink_ == nullptr ? remove_old_meshes(output, job_.format, context_) : Result<std::vector<std::string>>();
     if (!removed) return tl::unexpected(removed.error());
     tell_skipped(output, asked, {},
                  removed->empty() ? "" : fmt::format("; the old {} was removed", fmt::join(*removed, " and ")));
     events_.written({output, {}, 0, 0, {}, {}});
     return {};
-  }
-
-  // An old file of that name would pass for what this run made, among the frames of a sequence for example.
-  Result<std::vector<std::string>> remove_old_files(const OutputFileJob& output) {
-    std::vector<std::string> removed;
-    std::vector<std::string> data;
-    if (job_.format == meshes::MeshFormat::gltf) data = meshes::data_file_names(output.path, context_);
-    for (const std::filesystem::path& file : mesh_files(output, job_.format)) {
-      const bool is_data = file != std::filesystem::path(output.path);
-      // One that the old model does not name may be anybody's.
-      if (is_data && std::ranges::find(data, file.filename().string()) == data.end()) continue;
-      auto gone = files::remove_old_file(file);
-      if (!gone) return tl::unexpected(std::move(gone.error()));
-      if (*gone) removed.push_back(file.string());
-    }
-    return removed;
   }
 
   // What only a report asks for: finding components and open edges takes longer than to extract the mesh.
@@ -460,6 +456,7 @@ class Conversion {
   MeshSink* sink_;               // null where files are written
   Source source_;
   std::optional<extract::LabelVoxels> labels_;  // where those are what is asked for
+  LabelLooks looks_;                            // likewise
   std::unique_ptr<extract::Extractor> extractor_;
   std::unique_ptr<extract::Extractor> other_extractor_;  // only to verify
 };
