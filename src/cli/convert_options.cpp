@@ -29,8 +29,8 @@ void declare_convert_surface(CLI::App& app, ConvertFlags& flags) {
       "Names and colours of labels, as a table that ITK-SNAP, FreeSurfer or 3D Slicer writes: meshes are called so, "
       "and have these colours in glb, gltf and ply.");
   group.value("--relax", "N", flags.relaxations, parse_relaxations,
-              fmt::format("With --method surface-nets: how often vertices move towards their neighbours, each within "
-                          "its cell; 0 leaves them in the middle of it (default: {}).",
+              fmt::format("With --method surface-nets: how many times vertices move towards their neighbours and back, "
+                          "each within its cell; 0 leaves them at the corners of voxels (default: {}).",
                           extract::kUsualRelaxations));
   group.flag(
       "--no-merge", flags.no_merge,

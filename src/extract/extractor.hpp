@@ -38,9 +38,9 @@ constexpr auto words_of(NanPolicy /*type*/) {
                     Word{NanPolicy::hole, "hole"}};
 }
 
-// How often the vertices of surface nets are moved where nobody says: steps between voxels are gone by then, and the
-// surface hardly changes any more.
-inline constexpr std::uint64_t kUsualRelaxations = 16;
+// How often the vertices of surface nets move where nobody says: of the area that steps between voxels add, one
+// hundredth is left.
+inline constexpr std::uint64_t kUsualRelaxations = 10;
 
 struct ExtractOptions {
   Method method = Method::mc;
@@ -50,7 +50,7 @@ struct ExtractOptions {
   bool cap = false;             // close the surface where it leaves the data or the region; of methods whose surfaces
                                 // always are (MethodTraits::always_closed) it changes nothing
   VoxelFaces voxel_faces = VoxelFaces::merged;    // Method::voxels
-  std::uint64_t relaxations = kUsualRelaxations;  // Method::surface_nets: how often vertices move; 0: they do not
+  std::uint64_t relaxations = kUsualRelaxations;  // Method::surface_nets: rounds of smoothing; 0: none
   NanPolicy nan = NanPolicy::error;
   std::optional<field::IndexBox> region;  // extract only from cells within this box of samples (clipped to the data)
   bool shared_frame = false;  // regions of one field are relative to one origin, however far it reaches, so that they

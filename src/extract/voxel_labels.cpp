@@ -44,7 +44,7 @@ class LabelFilter {
  public:
   // `around`: what a sparse field has everywhere else.
   LabelFilter(const LabelChoice& choice, bool net, std::optional<std::int64_t> around)
-      : values_(choice.values), all_(choice.all || net), around_(around) {}
+      : values_(choice.all ? std::vector<std::int64_t>() : choice.values), all_(choice.all || net), around_(around) {}
 
   [[nodiscard]] bool operator()(std::int64_t label) const {
     return (all_ && label != 0 && label != around_) || std::ranges::find(values_, label) != values_.end();

@@ -16,18 +16,17 @@
 namespace isoextract::extract {
 namespace {
 
-// How far a point moves of the way to the mean of its neighbours. All move at once, and by the whole way they would
-// change places forever.
-constexpr float kStep = 0.5F;
+// How far points move of the way to the mean of their neighbours, and back: what a round takes from the steps between
+// voxels, it leaves to the shape, and volumes keep their size (Taubin: A signal processing approach to fair surface
+// design. 1995). All points move at once.
+constexpr float kForward = 0.65F;
+constexpr float kBackward = -0.66F;
 
 // Faces of a cell by number: twice the axis, and 1 for the upper side.
 constexpr std::size_t kFaces = 6;
 
-glm::ivec3 face_step(std::size_t face) {
-  glm::ivec3 step(0);
-  step[static_cast<int>(face / 2)] = face % 2 == 0 ? -1 : 1;
-  return step;
-}
+constexpr std::array<glm::ivec3, kFaces> kFaceSteps{glm::ivec3(-1, 0, 0), glm::ivec3(1, 0, 0),  glm::ivec3(0, -1, 0),
+                                                    glm::ivec3(0, 1, 0),  glm::ivec3(0, 0, -1), glm::ivec3(0, 0, 1)};
 
 // The labels around the corners of one chunk.
 class NearLabels {
@@ -178,7 +177,7 @@ std::uint64_t bits_before(int bit) { return (std::uint64_t{1} << bit) - 1; }
 Result<NetPoints> NetPoints::make(const LabelChunks& labels, std::uint64_t relaxations, const Context& context,
                                   const std::string& what) {
   NetPoints points;
-  context.progress().begin("smoothing borders", relaxations + 1);
+  context.progress().begin("smoothing borders", relaxations);
   if (auto done = points.list_chunks(labels, context, what); !done) return tl::unexpected(done.error());
   if (auto done = points.find_middles(labels, context, what); !done) return tl::unexpected(done.error());
   if (auto done = points.relax(labels, relaxations, context, what); !done) return tl::unexpected(done.error());
@@ -288,6 +287,7 @@ struct NetPoints::Moves {
   const Buffer<std::uint8_t>& joined;
   const Buffer<glm::vec3>& from;
   Buffer<glm::vec3>& to;
+  float step;
 
   // Rows next to one, in this or in a neighbouring chunk: across y and z, and in the chunks before and behind.
   struct Row {
@@ -305,7 +305,7 @@ struct NetPoints::Moves {
     const glm::ivec3 origin = points.origins_[c];
     std::array<std::int32_t, kFaces> next{};
     for (std::size_t face = 0; face < kFaces; ++face) {
-      next[face] = points.index_.find(origin + face_step(face) * kVoxelChunk);
+      next[face] = points.index_.find(origin + kFaceSteps[face] * kVoxelChunk);
     }
     const auto self = static_cast<std::int32_t>(c);
     for (int z = 0; z < 8; ++z) {
@@ -339,13 +339,16 @@ struct NetPoints::Moves {
 
   void move(const glm::ivec3& corner, int bit, std::uint32_t k, const std::array<Row, kFaces>& rows) const {
     glm::vec3 sum(0);
+    float count = 0;
     const unsigned faces = joined[k];
     for (std::size_t face = 0; face < kFaces; ++face) {
-      if ((faces >> face & 1) != 0) sum += from[neighbour(face, bit, k, rows)] + glm::vec3(face_step(face));
+      if ((faces >> face & 1) == 0) continue;
+      sum += from[neighbour(face, bit, k, rows)] + glm::vec3(kFaceSteps[face]);
+      ++count;
     }
-    const glm::vec3 mean = sum / static_cast<float>(std::popcount(faces));
+    const glm::vec3 mean = sum / count;
     constexpr float kReach = 0.5F - kMargin;
-    glm::vec3 place = glm::clamp(from[k] + kStep * (mean - from[k]), -kReach, kReach);
+    glm::vec3 place = glm::clamp(from[k] + step * (mean - from[k]), -kReach, kReach);
     for (int axis = 0; axis < 3; ++axis) {
       if (corner[axis] == bounds.min[axis] || corner[axis] == bounds.max[axis] + 1) place[axis] = 0;
     }
@@ -378,10 +381,12 @@ Result<void> NetPoints::relax(const LabelChunks& labels, std::uint64_t rounds, c
     }
   });
   for (std::uint64_t round = 0; round < rounds; ++round) {
-    if (auto wanted = context.check(); !wanted) return wanted;
-    const Moves moves{*this, labels.bounds(), (*joined)->values, offsets_, (*other)->values};
-    tbb::parallel_for(std::size_t{0}, origins_.size(), [&](std::size_t c) { moves.chunk(c); });
-    std::swap(offsets_, (*other)->values);
+    for (const float step : {kForward, kBackward}) {
+      if (auto wanted = context.check(); !wanted) return wanted;
+      const Moves moves{*this, labels.bounds(), (*joined)->values, offsets_, (*other)->values, step};
+      tbb::parallel_for(std::size_t{0}, origins_.size(), [&](std::size_t c) { moves.chunk(c); });
+      std::swap(offsets_, (*other)->values);
+    }
     context.progress().advance(1);
   }
   return {};
