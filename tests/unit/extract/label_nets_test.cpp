@@ -155,7 +155,7 @@ TEST(LabelNets, BallsHaveTheirAreaAndVolume) {
   for (const int radius : {10, 20, 40}) {
     SCOPED_TRACE(radius);
     const Labels meshes = nets_of(ball_of_halves(radius, false));
-    const mesh::Size size = mesh::measure_size(meshes.at(1));
+    const auto size = mesh::measure_size(meshes.at(1));
     const double area = 4 * std::numbers::pi * radius * radius;
     EXPECT_NEAR(size.area / area, 1, 0.015);  // of voxels it is 1.5 times that, of any radius
     EXPECT_NEAR(size.volume / (area * radius / 3), 1, 0.003);
