@@ -2,9 +2,9 @@
 
 import gzip
 import itertools
-import random
 import json
 import multiprocessing
+import random
 import struct
 
 from support import DATA, ProgramTest, main, needs_data
