@@ -23,7 +23,16 @@ void declare_convert_surface(CLI::App& app, ConvertFlags& flags) {
   group.value(
       "--labels", "all|L,...", flags.labels, parse_labels,
       "Of a label map, whose samples are integers, the surface of each of these labels as a mesh of its own, in "
-      "place of --iso: all but 0, or those that are listed. They are called label L. With --method voxels.");
+      "place of --iso: all but 0, or those that are listed. They are called label L. With --method surface-nets, which "
+      "is the default then, or voxels.");
+  group.value<std::string>(
+      "--label-names", "FILE", flags.label_names, parse_text,
+      "Names and colours of labels, as a table that ITK-SNAP, FreeSurfer or 3D Slicer writes: meshes are called so, "
+      "and have these colours in glb, gltf and ply.");
+  group.value("--relax", "N", flags.relaxations, parse_relaxations,
+              fmt::format("With --method surface-nets: how many times vertices move towards their neighbours and back, "
+                          "each within its cell; 0 leaves them at the corners of voxels (default: {}).",
+                          extract::kUsualRelaxations));
   group.flag(
       "--no-merge", flags.no_merge,
       "With --method voxels: leave each face by itself, as two triangles. Otherwise coplanar faces are merged to "

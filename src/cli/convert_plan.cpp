@@ -162,6 +162,7 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string
 
   job.surface = plan_surface(flags.surface);
   if (auto planned = plan_voxels(flags, plan.notes, job.surface); !planned) return tl::unexpected(planned.error());
+  if (auto planned = plan_labels(flags, job); !planned) return tl::unexpected(planned.error());
   job.verify = flags.verify;
   job.backend = {flags.backend.value_or(convert::Backend::cpu), plan_gpu(flags.device)};
   if (job.backend.backend == convert::Backend::cpu && !job.verify && (flags.device.device || flags.device.gpu_memory)) {

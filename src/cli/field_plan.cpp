@@ -17,7 +17,9 @@ namespace {
 // What is about surfaces, and was given.
 std::string_view surface_option(const ConvertFlags& flags) {
   const SurfaceFlags& surface = flags.surface;
-  const std::array<std::pair<bool, std::string_view>, 27> options{{{flags.labels.has_value(), "--labels"},
+  const std::array<std::pair<bool, std::string_view>, 29> options{{{flags.labels.has_value(), "--labels"},
+                                                                   {flags.label_names.has_value(), "--label-names"},
+                                                                   {flags.relaxations.has_value(), "--relax"},
                                                                    {flags.no_merge, "--no-merge"},
                                                                    {flags.t_junctions, "--t-junctions"},
                                                                    {!flags.isos.empty(), "--iso"},

@@ -165,6 +165,8 @@ struct ConvertFlags {
   SurfaceFlags surface;
   bool no_merge = false;
   bool t_junctions = false;
+  std::optional<std::uint64_t> relaxations;
+  std::optional<std::string> label_names;
   std::optional<convert::Normals> normals;
   std::vector<convert::AttributeChoice> attributes;
   std::optional<ColourFlag> colour;

@@ -177,6 +177,13 @@ Result<std::uint64_t> parse_count(std::string_view text) {
   return *number;
 }
 
+Result<std::uint64_t> parse_relaxations(std::string_view text) {
+  constexpr std::uint64_t kMost = 10'000;
+  const auto number = whole_text_as<std::uint64_t>(text);
+  if (!number || *number > kMost) return expected_found(fmt::format("a whole number up to {}", kMost), text);
+  return *number;
+}
+
 Result<std::uint64_t> parse_positive_count(std::string_view text) {
   const auto number = whole_text_as<std::uint64_t>(text);
   if (!number || *number == 0) return expected_found("a whole number above 0", text);

@@ -35,6 +35,7 @@ using VolumeChoice = std::variant<std::int64_t, AllVolumes>;
 [[nodiscard]] Result<double> parse_part(std::string_view text);                   // 0 to 1
 [[nodiscard]] Result<double> parse_one_or_more(std::string_view text);            // finite, 1 or above
 [[nodiscard]] Result<std::uint64_t> parse_count(std::string_view text);           // a whole number, 0 or above
+[[nodiscard]] Result<std::uint64_t> parse_relaxations(std::string_view text);     // 0..10000
 [[nodiscard]] Result<std::uint64_t> parse_positive_count(std::string_view text);  // likewise, 1 or above
 [[nodiscard]] Result<glm::ivec2> parse_grid_size(std::string_view text);          // NXxNY or NX,NY, 2 or above
 [[nodiscard]] Result<glm::dvec3> parse_sides(std::string_view text);              // AxBxC or one for all, above 0

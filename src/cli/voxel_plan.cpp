@@ -3,16 +3,23 @@
 #include <fmt/format.h>
 
 #include "cli/plan_parts.hpp"
+#include "convert/label_table.hpp"
 #include "extract/method.hpp"
 
 namespace isoextract::cli {
 
 Result<void> take_labels(ConvertFlags& flags) {
-  if (!flags.labels) return {};
-  const extract::MethodInfo& method = extract::method_info(plan_surface(flags.surface).method);
-  if (method.method != extract::Method::voxels) {
-    return refuse_usage(fmt::format("--labels does not go with {}: only voxels are made label by label", method.title),
-                        "give --method voxels");
+  if (!flags.labels) {
+    if (!flags.label_names) return {};
+    return refuse_usage("--label-names is about labels, and none are asked for", "give --labels all");
+  }
+  if (!flags.surface.method) flags.surface.method = extract::Method::surface_nets;
+  const extract::MethodInfo& method = extract::method_info(*flags.surface.method);
+  if (method.method != extract::Method::voxels && method.method != extract::Method::surface_nets) {
+    return refuse_usage(
+        fmt::format("--labels does not go with {}, whose surfaces pass between values, and labels have no order",
+                    method.title),
+        "leave out --method, or give --method voxels");
   }
   if (!flags.isos.empty()) return refuse_usage("--labels and --iso exclude each other");
   if (flags.batch.iso_table) return refuse_usage("--labels and --iso-table exclude each other");
@@ -21,6 +28,14 @@ Result<void> take_labels(ConvertFlags& flags) {
                         "list the labels, or write all into a glb");
   }
   flags.isos = *flags.labels;
+  return {};
+}
+
+Result<void> plan_labels(const ConvertFlags& flags, convert::ConversionJob& job) {
+  if (!flags.label_names) return {};
+  const auto table = convert::LabelTable::read(*flags.label_names);
+  if (!table) return tl::unexpected(table.error());
+  job.label_names = convert::LabelTableFile{*flags.label_names, table->hash()};
   return {};
 }
 
@@ -36,6 +51,10 @@ Result<void> plan_voxels(const ConvertFlags& flags, std::vector<std::string>& no
   if (surface.nan == extract::NanPolicy::hole && !extract::why_no_holes(method).empty()) {
     return refuse_usage(fmt::format("--nan hole: {}", extract::why_no_holes(method)), "--nan outside needs none");
   }
+  if (flags.relaxations && surface.method != extract::Method::surface_nets) {
+    return refuse_usage(fmt::format("--relax does not go with {}", method.title), "give --method surface-nets");
+  }
+  surface.relaxations = flags.relaxations.value_or(surface.relaxations);
   if (!flags.no_merge && !flags.t_junctions) return {};
   if (flags.no_merge && flags.t_junctions) {
     return refuse_usage("--no-merge and --t-junctions exclude each other: faces by themselves have no T-junctions");

@@ -10,9 +10,13 @@
 
 namespace isoextract::cli {
 
-// --labels takes the place of --iso. Refused with another method than voxels, with iso values and with a pattern that
-// cannot be filled in before the samples are read.
+// --labels takes the place of --iso, and surface nets that of the usual method. Refused with a method that has none,
+// with iso values and with a pattern that cannot be filled in before the samples are read; and a table of their names
+// without them.
 [[nodiscard]] Result<void> take_labels(ConvertFlags& flags);
+
+// The table of their names, which is read to see that it is one.
+[[nodiscard]] Result<void> plan_labels(const ConvertFlags& flags, convert::ConversionJob& job);
 
 [[nodiscard]] bool has_all_labels(const ConvertFlags& flags);
 

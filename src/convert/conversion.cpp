@@ -17,6 +17,7 @@
 #include "base/stopwatch.hpp"
 #include "convert/detail/recorder.hpp"
 #include "convert/field_file.hpp"
+#include "convert/label_looks.hpp"
 #include "convert/mesh_normals.hpp"
 #include "convert/mesh_packing.hpp"
 #include "convert/mesh_pieces.hpp"
@@ -104,7 +105,7 @@ class Conversion {
     if (!source_.empty || job_.empty == EmptyPolicy::write)
       return write_field(source_, job_, output, context_, events_);
     if (job_.empty == EmptyPolicy::error) return tl::unexpected(empty_source());
-    const auto removed = remove_old_files(output);
+    const auto removed = remove_old_meshes(output, job_.format, context_);
     if (!removed) return tl::unexpected(removed.error());
     events_.note(fmt::format("{}: {}; {} was not written{}", source_.label, source_.why_empty(),
                              files::shown_output_name(output.path),
@@ -130,8 +131,11 @@ class Conversion {
       auto surface = make_surface(iso);
       if (!surface) return tl::unexpected(std::move(surface.error()));
       if (!*surface) continue;
-      if (output.isos.size() > 1 || labels_) {
-        (*surface)->mesh.name = fmt::format("{} {}", (*surface)->mesh.name, surface_text(iso.asked));
+      mesh::Mesh& mesh = (*surface)->mesh;
+      if (labels_) {
+        mesh.name = looks_.name(mesh.name, label_of(iso));
+      } else if (output.isos.size() > 1) {
+        mesh.name = fmt::format("{} {}", mesh.name, surface_text(iso.asked));
       }
       if (job_.pieces.split) {
         in_pieces = true;
@@ -184,9 +188,12 @@ class Conversion {
     for (const ResolvedIso& iso : source_.isos) {
       if (!iso.asked.is_label()) return {};
       choice.all = choice.all || iso.asked.kind == IsoChoice::Kind::all_labels;
-      choice.values.push_back(static_cast<std::int64_t>(iso.value));
+      choice.values.push_back(label_of(iso));
     }
     if (source_.isos.empty()) return {};
+    auto looks = LabelLooks::open(job_, context_);
+    if (!looks) return tl::unexpected(std::move(looks.error()));
+    looks_ = std::move(*looks);
     if (!extractor_->has(job_.surface.method)) {
       const Error error{ErrorKind::unavailable,
                         fmt::format("the {} backend does not have {}", extractor_->name(), method().title),
@@ -216,7 +223,8 @@ class Conversion {
     std::vector<double> isos;
     for (const ResolvedIso& iso : labels_ ? each_label(source_.isos, labels_->labels()) : source_.isos)
       isos.push_back(iso.value);
-    if (auto made = finish_surface(job_, source_, {isos, open_, extras_.mesh_facts}, context_, events_, surface); !made)
+    const SurfaceFacts facts{isos, open_, extras_.mesh_facts, labels_ ? &looks_ : nullptr};
+    if (auto made = finish_surface(job_, source_, facts, context_, events_, surface); !made)
       return tl::unexpected(std::move(made.error()));
     if (surface.mesh.triangles.empty() && job_.empty != EmptyPolicy::write) return std::optional<Surface>();
     return surface;
@@ -250,7 +258,7 @@ class Conversion {
   }
 
   Result<extract::Extraction> extract_label(const ResolvedIso& asked, const extract::ExtractOptions& options) {
-    auto extraction = labels_->extract(source_.field, static_cast<std::int64_t>(asked.value), options, context_);
+    auto extraction = labels_->extract(source_.field, label_of(asked), options, context_);
     if (extraction) extraction->mesh.name = source_.field.name;
     return extraction;
   }
@@ -356,7 +364,8 @@ class Conversion {
   }
 
   Result<void> leave_out(const OutputFileJob& output, std::span<const ResolvedIso> asked) {
-    const auto removed = sink_ == nullptr ? remove_old_files(output) : Result<std::vector<std::string>>();
+    const auto removed =
+        sink_ == nullptr ? remove_old_meshes(output, job_.format, context_) : Result<std::vector<std::string>>();
     if (!removed) return tl::unexpected(removed.error());
     tell_skipped(output, asked, {},
                  removed->empty() ? "" : fmt::format("; the old {} was removed", fmt::join(*removed, " and ")));
@@ -364,20 +373,6 @@ class Conversion {
     return {};
   }
 
-  // An old file of that name would pass for what this run made, among the frames of a sequence for example.
-  Result<std::vector<std::string>> remove_old_files(const OutputFileJob& output) {
-    std::vector<std::string> removed;
-    std::vector<std::string> data;
-    if (job_.format == meshes::MeshFormat::gltf) data = meshes::data_file_names(output.path, context_);
-    for (const std::filesystem::path& file : mesh_files(output, job_.format)) {
-      const bool is_data = file != std::filesystem::path(output.path);
-      // One that the old model does not name may be anybody's.
-      if (is_data && std::ranges::find(data, file.filename().string()) == data.end()) continue;
-      auto gone = files::remove_old_file(file);
-      if (!gone) return tl::unexpected(std::move(gone.error()));
-      if (*gone) removed.push_back(file.string());
-    }
-    return removed;
   }
 
   // Values that were found may be the same, which nobody could know who asked for them.
@@ -414,6 +409,7 @@ class Conversion {
   MeshSink* sink_;               // null where files are written
   Source source_;
   std::optional<extract::LabelVoxels> labels_;  // where those are what is asked for
+  LabelLooks looks_;                            // likewise
   StageTime recording_;                         // of the file at hand, what reports ask for
   bool open_ = false;                           // the surface at hand may have a border
   std::unique_ptr<extract::Extractor> extractor_;

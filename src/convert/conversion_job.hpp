@@ -111,6 +111,7 @@ struct SurfaceOptions {
   extract::NanPolicy nan = extract::NanPolicy::error;
   bool cap = false;
   extract::VoxelFaces voxel_faces = extract::VoxelFaces::merged;
+  std::uint64_t relaxations = extract::kUsualRelaxations;
 
   friend bool operator==(const SurfaceOptions&, const SurfaceOptions&) = default;
 };
@@ -152,11 +153,20 @@ struct PictureFileOptions {
   friend bool operator==(const PictureFileOptions&, const PictureFileOptions&) = default;
 };
 
+// What labels of a label map are called, and their colours (label_table.hpp).
+struct LabelTableFile {
+  std::string path;
+  std::string hash;  // of its content, when the job was made
+
+  friend bool operator==(const LabelTableFile&, const LabelTableFile&) = default;
+};
+
 struct ConversionJob {
   SourceOptions source;
   SurfaceOptions surface;
   Normals normals = Normals::smooth;
   std::optional<ColourChoice> colour;
+  std::optional<LabelTableFile> label_names;
   // Of the surfaces, as many as there are iso values and in their order, each above 0 and at most 1; or one for all.
   // Empty: they are opaque, unless iso values colour several: then outer ones let inner ones be seen.
   std::vector<double> opacity;

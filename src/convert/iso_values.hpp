@@ -21,6 +21,9 @@ struct ResolvedIso {
   std::string found_by;  // "Otsu's threshold (1979) of the histogram"; empty of numbers and labels
 };
 
+// The number of a label.
+[[nodiscard]] inline std::int64_t label_of(const ResolvedIso& iso) { return static_cast<std::int64_t>(iso.value); }
+
 // "0.3", and of what is no number "p99 (0.3)".
 [[nodiscard]] std::string text_of(const ResolvedIso& iso);
 // "iso 0.3", "label 5".

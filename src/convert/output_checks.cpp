@@ -1,12 +1,15 @@
 #include "convert/output_checks.hpp"
 
+#include <algorithm>
 #include <filesystem>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "convert/particle_source.hpp"
 #include "files/file_bytes.hpp"
 #include "files/output_file.hpp"
+#include "meshes/mesh_reader.hpp"
 
 namespace isoextract::convert {
 namespace {
@@ -64,6 +67,21 @@ Result<void> check_other_file(const fs::path& file, const ConversionJob& job) {
   }
   auto checked = check_output_file(file, job.source.input);
   return checked ? check_data_files(file, job) : checked;
+}
+
+Result<std::vector<std::string>> remove_old_meshes(const OutputFileJob& output, meshes::MeshFormat format,
+                                                   const Context& context) {
+  std::vector<std::string> removed;
+  std::vector<std::string> data;
+  if (format == meshes::MeshFormat::gltf) data = meshes::data_file_names(output.path, context);
+  for (const fs::path& file : mesh_files(output, format)) {
+    const bool is_data = file != fs::path(output.path);
+    if (is_data && std::ranges::find(data, file.filename().string()) == data.end()) continue;
+    auto gone = files::remove_old_file(file);
+    if (!gone) return tl::unexpected(std::move(gone.error()));
+    if (*gone) removed.push_back(file.string());
+  }
+  return removed;
 }
 
 Result<void> check_mesh_files(const ConversionJob& job) {

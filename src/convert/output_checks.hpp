@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/context.hpp"
 #include "base/error.hpp"
 #include "convert/conversion_job.hpp"
 
@@ -12,6 +13,11 @@ namespace isoextract::convert {
 
 // The files that a job writes for one of its outputs: glTF is two, the model first.
 [[nodiscard]] std::vector<std::filesystem::path> mesh_files(const OutputFileJob& output, meshes::MeshFormat format);
+
+// Removes those that are there, and names them: an old file of that name would pass for what this run made, among the
+// frames of a sequence for example. Data that the old model does not name may be anybody's, and stays.
+[[nodiscard]] Result<std::vector<std::string>> remove_old_meshes(const OutputFileJob& output, meshes::MeshFormat format,
+                                                                 const Context& context);
 
 // Another file that goes with the job, its report for example: writable, and neither the input nor a mesh of the job,
 // nor where that goes.

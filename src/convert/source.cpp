@@ -146,6 +146,7 @@ extract::ExtractOptions Source::extract_options(const SurfaceOptions& surface, d
   options.nan = surface.nan;
   options.cap = surface.cap;
   options.voxel_faces = surface.voxel_faces;
+  options.relaxations = surface.relaxations;
   options.iso = iso;
   options.region = region;
   options.output_from_index = output_from_index;

@@ -81,6 +81,10 @@ class SurfaceStages {
   // When the vertices are those that are written. Attributes that are only for that go.
   Result<void> colour(const SurfaceFacts& facts, Surface& surface) {
     surface.mesh.material = material_of(job_, facts.isos, surface.iso, source_.field.kind, facts.may_be_open);
+    if (facts.labels != nullptr) {
+      const auto label = static_cast<std::int64_t>(surface.iso);
+      if (auto done = facts.labels->colour(job_, label, surface.mesh, context_); !done) return done;
+    }
     if (!job_.colour || !job_.colour->attribute) return {};
     auto record = add_colours(*job_.colour, job_.format, surface.mesh, context_);
     if (!record) return tl::unexpected(std::move(record.error()));

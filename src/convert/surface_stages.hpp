@@ -8,6 +8,7 @@
 #include "base/error.hpp"
 #include "convert/conversion_job.hpp"
 #include "convert/events.hpp"
+#include "convert/label_looks.hpp"
 #include "convert/mesh_error.hpp"
 #include "convert/source.hpp"
 #include "mesh/mesh.hpp"
@@ -27,6 +28,7 @@ struct SurfaceFacts {
   std::vector<double> isos;  // of all surfaces of the job
   bool may_be_open = false;  // it may have a border
   bool recorded = false;     // a MeshRecord of it is asked for
+  const LabelLooks* labels = nullptr;  // where the iso values are labels: how these look
 };
 
 // How the surface of `source` at an iso value is extracted for `job`.

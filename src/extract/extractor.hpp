@@ -38,6 +38,10 @@ constexpr auto words_of(NanPolicy /*type*/) {
                     Word{NanPolicy::hole, "hole"}};
 }
 
+// How often the vertices of surface nets move where nobody says: of the area that steps between voxels add, one
+// hundredth is left.
+inline constexpr std::uint64_t kUsualRelaxations = 10;
+
 struct ExtractOptions {
   Method method = Method::mc;
   double iso = 0;
@@ -45,7 +49,8 @@ struct ExtractOptions {
   bool edge_keys = false;       // fill Mesh::edges (MethodTraits::vertices_on_edges): for who compares meshes
   bool cap = false;             // close the surface where it leaves the data or the region; of methods whose surfaces
                                 // always are (MethodTraits::always_closed) it changes nothing
-  VoxelFaces voxel_faces = VoxelFaces::merged;  // Method::voxels
+  VoxelFaces voxel_faces = VoxelFaces::merged;    // Method::voxels
+  std::uint64_t relaxations = kUsualRelaxations;  // Method::surface_nets: rounds of smoothing; 0: none
   NanPolicy nan = NanPolicy::error;
   std::optional<field::IndexBox> region;  // extract only from cells within this box of samples (clipped to the data)
   bool shared_frame = false;  // regions of one field are relative to one origin, however far it reaches, so that they

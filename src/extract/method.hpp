@@ -22,9 +22,10 @@ struct ExtractOptions;
 struct Extraction;
 
 enum class Method {
-  mc,      // marching cubes, with the topology of the trilinear interpolant (asymptotic_decider.hpp)
-  mt,      // marching tetrahedra, six a cell (cell_tables.hpp)
-  voxels,  // the exposed faces of the samples inside, each a box (voxels.hpp)
+  mc,            // marching cubes, with the topology of the trilinear interpolant (asymptotic_decider.hpp)
+  mt,            // marching tetrahedra, six a cell (cell_tables.hpp)
+  voxels,        // the exposed faces of the samples inside, each a box (voxels.hpp)
+  surface_nets,  // the same faces with their corners moved to smooth places (detail/net_points.hpp)
 };
 
 struct MethodTraits {
@@ -64,6 +65,10 @@ struct MethodInfo {
 [[nodiscard]] Result<Extraction> extract_voxels(const field::ScalarField& field, const ExtractOptions& options,
                                                 const Context& context);
 
+// The same faces, smooth (detail/net_points.hpp).
+[[nodiscard]] Result<Extraction> extract_surface_nets(const field::ScalarField& field, const ExtractOptions& options,
+                                                      const Context& context);
+
 // In the order of the enum.
 inline constexpr std::array kMethods{
     MethodInfo{.method = Method::mc,
@@ -94,6 +99,17 @@ inline constexpr std::array kMethods{
                           .gradient_normals = false,
                           .always_closed = true},
                .run_on_cpu = extract_voxels},
+    MethodInfo{.method = Method::surface_nets,
+               .id = "surface-nets",
+               .title = "surface nets",
+               .help = "surface nets: the border between the samples inside and those outside, or of each label, "
+                       "smooth and always closed",
+               .traits = {.vertices_on_edges = false,
+                          .axis_edges_only = false,
+                          .follows_interpolant = false,
+                          .gradient_normals = false,
+                          .always_closed = true},
+               .run_on_cpu = extract_surface_nets},
 };
 
 [[nodiscard]] constexpr const MethodInfo& method_info(Method method) {

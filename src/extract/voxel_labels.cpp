@@ -11,6 +11,7 @@
 #include <tbb/parallel_for.h>
 
 #include "extract/dense_input.hpp"
+#include "extract/detail/net_points.hpp"
 #include "extract/detail/reserved_list.hpp"
 #include "extract/detail/voxel_input.hpp"
 #include "extract/detail/voxel_mesh.hpp"
@@ -38,11 +39,27 @@ struct SampleRows {
   int end = 64;
 };
 
+// Which labels are looked for.
+class LabelFilter {
+ public:
+  // `around`: what a sparse field has everywhere else.
+  LabelFilter(const LabelChoice& choice, bool net, std::optional<std::int64_t> around)
+      : values_(choice.all ? std::vector<std::int64_t>() : choice.values), all_(choice.all || net), around_(around) {}
+
+  [[nodiscard]] bool operator()(std::int64_t label) const {
+    return (all_ && label != 0 && label != around_) || std::ranges::find(values_, label) != values_.end();
+  }
+
+ private:
+  std::vector<std::int64_t> values_;  // when all are, those besides
+  bool all_;                          // a net is one of all labels, whichever of them have meshes
+  std::optional<std::int64_t> around_;
+};
+
 // The labels of one chunk after the other.
 class ChunkLabels {
  public:
-  explicit ChunkLabels(const LabelChoice& choice, std::optional<std::int64_t> around)
-      : choice_(choice), around_(around) {}
+  explicit ChunkLabels(const LabelFilter& filter) : filter_(filter) {}
 
   template <class T>
   void add(const SampleRows<T>& samples, const glm::ivec3& origin, ReservedList<LabelPart>& found) {
@@ -74,18 +91,12 @@ class ChunkLabels {
     for (std::size_t p = parts_.size(); p-- > 0;) {
       if (parts_[p].label == label) return &parts_[p].bits;
     }
-    if (!is_wanted(label)) return nullptr;
+    if (!filter_(label)) return nullptr;
     parts_.emplace_back().label = label;
     return &parts_.back().bits;
   }
 
-  [[nodiscard]] bool is_wanted(std::int64_t label) const {
-    if (!choice_.all) return std::ranges::find(choice_.values, label) != choice_.values.end();
-    return label != 0 && label != around_;
-  }
-
-  const LabelChoice& choice_;
-  std::optional<std::int64_t> around_;  // what a sparse field has everywhere else
+  const LabelFilter& filter_;
   std::vector<LabelPart> parts_;
 };
 
@@ -171,6 +182,8 @@ struct LabelVoxels::Found {
 
   std::string what;  // for messages
   std::vector<std::int64_t> labels;
+  std::optional<LabelFilter> filter;
+  std::optional<NetPoints> net;  // of surface nets
   glm::ivec3 base{0};
   field::IndexBox region;
   OutputFrame frame;
@@ -182,8 +195,7 @@ struct LabelVoxels::Found {
 
   // Fills `tasks`: add(labels, n, list) for each of `count` chunks.
   template <class Add>
-  void run(std::size_t count, const LabelChoice& choice, std::optional<std::int64_t> around, const Context& context,
-           const Add& add) {
+  void run(std::size_t count, const Context& context, const Add& add) {
     stats.brick = "64x8x8 voxels";
     stats.bricks = count;
     stats.bricks_visited = count;
@@ -194,12 +206,12 @@ struct LabelVoxels::Found {
     context.progress().begin("finding labels", portions);
     tbb::parallel_for(std::size_t{0}, portions, [&](std::size_t p) {
       if (context.cancelled()) return;
-      add(ChunkLabels(choice, around), kChunksATask * p, std::min(kChunksATask * (p + 1), count), tasks[p]);
+      add(ChunkLabels(*filter), kChunksATask * p, std::min(kChunksATask * (p + 1), count), tasks[p]);
       context.progress().advance(1);
     });
   }
 
-  void find_dense(const field::DenseSamples& samples, const LabelChoice& choice, const Context& context) {
+  void find_dense(const field::DenseSamples& samples, const Context& context) {
     const ChunkGrid grid(region);
     const glm::u64vec3 dims(region.dims());
     stats.samples_classified = dims.x * dims.y * dims.z;
@@ -207,7 +219,7 @@ struct LabelVoxels::Found {
     field::visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) {
       if constexpr (!field::is_floating_sample<T>) {
         const DenseView<T> view = part_of(dense_view<T>(samples), region);
-        run(grid.count(), choice, std::nullopt, context,
+        run(grid.count(), context,
             [&](ChunkLabels chunk, std::size_t begin, std::size_t end, ReservedList<LabelPart>& list) {
               for (std::size_t n = begin; n < end; ++n)
                 chunk.add(dense_rows(view, grid.origin(n)), grid.origin(n), list);
@@ -217,7 +229,7 @@ struct LabelVoxels::Found {
   }
 
   [[nodiscard]] Result<void> find_sparse(const field::ScalarField& field, const field::SparseSamples& samples,
-                                         const LabelChoice& choice, const Context& context) {
+                                         const Context& context) {
     std::vector<glm::ivec3> nodes = field::SparseLookup::node_origins(samples);
     auto held = context.reserve(nodes.size() * sizeof(field::SparseLookup::Node), what);
     if (!held) return tl::unexpected(held.error());
@@ -230,7 +242,7 @@ struct LabelVoxels::Found {
     stats.samples_classified = samples.blocks.size() * kBlockSize * kBlockSize * kBlockSize;
     field::visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) {
       if constexpr (!field::is_floating_sample<T>) {
-        run(origins->size(), choice, static_cast<std::int64_t>(samples.background), context,
+        run(origins->size(), context,
             [&](ChunkLabels chunk, std::size_t begin, std::size_t end, ReservedList<LabelPart>& list) {
               SparseRows<T> rows(samples, *lookup, region);
               for (std::size_t n = begin; n < end; ++n) chunk.add(rows.read((*origins)[n]), (*origins)[n], list);
@@ -261,6 +273,36 @@ struct LabelVoxels::Found {
     }
     return {};
   }
+
+  // The label of all of a chunk within one large tile.
+  [[nodiscard]] std::optional<std::int64_t> label_of_tile(const glm::ivec3& origin) const {
+    const std::int32_t place = lookup->place(origin);
+    if (place >= field::SparseLookup::kBackground || !is_in(region, origin)) return std::nullopt;
+    const auto label = static_cast<std::int64_t>(lookup->constant_of(place));
+    return (*filter)(label) ? std::optional(label) : std::nullopt;
+  }
+
+  [[nodiscard]] Result<void> make_net(std::uint64_t relaxations, const Context& context) {
+    std::uint64_t count = 0;
+    for (const ReservedList<LabelPart>& task : tasks) count += task.values().size();
+    auto held = context.reserve(LabelChunks::bytes(count), what);
+    if (!held) return tl::unexpected(held.error());
+    std::vector<LabelChunk> chunks;
+    chunks.reserve(count);
+    for (const ReservedList<LabelPart>& task : tasks) {
+      for (const LabelPart& part : task.values()) {
+        chunks.push_back({part.label, part.origin, part.full ? &full_chunk() : &part.bits});
+      }
+    }
+    LabelChunks::Unlisted unlisted;
+    if (lookup) unlisted = [this](const glm::ivec3& origin) { return label_of_tile(origin); };
+    const field::IndexBox bounds{region.min - base, region.max - base};
+    auto made = NetPoints::make(LabelChunks(std::move(chunks), std::move(unlisted), bounds, std::move(*held)),
+                                relaxations, context, what);
+    if (!made) return tl::unexpected(made.error());
+    net.emplace(std::move(*made));
+    return {};
+  }
 };
 
 Result<LabelVoxels> LabelVoxels::find(const field::ScalarField& field, const ExtractOptions& options,
@@ -285,12 +327,18 @@ Result<LabelVoxels> LabelVoxels::find(const field::ScalarField& field, const Ext
   }
   const OutputFrame frame = voxel_frame(field, options, stored, options.region ? region : stored);
   auto found = std::make_shared<Found>(field.source + ": the voxels of its labels", region, frame);
+  const bool nets = options.method == Method::surface_nets;
+  found->filter.emplace(
+      choice, nets, sparse != nullptr ? std::optional(static_cast<std::int64_t>(sparse->background)) : std::nullopt);
   if (dense != nullptr) {
-    found->find_dense(*dense, choice, context);
-  } else if (auto done = found->find_sparse(field, *sparse, choice, context); !done) {
+    found->find_dense(*dense, context);
+  } else if (auto done = found->find_sparse(field, *sparse, context); !done) {
     return tl::unexpected(done.error());
   }
   if (auto done = found->collect(choice, context); !done) return tl::unexpected(done.error());
+  if (nets) {
+    if (auto done = found->make_net(options.relaxations, context); !done) return tl::unexpected(done.error());
+  }
   found->stats.classify = watch.elapsed();
   return LabelVoxels(std::move(found));
 }
@@ -310,16 +358,13 @@ Result<Extraction> LabelVoxels::extract(const field::ScalarField& field, std::in
   }
   VoxelChunks::Unlisted unlisted;
   if (found_->lookup) {
-    unlisted = [this, label](const glm::ivec3& origin) {
-      const std::int32_t place = found_->lookup->place(origin);
-      return place < field::SparseLookup::kBackground && is_in(found_->region, origin) &&
-             found_->lookup->constant_of(place) == static_cast<double>(label);
-    };
+    unlisted = [this, label](const glm::ivec3& origin) { return found_->label_of_tile(origin) == label; };
   }
   const VoxelChunks voxels(std::move(chunks), std::move(unlisted), found_, std::move(*memory));
   ExtractStats stats = found_->stats;
   if (label != found_->labels.front()) stats.classify = {};  // all were found at once
-  return mesh_voxels(field, voxels, found_->base, found_->frame, options, stats, context);
+  return mesh_voxels(field, voxels, found_->base, found_->frame, options, stats, context,
+                     found_->net ? &*found_->net : nullptr);
 }
 
 }  // namespace isoextract::extract

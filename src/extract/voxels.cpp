@@ -59,6 +59,30 @@ void count_chunks(ExtractStats& stats, std::uint64_t all, const VoxelChunks& vox
   }));
 }
 
+// `bounds` are in voxels, of which 0 is sample `base`. What is inside is one label of the net.
+Result<Extraction> mesh_in_bounds(const field::ScalarField& field, const VoxelChunks& voxels,
+                                  const field::IndexBox& bounds, const glm::ivec3& base, const OutputFrame& placement,
+                                  const ExtractOptions& options, const ExtractStats& stats, const Context& context) {
+  if (options.method != Method::surface_nets) {
+    return mesh_voxels(field, voxels, base, placement, options, stats, context);
+  }
+  const Stopwatch watch;
+  auto memory = context.reserve(LabelChunks::bytes(voxels.chunks().size()), chunks_text(field));
+  if (!memory) return tl::unexpected(memory.error());
+  std::vector<LabelChunk> chunks;
+  chunks.reserve(voxels.chunks().size());
+  for (const VoxelChunk& chunk : voxels.chunks()) chunks.push_back({0, chunk.origin, chunk.bits});
+  const auto unlisted = [&](const glm::ivec3& origin) {
+    return &voxels.at(origin) == &full_chunk() ? std::optional<std::int64_t>(0) : std::nullopt;
+  };
+  const LabelChunks inside(std::move(chunks), unlisted, bounds, std::move(*memory));
+  auto net = NetPoints::make(inside, options.relaxations, context, chunks_text(field));
+  if (!net) return tl::unexpected(net.error());
+  ExtractStats with_net = stats;
+  with_net.count += watch.elapsed();
+  return mesh_voxels(field, voxels, base, placement, options, with_net, context, &*net);
+}
+
 Result<Extraction> extract_dense_voxels(const field::ScalarField& field, const field::DenseSamples& samples,
                                         const ExtractOptions& options, const Context& context) {
   const auto region = voxel_region(field, {glm::ivec3(0), samples.dims - 1}, options);
@@ -98,7 +122,8 @@ Result<Extraction> extract_dense_voxels(const field::ScalarField& field, const f
   count_chunks(stats, grid.count(), *voxels);
   if (auto wanted = context.check(); !wanted) return tl::unexpected(wanted.error());
   const OutputFrame placement = voxel_frame(field, options, {glm::ivec3(0), samples.dims - 1}, *region);
-  return mesh_voxels(field, *voxels, region->min, placement, options, stats, context);
+  const field::IndexBox bounds{glm::ivec3(0), region->max - region->min};
+  return mesh_in_bounds(field, *voxels, bounds, region->min, placement, options, stats, context);
 }
 
 // Eight bytes as the rows of 8 x 8 bits, which change places with the columns (Warren: Hacker's Delight, 7-3).
@@ -164,8 +189,8 @@ Result<Extraction> extract_sparse_voxels(const field::ScalarField& field, const 
   if (!voxels) return tl::unexpected(voxels.error());
   count_chunks(stats, origins->size(), *voxels);
   if (auto wanted = context.check(); !wanted) return tl::unexpected(wanted.error());
-  return mesh_voxels(field, *voxels, glm::ivec3(0), sparse_voxel_frame(field, options, *reach), options, stats,
-                     context);
+  return mesh_in_bounds(field, *voxels, reach->region, glm::ivec3(0), sparse_voxel_frame(field, options, *reach),
+                        options, stats, context);
 }
 
 }  // namespace
@@ -176,6 +201,11 @@ Result<Extraction> extract_voxels(const field::ScalarField& field, const Extract
     return extract_dense_voxels(field, *dense, options, context);
   }
   return extract_sparse_voxels(field, std::get<field::SparseSamples>(field.samples), options, context);
+}
+
+Result<Extraction> extract_surface_nets(const field::ScalarField& field, const ExtractOptions& options,
+                                        const Context& context) {
+  return extract_voxels(field, options, context);  // which looks at the method
 }
 
 }  // namespace isoextract::extract

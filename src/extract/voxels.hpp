@@ -29,9 +29,10 @@ struct LabelChoice {
 // Where each label of a label map is, found in one look at the samples.
 class LabelVoxels {
  public:
-  // Of the region in `options`, whose iso value plays no part. What is found is reserved for as long as it lives. Fails
-  // with ErrorKind::usage for samples that are not integers or that a scale makes something else of, and for a label
-  // that a sparse field has all around; with ErrorKind::input where memory runs out; with ErrorKind::cancelled.
+  // Of the region in `options`, whose iso value plays no part; for surface nets with the net of all labels there are,
+  // whichever are asked for, so that the choice changes no mesh. What is found is reserved for as long as it lives.
+  // Fails with ErrorKind::usage for samples that are not integers or that a scale makes something else of, and for a
+  // label that a sparse field has all around; with ErrorKind::input where memory runs out; with ErrorKind::cancelled.
   [[nodiscard]] static Result<LabelVoxels> find(const field::ScalarField& field, const ExtractOptions& options,
                                                 const LabelChoice& choice, const Context& context = Context());
 
@@ -39,7 +40,8 @@ class LabelVoxels {
   [[nodiscard]] const std::vector<std::int64_t>& labels() const;
 
   // The surface of one of them; empty where the label was not found. `field` is the one that was looked at, and
-  // `options` are the same but for what a mesh is like. Fails as Extractor::extract() does.
+  // `options` are the same but for what a mesh is like. By surface nets the borders of two labels are the same
+  // triangles in both meshes, turned over. Fails as Extractor::extract() does.
   [[nodiscard]] Result<Extraction> extract(const field::ScalarField& field, std::int64_t label,
                                            const ExtractOptions& options, const Context& context = Context()) const;
 

@@ -14,6 +14,7 @@
 
 #include "allocation/failing_allocations.hpp"
 #include "convert/conversion.hpp"
+#include "convert/label_table.hpp"
 #include "meshes/mesh_reader.hpp"
 #include "support/sample_attributes.hpp"
 #include "support/sample_meshes.hpp"
@@ -176,6 +177,20 @@ TEST_F(Allocation, OfMappedSamples) {
   job.surface = {extract::Method::mt, extract::NanPolicy::error, true};
   job.normals = Normals::none;
   job.ascii = true;
+  expect_all_are_told(job);
+}
+
+TEST_F(Allocation, OfLabelMaps) {
+  std::string bytes;
+  for (int i = 0; i < 4 * 3 * 3; ++i) bytes.push_back(static_cast<char>(i * 37 % 101 % 3));
+  test::write_bytes(in_ / "v.raw", bytes);
+  test::write_bytes(in_ / "lut.txt", "1 one 255 0 0 0\n2 two 0 255 0 0\n");
+  ConversionJob job = job_of(in_ / "v.raw", 0, meshes::MeshFormat::glb);
+  job.outputs.front().isos = {IsoChoice::all_labels()};
+  job.source.read.raw = volumes::RawLayout{{4, 3, 3}, field::SampleType::u8, std::endian::little, 0};
+  job.surface.method = extract::Method::surface_nets;
+  job.normals = Normals::none;
+  job.label_names = LabelTableFile{(in_ / "lut.txt").string(), LabelTable::read((in_ / "lut.txt").string())->hash()};
   expect_all_are_told(job);
 }
 

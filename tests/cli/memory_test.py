@@ -4,6 +4,7 @@ import gzip
 import itertools
 import json
 import multiprocessing
+import random
 import struct
 
 from support import DATA, ProgramTest, main, needs_data
@@ -43,7 +44,7 @@ class MemoryTest(ProgramTest):
         run, report = self.report(*arguments, "--memory-limit", str(needed + MIB))
         self.assertEqual(run.code, 0, run.err)
         self.assertLess(report["peak_memory_bytes"], needed + MIB + allowed)
-        kept = {"waves.nrrd", "leaves.vdb", "report.json"}
+        kept = {"waves.nrrd", "leaves.vdb", "map.raw", "report.json"}
         for name in set(self.files()) - kept:
             (self.folder / name).unlink()
         run, report = self.report(*arguments, "--memory-limit", str(needed // 2))
@@ -59,6 +60,14 @@ class MemoryTest(ProgramTest):
 
     def test_marching_tetrahedra_with_smooth_normals(self):
         self.check(GYROID, "--iso", "0", "--method", "mt", "--normals", "smooth", "-o", "a.obj")
+
+    def test_label_maps(self):
+        # Layers of three labels, and noise in every eighth, so that there is much of all that a net has.
+        size, noise = 128, random.Random(1)
+        layers = [noise.randbytes(size * size).translate(bytes(n % 4 for n in range(256))) if z % 8 == 0
+                  else bytes((x // 3 + y // 2 + z) % 4 for y in range(size) for x in range(size)) for z in range(size)]
+        (self.folder / "map.raw").write_bytes(b"".join(layers))
+        self.check("map.raw", "--dims", f"{size},{size},{size}", "--labels", "all", "-o", "a.glb")
 
     def test_another_resolution(self):
         self.check("demo:gyroid?size=160", "--iso", "0", "--resolution", "256", "-o", "a.ply")

@@ -36,10 +36,11 @@ concept JsonValue = std::same_as<T, bool> || std::same_as<T, double> || std::sam
 
 template <class T>
 concept JobStructure = std::same_as<T, volumes::RawLayout> || std::same_as<T, ParticleOptions> ||
-    std::same_as<T, AttributeChoice> || std::same_as<T, ColourChoice> || std::same_as<T, SimplifyBound> ||
-    std::same_as<T, OutputFileJob> || std::same_as<T, FilterStep> || std::same_as<T, FieldFileOptions> ||
-    std::same_as<T, BlurStep> || std::same_as<T, LeastPiece> || std::same_as<T, PieceChoice> ||
-    std::same_as<T, SmoothChoice> || std::same_as<T, PictureFileOptions> || std::same_as<T, ConversionJob>;
+    std::same_as<T, AttributeChoice> || std::same_as<T, ColourChoice> || std::same_as<T, LabelTableFile> ||
+    std::same_as<T, SimplifyBound> || std::same_as<T, OutputFileJob> || std::same_as<T, FilterStep> ||
+    std::same_as<T, FieldFileOptions> || std::same_as<T, BlurStep> || std::same_as<T, LeastPiece> ||
+    std::same_as<T, PieceChoice> || std::same_as<T, SmoothChoice> || std::same_as<T, PictureFileOptions> ||
+    std::same_as<T, ConversionJob>;
 
 class JobJson {
  public:
@@ -257,6 +258,9 @@ class JobJson {
       each("attribute", value.attribute);
       each("map", value.map);
       each("range", value.range);
+    } else if constexpr (std::same_as<Structure, LabelTableFile>) {
+      each("path", value.path);
+      each("hash", value.hash);
     } else if constexpr (std::same_as<Structure, SimplifyBound>) {
       each("distance", value.distance);
       each("in_world_units", value.in_world_units);
@@ -322,8 +326,10 @@ class JobJson {
     each("nan", job.surface.nan);
     each("cap", job.surface.cap);
     each("voxel_faces", job.surface.voxel_faces);
+    each("relaxations", job.surface.relaxations);
     each("normals", job.normals);
     each("colour", job.colour);
+    each("label_names", job.label_names);
     each("opacity", job.opacity);
     each("pieces", job.pieces);
     each("smooth", job.smooth);

@@ -9,27 +9,11 @@
 #include <tbb/parallel_sort.h>
 
 #include "base/reserved_buffer.hpp"
+#include "extract/detail/corner_words.hpp"
 #include "extract/row_bits.hpp"
 
 namespace isoextract::extract {
 namespace {
-
-glm::ivec3 chunk_step(int n) { return kVoxelChunk * glm::ivec3(n & 1, n >> 1 & 1, n >> 2); }
-
-// Bit b of word n: whether voxel n of the eight around corner b of a row is inside.
-using CornerWords = std::array<std::uint64_t, 8>;
-
-// Where two of the four around an edge touch along it only: a and d are opposite, as are b and c.
-std::uint64_t diagonal(std::uint64_t a, std::uint64_t b, std::uint64_t c, std::uint64_t d) {
-  return (a ^ b) & (a ^ c) & ~(a ^ d);
-}
-
-// Corners that such an edge ends in.
-std::uint64_t contacts(const CornerWords& w) {
-  return diagonal(w[0], w[2], w[4], w[6]) | diagonal(w[1], w[3], w[5], w[7]) |  // along x
-         diagonal(w[0], w[1], w[4], w[5]) | diagonal(w[2], w[3], w[6], w[7]) |  // along y
-         diagonal(w[0], w[1], w[2], w[3]) | diagonal(w[4], w[5], w[6], w[7]);   // along z
-}
 
 // The voxels around the corners of one chunk, row by row.
 class CornerRows {
@@ -40,19 +24,7 @@ class CornerRows {
     }
   }
 
-  [[nodiscard]] CornerWords row(int y, int z) const {
-    CornerWords words;
-    for (int n = 0; n < 8; n += 2) {
-      const int voxel_y = y - 1 + (n >> 1 & 1);
-      const int voxel_z = z - 1 + (n >> 2);
-      const std::size_t chunk = (voxel_y < 0 ? 0U : 2U) | (voxel_z < 0 ? 0U : 4U);
-      const std::uint64_t upper = (*near_[chunk | 1])[chunk_row(voxel_y, voxel_z)];
-      const std::uint64_t before = (*near_[chunk])[chunk_row(voxel_y, voxel_z)];
-      words[static_cast<std::size_t>(n)] = upper << 1 | before >> 63;
-      words[static_cast<std::size_t>(n) + 1] = upper;
-    }
-    return words;
-  }
+  [[nodiscard]] CornerWords row(int y, int z) const { return corner_words(near_, y, z); }
 
   // Whether voxels touch along an edge only, anywhere.
   [[nodiscard]] bool touch() const {
@@ -72,14 +44,8 @@ class CornerRows {
   }
 
  private:
-  std::array<const ChunkBits*, 8> near_;
+  NearChunks near_;
 };
-
-unsigned pattern_at(const CornerWords& words, int bit) {
-  unsigned pattern = 0;
-  for (std::size_t n = 0; n < 8; ++n) pattern |= static_cast<unsigned>(words[n] >> bit & 1) << n;
-  return pattern;
-}
 
 // Edges upward from corner `p`, of the given pattern, that need a vertex in the middle for each voxel; bits of axes.
 unsigned doubled_edges(const VoxelChunks& voxels, const glm::ivec3& p, const CornerFans& fans) {
@@ -171,8 +137,10 @@ Result<std::vector<glm::ivec3>> SurfacePoints::list_origins(const VoxelChunks& v
 }
 
 Result<SurfacePoints> SurfacePoints::make(const VoxelChunks& voxels, const std::vector<LayerRectangles>& rectangles,
-                                          bool closes, const Context& context, const std::string& what) {
+                                          bool closes, const NetPoints* net, const Context& context,
+                                          const std::string& what) {
   SurfacePoints points;
+  points.net_ = net;
   Reservation list_memory;
   auto origins = list_origins(voxels, rectangles, closes, context, what, list_memory);
   if (!origins) return tl::unexpected(origins.error());
@@ -239,6 +207,7 @@ void SurfacePoints::mark_contacts(const VoxelChunks& voxels, std::size_t chunk) 
 }
 
 bool SurfacePoints::has_specials(const VoxelChunks& voxels, std::size_t chunk, bool closes) const {
+  if (net_ != nullptr && net_->middles(origins_[chunk]) != nullptr) return true;
   const CornerRows rows(voxels, origins_[chunk]);
   for (int z = 0; z < 8; ++z) {
     for (int y = 0; y < 8; ++y) {
@@ -249,7 +218,8 @@ bool SurfacePoints::has_specials(const VoxelChunks& voxels, std::size_t chunk, b
         const int bit = std::countr_zero(used);
         const CornerFans& fans = corner_fans()[pattern_at(words, bit)];
         if (fans.fans > 1) return true;
-        if (closes && doubled_edges(voxels, origins_[chunk] + glm::ivec3(bit, y, z), fans) != 0) return true;
+        if (closes && net_ == nullptr && doubled_edges(voxels, origins_[chunk] + glm::ivec3(bit, y, z), fans) != 0)
+          return true;
       }
     }
   }
@@ -260,19 +230,27 @@ void SurfacePoints::fill_specials(const VoxelChunks& voxels, std::size_t chunk, 
   Specials& specials = specials_[static_cast<std::size_t>(special_number_[chunk])];
   for (ChunkBits& bits : specials.more_fans) bits.fill(0);
   for (ChunkBits& bits : specials.middles) bits.fill(0);
+  for (ChunkBits& bits : specials.single_middles) bits.fill(0);
   specials.pattern.fill(0);
   const CornerRows rows(voxels, origins_[chunk]);
+  const std::array<ChunkBits, 3>* of_net = net_ != nullptr ? net_->middles(origins_[chunk]) : nullptr;
   for (int z = 0; z < 8; ++z) {
     for (int y = 0; y < 8; ++y) {
       const std::size_t row = chunk_row(y, z);
       const CornerWords words = rows.row(y, z);
+      for (std::size_t axis = 0; of_net != nullptr && axis < 3; ++axis) {
+        // A label that does not touch itself there has one voxel there, or all but one, and one border.
+        const std::array<std::uint64_t, 4> four = words_on_side(words, axis, 1);
+        specials.middles[axis][row] = (*of_net)[axis][row] & mixed(four);
+        specials.single_middles[axis][row] = specials.middles[axis][row] & ~diagonal(four);
+      }
       for_each_bit(used_[chunk][row], [&](int bit) {
         const unsigned pattern = pattern_at(words, bit);
         const CornerFans& fans = corner_fans()[pattern];
         specials.pattern[64 * row + static_cast<std::size_t>(bit)] = static_cast<std::uint8_t>(pattern);
         const std::uint64_t more = fans.fans - 1U;
         for (std::size_t digit = 0; digit < 2; ++digit) specials.more_fans[digit][row] |= (more >> digit & 1) << bit;
-        if (!closes) return;
+        if (!closes || net_ != nullptr) return;
         const std::uint64_t edges = doubled_edges(voxels, origins_[chunk] + glm::ivec3(bit, y, z), fans);
         for (std::size_t axis = 0; axis < 3; ++axis) specials.middles[axis][row] |= (edges >> axis & 1) << bit;
       });
@@ -287,6 +265,7 @@ std::uint32_t SurfacePoints::vertices_below(std::size_t chunk, std::size_t row, 
     const Specials& specials = specials_[static_cast<std::size_t>(special_number_[chunk])];
     count += std::popcount(specials.more_fans[0][row] & below) + 2 * std::popcount(specials.more_fans[1][row] & below);
     for (const ChunkBits& middles : specials.middles) count += 2 * std::popcount(middles[row] & below);
+    for (const ChunkBits& middles : specials.single_middles) count -= std::popcount(middles[row] & below);
   }
   return static_cast<std::uint32_t>(count);
 }
@@ -299,6 +278,12 @@ void SurfacePoints::write_positions(const OutputFrame& placement, const glm::ive
   tbb::parallel_for(std::size_t{0}, origins_.size(), [&](std::size_t c) { write_chunk(placement, base, mesh, c); });
 }
 
+// A voxel is a box around its sample.
+glm::dvec3 SurfacePoints::place_of(const glm::ivec3& base, const glm::ivec3& corner) const {
+  const glm::dvec3 place = glm::dvec3(base + corner) - 0.5;
+  return net_ == nullptr ? place : place + glm::dvec3(net_->offset(corner));
+}
+
 void SurfacePoints::write_chunk(const OutputFrame& placement, const glm::ivec3& base, mesh::Mesh& mesh,
                                 std::size_t chunk) const {
   const std::int32_t special = special_number_[chunk];
@@ -308,19 +293,21 @@ void SurfacePoints::write_chunk(const OutputFrame& placement, const glm::ivec3& 
       const std::size_t row = chunk_row(y, z);
       std::uint32_t next = first_[chunk][row];
       for_each_bit(used_[chunk][row], [&](int bit) {
-        // A voxel is a box around its sample.
-        const glm::dvec3 corner = glm::dvec3(base + origins_[chunk] + glm::ivec3(bit, y, z)) - 0.5;
-        const glm::vec3 position = placement.position(corner);
+        const glm::ivec3 corner = origins_[chunk] + glm::ivec3(bit, y, z);
+        const glm::vec3 position = placement.position(place_of(base, corner));
         mesh.positions[next++] = position;
         if (specials == nullptr) return;
         const std::uint64_t more =
             (specials->more_fans[0][row] >> bit & 1) + 2 * (specials->more_fans[1][row] >> bit & 1);
         for (std::uint64_t fan = 0; fan < more; ++fan) mesh.positions[next++] = position;
         for (int axis = 0; axis < 3; ++axis) {
-          if ((specials->middles[static_cast<std::size_t>(axis)][row] >> bit & 1) == 0) continue;
-          glm::dvec3 middle = corner;
-          middle[axis] += 0.5;
-          for (int voxel = 0; voxel < 2; ++voxel) mesh.positions[next++] = placement.position(middle);
+          const auto a = static_cast<std::size_t>(axis);
+          if ((specials->middles[a][row] >> bit & 1) == 0) continue;
+          glm::ivec3 end = corner;
+          ++end[axis];
+          const glm::vec3 middle = placement.position((place_of(base, corner) + place_of(base, end)) / 2.0);
+          mesh.positions[next++] = middle;
+          if ((specials->single_middles[a][row] >> bit & 1) == 0) mesh.positions[next++] = middle;
         }
       });
     }
@@ -353,13 +340,17 @@ std::optional<std::uint32_t> SurfacePoints::Finder::middle_vertex(const glm::ive
   const Specials& specials = points_.specials_[static_cast<std::size_t>(special)];
   const std::size_t row = chunk_row(corner.y, corner.z);
   const int bit = corner.x & 63;
-  const auto has = [&](int a) { return (specials.middles[static_cast<std::size_t>(a)][row] >> bit & 1) != 0; };
-  if (!has(axis)) return std::nullopt;
+  const auto count = [&](int a) {
+    const auto n = static_cast<std::size_t>(a);
+    return 2 * static_cast<std::uint32_t>(specials.middles[n][row] >> bit & 1) -
+           static_cast<std::uint32_t>(specials.single_middles[n][row] >> bit & 1);
+  };
+  if (count(axis) == 0) return std::nullopt;
   const CornerFans& fans = corner_fans()[specials.pattern[64 * row + static_cast<std::size_t>(bit)]];
   std::uint32_t number =
       points_.first_[chunk()][row] + points_.vertices_below(chunk(), row, below_bit(bit)) + fans.fans;
-  for (int a = 0; a < axis; ++a) number += has(a) ? 2 : 0;
-  return number + static_cast<std::uint32_t>(upper);
+  for (int a = 0; a < axis; ++a) number += count(a);
+  return count(axis) == 1 ? number : number + static_cast<std::uint32_t>(upper);
 }
 
 // To the next used corner along `axis`; `limit` where there is none before.

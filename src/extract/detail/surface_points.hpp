@@ -16,6 +16,7 @@
 #include "base/context.hpp"
 #include "extract/detail/corner_fans.hpp"
 #include "extract/detail/face_rectangles.hpp"
+#include "extract/detail/net_points.hpp"
 #include "extract/detail/voxel_chunks.hpp"
 #include "extract/edge_geometry.hpp"
 #include "mesh/mesh.hpp"
@@ -30,11 +31,13 @@ struct FaceCorner {
 
 class SurfacePoints {
  public:
-  // Of `rectangles`. `closes`: all that a closed mesh needs besides their corners. Fails where there is no memory, and
-  // where the context is cancelled.
+  // Of `rectangles`. `closes`: all that a closed mesh needs besides their corners. `net`: corners are where it has
+  // them, and rectangles are faces of their own; null: where the voxels have them. It must outlive what is returned.
+  // Fails where there is no memory, and where the context is cancelled.
   [[nodiscard]] static Result<SurfacePoints> make(const VoxelChunks& voxels,
                                                   const std::vector<LayerRectangles>& rectangles, bool closes,
-                                                  const Context& context, const std::string& what);
+                                                  const NetPoints* net, const Context& context,
+                                                  const std::string& what);
 
   [[nodiscard]] std::uint64_t vertices() const { return vertices_; }
 
@@ -79,6 +82,7 @@ class SurfacePoints {
   struct Specials {
     std::array<ChunkBits, 2> more_fans;         // one fewer than there are, as two digits
     std::array<ChunkBits, 3> middles;           // edges upward along x, y, z with a vertex a voxel in the middle
+    std::array<ChunkBits, 3> single_middles;    // those of them with one vertex there: of a net
     std::array<std::uint8_t, 64 * 64> pattern;  // by row and bit
   };
   using RowBases = std::array<std::uint32_t, 64>;
@@ -94,9 +98,11 @@ class SurfacePoints {
   [[nodiscard]] bool has_specials(const VoxelChunks& voxels, std::size_t chunk, bool closes) const;
   void fill_specials(const VoxelChunks& voxels, std::size_t chunk, bool closes);
   void count_rows(std::size_t chunk);
+  [[nodiscard]] glm::dvec3 place_of(const glm::ivec3& base, const glm::ivec3& corner) const;  // in index space
   void write_chunk(const OutputFrame& placement, const glm::ivec3& base, mesh::Mesh& mesh, std::size_t chunk) const;
   [[nodiscard]] std::uint32_t vertices_below(std::size_t chunk, std::size_t row, std::uint64_t below) const;
 
+  const NetPoints* net_ = nullptr;
   std::vector<glm::ivec3> origins_;
   field::OriginIndex index_;
   Buffer<ChunkBits> used_;

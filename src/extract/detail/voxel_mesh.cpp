@@ -76,10 +76,44 @@ class BorderPolygon {
     return bottom_.size() + top_.size() + left_.size() + right_.size() - 2;
   }
 
-  void write(glm::uvec3*& out) const {
-    const auto put = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-      *out++ = turned_ ? glm::uvec3(a, c, b) : glm::uvec3(a, b, c);
+  // A face whose corners do not lie in a plane, as two halves, each with what vertices there are in the middles of its
+  // sides. Of the two ways to part it, the one whose smaller half is larger: the same one for whoever has the face on
+  // its other side, and never one with a half without area: four points in the four quadrants around an edge of the
+  // grid can always be parted without.
+  void write_bent(const Buffer<glm::vec3>& positions, glm::uvec3*& out) const {
+    const std::array<std::uint32_t, 4> around{bottom_.front().vertex, bottom_.back().vertex, top_.back().vertex,
+                                              top_.front().vertex};
+    const auto between = [](const std::vector<Found>& side, std::size_t ends) -> const std::uint32_t* {
+      return side.size() > ends ? &side[side.size() / 2].vertex : nullptr;
     };
+    const std::array<const std::uint32_t*, 4> middles{between(bottom_, 2), between(right_, 0), between(top_, 2),
+                                                      between(left_, 0)};
+    const auto area = [&](std::size_t apex) {  // squared; of the half around corner `apex`
+      const glm::dvec3 at(positions[around[apex]]);
+      const glm::dvec3 normal = glm::cross(glm::dvec3(positions[around[(apex + 1) % 4]]) - at,
+                                           glm::dvec3(positions[around[(apex + 3) % 4]]) - at);
+      return glm::dot(normal, normal);
+    };
+    const std::size_t first = std::min(area(0), area(2)) < std::min(area(1), area(3)) ? 1 : 0;
+    for (const std::size_t apex : {first, first + 2}) {
+      const std::size_t before = (apex + 3) % 4;
+      const std::uint32_t last = around[(apex + 1) % 4];
+      std::uint32_t at = around[before];
+      std::uint32_t from = around[apex];
+      if (middles[before] != nullptr) {
+        put(at, *middles[before], last, out);
+        at = *middles[before];
+      }
+      if (middles[apex] != nullptr) {
+        put(at, from, *middles[apex], out);
+        from = *middles[apex];
+      }
+      put(at, from, last, out);
+    }
+  }
+
+  void write(glm::uvec3*& out) const {
+    const auto put = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) { this->put(a, b, c, out); };
     const std::uint32_t left_apex = bottom_[1].vertex;
     std::uint32_t last = top_.front().vertex;
     for (std::size_t l = left_.size(); l-- > 0;) {
@@ -114,6 +148,10 @@ class BorderPolygon {
     std::uint32_t vertex;
     int at;  // half steps along the side
   };
+
+  void put(std::uint32_t a, std::uint32_t b, std::uint32_t c, glm::uvec3*& out) const {
+    *out++ = turned_ ? glm::uvec3(a, c, b) : glm::uvec3(a, b, c);
+  }
 
   // The rectangle's corner at the high end of u, of v, and its face there.
   [[nodiscard]] FaceCorner corner(const FaceRectangle& rectangle, int high_u, int high_v) const {
@@ -191,17 +229,18 @@ std::vector<Portion> portions_of(const std::vector<LayerRectangles>& layers) {
 
 Result<Extraction> mesh_voxels(const field::ScalarField& field, const VoxelChunks& voxels, const glm::ivec3& base,
                                const OutputFrame& placement, const ExtractOptions& options, const ExtractStats& stats,
-                               const Context& context) {
+                               const Context& context, const NetPoints* net) {
   Extraction result;
   result.stats = stats;
   result.mesh.origin = placement.origin();
   if (auto fits = check_placement(field, placement); !fits) return tl::unexpected(fits.error());
   Stopwatch watch;
-  const bool closes = options.voxel_faces != VoxelFaces::rectangles;
+  const VoxelFaces faces = net != nullptr ? VoxelFaces::plain : options.voxel_faces;
+  const bool closes = faces != VoxelFaces::rectangles;
   const std::string what = fmt::format("{}: the faces of its voxels", field.source);
-  auto layers = list_face_rectangles(voxels, options.voxel_faces, context, what);
+  auto layers = list_face_rectangles(voxels, faces, context, what);
   if (!layers) return tl::unexpected(layers.error());
-  auto points = SurfacePoints::make(voxels, *layers, closes, context, what);
+  auto points = SurfacePoints::make(voxels, *layers, closes, net, context, what);
   if (!points) return tl::unexpected(points.error());
 
   std::vector<Portion> portions = portions_of(*layers);
@@ -233,7 +272,11 @@ Result<Extraction> mesh_voxels(const field::ScalarField& field, const VoxelChunk
     glm::uvec3* out = result.mesh.triangles.data() + portion.first_triangle;
     for (const FaceRectangle& rectangle : portion.rectangles) {
       polygon.look_up(rectangle);
-      polygon.write(out);
+      if (net != nullptr) {
+        polygon.write_bent(result.mesh.positions, out);
+      } else {
+        polygon.write(out);
+      }
     }
   });
   if (auto wanted = context.check(); !wanted) return tl::unexpected(wanted.error());

@@ -34,9 +34,10 @@ ConversionJob full_job() {
   job.source.resolution = glm::ivec3(10, 20, 30);
   job.source.roi = field::Box{{-1, -2, -3}, {1, 2, 3}};
   job.source.placement = {Space::index, UpAxis::y, true, 0.001, "mm"};
-  job.surface = {extract::Method::mt, extract::NanPolicy::hole, true, extract::VoxelFaces::plain};
+  job.surface = {extract::Method::mt, extract::NanPolicy::hole, true, extract::VoxelFaces::plain, 3};
   job.normals = Normals::flat;
   job.colour = ColourChoice{"heat", Colormap::turbo, std::array{-1.5, 2.25}};
+  job.label_names = LabelTableFile{"lut.txt", "0123"};
   job.opacity = {0.25, 1};
   job.simplify = SimplifyBound{0.1, true};
   job.error = field::Interpolation::tricubic;

@@ -1,0 +1,196 @@
+"""--labels: smooth meshes of label maps, names and colours from tables, what is refused and in which words."""
+
+import collections
+import gzip
+import json
+import struct
+
+from support import DATA, NO_GPU, SPHERE, ProgramTest, main, needs_data, read_glb, read_obj, read_stl
+
+ITK_SNAP = '# labels\n1 255 0 0 1 1 1 "Left kidney"\n5 0 255 0 1 1 1 "Tumour"\n6 0 0 255 1 1 1 "not there"\n'
+FREE_SURFER = "#No. Label Name: R G B A\n1  Left-Kidney  0 0 255 0\n5  Tumour  255 255 0 0\n"
+
+
+def placed_triangles(mesh):
+    """Each as its corners' positions, the least first: how often it occurs."""
+    found = collections.Counter()
+    for triangle in mesh.triangles:
+        corners = [tuple(mesh.vertices[v]) for v in triangle]
+        least = corners.index(min(corners))
+        found[tuple(corners[least:] + corners[:least])] += 1
+    return found
+
+
+def without_gaps(meshes):
+    """How many triangles two meshes have in common; each is turned over in the other, and occurs once."""
+    everywhere = collections.Counter()
+    for mesh in meshes:
+        everywhere.update(placed_triangles(mesh))
+    assert max(everywhere.values()) == 1
+    return sum((a, c, b) in everywhere for a, b, c in everywhere) // 2
+
+
+def model_of(path):
+    data = path.read_bytes()
+    return json.loads(data[20:20 + int.from_bytes(data[12:16], "little")])
+
+
+class LabelsTest(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        # Two halves of a ball of 12 voxels radius, labelled 1 and 5, and 9 far from both.
+        def label(x, y, z):
+            if (x - 15.3) ** 2 + (y - 14.6) ** 2 + (z - 14.9) ** 2 < 144:
+                return 1 if x < 15 else 5
+            return 9 if x > 33 else 0
+
+        self.write_raw("map.raw", (36, 30, 30), label, "B")
+        self.map = ("map.raw", "--dims", "36,30,30")
+        (self.folder / "snap.txt").write_text(ITK_SNAP)
+        (self.folder / "lut.txt").write_text(FREE_SURFER)
+
+    def glb(self, *arguments):
+        run = self.convert(*self.map, *arguments, "-o", "out.glb")
+        return read_glb((self.folder / "out.glb").read_bytes()), run
+
+    def test_one_run_makes_smooth_closed_meshes_without_gaps(self):
+        meshes, run = self.glb("--labels", "all", "--report", "r.json")
+        self.assertEqual(list(meshes), ["map label 1", "map label 5", "map label 9"])
+        self.assertIn("closed", run.err)
+        report = json.loads((self.folder / "r.json").read_text())
+        self.assertEqual(report["options"]["method"], "surface-nets")
+        self.assertEqual(report["options"]["relaxations"], 10)
+        self.assertTrue(all(mesh["closed"] for mesh in report["meshes"]))
+        halves = report["meshes"][:2]
+        ball = 4 / 3 * 3.14159265 * 12 ** 3
+        self.assertAlmostEqual(sum(mesh["volume"] for mesh in halves) / ball, 1, delta=0.01)
+        # Half a ball's area and a disc each; of voxels the round parts would have half as much again.
+        self.assertAlmostEqual(sum(mesh["area"] for mesh in halves) / (6 * 3.14159265 * 144), 1, delta=0.03)
+        self.assertGreater(without_gaps([meshes["map label 1"], meshes["map label 5"]]), 700)
+
+    def test_the_choice_changes_no_mesh(self):
+        everything, _ = self.glb("--labels", "all")
+        one, _ = self.glb("--labels", "5")
+        self.assertEqual(list(one), ["map label 5"])
+        self.assertEqual(one["map label 5"].vertices, everything["map label 5"].vertices)
+        self.assertEqual(one["map label 5"].triangles, everything["map label 5"].triangles)
+
+    def test_relaxing_makes_it_smooth(self):
+        areas = []
+        for rounds in (0, 3, 30):
+            self.convert(*self.map, "--labels", "1", "--relax", rounds, "-o", "a.ply", "--report", "r.json")
+            areas.append(json.loads((self.folder / "r.json").read_text())["meshes"][0]["area"])
+        self.assertEqual(areas, sorted(areas, reverse=True))
+        self.assertGreater(areas[0] / areas[2], 1.25)
+
+    def test_files_of_their_own(self):
+        self.convert(*self.map, "--labels", "1,9", "-o", "part_{iso}.stl")
+        self.assertEqual(round(read_stl((self.folder / "part_9.stl").read_bytes()).volume()), 2 * 900)
+        self.assertLess(read_stl((self.folder / "part_1.stl").read_bytes()).volume(), 3700)
+
+    def test_names_and_colours_of_itk_snap(self):
+        meshes, _ = self.glb("--labels", "all", "--label-names", "snap.txt")
+        self.assertEqual(list(meshes), ["Left kidney", "Tumour", "map label 9"])
+        colours = [material["pbrMetallicRoughness"]["baseColorFactor"] for material in
+                   model_of(self.folder / "out.glb")["materials"]]
+        self.assertEqual(colours[:2], [[1, 0, 0, 1], [0, 1, 0, 1]])
+        self.assertNotIn(colours[2], colours[:2])
+        self.convert(*self.map, "--labels", "all", "--label-names", "snap.txt", "-o", "o.obj")
+        self.assertIn("Left", (self.folder / "o.obj").read_text())
+
+    def test_names_and_colours_of_freesurfer(self):
+        meshes, _ = self.glb("--labels", "1", "--label-names", "lut.txt", "--opacity", "0.5")
+        self.assertEqual(list(meshes), ["Left-Kidney"])
+        factor = model_of(self.folder / "out.glb")["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"]
+        self.assertEqual(factor, [0, 0, 1, 0.5])
+        self.convert(*self.map, "--labels", "5", "--label-names", "lut.txt", "--ascii", "-o", "o.ply")
+        text = (self.folder / "o.ply").read_text()
+        self.assertIn("property uchar red", text)
+        self.assertTrue(text.split("end_header\n")[1].split("\n")[0].endswith(" 255 255 0"))
+        self.convert(*self.map, "--labels", "5", "--ascii", "-o", "o.ply")
+        self.assertNotIn("uchar red", (self.folder / "o.ply").read_text())
+
+    def test_colours_without_a_table_differ_and_colours_by_number_are_asked_for(self):
+        self.glb("--labels", "all")
+        self.assertEqual(len(model_of(self.folder / "out.glb")["materials"]), 3)
+        usual = (self.folder / "out.glb").read_bytes()
+        self.glb("--labels", "all", "--color-by", "iso")
+        self.assertNotEqual((self.folder / "out.glb").read_bytes(), usual)
+
+    def test_tables_that_are_none(self):
+        for text, words in (("1 a b\n", "line 1: expected a label as ITK-SNAP"), ("", ""),
+                            ("1 a 1 2 3 0\n1 b 1 2 3 0\n", "expected each label once"),
+                            ("#\n1 a 1 2 999 0\n", "line 2"), ("\x1b[2J\n", "\\x1b")):
+            (self.folder / "bad.txt").write_text(text)
+            run = self.run_program(*self.map, "--labels", "all", "--label-names", "bad.txt", "-o", "x.glb")
+            self.assert_fails(2, run, "bad.txt", words)
+            self.assertNotIn("\x1b", run.err)
+        (self.folder / "bad.txt").write_bytes(bytes(range(256)) * 64)
+        self.assert_fails(2, self.run_program(*self.map, "--labels", "all", "--label-names", "bad.txt", "-o", "x.glb"))
+        self.assert_fails(2, self.run_program(*self.map, "--labels", "1", "--label-names", "no.txt", "-o", "x.glb"), "no.txt")
+        self.assertNotIn("x.glb", self.files())
+
+    def test_what_is_refused(self):
+        def refused(*arguments, code=1):
+            run = self.run_program(*self.map, *arguments, "-o", "x.glb")
+            self.assert_fails(code, run)
+            self.assertNotIn("x.glb", self.files())
+            return run.err
+
+        self.assertIn("--labels does not go with marching cubes", refused("--labels", "all", "--method", "mc"))
+        self.assertIn("--label-names is about labels", refused("--iso", "0", "--label-names", "lut.txt"))
+        self.assertIn("--relax does not go with voxels", refused("--labels", "1", "--method", "voxels", "--relax", "3"))
+        self.assertIn("--relax", refused("--labels", "1", "--relax", "-1"))
+        self.assertIn("--no-merge does not go with surface nets", refused("--labels", "1", "--no-merge"))
+        self.assertIn("--normals smooth: surface nets", refused("--labels", "1", "--normals", "smooth"))
+        self.assertIn("no sample has label 7", refused("--labels", "1,7", code=2))
+        self.assertIn("expected integers as the samples of a label map", self.run_program(
+            SPHERE, "--labels", "all", "-o", "x.glb").err)
+        self.assertEqual(self.run_program(*self.map, "--labels", "1", "--backend", "gpu", "-o", "x.glb").code, 3)
+        self.convert(*self.map, "--labels", "1", "--backend", "auto", "-o", "y.glb", env=NO_GPU)
+
+    def test_notes_say_what_does_not_apply(self):
+        run = self.convert(*self.map, "--labels", "1", "--cap", "--error", "-o", "x.ply")
+        self.assertIn("--cap changes nothing: the surface of surface nets is closed everywhere", run.err)
+        self.assertIn("the surface does not follow the field", run.err)
+
+    def test_a_table_that_changes_makes_frames_anew(self):
+        for frame in (1, 2):
+            self.write_raw(f"in_{frame}.raw", (9, 9, 9), lambda x, y, z, f=frame: f if x < 4 else 0, "B")
+        command = ("in_{}.raw", "--dims", "9,9,9", "--labels", "all", "--label-names", "lut.txt", "-o", "out_{}.glb",
+                   "--resume")
+        self.convert(*command)
+        self.assertEqual(list(read_glb((self.folder / "out_1.glb").read_bytes())), ["Left-Kidney"])
+        (self.folder / "lut.txt").write_text("1 Other 1 2 3 0\n")
+        self.convert(*command)
+        self.assertEqual(list(read_glb((self.folder / "out_1.glb").read_bytes())), ["Other"])
+
+    def test_a_mask_by_its_iso_value(self):
+        self.convert(*self.map, "--iso", "0", "--method", "surface-nets", "-o", "m.obj")
+        self.assertEqual(read_obj((self.folder / "m.obj").read_bytes()).open_edges(), 0)
+
+    def test_threads_change_no_byte(self):
+        files = set()
+        for threads in (1, 2, 5):
+            self.convert(*self.map, "--labels", "all", "--threads", threads, "-o", "t.glb")
+            files.add((self.folder / "t.glb").read_bytes())
+        self.assertEqual(len(files), 1)
+
+    @needs_data("med/ch2.nii.gz")
+    def test_five_labels_of_a_head_meet_without_gaps(self):
+        data = gzip.decompress((DATA / "med/ch2.nii.gz").read_bytes())
+        start = int(struct.unpack_from("<f", data, 108)[0])
+        # A slab of it, through the middle.
+        width, height, depth = 181, 217, 12
+        first = start + width * height * 80
+        kinds = bytes(sum(value >= limit for limit in (20, 60, 90, 110, 140)) for value in range(256))
+        (self.folder / "head.raw").write_bytes(data[first:first + width * height * depth].translate(kinds))
+        self.convert("head.raw", "--dims", f"{width},{height},{depth}", "--labels", "all", "-o", "h.glb", "--report", "r.json")
+        meshes = read_glb((self.folder / "h.glb").read_bytes())
+        self.assertEqual(len(meshes), 5)
+        self.assertGreater(without_gaps(meshes.values()), 100_000)
+        self.assertTrue(all(mesh["closed"] for mesh in json.loads((self.folder / "r.json").read_text())["meshes"]))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,324 @@
+// Surface nets of label maps: closed and manifold for any labels, smooth, and without gaps between labels.
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <map>
+#include <numbers>
+#include <set>
+
+#include "extract/voxels.hpp"
+#include "support/voxel_patterns.hpp"
+
+namespace isoextract::extract {
+namespace {
+
+using Labels = std::map<std::int64_t, mesh::Mesh>;
+
+ExtractOptions net_options(std::uint64_t relaxations = kUsualRelaxations) {
+  ExtractOptions options;
+  options.method = Method::surface_nets;
+  options.relaxations = relaxations;
+  return options;
+}
+
+Labels nets_of(const field::ScalarField& field, const ExtractOptions& options = net_options(),
+               const LabelChoice& choice = {true, {}}) {
+  const auto found = LabelVoxels::find(field, options, choice);
+  EXPECT_TRUE(found) << found.error().message;
+  Labels meshes;
+  for (const std::int64_t label : found->labels()) {
+    auto extraction = found->extract(field, label, options);
+    EXPECT_TRUE(extraction);
+    meshes.emplace(label, std::move(extraction->mesh));
+  }
+  return meshes;
+}
+
+using PlacedTriangle = std::array<test::Point, 3>;
+
+PlacedTriangle turned_over(PlacedTriangle triangle) {
+  std::swap(triangle[1], triangle[2]);
+  return triangle;
+}
+
+// Every triangle of a mesh is, turned over, one of another, as often as two labels share it, unless it is one of the
+// border to what has no label. Returns how many of all triangles are of that border.
+std::size_t expect_no_gaps(const Labels& meshes) {
+  std::multiset<PlacedTriangle> all;
+  for (const auto& [label, mesh] : meshes) {
+    for (const PlacedTriangle& triangle : test::triangle_set(mesh)) all.insert(triangle);
+  }
+  std::size_t alone = 0;
+  for (const PlacedTriangle& triangle : all) {
+    if (all.count(turned_over(triangle)) == 0) ++alone;
+    EXPECT_EQ(all.count(triangle), 1U);
+  }
+  return alone;
+}
+
+// The faces of voxels that have no label on one side, and those that have one on each.
+std::pair<std::int64_t, std::int64_t> count_faces(const glm::ivec3& dims, const auto& label) {
+  std::int64_t outer = 0;
+  std::int64_t inner = 0;
+  const auto at = [&](const glm::ivec3& p) {
+    const bool there = glm::all(glm::greaterThanEqual(p, glm::ivec3(0))) && glm::all(glm::lessThan(p, dims));
+    return there ? static_cast<int>(label(p.x, p.y, p.z)) : 0;
+  };
+  for (int z = -1; z <= dims.z; ++z) {
+    for (int y = -1; y <= dims.y; ++y) {
+      for (int x = -1; x <= dims.x; ++x) {
+        for (int axis = 0; axis < 3; ++axis) {
+          glm::ivec3 next(x, y, z);
+          ++next[axis];
+          const int a = at({x, y, z});
+          const int b = at(next);
+          if (a == b) continue;
+          (a == 0 || b == 0 ? outer : inner)++;
+        }
+      }
+    }
+  }
+  return {outer, inner};
+}
+
+void expect_right(const Labels& meshes) {
+  for (const auto& [label, mesh] : meshes) {
+    SCOPED_TRACE(label);
+    test::expect_sound(mesh, true);
+    for (const glm::vec3& p : mesh.positions) ASSERT_TRUE(std::isfinite(p.x + p.y + p.z));
+  }
+}
+
+// All 3^8 patterns of two labels and none.
+TEST(LabelNets, PatternsOfTwoByTwoByTwo) {
+  for (unsigned pattern = 1; pattern < 6561; ++pattern) {
+    std::array<int, 8> labels{};
+    unsigned rest = pattern;
+    for (int& label : labels) {
+      label = static_cast<int>(rest % 3);
+      rest /= 3;
+    }
+    const auto label = [&](int x, int y, int z) { return labels[static_cast<std::size_t>(x + 2 * y + 4 * z)]; };
+    const field::ScalarField field = test::dense_field<std::uint8_t>({2, 2, 2}, label);
+    const Labels meshes = nets_of(field);
+    SCOPED_TRACE(pattern);
+    expect_right(meshes);
+    expect_no_gaps(meshes);
+    if (testing::Test::HasFailure()) return;
+  }
+}
+
+TEST(LabelNets, RandomLabelsAreClosedManifoldAndWithoutGaps) {
+  for (unsigned seed = 0; seed < 400; ++seed) {
+    SCOPED_TRACE(seed);
+    const glm::ivec3 dims{2 + static_cast<int>(seed % 5), 3 + static_cast<int>(seed / 5 % 4), 4};
+    const field::ScalarField field = test::random_field<std::int16_t>(dims, seed, 2 + static_cast<int>(seed / 20 % 5));
+    for (const std::uint64_t rounds : {0U, 3U}) {
+      const Labels meshes = nets_of(field, net_options(rounds));
+      expect_right(meshes);
+      expect_no_gaps(meshes);
+    }
+    if (testing::Test::HasFailure()) return;
+  }
+}
+
+// Over the borders of chunks; and as many triangles at the borders as there are faces.
+TEST(LabelNets, EveryFaceIsInTheMeshesOfBothItsLabels) {
+  const glm::ivec3 dims{70, 17, 19};
+  // Balls, so that no label touches itself along an edge, where there would be more triangles.
+  const auto label = [](int x, int y, int z) {
+    const glm::dvec3 p(x, y, z);
+    if (glm::distance(p, glm::dvec3(60.3, 8.1, 9.2)) < 6) return 3;
+    if (x < 5) return 1;
+    return x < 40 ? 2 : 0;
+  };
+  const field::ScalarField field = test::dense_field<std::int32_t>(dims, label);
+  const Labels meshes = nets_of(field);
+  expect_right(meshes);
+  const auto [outer, inner] = count_faces(dims, label);
+  std::size_t triangles = 0;
+  for (const auto& [number, mesh] : meshes) triangles += mesh.triangles.size();
+  EXPECT_EQ(triangles, static_cast<std::size_t>(2 * outer + 4 * inner));
+  EXPECT_EQ(expect_no_gaps(meshes), static_cast<std::size_t>(2 * outer));
+}
+
+field::ScalarField ball_of_halves(int radius, bool halves) {
+  const int side = 2 * radius + 6;
+  return test::dense_field<std::uint8_t>(glm::ivec3(side), [&](int x, int y, int z) {
+    const glm::dvec3 p = glm::dvec3(x, y, z) - (side - 1) / 2.0 + 0.137;
+    if (glm::dot(p, p) >= radius * radius) return 0;
+    return halves && p.x > 0 ? 2 : 1;
+  });
+}
+
+TEST(LabelNets, BallsHaveTheirAreaAndVolume) {
+  for (const int radius : {10, 20, 40}) {
+    SCOPED_TRACE(radius);
+    const Labels meshes = nets_of(ball_of_halves(radius, false));
+    const auto size = mesh::measure_size(meshes.at(1));
+    const double area = 4 * std::numbers::pi * radius * radius;
+    EXPECT_NEAR(size.area / area, 1, 0.015);  // of voxels it is 1.5 times that, of any radius
+    EXPECT_NEAR(size.volume / (area * radius / 3), 1, 0.003);
+    const Labels steps = nets_of(ball_of_halves(radius, false), net_options(0));
+    EXPECT_GT(mesh::measure_size(steps.at(1)).area / area, 1.45);
+  }
+}
+
+// The plane between the halves is flat and stays where it is, and its rim is a circle.
+TEST(LabelNets, CurvesWhereThreeLabelsMeetAreKept) {
+  constexpr int kRadius = 20;
+  const Labels meshes = nets_of(ball_of_halves(kRadius, true));
+  const double middle = (2 * kRadius + 5) / 2.0 - 0.137;
+  std::set<PlacedTriangle> other;
+  for (const PlacedTriangle& t : test::triangle_set(meshes.at(2))) other.insert(turned_over(t));
+  double plane = 0;
+  double far = 0;
+  for (const PlacedTriangle& t : test::triangle_set(meshes.at(1))) {
+    if (!other.contains(t)) continue;
+    std::array<glm::dvec3, 3> p{};
+    for (std::size_t c = 0; c < 3; ++c) {
+      p[c] = {std::get<0>(t[c]), std::get<1>(t[c]), std::get<2>(t[c])};
+      EXPECT_NEAR(p[c].x, middle, 0.5);
+      far = std::max(far, std::hypot(p[c].y - middle, p[c].z - middle));
+    }
+    plane += glm::length(glm::cross(p[1] - p[0], p[2] - p[0])) / 2;
+  }
+  EXPECT_NEAR(plane / (std::numbers::pi * kRadius * kRadius), 1, 0.02);
+  EXPECT_NEAR(far, kRadius, 0.6);
+}
+
+// A cube of two labels in the data's corner: what lies in the border of the data is flat, up to its edges.
+TEST(LabelNets, TheBorderOfTheDataIsFlat) {
+  const field::ScalarField field =
+      test::dense_field<std::uint8_t>({9, 8, 7}, [](int x, int y, int z) { return x + y + z < 10 ? 1 : 2; });
+  const Labels meshes = nets_of(field);
+  expect_right(meshes);
+  double volume = 0;
+  for (const auto& [label, mesh] : meshes) volume += mesh::measure_size(mesh).volume;
+  EXPECT_NEAR(volume, 9 * 8 * 7, 1e-3);
+  const mesh::Bounds bounds = mesh::measure_bounds(meshes.at(1));
+  EXPECT_EQ(bounds.min, glm::dvec3(-0.5));
+}
+
+TEST(LabelNets, EveryVertexStaysWithinItsCell) {
+  const field::ScalarField field = test::random_field<std::uint8_t>({30, 20, 20}, 3, 4);
+  const Labels moved = nets_of(field, net_options(50));
+  const Labels still = nets_of(field, net_options(0));
+  for (const auto& [label, mesh] : moved) {
+    const mesh::Mesh& before = still.at(label);
+    ASSERT_EQ(mesh.positions.size(), before.positions.size());
+    float farthest = 0;
+    for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+      const glm::vec3 way = glm::abs(mesh.positions[v] - before.positions[v]);
+      farthest = std::max({farthest, way.x, way.y, way.z});
+    }
+    EXPECT_LT(farthest, 0.5F);
+    EXPECT_GT(farthest, 0.3F);
+  }
+}
+
+void expect_same(const Labels& a, const Labels& b) {
+  for (const auto& [label, mesh] : a) {
+    const mesh::Mesh& other = b.at(label);
+    EXPECT_TRUE(
+        std::equal(mesh.positions.begin(), mesh.positions.end(), other.positions.begin(), other.positions.end()));
+    EXPECT_TRUE(
+        std::equal(mesh.triangles.begin(), mesh.triangles.end(), other.triangles.begin(), other.triangles.end()));
+  }
+}
+
+TEST(LabelNets, TheChoiceOfLabelsChangesNoMesh) {
+  const field::ScalarField field = test::random_field<std::uint16_t>({20, 20, 20}, 7, 5);
+  const Labels some = nets_of(field, net_options(), {false, {4, 2}});
+  EXPECT_EQ(some.size(), 2U);
+  expect_same(some, nets_of(field));
+}
+
+TEST(LabelNets, TheSameBytesForAnyNumberOfThreads) {
+  const field::ScalarField field = test::random_field<std::uint8_t>({150, 40, 30}, 8, 4);
+  Labels first;
+  for (const std::size_t threads : {1, 2, 7}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    Labels meshes = nets_of(field);
+    if (threads == 1)
+      first = std::move(meshes);
+    else
+      expect_same(first, meshes);
+  }
+}
+
+// Blocks, tiles and a background, of which the labels may be anything.
+TEST(LabelNets, SparseSamplesGiveTheSameMeshes) {
+  const auto label = [](int x, int y, int z) {
+    if (x < 16 || y < 8 || z < 8 || x >= 80 || y >= 24 || z >= 24) return 0;
+    return x < 40 ? 3 : glm::distance(glm::dvec3(x, y, z), glm::dvec3(60.2, 16.3, 15.1)) < 7 ? 5 : 0;
+  };
+  const field::ScalarField dense = test::dense_field<std::int32_t>({96, 32, 32}, label);
+  const Labels of_dense = nets_of(dense);
+  const Labels of_sparse = nets_of(test::sparse_copy<std::int32_t>(dense, 0));
+  ASSERT_EQ(of_dense.size(), 2U);
+  ASSERT_EQ(of_sparse.size(), 2U);
+  for (const auto& [number, mesh] : of_dense) {
+    test::expect_sound(of_sparse.at(number), true);
+    EXPECT_EQ(test::triangle_set(mesh), test::triangle_set(of_sparse.at(number)));
+  }
+}
+
+TEST(LabelNets, EveryTypeOfIntegers) {
+  const auto label = [](int x, int y, int z) { return (x + y) / 4 + (z > 3 ? 2 : 0); };
+  const auto expected = nets_of(test::dense_field<std::uint8_t>({9, 9, 9}, label));
+  const auto check = [&](const field::ScalarField& field) { expect_same(expected, nets_of(field)); };
+  check(test::dense_field<std::int8_t>({9, 9, 9}, label));
+  check(test::dense_field<std::int16_t>({9, 9, 9}, label));
+  check(test::dense_field<std::uint16_t>({9, 9, 9}, label));
+  check(test::dense_field<std::int32_t>({9, 9, 9}, label));
+  check(test::dense_field<std::uint32_t>({9, 9, 9}, label));
+}
+
+TEST(LabelNets, AnIsoValueMakesTwoLabels) {
+  const field::ScalarField field = ball_of_halves(12, false);
+  ExtractOptions options = net_options();
+  options.iso = 0.5;
+  const mesh::Mesh mesh = test::extract(field, options).mesh;
+  test::expect_sound(mesh, true);
+  EXPECT_EQ(test::triangle_set(mesh), test::triangle_set(nets_of(field).at(1)));
+  options.region = field::IndexBox{{0, 0, 0}, {14, 29, 29}};
+  const mesh::Mesh part = test::extract(field, options).mesh;
+  test::expect_sound(part, true);
+  EXPECT_EQ(mesh::measure_bounds(part).max.x, 14.5);
+}
+
+TEST(LabelNets, MirroredAndShearedPlaces) {
+  const field::ScalarField field = test::random_field<std::uint8_t>({9, 8, 7}, 5, 3);
+  for (const double sign : {1.0, -1.0}) {
+    ExtractOptions options = net_options();
+    options.output_from_index.linear = {{0.5 * sign, 0, 0}, {0.25, 2, 0}, {0, -1, 4}};
+    const Labels meshes = nets_of(field, options);
+    for (const auto& [label, mesh] : meshes) {
+      test::expect_sound(mesh, true);
+      EXPECT_GT(mesh::measure_size(mesh).volume, 0);
+    }
+    expect_no_gaps(meshes);
+  }
+}
+
+TEST(LabelNets, MemoryAndTheWishToEnd) {
+  const field::ScalarField field = test::random_field<std::uint8_t>({64, 64, 64}, 1, 4);
+  const Context small{MemoryBudget(1 << 20)};
+  const auto refused = LabelVoxels::find(field, net_options(), {true, {}}, small);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, ErrorKind::input);
+  EXPECT_EQ(small.memory().reserved(), 0U);
+  Context enough{MemoryBudget(1 << 28)};
+  {
+    const auto found = LabelVoxels::find(field, net_options(), {true, {}}, enough);
+    ASSERT_TRUE(found);
+    EXPECT_GT(enough.memory().reserved(), 0U);
+  }
+  EXPECT_EQ(enough.memory().reserved(), 0U);
+  enough.cancel();
+  EXPECT_EQ(LabelVoxels::find(field, net_options(), {true, {}}, enough).error().kind, ErrorKind::cancelled);
+}
+
+}  // namespace
+}  // namespace isoextract::extract
