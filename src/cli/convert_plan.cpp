@@ -42,7 +42,7 @@ Result<convert::Normals> plan_normals(const ConvertFlags& flags, meshes::MeshFor
                                     word_of(*flags.normals)),
                         "leave out --normals, or choose another format");
   }
-  const extract::MethodInfo& method = extract::method_info(plan_surface(flags.surface).method);
+  const extract::MethodInfo& method = extract::method_info(plan_surface(flags.surface, flags.input).method);
   if (!method.traits.gradient_normals) {
     if (flags.normals != convert::Normals::smooth) return flags.normals.value_or(convert::Normals::none);
     return refuse_usage(fmt::format("--normals smooth: {}", extract::why_no_gradient_normals(method)),
@@ -158,7 +158,7 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string
   job.source.placement = std::move(*placement);
   if (job.picture_file) job.source.placement.turn_z_up_to_y_up = false;
 
-  job.surface = plan_surface(flags.surface);
+  job.surface = plan_surface(flags.surface, flags.input);
   if (auto planned = plan_voxels(flags, plan.notes, job.surface); !planned) return tl::unexpected(planned.error());
   job.verify = flags.verify;
   job.backend = {flags.backend.value_or(convert::Backend::cpu), plan_gpu(flags.device)};

@@ -44,11 +44,14 @@ struct InputFlags {
   std::vector<std::string> inputs;
   std::optional<std::string> grid;
   std::optional<VolumeChoice> volume;
+  std::optional<volumes::ComponentChoice> component;
   std::optional<std::string> format;
   std::optional<glm::ivec3> dims;
   std::optional<field::SampleType> dtype;
   std::optional<std::endian> endian;
   std::optional<std::uint64_t> skip;
+  std::optional<volumes::AxisOrder> axis_order;
+  std::optional<double> no_data;
   std::optional<glm::dvec3> spacing;
   std::optional<glm::dvec3> origin;
   std::optional<field::FieldKind> inside;

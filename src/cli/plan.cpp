@@ -40,12 +40,16 @@ Result<meshes::MeshFormat> format_of_path(const std::string& path, std::string h
                       std::move(hint));
 }
 
-convert::SurfaceOptions plan_surface(const SurfaceFlags& flags) {
+convert::SurfaceOptions plan_surface(const SurfaceFlags& flags, const InputFlags& input) {
   convert::SurfaceOptions surface;
   surface.method = flags.method.value_or(surface.method);
-  surface.nan = flags.nan.value_or(surface.nan);
+  surface.nan = flags.nan.value_or(usual_nan(input));
   surface.cap = flags.cap;
   return surface;
+}
+
+extract::NanPolicy usual_nan(const InputFlags& input) {
+  return input.no_data ? extract::NanPolicy::outside : extract::NanPolicy::error;
 }
 
 std::string extension_of(const std::string& path) {
@@ -105,6 +109,9 @@ Result<volumes::ReadOptions> plan_read(const InputFlags& flags) {
   read.volume = *volume;
   read.format = flags.format;
   read.grid = flags.grid;
+  read.component = flags.component;
+  read.axis_order = flags.axis_order;
+  read.no_data = flags.no_data;
   read.spacing = flags.spacing;
   read.origin = flags.origin;
   read.kind = flags.inside;
@@ -193,7 +200,7 @@ Result<VerifyPlan> plan_verify(const VerifyFlags& flags) {
   plan.source.roi = flags.surface.roi;
   plan.source.resolution = flags.surface.resolution;
   plan.source.filters = flags.surface.filters;
-  plan.surface = plan_surface(flags.surface);
+  plan.surface = plan_surface(flags.surface, flags.input);
   plan.gpu = plan_gpu(flags.device);
   plan.json = flags.json;
   return plan;

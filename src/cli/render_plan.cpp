@@ -182,7 +182,7 @@ Result<RenderPlan> plan_render(const RenderFlags& flags) {
   plan.job.source.roi = flags.surface.roi;
   plan.job.source.resolution = flags.surface.resolution;
   plan.job.source.filters = flags.surface.filters;
-  plan.job.surface = plan_surface(flags.surface);
+  plan.job.surface = plan_surface(flags.surface, flags.input);
   plan.memory = plan_memory(flags.input.memory_limit);
   plan.isos = flags.isos;
   if (!plan.isos.empty()) {

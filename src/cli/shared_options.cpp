@@ -62,10 +62,14 @@ void declare_input(CLI::App& app, InputFlags& flags, const std::string& metavar,
                   "named like a command is written ./NAME.",
                   what));
   group.value<std::string>("--grid", "NAME", flags.grid, parse_text,
-                           "Grid of a VDB file, as 'isoextract info' lists it: NAME, or NAME[k] where names repeat.");
+                           "Grid of a VDB file or array of an .npz, as 'isoextract info' lists it: NAME, or NAME[k] "
+                           "where names repeat.");
   group.value("--volume", "K|all", flags.volume, parse_volume,
               "Volume of a NIfTI, NRRD or NPY file that holds several, such as time steps, or frame of a file of "
               "particles: its number, counted from 0, or each of them. 'isoextract info' tells how many there are.");
+  group.value("--component", "K|length", flags.component, parse_component,
+              "Of a NIfTI, NRRD or NumPy file with several numbers a sample, such as vectors, colours and complex "
+              "numbers: one, counted from 0, or their length. A NumPy array of four axes is then [z, y, x, c].");
   group.choice("--input-format", flags.format, input_formats(),
                "Format of the input (default: by content, then by extension).");
   group.value("--dims", "NX,NY,NZ", flags.dims, parse_dims,
@@ -74,6 +78,13 @@ void declare_input(CLI::App& app, InputFlags& flags, const std::string& metavar,
   group.choice("--endian", flags.endian, {{"little", std::endian::little}, {"big", std::endian::big}},
                "Byte order of a raw file's samples (default: little).");
   group.value("--skip", "BYTES", flags.skip, parse_size, "Bytes before a raw file's first sample (default: 0).");
+  group.choice(
+      "--axis-order", flags.axis_order,
+      "What the axes of a NumPy array or raw file are, the last of them the fastest where the file has no order "
+      "of its own (default: zyx). --dims are along x, y and z all the same.");
+  group.value("--nodata", "V", flags.no_data, parse_number,
+              "Samples of this value stand for no data: they are not numbers, and --nan says what that means; it is "
+              "outside then unless it is given. Integers become f32, those of 32 bits f64. Not of sparse grids.");
   group.value("--spacing", "SX,SY,SZ", flags.spacing, parse_spacing,
               "Distance of the samples along each axis, or one number for all; replaces what the file says.");
   group.value("--origin", "X,Y,Z", flags.origin, parse_vector,

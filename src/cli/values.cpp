@@ -326,6 +326,13 @@ Result<VolumeChoice> parse_volume(std::string_view text) {
   return *number;
 }
 
+Result<volumes::ComponentChoice> parse_component(std::string_view text) {
+  if (text == "length") return volumes::ComponentChoice{};
+  const auto number = whole_text_as<std::int64_t>(text);
+  if (!number || *number < 0) return expected_found("the number of a component, counted from 0, or length", text);
+  return volumes::ComponentChoice{*number};
+}
+
 Result<int> parse_thread_count(std::string_view text) {
   const auto number = whole_text_as<int>(text);
   if (!number || *number < 1 || *number > kMaxThreads) {

@@ -9,7 +9,7 @@ namespace isoextract::cli {
 
 Result<void> take_labels(ConvertFlags& flags) {
   if (!flags.labels) return {};
-  const extract::MethodInfo& method = extract::method_info(plan_surface(flags.surface).method);
+  const extract::MethodInfo& method = extract::method_info(plan_surface(flags.surface, flags.input).method);
   if (method.method != extract::Method::voxels) {
     return refuse_usage(fmt::format("--labels does not go with {}: only voxels are made label by label", method.title),
                         "give --method voxels");

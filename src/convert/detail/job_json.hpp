@@ -163,6 +163,21 @@ class JobJson {
     return {};
   }
 
+  // A number, or "length".
+  static Json encode(const volumes::ComponentChoice& choice) {
+    return choice.number ? Json(*choice.number) : Json("length");
+  }
+  static Expected decode(const Json& json, volumes::ComponentChoice& target) {
+    if (json == "length") {
+      target.number.reset();
+      return {};
+    }
+    std::int64_t number = 0;
+    if (!decode(json, number).empty()) return "the number of a component or length";
+    target.number = number;
+    return {};
+  }
+
   template <class T>
   static Json encode(const std::optional<T>& value) {
     return value ? encode(*value) : Json(nullptr);
@@ -284,7 +299,10 @@ class JobJson {
     each("input_format", job.source.read.format);
     each("grid", job.source.read.grid);
     each("volume", job.source.read.volume);
+    each("component", job.source.read.component);
     each("raw", job.source.read.raw);
+    each("axis_order", job.source.read.axis_order);
+    each("no_data", job.source.read.no_data);
     each("spacing", job.source.read.spacing);
     each("origin", job.source.read.origin);
     each("inside", job.source.read.kind);
