@@ -168,7 +168,7 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string
                         "give --backend gpu or --backend auto");
   }
   job.source.roi = flags.surface.roi;
-  job.source.resolution = flags.surface.resolution;
+  if (auto taken = plan_resolution(flags.surface, job.source); !taken) return tl::unexpected(taken.error());
   job.source.filters = flags.surface.filters;
   job.simplify = flags.simplify;
   job.empty = flags.empty.value_or(job.empty);

@@ -87,6 +87,7 @@ struct SurfaceFlags {
   std::optional<extract::Method> method;
   std::optional<field::Box> roi;
   std::optional<glm::ivec3> resolution;
+  std::optional<field::ResampleKernel> kernel;
   std::vector<convert::FilterStep> filters;
   bool cap = false;
   std::optional<extract::NanPolicy> nan;

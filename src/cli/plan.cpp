@@ -48,6 +48,16 @@ convert::SurfaceOptions plan_surface(const SurfaceFlags& flags, const InputFlags
   return surface;
 }
 
+Result<void> plan_resolution(const SurfaceFlags& flags, convert::SourceOptions& source) {
+  if (flags.kernel && !flags.resolution) {
+    return refuse_usage("--kernel says what is between the samples of a finer grid, and none is asked for",
+                        "give --resolution N, or leave --kernel out");
+  }
+  source.resolution = flags.resolution;
+  source.kernel = flags.kernel.value_or(source.kernel);
+  return {};
+}
+
 extract::NanPolicy usual_nan(const InputFlags& input) {
   return input.no_data ? extract::NanPolicy::outside : extract::NanPolicy::error;
 }
@@ -198,7 +208,7 @@ Result<VerifyPlan> plan_verify(const VerifyFlags& flags) {
   if (!placement) return tl::unexpected(placement.error());
   plan.source.placement = std::move(*placement);
   plan.source.roi = flags.surface.roi;
-  plan.source.resolution = flags.surface.resolution;
+  if (auto taken = plan_resolution(flags.surface, plan.source); !taken) return tl::unexpected(taken.error());
   plan.source.filters = flags.surface.filters;
   plan.surface = plan_surface(flags.surface, flags.input);
   plan.gpu = plan_gpu(flags.device);

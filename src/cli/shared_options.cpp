@@ -167,10 +167,15 @@ void declare_surface(const Group& group, SurfaceFlags& flags) {
               "Only the samples in this box, given by its smaller and larger corner in the input's world coordinates "
               "(with --space index in voxel coordinates).");
   group.value("--resolution", "NX,NY,NZ", flags.resolution, parse_resolution,
-              "Extract from a grid of so many samples over the same box, or one number for all axes; between the "
-              "input's samples, values are linear along each axis (default: the input's samples themselves). A sparse "
-              "grid becomes dense: its active voxels and one of background around them. --space index and --roi keep "
+              "Extract from a grid of so many samples over the same box, or one number for all axes: means of the "
+              "input's samples along axes that get fewer, values between them along those that get more (default: the "
+              "input's samples themselves). A sparse grid becomes dense: its active voxels and one of background "
+              "around them. --space index and --roi keep "
               "the input's voxel coordinates, --error its voxels; those of --simplify are the grid's.");
+  group.choice("--kernel", flags.kernel,
+               "What is between the input's samples where --resolution is finer: a line from one to the next; a smooth "
+               "curve through them (Catmull-Rom); or the cubic B-spline, which is smoother and not through them "
+               "(default: linear).");
   group.values("--filter", "gaussian|median|mean", flags.filters, parse_filter,
                "Smooth a level set, of a VDB file or of --particles spheres or smooth, before anything else is done "
                "with it: each value is taken from those up to 1 voxel away or, as in gaussian:3, up to 3. Several "

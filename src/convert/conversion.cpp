@@ -193,8 +193,10 @@ class Conversion {
     } else if (job_.error) {
       const Stopwatch watch;
       const field::ScalarField& data = source_.data ? *source_.data : source_.field;
-      surface.error = measure_mesh_error(surface.mesh, data, extract_options(iso), *job_.error,
+      auto measured = measure_mesh_error(surface.mesh, data, extract_options(iso), *job_.error,
                                          source_.data ? &source_.field : nullptr, context_);
+      if (!measured) return tl::unexpected(std::move(measured.error()));
+      surface.error = std::move(*measured);
       if (auto whole = volumes::check_not_lost(data); !whole) return tl::unexpected(std::move(whole.error()));
       events_.measured(*surface.error, watch.elapsed());
     }

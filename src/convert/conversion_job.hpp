@@ -19,6 +19,7 @@
 #include "convert/vertex_choices.hpp"
 #include "extract/extractor.hpp"
 #include "field/interpolant.hpp"
+#include "field/resample.hpp"
 #include "meshes/mesh_writer.hpp"
 #include "points/method.hpp"
 #include "render/camera.hpp"
@@ -85,7 +86,8 @@ struct SourceOptions {
   std::vector<FilterStep> filters;          // of what was read or made, one after the other
   std::vector<AttributeChoice> attributes;  // of the vertices; their names differ
   std::optional<glm::ivec3> resolution;     // of the grid to extract from, in place of the input's own samples
-  std::optional<field::Box> roi;            // in the coordinates of placement.space
+  field::ResampleKernel kernel = field::ResampleKernel::linear;  // between the input's samples, for that
+  std::optional<field::Box> roi;                                 // in the coordinates of placement.space
   Placement placement;
 
   friend bool operator==(const SourceOptions&, const SourceOptions&) = default;

@@ -7,21 +7,24 @@
 #include "convert/json_values.hpp"
 #include "measure/analytic_error.hpp"
 #include "measure/field_error.hpp"
+#include "measure/surface_coverage.hpp"
 
 namespace isoextract::convert {
 
 struct MeshError {
   double iso = 0;
   measure::FieldError field;
-  std::optional<measure::AnalyticError> analytic;  // of demo fields with a formula
-  std::optional<field::SurfaceSize> exact;         // likewise, where their size is known, in the mesh's units
+  std::optional<measure::AnalyticError> analytic;    // of demo fields with a formula
+  std::optional<field::SurfaceSize> exact;           // likewise, where their size is known, in the mesh's units
+  std::optional<measure::SurfaceCoverage> coverage;  // the other way, where there is anything to compare with
 };
 
 // Of methods that follow the interpolant (MethodTraits). `extracted` is how the mesh was extracted from `field`, or
-// from `grid` if there is one, which resample() made of it.
-[[nodiscard]] MeshError measure_mesh_error(const mesh::Mesh& mesh, const field::ScalarField& field,
-                                           const extract::ExtractOptions& extracted, field::Interpolation interpolation,
-                                           const field::ScalarField* grid, const Context& context);
+// from `grid` if there is one, which resample() made of it. Fails where measure_surface_coverage() does.
+[[nodiscard]] Result<MeshError> measure_mesh_error(const mesh::Mesh& mesh, const field::ScalarField& field,
+                                                   const extract::ExtractOptions& extracted,
+                                                   field::Interpolation interpolation, const field::ScalarField* grid,
+                                                   const Context& context);
 
 // "error" of a mesh in docs/report.schema.json.
 [[nodiscard]] Json json_of(const MeshError& error);

@@ -20,7 +20,7 @@ namespace {
 Result<void> change_resolution(const SourceOptions& options, bool keep_data, const Context& context, Events& events,
                                Source& source) {
   const Stopwatch watch;
-  auto grid = field::resample(source.field, *options.resolution, context);
+  auto grid = field::resample(source.field, *options.resolution, options.kernel, context);
   if (!grid) return tl::unexpected(std::move(grid.error()));
   const StageTime time = watch.elapsed();
   for (const std::string& text : grid->notes) events.note(text);

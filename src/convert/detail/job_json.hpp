@@ -310,6 +310,7 @@ class JobJson {
     each("attributes", job.source.attributes);
     each("filters", job.source.filters);
     each("resolution", job.source.resolution);
+    each("kernel", job.source.kernel);
     each("roi", job.source.roi);
     each("space", job.source.placement.space);
     each("up", job.source.placement.up);
