@@ -167,7 +167,7 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string
                                     flags.device.device ? "--device" : "--gpu-memory"),
                         "give --backend gpu or --backend auto");
   }
-  job.source.roi = flags.surface.roi;
+  if (auto taken = plan_region(flags.surface, job.source); !taken) return tl::unexpected(taken.error());
   if (auto taken = plan_resolution(flags.surface, job.source); !taken) return tl::unexpected(taken.error());
   job.source.filters = flags.surface.filters;
   job.simplify = flags.simplify;

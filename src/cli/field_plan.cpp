@@ -16,7 +16,7 @@ namespace {
 // What is about surfaces, and was given.
 std::string_view surface_option(const ConvertFlags& flags) {
   const SurfaceFlags& surface = flags.surface;
-  const std::array<std::pair<bool, std::string_view>, 27> options{{{flags.labels.has_value(), "--labels"},
+  const std::array<std::pair<bool, std::string_view>, 28> options{{{flags.labels.has_value(), "--labels"},
                                                                    {flags.no_merge, "--no-merge"},
                                                                    {flags.t_junctions, "--t-junctions"},
                                                                    {!flags.isos.empty(), "--iso"},
@@ -25,6 +25,7 @@ std::string_view surface_option(const ConvertFlags& flags) {
                                                                    {flags.normals.has_value(), "--normals"},
                                                                    {flags.simplify.has_value(), "--simplify"},
                                                                    {surface.roi.has_value(), "--roi"},
+                                                                   {!surface.clip.empty(), "--clip"},
                                                                    {surface.cap, "--cap"},
                                                                    {!flags.attributes.empty(), "--attribute"},
                                                                    {flags.colour.has_value(), "--color-by"},

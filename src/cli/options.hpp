@@ -86,6 +86,7 @@ struct RunFlags {
 struct SurfaceFlags {
   std::optional<extract::Method> method;
   std::optional<field::Box> roi;
+  std::vector<convert::ClipPlane> clip;
   std::optional<glm::ivec3> resolution;
   std::optional<field::ResampleKernel> kernel;
   std::vector<convert::FilterStep> filters;

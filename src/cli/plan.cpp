@@ -48,6 +48,18 @@ convert::SurfaceOptions plan_surface(const SurfaceFlags& flags, const InputFlags
   return surface;
 }
 
+Result<void> plan_region(const SurfaceFlags& flags, convert::SourceOptions& source) {
+  if (flags.cap && !flags.clip.empty()) {
+    return refuse_usage(
+        "--cap does not go with --clip: it closes a surface along samples, and not at a plane through "
+        "its triangles",
+        "leave one of them out");
+  }
+  source.roi = flags.roi;
+  source.clip = flags.clip;
+  return {};
+}
+
 Result<void> plan_resolution(const SurfaceFlags& flags, convert::SourceOptions& source) {
   if (flags.kernel && !flags.resolution) {
     return refuse_usage("--kernel says what is between the samples of a finer grid, and none is asked for",
@@ -207,7 +219,7 @@ Result<VerifyPlan> plan_verify(const VerifyFlags& flags) {
   auto placement = plan_placement(flags.placement, format, plan.notes);
   if (!placement) return tl::unexpected(placement.error());
   plan.source.placement = std::move(*placement);
-  plan.source.roi = flags.surface.roi;
+  if (auto taken = plan_region(flags.surface, plan.source); !taken) return tl::unexpected(taken.error());
   if (auto taken = plan_resolution(flags.surface, plan.source); !taken) return tl::unexpected(taken.error());
   plan.source.filters = flags.surface.filters;
   plan.surface = plan_surface(flags.surface, flags.input);

@@ -179,7 +179,7 @@ Result<RenderPlan> plan_render(const RenderFlags& flags) {
   auto particles = plan_particles(flags.particles, flags.surface.nan);
   if (!particles) return tl::unexpected(std::move(particles.error()));
   plan.job.source.particles = std::move(*particles);
-  plan.job.source.roi = flags.surface.roi;
+  if (auto taken = plan_region(flags.surface, plan.job.source); !taken) return tl::unexpected(taken.error());
   if (auto taken = plan_resolution(flags.surface, plan.job.source); !taken) return tl::unexpected(taken.error());
   plan.job.source.filters = flags.surface.filters;
   plan.job.surface = plan_surface(flags.surface, flags.input);

@@ -165,7 +165,13 @@ void declare_surface(const Group& group, SurfaceFlags& flags) {
   group.choice("--method", flags.method, fmt::format("{} (default: {}).", method_help(), extract::method_ids()[0]));
   group.value("--roi", "X0,Y0,Z0,X1,Y1,Z1", flags.roi, parse_box,
               "Only the samples in this box, given by its smaller and larger corner in the input's world coordinates "
-              "(with --space index in voxel coordinates).");
+              "(with --space index in voxel coordinates). Where the samples' axes are oblique to it, triangles are cut "
+              "at its faces, but with --cap, which closes along samples.");
+  group.values(
+      "--clip", "NX,NY,NZ,D", flags.clip, parse_clip_plane,
+      "Keep of the surface what lies on the side of a plane that its normal N points to: NX x + NY y + NZ z >= "
+      "D, in the same coordinates. Triangles are cut, and the surface is open there. Several times for several "
+      "planes.");
   group.value("--resolution", "NX,NY,NZ", flags.resolution, parse_resolution,
               "Extract from a grid of so many samples over the same box, or one number for all axes: means of the "
               "input's samples along axes that get fewer, values between them along those that get more (default: the "

@@ -18,6 +18,7 @@
 #include "base/stopwatch.hpp"
 #include "convert/detail/recorder.hpp"
 #include "convert/field_file.hpp"
+#include "convert/mesh_clip.hpp"
 #include "convert/mesh_packing.hpp"
 #include "convert/output_checks.hpp"
 #include "convert/picture_file.hpp"
@@ -194,7 +195,7 @@ class Conversion {
       const Stopwatch watch;
       const field::ScalarField& data = source_.data ? *source_.data : source_.field;
       auto measured = measure_mesh_error(surface.mesh, data, extract_options(iso), *job_.error,
-                                         source_.data ? &source_.field : nullptr, context_);
+                                         source_.data ? &source_.field : nullptr, source_.clip, context_);
       if (!measured) return tl::unexpected(std::move(measured.error()));
       surface.error = std::move(*measured);
       if (auto whole = volumes::check_not_lost(data); !whole) return tl::unexpected(std::move(whole.error()));
@@ -280,6 +281,8 @@ class Conversion {
       events_.verified(*record);
       if (auto same = check_verification(source_.label, *record); !same) return tl::unexpected(std::move(same.error()));
     }
+    auto clipped = clip_mesh(extraction->mesh, source_.clip, source_.label, context_, events_);
+    if (!clipped) return tl::unexpected(std::move(clipped.error()));
     return std::move(extraction->mesh);
   }
 

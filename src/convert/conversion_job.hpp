@@ -78,6 +78,14 @@ struct FilterStep {
   friend bool operator==(const FilterStep&, const FilterStep&) = default;
 };
 
+// What of the surfaces is kept: the points p with dot(normal, p) >= offset.
+struct ClipPlane {
+  glm::dvec3 normal{0, 0, 1};  // of any length but 0
+  double offset = 0;
+
+  friend bool operator==(const ClipPlane&, const ClipPlane&) = default;
+};
+
 // What is read, what of it is wanted, and where it goes.
 struct SourceOptions {
   std::string input;          // a path, "-" for standard input, or demo:NAME
@@ -88,6 +96,7 @@ struct SourceOptions {
   std::optional<glm::ivec3> resolution;     // of the grid to extract from, in place of the input's own samples
   field::ResampleKernel kernel = field::ResampleKernel::linear;  // between the input's samples, for that
   std::optional<field::Box> roi;                                 // in the coordinates of placement.space
+  std::vector<ClipPlane> clip;                                   // likewise; of the surfaces, not of the samples
   Placement placement;
 
   friend bool operator==(const SourceOptions&, const SourceOptions&) = default;

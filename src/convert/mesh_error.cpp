@@ -59,7 +59,8 @@ double reach_from(const field::ScalarField& grid) {
 
 Result<MeshError> measure_mesh_error(const mesh::Mesh& mesh, const field::ScalarField& field,
                                      const extract::ExtractOptions& extracted, field::Interpolation interpolation,
-                                     const field::ScalarField* grid, const Context& context) {
+                                     const field::ScalarField* grid, std::span<const mesh::HalfSpace> clipped,
+                                     const Context& context) {
   MeshError error;
   error.iso = extracted.iso;
   measure::FieldErrorOptions options;
@@ -75,7 +76,7 @@ Result<MeshError> measure_mesh_error(const mesh::Mesh& mesh, const field::Scalar
     if (error.exact)
       error.exact = field::SurfaceSize{error.exact->area * unit * unit, error.exact->volume * unit * unit * unit};
   }
-  auto coverage = measure::measure_surface_coverage(mesh, field, extracted, grid, context);
+  auto coverage = measure::measure_surface_coverage(mesh, field, extracted, grid, clipped, context);
   if (!coverage) return tl::unexpected(std::move(coverage.error()));
   error.coverage = *coverage;
   return error;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 
 #include "base/context.hpp"
 #include "convert/json_values.hpp"
@@ -20,11 +21,12 @@ struct MeshError {
 };
 
 // Of methods that follow the interpolant (MethodTraits). `extracted` is how the mesh was extracted from `field`, or
-// from `grid` if there is one, which resample() made of it. Fails where measure_surface_coverage() does.
+// from `grid` if there is one, which resample() made of it. `clipped` is what of it was kept since. Fails
+// where measure_surface_coverage() does.
 [[nodiscard]] Result<MeshError> measure_mesh_error(const mesh::Mesh& mesh, const field::ScalarField& field,
                                                    const extract::ExtractOptions& extracted,
                                                    field::Interpolation interpolation, const field::ScalarField* grid,
-                                                   const Context& context);
+                                                   std::span<const mesh::HalfSpace> clipped, const Context& context);
 
 // "error" of a mesh in docs/report.schema.json.
 [[nodiscard]] Json json_of(const MeshError& error);

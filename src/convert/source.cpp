@@ -9,6 +9,7 @@
 #include "base/printable.hpp"
 #include "convert/field_label.hpp"
 #include "convert/level_set_filter.hpp"
+#include "convert/mesh_clip.hpp"
 #include "convert/particle_field.hpp"
 #include "field/resample.hpp"
 #include "files/file_bytes.hpp"
@@ -142,11 +143,16 @@ extract::ExtractOptions Source::extract_options(const SurfaceOptions& surface, d
   return options;
 }
 
+bool closes_regions(const SurfaceOptions& surface) {
+  return surface.cap || extract::method_info(surface.method).traits.always_closed;
+}
+
 SourceUse use_of(const ConversionJob& job) {
   SourceUse use;
   use.keep_data = job.error.has_value();
   use.isos = job.isos();
   use.empty_is_fine = job.empty != EmptyPolicy::error;
+  use.closed = closes_regions(job.surface);
   if (use.isos.size() != 1 || job.error || job.source.resolution) return use;
   const IsoChoice& only = use.isos.front();
   if (only.is_number()) use.only_iso = only.number;
@@ -172,12 +178,14 @@ Result<Source> open_source(const SourceOptions& options, const SourceUse& use, c
     auto changed = change_resolution(options, use.keep_data, context, events, source);
     if (!changed) return tl::unexpected(std::move(changed.error()));
   }
-  auto placed = place_field(source.field, options.placement, options.roi);
+  auto placed = place_field(source.field, options.placement, options.roi, use.closed);
   if (!placed) return tl::unexpected(std::move(placed.error()));
   events.placed(*placed);
   for (const std::string& text : placed->notes) events.note(text);
   source.output_from_index = placed->output_from_index;
   source.region = placed->region;
+  source.clip = half_spaces_of(source.field, source.output_from_index, options.placement.space, options.clip,
+                               placed->cut_at_box ? options.roi : std::nullopt);
   if (source.attributes) {
     source.attributes->world_from_output = source.field.index_to_world.after(source.output_from_index.inverse());
   }

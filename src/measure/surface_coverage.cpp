@@ -50,9 +50,24 @@ std::vector<std::uint32_t> component_of_slots(const mesh::Mesh& mesh, const mesh
   return labels;
 }
 
+bool is_kept(const glm::dvec3& p, std::span<const mesh::HalfSpace> clipped) {
+  return std::ranges::all_of(clipped, [&](const mesh::HalfSpace& kept) { return kept.depth(p) >= 0; });
+}
+
+// 1 for each that has a vertex where the mesh was kept.
+std::vector<std::uint8_t> components_kept(const mesh::Mesh& surface, const mesh::Components& components,
+                                          std::span<const mesh::HalfSpace> clipped) {
+  std::vector<std::uint8_t> counts(components.count(), clipped.empty() ? 1 : 0);
+  for (std::size_t v = 0; v < surface.positions.size() && !clipped.empty(); ++v) {
+    const std::uint32_t label = components.of_vertex(v);
+    if (label < counts.size() && is_kept(surface.position(v), clipped)) counts[label] = 1;
+  }
+  return counts;
+}
+
 // Those that a vertex of `mesh` is nearest to.
 std::uint64_t count_found(const mesh::Mesh& mesh, const mesh::Mesh& surface, const mesh::Components& components,
-                          const Context& context) {
+                          std::span<const std::uint8_t> counts, const Context& context) {
   const mesh::TriangleTree tree(surface.positions.span(), surface.triangles.span());
   const std::vector<std::uint32_t> labels = component_of_slots(surface, components, tree);
   std::vector<std::uint8_t> found(components.count(), 0);
@@ -65,7 +80,9 @@ std::uint64_t count_found(const mesh::Mesh& mesh, const mesh::Mesh& surface, con
     }
     context.progress().advance(range.size());
   });
-  return static_cast<std::uint64_t>(std::ranges::count(found, 1));
+  std::uint64_t both = 0;
+  for (std::size_t c = 0; c < found.size(); ++c) both += found[c] != 0 && counts[c] != 0 ? 1 : 0;
+  return both;
 }
 
 std::uint64_t bytes_of(const mesh::Mesh& mesh, const mesh::Mesh& surface) {
@@ -74,18 +91,19 @@ std::uint64_t bytes_of(const mesh::Mesh& mesh, const mesh::Mesh& surface) {
   // One tree after the other.
   const std::uint64_t looking_back = mesh::TriangleTree::bytes(mesh.triangles.size());
   const std::uint64_t looking_forth =
-      mesh::TriangleTree::bytes(triangles) + sizeof(std::uint32_t) * (vertices + triangles) + vertices;
+      mesh::TriangleTree::bytes(triangles) + sizeof(std::uint32_t) * (vertices + triangles) + 2 * vertices;
   return mesh::Components::bytes(vertices) + std::max(looking_back, looking_forth);
 }
 
 ErrorStatistics distances_from(const mesh::Mesh& mesh, const mesh::Mesh& surface, const IndexMesh& placed,
-                               const Context& context) {
+                               std::span<const mesh::HalfSpace> clipped, const Context& context) {
   const mesh::TriangleTree tree(mesh.positions.span(), mesh.triangles.span());
   const glm::dmat3 index_from_output = glm::inverse(placed.output_from_index().linear);
   return reduce_in_order(surface.positions.size(), ErrorAccumulator(placed.voxel()), &context.progress(),
                          [&](const PointRange& range, ErrorAccumulator& sums) {
                            std::uint32_t near = 0;
                            for (std::size_t v = range.begin(); v != range.end(); ++v) {
+                             if (!is_kept(surface.position(v), clipped)) continue;
                              const glm::dvec3 p = surface.position(v) - mesh.origin;
                              const mesh::TriangleTree::Nearest nearest = tree.nearest(p, near);
                              near = nearest.slot;
@@ -102,6 +120,7 @@ ErrorStatistics distances_from(const mesh::Mesh& mesh, const mesh::Mesh& surface
 Result<std::optional<SurfaceCoverage>> measure_surface_coverage(const mesh::Mesh& mesh, const field::ScalarField& field,
                                                                 const extract::ExtractOptions& extracted,
                                                                 const field::ScalarField* grid,
+                                                                std::span<const mesh::HalfSpace> clipped,
                                                                 const Context& context) {
   const IndexMesh placed(mesh, field, extracted, grid);
   extract::ExtractOptions options = extracted;
@@ -122,11 +141,12 @@ Result<std::optional<SurfaceCoverage>> measure_surface_coverage(const mesh::Mesh
 
   const mesh::Components components(surface.triangles.span(), surface.positions.size());
   SurfaceCoverage coverage;
-  coverage.components = coverage.lost = components.count();
+  const std::vector<std::uint8_t> counts = components_kept(surface, components, clipped);
+  coverage.components = coverage.lost = static_cast<std::uint64_t>(std::ranges::count(counts, 1));
   if (mesh.triangles.empty() || surface.triangles.empty()) return coverage;
   context.progress().begin("measuring what was lost", surface.positions.size() + mesh.positions.size());
-  coverage.distances = distances_from(mesh, surface, placed, context);
-  coverage.lost -= count_found(mesh, surface, components, context);
+  coverage.distances = distances_from(mesh, surface, placed, clipped, context);
+  coverage.lost -= count_found(mesh, surface, components, counts, context);
   return coverage;
 }
 

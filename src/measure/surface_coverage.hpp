@@ -9,11 +9,13 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 
 #include "base/context.hpp"
 #include "base/error.hpp"
 #include "extract/extractor.hpp"
 #include "measure/error_statistics.hpp"
+#include "mesh/half_space.hpp"
 
 namespace isoextract::measure {
 
@@ -25,12 +27,11 @@ struct SurfaceCoverage {
 
 // As measure_field_error(): `extracted` is how `mesh` was extracted from `field`, or from `grid` if there is one, which
 // resample() made of it. Where a region cuts voxels of the field, only whole ones within it are looked at; nothing
-// where there is none. Memory is reserved. Fails as an extraction of the field does. The same answer for any number of
-// threads.
-[[nodiscard]] Result<std::optional<SurfaceCoverage>> measure_surface_coverage(const mesh::Mesh& mesh,
-                                                                              const field::ScalarField& field,
-                                                                              const extract::ExtractOptions& extracted,
-                                                                              const field::ScalarField* grid,
-                                                                              const Context& context = Context());
+// where there is none. Of a mesh that was cut, `clipped` says what was kept, in its coordinates, and
+// nothing else of the isosurface counts. Memory is reserved. Fails as an extraction of the field does. The same answer
+// for any number of threads.
+[[nodiscard]] Result<std::optional<SurfaceCoverage>> measure_surface_coverage(
+    const mesh::Mesh& mesh, const field::ScalarField& field, const extract::ExtractOptions& extracted,
+    const field::ScalarField* grid, std::span<const mesh::HalfSpace> clipped = {}, const Context& context = Context());
 
 }  // namespace isoextract::measure

@@ -37,8 +37,8 @@ concept JsonValue = std::same_as<T, bool> || std::same_as<T, double> || std::sam
 template <class T>
 concept JobStructure = std::same_as<T, volumes::RawLayout> || std::same_as<T, ParticleOptions> ||
     std::same_as<T, AttributeChoice> || std::same_as<T, ColourChoice> || std::same_as<T, SimplifyBound> ||
-    std::same_as<T, OutputFileJob> || std::same_as<T, FilterStep> || std::same_as<T, FieldFileOptions> ||
-    std::same_as<T, PictureFileOptions> || std::same_as<T, ConversionJob>;
+    std::same_as<T, OutputFileJob> || std::same_as<T, FilterStep> || std::same_as<T, ClipPlane> ||
+    std::same_as<T, FieldFileOptions> || std::same_as<T, PictureFileOptions> || std::same_as<T, ConversionJob>;
 
 class JobJson {
  public:
@@ -277,6 +277,9 @@ class JobJson {
     } else if constexpr (std::same_as<Structure, FilterStep>) {
       each("filter", value.filter);
       each("width", value.width);
+    } else if constexpr (std::same_as<Structure, ClipPlane>) {
+      each("normal", value.normal);
+      each("offset", value.offset);
     } else if constexpr (std::same_as<Structure, FieldFileOptions>) {
       each("half", value.as_half);
     } else if constexpr (std::same_as<Structure, PictureFileOptions>) {
@@ -312,6 +315,7 @@ class JobJson {
     each("resolution", job.source.resolution);
     each("kernel", job.source.kernel);
     each("roi", job.source.roi);
+    each("clip", job.source.clip);
     each("space", job.source.placement.space);
     each("up", job.source.placement.up);
     each("turned_to_y_up", job.source.placement.turn_z_up_to_y_up);
