@@ -85,7 +85,7 @@ Result<BenchPlan> plan_bench(const BenchFlags& flags) {
   plan.sizes = flags.sizes.value_or(std::vector<int>{32, 64, 128, 256});
   plan.coarser = flags.coarser.value_or(std::vector<int>{});
   std::ranges::reverse(plan.coarser);
-  plan.options.nan = flags.nan.value_or(extract::NanPolicy::error);
+  plan.options.nan = flags.nan.value_or(usual_nan(flags.input));
   if (flags.methods) {
     for (const extract::Method method : *flags.methods) plan.options.methods.push_back(extract::method_info(method));
   } else {

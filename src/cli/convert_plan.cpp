@@ -43,7 +43,7 @@ Result<convert::Normals> plan_normals(const ConvertFlags& flags, meshes::MeshFor
                                     word_of(*flags.normals)),
                         "leave out --normals, or choose another format");
   }
-  const extract::MethodInfo& method = extract::method_info(plan_surface(flags.surface).method);
+  const extract::MethodInfo& method = extract::method_info(plan_surface(flags.surface, flags.input).method);
   if (!method.traits.gradient_normals) {
     if (flags.normals != convert::Normals::smooth) return flags.normals.value_or(convert::Normals::none);
     return refuse_usage(fmt::format("--normals smooth: {}", extract::why_no_gradient_normals(method)),
@@ -160,7 +160,7 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string
   job.source.placement = std::move(*placement);
   if (job.picture_file) job.source.placement.turn_z_up_to_y_up = false;
 
-  job.surface = plan_surface(flags.surface);
+  job.surface = plan_surface(flags.surface, flags.input);
   if (auto planned = plan_voxels(flags, plan.notes, job.surface); !planned) return tl::unexpected(planned.error());
   if (auto planned = plan_labels(flags, job); !planned) return tl::unexpected(planned.error());
   job.verify = flags.verify;
@@ -171,8 +171,8 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string
                         "give --backend gpu or --backend auto");
   }
   job.source.away_from_zero = flags.input.inside == InsideChoice::away_from_zero;
-  job.source.roi = flags.surface.roi;
-  job.source.resolution = flags.surface.resolution;
+  if (auto taken = plan_region(flags.surface, job.source); !taken) return tl::unexpected(taken.error());
+  if (auto taken = plan_resolution(flags.surface, job.source); !taken) return tl::unexpected(taken.error());
   job.source.filters = flags.surface.filters;
   job.simplify = flags.simplify;
   if (auto planned = plan_edits(flags, job); !planned) return tl::unexpected(planned.error());

@@ -21,11 +21,19 @@
 namespace isoextract::cli {
 namespace {
 
-std::string example_command(const InfoPlan& plan, const std::string& input, std::optional<std::int64_t> volume,
-                            double iso) {
+// What of several is described.
+struct Described {
+  std::optional<std::int64_t> volume;
+  std::optional<volumes::ComponentChoice> component;
+};
+
+std::string example_command(const InfoPlan& plan, const std::string& input, const Described& described, double iso) {
   std::string arguments;
   for (const std::string& argument : plan.input_arguments) arguments += " " + argument;
-  if (volume) arguments += fmt::format(" --volume {}", *volume);
+  if (!plan.read.volume && described.volume) arguments += fmt::format(" --volume {}", *described.volume);
+  if (!plan.read.component && described.component) {
+    arguments += fmt::format(" --component {}", described.component->number.value_or(0));
+  }
   return fmt::format("isoextract {}{} --iso {} -o {}", shell_quoted(input), arguments, iso,
                      shell_quoted(batch::stem_of(input) + ".glb"));
 }
@@ -40,25 +48,24 @@ bool fits_one_mesh(const field::ScalarField& field) {
 }
 
 // Of a field that was read or made, with the iso value to suggest.
-FieldReport report_of(const InfoPlan& plan, const std::string& input, const std::optional<std::int64_t>& volume,
-                      FieldReport report) {
+FieldReport report_of(const InfoPlan& plan, const std::string& input, const Described& described, FieldReport report) {
   const bool separates = report.suggestion.separates;
   report.size = separates ? size_of(report.field, report.suggestion.iso) : size_of_samples(report.field);
   report.bytes = estimated_bytes(report.size);
   report.fits_one_mesh = fits_one_mesh(report.field);
   if (separates && report.fits_one_mesh) {
-    const bool chosen_here = volume && !plan.read.volume;
-    report.command = example_command(plan, input, chosen_here ? volume : std::nullopt, report.suggestion.iso);
+    report.command = example_command(plan, input, described, report.suggestion.iso);
     if (printable(report.command) != report.command) report.command.clear();  // as it is shown it names no file
   }
   return report;
 }
 
-Result<FieldReport> measure(const InfoPlan& plan, const std::string& input, std::optional<std::int64_t> volume,
+Result<FieldReport> measure(const InfoPlan& plan, const std::string& input, const Described& described,
                             const Messages& messages) {
   const Context context{plan.memory};
   volumes::ReadOptions read = plan.read;
-  read.volume = volume;
+  read.volume = described.volume;
+  read.component = described.component;
   const ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
   convert::Events unheard;  // notes are told with the report
   auto field = convert::read_field(input, read, context, unheard);
@@ -67,7 +74,17 @@ Result<FieldReport> measure(const InfoPlan& plan, const std::string& input, std:
   report.field = std::move(*field);
   report.statistics = field::measure_statistics(report.field, &context.progress());
   report.suggestion = field::suggest_iso(report.field, report.statistics);
-  return report_of(plan, input, volume, std::move(report));
+  return report_of(plan, input, described, std::move(report));
+}
+
+// The grid that is described, where there is a choice among its volumes or components: the one that was named, or the
+// only one.
+const volumes::GridInfo* described_grid(const InfoPlan& plan, const std::vector<volumes::GridInfo>& grids) {
+  const auto is_it = [&](const volumes::GridInfo& grid) {
+    return plan.read.grid ? grid.label == *plan.read.grid || grid.name == *plan.read.grid : grid.scalar;
+  };
+  const auto found = std::ranges::find_if(grids, is_it);
+  return found == grids.end() ? nullptr : &*found;
 }
 
 convert::SourceOptions source_of(const InfoPlan& plan, const std::string& input) {
@@ -98,7 +115,7 @@ InputReport look_at_particles(const InfoPlan& plan, const std::string& input, co
   field.suggestion = {method.iso, fmt::format("the usual one of {}", method.title),
                       method.iso >= field.statistics.min && method.iso < field.statistics.max};
   const std::uint64_t made = kProgramBytes + context.memory().peak();
-  report.field = report_of(plan, input, report.volume, std::move(field));
+  report.field = report_of(plan, input, {report.volume, {}}, std::move(field));
   report.field->bytes = std::max(report.field->bytes, made);
   std::string& command = report.field->command;
   if (report.particles->statistics.bounds.not_finite > 0 && !command.empty()) command += " --nan outside";
@@ -128,8 +145,12 @@ InputReport look_at(const InfoPlan& plan, const std::string& input, const Messag
     if (!only->frame_problem.empty() && !plan.read.spacing) return report;
   }
   report.volume = plan.read.volume;
-  if (!report.volume && std::ranges::any_of(report.grids, has_several_volumes)) report.volume = 0;
-  auto field = measure(plan, input, report.volume, messages);
+  report.component = plan.read.component;
+  if (const volumes::GridInfo* grid = described_grid(plan, report.grids)) {
+    if (!report.volume && has_several_volumes(*grid)) report.volume = 0;
+    if (!report.component && has_several_components(*grid)) report.component = volumes::ComponentChoice{0};
+  }
+  auto field = measure(plan, input, {report.volume, report.component}, messages);
   if (field) {
     report.field = std::move(*field);
   } else {

@@ -32,23 +32,41 @@ glm::dvec3 spacing_of(const field::Affine& map) {
   return {glm::length(map.linear[0]), glm::length(map.linear[1]), glm::length(map.linear[2])};
 }
 
+// ", 3 components, 12 volumes"
+std::string several_text(const volumes::GridInfo& grid) {
+  std::string text;
+  if (has_several_components(grid)) text += fmt::format(", {} components", grid.components);
+  if (has_several_volumes(grid)) text += fmt::format(", {} volumes", grid.volumes);
+  return text;
+}
+
+std::string component_text(const volumes::ComponentChoice& choice) {
+  return choice.number ? fmt::format("{}", *choice.number) : "the length of all";
+}
+
 void add_grids(NamedLines& lines, const InputReport& report) {
   if (report.particles || (report.grids.size() == 1 && report.field)) return;
   lines.add("grids", fmt::format("{}", report.grids.size()));
   std::size_t name_width = 4;
   for (const volumes::GridInfo& grid : report.grids) name_width = std::max(name_width, grid.label.size());
   for (const volumes::GridInfo& grid : report.grids) {
-    lines.plain(fmt::format("    {:<{}}  {:<8}  {:<18}  {}{}{}{}", grid.label, name_width, grid.type,
+    lines.plain(fmt::format("    {:<{}}  {:<8}  {:<18}  {}{}{}{}{}", grid.label, name_width, grid.type,
                             grid.voxels ? dims_text(grid.box) : "unknown size",
                             grid.voxels ? fmt::format("{} active voxels", *grid.voxels) : "voxels not counted",
-                            grid.kind ? fmt::format(", {}", convert::kind_name(*grid.kind)) : "",
+                            grid.kind ? fmt::format(", {}", convert::kind_name(*grid.kind)) : "", several_text(grid),
                             grid.scalar ? "" : "; no surface can be extracted from this type",
                             grid.frame_problem.empty() ? "" : "; its place cannot be used: " + grid.frame_problem));
   }
 }
 
 void add_volumes(NamedLines& lines, const InputReport& report) {
+  if (report.grids.size() != 1) return;  // they are in the list of grids
   for (const volumes::GridInfo& grid : report.grids) {
+    if (has_several_components(grid)) {
+      lines.add("components",
+                fmt::format("{}, counted from 0; {} is described, --component K or --component length chooses another",
+                            grid.components, component_text(report.component.value_or(volumes::ComponentChoice{0}))));
+    }
     if (!has_several_volumes(grid)) continue;
     lines.add("volumes", fmt::format("{}, counted from 0; {} is described, --volume K chooses another", grid.volumes,
                                      report.volume.value_or(0)));
@@ -146,6 +164,7 @@ convert::Json json_of(const volumes::GridInfo& grid) {
   json["box"] = convert::json_of(grid.box);
   json["voxels"] = grid.voxels ? convert::Json(*grid.voxels) : nullptr;
   json["volumes"] = grid.volumes;
+  json["components"] = grid.components;
   json["problem"] = grid.frame_problem.empty() ? convert::Json(nullptr) : convert::Json(grid.frame_problem);
   return json;
 }
@@ -198,6 +217,7 @@ convert::Json json_of(const FieldReport& report) {
 }  // namespace
 
 bool has_several_volumes(const volumes::GridInfo& grid) { return grid.volumes > 1; }
+bool has_several_components(const volumes::GridInfo& grid) { return grid.components > 1; }
 
 std::string text_of(const InputReport& report) {
   NamedLines lines;
@@ -222,6 +242,9 @@ convert::Json json_of(const InputReport& report) {
   json["grids"] = convert::Json::array();
   for (const volumes::GridInfo& grid : report.grids) json["grids"].push_back(json_of(grid));
   json["volume"] = report.volume ? convert::Json(*report.volume) : convert::Json(nullptr);
+  json["component"] = nullptr;
+  if (report.component)
+    json["component"] = report.component->number ? convert::Json(*report.component->number) : "length";
   json["particles"] = report.particles ? json_of(*report.particles) : convert::Json(nullptr);
   json["field"] = report.field ? json_of(*report.field) : convert::Json(nullptr);
   if (report.error) json["error"] = {{"message", report.error->message}, {"hint", words_of(report.error->hint)}};

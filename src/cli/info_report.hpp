@@ -30,13 +30,15 @@ struct FieldReport {
 struct InputReport {
   std::string input;
   std::vector<volumes::GridInfo> grids;
-  std::optional<std::int64_t> volume;       // that is described, where one was chosen or there are several
-  std::optional<ParticleReport> particles;  // where the input is of particles, which have no grids
+  std::optional<std::int64_t> volume;                 // that is described, where one was chosen or there are several
+  std::optional<volumes::ComponentChoice> component;  // likewise
+  std::optional<ParticleReport> particles;            // where the input is of particles, which have no grids
   std::optional<FieldReport> field;  // not there if a choice of grid or a place for it is missing, or on an error
   std::optional<Error> error;
 };
 
 [[nodiscard]] bool has_several_volumes(const volumes::GridInfo& grid);
+[[nodiscard]] bool has_several_components(const volumes::GridInfo& grid);
 
 [[nodiscard]] std::string text_of(const InputReport& report);
 [[nodiscard]] convert::Json json_of(const InputReport& report);

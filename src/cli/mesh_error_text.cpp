@@ -53,6 +53,16 @@ std::string analytic_text(const convert::MeshError& error) {
   return text;
 }
 
+std::string coverage_text(double iso, const measure::SurfaceCoverage& coverage) {
+  const measure::ErrorStatistics& distances = coverage.distances;
+  const std::string sizes =
+      distances.points == 0 ? "" : fmt::format("{}; {}; ", sizes_text(distances), world_text(distances));
+  return fmt::format("error at iso {} from the surface of the data to the mesh: {}{}", iso, sizes,
+                     coverage.lost == 0
+                         ? fmt::format("all of its {} components are there", coverage.components)
+                         : fmt::format("{} of its {} components are lost", coverage.lost, coverage.components));
+}
+
 }  // namespace
 
 std::vector<std::string> error_summary(const convert::MeshError& error) {
@@ -63,6 +73,7 @@ std::vector<std::string> error_summary(const convert::MeshError& error) {
                       : fmt::format("error at iso {} against the {} interpolant: {}; {}", error.iso,
                                     word_of(error.field.interpolation), sizes_text(interior), world_text(interior)));
   add_unmeasured(lines, "points", interior);
+  if (error.coverage && error.coverage->components > 0) lines.push_back(coverage_text(error.iso, *error.coverage));
   if (error.analytic && error.analytic->interior.points > 0) {
     lines.push_back(analytic_text(error));
     add_unmeasured(lines, "points", error.analytic->interior);

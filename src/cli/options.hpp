@@ -52,11 +52,14 @@ struct InputFlags {
   std::vector<std::string> inputs;
   std::optional<std::string> grid;
   std::optional<VolumeChoice> volume;
+  std::optional<volumes::ComponentChoice> component;
   std::optional<std::string> format;
   std::optional<glm::ivec3> dims;
   std::optional<field::SampleType> dtype;
   std::optional<std::endian> endian;
   std::optional<std::uint64_t> skip;
+  std::optional<volumes::AxisOrder> axis_order;
+  std::optional<double> no_data;
   std::optional<glm::dvec3> spacing;
   std::optional<glm::dvec3> origin;
   std::optional<InsideChoice> inside;
@@ -91,7 +94,9 @@ struct RunFlags {
 struct SurfaceFlags {
   std::optional<extract::Method> method;
   std::optional<field::Box> roi;
+  std::vector<convert::ClipPlane> clip;
   std::optional<glm::ivec3> resolution;
+  std::optional<field::ResampleKernel> kernel;
   std::vector<convert::FilterStep> filters;
   std::vector<convert::BlurStep> blurs;
   bool cap = false;

@@ -40,12 +40,38 @@ Result<meshes::MeshFormat> format_of_path(const std::string& path, std::string h
                       std::move(hint));
 }
 
-convert::SurfaceOptions plan_surface(const SurfaceFlags& flags) {
+convert::SurfaceOptions plan_surface(const SurfaceFlags& flags, const InputFlags& input) {
   convert::SurfaceOptions surface;
   surface.method = flags.method.value_or(surface.method);
-  surface.nan = flags.nan.value_or(surface.nan);
+  surface.nan = flags.nan.value_or(usual_nan(input));
   surface.cap = flags.cap;
   return surface;
+}
+
+Result<void> plan_region(const SurfaceFlags& flags, convert::SourceOptions& source) {
+  if (flags.cap && !flags.clip.empty()) {
+    return refuse_usage(
+        "--cap does not go with --clip: it closes a surface along samples, and not at a plane through "
+        "its triangles",
+        "leave one of them out");
+  }
+  source.roi = flags.roi;
+  source.clip = flags.clip;
+  return {};
+}
+
+Result<void> plan_resolution(const SurfaceFlags& flags, convert::SourceOptions& source) {
+  if (flags.kernel && !flags.resolution) {
+    return refuse_usage("--kernel says what is between the samples of a finer grid, and none is asked for",
+                        "give --resolution N, or leave --kernel out");
+  }
+  source.resolution = flags.resolution;
+  source.kernel = flags.kernel.value_or(source.kernel);
+  return {};
+}
+
+extract::NanPolicy usual_nan(const InputFlags& input) {
+  return input.no_data ? extract::NanPolicy::outside : extract::NanPolicy::error;
 }
 
 std::string extension_of(const std::string& path) {
@@ -105,6 +131,9 @@ Result<volumes::ReadOptions> plan_read(const InputFlags& flags) {
   read.volume = *volume;
   read.format = flags.format;
   read.grid = flags.grid;
+  read.component = flags.component;
+  read.axis_order = flags.axis_order;
+  read.no_data = flags.no_data;
   read.spacing = flags.spacing;
   read.origin = flags.origin;
   if (flags.inside == InsideChoice::above) read.kind = field::FieldKind::density;
@@ -199,11 +228,11 @@ Result<VerifyPlan> plan_verify(const VerifyFlags& flags) {
   if (!placement) return tl::unexpected(placement.error());
   plan.source.placement = std::move(*placement);
   plan.source.away_from_zero = flags.input.inside == InsideChoice::away_from_zero;
-  plan.source.roi = flags.surface.roi;
-  plan.source.resolution = flags.surface.resolution;
+  if (auto taken = plan_region(flags.surface, plan.source); !taken) return tl::unexpected(taken.error());
+  if (auto taken = plan_resolution(flags.surface, plan.source); !taken) return tl::unexpected(taken.error());
   plan.source.filters = flags.surface.filters;
   plan.source.blurs = flags.surface.blurs;
-  plan.surface = plan_surface(flags.surface);
+  plan.surface = plan_surface(flags.surface, flags.input);
   plan.gpu = plan_gpu(flags.device);
   plan.json = flags.json;
   return plan;

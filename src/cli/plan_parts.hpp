@@ -42,7 +42,13 @@ template <class Format, class ByPath>
 
 // What --memory-limit says.
 [[nodiscard]] MemoryBudget plan_memory(const std::optional<std::uint64_t>& limit);
-[[nodiscard]] convert::SurfaceOptions plan_surface(const SurfaceFlags& flags);
+[[nodiscard]] convert::SurfaceOptions plan_surface(const SurfaceFlags& flags, const InputFlags& input);
+// What --roi and --clip say.
+[[nodiscard]] Result<void> plan_region(const SurfaceFlags& flags, convert::SourceOptions& source);
+// What --resolution and --kernel say.
+[[nodiscard]] Result<void> plan_resolution(const SurfaceFlags& flags, convert::SourceOptions& source);
+// Where no --nan is given: who says which samples are no data wants no error for them.
+[[nodiscard]] extract::NanPolicy usual_nan(const InputFlags& input);
 [[nodiscard]] Result<convert::Placement> plan_placement(const PlacementFlags& flags, meshes::MeshFormat format,
                                                         std::vector<std::string>& notes);
 // Some, and each once.

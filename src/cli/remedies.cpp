@@ -64,7 +64,9 @@ std::string words_of(const Hint& hint) {
     case Remedy::leave_out_particles:
       return "leave out the options of particles: 'isoextract help particles' lists them";
     case Remedy::leave_out_volumes:
-      return "leave out --grid, --dims, --dtype, --endian, --skip, --spacing, --origin and --inside";
+      return "leave out --grid, --component, --dims, --dtype, --endian, --skip, --axis-order, --nodata, --spacing, "
+             "--origin "
+             "and --inside";
     case Remedy::choose_frame: return "choose one of them with --volume K, or take each of them with --volume all";
     case Remedy::choose_radius: return "give --radius R, in the units of the file";
     case Remedy::skip_particles: return "use --nan outside to leave such particles out";

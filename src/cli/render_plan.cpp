@@ -180,11 +180,11 @@ Result<RenderPlan> plan_render(const RenderFlags& flags) {
   if (!particles) return tl::unexpected(std::move(particles.error()));
   plan.job.source.particles = std::move(*particles);
   plan.job.source.away_from_zero = flags.input.inside == InsideChoice::away_from_zero;
-  plan.job.source.roi = flags.surface.roi;
-  plan.job.source.resolution = flags.surface.resolution;
+  if (auto taken = plan_region(flags.surface, plan.job.source); !taken) return tl::unexpected(taken.error());
+  if (auto taken = plan_resolution(flags.surface, plan.job.source); !taken) return tl::unexpected(taken.error());
   plan.job.source.filters = flags.surface.filters;
   plan.job.source.blurs = flags.surface.blurs;
-  plan.job.surface = plan_surface(flags.surface);
+  plan.job.surface = plan_surface(flags.surface, flags.input);
   plan.memory = plan_memory(flags.input.memory_limit);
   plan.isos = flags.isos;
   if (!plan.isos.empty()) {

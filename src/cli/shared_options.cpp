@@ -63,10 +63,14 @@ void declare_input(CLI::App& app, InputFlags& flags, const std::string& metavar,
                   "named like a command is written ./NAME.",
                   what));
   group.value<std::string>("--grid", "NAME", flags.grid, parse_text,
-                           "Grid of a VDB file, as 'isoextract info' lists it: NAME, or NAME[k] where names repeat.");
+                           "Grid of a VDB file or array of an .npz, as 'isoextract info' lists it: NAME, or NAME[k] "
+                           "where names repeat.");
   group.value("--volume", "K|all", flags.volume, parse_volume,
               "Volume of a NIfTI, NRRD or NPY file that holds several, such as time steps, or frame of a file of "
               "particles: its number, counted from 0, or each of them. 'isoextract info' tells how many there are.");
+  group.value("--component", "K|length", flags.component, parse_component,
+              "Of a NIfTI, NRRD or NumPy file with several numbers a sample, such as vectors, colours and complex "
+              "numbers: one, counted from 0, or their length. A NumPy array of four axes is then [z, y, x, c].");
   group.choice("--input-format", flags.format, input_formats(),
                "Format of the input (default: by content, then by extension).");
   group.value("--dims", "NX,NY,NZ", flags.dims, parse_dims,
@@ -75,6 +79,13 @@ void declare_input(CLI::App& app, InputFlags& flags, const std::string& metavar,
   group.choice("--endian", flags.endian, {{"little", std::endian::little}, {"big", std::endian::big}},
                "Byte order of a raw file's samples (default: little).");
   group.value("--skip", "BYTES", flags.skip, parse_size, "Bytes before a raw file's first sample (default: 0).");
+  group.choice(
+      "--axis-order", flags.axis_order,
+      "What the axes of a NumPy array or raw file are, the last of them the fastest where the file has no order "
+      "of its own (default: zyx). --dims are along x, y and z all the same.");
+  group.value("--nodata", "V", flags.no_data, parse_number,
+              "Samples of this value stand for no data: they are not numbers, and --nan says what that means; it is "
+              "outside then unless it is given. Integers become f32, those of 32 bits f64. Not of sparse grids.");
   group.value("--spacing", "SX,SY,SZ", flags.spacing, parse_spacing,
               "Distance of the samples along each axis, or one number for all; replaces what the file says.");
   group.value("--origin", "X,Y,Z", flags.origin, parse_vector,
@@ -156,12 +167,23 @@ void declare_surface(const Group& group, SurfaceFlags& flags) {
   group.choice("--method", flags.method, fmt::format("{} (default: {}).", method_help(), extract::method_ids()[0]));
   group.value("--roi", "X0,Y0,Z0,X1,Y1,Z1", flags.roi, parse_box,
               "Only the samples in this box, given by its smaller and larger corner in the input's world coordinates "
-              "(with --space index in voxel coordinates).");
+              "(with --space index in voxel coordinates). Where the samples' axes are oblique to it, triangles are cut "
+              "at its faces, but with --cap, which closes along samples.");
+  group.values(
+      "--clip", "NX,NY,NZ,D", flags.clip, parse_clip_plane,
+      "Keep of the surface what lies on the side of a plane that its normal N points to: NX x + NY y + NZ z >= "
+      "D, in the same coordinates. Triangles are cut, and the surface is open there. Several times for several "
+      "planes.");
   group.value("--resolution", "NX,NY,NZ", flags.resolution, parse_resolution,
-              "Extract from a grid of so many samples over the same box, or one number for all axes; between the "
-              "input's samples, values are linear along each axis (default: the input's samples themselves). A sparse "
-              "grid becomes dense: its active voxels and one of background around them. --space index and --roi keep "
+              "Extract from a grid of so many samples over the same box, or one number for all axes: means of the "
+              "input's samples along axes that get fewer, values between them along those that get more (default: the "
+              "input's samples themselves). A sparse grid becomes dense: its active voxels and one of background "
+              "around them. --space index and --roi keep "
               "the input's voxel coordinates, --error its voxels; those of --simplify are the grid's.");
+  group.choice("--kernel", flags.kernel,
+               "What is between the input's samples where --resolution is finer: a line from one to the next; a smooth "
+               "curve through them (Catmull-Rom); or the cubic B-spline, which is smoother and not through them "
+               "(default: linear).");
   group.values("--filter", "gaussian|median|mean", flags.filters, parse_filter,
                "Smooth a level set, of a VDB file or of --particles spheres or smooth, before anything else is done "
                "with it: each value is taken from those up to 1 voxel away or, as in gaussian:3, up to 3. Several "

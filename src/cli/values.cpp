@@ -312,6 +312,15 @@ Result<convert::FilterStep> parse_filter(std::string_view text) {
   return convert::FilterStep{*filter, static_cast<std::uint64_t>(*width)};
 }
 
+Result<convert::ClipPlane> parse_clip_plane(std::string_view text) {
+  const auto numbers = numbers_in(text, 4);
+  if (!numbers) return expected_found("four numbers NX,NY,NZ,D", text);
+  const glm::dvec3 normal((*numbers)[0], (*numbers)[1], (*numbers)[2]);
+  const double length = glm::length(normal);
+  if (!(std::isfinite(length) && length > 0)) return expected_found("a normal NX,NY,NZ that is a direction", text);
+  return convert::ClipPlane{normal, (*numbers)[3]};
+}
+
 Result<field::Box> parse_box(std::string_view text) {
   const auto numbers = numbers_in(text, 6);
   if (!numbers) return expected_found("six numbers X0,Y0,Z0,X1,Y1,Z1", text);
@@ -331,6 +340,13 @@ Result<VolumeChoice> parse_volume(std::string_view text) {
   const auto number = whole_text_as<std::int64_t>(text);
   if (!number || *number < 0) return expected_found("the number of a volume, counted from 0, or all", text);
   return *number;
+}
+
+Result<volumes::ComponentChoice> parse_component(std::string_view text) {
+  if (text == "length") return volumes::ComponentChoice{};
+  const auto number = whole_text_as<std::int64_t>(text);
+  if (!number || *number < 0) return expected_found("the number of a component, counted from 0, or length", text);
+  return volumes::ComponentChoice{*number};
 }
 
 Result<int> parse_thread_count(std::string_view text) {

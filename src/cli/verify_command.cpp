@@ -12,6 +12,7 @@
 #include "cli/layout.hpp"
 #include "cli/progress_bar.hpp"
 #include "cli/verification_text.hpp"
+#include "convert/mesh_clip.hpp"
 #include "convert/source.hpp"
 #include "measure/mesh_match.hpp"
 #include "mesh/joined.hpp"
@@ -37,6 +38,7 @@ class Notes final : public convert::Events {
 Result<convert::Source> open_source(const VerifyPlan& plan, const Context& context, convert::Events& events) {
   convert::SourceUse use;
   use.isos = plan.isos;
+  use.closed = convert::closes_regions(plan.surface);
   auto source = convert::open_source(plan.source, use, context, events);
   if (source) source->isos = convert::each_once(source->isos);  // a mesh has one surface of each value
   return source;
@@ -134,13 +136,16 @@ std::string hint_for(const measure::MeshMatch& match) {
 }
 
 // All surfaces that were asked for.
-Result<mesh::Mesh> extract_all(const VerifyPlan& plan, convert::Source& source, const Context& context) {
+Result<mesh::Mesh> extract_all(const VerifyPlan& plan, convert::Source& source, const Context& context,
+                               convert::Events& events) {
   const std::unique_ptr<extract::Extractor> extractor = extract::make_cpu_extractor();
   std::vector<mesh::Mesh> meshes;
   for (const convert::ResolvedIso& iso : source.isos) {
     source.face_outward(iso.value);
     auto extraction = extractor->extract(source.field, source.extract_options(plan.surface, iso.value), context);
     if (!extraction) return tl::unexpected(std::move(extraction.error()));
+    auto clipped = convert::clip_mesh(extraction->mesh, source.clip, source.label, context, events);
+    if (!clipped) return tl::unexpected(std::move(clipped.error()));
     meshes.push_back(std::move(extraction->mesh));
   }
   if (meshes.size() == 1) return std::move(meshes.front());
@@ -168,7 +173,7 @@ Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages, const
     std::vector<std::string> isos;
     for (const convert::ResolvedIso& iso : source->isos) isos.push_back(text_of(iso));
     surface = fmt::format("{} iso {}", source->label, fmt::join(isos, ", "));
-    const auto extracted = extract_all(plan, *source, context);
+    const auto extracted = extract_all(plan, *source, context, notes);
     if (!extracted) return tl::unexpected(extracted.error());
     const auto matched = measure::match_meshes(file->mesh, *extracted, plan.float32_world, context);
     if (!matched) return tl::unexpected(matched.error());

@@ -52,6 +52,8 @@ Result<Reading> reading_of(const SourceOptions& options, const AttributePlace& p
   if (place.file.empty()) {
     reading.input = options.input;
     reading.read = options.read;
+    reading.read.component.reset();  // these two say what the samples of the surface are
+    reading.read.no_data.reset();
   } else {
     reading.input = place.file;
     if (options.read.volume) {

@@ -20,6 +20,7 @@
 #include "convert/vertex_choices.hpp"
 #include "extract/extractor.hpp"
 #include "field/interpolant.hpp"
+#include "field/resample.hpp"
 #include "meshes/mesh_writer.hpp"
 #include "points/method.hpp"
 #include "render/camera.hpp"
@@ -88,6 +89,14 @@ struct FilterStep {
   friend bool operator==(const FilterStep&, const FilterStep&) = default;
 };
 
+// What of the surfaces is kept: the points p with dot(normal, p) >= offset.
+struct ClipPlane {
+  glm::dvec3 normal{0, 0, 1};  // of any length but 0
+  double offset = 0;
+
+  friend bool operator==(const ClipPlane&, const ClipPlane&) = default;
+};
+
 // What is read, what of it is wanted, and where it goes.
 struct SourceOptions {
   std::string input;          // a path, "-" for standard input, or demo:NAME
@@ -100,7 +109,9 @@ struct SourceOptions {
   // In place of read.kind: inside is above an iso value that is positive, below one that is negative, and at 0 as the
   // field has it. Of volumes only.
   bool away_from_zero = false;
-  std::optional<field::Box> roi;  // in the coordinates of placement.space
+  field::ResampleKernel kernel = field::ResampleKernel::linear;  // between the input's samples, for that
+  std::optional<field::Box> roi;                                 // in the coordinates of placement.space
+  std::vector<ClipPlane> clip;                                   // likewise; of the surfaces, not of the samples
   Placement placement;
 
   friend bool operator==(const SourceOptions&, const SourceOptions&) = default;

@@ -41,6 +41,12 @@ Json json_of(const measure::AnalyticError& analytic, const std::optional<field::
           {"volume", exact && analytic.volume ? json_of_size(*analytic.volume, exact->volume) : Json(nullptr)}};
 }
 
+Json json_of(const measure::SurfaceCoverage& coverage) {
+  return {{"distances", json_of(coverage.distances)},
+          {"components", coverage.components},
+          {"lost_components", coverage.lost}};
+}
+
 // How far from the surface of the data, in their voxels, the mesh of another grid may be: a coarser one's is off by
 // voxels of its own.
 double reach_from(const field::ScalarField& grid) {
@@ -54,9 +60,10 @@ constexpr double kReachOfMoved = 4;
 
 }  // namespace
 
-MeshError measure_mesh_error(const mesh::Mesh& mesh, const field::ScalarField& field,
-                             const extract::ExtractOptions& extracted, field::Interpolation interpolation,
-                             const field::ScalarField* grid, bool moved, const Context& context) {
+Result<MeshError> measure_mesh_error(const mesh::Mesh& mesh, const field::ScalarField& field,
+                                     const extract::ExtractOptions& extracted, field::Interpolation interpolation,
+                                     const field::ScalarField* grid, std::span<const mesh::HalfSpace> clipped,
+                                     bool moved, const Context& context) {
   MeshError error;
   error.iso = extracted.iso;
   measure::FieldErrorOptions options;
@@ -74,6 +81,9 @@ MeshError measure_mesh_error(const mesh::Mesh& mesh, const field::ScalarField& f
     if (error.exact)
       error.exact = field::SurfaceSize{error.exact->area * unit * unit, error.exact->volume * unit * unit * unit};
   }
+  auto coverage = measure::measure_surface_coverage(mesh, field, extracted, grid, clipped, context);
+  if (!coverage) return tl::unexpected(std::move(coverage.error()));
+  error.coverage = *coverage;
   return error;
 }
 
@@ -83,6 +93,7 @@ Json json_of(const MeshError& error) {
           {"vertices", json_of(error.field.vertices)},
           {"storage", json_of(error.field.storage)},
           {"cap_triangles", error.field.cap_triangles},
+          {"coverage", error.coverage ? json_of(*error.coverage) : Json(nullptr)},
           {"analytic", error.analytic ? json_of(*error.analytic, error.exact) : Json(nullptr)}};
 }
 

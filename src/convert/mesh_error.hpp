@@ -2,27 +2,32 @@
 #pragma once
 
 #include <optional>
+#include <span>
 
 #include "base/context.hpp"
 #include "convert/json_values.hpp"
 #include "measure/analytic_error.hpp"
 #include "measure/field_error.hpp"
+#include "measure/surface_coverage.hpp"
 
 namespace isoextract::convert {
 
 struct MeshError {
   double iso = 0;
   measure::FieldError field;
-  std::optional<measure::AnalyticError> analytic;  // of demo fields with a formula
-  std::optional<field::SurfaceSize> exact;         // likewise, where their size is known, in the mesh's units
+  std::optional<measure::AnalyticError> analytic;    // of demo fields with a formula
+  std::optional<field::SurfaceSize> exact;           // likewise, where their size is known, in the mesh's units
+  std::optional<measure::SurfaceCoverage> coverage;  // the other way, where there is anything to compare with
 };
 
 // Of methods that follow the interpolant (MethodTraits). `extracted` is how the mesh was extracted from `field`, or
-// from `grid` if there is one, which was made of it by resample() or by blurring. `moved`: vertices are no longer where
-// they were extracted.
-[[nodiscard]] MeshError measure_mesh_error(const mesh::Mesh& mesh, const field::ScalarField& field,
-                                           const extract::ExtractOptions& extracted, field::Interpolation interpolation,
-                                           const field::ScalarField* grid, bool moved, const Context& context);
+// from `grid` if there is one, which was made of it by resample() or by blurring. `clipped` is what of it was kept since.
+// `moved`: vertices are no longer where they were extracted. Fails where measure_surface_coverage() does.
+[[nodiscard]] Result<MeshError> measure_mesh_error(const mesh::Mesh& mesh, const field::ScalarField& field,
+                                                   const extract::ExtractOptions& extracted,
+                                                   field::Interpolation interpolation, const field::ScalarField* grid,
+                                                   std::span<const mesh::HalfSpace> clipped, bool moved,
+                                                   const Context& context);
 
 // "error" of a mesh in docs/report.schema.json.
 [[nodiscard]] Json json_of(const MeshError& error);

@@ -20,13 +20,15 @@ using Format = std::optional<volumes::ParticleFormatDescription>;
 Result<void> check_no_volume_options(const SourceOptions& options, const Format& format) {
   const volumes::ReadOptions& read = options.read;
   const bool names_other_grid = read.grid && !(format && format->has_grids);
-  if (!names_other_grid && !read.raw && !read.spacing && !read.origin && !read.kind && !options.away_from_zero)
-    return {};
-  return fail(ErrorKind::usage,
-              fmt::format("{}: this is read as particles, which have no grid, layout, spacing, origin or inside to be "
-                          "chosen",
-                          files::shown_input_name(options.input)),
-              Remedy::leave_out_volumes);
+  const bool describes_samples = read.raw || read.component || read.axis_order || read.no_data;
+  const bool describes_place = read.spacing || read.origin || read.kind || options.away_from_zero;
+  if (!names_other_grid && !describes_samples && !describes_place) return {};
+  return fail(
+      ErrorKind::usage,
+      fmt::format("{}: this is read as particles, which have no grid, layout, component, order of axes, value for no "
+                  "data, spacing, origin or inside to be chosen",
+                  files::shown_input_name(options.input)),
+      Remedy::leave_out_volumes);
 }
 
 Format particle_format(const std::string& id) {

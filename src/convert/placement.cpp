@@ -53,7 +53,8 @@ bool is_axis_aligned(const field::Affine& index_to_world) {
   return true;
 }
 
-Result<field::IndexBox> samples_in_box(const field::ScalarField& field, const field::Box& box, Space space) {
+Result<field::IndexBox> samples_in_box(const field::ScalarField& field, const field::Box& box, Space space,
+                                       bool covering) {
   const field::Affine& map = space == Space::index ? field.index_to_file : field.index_to_world;
   const field::Box wanted = field::image_of(map.inverse(), box);
   const field::IndexBox stored = sample_box(field);
@@ -62,10 +63,12 @@ Result<field::IndexBox> samples_in_box(const field::ScalarField& field, const fi
   field::IndexBox samples;
   for (int axis = 0; axis < 3; ++axis) {
     // Clipped as doubles: the box may reach further than an int.
-    samples.min[axis] =
-        static_cast<int>(std::clamp(std::ceil(wanted.min[axis] - kVoxelTolerance), first[axis], last[axis] + 1));
-    samples.max[axis] =
-        static_cast<int>(std::clamp(std::floor(wanted.max[axis] + kVoxelTolerance), first[axis] - 1, last[axis]));
+    const double low =
+        covering ? std::floor(wanted.min[axis] + kVoxelTolerance) : std::ceil(wanted.min[axis] - kVoxelTolerance);
+    const double high =
+        covering ? std::ceil(wanted.max[axis] - kVoxelTolerance) : std::floor(wanted.max[axis] + kVoxelTolerance);
+    samples.min[axis] = static_cast<int>(std::clamp(low, first[axis], last[axis] + 1));
+    samples.max[axis] = static_cast<int>(std::clamp(high, first[axis] - 1, last[axis]));
   }
   for (int axis = 0; axis < 3; ++axis) {
     if (samples.max[axis] - samples.min[axis] >= 1) continue;
@@ -78,7 +81,7 @@ Result<field::IndexBox> samples_in_box(const field::ScalarField& field, const fi
 }
 
 Result<PlacedField> place_field(const field::ScalarField& field, const Placement& placement,
-                                const std::optional<field::Box>& roi) {
+                                const std::optional<field::Box>& roi, bool closed) {
   PlacedField placed;
   placed.output_from_index = output_from_index(field, placement);
   if (field.index_to_world.is_regular() && !placed.output_from_index.is_regular()) {
@@ -88,14 +91,20 @@ Result<PlacedField> place_field(const field::ScalarField& field, const Placement
         Remedy::choose_scale);
   }
   if (!roi) return placed;
-  auto region = samples_in_box(field, *roi, placement.space);
+  const bool oblique = placement.space == Space::world && !is_axis_aligned(field.index_to_world);
+  placed.cut_at_box = oblique && !closed;
+  auto region = samples_in_box(field, *roi, placement.space, placed.cut_at_box);
   if (!region) return tl::unexpected(region.error());
   placed.region = *region;
-  if (placement.space == Space::world && !is_axis_aligned(field.index_to_world)) {
+  if (oblique) {
     const glm::i64vec3 dims = region->dims();
     placed.notes.push_back(
-        fmt::format("{}: its axes are oblique, so the region is the {} x {} x {} samples that cover the box",
-                    field_label(field), dims.x, dims.y, dims.z));
+        closed ? fmt::format("{}: its axes are oblique, so the region is the {} x {} x {} samples that cover the box: "
+                             "a surface is closed along samples",
+                             field_label(field), dims.x, dims.y, dims.z)
+               : fmt::format("{}: its axes are oblique, so the surface of the {} x {} x {} samples that cover the box "
+                             "is cut at it",
+                             field_label(field), dims.x, dims.y, dims.z));
   }
   return placed;
 }

@@ -46,21 +46,24 @@ struct Placement {
 [[nodiscard]] bool is_axis_aligned(const field::Affine& index_to_world);
 
 // The samples of `field` in `box` (world or voxel coordinates, as `space` says), to a millionth of a voxel. Where the
-// samples' axes are oblique, the smallest index box that holds them all. Fails with ErrorKind::input if that is less
-// than one cell of the data.
+// samples' axes are oblique, the smallest index box that holds them all; or, `covering` the box, that holds all cells
+// that it touches. Fails with ErrorKind::input if that is less than one cell of the data.
 [[nodiscard]] Result<field::IndexBox> samples_in_box(const field::ScalarField& field, const field::Box& box,
-                                                     Space space);
+                                                     Space space, bool covering = false);
 
 // A field's place in the output, and what of it is wanted.
 struct PlacedField {
   field::Affine output_from_index;
   std::optional<field::IndexBox> region;
+  bool cut_at_box = false;         // the region holds more than the box, and surfaces are to be cut at it
   std::vector<std::string> notes;  // what of the box asked for could not be taken as it is
 };
 
-// Fails with ErrorKind::usage where the scale leads out of the range of numbers, and as samples_in_box does.
+// Where the samples' axes are oblique to the box, surfaces are cut at it, unless they are closed there, which is done
+// along samples: then the box is that of the samples. Fails with ErrorKind::usage where the scale leads out of the
+// range of numbers, and as samples_in_box does.
 [[nodiscard]] Result<PlacedField> place_field(const field::ScalarField& field, const Placement& placement,
-                                              const std::optional<field::Box>& roi);
+                                              const std::optional<field::Box>& roi, bool closed);
 
 // "(0, 0, 0) .. (1, 2, 3)"
 [[nodiscard]] std::string box_text(const field::Box& box);

@@ -10,6 +10,7 @@
 #include "convert/field_blur.hpp"
 #include "convert/field_label.hpp"
 #include "convert/level_set_filter.hpp"
+#include "convert/mesh_clip.hpp"
 #include "convert/particle_field.hpp"
 #include "field/resample.hpp"
 #include "files/file_bytes.hpp"
@@ -21,7 +22,7 @@ namespace {
 Result<void> change_resolution(const SourceOptions& options, bool keep_data, const Context& context, Events& events,
                                Source& source) {
   const Stopwatch watch;
-  auto grid = field::resample(source.field, *options.resolution, context);
+  auto grid = field::resample(source.field, *options.resolution, options.kernel, context);
   if (!grid) return tl::unexpected(std::move(grid.error()));
   const StageTime time = watch.elapsed();
   for (const std::string& text : grid->notes) events.note(text);
@@ -153,11 +154,16 @@ extract::ExtractOptions Source::extract_options(const SurfaceOptions& surface, d
   return options;
 }
 
+bool closes_regions(const SurfaceOptions& surface) {
+  return surface.cap || extract::method_info(surface.method).traits.always_closed;
+}
+
 SourceUse use_of(const ConversionJob& job) {
   SourceUse use;
   use.keep_data = job.error.has_value();
   use.isos = job.isos();
   use.empty_is_fine = job.empty != EmptyPolicy::error;
+  use.closed = closes_regions(job.surface);
   if (use.isos.size() != 1 || job.error || job.source.resolution) return use;
   const IsoChoice& only = use.isos.front();
   if (only.is_number()) use.only_iso = only.number;
@@ -188,12 +194,14 @@ Result<Source> open_source(const SourceOptions& options, const SourceUse& use, c
     if (!changed) return tl::unexpected(std::move(changed.error()));
   }
   if (options.away_from_zero) source.kind_at_zero = source.field.kind;
-  auto placed = place_field(source.field, options.placement, options.roi);
+  auto placed = place_field(source.field, options.placement, options.roi, use.closed);
   if (!placed) return tl::unexpected(std::move(placed.error()));
   events.placed(*placed);
   for (const std::string& text : placed->notes) events.note(text);
   source.output_from_index = placed->output_from_index;
   source.region = placed->region;
+  source.clip = half_spaces_of(source.field, source.output_from_index, options.placement.space, options.clip,
+                               placed->cut_at_box ? options.roi : std::nullopt);
   if (source.attributes) {
     source.attributes->world_from_output = source.field.index_to_world.after(source.output_from_index.inverse());
   }

@@ -12,6 +12,7 @@
 #include "convert/events.hpp"
 #include "convert/iso_values.hpp"
 #include "convert/particle_source.hpp"
+#include "mesh/half_space.hpp"
 
 namespace isoextract::convert {
 
@@ -24,9 +25,10 @@ struct Source {
   std::optional<field::ScalarField> data;  // what was read, where `field` was made of it and the data were asked for
   field::Affine output_from_index;
   std::optional<field::IndexBox> region;
-  std::vector<ResolvedIso> isos;  // one for each that was asked for
-  std::string label;              // what messages call it
-  bool empty = false;             // what was read has no voxels, or no particles
+  std::vector<mesh::HalfSpace> clip;  // what of the surfaces is kept, in their coordinates: clip_mesh()
+  std::vector<ResolvedIso> isos;      // one for each that was asked for
+  std::string label;                  // what messages call it
+  bool empty = false;                 // what was read has no voxels, or no particles
   bool of_particles = false;
   std::optional<field::FieldKind> kind_at_zero;  // SourceOptions::away_from_zero: what the field itself has
   std::optional<AttributeSource> attributes;     // of the vertices, where some were asked for
@@ -50,8 +52,11 @@ struct SourceUse {
   std::optional<double> only_iso;  // nothing is asked of the samples of particles but the surface at this iso value
   std::vector<IsoChoice> isos;     // whose values are asked for
   bool empty_is_fine = false;      // as in resolve_isos()
+  bool closed = false;             // surfaces are closed where a region ends, and so cannot be cut at it
 };
 [[nodiscard]] SourceUse use_of(const ConversionJob& job);
+// SourceUse::closed of such surfaces.
+[[nodiscard]] bool closes_regions(const SurfaceOptions& surface);
 
 // Fails as read_volume(), filter_field(), blur_field(), resample() and place_field() do, and for particles as
 // is_particles(), read_particles(), make_particle_field() and find_attributes() do, as resolve_isos(), and with

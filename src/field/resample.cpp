@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <span>
 #include <vector>
 
 #include <fmt/format.h>
@@ -12,31 +14,96 @@
 #include "base/byte_size.hpp"
 #include "base/checked.hpp"
 #include "base/reserved_buffer.hpp"
+#include "field/detail/axis_weights.hpp"
 #include "field/sparse_lookup.hpp"
 
 namespace isoextract::field {
 namespace {
+
+// Sparse samples are walked through with the background between them, which takes minutes from there on.
+constexpr double kMostForMeans = 0x1p35;
 
 template <class T>
 using Resampled =
     std::conditional_t<std::is_same_v<T, double> || std::is_same_v<T, std::uint32_t> || std::is_same_v<T, std::int32_t>,
                        double, float>;
 
-// Where a new sample is among the old ones of an axis: (1 - t) of the one below, t of the next.
-struct Between {
-  int below;
-  double t;  // in [0, 1), and exactly 0 at old samples
-};
-
-Between place_of(int i, int old_count, int new_count) {
-  const std::int64_t steps = new_count - 1;
-  const std::int64_t scaled = std::int64_t{i} * (old_count - 1);
-  return {static_cast<int>(scaled / steps), static_cast<double>(scaled % steps) / static_cast<double>(steps)};
-}
-
 // NaN passes the clamp. Without the clamp, rounding could leave the range of a and b, and the range of double.
 double blend(double a, double b, double t) {
   return t == 0 ? a : std::clamp((1 - t) * a + t * b, std::min(a, b), std::max(a, b));
+}
+
+// What weighted samples come to, sample by sample.
+class WeightedSum {
+ public:
+  explicit WeightedSum(const AxisWeights& axis) : convex_(axis.is_convex()), mean_(axis.is_mean()) {}
+
+  void start(double weight, double value) {
+    sum_ = weight * value;
+    low_ = high_ = value;
+  }
+  void add(double weight, double value) {
+    sum_ += weight * value;
+    low_ = std::min(low_, value);
+    high_ = std::max(high_, value);
+  }
+  // `a` and `b` are the samples before and behind the place. Rounding leaves neither the range of what is convex nor
+  // what is constant. Beside samples that are not finite a kernel is linear: a negative weight would turn infinity
+  // around, and more neighbours would have a say than between samples that are.
+  [[nodiscard]] double result(double a, double b, double t) const {
+    if (!mean_ && !std::isfinite(sum_)) return blend(a, b, t);
+    return convex_ || low_ == high_ ? std::clamp(sum_, low_, high_) : sum_;
+  }
+  [[nodiscard]] double mean() const { return std::clamp(sum_, low_, high_); }
+
+ private:
+  double sum_ = 0;
+  double low_ = 0;
+  double high_ = 0;
+  bool convex_;
+  bool mean_;
+};
+
+// Rows of samples that become one. row(j) gives the old row j, and the last kMostOfKernel that it gave stay.
+template <class Row>
+void combine_rows(const AxisWeights& axis, const SampleWeights& use, const Row& row, std::vector<WeightedSum>& sums,
+                  std::span<double> out) {
+  if (use.weights.size() == 1) {
+    std::ranges::copy(row(use.first), out.begin());
+    return;
+  }
+  if (axis.is_mean()) {
+    for (std::size_t k = 0; k < use.weights.size(); ++k) {
+      const std::span<const double> values = row(use.first + static_cast<int>(k));
+      for (std::size_t i = 0; i < out.size(); ++i) {
+        k == 0 ? sums[i].start(use.weights[k], values[i]) : sums[i].add(use.weights[k], values[i]);
+      }
+    }
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = sums[i].mean();
+    return;
+  }
+  std::array<std::span<const double>, AxisWeights::kMostOfKernel> rows;
+  for (std::size_t k = 0; k < use.weights.size(); ++k) rows[k] = row(use.first + static_cast<int>(k));
+  const std::span<const double> a = rows[static_cast<std::size_t>(use.below - use.first)];
+  const std::span<const double> b = use.t == 0 ? a : rows[static_cast<std::size_t>(use.below + 1 - use.first)];
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    WeightedSum& sum = sums[i];
+    sum.start(use.weights[0], rows[0][i]);
+    for (std::size_t k = 1; k < use.weights.size(); ++k) sum.add(use.weights[k], rows[k][i]);
+    out[i] = sum.result(a[i], b[i], use.t);
+  }
+}
+
+// The same within one row.
+double combine_samples(const AxisWeights& axis, const SampleWeights& use, std::span<const double> row) {
+  const double* const values = row.data() + use.first;
+  if (use.weights.size() == 1) return values[0];
+  WeightedSum sum(axis);
+  sum.start(use.weights[0], values[0]);
+  for (std::size_t k = 1; k < use.weights.size(); ++k) sum.add(use.weights[k], values[k]);
+  if (axis.is_mean()) return sum.mean();
+  const double a = row[static_cast<std::size_t>(use.below)];
+  return sum.result(a, use.t == 0 ? a : row[static_cast<std::size_t>(use.below) + 1], use.t);
 }
 
 // Rows of a field's samples along x. y and z count from the low corner of the box.
@@ -77,66 +144,71 @@ class SourceRows {
   IndexBox box_;
 };
 
-// Old rows, blended along z, of one new plane. Keeps the last two: a walk along y needs each row several times.
-template <class T>
-class PlaneRows {
+// The last rows that were asked for, by their numbers: rows next to each other do not drive each other out.
+class RowCache {
  public:
-  PlaneRows(const SourceRows<T>& source, int width, const Between& z)
-      : source_(source), z_(z), above_(static_cast<std::size_t>(width)) {
-    for (Row& row : rows_) row.values.resize(above_.size());
+  explicit RowCache(std::size_t width) {
+    for (Row& row : rows_) row.values.resize(width);
   }
 
-  const std::vector<double>& operator()(int y) {
-    Row& row = rows_[y & 1];
-    if (row.y == y) return row.values;
-    row.y = y;
-    source_.read(y, z_.below, row.values.data());
-    if (z_.t > 0) {
-      source_.read(y, z_.below + 1, above_.data());
-      for (std::size_t i = 0; i < above_.size(); ++i) row.values[i] = blend(row.values[i], above_[i], z_.t);
+  // make(values) fills them where they are not there.
+  template <class Make>
+  std::span<const double> get(int number, const Make& make) {
+    Row& row = rows_[static_cast<std::size_t>(number) % rows_.size()];
+    if (row.number != number) {
+      row.number = number;
+      make(std::span(row.values));
     }
     return row.values;
+  }
+  void forget() {
+    for (Row& row : rows_) row.number = -1;
   }
 
  private:
   struct Row {
-    int y = -1;
+    int number = -1;
     std::vector<double> values;
   };
 
-  const SourceRows<T>& source_;
-  Between z_;
-  std::array<Row, 2> rows_;
-  std::vector<double> above_;
+  std::array<Row, AxisWeights::kMostOfKernel> rows_;
 };
 
+// The weights along x, y and z.
+using Weights = std::array<AxisWeights, 3>;
+
 template <class T>
-void fill(const SourceRows<T>& source, const glm::ivec3& old_dims, const glm::ivec3& dims, Resampled<T>* values,
-          const Context& context) {
+void fill(const SourceRows<T>& source, const glm::ivec3& old_dims, const glm::ivec3& dims, const Weights& weights,
+          Resampled<T>* values, const Context& context) {
   constexpr int kRows = 64;  // of a new plane, in one go
-  std::vector<Between> along_x;
-  along_x.reserve(static_cast<std::size_t>(dims.x));
-  for (int i = 0; i < dims.x; ++i) along_x.push_back(place_of(i, old_dims.x, dims.x));
+  const auto& [along_x, along_y, along_z] = weights;
   const std::int64_t bands = (std::int64_t{dims.y} + kRows - 1) / kRows;
   context.progress().begin("resampling", static_cast<std::uint64_t>(bands * dims.z));
   tbb::parallel_for(std::int64_t{0}, bands * dims.z, [&](std::int64_t part) {
     const auto k = static_cast<int>(part / bands);
     const int first = static_cast<int>(part % bands) * kRows;
     const int end = first + std::min(kRows, dims.y - first);
-    PlaneRows<T> plane(source, old_dims.x, place_of(k, old_dims.z, dims.z));
-    // One more, which counts for nothing beside the last sample.
-    std::vector<double> row(static_cast<std::size_t>(old_dims.x) + 1);
+    const auto width = static_cast<std::size_t>(old_dims.x);
+    const SampleWeights z = along_z.of(k);
+    RowCache read(width);
+    RowCache plane(width);  // old rows, combined along z
+    std::vector<WeightedSum> z_sums(width, WeightedSum(along_z));
+    std::vector<WeightedSum> y_sums(width, WeightedSum(along_y));
+    const auto plane_row = [&](int y) {
+      return plane.get(y, [&](std::span<double> out) {
+        read.forget();
+        combine_rows(
+            along_z, z,
+            [&](int at) { return read.get(at, [&](std::span<double> row) { source.read(y, at, row.data()); }); },
+            z_sums, out);
+      });
+    };
+    std::vector<double> row(width);
     Resampled<T>* out = values + static_cast<std::int64_t>(dims.x) * (first + static_cast<std::int64_t>(dims.y) * k);
     for (int j = first; j < end; ++j) {
-      const Between y = place_of(j, old_dims.y, dims.y);
-      std::ranges::copy(plane(y.below), row.begin());
-      if (y.t > 0) {
-        const std::vector<double>& above = plane(y.below + 1);
-        for (std::size_t i = 0; i < above.size(); ++i) row[i] = blend(row[i], above[i], y.t);
-      }
-      for (const Between& x : along_x) {
-        const double* at = row.data() + x.below;
-        *out++ = static_cast<Resampled<T>>(blend(at[0], at[1], x.t));
+      combine_rows(along_y, along_y.of(j), plane_row, y_sums, row);
+      for (int i = 0; i < dims.x; ++i) {
+        *out++ = static_cast<Resampled<T>>(combine_samples(along_x, along_x.of(i), row));
       }
     }
     context.progress().advance(1);
@@ -166,14 +238,26 @@ IndexBox box_in_background(const SparseSamples& sparse) {
 
 std::string dims_text(const glm::i64vec3& dims) { return fmt::format("{} x {} x {}", dims.x, dims.y, dims.z); }
 
+// What is small beside any grid is not counted.
+Result<Reservation> reserve_weights(const ScalarField& field, const glm::ivec3& old_dims, const glm::ivec3& dims,
+                                    const Context& context) {
+  constexpr std::uint64_t kSmall = std::uint64_t{1} << 20;
+  std::uint64_t bytes = 0;
+  for (int axis = 0; axis < 3; ++axis) bytes += AxisWeights::bytes(old_dims[axis], dims[axis]);
+  if (bytes <= kSmall) return Reservation();
+  return context.reserve(bytes, fmt::format("{}: weights of samples", field.source));
+}
+
 template <class T>
-Result<ScalarField> resampled(const ScalarField& field, const glm::ivec3& resolution, const Context& context) {
+Result<ScalarField> resampled(const ScalarField& field, const glm::ivec3& resolution, ResampleKernel kernel,
+                              const Context& context) {
   const auto* sparse = std::get_if<SparseSamples>(&field.samples);
   const IndexBox box = sparse != nullptr ? box_in_background<T>(*sparse) : field.extents();
   const glm::ivec3 old_dims(box.dims());
   ScalarField result = field;
   result.notes.clear();
-  if (sparse == nullptr && old_dims == resolution) return result;
+  const bool same = sparse == nullptr && old_dims == resolution;
+  if (same && kernel != ResampleKernel::bspline) return result;
 
   using Value = Resampled<T>;
   const glm::u64vec3 counts(resolution);
@@ -191,7 +275,19 @@ Result<ScalarField> resampled(const ScalarField& field, const glm::ivec3& resolu
   DenseSamples samples;
   samples.type = sample_type_of<Value>();
   samples.dims = resolution;
-  fill(SourceRows<T>(field.samples, box), old_dims, resolution, (*values)->values.data(), context);
+  const glm::dvec3 extent(old_dims);
+  const bool means = sparse == nullptr || extent.x * extent.y * extent.z <= kMostForMeans;
+  if (!means && glm::any(glm::lessThan(resolution, old_dims))) {
+    result.notes.push_back(
+        fmt::format("{}: {} voxels are too many for means; the samples of the new grid are values of "
+                    "the interpolant at their places",
+                    field.source, dims_text(old_dims)));
+  }
+  auto weight_memory = reserve_weights(field, old_dims, resolution, context);
+  if (!weight_memory) return tl::unexpected(std::move(weight_memory.error()));
+  const auto along = [&](int axis) { return AxisWeights(old_dims[axis], resolution[axis], kernel, means); };
+  const Weights weights{along(0), along(1), along(2)};
+  fill(SourceRows<T>(field.samples, box), old_dims, resolution, weights, (*values)->values.data(), context);
   samples.data = (*values)->values.data();
   samples.owner = std::move(*values);
 
@@ -205,7 +301,8 @@ Result<ScalarField> resampled(const ScalarField& field, const glm::ivec3& resolu
 
 }  // namespace
 
-Result<ScalarField> resample(const ScalarField& field, const glm::ivec3& resolution, const Context& context) {
+Result<ScalarField> resample(const ScalarField& field, const glm::ivec3& resolution, ResampleKernel kernel,
+                             const Context& context) {
   if (glm::any(glm::lessThan(resolution, glm::ivec3(2)))) {
     return fail(ErrorKind::usage,
                 fmt::format("a resolution needs at least 2 samples along each axis, found {}", dims_text(resolution)));
@@ -216,8 +313,8 @@ Result<ScalarField> resample(const ScalarField& field, const glm::ivec3& resolut
                 fmt::format("{}: another resolution needs at least 2 samples along each axis, found {}", field.source,
                             dims_text(dense->dims)));
   }
-  return visit_sample_type(field.type(),
-                           [&]<class T>(std::type_identity<T>) { return resampled<T>(field, resolution, context); });
+  return visit_sample_type(
+      field.type(), [&]<class T>(std::type_identity<T>) { return resampled<T>(field, resolution, kernel, context); });
 }
 
 }  // namespace isoextract::field

@@ -1,34 +1,56 @@
-// A field on a grid of another resolution.
+// A field on a grid of another resolution: means where it is coarser, a kernel between the samples where it is finer.
 #pragma once
+
+#include <array>
 
 #include <glm/glm.hpp>
 
 #include "base/context.hpp"
 #include "base/error.hpp"
+#include "base/words.hpp"
 #include "field/scalar_field.hpp"
 
 namespace isoextract::field {
 
-// The trilinear interpolant of `field`, sampled on a dense grid of `resolution` samples that covers the same box: along
-// each axis its first sample is the field's first and its last the field's last. `index_to_world` and `index_to_file`
-// follow. The same answer for any number of threads.
+// What is between the samples, where a grid becomes finer: along each axis,
+enum class ResampleKernel {
+  linear,   // the line through the two samples beside it
+  cubic,    // Catmull-Rom (CGI 1974): through the samples, smooth across them; it may overshoot beside steps
+  bspline,  // the cubic B-spline with the samples as its coefficients: smoother, not through the samples
+};
+constexpr auto words_of(ResampleKernel /*type*/) {
+  return std::array{Word{ResampleKernel::linear, "linear"}, Word{ResampleKernel::cubic, "cubic"},
+                    Word{ResampleKernel::bspline, "bspline"}};
+}
+
+// `field` on a dense grid of `resolution` samples that covers the same box: along each axis its first sample is the
+// field's first and its last the field's last. `index_to_world` and `index_to_file` follow. The same answer for any
+// number of threads.
+//
+// Along axes that get more samples, a new one is the kernel's value at its place; along those that get fewer, the mean
+// of the linear interpolant over the step of the new grid around it, a box filter: nothing that is smaller than a step
+// is left to chance, and what is linear keeps its values. Towards the border of the field, which has nothing beyond,
+// the part that it is the mean of shrinks on both sides alike, to the sample itself.
 //
 // Samples are f64 if they were f64, u32 or i32, which float cannot hold, and otherwise f32: what lies between the
-// samples is rounded as in any file of that type. It is the stored values that are interpolated; the value scale stays
-// as it is. Where a sample falls on one of the field's it has exactly its value, and a dense field that has the
-// resolution already shares its samples, in their own type.
+// samples is rounded as in any file of that type. It is the stored values that are taken; the value scale stays as it
+// is. Where a kernel that goes through the samples, or a border, falls on one of the field's, the new one has exactly
+// its value; and a dense field that has the resolution already shares its samples, in their own type, unless the kernel
+// is bspline.
 //
-// Only neighbours that count have a say. A value lies between the least and the greatest of them, also where their
-// difference leaves the range of numbers. NaN among them gives NaN, infinity gives that infinity, and both infinities
-// give NaN.
+// Only samples that count have a say. But for cubic, a value lies between the least and the greatest of them, also
+// where their difference leaves the range of numbers. NaN among them gives NaN, infinity gives that infinity, and both
+// infinities give NaN; beside such samples all kernels are linear.
 //
 // Sparse samples are everywhere, so their box is that of the active voxels and of all stored values that are not the
 // background, with one voxel more on each side: there and beyond all is background. They become dense, and a note says
-// how large. Their memory is reserved before it is taken.
+// how large; where the box is so large that means would take minutes, another says that values at the places of the new
+// samples are taken. Their memory is reserved before it is taken.
 //
 // Fails with ErrorKind::usage where `resolution` is below 2 along an axis, with ErrorKind::input where `field` is, or
 // where the memory for it is not there.
 [[nodiscard]] Result<ScalarField> resample(const ScalarField& field, const glm::ivec3& resolution,
+                                           ResampleKernel kernel = ResampleKernel::linear,
                                            const Context& context = Context());
 
 }  // namespace isoextract::field

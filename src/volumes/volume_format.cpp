@@ -17,6 +17,7 @@ std::span<const VolumeFormat* const> volume_formats() {
         &nrrd_format(),   //
         &nifti_format(),  //
         &npy_format(),    //
+        &npz_format(),    //
         &raw_format(),    //
         &demo_format(),
     };

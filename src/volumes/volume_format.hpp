@@ -3,6 +3,7 @@
 // here.
 #pragma once
 
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -18,6 +19,7 @@
 
 #include "base/context.hpp"
 #include "base/error.hpp"
+#include "base/words.hpp"
 #include "field/scalar_field.hpp"
 
 namespace isoextract::volumes {
@@ -32,15 +34,32 @@ struct RawLayout {
   friend bool operator==(const RawLayout&, const RawLayout&) = default;
 };
 
+// Of several numbers a sample: one, counted from 0, or the length of the vector that all of them make.
+struct ComponentChoice {
+  std::optional<std::int64_t> number;  // nothing: the length
+
+  friend bool operator==(const ComponentChoice&, const ComponentChoice&) = default;
+};
+
+// What the axes of an array are, from the one whose index is written first, as NumPy's a[z, y, x]. Without an order of
+// its own, the last of them is the fastest in a file.
+enum class AxisOrder { zyx, xyz };
+constexpr auto words_of(AxisOrder /*type*/) {
+  return std::array{Word{AxisOrder::zyx, "zyx"}, Word{AxisOrder::xyz, "xyz"}};
+}
+
 // What is to be read, as plain values.
 struct ReadOptions {
-  std::optional<std::string> format;     // the id of one; default: by content, then by extension
-  std::optional<std::string> grid;       // a grid's label or name (GridInfo), where formats have grids
-  std::optional<std::int64_t> volume;    // of a file with several, such as time steps; counted from 0
-  std::optional<RawLayout> raw;          // raw files need it; for others it is an error
-  std::optional<glm::dvec3> spacing;     // replaces what the file says; raw and NPY have 1
-  std::optional<glm::dvec3> origin;      // world position of index (0, 0, 0); likewise
-  std::optional<field::FieldKind> kind;  // replaces what the file says
+  std::optional<std::string> format;         // the id of one; default: by content, then by extension
+  std::optional<std::string> grid;           // a grid's label or name (GridInfo), where formats have grids
+  std::optional<std::int64_t> volume;        // of a file with several, such as time steps; counted from 0
+  std::optional<ComponentChoice> component;  // of a file with several numbers a sample
+  std::optional<RawLayout> raw;              // raw files need it; for others it is an error
+  std::optional<AxisOrder> axis_order;       // of arrays; zyx where nothing is said
+  std::optional<glm::dvec3> spacing;         // replaces what the file says; raw and NPY have 1
+  std::optional<glm::dvec3> origin;          // world position of index (0, 0, 0); likewise
+  std::optional<field::FieldKind> kind;      // replaces what the file says
+  std::optional<double> no_data;             // dense samples of this value are not a number (field/no_data.hpp)
 
   friend bool operator==(const ReadOptions&, const ReadOptions&) = default;
 };
@@ -55,6 +74,7 @@ struct GridInfo {
   field::IndexBox box;                   // active voxels, or all samples; empty as well if they were not counted
   std::optional<std::uint64_t> voxels;   // active voxels, or all samples; none if they were not counted
   std::uint64_t volumes = 1;             // of this box each: time steps, for example; ReadOptions::volume chooses one
+  std::uint64_t components = 1;          // numbers a sample; ReadOptions::component chooses one, or their length
   std::string frame_problem;             // why the place that the file gives it cannot be used; empty if it can
 };
 
@@ -63,10 +83,12 @@ struct FormatDescription {
   std::string id = {};                       // what it is chosen by: "nrrd"; lower case, and it never changes
   std::string title = {};                    // one line for people: "NRRD, attached or detached, raw or gzip"
   std::vector<std::string> extensions = {};  // the ends of files' names, in lower case: ".nii.gz"
-  std::string prefix = {};    // "demo:": inputs that start so are of this format and no files; else empty
-  bool has_grids = false;     // a file names its grids, and ReadOptions::grid chooses one
-  bool has_volumes = false;   // a file may hold several volumes, and ReadOptions::volume chooses one
-  bool needs_layout = false;  // files do not say what is in them: ReadOptions::raw has to
+  std::string prefix = {};      // "demo:": inputs that start so are of this format and no files; else empty
+  bool has_grids = false;       // a file names its grids, and ReadOptions::grid chooses one
+  bool has_volumes = false;     // a file may hold several volumes, and ReadOptions::volume chooses one
+  bool has_components = false;  // a sample may be several numbers, and ReadOptions::component chooses
+  bool has_axis_order = false;  // its axes have no order of their own, and ReadOptions::axis_order may say another
+  bool needs_layout = false;    // files do not say what is in them: ReadOptions::raw has to
 };
 
 // The beginning of a file, for formats to know their own by. kStartBytes of it, or all where there are fewer.

@@ -7,7 +7,9 @@
 
 #include <fmt/format.h>
 
+#include "field/no_data.hpp"
 #include "files/file_bytes.hpp"
+#include "volumes/detail/grid_choice.hpp"
 #include "volumes/detail/volume_detect.hpp"
 
 namespace isoextract::volumes {
@@ -32,6 +34,19 @@ Result<void> check_options(const std::string& input, const FormatDescription& ab
                 fmt::format("{}: the number of a volume is for files that may hold several; this is read as {}", input,
                             about.id),
                 Remedy::leave_out_volume);
+  }
+  if (options.component && !about.has_components) {
+    return fail(ErrorKind::usage,
+                fmt::format("{}: a component is chosen of files that may hold several numbers a sample; this is read "
+                            "as {}",
+                            input, about.id),
+                "leave the choice of a component out");
+  }
+  if (options.axis_order && !about.has_axis_order) {
+    return fail(ErrorKind::usage,
+                fmt::format("{}: the order of axes is for arrays, which do not say theirs; this is read as {}", input,
+                            about.id),
+                "leave the order of axes out");
   }
   if (about.needs_layout && !options.raw) {
     return fail(ErrorKind::usage, fmt::format("{}: a raw file does not say what is in it", input),
@@ -95,6 +110,12 @@ Result<std::uint64_t> count_volumes(const std::string& input, const ReadOptions&
     if (!detected.format->about().has_volumes) return 1;
     const auto grids = detected.format->list(input, all, context);
     if (!grids) return tl::unexpected(grids.error());
+    if (grids->empty()) return 1;
+    if (options.grid) {
+      const auto chosen = choose_grid(files::shown_input_name(input), *grids, options.grid);
+      if (!chosen) return tl::unexpected(chosen.error());
+      return (*grids)[*chosen].volumes;
+    }
     return std::ranges::max(*grids, {}, &GridInfo::volumes).volumes;
   });
 }
@@ -112,6 +133,10 @@ Result<field::ScalarField> read_volume(const std::string& input, const ReadOptio
     if (!detected.note.empty()) field->notes.insert(field->notes.begin(), detected.note);
     field->source = files::shown_input_name(input);
     if (options.kind) field->kind = *options.kind;
+    if (!options.no_data) return field;
+    if (auto marked = field::mark_no_data(*field, *options.no_data, context); !marked) {
+      field = tl::unexpected(std::move(marked.error()));
+    }
     return field;
   });
 }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -38,6 +39,17 @@ volumes::RawLayout take_layout(const std::uint8_t*& data, std::size_t& size) {
   return layout;
 }
 
+void look_at(const std::string& input, volumes::ReadOptions options,
+             const std::optional<volumes::ComponentChoice>& component, const Context& context) {
+  options.component = component;
+  const auto field = volumes::read_volume(input, options, context);
+  if (!field) {
+    if (field.error().message.empty()) std::abort();
+    return;
+  }
+  if (field::measure_statistics(*field).samples > 0 && !field->index_to_world.is_regular()) std::abort();
+}
+
 void read_one(const std::uint8_t* data, std::size_t size) {
   static const test::TempFolder folder;  // detached data can only be found within it
   volumes::ReadOptions options;
@@ -60,16 +72,26 @@ void read_one(const std::uint8_t* data, std::size_t size) {
         std::find_if(grids->begin(), grids->end(), [](const volumes::GridInfo& grid) { return grid.scalar; });
     if (scalar != grids->end()) options.grid = scalar->label;
   }
-  // Likewise one of several volumes: the last, which lies behind all others.
-  if (grids && grids->size() == 1 && grids->front().volumes > 1) {
-    options.volume = static_cast<std::int64_t>(grids->front().volumes - 1);
+  // Likewise one of several volumes and components: the last, which lies behind all others; and the length of all.
+  if (grids && !grids->empty()) {
+    const auto chosen = std::ranges::find_if(*grids, [&](const volumes::GridInfo& grid) {
+      return options.grid ? grid.label == *options.grid : grid.scalar;
+    });
+    if (chosen != grids->end() && chosen->volumes > 1) {
+      options.volume = static_cast<std::int64_t>(chosen->volumes - 1);
+    }
+    if (chosen != grids->end() && chosen->components > 1) {
+      look_at(input, options, volumes::ComponentChoice(), context);
+      options.component = volumes::ComponentChoice{static_cast<std::int64_t>(chosen->components - 1)};
+    }
   }
-  const auto field = volumes::read_volume(input, options, context);
-  if (!field) {
-    if (field.error().message.empty()) std::abort();
-    return;
-  }
-  if (field::measure_statistics(*field).samples > 0 && !field->index_to_world.is_regular()) std::abort();
+  look_at(input, options, options.component, context);
+  // What arrays do not say of themselves. An odd byte chooses, so that it is always the same for one input.
+  const bool odd = size > 0 && data[size - 1] % 2 == 1;
+  if (!format->about().has_axis_order || !odd) return;
+  options.axis_order = volumes::AxisOrder::xyz;
+  options.no_data = 7;
+  look_at(input, options, volumes::ComponentChoice{0}, context);
 }
 
 }  // namespace

@@ -20,6 +20,7 @@
 #include "support/sample_attributes.hpp"
 #include "support/sample_meshes.hpp"
 #include "support/temp_folder.hpp"
+#include "unit/volumes/npz_files.hpp"
 #include "unit/volumes/particle_files.hpp"
 #include "unit/volumes/vdb_files.hpp"
 #include "unit/volumes/volume_files.hpp"
@@ -105,6 +106,15 @@ void write_nifti(const fs::path& folder) {
   one.quatern_b = 0.5F;
   one.pixdim[0] = -1;
   write_bytes(folder / "one_qform", bytes_of(one, 352, ramp_bytes<std::int16_t>()));
+  one.datatype = NIFTI_TYPE_RGB24;
+  write_bytes(folder / "colours", bytes_of(one, 352, std::string(180, 'x')));
+  one.datatype = NIFTI_TYPE_INT64;
+  write_bytes(folder / "wide", bytes_of(one, 352, std::string(480, '\0')));
+  one.datatype = NIFTI_TYPE_INT16;
+  one.dim[0] = 5;
+  one.dim[4] = 1;
+  one.dim[5] = 2;
+  write_bytes(folder / "vectors", bytes_of(one, 352, ramp_bytes<std::int16_t>() + ramp_bytes<std::int16_t>()));
 
   nifti_2_header two{};
   two.sizeof_hdr = sizeof two;
@@ -132,6 +142,23 @@ void write_npy(const fs::path& folder) {
   seed("f64", 1, "<f8", "False", "(5, 4, 3)", ramp_bytes<double>());
   seed("series", 1, "<f4", "False", "(2, 5, 4, 3)", ramp_bytes<float>() + ramp_bytes<float>());
   seed("lanes", 1, ">i2", "True", "(2, 5, 4, 3)", ramp_bytes<std::int16_t>() + ramp_bytes<std::int16_t>());
+  seed("bool", 1, "|b1", "False", "(2, 2, 2)", std::string("\0\1\1\0\0\0\1\1", 8));
+  seed("i64", 1, ">i8", "False", "(2, 2, 2)", std::string(64, '\0'));
+  seed("u64", 1, "<u8", "False", "(2, 2, 2)", std::string(64, '\1'));
+  seed("complex", 1, "<c8", "False", "(2, 2, 2)", std::string(64, '\1'));
+  seed("vectors", 1, "<i2", "False", "(5, 4, 3, 2)", ramp_bytes<std::int16_t>() + ramp_bytes<std::int16_t>());
+}
+
+void write_npz(const fs::path& folder) {
+  const std::string array = npy_array("<f4", "(5, 4, 3)", ramp_bytes<float>());
+  const std::string vectors = npy_array("<i2", "(5, 4, 3, 2)", ramp_bytes<std::int16_t>() + ramp_bytes<std::int16_t>());
+  write_bytes(folder / "stored", zip_bytes({zip_part("a.npy", array, false)}));
+  write_bytes(folder / "packed", zip_bytes({zip_part("a.npy", array, true)}, "a comment"));
+  write_bytes(folder / "several", zip_bytes({zip_part("a.npy", array, true), zip_part("b.txt", "text", false),
+                                             zip_part("v.npy", vectors, true)}));
+  ZipPart large = zip_part("a.npy", array, true);
+  large.zip64 = true;
+  write_bytes(folder / "zip64", zip_bytes({large}));
 }
 
 void write_raw(const fs::path& folder) {
@@ -374,10 +401,11 @@ void write_gltfs(const fs::path& folder) {
 }
 
 void write_seeds(const fs::path& folder) {
-  const std::array<std::pair<const char*, void (*)(const fs::path&)>, 13> formats{{{"vdb", write_vdbs},
+  const std::array<std::pair<const char*, void (*)(const fs::path&)>, 14> formats{{{"vdb", write_vdbs},
                                                                                    {"nrrd", write_nrrd},
                                                                                    {"nifti", write_nifti},
                                                                                    {"npy", write_npy},
+                                                                                   {"npz", write_npz},
                                                                                    {"raw", write_raw},
                                                                                    {"demo", write_demo},
                                                                                    {"particles", write_particles},

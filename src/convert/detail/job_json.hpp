@@ -38,9 +38,9 @@ template <class T>
 concept JobStructure = std::same_as<T, volumes::RawLayout> || std::same_as<T, ParticleOptions> ||
     std::same_as<T, AttributeChoice> || std::same_as<T, ColourChoice> || std::same_as<T, LabelTableFile> ||
     std::same_as<T, SimplifyBound> || std::same_as<T, OutputFileJob> || std::same_as<T, FilterStep> ||
-    std::same_as<T, FieldFileOptions> || std::same_as<T, BlurStep> || std::same_as<T, LeastPiece> ||
-    std::same_as<T, PieceChoice> || std::same_as<T, SmoothChoice> || std::same_as<T, PictureFileOptions> ||
-    std::same_as<T, ConversionJob>;
+    std::same_as<T, ClipPlane> || std::same_as<T, FieldFileOptions> || std::same_as<T, BlurStep> ||
+    std::same_as<T, LeastPiece> || std::same_as<T, PieceChoice> || std::same_as<T, SmoothChoice> ||
+    std::same_as<T, PictureFileOptions> || std::same_as<T, ConversionJob>;
 
 class JobJson {
  public:
@@ -165,6 +165,21 @@ class JobJson {
     return {};
   }
 
+  // A number, or "length".
+  static Json encode(const volumes::ComponentChoice& choice) {
+    return choice.number ? Json(*choice.number) : Json("length");
+  }
+  static Expected decode(const Json& json, volumes::ComponentChoice& target) {
+    if (json == "length") {
+      target.number.reset();
+      return {};
+    }
+    std::int64_t number = 0;
+    if (!decode(json, number).empty()) return "the number of a component or length";
+    target.number = number;
+    return {};
+  }
+
   template <class T>
   static Json encode(const std::optional<T>& value) {
     return value ? encode(*value) : Json(nullptr);
@@ -284,6 +299,9 @@ class JobJson {
       each("passes", value.passes);
       each("method", value.method);
       each("pass_band", value.pass_band);
+    } else if constexpr (std::same_as<Structure, ClipPlane>) {
+      each("normal", value.normal);
+      each("offset", value.offset);
     } else if constexpr (std::same_as<Structure, FieldFileOptions>) {
       each("half", value.as_half);
     } else if constexpr (std::same_as<Structure, PictureFileOptions>) {
@@ -306,7 +324,10 @@ class JobJson {
     each("input_format", job.source.read.format);
     each("grid", job.source.read.grid);
     each("volume", job.source.read.volume);
+    each("component", job.source.read.component);
     each("raw", job.source.read.raw);
+    each("axis_order", job.source.read.axis_order);
+    each("no_data", job.source.read.no_data);
     each("spacing", job.source.read.spacing);
     each("origin", job.source.read.origin);
     each("inside", job.source.read.kind);
@@ -316,7 +337,9 @@ class JobJson {
     each("filters", job.source.filters);
     each("blurs", job.source.blurs);
     each("resolution", job.source.resolution);
+    each("kernel", job.source.kernel);
     each("roi", job.source.roi);
+    each("clip", job.source.clip);
     each("space", job.source.placement.space);
     each("up", job.source.placement.up);
     each("turned_to_y_up", job.source.placement.turn_z_up_to_y_up);

@@ -1,81 +1,18 @@
 #include "volumes/detail/dense_format.hpp"
 
 #include <algorithm>
-#include <memory>
 
 #include <fmt/format.h>
 
 #include "base/checked.hpp"
 #include "base/printable.hpp"
-#include "base/reserved_buffer.hpp"
+#include "volumes/detail/dense_reading.hpp"
 #include "volumes/detail/grid_choice.hpp"
 
 namespace isoextract::volumes {
 namespace {
 
 constexpr std::uint64_t kMaxBytes = std::uint64_t{1} << 62;  // of what one file holds
-
-// Mapped where that can be; else read, into memory that is reserved. A mapping needs none of its own: the system keeps
-// what is in use of it and drops the rest where memory is short.
-Result<field::DenseSamples> load_samples(const files::InputFile& file, DenseFile& dense, std::uint64_t volume,
-                                         const SampleSource& source) {
-  const Context& context = file.context();
-  if (!dense.x_slowest) {
-    if (auto mapped = map_samples(source, context)) {
-      const auto mapping = std::make_shared<const files::MappedFile>(std::move(*mapped));
-      return field::DenseSamples{dense.type, dense.dims, mapping, mapping->data(), true, &mapping->lost()};
-    }
-  }
-  const std::uint64_t needed = source.bytes + (dense.x_slowest ? transpose_bytes(dense.dims, source.sample_size) : 0);
-  auto memory = context.reserve(needed, fmt::format("{}: {}", file.name(), describe_samples(dense.dims, dense.type)));
-  if (!memory) return tl::unexpected(memory.error());
-
-  auto read = dense.x_slowest ? read_samples_transposed(source, dense.dims, context) : read_samples(source, context);
-  if (!read) return tl::unexpected(read.error());
-  if (read->more_in_gzip && volume + 1 == dense.volumes)
-    dense.notes.emplace_back("bytes after the samples were not read");
-  memory->shrink(source.bytes);
-  const auto owned = std::make_shared<const ReservedBuffer<std::byte>>(
-      ReservedBuffer<std::byte>{std::move(read->data), std::move(*memory)});
-  return field::DenseSamples{dense.type, dense.dims, owned, owned->values.data(), false};
-}
-
-Result<field::ScalarField> load_dense(const files::InputFile& file, DenseFile&& dense, const ReadOptions& options) {
-  const auto volume = choose_volume(file.name(), dense.volumes, options.volume);
-  if (!volume) return tl::unexpected(volume.error());
-  std::string what = describe_samples(dense.dims, dense.type);
-  if (dense.volumes > 1) what += fmt::format(" in each of {} volumes", dense.volumes);
-  SampleSource source;
-  source.pieces = std::move(dense.pieces);
-  source.bytes = sample_bytes(dense.dims, dense.type) * dense.volumes;
-  source.sample_size = field::sample_size(dense.type);
-  source.swap_bytes = dense.endian != std::endian::native && source.sample_size > 1;
-
-  const auto extra = check_source(source, what, file.context());
-  if (!extra) return tl::unexpected(extra.error());
-  if (*extra > 0) {
-    if (dense.size_is_exact) {
-      return fail(ErrorKind::input, fmt::format("{}: expected {} bytes ({}), found {} more after them", file.name(),
-                                                source.bytes, what, *extra));
-    }
-    dense.notes.push_back(fmt::format("{} bytes after the samples were not read", *extra));
-  }
-  const auto one = volume_of(source, *volume, dense.volumes, dense.interleaved);
-  if (!one) return tl::unexpected(one.error());
-  auto samples = load_samples(file, dense, *volume, *one);
-  if (!samples) return tl::unexpected(samples.error());
-
-  field::ScalarField field;
-  field.source = file.name();
-  field.name = stem_of(file.path());
-  field.format = std::move(dense.format);
-  field.world_space = std::move(dense.world_space);
-  field.scale = dense.scale;
-  field.notes = std::move(dense.notes);
-  field.samples = std::move(*samples);
-  if (auto placed = set_frame(field, dense.frame, options); !placed) return tl::unexpected(placed.error());
-  return field;
-}
 
 }  // namespace
 
@@ -86,12 +23,10 @@ Result<std::vector<GridInfo>> DenseFormat::list(const std::string& input, const 
   const auto dense = open_header(*file, options);
   if (!dense) return tl::unexpected(dense.error());
   if (options.volume) {
-    const auto chosen = choose_volume(file->name(), dense->volumes, options.volume);
+    const auto chosen = choose_volume(file->name(), dense->volumes, options.volume, dense->other_reading);
     if (!chosen) return tl::unexpected(chosen.error());
   }
-  GridInfo grid = dense_grid(stem_of(file->path()), dense->dims, dense->type);
-  grid.volumes = dense->volumes;
-  return std::vector{std::move(grid)};
+  return std::vector{grid_of(*dense, stem_of(file->path()))};
 }
 
 Result<std::vector<std::filesystem::path>> DenseFormat::files(const std::string& input, const ReadOptions& options,
@@ -111,7 +46,7 @@ Result<field::ScalarField> DenseFormat::open(const std::string& input, const Rea
   if (!file) return tl::unexpected(file.error());
   auto dense = open_header(*file, options);
   if (!dense) return tl::unexpected(dense.error());
-  return load_dense(*file, std::move(*dense), options);
+  return read_dense(*file, std::move(*dense), stem_of(file->path()), options);
 }
 
 Result<glm::ivec3> checked_dims(const std::string& file, const std::array<std::uint64_t, 3>& sizes,
@@ -152,6 +87,14 @@ GridInfo dense_grid(std::string name, const glm::ivec3& dims, field::SampleType 
   info.box = {glm::ivec3(0), dims - 1};
   info.voxels = sample_bytes(dims, type) / field::sample_size(type);
   return info;
+}
+
+GridInfo grid_of(const DenseFile& dense, std::string name) {
+  GridInfo grid = dense_grid(std::move(name), dense.dims, dense.type);
+  if (dense.wide != WideInteger::none) grid.type = dense.wide == WideInteger::i64 ? "i64" : "u64";
+  grid.volumes = dense.volumes;
+  grid.components = dense.components;
+  return grid;
 }
 
 std::string stem_of(const std::filesystem::path& path) {

@@ -18,20 +18,29 @@
 
 namespace isoextract::volumes {
 
+// Integers of 64 bits become doubles, which hold them exactly up to 2^53 and some beyond; one that they do not hold is
+// an error.
+enum class WideInteger { none, i64, u64 };
+
 // A dense volume, or several of one size, whose header was read and checked; the samples were not.
 struct DenseFile {
   std::string format;  // "NRRD"
   std::string world_space;
   field::SampleType type = field::SampleType::u8;
+  WideInteger wide = WideInteger::none;  // f64 is the type of others
   glm::ivec3 dims{0};
   std::endian endian = std::endian::native;
   bool x_slowest = false;  // stored with the last axis fastest
   field::ValueScale scale;
   Frame frame;
-  std::uint64_t volumes = 1;  // at least, of `dims` each
-  bool interleaved = false;   // the volumes' first samples come first, then their second ones; else one volume first
-  std::vector<SamplePiece> pieces;  // of all volumes
-  bool size_is_exact = false;       // bytes after the samples are an error, not a note
+  std::uint64_t volumes = 1;     // at least, of `dims` each
+  bool interleaved = false;      // the volumes' first samples come first, then their second ones; else one volume first
+  std::uint64_t components = 1;  // numbers a sample, at least
+  bool components_interleaved = false;  // likewise
+  bool component_before_volume = true;  // of two axes on the same side of space, that of the components is the faster
+  std::string other_reading;            // what else the axes could be, for hints; may be empty
+  std::vector<SamplePiece> pieces;      // of all volumes and components
+  bool size_is_exact = false;           // bytes after the samples are an error, not a note
   std::vector<std::string> notes;
 };
 
@@ -52,12 +61,15 @@ class DenseFormat : public VolumeFormat {
                                                       const ReadOptions& options) const = 0;
 };
 
+// The grid that `dense` is.
+[[nodiscard]] GridInfo grid_of(const DenseFile& dense, std::string name);
+
 // Sizes from a header as dims. Fails where one is 0 or too large for an index, or where all together are more than
 // 2^62 bytes.
 [[nodiscard]] Result<glm::ivec3> checked_dims(const std::string& file, const std::array<std::uint64_t, 3>& sizes,
                                               field::SampleType type);
 
-// Likewise for the number of volumes of that size in one file.
+// Likewise for the number of volumes of that size in one file, components counted as such.
 [[nodiscard]] Result<void> check_volume_count(const std::string& file, const glm::ivec3& dims, field::SampleType type,
                                               std::uint64_t count);
 

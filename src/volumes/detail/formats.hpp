@@ -14,6 +14,7 @@ namespace isoextract::volumes {
 [[nodiscard]] const VolumeFormat& nrrd_format();
 [[nodiscard]] const VolumeFormat& nifti_format();
 [[nodiscard]] const VolumeFormat& npy_format();
+[[nodiscard]] const VolumeFormat& npz_format();
 [[nodiscard]] const VolumeFormat& raw_format();
 [[nodiscard]] const VolumeFormat& demo_format();
 

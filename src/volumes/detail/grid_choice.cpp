@@ -110,9 +110,11 @@ Result<std::size_t> choose_grid(const std::string& file, std::span<const GridInf
   return found.front();
 }
 
-Result<std::uint64_t> choose_volume(const std::string& file, std::uint64_t count, std::optional<std::int64_t> wanted) {
-  const Hint hint =
-      count == 1 ? Hint(Remedy::leave_out_volume) : Hint(Remedy::choose_volume, fmt::format("from 0 to {}", count - 1));
+Result<std::uint64_t> choose_volume(const std::string& file, std::uint64_t count, std::optional<std::int64_t> wanted,
+                                    const std::string& otherwise) {
+  const Hint hint = count == 1 ? Hint(Remedy::leave_out_volume)
+                               : Hint(Remedy::choose_volume, fmt::format("from 0 to {}{}{}", count - 1,
+                                                                         otherwise.empty() ? "" : "; ", otherwise));
   if (!wanted) {
     if (count == 1) return 0;
     return fail(ErrorKind::input, fmt::format("{}: there are {} volumes in the file", file, count), hint);
@@ -125,6 +127,30 @@ Result<std::uint64_t> choose_volume(const std::string& file, std::uint64_t count
         hint);
   }
   return static_cast<std::uint64_t>(*wanted);
+}
+
+Result<std::optional<std::uint64_t>> choose_component(const std::string& file, std::uint64_t count,
+                                                      const std::optional<ComponentChoice>& wanted) {
+  const std::string choice =
+      fmt::format("choose one of them by its number, from 0 to {}, or the length of all", count - 1);
+  if (!wanted) {
+    if (count == 1) return 0;
+    return fail(ErrorKind::input, fmt::format("{}: expected one number a sample, found {} components", file, count),
+                choice);
+  }
+  if (count == 1) {
+    if (wanted->number == 0) return 0;
+    return fail(ErrorKind::input, fmt::format("{}: expected several numbers a sample, found one", file),
+                "leave the choice of a component out");
+  }
+  if (!wanted->number) return std::nullopt;
+  if (std::cmp_less(*wanted->number, 0) || std::cmp_greater_equal(*wanted->number, count)) {
+    return fail(
+        ErrorKind::input,
+        fmt::format("{}: there is no component {}; expected one of {}, counted from 0", file, *wanted->number, count),
+        choice);
+  }
+  return static_cast<std::uint64_t>(*wanted->number);
 }
 
 }  // namespace isoextract::volumes

@@ -26,8 +26,13 @@ void label_grids(std::span<GridInfo> grids);
                                               const std::optional<std::string>& wanted);
 
 // The wanted one of `count` volumes, or, where none is asked for, the only one. The hint of a failure says what there
-// is to choose from.
+// is to choose from, and `otherwise`, what else could be meant.
 [[nodiscard]] Result<std::uint64_t> choose_volume(const std::string& file, std::uint64_t count,
-                                                  std::optional<std::int64_t> wanted);
+                                                  std::optional<std::int64_t> wanted,
+                                                  const std::string& otherwise = {});
+
+// Likewise one of `count` components, or nothing where the length of all of them is asked for.
+[[nodiscard]] Result<std::optional<std::uint64_t>> choose_component(const std::string& file, std::uint64_t count,
+                                                                    const std::optional<ComponentChoice>& wanted);
 
 }  // namespace isoextract::volumes

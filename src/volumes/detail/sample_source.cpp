@@ -8,6 +8,9 @@
 #include <new>
 #include <optional>
 #include <span>
+#include <string_view>
+#include <utility>
+#include <variant>
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -103,42 +106,103 @@ Result<void> read_range(const files::InputFile& file, const SamplePiece& piece, 
   });
 }
 
-// True if there is more after the samples.
-Result<bool> read_gzip(const files::InputFile& file, const SamplePiece& piece, std::span<std::byte> out,
-                       const SampleSource& source, const Context& context) {
-  auto gzip = GzipStream::open(file, piece.offset);
-  if (!gzip) return tl::unexpected(gzip.error());
-  const auto ends_early = [&](std::uint64_t at) {
-    return fail(ErrorKind::input, fmt::format("{}: the gzip data holds {} bytes, expected {}", file.name(), at,
-                                              piece.skip + out.size() * source.stride));
-  };
-  std::vector<std::byte> skipped(std::min<std::uint64_t>(piece.skip, kChunk));
-  for (std::uint64_t at = 0; at < piece.skip;) {
-    const std::size_t want = static_cast<std::size_t>(std::min<std::uint64_t>(piece.skip - at, skipped.size()));
-    const auto got = gzip->inflate(std::span(skipped).first(want));
+std::string_view packing_of(const SamplePiece& piece) { return piece.deflated ? "packed" : "gzip"; }
+
+// Wanted samples of a packed piece, from front to back and in native byte order.
+class PackedSamples {
+ public:
+  // `wanted` bytes will be asked for.
+  static Result<PackedSamples> open(const files::InputFile& file, const SamplePiece& piece, const SampleSource& source,
+                                    std::uint64_t wanted) {
+    PackedSamples samples(file, source, packing_of(piece),
+                          checked_sum(piece.skip, wanted * source.stride).value_or(~std::uint64_t{0}));
+    if (piece.deflated) {
+      auto stream = DeflateStream::open(file, piece.offset, *piece.deflated);
+      if (!stream) return tl::unexpected(std::move(stream.error()));
+      samples.stream_.emplace<DeflateStream>(std::move(*stream));
+    } else {
+      auto stream = GzipStream::open(file, piece.offset);
+      if (!stream) return tl::unexpected(std::move(stream.error()));
+      samples.stream_.emplace<GzipStream>(std::move(*stream));
+    }
+    if (auto skipped = samples.skip(piece.skip); !skipped) return tl::unexpected(std::move(skipped.error()));
+    return samples;
+  }
+
+  Result<void> fill(std::span<std::byte> out, const Context& context) {
+    for (std::size_t at = 0; at < out.size();) {
+      if (auto wanted = context.check(); !wanted) return wanted;
+      const auto chunk = out.subspan(at, std::min(kChunk, out.size() - at));
+      auto filled =
+          fill_from_lane(chunk, source_, [&](std::size_t, std::span<std::byte> bytes) { return take(bytes); });
+      if (!filled) return filled;
+      at += chunk.size();
+      if (source_.swap_bytes) swap_samples(chunk, source_.sample_size);
+      context.progress().advance(chunk.size());
+    }
+    return {};
+  }
+
+  // Whether anything is left. One byte further, so that a checksum at the end is compared.
+  Result<bool> more() {
+    std::byte next{};
+    const auto got = inflate(std::span(&next, 1));
     if (!got) return tl::unexpected(got.error());
-    at += *got;
-    if (*got < want) return ends_early(at);
+    return *got > 0;
   }
-  for (std::size_t at = 0; at < out.size();) {
-    if (auto wanted = context.check(); !wanted) return tl::unexpected(wanted.error());
-    const auto chunk = out.subspan(at, std::min(kChunk, out.size() - at));
-    auto filled = fill_from_lane(chunk, source, [&](std::size_t done, std::span<std::byte> bytes) -> Result<void> {
-      const auto got = gzip->inflate(bytes);
-      if (!got) return tl::unexpected(got.error());
-      if (*got < bytes.size()) return ends_early(piece.skip + (at + done) * source.stride + *got);
-      return {};
-    });
-    if (!filled) return tl::unexpected(std::move(filled.error()));
-    at += chunk.size();
-    if (source.swap_bytes) swap_samples(chunk, source.sample_size);
-    context.progress().advance(chunk.size());
+
+ private:
+  PackedSamples(const files::InputFile& file, const SampleSource& source, std::string_view word, std::uint64_t expected)
+      : file_(file), source_(source), word_(word), expected_(expected) {}
+
+  Result<std::size_t> inflate(std::span<std::byte> out) {
+    if (auto* gzip = std::get_if<GzipStream>(&stream_)) return gzip->inflate(out);
+    return std::get<DeflateStream>(stream_).inflate(out);
   }
-  // One byte further, so that the checksum at the end is compared.
-  std::byte next{};
-  const auto got = gzip->inflate(std::span(&next, 1));
-  if (!got) return tl::unexpected(got.error());
-  return *got > 0;
+
+  Result<void> take(std::span<std::byte> bytes) {
+    const auto got = inflate(bytes);
+    if (!got) return tl::unexpected(got.error());
+    at_ += *got;
+    if (*got == bytes.size()) return {};
+    return fail(ErrorKind::input,
+                fmt::format("{}: the {} data holds {} bytes, expected {}", file_.name(), word_, at_, expected_));
+  }
+
+  Result<void> skip(std::uint64_t bytes) {
+    std::vector<std::byte> skipped(static_cast<std::size_t>(std::min<std::uint64_t>(bytes, kChunk)));
+    while (at_ < bytes) {
+      const std::size_t want = static_cast<std::size_t>(std::min<std::uint64_t>(bytes - at_, skipped.size()));
+      if (auto taken = take(std::span(skipped).first(want)); !taken) return taken;
+    }
+    return {};
+  }
+
+  const files::InputFile& file_;
+  const SampleSource& source_;
+  std::string_view word_;
+  std::uint64_t expected_;
+  std::uint64_t at_ = 0;
+  std::variant<std::monostate, GzipStream, DeflateStream> stream_;
+};
+
+// What `piece` must hold, by what is known before it is inflated.
+Result<void> check_packed(const files::InputFile& file, const SamplePiece& piece, std::uint64_t expected,
+                          const std::string& of_what) {
+  const std::uint64_t found =
+      piece.deflated ? piece.deflated->packed : file.size() - std::min(file.size(), piece.offset);
+  const auto inflated = checked_sum(expected, piece.skip);
+  if (!inflated || *inflated / kMostInflated > found) {
+    return fail(ErrorKind::input, fmt::format("{}: {} bytes of {} data cannot hold {} bytes ({})", file.name(), found,
+                                              packing_of(piece), inflated.value_or(expected), of_what));
+  }
+  if (piece.deflated && *inflated > piece.deflated->inflated) {
+    return fail(
+        ErrorKind::input,
+        fmt::format("{}: expected {} bytes ({}) from byte {} of the packed data on, found {}", file.name(), expected,
+                    of_what, piece.skip, piece.deflated->inflated - std::min(piece.deflated->inflated, piece.skip)));
+  }
+  return {};
 }
 
 Result<Buffer<std::byte>> allocate(std::uint64_t bytes, const SampleSource& source) {
@@ -152,33 +216,31 @@ Result<Buffer<std::byte>> allocate(std::uint64_t bytes, const SampleSource& sour
 
 }  // namespace
 
-Result<SampleSource> volume_of(const SampleSource& all, std::uint64_t index, std::uint64_t count, bool interleaved) {
+Result<SampleSource> part_of(const SampleSource& all, const Share& lane, const Share& run) {
   const std::string name = all.pieces.front().path.string();
   SampleSource one = all;
-  one.bytes = all.bytes / count;
-  if (count == 1) return one;
-  if (interleaved) {
-    if (count > kChunk / all.sample_size) {
-      return fail(ErrorKind::input, fmt::format("{}: expected at most {} volumes with their samples side by side, "
-                                                "found {}",
-                                                name, kChunk / all.sample_size, count));
-    }
-    one.stride = count;
-    one.lane = index;
-    return one;
+  one.bytes = all.bytes / run.count / lane.count;
+  if (lane.count > kChunk / all.sample_size) {
+    return fail(ErrorKind::input, fmt::format("{}: expected at most {} volumes with their samples side by side, found "
+                                              "{}",
+                                              name, kChunk / all.sample_size, lane.count));
   }
+  one.stride = lane.count;
+  one.lane = lane.index;
+  if (run.count == 1) return one;
   const std::uint64_t pieces = all.pieces.size();
-  if (pieces % count == 0) {
-    const auto first = all.pieces.begin() + static_cast<std::ptrdiff_t>(index * (pieces / count));
-    one.pieces.assign(first, first + static_cast<std::ptrdiff_t>(pieces / count));
+  if (pieces % run.count == 0) {
+    const auto first = all.pieces.begin() + static_cast<std::ptrdiff_t>(run.index * (pieces / run.count));
+    one.pieces.assign(first, first + static_cast<std::ptrdiff_t>(pieces / run.count));
     return one;
   }
-  if (count % pieces != 0) {
-    return fail(ErrorKind::input, fmt::format("{}: {} volumes in {} data files of the same size", name, count, pieces));
+  if (run.count % pieces != 0) {
+    return fail(ErrorKind::input,
+                fmt::format("{}: {} volumes in {} data files of the same size", name, run.count, pieces));
   }
-  const std::uint64_t in_piece = count / pieces;
-  SamplePiece piece = all.pieces[static_cast<std::size_t>(index / in_piece)];
-  (piece.gzip ? piece.skip : piece.offset) += index % in_piece * one.bytes;
+  const std::uint64_t in_piece = run.count / pieces;
+  SamplePiece piece = all.pieces[static_cast<std::size_t>(run.index / in_piece)];
+  (piece.packed() ? piece.skip : piece.offset) += run.index % in_piece * one.bytes * one.stride;
   one.pieces = {std::move(piece)};
   return one;
 }
@@ -189,15 +251,13 @@ Result<std::uint64_t> check_source(const SampleSource& source, const std::string
   for (const SamplePiece& piece : source.pieces) {
     const auto file = files::InputFile::open(piece.path, context);
     if (!file) return tl::unexpected(file.error());
-    const std::uint64_t found = file->size() - std::min(file->size(), piece.offset);
+    const std::uint64_t end = std::min(file->size(), piece.end.value_or(file->size()));
+    const std::uint64_t found = end - std::min(end, piece.offset);
     const std::string of_what =
         source.pieces.size() == 1 ? what : fmt::format("one of {} parts of {}", source.pieces.size(), what);
-    if (piece.gzip) {
-      const auto inflated = checked_sum(expected, piece.skip);
-      if (!inflated || *inflated / kMostInflated > found) {
-        return fail(ErrorKind::input, fmt::format("{}: {} bytes of gzip data cannot hold {} bytes ({})", file->name(),
-                                                  found, inflated.value_or(expected), of_what));
-      }
+    if (piece.packed()) {
+      if (auto fits = check_packed(*file, piece, expected, of_what); !fits) return tl::unexpected(fits.error());
+      if (piece.deflated) extra += piece.deflated->inflated - piece.skip - expected;
     } else if (found < expected) {
       return fail(ErrorKind::input, fmt::format("{}: expected {} bytes ({}) from byte {} on, found {}", file->name(),
                                                 expected, of_what, piece.offset, found));
@@ -210,7 +270,7 @@ Result<std::uint64_t> check_source(const SampleSource& source, const std::string
 
 std::optional<files::MappedFile> map_samples(const SampleSource& source, const Context& context) {
   const SamplePiece& piece = source.pieces.front();
-  const bool as_wanted = source.pieces.size() == 1 && !piece.gzip && !source.swap_bytes && source.stride == 1;
+  const bool as_wanted = source.pieces.size() == 1 && !piece.packed() && !source.swap_bytes && source.stride == 1;
   if (!as_wanted || piece.offset % source.sample_size != 0) return std::nullopt;
   const auto file = files::InputFile::open(piece.path, context);
   if (!file) return std::nullopt;
@@ -232,10 +292,13 @@ Result<ReadSamples> read_samples(const SampleSource& source, const Context& cont
     const auto out = result.data.span().subspan(i * piece_bytes, piece_bytes);
     const auto file = files::InputFile::open(piece.path, context);
     if (!file) return tl::unexpected(file.error());
-    if (piece.gzip) {
-      const auto more = read_gzip(*file, piece, out, source, context);
+    if (piece.packed()) {
+      auto packed = PackedSamples::open(*file, piece, source, out.size());
+      if (!packed) return tl::unexpected(std::move(packed.error()));
+      if (auto filled = packed->fill(out, context); !filled) return tl::unexpected(std::move(filled.error()));
+      const auto more = packed->more();
       if (!more) return tl::unexpected(more.error());
-      result.more_in_gzip |= *more;
+      result.more_packed |= *more;
     } else if (auto read = read_range(*file, piece, 0, out, source, context); !read) {
       return tl::unexpected(read.error());
     }
@@ -275,15 +338,22 @@ Result<ReadSamples> read_samples_transposed(const SampleSource& source, const gl
   if (!data) return tl::unexpected(data.error());
   auto slab = allocate(transpose_bytes(dims, source.sample_size), source);
   if (!slab) return tl::unexpected(slab.error());
-  const auto file = files::InputFile::open(source.pieces.front().path, context);
+  const SamplePiece& piece = source.pieces.front();
+  const auto file = files::InputFile::open(piece.path, context);
   if (!file) return tl::unexpected(file.error());
+  std::optional<PackedSamples> packed;
+  if (piece.packed()) {
+    auto opened = PackedSamples::open(*file, piece, source, source.bytes);
+    if (!opened) return tl::unexpected(std::move(opened.error()));
+    packed.emplace(std::move(*opened));
+  }
 
   const std::uint64_t plane_bytes = transpose_bytes({1, dims.y, dims.z}, source.sample_size);
   for (int x = 0; x < dims.x; x += kSlab) {
     const int count = std::min(kSlab, dims.x - x);
     const auto part = slab->span().first(static_cast<std::size_t>(plane_bytes) * static_cast<std::size_t>(count));
     const std::uint64_t first = plane_bytes * static_cast<std::uint64_t>(x);
-    auto read = read_range(*file, source.pieces.front(), first, part, source, context);
+    auto read = packed ? packed->fill(part, context) : read_range(*file, piece, first, part, source, context);
     if (!read) return tl::unexpected(std::move(read.error()));
     const auto turn = [&]<class T>(std::type_identity<T>) {
       transpose_slab(reinterpret_cast<const T*>(part.data()), reinterpret_cast<T*>(data->data()), dims, x, count);
@@ -295,7 +365,12 @@ Result<ReadSamples> read_samples_transposed(const SampleSource& source, const gl
       default: turn(std::type_identity<std::uint64_t>{}); break;
     }
   }
-  return ReadSamples{std::move(*data), false};
+  ReadSamples result{std::move(*data), false};
+  if (!packed) return result;
+  const auto more = packed->more();
+  if (!more) return tl::unexpected(more.error());
+  result.more_packed = *more;
+  return result;
 }
 
 }  // namespace isoextract::volumes

@@ -15,15 +15,20 @@
 #include "base/context.hpp"
 #include "base/error.hpp"
 #include "files/mapped_file.hpp"
+#include "volumes/detail/deflate_stream.hpp"
 
 namespace isoextract::volumes {
 
 // A run of samples in a file.
 struct SamplePiece {
   std::filesystem::path path;
-  std::uint64_t offset = 0;  // of the first sample, or of the gzip stream
+  std::uint64_t offset = 0;  // of the first sample, or of the packed bytes
   bool gzip = false;
-  std::uint64_t skip = 0;  // gzip only: inflated bytes before the first sample
+  std::uint64_t skip = 0;                       // packed only: inflated bytes before the first sample
+  std::optional<DeflatedMember> deflated = {};  // packed as a member of a ZIP file
+  std::optional<std::uint64_t> end = {};        // where in the file its bytes end; else where the file does
+
+  [[nodiscard]] bool packed() const { return gzip || deflated.has_value(); }
 };
 
 struct SampleSource {
@@ -38,14 +43,20 @@ struct SampleSource {
   [[nodiscard]] std::uint64_t piece_bytes() const { return bytes / pieces.size(); }
 };
 
-// Volume `index` of the `count` volumes of one size that `all` holds: one after the other, or with their samples side
-// by side. Fails where its samples are not whole pieces or a part of one, or too many lie side by side.
-[[nodiscard]] Result<SampleSource> volume_of(const SampleSource& all, std::uint64_t index, std::uint64_t count,
-                                             bool interleaved);
+// One of `count` that lie in a certain way.
+struct Share {
+  std::uint64_t index = 0;
+  std::uint64_t count = 1;
+};
+
+// A part of all samples that `all` holds: of the runs of samples that follow one another in it the one at `run`, and in
+// that, of the samples side by side, the one at `lane`. Fails where the run is not whole pieces or a part of one, or
+// too many samples lie side by side.
+[[nodiscard]] Result<SampleSource> part_of(const SampleSource& all, const Share& lane, const Share& run);
 
 // For a source without lanes: holds the sizes against the files before any memory is taken, and returns how many bytes
-// follow the samples (not counting what gzip holds). `what` says in messages what the bytes are, for example
-// "100x100x100 f32 samples".
+// follow the samples (not counting what gzip holds, whose length nothing says). `what` says in messages what the bytes
+// are, for example "100x100x100 f32 samples".
 [[nodiscard]] Result<std::uint64_t> check_source(const SampleSource& source, const std::string& what,
                                                  const Context& context);
 
@@ -56,14 +67,14 @@ struct SampleSource {
 
 struct ReadSamples {
   Buffer<std::byte> data;
-  bool more_in_gzip = false;  // inflated bytes follow the samples
+  bool more_packed = false;  // inflated bytes follow the samples
 };
 
 // Reads all pieces, straight into one buffer and in native byte order. Reports bytes as "reading". Its memory is the
 // caller's to reserve.
 [[nodiscard]] Result<ReadSamples> read_samples(const SampleSource& source, const Context& context);
 
-// The same for one piece that is not gzip and whose last axis is the fastest one: the result has x fastest. Needs
+// The same for one piece whose last axis is the fastest one: the result has x fastest. Needs
 // transpose_bytes() on top of the result.
 [[nodiscard]] Result<ReadSamples> read_samples_transposed(const SampleSource& source, const glm::ivec3& dims,
                                                           const Context& context);

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nifti2_io.h>
 
+#include "base/checked.hpp"
 #include "volumes/detail/dense_format.hpp"
 #include "volumes/detail/file_start.hpp"
 #include "volumes/detail/formats.hpp"
@@ -79,16 +80,29 @@ std::optional<NiftiHeader> parse_header(std::span<const std::byte> content) {
   return parse_as<nifti_2_header>(content, 2, "n+2\0\r\n\032\n"sv, "ni2\0\r\n\032\n"sv);
 }
 
-std::optional<field::SampleType> sample_type_of_code(int datatype) {
+struct NiftiType {
+  field::SampleType type = field::SampleType::u8;
+  std::uint64_t numbers = 1;  // that a sample is, side by side
+  WideInteger wide = WideInteger::none;
+};
+
+std::optional<NiftiType> type_of_code(int datatype) {
+  using enum field::SampleType;
   switch (datatype) {
-    case NIFTI_TYPE_UINT8: return field::SampleType::u8;
-    case NIFTI_TYPE_INT8: return field::SampleType::i8;
-    case NIFTI_TYPE_UINT16: return field::SampleType::u16;
-    case NIFTI_TYPE_INT16: return field::SampleType::i16;
-    case NIFTI_TYPE_UINT32: return field::SampleType::u32;
-    case NIFTI_TYPE_INT32: return field::SampleType::i32;
-    case NIFTI_TYPE_FLOAT32: return field::SampleType::f32;
-    case NIFTI_TYPE_FLOAT64: return field::SampleType::f64;
+    case NIFTI_TYPE_UINT8: return NiftiType{u8};
+    case NIFTI_TYPE_INT8: return NiftiType{i8};
+    case NIFTI_TYPE_UINT16: return NiftiType{u16};
+    case NIFTI_TYPE_INT16: return NiftiType{i16};
+    case NIFTI_TYPE_UINT32: return NiftiType{u32};
+    case NIFTI_TYPE_INT32: return NiftiType{i32};
+    case NIFTI_TYPE_UINT64: return NiftiType{f64, 1, WideInteger::u64};
+    case NIFTI_TYPE_INT64: return NiftiType{f64, 1, WideInteger::i64};
+    case NIFTI_TYPE_FLOAT32: return NiftiType{f32};
+    case NIFTI_TYPE_FLOAT64: return NiftiType{f64};
+    case NIFTI_TYPE_RGB24: return NiftiType{u8, 3};
+    case NIFTI_TYPE_RGBA32: return NiftiType{u8, 4};
+    case NIFTI_TYPE_COMPLEX64: return NiftiType{f32, 2};
+    case NIFTI_TYPE_COMPLEX128: return NiftiType{f64, 2};
     default: return std::nullopt;
   }
 }
@@ -104,15 +118,18 @@ Result<glm::ivec3> read_dims(const std::string& file, const NiftiHeader& header,
     if (size < 1) {
       return fail(ErrorKind::input, fmt::format("{}: expected sizes from 1 on, found dim[{}] = {}", file, axis, size));
     }
-    if (axis <= 3) {
-      sizes[axis - 1] = static_cast<std::uint64_t>(size);
-    } else if (axis > 4 && size > 1) {  // axis 4 counts volumes
-      return fail(ErrorKind::input,
-                  fmt::format("{}: expected one number a sample, found {} along axis {}", file, size, axis),
-                  "write the volume to extract from into a file of its own");
-    }
+    if (axis <= 3) sizes[axis - 1] = static_cast<std::uint64_t>(size);
   }
   return checked_dims(file, sizes, type);
+}
+
+// Axis 4 counts volumes, those after it the numbers a sample. The sizes are above 0.
+std::optional<std::uint64_t> component_count(const NiftiHeader& header) {
+  std::optional<std::uint64_t> count = 1;
+  for (std::size_t axis = 5; axis <= static_cast<std::size_t>(header.dim[0]) && count; ++axis) {
+    count = checked_product(*count, static_cast<std::uint64_t>(header.dim[axis]));
+  }
+  return count;
 }
 
 template <std::size_t N>
@@ -242,30 +259,44 @@ Result<SamplePiece> locate_samples(const files::InputFile& file, const NiftiHead
 }
 
 Result<DenseFile> open_with_header(const files::InputFile& file, const NiftiHeader& header) {
-  const auto type = sample_type_of_code(header.datatype);
+  const auto type = type_of_code(header.datatype);
   if (!type) {
     return fail(ErrorKind::input,
-                fmt::format("{}: expected integers up to 32 bits or floats, found datatype {} ({})", file.name(),
+                fmt::format("{}: expected integers or floats up to 64 bits, found datatype {} ({})", file.name(),
                             header.datatype, ::nifti_datatype_to_string(header.datatype)),
                 "convert it to FLOAT32 or INT16 first");
   }
-  const auto dims = read_dims(file.name(), header, *type);
+  const auto dims = read_dims(file.name(), header, type->type);
   if (!dims) return tl::unexpected(dims.error());
   const auto volumes = static_cast<std::uint64_t>(header.dim[0] >= 4 ? header.dim[4] : 1);
-  if (auto fine = check_volume_count(file.name(), *dims, *type, volumes); !fine) return tl::unexpected(fine.error());
+  const auto components = component_count(header);
+  if (components != 1 && type->numbers > 1) {
+    return fail(ErrorKind::input,
+                fmt::format("{}: expected numbers along the axes after the fourth, found {} ({} numbers) there",
+                            file.name(), ::nifti_datatype_to_string(header.datatype), type->numbers),
+                "write the part to extract from into a file of its own");
+  }
+  const std::uint64_t parts =
+      components ? checked_product(volumes, *components, type->numbers).value_or(~std::uint64_t{0}) : ~std::uint64_t{0};
+  if (auto fine = check_volume_count(file.name(), *dims, type->type, parts); !fine) return tl::unexpected(fine.error());
   auto piece = locate_samples(file, header);
   if (!piece) return tl::unexpected(piece.error());
 
   DenseFile dense;
   dense.format = header.version == 1 ? "NIfTI-1" : "NIfTI-2";
   dense.world_space = "RAS+ (NIfTI)";
-  dense.type = *type;
+  dense.type = type->type;
+  dense.wide = type->wide;
   dense.dims = *dims;
   dense.volumes = volumes;
+  dense.components = *components * type->numbers;
+  dense.components_interleaved = type->numbers > 1;
+  dense.component_before_volume = false;
   if (header.swapped) {
     dense.endian = std::endian::native == std::endian::little ? std::endian::big : std::endian::little;
   }
-  dense.scale = scale_of(header, dense.notes);
+  const bool is_colour = header.datatype == NIFTI_TYPE_RGB24 || header.datatype == NIFTI_TYPE_RGBA32;
+  if (!is_colour) dense.scale = scale_of(header, dense.notes);  // which the standard does not apply to colours
   dense.frame = frame_of(header, dense.notes);
   dense.pieces = {std::move(*piece)};
   if (header.units == NIFTI_UNITS_METER) dense.notes.emplace_back("the header's unit of length is the metre");
@@ -300,7 +331,8 @@ class NiftiFormat final : public DenseFormat {
       : DenseFormat({.id = "nifti",
                      .title = "NIfTI-1 and NIfTI-2, also gzip and pairs",
                      .extensions = {".nii", ".nii.gz", ".hdr", ".img", ".hdr.gz", ".img.gz"},
-                     .has_volumes = true}) {}
+                     .has_volumes = true,
+                     .has_components = true}) {}
 
   [[nodiscard]] bool probe(const FileStart& start) const override { return parse_header(start.bytes).has_value(); }
 

@@ -167,26 +167,34 @@ Result<NpyHeader> read_npy_header(const files::InputFile& file) {
                 "unpack it first");
   }
   if (!starts_with(start, kNpyMagic)) return fail_magic(file, "a NumPy file", "'\\x93NUMPY'");
-  const int version = std::to_integer<int>(start[6]);
+  const std::uint64_t header = std::min(8 + length_bytes(2) + dict_length(start, std::to_integer<int>(start[6])),
+                                        std::min(kMaxNpyHeader, file.size()));
+  std::vector<std::byte> bytes(static_cast<std::size_t>(header));
+  if (auto read = file.read_at(0, bytes); !read) return tl::unexpected(read.error());
+  return parse_npy_header(file.name(), bytes, file.size());
+}
+
+Result<NpyHeader> parse_npy_header(const std::string& name, std::span<const std::byte> start, std::uint64_t size) {
+  if (!starts_with(start, kNpyMagic)) {
+    return fail(ErrorKind::input, fmt::format("{}: not a NumPy array: expected '\\x93NUMPY' at the start, found '{}'",
+                                              name, printable(start, 16)));
+  }
+  const int version = start.size() > 6 ? std::to_integer<int>(start[6]) : 0;
   if (version < 1 || version > 3) {
-    return fail(ErrorKind::input, fmt::format("{}: expected NPY version 1, 2 or 3, found {}", file.name(), version));
+    return fail(ErrorKind::input, fmt::format("{}: expected NPY version 1, 2 or 3, found {}", name, version));
   }
-  const std::uint64_t length = dict_length(start, version);
   const std::uint64_t begin = 8 + length_bytes(version);
-  constexpr std::uint64_t kMaxLength = 1 << 20;
-  if (begin + length > file.size() || length > kMaxLength) {
-    return fail(ErrorKind::input, fmt::format("{}: the header should be {} bytes long, the file has {}", file.name(),
-                                              begin + length, file.size()));
+  const std::uint64_t length = start.size() < begin ? 0 : dict_length(start, version);
+  if (length == 0 || begin + length > size || begin + length > start.size()) {
+    return fail(ErrorKind::input,
+                fmt::format("{}: the header should be {} bytes long, the file has {}", name, begin + length, size));
   }
-  std::string text(length, '\0');
-  if (auto read = file.read_at(begin, std::as_writable_bytes(std::span(text))); !read) {
-    return tl::unexpected(read.error());
-  }
+  const std::string_view text(reinterpret_cast<const char*>(start.data()) + begin, static_cast<std::size_t>(length));
   auto header = NpyDictParser(text).parse();
   if (!header) {
     return fail(ErrorKind::input,
-                fmt::format("{}: expected a header with 'descr', 'fortran_order' and 'shape', found {}", file.name(),
-                            printable(text, 120)));
+                fmt::format("{}: expected a header with 'descr', 'fortran_order' and 'shape', found {}", name,
+                            printable(std::string(text), 120)));
   }
   header->data_offset = begin + length;
   return std::move(*header);

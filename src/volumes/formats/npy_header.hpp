@@ -34,6 +34,12 @@ struct NpyHeader {
 // Fails with ErrorKind::input where there is no such header. What types and shape mean is not looked at.
 [[nodiscard]] Result<NpyHeader> read_npy_header(const files::InputFile& file);
 
+// No header is longer than this, or it is refused.
+inline constexpr std::uint64_t kMaxNpyHeader = (std::uint64_t{1} << 20) + 12;
+// The same of `size` bytes, of which `start` are the first: all of them, or kMaxNpyHeader. `name` is for messages.
+[[nodiscard]] Result<NpyHeader> parse_npy_header(const std::string& name, std::span<const std::byte> start,
+                                                 std::uint64_t size);
+
 // The same of the first bytes of a file; nothing where the header is none, or longer than they are.
 [[nodiscard]] std::optional<NpyHeader> npy_header_in(std::span<const std::byte> start);
 

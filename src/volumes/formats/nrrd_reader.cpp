@@ -82,6 +82,7 @@ Result<ParsedNrrd> parse_fields(const std::string& file, const std::string& fiel
   return parsed;
 }
 
+// Integers of 64 bits as the doubles that they become.
 Result<field::SampleType> sample_type_of(const std::string& file, const Nrrd& nrrd) {
   switch (nrrd.type) {
     case nrrdTypeChar: return field::SampleType::i8;
@@ -91,13 +92,15 @@ Result<field::SampleType> sample_type_of(const std::string& file, const Nrrd& nr
     case nrrdTypeInt: return field::SampleType::i32;
     case nrrdTypeUInt: return field::SampleType::u32;
     case nrrdTypeFloat: return field::SampleType::f32;
+    case nrrdTypeLLong:
+    case nrrdTypeULLong:
     case nrrdTypeDouble: return field::SampleType::f64;
     default: break;
   }
-  return fail(ErrorKind::input,
-              fmt::format("{}: expected integers up to 32 bits, float or double, found type '{}'", file,
-                          ::airEnumStr(nrrdType, nrrd.type)),
-              "convert it, for example with: unu convert -t float");
+  return fail(
+      ErrorKind::input,
+      fmt::format("{}: expected integers, float or double, found type '{}'", file, ::airEnumStr(nrrdType, nrrd.type)),
+      "convert it, for example with: unu convert -t float");
 }
 
 bool has_direction(const Nrrd& nrrd, unsigned axis) {
@@ -110,8 +113,9 @@ bool is_spatial_kind(int kind) { return kind == nrrdKindUnknown || kind == nrrdK
 bool is_series_kind(int kind) { return kind == nrrdKindTime || kind == nrrdKindList; }
 
 struct NrrdAxes {
-  std::array<unsigned, 3> space{};  // fastest first
-  std::optional<unsigned> series;   // that of several volumes; faster or slower than those of space
+  std::array<unsigned, 3> space{};     // fastest first
+  std::optional<unsigned> series;      // that of several volumes; faster or slower than those of space
+  std::optional<unsigned> components;  // likewise, that of several numbers a sample
 };
 
 // Axes of length 1 may come on top.
@@ -133,10 +137,14 @@ Result<NrrdAxes> find_axes(const std::string& file, const ParsedNrrd& parsed, st
       continue;
     }
     if (!spatial && nrrd.axis[axis].size > 1) {
-      return fail(
-          ErrorKind::input,
-          fmt::format("{}: expected one number a sample in 3 dimensions; {} is not spatial", file, describe(axis)),
-          fmt::format("pick one value first, for example with: unu slice -a {} -p 0", axis));
+      if (!axes.components && !is_series_kind(nrrd.axis[axis].kind)) {
+        axes.components = axis;
+        continue;
+      }
+      return fail(ErrorKind::input,
+                  fmt::format("{}: expected one axis of volumes and one of components at most; {} is one more", file,
+                              describe(axis)),
+                  fmt::format("pick one value first, for example with: unu slice -a {} -p 0", axis));
     }
     (spatial ? kept : dropped).push_back(axis);
   }
@@ -150,10 +158,11 @@ Result<NrrdAxes> find_axes(const std::string& file, const ParsedNrrd& parsed, st
     return fail(ErrorKind::input, fmt::format("{}: expected 3 dimensions, found {}", file, kept.size()));
   }
   for (const unsigned axis : dropped) notes.push_back(fmt::format("axis {} has length 1 and was dropped", axis));
-  if (axes.series && kept.front() < *axes.series && *axes.series < kept.back()) {
+  for (const auto& [axis, what] : {std::pair(axes.series, "volumes"), std::pair(axes.components, "components")}) {
+    if (!axis || *axis < kept.front() || *axis > kept.back()) continue;
     return fail(ErrorKind::input,
-                fmt::format("{}: expected the axis of the volumes before or after those of space; {} is between them",
-                            file, describe(*axes.series)),
+                fmt::format("{}: expected the axis of the {} before or after those of space; {} is between them", file,
+                            what, describe(*axis)),
                 "put it first or last, for example with: unu permute");
   }
   axes.space = {kept[0], kept[1], kept[2]};
@@ -330,18 +339,24 @@ Result<DenseFile> open_nrrd(const files::InputFile& file) {
       checked_dims(file.name(), {nrrd.axis[axes[0]].size, nrrd.axis[axes[1]].size, nrrd.axis[axes[2]].size}, *type);
   if (!dims) return tl::unexpected(dims.error());
   dense.dims = *dims;
+  if (nrrd.type == nrrdTypeLLong) dense.wide = WideInteger::i64;
+  if (nrrd.type == nrrdTypeULLong) dense.wide = WideInteger::u64;
   if (found->series) {
     dense.volumes = nrrd.axis[*found->series].size;
     dense.interleaved = *found->series < axes[0];
-    if (auto fine = check_volume_count(file.name(), *dims, *type, dense.volumes); !fine) {
-      return tl::unexpected(fine.error());
-    }
   }
+  if (found->components) {
+    dense.components = nrrd.axis[*found->components].size;
+    dense.components_interleaved = *found->components < axes[0];
+    dense.component_before_volume = found->series && *found->components < *found->series;
+  }
+  const std::uint64_t parts = checked_product(dense.volumes, dense.components).value_or(~std::uint64_t{0});
+  if (auto fine = check_volume_count(file.name(), *dims, *type, parts); !fine) return tl::unexpected(fine.error());
   dense.endian = parsed->state->endian == airEndianBig ? std::endian::big : std::endian::little;
   if (nrrd.space != nrrdSpaceUnknown) dense.world_space = ::airEnumStr(nrrdSpace, nrrd.space);
   dense.frame =
       nrrd.spaceDim > 0 ? oriented_frame(*parsed, axes, dense.notes) : axis_aligned_frame(*parsed, axes, dense.notes);
-  auto pieces = locate_samples(file, *text, *parsed, sample_bytes(*dims, *type) * dense.volumes);
+  auto pieces = locate_samples(file, *text, *parsed, sample_bytes(*dims, *type) * parts);
   if (!pieces) return tl::unexpected(pieces.error());
   dense.pieces = std::move(*pieces);
   return dense;
@@ -353,7 +368,8 @@ class NrrdFormat final : public DenseFormat {
       : DenseFormat({.id = "nrrd",
                      .title = "NRRD, attached or detached, raw or gzip",
                      .extensions = {".nrrd", ".nhdr"},
-                     .has_volumes = true}) {}
+                     .has_volumes = true,
+                     .has_components = true}) {}
 
   [[nodiscard]] bool probe(const FileStart& start) const override {
     return !start.packed && starts_with(start.bytes, kNrrdMagic);

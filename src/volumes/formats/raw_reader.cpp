@@ -26,7 +26,7 @@ Hint fitting_layout(const files::InputFile& file, const RawLayout& layout, std::
   return Remedy::check_raw;
 }
 
-Result<DenseFile> open_raw(const files::InputFile& file, const RawLayout& layout) {
+Result<DenseFile> open_raw(const files::InputFile& file, const RawLayout& layout, AxisOrder order) {
   std::array<std::uint64_t, 3> sizes{};
   for (int axis = 0; axis < 3; ++axis) {
     if (layout.dims[axis] < 1) {
@@ -52,6 +52,7 @@ Result<DenseFile> open_raw(const files::InputFile& file, const RawLayout& layout
   dense.type = layout.type;
   dense.dims = *dims;
   dense.endian = layout.endian;
+  dense.x_slowest = order == AxisOrder::xyz;
   dense.pieces = {{file.path(), layout.skip}};
   dense.size_is_exact = true;
   return dense;
@@ -60,11 +61,15 @@ Result<DenseFile> open_raw(const files::InputFile& file, const RawLayout& layout
 class RawFormat final : public DenseFormat {
  public:
   RawFormat()
-      : DenseFormat({.id = "raw", .title = "samples without a header", .extensions = {".raw"}, .needs_layout = true}) {}
+      : DenseFormat({.id = "raw",
+                     .title = "samples without a header",
+                     .extensions = {".raw"},
+                     .has_axis_order = true,
+                     .needs_layout = true}) {}
 
  protected:
   [[nodiscard]] Result<DenseFile> open_header(const files::InputFile& file, const ReadOptions& options) const override {
-    return open_raw(file, *options.raw);
+    return open_raw(file, *options.raw, options.axis_order.value_or(AxisOrder::zyx));
   }
 };
 

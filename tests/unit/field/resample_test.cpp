@@ -18,8 +18,10 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 const DenseSamples& dense_samples(const ScalarField& field) { return std::get<DenseSamples>(field.samples); }
 
-ScalarField resampled(const ScalarField& field, const glm::ivec3& resolution) {
-  ScalarField result = resample(field, resolution).value();
+constexpr ResampleKernel kLinear = ResampleKernel::linear;
+
+ScalarField resampled(const ScalarField& field, const glm::ivec3& resolution, ResampleKernel kernel = kLinear) {
+  ScalarField result = resample(field, resolution, kernel).value();
   EXPECT_EQ(dense_samples(result).dims, resolution);
   return result;
 }
@@ -43,10 +45,10 @@ void for_each_sample(const glm::ivec3& dims, const F& visit) {
 }
 
 // A row of four samples along x, in a field that is constant along y and z, at another resolution along x.
-std::vector<double> row_of(const std::vector<double>& samples, int count) {
+std::vector<double> row_of(const std::vector<double>& samples, int count, ResampleKernel kernel = kLinear) {
   const ScalarField field = test::dense_field<double>(
       {static_cast<int>(samples.size()), 2, 2}, [&](int i, int, int) { return samples[static_cast<std::size_t>(i)]; });
-  const ScalarField result = resampled(field, {count, 3, 5});
+  const ScalarField result = resampled(field, {count, 3, 5}, kernel);
   std::vector<double> row;
   for (int i = 0; i < count; ++i) row.push_back(sample_at(result, {i, 1, 3}));
   return row;
@@ -107,14 +109,90 @@ TEST(Resample, KeepsATrilinearFieldWhereItWas) {
   }
 }
 
-TEST(Resample, IsTheTrilinearInterpolant) {
-  const ScalarField field = test::random_field<float>({6, 7, 8}, 5, 1000);
-  const ScalarField other = resampled(field, {23, 5, 12});
-  const Interpolant interpolant(field, Interpolation::trilinear);
-  Interpolant::Cursor at(interpolant);
-  for_each_sample({23, 5, 12}, [&](const glm::ivec3& p) {
-    ASSERT_NEAR(sample_at(other, p), at(glm::dvec3(p) * glm::dvec3(5, 6, 7) / glm::dvec3(22, 4, 11)).value, 1e-4);
-  });
+TEST(Resample, FinerIsTheInterpolantOfItsKernel) {
+  const ScalarField field = test::random_field<double>({6, 7, 8}, 5, 1000);
+  for (const auto& [kernel, interpolation] :
+       {std::pair(kLinear, Interpolation::trilinear), std::pair(ResampleKernel::cubic, Interpolation::tricubic)}) {
+    const ScalarField other = resampled(field, {23, 9, 12}, kernel);
+    const Interpolant interpolant(field, interpolation);
+    Interpolant::Cursor at(interpolant);
+    for_each_sample({23, 9, 12}, [&](const glm::ivec3& p) {
+      ASSERT_NEAR(sample_at(other, p), at(glm::dvec3(p) * glm::dvec3(5, 6, 7) / glm::dvec3(22, 8, 11)).value, 1e-9);
+    });
+  }
+}
+
+TEST(Resample, CoarserIsTheMeanOverAStep) {
+  const std::vector<double> samples{3, 1, 4, 1, 5, 9, 2, 6, 5, 3, 5, 8, 9};
+  // Steps of two: a whole sample and the halves beside it.
+  const std::vector<double> halves = row_of(samples, 7);
+  for (std::size_t i = 1; i < 6; ++i) {
+    EXPECT_NEAR(halves[i], samples[2 * i - 1] / 4 + samples[2 * i] / 2 + samples[2 * i + 1] / 4, 1e-12);
+  }
+  EXPECT_EQ(halves.front(), 3);
+  EXPECT_EQ(halves.back(), 9);
+  // Of any step: what one sample has is shared among the new ones, and nothing is lost or made.
+  for (const int count : {12, 9, 7, 6, 5, 4}) {
+    std::vector<double> spike(61, 0.0);
+    spike[29] = 1;
+    const double step = 60.0 / (5 * count - 1);
+    double sum = 0;
+    for (const double value : row_of(spike, 5 * count)) sum += value;
+    EXPECT_NEAR(sum * step, 1, 1e-12) << count;
+  }
+  // What is finer than the new grid goes, and what is not a number stays that.
+  std::vector<double> stripes;
+  for (int i = 0; i < 65; ++i) stripes.push_back(i % 2 == 0 ? 1 : -1);
+  const std::vector<double> flat = row_of(stripes, 17);
+  for (std::size_t i = 1; i < 16; ++i) EXPECT_LT(std::abs(flat[i]), 0.01);
+  stripes[32] = test::kNaN;
+  EXPECT_TRUE(std::isnan(row_of(stripes, 17)[8]));
+  EXPECT_EQ(row_of(stripes, 17)[10], flat[10]);
+  for (const double value : row_of(std::vector<double>(50, 0.1), 7)) EXPECT_EQ(value, 0.1);
+}
+
+TEST(Resample, CubicGoesThroughTheSamplesAndKeepsParabolas) {
+  const std::vector<double> samples{3, 1, 4, 1, 5, 9, 2, 6};
+  const std::vector<double> finer = row_of(samples, 29, ResampleKernel::cubic);
+  for (std::size_t i = 0; i < samples.size(); ++i) EXPECT_EQ(finer[4 * i], samples[i]);
+  std::vector<double> parabola;
+  for (int i = 0; i < 6; ++i) parabola.push_back(2 * i * i - 7 * i + 1);
+  const std::vector<double> values = row_of(parabola, 21, ResampleKernel::cubic);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double x = static_cast<double>(i) / 4;
+    EXPECT_NEAR(values[i], 2 * x * x - 7 * x + 1, 1e-12);
+  }
+  for (const double value : row_of(std::vector<double>(5, 0.1), 33, ResampleKernel::cubic)) EXPECT_EQ(value, 0.1);
+  EXPECT_EQ(row_of({1, 2}, 5, ResampleKernel::cubic), (std::vector<double>{1, 1.25, 1.5, 1.75, 2}));
+}
+
+TEST(Resample, BSplineIsSmoothBetweenItsSamplesAndKeepsLines) {
+  const std::vector<double> samples{3, 1, 4, 1, 5, 9, 2, 6};
+  const std::vector<double> finer = row_of(samples, 29, ResampleKernel::bspline);
+  EXPECT_NEAR(finer.front(), 3, 1e-12);
+  EXPECT_NEAR(finer.back(), 6, 1e-12);
+  for (std::size_t i = 1; i + 1 < samples.size(); ++i) {
+    EXPECT_NEAR(finer[4 * i], (samples[i - 1] + 4 * samples[i] + samples[i + 1]) / 6, 1e-12);
+  }
+  EXPECT_EQ(row_of(samples, 8, ResampleKernel::bspline)[4], finer[16]) << "also at the resolution of its own";
+  const std::vector<double> line = row_of({0, 1, 2, 3, 4}, 41, ResampleKernel::bspline);
+  for (std::size_t i = 0; i < line.size(); ++i) EXPECT_NEAR(line[i], static_cast<double>(i) / 10, 1e-12);
+  constexpr double kMost = std::numeric_limits<double>::max();
+  for (const double value : row_of({-kMost, kMost, kMost, -kMost, kMost}, 50, ResampleKernel::bspline)) {
+    EXPECT_TRUE(std::isfinite(value));
+  }
+}
+
+TEST(Resample, KernelsAreLinearBesideWhatIsNotFinite) {
+  const std::vector<double> samples{1, 2, 5, test::kNaN, 5, 2, 1, 0};
+  for (const ResampleKernel kernel : {ResampleKernel::cubic, ResampleKernel::bspline}) {
+    const std::vector<double> row = row_of(samples, 15, kernel);
+    EXPECT_EQ(row[3], 3.5);
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      EXPECT_EQ(std::isnan(row[i]), i >= 5 && i <= 7) << i;
+    }
+    EXPECT_EQ(row_of({1, 2, kInfinity, 2, 1, 0}, 11, kernel)[2 * 2], kInfinity);
+  }
 }
 
 TEST(Resample, OnlyNeighboursThatCountHaveASay) {
@@ -168,10 +246,10 @@ TEST(Resample, SparseIsDenseOverTheBoxOfWhatIsNotBackground) {
   EXPECT_EQ(own.index_to_file(glm::dvec3(0)), glm::dvec3(1));
   for_each_sample({30, 22, 38}, [&](const glm::ivec3& p) { ASSERT_EQ(sample_at(own, p), sample_at(dense, p + 1)); });
 
-  const ScalarField finer = resampled(sparse, {61, 11, 50});
+  const ScalarField finer = resampled(sparse, {61, 33, 50});
   const Interpolant interpolant(sparse, Interpolation::trilinear);
   Interpolant::Cursor at(interpolant);
-  for_each_sample({61, 11, 50}, [&](const glm::ivec3& p) {
+  for_each_sample({61, 33, 50}, [&](const glm::ivec3& p) {
     ASSERT_NEAR(sample_at(finer, p), at(finer.index_to_file(p)).value, 1e-5);
   });
 }
@@ -205,13 +283,14 @@ TEST(Resample, SaysWhatItCannotDo) {
   EXPECT_EQ(resample(field, {4, 1, 4}).error().kind, ErrorKind::usage);
   const ScalarField flat = test::dense_field<float>({4, 4, 1}, [](int i, int, int) { return i; });
   EXPECT_EQ(resample(flat, {4, 4, 4}).error().kind, ErrorKind::input);
-  const Error large = resample(field, {100, 100, 100}, Context(MemoryBudget(4'000'000 - 1))).error();
+  const Error large = resample(field, {100, 100, 100}, kLinear, Context(MemoryBudget(4'000'000 - 1))).error();
   EXPECT_EQ(large.kind, ErrorKind::input);
   EXPECT_EQ(large.hint.remedy, Remedy::raise_memory_limit);
-  EXPECT_TRUE(resample(field, {100, 100, 100}, Context(MemoryBudget(4'000'000))));
-  EXPECT_TRUE(resample(field, {4, 4, 4}, Context(MemoryBudget(0)))) << "nothing is allocated";
+  EXPECT_TRUE(resample(field, {100, 100, 100}, kLinear, Context(MemoryBudget(4'000'000))));
+  EXPECT_TRUE(resample(field, {4, 4, 4}, kLinear, Context(MemoryBudget(0)))) << "nothing is allocated";
   const int most = std::numeric_limits<int>::max();
-  EXPECT_EQ(resample(field, glm::ivec3(most), Context(MemoryBudget(1ULL << 62))).error().kind, ErrorKind::input);
+  EXPECT_EQ(resample(field, glm::ivec3(most), kLinear, Context(MemoryBudget(1ULL << 62))).error().kind,
+            ErrorKind::input);
 }
 
 TEST(Resample, IsTheSameForAnyNumberOfThreads) {
@@ -219,7 +298,8 @@ TEST(Resample, IsTheSameForAnyNumberOfThreads) {
   std::vector<ScalarField> results;
   for (const std::size_t threads : {1, 2, 5}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    results.push_back(resampled(field, {31, 150, 17}));
+    // Means and a kernel.
+    results.push_back(resampled(field, {13, 150, 7}, ResampleKernel::cubic));
     EXPECT_EQ(std::memcmp(dense_samples(results[0]).data, dense_samples(results.back()).data,
                           dense_samples(results[0]).count() * sizeof(float)),
               0);

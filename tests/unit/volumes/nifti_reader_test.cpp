@@ -236,19 +236,21 @@ TEST(NiftiReaderScale, SlopeAndIntercept) {
 TEST(NiftiReaderBad, TypesAndShapesThatAreNotScalarVolumesAreNamed) {
   const std::string samples(2000, 'x');
   const auto typed = [&](int type) { return NiftiFile().type(type).bytes + samples; };
-  expect_all_refused("v.nii",
-                     {{"binary", typed(1), "datatype 1"},
-                      {"none", typed(0), "datatype 0"},
-                      {"unknown", typed(77), "datatype 77"},
-                      {"complex", typed(32), "COMPLEX64"},
-                      {"colour", typed(128), "RGB24"},
-                      {"colour and alpha", typed(2304), "RGBA32"},
-                      {"int64", typed(1024), "INT64"},
-                      {"uint64", typed(1280), "UINT64"},
-                      {"long double", typed(1536), "FLOAT128"},
-                      {"series", NiftiFile().dims({4, 3, 4, 5, 7}).bytes + samples, "there are 7 volumes"},
-                      {"vectors", NiftiFile(2).dims({5, 3, 4, 5, 1, 3}).bytes + samples, "found 3 along axis 5"},
-                      {"image", NiftiFile().dims({2, 3, 4}).bytes + samples, "expected 3 axes (dim[0]), found 2"}});
+  expect_all_refused(
+      "v.nii", {{"binary", typed(1), "datatype 1"},
+                {"none", typed(0), "datatype 0"},
+                {"unknown", typed(77), "datatype 77"},
+                {"complex", typed(32), "found 2 components"},
+                {"colour", typed(128), "found 3 components"},
+                {"colour and alpha", typed(2304), "found 4 components"},
+                {"vectors of colours", NiftiFile().dims({5, 3, 4, 5, 1, 2}).type(128).bytes + samples, "RGB24"},
+                {"more of them than numbers", NiftiFile(2).dims({7, 3, 4, 5, 1, 1L << 40, 1L << 40, 2}).bytes + samples,
+                 "volumes of"},
+                {"complex128", typed(1792), "found 2 components"},
+                {"long double", typed(1536), "FLOAT128"},
+                {"series", NiftiFile().dims({4, 3, 4, 5, 7}).bytes + samples, "there are 7 volumes"},
+                {"vectors", NiftiFile(2).dims({5, 3, 4, 5, 1, 3}).bytes + samples, "found 3 components"},
+                {"image", NiftiFile().dims({2, 3, 4}).bytes + samples, "expected 3 axes (dim[0]), found 2"}});
   expect_ramp<std::uint8_t>(read_nifti(NiftiFile().dims({4, 3, 4, 5, 1}).bytes + kSamples));
 }
 

@@ -294,7 +294,7 @@ TEST(Series, SizesThatLieAreRefusedBeforeMemoryIsTaken) {
   refused("short.nii", nifti({4, 3, 4, 5, 32767, 1, 1, 1}, 2, some), "in each of 32767 volumes");
   refused("negative.nii", nifti({4, 3, 4, 5, -1, 1, 1, 1}, 2, some), "dim[4] = -1");
   refused("none.nii", nifti({4, 3, 4, 5, 0, 1, 1, 1}, 2, some), "dim[4] = 0");
-  refused("five.nii", nifti({5, 3, 4, 5, 1, 2, 1, 1}, 2, some + some), "found 2 along axis 5");
+  refused("five.nii", nifti({5, 3, 4, 5, 1, 2, 1, 1}, 2, some + some), "found 2 components");
   refused("packed.nii.gz", gzip(nifti({4, 3, 4, 5, 32767, 1, 1, 1}, 2, some)), "cannot hold");
   refused("over.npy", npy("<f8", "(18446744073709551615, 5, 4, 3)", some), "volumes of 3x4x5 f64 samples");
   refused("wraps.npy", npy("<f8", "(4611686018427387904, 4, 4, 4)", some), "volumes of 4x4x4 f64 samples");
@@ -318,8 +318,8 @@ TEST(Series, NrrdAxesThatAreNoSeriesStayRefused) {
     write_bytes(folder / "v.nrrd", nrrd("uint8", fields + "encoding: raw\n", samples));
     expect_in(refusal(folder / "v.nrrd", volume(0)).message, message);
   };
-  refused("dimension: 4\nsizes: 3 4 5 4\nkinds: domain domain domain vector\n", "axis 3 (4 values, kind vector)");
-  refused("dimension: 4\nsizes: 4 3 4 5\nkinds: RGBA-color domain domain domain\n", "kind RGBA-color");
+  refused("dimension: 4\nsizes: 3 4 5 4\nkinds: domain domain domain vector\n", "found 4 components");
+  refused("dimension: 4\nsizes: 4 3 4 5\nkinds: RGBA-color domain domain domain\n", "found 4 components");
   refused("dimension: 5\nsizes: 2 3 4 5 2\nkinds: list domain domain domain time\n", "axis 4 (2 values, kind time)");
   refused("dimension: 4\nsizes: 3 4 4 5\nkinds: domain list domain domain\n", "is between them");
   refused("dimension: 3\nsizes: 12 5 4\nkinds: domain domain time\n", "expected 3 dimensions, found 2");

@@ -24,7 +24,7 @@ TEST(VolumeReader, EveryFormatHasOneRow) {
     formats.push_back(format->about().id);
     EXPECT_EQ(volumes::find_volume_format(format->about().id), format);
   }
-  EXPECT_EQ(formats, (std::vector<std::string>{"vdb", "nrrd", "nifti", "npy", "raw", "demo"}));
+  EXPECT_EQ(formats, (std::vector<std::string>{"vdb", "nrrd", "nifti", "npy", "npz", "raw", "demo"}));
   EXPECT_EQ(volumes::find_volume_format("obj"), nullptr);
 }
 

@@ -1,0 +1,40 @@
+#include "convert/mesh_clip.hpp"
+
+#include <fmt/format.h>
+
+#include "edit/half_space_clip.hpp"
+
+namespace isoextract::convert {
+
+std::vector<mesh::HalfSpace> half_spaces_of(const field::ScalarField& field, const field::Affine& output_from_index,
+                                            Space space, const std::vector<ClipPlane>& planes,
+                                            const std::optional<field::Box>& box) {
+  const field::Affine& given_from_index = space == Space::index ? field.index_to_file : field.index_to_world;
+  const field::Affine given_from_output = given_from_index.after(output_from_index.inverse());
+  std::vector<mesh::HalfSpace> kept;
+  const auto add = [&](const glm::dvec3& normal, double offset) {
+    const glm::dvec3 turned = glm::transpose(given_from_output.linear) * normal;
+    const double length = glm::length(turned);
+    kept.push_back({turned / length, (offset - glm::dot(normal, given_from_output.offset)) / length});
+  };
+  for (const ClipPlane& plane : planes) add(plane.normal, plane.offset);
+  for (int axis = 0; box && axis < 3; ++axis) {
+    glm::dvec3 normal(0);
+    normal[axis] = 1;
+    add(normal, box->min[axis]);
+    add(-normal, -box->max[axis]);
+  }
+  return kept;
+}
+
+Result<void> clip_mesh(mesh::Mesh& mesh, std::span<const mesh::HalfSpace> kept, const std::string& label,
+                       const Context& context, Events& events) {
+  if (kept.empty()) return {};
+  const auto facts = edit::clip_to_half_spaces(mesh, kept, context);
+  if (!facts) return tl::unexpected(facts.error());
+  events.note(fmt::format("{}: {} of {} triangles are left, after {} were cut; the surface is open there", label,
+                          facts->triangles_after, facts->triangles_before, facts->triangles_cut));
+  return {};
+}
+
+}  // namespace isoextract::convert

@@ -1,0 +1,195 @@
+#include "edit/half_space_clip.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+namespace isoextract::edit {
+namespace {
+
+constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
+
+// An edge by its vertices, the smaller first.
+std::uint64_t key_of(std::uint32_t a, std::uint32_t b) { return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b); }
+
+class PlaneCut {
+ public:
+  PlaneCut(const mesh::Mesh& mesh, const mesh::HalfSpace& kept) : mesh_(mesh), depth_(mesh.positions.size()) {
+    glm::vec3 farthest(0);
+    for (const glm::vec3& p : mesh.positions) farthest = glm::max(farthest, glm::abs(p));
+    constexpr double kRoundings = 4;
+    const double on_plane = kRoundings * std::numeric_limits<float>::epsilon() *
+                            static_cast<double>(std::max({farthest.x, farthest.y, farthest.z}));
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, depth_.size(), 4096), [&](const auto& range) {
+      for (std::size_t v = range.begin(); v < range.end(); ++v) {
+        const double depth = kept.depth(mesh.position(v));
+        depth_[v] = std::abs(depth) <= on_plane ? 0 : depth;
+      }
+    });
+  }
+
+  // For arrays beside the mesh, until it is known how many edges are cut.
+  [[nodiscard]] static std::uint64_t bytes(const mesh::Mesh& mesh) {
+    return mesh.positions.size() * (sizeof(double) + sizeof(std::uint32_t));
+  }
+
+  [[nodiscard]] bool cuts() const {
+    return std::ranges::any_of(depth_, [](double depth) { return depth < 0; });
+  }
+
+  // Counts what is left, and numbers its vertices.
+  void plan() {
+    new_of_old_.assign(depth_.size(), kUnused);
+    for (const glm::uvec3& t : mesh_.triangles) {
+      const Polygon polygon = clip(t);
+      if (polygon.size == 0) continue;
+      triangles_ += polygon.size - 2;
+      if (polygon.cut) ++cut_;
+      for (std::size_t i = 0; i < polygon.size; ++i) {
+        const Corner& corner = polygon.corners[i];
+        if (corner.a == corner.b) {
+          new_of_old_[corner.a] = 0;
+        } else {
+          edges_.push_back(key_of(corner.a, corner.b));
+        }
+      }
+    }
+    std::ranges::sort(edges_);
+    edges_.erase(std::unique(edges_.begin(), edges_.end()), edges_.end());
+    for (std::uint32_t& number : new_of_old_) {
+      if (number != kUnused) number = kept_++;
+    }
+  }
+
+  [[nodiscard]] std::uint64_t cut() const { return cut_; }
+  [[nodiscard]] std::uint64_t result_bytes() const {
+    const std::uint64_t vertex = sizeof(glm::vec3) * (mesh_.normals.empty() ? 1 : 2);
+    return (kept_ + edges_.size()) * vertex + triangles_ * sizeof(glm::uvec3);
+  }
+
+  [[nodiscard]] mesh::Mesh make() const {
+    mesh::Mesh result;
+    result.name = mesh_.name;
+    result.origin = mesh_.origin;
+    result.material = mesh_.material;
+    const std::size_t vertices = kept_ + edges_.size();
+    result.positions = Buffer<glm::vec3>(vertices);
+    if (!mesh_.normals.empty()) result.normals = Buffer<glm::vec3>(vertices);
+    for (std::size_t v = 0; v < new_of_old_.size(); ++v) {
+      if (new_of_old_[v] == kUnused) continue;
+      result.positions[new_of_old_[v]] = mesh_.positions[v];
+      if (!mesh_.normals.empty()) result.normals[new_of_old_[v]] = mesh_.normals[v];
+    }
+    for (std::size_t e = 0; e < edges_.size(); ++e) put_crossing(edges_[e], kept_ + e, result);
+    result.triangles = Buffer<glm::uvec3>(triangles_);
+    glm::uvec3* out = result.triangles.data();
+    for (const glm::uvec3& t : mesh_.triangles) out = put_triangles(clip(t), result, out);
+    return result;
+  }
+
+ private:
+  // A vertex, or where the edge between two is cut.
+  struct Corner {
+    std::uint32_t a, b;
+  };
+  struct Polygon {
+    std::array<Corner, 4> corners{};
+    std::size_t size = 0;
+    bool cut = false;
+  };
+
+  [[nodiscard]] Polygon clip(const glm::uvec3& t) const {
+    Polygon polygon;
+    const glm::dvec3 depth(depth_[t.x], depth_[t.y], depth_[t.z]);
+    const bool out = depth.x < 0 || depth.y < 0 || depth.z < 0;
+    if (out && !(depth.x > 0 || depth.y > 0 || depth.z > 0)) return polygon;
+    polygon.cut = out;
+    for (int i = 0; i < 3; ++i) {
+      const int next = i == 2 ? 0 : i + 1;
+      if (depth[i] >= 0) polygon.corners[polygon.size++] = {t[i], t[i]};
+      if ((depth[i] < 0 && depth[next] > 0) || (depth[i] > 0 && depth[next] < 0)) {
+        polygon.corners[polygon.size++] = {t[i], t[next]};
+      }
+    }
+    return polygon;
+  }
+
+  [[nodiscard]] std::uint32_t number_of(const Corner& corner) const {
+    if (corner.a == corner.b) return new_of_old_[corner.a];
+    const auto found = std::ranges::lower_bound(edges_, key_of(corner.a, corner.b));
+    return kept_ + static_cast<std::uint32_t>(found - edges_.begin());
+  }
+
+  void put_crossing(std::uint64_t edge, std::size_t at, mesh::Mesh& result) const {
+    const std::size_t a = edge >> 32;
+    const std::size_t b = edge & kUnused;
+    const double t = depth_[a] / (depth_[a] - depth_[b]);
+    const glm::dvec3 from(mesh_.positions[a]);
+    result.positions[at] = glm::vec3(from + t * (glm::dvec3(mesh_.positions[b]) - from));
+    if (mesh_.normals.empty()) return;
+    const glm::dvec3 normal = glm::mix(glm::dvec3(mesh_.normals[a]), glm::dvec3(mesh_.normals[b]), t);
+    const double length = glm::length(normal);
+    result.normals[at] = length > 0 ? glm::vec3(normal / length) : mesh_.normals[a];
+  }
+
+  // A quadrilateral along its shorter diagonal.
+  glm::uvec3* put_triangles(const Polygon& polygon, const mesh::Mesh& result, glm::uvec3* out) const {
+    if (polygon.size == 0) return out;
+    std::array<std::uint32_t, 4> v{};
+    for (std::size_t i = 0; i < polygon.size; ++i) v[i] = number_of(polygon.corners[i]);
+    if (polygon.size == 3) {
+      *out++ = {v[0], v[1], v[2]};
+      return out;
+    }
+    const auto apart = [&](std::size_t i, std::size_t j) {
+      return glm::length(result.positions[v[i]] - result.positions[v[j]]);
+    };
+    const std::size_t first = apart(1, 3) < apart(0, 2) ? 1 : 0;
+    *out++ = {v[first], v[first + 1], v[first + 2]};
+    *out++ = {v[first], v[first + 2], v[(first + 3) % 4]};
+    return out;
+  }
+
+  const mesh::Mesh& mesh_;
+  std::vector<double> depth_;
+  std::vector<std::uint32_t> new_of_old_;
+  std::vector<std::uint64_t> edges_;  // that are cut, sorted
+  std::uint32_t kept_ = 0;
+  std::uint64_t triangles_ = 0;
+  std::uint64_t cut_ = 0;
+};
+
+}  // namespace
+
+Result<ClipFacts> clip_to_half_spaces(mesh::Mesh& mesh, std::span<const mesh::HalfSpace> kept, const Context& context) {
+  ClipFacts facts{mesh.triangles.size(), 0, 0};
+  context.progress().begin("cutting the mesh", kept.size());
+  for (const mesh::HalfSpace& half_space : kept) {
+    if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
+    const std::string what = "cutting the mesh at a plane";
+    const auto working = context.reserve(PlaneCut::bytes(mesh), what);
+    if (!working) return tl::unexpected(working.error());
+    PlaneCut cut(mesh, half_space);
+    if (cut.cuts()) {
+      cut.plan();
+      auto memory = context.reserve(cut.result_bytes(), what);
+      if (!memory) return tl::unexpected(memory.error());
+      facts.triangles_cut += cut.cut();
+      mesh::Mesh result = cut.make();
+      result.memory = std::move(*memory);
+      mesh = std::move(result);
+    }
+    context.progress().advance(1);
+  }
+  facts.triangles_after = mesh.triangles.size();
+  return facts;
+}
+
+}  // namespace isoextract::edit

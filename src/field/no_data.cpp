@@ -1,0 +1,107 @@
+#include "field/no_data.hpp"
+
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <type_traits>
+
+#include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include "base/reserved_buffer.hpp"
+
+namespace isoextract::field {
+namespace {
+
+constexpr std::size_t kMarkedAtOnce = std::size_t{1} << 16;
+
+// The type that has NaN and every value of T.
+template <class T>
+using WithNan = std::conditional_t<
+    is_floating_sample<T>, T,
+    std::conditional_t<std::is_same_v<T, std::uint32_t> || std::is_same_v<T, std::int32_t>, double, float>>;
+
+template <class T>
+class NoDataTest {
+ public:
+  NoDataTest(const ValueScale& scale, double value) : scale_(scale) {
+    if (!scale.is_identity()) {
+      scaled_ = static_cast<float>(value);
+    } else if constexpr (std::is_same_v<T, double>) {
+      stored_ = value;
+    } else if constexpr (is_floating_sample<T>) {
+      stored_ = static_cast<T>(static_cast<float>(value));
+    } else if (value >= std::numeric_limits<T>::min() && value <= std::numeric_limits<T>::max() &&
+               value == std::floor(value)) {
+      stored_ = static_cast<T>(value);
+    }
+  }
+
+  [[nodiscard]] bool operator()(T stored) const {
+    if (scaled_) return static_cast<float>(scale_(static_cast<double>(stored))) == *scaled_;
+    return stored_ && stored == *stored_;
+  }
+
+ private:
+  ValueScale scale_;
+  std::optional<T> stored_;
+  std::optional<float> scaled_;
+};
+
+template <class T>
+Result<void> mark(ScalarField& field, const DenseSamples& samples, double value, const Context& context) {
+  const NoDataTest<T> is_no_data(field.scale, value);
+  const T* const from = static_cast<const T*>(samples.data);
+  const tbb::blocked_range<std::size_t> all(0, samples.count(), kMarkedAtOnce);
+  std::atomic<std::uint64_t> found{0};
+  tbb::parallel_for(all, [&](const auto& range) {
+    std::uint64_t count = 0;
+    for (std::size_t i = range.begin(); i < range.end(); ++i) count += is_no_data(from[i]) ? 1 : 0;
+    found += count;
+  });
+  if (found == 0) {
+    field.notes.push_back(fmt::format("no sample is {}, the value for no data", value));
+    return {};
+  }
+  using Marked = WithNan<T>;
+  auto made = make_reserved_buffer<Marked>(samples.count(), context,
+                                           fmt::format("{}: samples with NaN for no data", field.source));
+  if (!made) return tl::unexpected(std::move(made.error()));
+  Marked* const to = (*made)->values.data();
+  tbb::parallel_for(all, [&](const auto& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      to[i] = is_no_data(from[i]) ? std::numeric_limits<Marked>::quiet_NaN() : static_cast<Marked>(from[i]);
+    }
+  });
+  if (samples.lost()) {
+    return fail(ErrorKind::input, field.source + ": became shorter, or could not be read further, while it was read");
+  }
+  field.notes.push_back(
+      fmt::format("{} of {} samples are {} and count as not a number", found.load(), samples.count(), value));
+  DenseSamples marked;
+  marked.type = sample_type_of<Marked>();
+  marked.dims = samples.dims;
+  marked.data = to;
+  marked.owner = std::move(*made);
+  field.samples = std::move(marked);
+  return {};
+}
+
+}  // namespace
+
+Result<void> mark_no_data(ScalarField& field, double value, const Context& context) {
+  const auto* dense = std::get_if<DenseSamples>(&field.samples);
+  if (dense == nullptr) {
+    return fail(ErrorKind::usage,
+                field.source +
+                    ": a value for no data is for full boxes of samples; this grid is sparse, and has none "
+                    "where it has no voxels");
+  }
+  const DenseSamples samples = *dense;
+  return visit_sample_type(samples.type,
+                           [&]<class T>(std::type_identity<T>) { return mark<T>(field, samples, value, context); });
+}
+
+}  // namespace isoextract::field

@@ -1,0 +1,157 @@
+// NumPy's archives of arrays (.npz): ZIP files whose members are NPY files. Which of them is read is chosen as a grid
+// is; the others are not looked at but for their headers.
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/printable.hpp"
+#include "volumes/detail/dense_reading.hpp"
+#include "volumes/detail/file_start.hpp"
+#include "volumes/detail/formats.hpp"
+#include "volumes/detail/grid_choice.hpp"
+#include "volumes/formats/npy_volume.hpp"
+#include "volumes/formats/zip_directory.hpp"
+
+namespace isoextract::volumes {
+namespace {
+
+constexpr std::string_view kMemberEnd = ".npy";
+constexpr std::string_view kZipMagic("PK\3\4", 4);
+
+// An array of an archive, as its header says.
+struct NpzArray {
+  SamplePiece piece;  // all of the member
+  NpyHeader header;
+};
+
+std::string member_name(const files::InputFile& file, const ZipMember& member) {
+  return fmt::format("{}: '{}'", file.name(), printable(member.name, kMaxLabel));
+}
+
+Result<NpzArray> read_array(const files::InputFile& file, const ZipMember& member) {
+  auto piece = locate_zip_member(file, member);
+  if (!piece) return tl::unexpected(std::move(piece.error()));
+  // Headers are short, and nearly all of them within this.
+  constexpr std::size_t kMostHeaders = 4096;
+  for (const std::size_t count : {kMostHeaders, static_cast<std::size_t>(kMaxNpyHeader)}) {
+    const auto start = first_bytes_of(file, *piece, count);
+    if (!start) return tl::unexpected(start.error());
+    auto header = parse_npy_header(member_name(file, member), *start, member.sizes.inflated);
+    if (header) return NpzArray{std::move(*piece), std::move(*header)};
+    if (start->size() < count || count == kMaxNpyHeader) return tl::unexpected(std::move(header.error()));
+  }
+  return fail(ErrorKind::input, member_name(file, member) + ": no header");
+}
+
+std::vector<ZipMember> arrays_of(std::vector<ZipMember> members) {
+  std::erase_if(members, [](const ZipMember& member) { return !member.name.ends_with(kMemberEnd); });
+  return members;
+}
+
+std::string name_of(const ZipMember& member) { return member.name.substr(0, member.name.size() - kMemberEnd.size()); }
+
+// What cannot be read is in the list all the same, as a grid that is no volume.
+GridInfo describe(const files::InputFile& file, const ZipMember& member, const ReadOptions& options) {
+  GridInfo info;
+  info.name = name_of(member);
+  const auto array = read_array(file, member);
+  if (!array) {
+    info.type = "unreadable";
+    return info;
+  }
+  const auto dense = npy_volume(member_name(file, member), array->header, options);
+  if (dense) return grid_of(*dense, std::move(info.name));
+  info.type = fmt::format("{} ({})", printable(array->header.descr, 40), fmt::join(array->header.shape, ", "));
+  return info;
+}
+
+Result<std::vector<GridInfo>> list_arrays(const files::InputFile& file, const std::vector<ZipMember>& members,
+                                          const ReadOptions& options) {
+  std::vector<GridInfo> grids;
+  for (const ZipMember& member : members) {
+    if (auto go_on = file.context().check(); !go_on) return tl::unexpected(std::move(go_on.error()));
+    grids.push_back(describe(file, member, options));
+  }
+  label_grids(grids);
+  return grids;
+}
+
+class NpzFormat final : public VolumeFormat {
+ public:
+  NpzFormat()
+      : VolumeFormat({.id = "npz",
+                      .title = "NumPy archive of arrays, stored or packed",
+                      .extensions = {".npz"},
+                      .has_grids = true,
+                      .has_volumes = true,
+                      .has_components = true,
+                      .has_axis_order = true}) {}
+
+  // Other kinds of files are ZIP files, too: the first member's name tells.
+  [[nodiscard]] bool probe(const FileStart& start) const override {
+    constexpr std::size_t kNameLength = 26;
+    constexpr std::size_t kName = 30;
+    if (start.packed || start.bytes.size() < kName || !starts_with(start.bytes, kZipMagic)) return false;
+    const std::size_t length = std::to_integer<std::size_t>(start.bytes[kNameLength]) |
+                               std::to_integer<std::size_t>(start.bytes[kNameLength + 1]) << 8;
+    if (length < kMemberEnd.size() || start.bytes.size() - kName < length) return false;
+    return starts_with(start.bytes.subspan(kName + length - kMemberEnd.size()), kMemberEnd);
+  }
+
+  [[nodiscard]] Result<std::vector<GridInfo>> list(const std::string& input, const ReadOptions& options,
+                                                   const Context& context) const override {
+    const auto file = files::InputFile::open(input, context);
+    if (!file) return tl::unexpected(file.error());
+    auto members = read_zip_directory(*file);
+    if (!members) return tl::unexpected(std::move(members.error()));
+    return list_arrays(*file, arrays_of(std::move(*members)), options);
+  }
+
+  [[nodiscard]] Result<std::vector<std::filesystem::path>> files(const std::string& input,
+                                                                 const ReadOptions& /*options*/,
+                                                                 const Context& /*context*/) const override {
+    return std::vector<std::filesystem::path>{input};
+  }
+
+  [[nodiscard]] Result<field::ScalarField> open(const std::string& input, const ReadOptions& options,
+                                                const Context& context) const override {
+    const auto file = files::InputFile::open(input, context);
+    if (!file) return tl::unexpected(file.error());
+    auto all = read_zip_directory(*file);
+    if (!all) return tl::unexpected(std::move(all.error()));
+    const std::vector<ZipMember> members = arrays_of(std::move(*all));
+    auto grids = list_arrays(*file, members, options);
+    if (!grids) return tl::unexpected(std::move(grids.error()));
+    // What is wrong with an array that was named, or with the only one, its reader says best.
+    if (options.grid || grids->size() == 1) {
+      for (GridInfo& grid : *grids) grid.scalar = true;
+    }
+    const auto chosen = choose_grid(file->name(), *grids, options.grid);
+    if (!chosen) return tl::unexpected(chosen.error());
+    const ZipMember& member = members[*chosen];
+    auto array = read_array(*file, member);
+    if (!array) return tl::unexpected(std::move(array.error()));
+    auto dense = npy_volume(member_name(*file, member), array->header, options);
+    if (!dense) return tl::unexpected(std::move(dense.error()));
+    dense->format = "NPZ";
+    (array->piece.packed() ? array->piece.skip : array->piece.offset) += array->header.data_offset;
+    dense->pieces = {std::move(array->piece)};
+    auto field = read_dense(*file, std::move(*dense), name_of(member), options);
+    if (!field) return field;
+    field->grids = grids->size();
+    field->grid = (*grids)[*chosen].label;
+    return field;
+  }
+};
+
+}  // namespace
+
+const VolumeFormat& npz_format() {
+  static const NpzFormat format;
+  return format;
+}
+
+}  // namespace isoextract::volumes

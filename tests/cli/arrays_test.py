@@ -1,0 +1,190 @@
+"""Arrays as they come: .npz, several numbers a sample, orders of axes, values for no data; and surfaces that are cut."""
+
+import json
+import math
+import re
+import struct
+import zipfile
+
+from support import SPHERE, ProgramTest, main, read_ply
+
+DIMS = (12, 11, 10)  # x, y, z
+CENTRE = (5.5, 5, 4.5)
+RADIUS = 3.3
+
+
+def npy(descr, shape, samples):
+    text = f"{{'descr': '{descr}', 'fortran_order': False, 'shape': {shape}, }}"
+    text += " " * (-(len(text) + 11) % 64) + "\n"
+    return b"\x93NUMPY\1\0" + struct.pack("<H", len(text)) + text.encode() + samples
+
+
+def vectors():
+    """From the centre, z slowest, the component fastest."""
+    nx, ny, nz = DIMS
+    return [c for k in range(nz) for j in range(ny) for i in range(nx)
+            for c in (i - CENTRE[0], j - CENTRE[1], k - CENTRE[2])]
+
+
+def lengths():
+    flat = vectors()
+    return [math.dist(flat[at:at + 3], (0, 0, 0)) for at in range(0, len(flat), 3)]
+
+
+class ArraysTest(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        shape = (DIMS[2], DIMS[1], DIMS[0])
+        flat = vectors()
+        self.vectors = npy("<f4", (*shape, 3), struct.pack(f"<{len(flat)}f", *flat))
+        self.lengths = npy("<f4", shape, struct.pack(f"<{len(flat) // 3}f", *lengths()))
+        (self.folder / "v.npy").write_bytes(self.vectors)
+        (self.folder / "r.npy").write_bytes(self.lengths)
+        for name, packing in (("stored.npz", zipfile.ZIP_STORED), ("packed.npz", zipfile.ZIP_DEFLATED)):
+            with zipfile.ZipFile(self.folder / name, "w", packing) as archive:
+                for member, data in (("v.npy", self.vectors), ("r.npy", self.lengths)):
+                    with archive.open(member, "w", force_zip64=True) as out:  # as NumPy does
+                        out.write(data)
+
+    def mesh(self, *arguments, name="a.ply"):
+        self.convert(*arguments, "-o", name)
+        return read_ply((self.folder / name).read_bytes())
+
+    def test_members_of_archives_are_the_arrays(self):
+        alone = self.mesh("r.npy", "--iso", RADIUS, "--inside", "below")
+        self.assertEqual(alone.open_edges(), 0)
+        for archive in ("stored.npz", "packed.npz"):
+            member = self.mesh(archive, "--grid", "r", "--iso", RADIUS, "--inside", "below")
+            self.assertEqual((member.vertices, member.triangles), (alone.vertices, alone.triangles))
+            run = self.run_program(archive, "--iso", RADIUS)
+            self.assert_fails(2, run, "2 of its grids are scalar", "--grid NAME")
+            run = self.run_program(archive, "--grid", "x", "--iso", RADIUS)
+            self.assert_fails(2, run, "there is no grid 'x'")
+        listed = json.loads(self.convert("info", "--json", "packed.npz").text)[0]
+        self.assertEqual([(grid["name"], grid["volumes"]) for grid in listed["grids"]], [("v", 10), ("r", 1)])
+
+    def test_a_component_and_the_length_of_all(self):
+        alone = self.mesh("r.npy", "--iso", RADIUS, "--inside", "below")
+        for source in (("v.npy",), ("stored.npz", "--grid", "v"), ("packed.npz", "--grid", "v")):
+            length = self.mesh(*source, "--component", "length", "--iso", RADIUS, "--inside", "below")
+            self.assertEqual(length.triangles, alone.triangles)
+            for a, b in zip(length.vertices, alone.vertices):
+                self.assertLess(math.dist(a, b), 1e-5)
+            plane = self.mesh(*source, "--component", "1", "--iso", "0.25")
+            self.assertEqual({y for _, y, _ in plane.vertices}, {5.25})
+        info = json.loads(self.convert("info", "--json", "v.npy", "--component", "2").text)[0]
+        self.assertEqual((info["component"], info["grids"][0]["components"]), (2, 3))
+        self.assertAlmostEqual(info["field"]["values"]["max"], 4.5)
+        self.assertIn("3, counted from 0; the length of all is described",
+                      self.convert("info", "v.npy", "--component", "length").text)
+        self.assert_fails(2, self.run_program("v.npy", "--component", "3", "--iso", "1"), "there is no component 3")
+        self.assert_fails(1, self.run_program("v.npy", "--component", "y", "--iso", "1"),
+                          "--component: expected the number of a component, counted from 0, or length")
+        self.assert_fails(1, self.run_program(SPHERE, "--component", "0", "--iso", "0"), "read as demo")
+
+    def test_axes_in_the_other_order(self):
+        nx, ny, nz = DIMS
+        values = lengths()
+        turned = [values[i + nx * (j + ny * k)] for i in range(nx) for j in range(ny) for k in range(nz)]
+        samples = struct.pack(f"<{len(turned)}f", *turned)
+        (self.folder / "t.npy").write_bytes(npy("<f4", DIMS, samples))
+        (self.folder / "t.raw").write_bytes(samples)
+        alone = self.mesh("r.npy", "--iso", RADIUS, "--inside", "below")
+        for source in (("t.npy",), ("t.raw", "--dims", "12,11,10", "--dtype", "f32")):
+            mesh = self.mesh(*source, "--axis-order", "xyz", "--iso", RADIUS, "--inside", "below")
+            self.assertEqual((mesh.vertices, mesh.triangles), (alone.vertices, alone.triangles))
+        self.assert_fails(1, self.run_program(SPHERE, "--axis-order", "xyz", "--iso", "0"), "read as demo")
+
+    def test_samples_of_the_value_for_no_data_are_not_numbers(self):
+        def value(x, y, z):
+            return -9999 if (x, y, z) == (3, 3, 3) else x
+        self.write_raw("a.raw", (7, 7, 7), value)
+        raw = ("a.raw", "--dims", "7,7,7", "--dtype", "f32", "--iso", "2.5")
+        with_it = self.mesh(*raw, "--nodata", "-9999")
+        self.assertLess(max(x for x, _, _ in with_it.vertices), 4.1)
+        hole = self.mesh(*raw, "--nodata", "-9999", "--nan", "hole")
+        self.assertEqual({x for x, _, _ in hole.vertices}, {2.5})
+        self.assertGreater(hole.open_edges(), with_it.open_edges())
+        run = self.run_program(*raw, "--nodata", "-9999", "--nan", "error", "-o", "b.ply")
+        self.assert_fails(2, run, "(3, 3, 3)", "--nan")
+        info = json.loads(self.convert("info", "--json", *raw[:-2], "--nodata", "-9999").text)[0]["field"]
+        self.assertEqual((info["values"]["nan"], info["values"]["min"]), (1, 0))
+        self.assertIn("no sample is 77", self.convert(*raw, "--nodata", "77", "-o", "b.ply").err)
+
+    def test_what_was_asked_for_is_in_the_report(self):
+        self.convert("v.npy", "--component", "length", "--axis-order", "zyx", "--nodata", "0", "--iso", RADIUS,
+                     "--clip", "0,0,1,4", "--resolution", "20", "--kernel", "cubic", "-o", "a.ply", "--report", "r.json")
+        options = json.loads((self.folder / "r.json").read_bytes())["options"]
+        self.assertEqual([options[name] for name in ("component", "axis_order", "no_data", "kernel")],
+                         ["length", "zyx", 0, "cubic"])
+        self.assertEqual(options["clip"], [{"normal": [0, 0, 1], "offset": 4}])
+
+    def test_planes_cut_triangles(self):
+        whole = self.mesh(SPHERE, "--iso", "0")
+        half = self.mesh(SPHERE, "--iso", "0", "--clip", "0,0,2,0.2")
+        self.assertAlmostEqual(min(z for _, _, z in half.vertices), 0.1, delta=1e-6)
+        self.assertAlmostEqual(max(z for _, _, z in half.vertices), max(z for _, _, z in whole.vertices))
+        ring = [v for v in half.vertices if abs(v[2] - 0.1) < 1e-6]
+        self.assertEqual(half.open_edges(), len(ring))
+        slab = self.mesh(SPHERE, "--iso", "0", "--clip", "0,0,1,-0.1", "--clip", "0,0,-1,-0.1", "--scale", "10")
+        self.assertAlmostEqual(slab.bounds()[0][2], -1, delta=1e-5)
+        self.assertAlmostEqual(slab.bounds()[1][2], 1, delta=1e-5)
+        # In the input's world, whatever the output's axes.
+        self.convert(SPHERE, "--iso", "0", "--clip", "0,0,1,0.1", "-o", "a.glb")
+        self.convert("verify", SPHERE, "a.glb", "--iso", "0", "--clip", "0,0,1,0.1")
+        self.assert_fails(6, self.run_program("verify", SPHERE, "a.glb", "--iso", "0"))
+        self.assert_fails(1, self.run_program(SPHERE, "--iso", "0", "--clip", "0,0,1,0", "--cap"), "--cap does not go")
+        self.assert_fails(1, self.run_program(SPHERE, "--iso", "0", "--clip", "0,0,0,1"), "--clip: expected a normal")
+        self.assert_fails(2, self.run_program(SPHERE, "--iso", "0", "--clip", "0,0,1,9"), "no surface at iso 0")
+
+    def test_a_region_on_oblique_axes_is_cut_at_its_faces(self):
+        c, s = math.cos(0.5), math.sin(0.5)
+        header = ("NRRD0004\ntype: float\ndimension: 3\nsizes: 12 11 10\nencoding: raw\nendian: little\nspace: LPS\n"
+                  f"space directions: ({c},{s},0) ({-s},{c},0) (0,0,1)\nspace origin: (0,0,0)\n\n")
+        (self.folder / "t.nrrd").write_bytes(header.encode() + self.lengths[128:])
+        cx, cy = c * CENTRE[0] - s * CENTRE[1], s * CENTRE[0] + c * CENTRE[1]
+        box = (cx - 1.3, cy - 9, 3, cx + 2.1, cy + 0.7, 30)
+        roi = ",".join(str(number) for number in box)
+        arguments = ("t.nrrd", "--iso", RADIUS, "--inside", "below", "--roi", roi)
+        run = self.convert(*arguments, "-o", "a.ply")
+        self.assertRegex(run.err, r"oblique, so the surface of the \d+ x \d+ x \d+ samples that cover the box is cut")
+        low, high = read_ply((self.folder / "a.ply").read_bytes()).bounds()
+        for found, wanted in ((low[0], box[0]), (high[0], box[3]), (high[1], box[4]), (low[2], box[2])):
+            self.assertAlmostEqual(found, wanted, delta=2e-6)
+        self.assertAlmostEqual(low[1], cy - RADIUS, delta=0.15)
+        self.convert("verify", "t.nrrd", "a.ply", *arguments[1:])
+        capped = self.convert(*arguments, "--cap", "-o", "b.ply")
+        self.assertIn("a surface is closed along samples", capped.err)
+        self.assertEqual(read_ply((self.folder / "b.ply").read_bytes()).open_edges(), 0)
+
+    def test_parts_that_the_mesh_lost_are_told(self):
+        run = self.convert(SPHERE, "--iso", "0", "--error", "-o", "a.ply", "--report", "r.json")
+        self.assertIn("all of its 1 components are there", run.err)
+        found = json.loads((self.folder / "r.json").read_bytes())["meshes"][0]["error"]["coverage"]
+        self.assertEqual((found["components"], found["lost_components"]), (1, 0))
+        self.assertLess(found["distances"]["max"]["voxels"], 1e-3)
+
+        def balls(x, y, z):
+            return max(4 - math.dist((x, y, z), (5, 5, 5)), 1.1 - math.dist((x, y, z), (14, 5, 5)))
+        self.write_raw("b.raw", (21, 11, 11), balls)
+        raw = ("b.raw", "--dims", "21,11,11", "--dtype", "f32", "--iso", "0", "--error", "-o", "a.ply")
+        self.assertIn("all of its 2 components are there", self.convert(*raw).err)
+        coarse = self.convert(*raw, "--resolution", "7,4,4").err
+        self.assertIn("1 of its 2 components are lost", coarse)
+        worst = float(re.search(r"from the surface of the data to the mesh: .*? max (\S+) voxels", coarse).group(1))
+        self.assertGreater(worst, 5)
+
+    def test_kernels_between_samples(self):
+        coarse = ("demo:sphere?size=9", "--iso", "0", "--resolution", "65", "--error", "tricubic")
+        rms = {}
+        for kernel in ("linear", "cubic", "bspline"):
+            err = self.convert(*coarse, "--kernel", kernel, "-o", "a.ply").err
+            rms[kernel] = float(re.search(r"interpolant: rms (\S+),", err).group(1))
+        self.assertLess(rms["cubic"], rms["linear"] / 4)
+        self.assertGreater(rms["bspline"], rms["cubic"])
+        self.assert_fails(1, self.run_program(SPHERE, "--iso", "0", "--kernel", "cubic"), "none is asked for",
+                          "--resolution")
+
+
+if __name__ == "__main__":
+    main()
