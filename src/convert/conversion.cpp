@@ -376,8 +376,6 @@ class Conversion {
     return {};
   }
 
-  }
-
   // Values that were found may be the same, which nobody could know who asked for them.
   void tell_repeated(const OutputFileJob& output, std::span<const ResolvedIso> asked) {
     for (std::size_t i = 1; i < asked.size(); ++i) {

@@ -9,14 +9,14 @@ namespace isoextract::field {
 namespace {
 
 // What each of an axis' samples counts for, in the value and in its derivative.
-struct AxisWeights {
+struct CellWeights {
   std::array<double, 4> value{};
   std::array<double, 4> slope{};
 };
 
-AxisWeights linear_weights(double t) { return {{1 - t, t}, {-1, 1}}; }
+CellWeights linear_weights(double t) { return {{1 - t, t}, {-1, 1}}; }
 
-AxisWeights catmull_rom_weights(double t) {
+CellWeights catmull_rom_weights(double t) {
   const double t2 = t * t;
   const double t3 = t * t2;
   return {{(-t + 2 * t2 - t3) / 2, (2 - 5 * t2 + 3 * t3) / 2, (t + 4 * t2 - 3 * t3) / 2, (t3 - t2) / 2},
@@ -39,7 +39,7 @@ void fold_border(std::array<double, 4>& weights, bool low, bool high) {
 }
 
 template <int kSize>
-Interpolated weighted_sum(const std::array<AxisWeights, 3>& weights, const double* values) {
+Interpolated weighted_sum(const std::array<CellWeights, 3>& weights, const double* values) {
   const auto& [x, y, z] = weights;
   Interpolated sum;
   for (int k = 0; k < kSize; ++k) {
@@ -137,7 +137,7 @@ Interpolated Interpolant::Cursor::operator()(const glm::dvec3& index) {
   }
   if (!finite_) return {std::numeric_limits<double>::quiet_NaN(), glm::dvec3(0)};
   const glm::dvec3 t = index - glm::dvec3(cell);
-  std::array<AxisWeights, 3> weights;
+  std::array<CellWeights, 3> weights;
   if (interpolant_.interpolation_ == Interpolation::trilinear) {
     for (int axis = 0; axis < 3; ++axis) weights[axis] = linear_weights(t[axis]);
     return weighted_sum<2>(weights, values_.data());

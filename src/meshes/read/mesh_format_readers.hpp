@@ -21,6 +21,8 @@
 
 namespace isoextract::meshes {
 
+struct MeshPart;
+
 // Thrown within this room, where a mesh file does not hold what it should: what was expected and what was found.
 // read_mesh puts the file's name in front and makes an Error of it.
 struct DamagedMesh : std::runtime_error {
