@@ -123,8 +123,8 @@ std::string match_table(const std::string& path, const std::string& surface, con
 std::string hint_for(const measure::MeshMatch& match) {
   const bool fewer = match.triangles.total[0] < match.triangles.total[1];
   if (fewer && match.vertices_only[0] == 0 && match.triangles.only[0] > 0) {
-    return "it looks simplified or without some of its pieces: 'isoextract compare' measures how far it is from a mesh "
-           "that was written without --simplify and --largest";
+    return "it looks simplified: 'isoextract compare' measures how far it is from a mesh that was written without "
+           "--simplify";
   }
   if (match.matched > 0 && match.vertices_only[0] > 0 && match.vertices_only[1] == 0) {
     return "it holds more than that: give every --iso, and --cap if it was written with it";

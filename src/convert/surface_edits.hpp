@@ -10,15 +10,6 @@
 #include "edit/pieces.hpp"
 #include "edit/smooth.hpp"
 
-namespace isoextract::edit {
-
-constexpr auto words_of(PieceMeasure /*type*/) {
-  return std::array{Word{PieceMeasure::triangles, "triangles"}, Word{PieceMeasure::area, "area"},
-                    Word{PieceMeasure::volume, "volume"}};
-}
-
-}  // namespace isoextract::edit
-
 namespace isoextract::convert {
 
 enum class BlurKind { gaussian, median };

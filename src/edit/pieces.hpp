@@ -6,6 +6,7 @@
 // lies loose in a cavity is a piece by itself.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -15,11 +16,16 @@
 #include "base/context.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
+#include "base/words.hpp"
 #include "mesh/mesh.hpp"
 
 namespace isoextract::edit {
 
 enum class PieceMeasure { triangles, area, volume };
+constexpr auto words_of(PieceMeasure /*type*/) {
+  return std::array{Word{PieceMeasure::triangles, "triangles"}, Word{PieceMeasure::area, "area"},
+                    Word{PieceMeasure::volume, "volume"}};
+}
 
 // What goes, in this order.
 struct PieceOptions {

@@ -172,7 +172,7 @@ class SmoothTest(ProgramTest):
 
     @needs_data("med/MR.nii.gz")
     def test_a_scan_for_the_printer(self):
-        self.convert(DATA / "med/MR.nii.gz", "--iso", "60", "--cap", "--blur", "0.7", "--largest", "--fill-cavities", "--smooth",
+        self.convert(DATA / "med/MR.nii.gz", "--iso", "60", "--cap", "--blur", "1", "--largest", "--fill-cavities", "--smooth",
                      "10", "-o", "a.stl", "--report", "a.json")
         (mesh,) = json.loads((self.folder / "a.json").read_text())["meshes"]
         self.assertEqual((mesh["closed"], mesh["components"], mesh["zero_area_triangles"]), (True, 1, 0))

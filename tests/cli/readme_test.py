@@ -11,7 +11,8 @@ import subprocess
 from support import PROGRAM, SOURCE, ProgramTest, main
 
 PAGES = ("README.md", "docs/formats.md", "docs/particles.md", "docs/reports.md", "docs/accuracy.md", "docs/gpu.md",
-         "docs/sequences.md", "docs/simulate.md", "docs/render.md", "docs/previews.md")
+         "docs/sequences.md", "docs/simulate.md", "docs/render.md", "docs/previews.md",
+         "docs/pieces.md")
 # Whole benchmarks take minutes; bench_test.py runs them in small.
 PASSED_OVER = ("isoextract bench",)
 # What only the plug-ins around OpenVDB do.
