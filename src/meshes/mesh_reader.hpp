@@ -6,8 +6,9 @@
 // if they were convex. All surfaces of a file are joined into one mesh, less those that glTF scales to nothing: of a
 // sequence in one file (animation_writer.hpp) that leaves the first frame with triangles, and a note.
 //
-// Where a file has normals, vertices that are copies for their sake, along creases, become one again
-// (join_normal_seams() in read/mesh_format_readers.hpp), so that the surface is as closed as it looks.
+// Where a file has normals, and places that are not rounded by packing, vertices that are copies for their normals'
+// sake, along creases, become one again (join_normal_seams() in read/mesh_format_readers.hpp), so that the surface is
+// as closed as it looks.
 //
 // Attributes of vertices are read from PLY and DRC (every number but the place and the normal) and from glTF (COLOR_0,
 // and what begins with an underscore), as the file has them: vectors do not turn with a node. The writers write them

@@ -47,8 +47,8 @@ struct MeshWriteOptions {
   bool flat_normals = false;  // one normal a triangle, from its corners; exclusive with vertex normals in the mesh
   bool ascii = false;         // PLY and STL as text
   MeshPacking packing = {};   // DRC is Draco's whatever it says
-  // Vertices at one place whose normals differ are copies for those normals' sake (mesh/shading_normals.hpp). OBJ, whose
-  // corners have normals of their own, writes that place once; the other formats need a vertex for each normal.
+  // Vertices at one place whose normals differ are copies for those normals' sake (mesh/shading_normals.hpp). OBJ,
+  // whose corners have normals of their own, writes that place once; the other formats need a vertex for each normal.
   bool copies_for_normals = false;
 };
 

@@ -146,6 +146,13 @@ TEST_F(Allocation, OfSimplifying) {
   expect_all_are_told(job);
 }
 
+TEST_F(Allocation, OfNormalsBesideCaps) {
+  ConversionJob job = job_of("demo:sphere?size=5", 0, meshes::MeshFormat::obj);
+  job.source.roi = field::Box{{-2, -2, -2}, {2, 2, 0.2}};
+  job.surface.cap = true;
+  expect_all_are_told(job);
+}
+
 TEST_F(Allocation, OfResamplingAndMeasuring) {
   ConversionJob job = job_of("demo:sphere?size=4", 0, meshes::MeshFormat::ply);
   job.source.resolution = glm::ivec3(5, 4, 4);

@@ -127,7 +127,6 @@ FileSurface read_drc(const MeshSource& source) {
   bool has_colours = false;
   for (std::size_t a = 0; a < unpacked.attributes.size(); ++a) {
     const DracoAttribute& attribute = unpacked.attributes[a];
-    surface.has_normals = surface.has_normals || attribute.is_normal;
     if (&attribute == &*positions || attribute.is_normal) continue;
     if (attribute.components > mesh::kMaxComponents) {
       surface.notes.push_back(fmt::format("an attribute of {} components was left out", attribute.components));

@@ -373,7 +373,9 @@ class ModelReader {
     const std::vector<GltfView> views = attribute_views(*attributes, places.count);
     const bool is_indexed = primitive.contains("indices") && !is_soup;
     if (is_indexed) {
-      surface_.has_normals = surface_.has_normals || attributes->contains("NORMAL");
+      // Rounded places may coincide where no vertex was copied.
+      const bool is_exact = places.component == kGltfFloat && !primitive.contains("extensions");
+      surface_.has_normals = surface_.has_normals || (is_exact && attributes->contains("NORMAL"));
       source_.memory.make_room(surface_.positions, places.count);
       for (std::uint64_t v = 0; v < places.count; ++v) surface_.positions.push_back(places.point(v));
       add_values(views, places.count, [](std::uint64_t v) { return v; });

@@ -65,7 +65,7 @@ struct FileSurface {
   std::string_view format;
   bool y_up = false;     // the format prescribes that y points up
   bool is_ours = false;  // it says that isoextract wrote it
-  // Vertices have normals, and so there may be several of them at one place.
+  // Vertices have normals, and places that were not rounded: there may be several vertices at one, for their normals.
   bool has_normals = false;
   std::vector<std::string> notes;
 };

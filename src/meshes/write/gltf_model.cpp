@@ -64,6 +64,7 @@ void GltfModel::add(const GltfPart& part) { scene_.nodes.push_back(node(part)); 
 
 int GltfModel::add_frame(const std::string& name, std::span<const GltfPart> parts, bool hidden) {
   tinygltf::Node frame;
+  in_frame_ = true;
   for (const GltfPart& part : parts) {
     if (part.layout != GltfPart::Layout::nothing) frame.children.push_back(node(part));
   }
@@ -72,6 +73,7 @@ int GltfModel::add_frame(const std::string& name, std::span<const GltfPart> part
     frame = std::move(model_.nodes.back());
     model_.nodes.pop_back();
   }
+  in_frame_ = false;
   frame.name = as_utf8(name);
   if (hidden) frame.scale = {0, 0, 0};
   return push(std::move(frame));
@@ -155,7 +157,7 @@ std::string GltfModel::json(const std::string& uri, int indent, Notes& notes) {
 int GltfModel::material(const GltfPart& part) {
   const bool vertex_colours = part.has_colours();
   const std::optional<mesh::Material>& look = part.mesh->material;
-  const std::string name = as_utf8(part.mesh->name);
+  const std::string name = in_frame_ ? std::string() : as_utf8(part.mesh->name);
   for (const MadeMaterial& made : materials_) {
     if (made.vertex_colours == vertex_colours && made.look == look && made.name == name) return made.number;
   }

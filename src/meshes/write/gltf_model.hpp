@@ -85,6 +85,7 @@ class GltfModel {
   };
   std::vector<MadeMaterial> materials_;
   bool has_split_ = false;
+  bool in_frame_ = false;  // the frames of a sequence share their materials, whatever their meshes are called
   struct MeshoptView {
     int view;  // of the buffer that is not there, and stands for what is unpacked
     std::uint64_t offset;

@@ -32,6 +32,7 @@ ConversionJob full_job() {
   job.source.attributes = {{"heat", "b.vdb[temperature]", true}, {"v", "velocity", false}};
   job.source.filters = {{volumes::LevelSetFilter::median, 2}, {volumes::LevelSetFilter::mean, 1}};
   job.source.resolution = glm::ivec3(10, 20, 30);
+  job.source.away_from_zero = true;
   job.source.roi = field::Box{{-1, -2, -3}, {1, 2, 3}};
   job.source.placement = {Space::index, UpAxis::y, true, 0.001, "mm"};
   job.surface = {extract::Method::mt, extract::NanPolicy::hole, true, extract::VoxelFaces::plain, 3};
