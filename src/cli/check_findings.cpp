@@ -75,8 +75,9 @@ class Findings {
                          amount(check_.topology.misoriented_edges, "edge", "edges")));
     }
     if (inside_out > 0) {
-      slicer(fmt::format("It takes {} for a hollow: turn the triangles round.",
-                         amount(inside_out, "component that is inside out", "components that are inside out")));
+      slicer(fmt::format("It takes {}: turn the triangles round.",
+                         amount(inside_out, "component that is inside out for a hollow",
+                                "components that are inside out for hollows")));
       engine("It shows the inside of what is inside out, where it draws one side of triangles only.");
     }
     if (check_.topology.misoriented_edges > 0) {
@@ -106,9 +107,12 @@ class Findings {
   void tell_bodies() {
     const std::uint64_t bodies = check_.components.size() - check_.count(Shell::hollow);
     if (bodies > 1) {
-      const auto& smallest = *std::ranges::min_element(check_.components, {}, &measure::Component::triangles);
+      std::uint64_t smallest = check_.triangles;
+      for (const measure::Component& component : check_.components) {
+        if (component.shell != Shell::hollow) smallest = std::min(smallest, component.triangles);
+      }
       slicer(fmt::format("It prints {} separate pieces; the smallest has {}.", bodies,
-                         amount(smallest.triangles, "triangle", "triangles")));
+                         amount(smallest, "triangle", "triangles")));
     }
   }
 
