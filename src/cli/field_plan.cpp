@@ -16,7 +16,7 @@ namespace {
 // What is about surfaces, and was given.
 std::string_view surface_option(const ConvertFlags& flags) {
   const SurfaceFlags& surface = flags.surface;
-  const std::array<std::pair<bool, std::string_view>, 27> options{{{flags.labels.has_value(), "--labels"},
+  const std::array<std::pair<bool, std::string_view>, 30> options{{{flags.labels.has_value(), "--labels"},
                                                                    {flags.no_merge, "--no-merge"},
                                                                    {flags.t_junctions, "--t-junctions"},
                                                                    {!flags.isos.empty(), "--iso"},
@@ -35,6 +35,9 @@ std::string_view surface_option(const ConvertFlags& flags) {
                                                                    {flags.placement.up.has_value(), "--up"},
                                                                    {flags.placement.scale.has_value(), "--scale"},
                                                                    {flags.placement.unit.has_value(), "--unit"},
+                                                                   {flags.placement.to_unit.has_value(), "--to-unit"},
+                                                                   {flags.placement.up_out.has_value(), "--up-out"},
+                                                                   {flags.placement.to_space.has_value(), "--to-space"},
                                                                    {flags.ascii, "--ascii"},
                                                                    {flags.draco.has_value(), "--draco"},
                                                                    {flags.quantize, "--quantize"},
