@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "cli/foreign_words.hpp"
+
 namespace isoextract::cli {
 namespace {
 
@@ -143,10 +145,12 @@ Result<void> take_remaining(CommandLine& line, const CLI::App& command) {
     const std::string near = name.starts_with("--") ? nearest_name(name, known) : "";
     std::error_code none;
     const bool is_file = takes_inputs(line, command) && std::filesystem::exists(word, none);
+    const std::string meant = hint_for_foreign_option(command, name);
     return fail(ErrorKind::usage, fmt::format("unknown option '{}' for '{}'", name, full_name(command)),
-                is_file         ? fmt::format("the file of that name is written ./{}", word)
-                : !near.empty() ? fmt::format("did you mean '{}'?", near)
-                                : help_hint(command));
+                is_file          ? fmt::format("the file of that name is written ./{}", word)
+                : !meant.empty() ? meant
+                : !near.empty()  ? fmt::format("did you mean '{}'?", near)
+                                 : help_hint(command));
   }
   return {};
 }
@@ -252,6 +256,10 @@ Result<Parsed> parse_command_line(CommandLine& line, std::vector<std::string> ar
       return fail(ErrorKind::usage, fmt::format("'{}' is neither a command nor a file", inputs.front()),
                   fmt::format("did you mean 'isoextract {}'?", near));
     }
+  }
+  if (command == line.convert) {
+    if (auto checked = check_for_output_among_inputs(line.convert_flags); !checked)
+      return tl::unexpected(checked.error());
   }
   return Parsed{request_of(line, command), command};
 }

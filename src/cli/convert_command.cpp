@@ -43,9 +43,16 @@ std::string times_text(const StageTime& time) {
 std::string describe(const convert::Placement& placement) {
   if (placement.space == convert::Space::index) return "voxel coordinates";
   std::string text = "world coordinates";
+  if (placement.to_space) text += fmt::format(", in {}", word_of(*placement.to_space));
   if (placement.turn_z_up_to_y_up) text += ", turned from z up to y up";
-  if (placement.scale != 1 || !placement.unit.empty()) text += fmt::format(", scaled by {}", placement.scale);
-  if (!placement.unit.empty()) text += fmt::format(" ({} to m)", placement.unit);
+  if (placement.turn_y_up_to_z_up) text += ", turned from y up to z up";
+  if (placement.unit != placement.to_unit) {
+    text += fmt::format(", scaled by {} ({} to {})", placement.scale, placement.unit, placement.to_unit);
+  } else if (!placement.unit.empty()) {
+    text += fmt::format(", in {}", placement.unit);
+  } else if (placement.scale != 1) {
+    text += fmt::format(", scaled by {}", placement.scale);
+  }
   return text;
 }
 

@@ -158,7 +158,10 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string
   auto placement = as_field ? convert::Placement() : plan_placement(flags.placement, *format, plan.notes);
   if (!placement) return tl::unexpected(placement.error());
   job.source.placement = std::move(*placement);
-  if (job.picture_file) job.source.placement.turn_z_up_to_y_up = false;
+  if (job.picture_file) {
+    job.source.placement.turn_z_up_to_y_up = false;
+    job.source.placement.turn_y_up_to_z_up = false;
+  }
 
   job.surface = plan_surface(flags.surface, flags.input);
   if (auto planned = plan_voxels(flags, plan.notes, job.surface); !planned) return tl::unexpected(planned.error());

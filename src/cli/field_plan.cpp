@@ -17,7 +17,7 @@ namespace {
 // What is about surfaces, and was given.
 std::string_view surface_option(const ConvertFlags& flags) {
   const SurfaceFlags& surface = flags.surface;
-  const std::array<std::pair<bool, std::string_view>, 30> options{{{flags.labels.has_value(), "--labels"},
+  const std::array<std::pair<bool, std::string_view>, 33> options{{{flags.labels.has_value(), "--labels"},
                                                                    {flags.label_names.has_value(), "--label-names"},
                                                                    {flags.relaxations.has_value(), "--relax"},
                                                                    {flags.no_merge, "--no-merge"},
@@ -39,6 +39,9 @@ std::string_view surface_option(const ConvertFlags& flags) {
                                                                    {flags.placement.up.has_value(), "--up"},
                                                                    {flags.placement.scale.has_value(), "--scale"},
                                                                    {flags.placement.unit.has_value(), "--unit"},
+                                                                   {flags.placement.to_unit.has_value(), "--to-unit"},
+                                                                   {flags.placement.up_out.has_value(), "--up-out"},
+                                                                   {flags.placement.to_space.has_value(), "--to-space"},
                                                                    {flags.ascii, "--ascii"},
                                                                    {flags.draco.has_value(), "--draco"},
                                                                    {flags.quantize, "--quantize"},

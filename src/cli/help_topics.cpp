@@ -26,7 +26,7 @@ constexpr std::array<std::string_view, 13> kCommands{"convert",  "info",  "verif
                                                      "simulate", "help",  "generate"};
 
 constexpr std::array kExamples{
-    Example{"isoextract smoke.vdb --iso 0.5 -o smoke.glb", "A fog volume as a glTF file for Blender or a browser."},
+    Example{"isoextract smoke.vdb --iso 0.5 -o smoke.glb", "A density as a glTF file for Blender or a browser."},
     Example{"isoextract info head.nii.gz", "What a scan holds, and an iso value to start with."},
     Example{"isoextract head.nii.gz --iso 60 --cap -o head.stl", "A scan as a closed mesh, where the scanner says."},
     Example{"isoextract fluid.vdb --grid density --iso 0.2 --iso 0.6 -o fluid.glb", "Two surfaces of one grid."},
@@ -109,11 +109,16 @@ HelpTopic coordinates_topic() {
             {}},
            {"Only for glb and gltf, whose standard prescribes that y points up, the world is turned: with --up z, "
             "the default, (x, y, z) becomes (x, z, -y). With --up y the input's axes are kept. ply, obj, stl and drc "
-            "prescribe nothing, and always keep the input's axes. compare takes the turn back where it gets one mesh "
+            "prescribe nothing, and keep the input's axes. --up-out turns any of them. compare takes the turn back "
+            "where it gets one mesh "
             "of each kind, unless its --up says y.",
             {}},
-           {"--scale multiplies the coordinates. --unit names the unit of the input's world and converts it to "
-            "metres; without it coordinates are written as they are, whatever their unit.",
+           {"--scale multiplies the coordinates. --unit names the unit of the input's world: glb and gltf are then "
+            "written in metres, other formats in that unit, and all in that of --to-unit; without it coordinates are "
+            "written as they are, whatever their unit.",
+            {}},
+           {"--to-space ras or lps mirrors x and y of a scan whose file says which of the two its world is, as NIfTI "
+            "always does and NRRD may.",
             {}},
            {"--space index ignores all of this and gives voxel coordinates: the first sample is at (0, 0, 0), its "
             "neighbours at distance 1. With --resolution these are the input's voxels as well, so that the mesh lies "

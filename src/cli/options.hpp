@@ -117,6 +117,9 @@ struct PlacementFlags {
   std::optional<convert::UpAxis> up;
   std::optional<double> scale;
   std::optional<convert::LengthUnit> unit;
+  std::optional<convert::LengthUnit> to_unit;
+  std::optional<convert::UpAxis> up_out;
+  std::optional<convert::AnatomicalSpace> to_space;
 };
 
 struct DeviceFlags {

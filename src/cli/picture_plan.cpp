@@ -29,7 +29,8 @@ Result<std::optional<convert::PictureFileOptions>> plan_picture(const ConvertFla
     if (option.empty()) return std::nullopt;
     return refuse_usage(fmt::format("{} is about a picture, and none is drawn", option), "name the output .png");
   }
-  const std::array<Given, 6> of_files{{{flags.ascii, "--ascii"},
+  const std::array<Given, 7> of_files{{{flags.ascii, "--ascii"},
+                                       {flags.placement.up_out.has_value(), "--up-out"},
                                        {flags.draco.has_value(), "--draco"},
                                        {flags.quantize, "--quantize"},
                                        {flags.meshopt, "--meshopt"},

@@ -84,7 +84,13 @@ Result<convert::Placement> plan_placement(const PlacementFlags& flags, meshes::M
   placement.space = flags.space.value_or(convert::Space::world);
   placement.up = flags.up.value_or(convert::UpAxis::z);
   if (placement.space == convert::Space::index) {
-    const std::string_view other = flags.up ? "--up" : flags.scale ? "--scale" : flags.unit ? "--unit" : "";
+    const std::string_view other = flags.up         ? "--up"
+                                   : flags.scale    ? "--scale"
+                                   : flags.unit     ? "--unit"
+                                   : flags.to_unit  ? "--to-unit"
+                                   : flags.up_out   ? "--up-out"
+                                   : flags.to_space ? "--to-space"
+                                                    : "";
     if (!other.empty()) {
       return refuse_usage(fmt::format("--space index gives voxel coordinates, which {} cannot change", other),
                           fmt::format("leave out {} or --space index", other));
@@ -92,15 +98,34 @@ Result<convert::Placement> plan_placement(const PlacementFlags& flags, meshes::M
     return placement;
   }
   if (flags.scale && flags.unit) return refuse_usage("--scale and --unit exclude each other");
-  placement.turn_z_up_to_y_up = is_gltf(format) && placement.up == convert::UpAxis::z;
-  if (flags.up && !is_gltf(format)) {
-    notes.push_back(fmt::format("--up changes nothing: {} prescribes no up axis and keeps the input's axes",
-                                meshes::mesh_format_info(format).name));
+  if (flags.to_unit && !flags.unit) {
+    return refuse_usage("--to-unit needs the unit of the input's world as well", "give --unit, for example --unit mm");
   }
+  const std::string_view format_name = meshes::mesh_format_info(format).name;
+  const convert::UpAxis up_out = flags.up_out.value_or(is_gltf(format) ? convert::UpAxis::y : placement.up);
+  placement.turn_z_up_to_y_up = placement.up == convert::UpAxis::z && up_out == convert::UpAxis::y;
+  placement.turn_y_up_to_z_up = placement.up == convert::UpAxis::y && up_out == convert::UpAxis::z;
+  if (flags.up && !flags.up_out && !is_gltf(format)) {
+    notes.push_back(
+        fmt::format("--up changes nothing: {} prescribes no up axis and keeps the input's axes; --up-out "
+                    "turns them",
+                    format_name));
+  }
+  if (is_gltf(format) && up_out == convert::UpAxis::z) {
+    notes.push_back(
+        fmt::format("--up-out z: {} prescribes y up, so that other programs show the mesh lying down", format_name));
+  }
+  placement.to_space = flags.to_space;
   if (flags.scale) placement.scale = *flags.scale;
   if (flags.unit) {
-    placement.scale = flags.unit->metres;
+    const convert::LengthUnit& to = flags.to_unit ? *flags.to_unit : is_gltf(format) ? convert::metre() : *flags.unit;
+    placement.scale = convert::unit_ratio(*flags.unit, to);
     placement.unit = flags.unit->name;
+    placement.to_unit = to.name;
+    if (is_gltf(format) && placement.to_unit != convert::metre().name) {
+      notes.push_back(fmt::format("--to-unit {}: {} prescribes metres, which other programs take its numbers for",
+                                  placement.to_unit, format_name));
+    }
   }
   return placement;
 }

@@ -41,8 +41,8 @@ std::string words_of(const Hint& hint) {
                          text);
     case Remedy::region_is_in_voxels: return "--roi is in voxel coordinates because of --space index";
     case Remedy::region_is_in_world:
-      return "--roi is in the input's world coordinates, before --up, --scale and --unit";
-    case Remedy::choose_scale: return "choose another --scale or --unit";
+      return "--roi is in the input's world coordinates, before --up, --scale, --unit and --to-space";
+    case Remedy::choose_scale: return "choose another --scale, --unit or --to-unit";
     case Remedy::other_output_name: return "choose another name with -o";
     case Remedy::widen_region_or_skip: return "widen the --roi; --empty skip makes this no error";
     case Remedy::try_iso: return fmt::format("try --iso {}; --empty skip makes this no error", text);

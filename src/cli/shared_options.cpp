@@ -207,10 +207,18 @@ void declare_placement(CLI::App& app, PlacementFlags& flags) {
   group.choice("--up", flags.up,
                "The axis of the input's world that points up (default: z). glb and gltf prescribe y up, so z-up "
                "input is turned for them: (x, y, z) becomes (x, z, -y). ply, obj, stl and drc keep the input's axes.");
+  group.choice("--up-out", flags.up_out,
+               "The axis of the mesh that points up (default: y in glb and gltf, that of --up in others). From y up to "
+               "z up (x, y, z) becomes (x, -z, y).");
+  group.choice("--to-space", flags.to_space,
+               "Mirror x and y of a scan's world as it takes: ras (right, anterior, superior, as NIfTI) or lps (left, "
+               "posterior, superior, as DICOM). The file has to say which of them its world is (default: the file's).");
   group.value("--scale", "S", flags.scale, parse_positive, "Multiply the world coordinates by S.");
-  group.choice("--unit", flags.unit, units(),
-               "Unit of the input's world; the mesh is written in metres, as glTF prescribes (default: coordinates "
-               "are written as they are). Not together with --scale.");
+  group.choice(
+      "--unit", flags.unit, units(),
+      "Unit of the input's world. glb and gltf are written in metres, as glTF prescribes, and other formats in "
+      "that unit (default: coordinates are written as they are). Not together with --scale.");
+  group.choice("--to-unit", flags.to_unit, units(), "Unit of the mesh, of any format, in place of that; needs --unit.");
 }
 
 }  // namespace isoextract::cli

@@ -18,6 +18,8 @@ Json options_of(const ConversionJob& job, std::uint64_t memory_limit) {
   json["iso"] = Json::array();
   for (const IsoChoice& iso : job.isos()) json["iso"].push_back(json_of(iso));
   json["unit"] = job.source.placement.unit.empty() ? Json(nullptr) : Json(job.source.placement.unit);
+  const std::string& to_unit = job.source.placement.to_unit;
+  json["to_unit"] = to_unit.empty() ? Json(nullptr) : Json(to_unit);
   if (job.simplify) {
     json["simplify"] = fmt::format("{}{}", job.simplify->distance, job.simplify->in_world_units ? "world" : "voxel");
   }

@@ -52,7 +52,7 @@ Result<meshes::MeshWriteResult> write_picture(std::span<const mesh::Mesh> meshes
   };
   options.size = {side(job.picture_file->width), side(job.picture_file->height)};
   options.angles = job.picture_file->angles;
-  if (!job.source.placement.unit.empty()) options.unit = "m";
+  if (!job.source.placement.unit.empty()) options.unit = job.source.placement.to_unit;
   options.up = shown_up(job.source.placement.up);
   const auto renderer = render::make_cpu_renderer();
   auto drawn = render::draw_preview(surfaces, options, *renderer, context);

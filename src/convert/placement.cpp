@@ -11,8 +11,9 @@
 namespace isoextract::convert {
 namespace {
 
-constexpr std::array kUnits{LengthUnit{"um", 1e-6}, LengthUnit{"mm", 1e-3},   LengthUnit{"cm", 1e-2},
-                            LengthUnit{"m", 1},     LengthUnit{"in", 0.0254}, LengthUnit{"ft", 0.3048}};
+constexpr std::array kUnits{LengthUnit{"um", 1},  LengthUnit{"mm", 1e3},    LengthUnit{"cm", 1e4},
+                            LengthUnit{"m", 1e6}, LengthUnit{"in", 25'400}, LengthUnit{"ft", 304'800}};
+constexpr std::size_t kMetre = 3;
 
 constexpr double kVoxelTolerance = 1e-6;
 constexpr double kAxisTolerance = 1e-6;  // of an axis' length
@@ -24,6 +25,23 @@ field::Box bounds_in(const field::ScalarField& field, Space space) {
                          {glm::dvec3(extents.min), glm::dvec3(extents.max)});
 }
 
+// The signs of x and y in RAS coordinates, by what the file calls its world; none where that is no anatomical space.
+// NIfTI's name stands in nifti_reader.cpp; NRRD's are those of its format definition, and may end in "-time".
+std::optional<glm::dvec2> ras_signs(std::string_view world_space) {
+  if (world_space.starts_with("RAS") || world_space.starts_with("right-anterior-superior")) return glm::dvec2(1, 1);
+  if (world_space.starts_with("LAS") || world_space.starts_with("left-anterior-superior")) return glm::dvec2(-1, 1);
+  if (world_space.starts_with("LPS") || world_space.starts_with("left-posterior-superior")) return glm::dvec2(-1, -1);
+  return std::nullopt;
+}
+
+// Mirrors the axes of the field's world; nothing where its space is not known.
+std::optional<field::Affine> anatomical_map(std::string_view world_space, AnatomicalSpace to) {
+  const auto from = ras_signs(world_space);
+  if (!from) return std::nullopt;
+  const glm::dvec2 signs = to == AnatomicalSpace::ras ? *from : -*from;
+  return field::scaling(glm::dvec3(signs, 1));
+}
+
 // Where samples are: sparse ones are everywhere, for the background is a value like any other.
 field::IndexBox sample_box(const field::ScalarField& field) {
   if (std::holds_alternative<field::DenseSamples>(field.samples)) return field.extents();
@@ -33,12 +51,20 @@ field::IndexBox sample_box(const field::ScalarField& field) {
 }  // namespace
 
 std::span<const LengthUnit> length_units() { return kUnits; }
+const LengthUnit& metre() { return kUnits[kMetre]; }
+
+double unit_ratio(const LengthUnit& from, const LengthUnit& to) { return from.micrometres / to.micrometres; }
 
 field::Affine output_from_index(const field::ScalarField& field, const Placement& placement) {
   if (placement.space == Space::index) return field.index_to_file;
   field::Affine map = field::scaling(glm::dvec3(placement.scale)).after(field.index_to_world);
+  if (placement.to_space) {
+    if (const auto mirrored = anatomical_map(field.world_space, *placement.to_space)) map = mirrored->after(map);
+  }
   if (placement.turn_z_up_to_y_up)
     map = field::Affine{glm::dmat3(1, 0, 0, 0, 0, -1, 0, 1, 0), glm::dvec3(0)}.after(map);
+  if (placement.turn_y_up_to_z_up)
+    map = field::Affine{glm::dmat3(1, 0, 0, 0, 0, 1, 0, -1, 0), glm::dvec3(0)}.after(map);
   return map;
 }
 
@@ -82,6 +108,14 @@ Result<field::IndexBox> samples_in_box(const field::ScalarField& field, const fi
 
 Result<PlacedField> place_field(const field::ScalarField& field, const Placement& placement,
                                 const std::optional<field::Box>& roi, bool closed) {
+  if (placement.to_space && !ras_signs(field.world_space)) {
+    const std::string found = field.world_space.empty() ? "does not say" : fmt::format("says '{}'", field.world_space);
+    return fail(ErrorKind::usage,
+                fmt::format("{}: {} was asked for, which needs a file that says whether its world is RAS, LAS or LPS; "
+                            "this one {}",
+                            field_label(field), word_of(*placement.to_space), found),
+                "NIfTI files always say it, and NRRD files by their space");
+  }
   PlacedField placed;
   placed.output_from_index = output_from_index(field, placement);
   if (field.index_to_world.is_regular() && !placed.output_from_index.is_regular()) {

@@ -20,19 +20,32 @@ constexpr auto words_of(Space /*type*/) { return std::array{Word{Space::world, "
 enum class UpAxis { y, z };
 constexpr auto words_of(UpAxis /*type*/) { return std::array{Word{UpAxis::y, "y"}, Word{UpAxis::z, "z"}}; }
 
+// The axes that scans of bodies are stored in: x to the right or the left, y to the front or the back, z to the head.
+enum class AnatomicalSpace { ras, lps };
+constexpr auto words_of(AnatomicalSpace /*type*/) {
+  return std::array{Word{AnatomicalSpace::ras, "ras"}, Word{AnatomicalSpace::lps, "lps"}};
+}
+
 struct LengthUnit {
   std::string_view name;
-  double metres;
+  double micrometres;  // a whole number, so that ratios of units are rounded once
 };
 [[nodiscard]] std::span<const LengthUnit> length_units();
+[[nodiscard]] const LengthUnit& metre();
+
+// What lengths in `from` are multiplied by to be in `to`.
+[[nodiscard]] double unit_ratio(const LengthUnit& from, const LengthUnit& to);
 
 // What happens between the samples' indices and the coordinates in the file.
 struct Placement {
   Space space = Space::world;
   UpAxis up = UpAxis::z;           // of the input's world
   bool turn_z_up_to_y_up = false;  // (x, y, z) -> (x, z, -y)
+  bool turn_y_up_to_z_up = false;  // (x, y, z) -> (x, -z, y); not both
   double scale = 1;
-  std::string unit;  // that `scale` converts to metres; empty if none was named
+  std::string unit;                         // of the input's world; empty if none was named
+  std::string to_unit;                      // that `scale` converts it to; empty with `unit`
+  std::optional<AnatomicalSpace> to_space;  // that the world's axes are mirrored into, before they are turned
 
   friend bool operator==(const Placement&, const Placement&) = default;
 };
@@ -60,8 +73,9 @@ struct PlacedField {
 };
 
 // Where the samples' axes are oblique to the box, surfaces are cut at it, unless they are closed there, which is done
-// along samples: then the box is that of the samples. Fails with ErrorKind::usage where the scale leads out of the
-// range of numbers, and as samples_in_box does.
+// along samples: then the box is that of the samples. Fails with ErrorKind::usage where an anatomical space is asked for
+// and the file does not say which one its world is, where the scale leads out of the range of numbers, and as
+// samples_in_box does.
 [[nodiscard]] Result<PlacedField> place_field(const field::ScalarField& field, const Placement& placement,
                                               const std::optional<field::Box>& roi, bool closed);
 

@@ -171,7 +171,7 @@ TEST_F(Allocation, OfPackedSamples) {
 
 TEST_F(Allocation, OfSparseSamples) {
   ConversionJob job = job_of(sample("metaballs.vdb"), 0.5, meshes::MeshFormat::obj);
-  job.source.placement = {Space::world, UpAxis::y, false, 2, ""};
+  job.source.placement = {Space::world, UpAxis::y, false, false, 2, "", "", std::nullopt};
   expect_all_are_told(job);
 }
 

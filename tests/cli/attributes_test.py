@@ -94,7 +94,8 @@ class AttributesTest(ProgramTest):
     def test_a_linear_function_comes_out_exactly(self):
         """Wherever the mesh is put, the attribute is that of its places in the world."""
         heat = ("--attribute", "heat=linear.nrrd")
-        back = {(): lambda p: p, ("--space", "index"): lambda p: p, ("--unit", "mm"): lambda p: [1000 * c for c in p],
+        back = {(): lambda p: p, ("--space", "index"): lambda p: p, ("--up-out", "y"): lambda p: [p[0], -p[2], p[1]],
+                ("--unit", "mm", "--to-unit", "m"): lambda p: [1000 * c for c in p],
                 ("--scale", "3"): lambda p: [c / 3 for c in p], ("--roi", "0,0,0,6,11,9"): lambda p: p,
                 ("--resolution", "20"): lambda p: p, ("--simplify", "0.2"): lambda p: p}
         for more, world_of in back.items():

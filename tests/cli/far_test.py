@@ -54,7 +54,7 @@ class FarTest(ProgramTest):
 
     def test_up_scale_and_unit_keep_it(self):
         for options, scale in ((("--up", "z"), 1.0), (("--up", "y"), 1.0), (("--scale", "3.7"), 3.7),
-                               (("--unit", "mm"), 1e-3), (("--scale", "1e-4", "--up", "y"), 1e-4)):
+                               (("--unit", "mm", "--to-unit", "m"), 1e-3), (("--scale", "1e-4", "--up", "y"), 1e-4)):
             for form in ("glb", "ply", "obj"):
                 with self.subTest(form=form, options=options):
                     near = self.sphere((0.0, 0.0, 0.0), form, *(o for o in options if form == "glb" or o not in

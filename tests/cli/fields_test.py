@@ -325,7 +325,8 @@ class FieldFileTest(FieldsTest):
     def test_options_of_surfaces_are_refused(self):
         for options in (("--iso", "0"), ("--method", "mt"), ("--normals", "flat"), ("--simplify", "0.1"), ("--cap",),
                         ("--roi", "0,0,0,1,1,1"), ("--attribute", "v"), ("--space", "index"), ("--up", "y"), ("--scale", "2"),
-                        ("--unit", "mm"), ("--ascii",), ("--draco",), ("--quantize",), ("--meshopt",), ("--optimize-order",),
+                        ("--unit", "mm"), ("--to-unit", "m"), ("--up-out", "y"), ("--to-space", "ras"), ("--ascii",),
+                        ("--draco",), ("--quantize",), ("--meshopt",), ("--optimize-order",),
                         ("--error",), ("--verify",), ("--backend", "cpu"), ("--animate",), ("--plot", "a.svg")):
             run = self.run_program(SPHERE, *options, "-o", "a.vdb")
             self.assert_fails(1, run, f"{options[0]} is about a surface, and the output is the field itself")

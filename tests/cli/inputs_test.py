@@ -221,6 +221,25 @@ class StandardInputTest(ProgramTest):
             self.assertIn(part, err)
         self.assertEqual(self.files(), [])
 
+    def test_known_formats_that_are_not_read(self):
+        by_name = (("a.mhd", "MetaImage"), ("a.h5", "HDF5"), ("a.EXO", "Exodus"), ("case.foam", "OpenFOAM"),
+                   ("a.mrc", "MRC"), ("a.inr", "INRIMAGE"), ("a.mgz", "FreeSurfer"), ("a.vti", "image data"))
+        for name, title in by_name:
+            (self.folder / name).write_bytes(b"whatever it holds")
+            run = self.run_program(name, "--iso", "0", "-o", "out.ply")
+            self.assert_fails(2, run, f"{name}: it is", title, "by its name", "hint: ")
+            self.assert_fails(2, self.run_program("info", name), title)
+        by_content = ((bytes(128) + b"DICM", "DICOM"), (b"\x89HDF\r\n\x1a\n" + bytes(20), "HDF5"),
+                      (bytes(208) + b"MAP ", "MRC"), (b"II*\0" + bytes(9), "TIFF"), (b"BPHYSICS" + bytes(9), "Blender"))
+        for content, title in by_content:
+            (self.folder / "unnamed").write_bytes(content)
+            run = self.run_program("unnamed", "--iso", "0", "-o", "out.ply")
+            self.assert_fails(2, run, "unnamed: it is", title, "by its content", "hint: ")
+        # Cut off before the magic is whole, it is nothing that is known.
+        (self.folder / "unnamed").write_bytes(bytes(128) + b"DIC")
+        self.assert_fails(2, self.run_program("unnamed", "--iso", "0"), "not a volume format")
+        self.assertNotIn("out.ply", self.files())
+
     def test_what_is_no_volume(self):
         convert = ("-", "--iso", "0", "-o", "out.ply")
         whole = npy(ZYX, samples(1))

@@ -57,12 +57,69 @@ class PlacementTest(ProgramTest):
         self.assert_bounds(found, (22, 49, 80), (26, 55, 88))
         self.assertIn("scaled by 2", said)
 
-    def test_units_become_metres(self):
+    def test_units_become_metres_where_the_format_prescribes_them(self):
         for unit, metres in (("um", 1e-6), ("mm", 1e-3), ("cm", 1e-2), ("m", 1), ("in", 0.0254), ("ft", 0.3048)):
-            found, said = self.bounds("out.obj", *PLACED, "--unit", unit)
+            found, said = self.bounds("out.glb", *PLACED, "--unit", unit, "--up", "y")
             for got, wanted in zip((*found[0], *found[1]), (11, 24.5, 40, 13, 27.5, 44)):
                 self.assertAlmostEqual(got, wanted * metres, delta=1e-6 * wanted * metres)
-            self.assertIn(f"({unit} to m)", said)
+            self.assertIn("in m" if unit == "m" else f"({unit} to m)", said)
+
+    def test_other_formats_keep_the_unit(self):
+        for name in ("out.ply", "out.obj", "out.stl"):
+            self.convert(*PLACED, "-o", "plain." + name)
+            found, said = self.bounds(name, *PLACED, "--unit", "mm")
+            self.assert_bounds(found, (11, 24.5, 40), (13, 27.5, 44))
+            self.assertIn(", in mm", said)
+            self.assertEqual((self.folder / name).read_bytes(), (self.folder / ("plain." + name)).read_bytes())
+
+    def test_any_unit_into_any(self):
+        for name in ("out.stl", "out.glb"):
+            found, said = self.bounds(name, *PLACED, "--unit", "in", "--to-unit", "mm", "--up", "y")
+            self.assert_bounds(found, [25.4 * x for x in (11, 24.5, 40)], [25.4 * x for x in (13, 27.5, 44)])
+            self.assertIn("scaled by 25.4 (in to mm)", said)
+            self.assertEqual("note: --to-unit mm" in said, name == "out.glb")
+        self.assert_fails(1, self.run_program(*PLACED, "--to-unit", "mm", "-o", "no.stl"), "--to-unit", "--unit mm")
+        self.assert_fails(1, self.run_program(*PLACED, "--space", "index", "--unit", "mm", "-o", "no.stl"), "--unit")
+
+    def test_any_format_can_be_turned(self):
+        turned, kept = ((11, 40, -27.5), (13, 44, -24.5)), ((11, 24.5, 40), (13, 27.5, 44))
+        lying = ((11, -44, 24.5), (13, -40, 27.5))
+        for name in ("out.ply", "out.obj", "out.stl", "out.glb"):
+            for up, out, wanted in (("z", "y", turned), ("z", "z", kept), ("y", "y", kept), ("y", "z", lying)):
+                found, said = self.bounds(name, *PLACED, "--up", up, "--up-out", out)
+                self.assert_bounds(found, *wanted)
+                self.assertEqual(f"turned from {up} up to {out} up" in said, up != out)
+                self.assertEqual("lying down" in said, name == "out.glb" and out == "z")
+        self.assert_fails(1, self.run_program(*PLACED, "--up-out", "y", "--space", "index"), "--up-out")
+        self.assert_fails(1, self.run_program(*PLACED, "--up-out", "y", "-o", "a.png"), "--up-out")
+
+    def test_written_meshes_are_verified_as_they_were_placed(self):
+        placed = ("--unit", "mm", "--to-unit", "cm", "--up-out", "y")
+        for name in ("out.ply", "out.stl", "out.glb"):
+            self.convert(*PLACED, *placed, "-o", name)
+            self.assertEqual(self.run_program("verify", *PLACED, *placed, name).code, 0)
+        self.assertEqual(self.run_program("verify", *PLACED, "--unit", "mm", "out.ply").code, 6)
+
+    def write_scan(self, name, space):
+        header = ("NRRD0004\ntype: float\ndimension: 3\nsizes: 3 4 5\nencoding: raw\nendian: little\n"
+                  f"space{space}\nspace directions: (2,0,0) (0,3,0) (0,0,4)\nspace origin: (10,20,30)\n\n")
+        values = [float((x, y, z) == SPIKE) for z in range(5) for y in range(4) for x in range(3)]
+        (self.folder / name).write_bytes(header.encode() + struct.pack("<60f", *values))
+
+    def test_anatomical_spaces(self):
+        low, high = (11, 24.5, 40), (13, 27.5, 44)
+        for space, x, y in (("right-anterior-superior", 1, 1), ("left-anterior-superior", -1, 1),
+                            ("left-posterior-superior", -1, -1)):
+            self.write_scan("scan.nrrd", ": " + space)
+            for to, sign in (("ras", 1), ("lps", -1)):
+                found, said = self.bounds("out.obj", "scan.nrrd", "--iso", "0.5", "--to-space", to)
+                corners = [[sign * s * c for s, c in zip((x, y, sign), corner)] for corner in (low, high)]
+                self.assert_bounds(found, [min(c) for c in zip(*corners)], [max(c) for c in zip(*corners)])
+                self.assertIn(f", in {to}", said)
+        self.write_scan("scan.nrrd", " dimension: 3")
+        run = self.run_program("scan.nrrd", "--iso", "0.5", "--to-space", "ras", "-o", "no.obj")
+        self.assert_fails(1, run, "scan.nrrd", "RAS, LAS or LPS")
+        self.assertNotIn("no.obj", self.files())
 
     def test_turn_and_scale_together(self):
         found, _ = self.bounds("out.glb", *PLACED, "--unit", "cm")

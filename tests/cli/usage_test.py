@@ -27,6 +27,21 @@ class UsageTest(ProgramTest):
             self.assertIn(f"unknown option '{given.split('=')[0]}'", err)
             self.assertIn(f"did you mean '{meant}'?", err)
 
+    def test_options_of_other_programs_have_a_suggestion(self):
+        for given, meant in (("--decimate=0.5", "--simplify"), ("--threshold", "--iso V"), ("--isovalue=3", "--iso V"),
+                             ("--level", "--iso V"), ("--crop", "--roi"), ("--watertight", "--cap")):
+            err = self.refused(SPHERE, "--iso", "0", given)
+            self.assertIn(f"unknown option '{given.split('=')[0]}'", err)
+            self.assertIn(f"hint: {meant}", err)
+        # No other command has what is hinted at.
+        self.assertNotIn("--simplify", self.refused("info", SPHERE, "--decimate"))
+        self.assertIn("--iso several times", self.refused(SPHERE, "--iso", "0.5,1"))
+
+    def test_an_output_without_its_option(self):
+        err = self.refused("a.vdb", "b.glb", "--iso", "0")
+        self.assertIn("b.glb: the name of a mesh stands among the inputs", err)
+        self.assertIn("hint: the output comes after -o: -o b.glb", err)
+
     def test_unknown_options_without_a_near_one_point_to_the_help(self):
         for given in ("--frobnicate", "-x"):
             err = self.refused(SPHERE, "--iso", "0", given)

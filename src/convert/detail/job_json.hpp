@@ -343,8 +343,11 @@ class JobJson {
     each("space", job.source.placement.space);
     each("up", job.source.placement.up);
     each("turned_to_y_up", job.source.placement.turn_z_up_to_y_up);
+    each("turned_to_z_up", job.source.placement.turn_y_up_to_z_up);
     each("scale", job.source.placement.scale);
     each("unit", job.source.placement.unit);
+    each("to_unit", job.source.placement.to_unit);
+    each("to_space", job.source.placement.to_space);
     each("method", job.surface.method);
     each("nan", job.surface.nan);
     each("cap", job.surface.cap);

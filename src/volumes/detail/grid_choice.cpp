@@ -21,7 +21,7 @@ std::string describe_grid(const GridInfo& grid) {
                              : fmt::format("{} active voxels in [{},{},{}]..[{},{},{}]", *grid.voxels, box.min.x,
                                            box.min.y, box.min.z, box.max.x, box.max.y, box.max.z);
   }
-  if (grid.kind) text += *grid.kind == field::FieldKind::level_set ? ", level set" : ", fog volume";
+  if (grid.kind) text += *grid.kind == field::FieldKind::level_set ? ", level set" : ", density";
   if (!grid.frame_problem.empty()) text += "; its place cannot be used: " + grid.frame_problem;
   return text;
 }

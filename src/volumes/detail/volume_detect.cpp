@@ -9,6 +9,7 @@
 #include "base/printable.hpp"
 #include "files/file_bytes.hpp"
 #include "volumes/detail/formats.hpp"
+#include "volumes/detail/unread_format.hpp"
 
 namespace isoextract::volumes {
 namespace {
@@ -39,6 +40,12 @@ const VolumeFormat* format_by_extension(const std::filesystem::path& path) {
 }
 
 tl::unexpected<Error> fail_unknown(const files::InputFile& file, std::span<const std::byte> content) {
+  if (const auto known = unread_format(file.path(), content)) {
+    return fail(ErrorKind::input,
+                fmt::format("{}: it is {} by its {}, which isoextract does not read", file.name(), known->title,
+                            known->by_name ? "name" : "content"),
+                Hint(known->way));
+  }
   std::string hint = "it reads";
   for (const VolumeFormat* format : volume_formats()) {
     const FormatDescription& about = format->about();

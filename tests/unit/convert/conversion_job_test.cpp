@@ -34,7 +34,7 @@ ConversionJob full_job() {
   job.source.resolution = glm::ivec3(10, 20, 30);
   job.source.away_from_zero = true;
   job.source.roi = field::Box{{-1, -2, -3}, {1, 2, 3}};
-  job.source.placement = {Space::index, UpAxis::y, true, 0.001, "mm"};
+  job.source.placement = {Space::index, UpAxis::y, true, true, 0.001, "mm", "cm", AnatomicalSpace::lps};
   job.surface = {extract::Method::mt, extract::NanPolicy::hole, true, extract::VoxelFaces::plain, 3};
   job.normals = Normals::flat;
   job.colour = ColourChoice{"heat", Colormap::turbo, std::array{-1.5, 2.25}};
