@@ -15,7 +15,7 @@ namespace isoextract::field {
 // What is between the samples, where a grid becomes finer: along each axis,
 enum class ResampleKernel {
   linear,   // the line through the two samples beside it
-  cubic,    // Catmull-Rom (CGI 1974): through the samples, smooth across them; it may overshoot beside steps
+  cubic,    // Catmull and Rom 1974: through the samples, smooth across them; it may overshoot beside steps
   bspline,  // the cubic B-spline with the samples as its coefficients: smoother, not through the samples
 };
 constexpr auto words_of(ResampleKernel /*type*/) {
@@ -28,9 +28,12 @@ constexpr auto words_of(ResampleKernel /*type*/) {
 // number of threads.
 //
 // Along axes that get more samples, a new one is the kernel's value at its place; along those that get fewer, the mean
-// of the linear interpolant over the step of the new grid around it, a box filter: nothing that is smaller than a step
-// is left to chance, and what is linear keeps its values. Towards the border of the field, which has nothing beyond,
-// the part that it is the mean of shrinks on both sides alike, to the sample itself.
+// of the field's voxels, boxes around its samples, over the step of the new grid around it, cut voxels by what is in
+// there: a box filter as coarsen() has it, for steps that need not be whole. The steps lie side by side, so that
+// nothing is lost or counted twice, and where they are hardly longer than a voxel, means are hardly other than the line
+// between two samples. Constants and, by whole steps, what is linear keep their values; other steps move a line by an
+// eighth of a voxel, divided by the step, at most. Towards the border of the field, which has nothing beyond, the part
+// that is averaged shrinks on both sides alike, to the sample itself.
 //
 // Samples are f64 if they were f64, u32 or i32, which float cannot hold, and otherwise f32: what lies between the
 // samples is rounded as in any file of that type. It is the stored values that are taken; the value scale stays as it

@@ -7,12 +7,8 @@
 namespace isoextract::field {
 namespace {
 
-// What is left of `u` of the linear interpolant's share of the sample at 0, a hat of width 2 and area 1.
-double hat_until(double u) {
-  if (u <= -1) return 0;
-  if (u >= 1) return 1;
-  return u < 0 ? (u + 1) * (u + 1) / 2 : 1 - (1 - u) * (1 - u) / 2;
-}
+// How much of a voxel, a box of width 1 around its sample at 0, is below `u`.
+double voxel_until(double u) { return std::clamp(u + 0.5, 0.0, 1.0); }
 
 // Of the samples below - 1 to below + 2.
 std::array<double, AxisWeights::kMostOfKernel> kernel_weights(ResampleKernel kernel, double t) {
@@ -80,26 +76,24 @@ AxisWeights::AxisWeights(int old_count, int new_count, ResampleKernel kernel, bo
     entry.t = static_cast<double>(scaled % steps) / static_cast<double>(steps);
     entry.begin = weights_.size();
     const double place = entry.below + entry.t;
-    const double to_border = std::min(place, old_count - 1 - place);
-    if (mean_ && to_border > 0) {
-      add_mean(entry, std::min(half_step, to_border), old_count);
+    if (mean_) {
+      add_mean(entry, std::min(half_step, std::min(place, old_count - 1 - place) + 0.5), old_count);
     } else {
-      add_kernel(entry, mean_ ? ResampleKernel::linear : kernel, old_count);
+      add_kernel(entry, kernel, old_count);
     }
   }
 }
 
-// The mean of the linear interpolant from `half_width` before the place to as far behind it: what is linear keeps its
-// values, which a mean of whole and cut voxels would move.
+// The mean of the voxels from `half_width` before the place to as far behind it, cut ones by what is in there.
 void AxisWeights::add_mean(Entry entry, double half_width, int old_count) {
   const double place = entry.below + entry.t;
   const double low = place - half_width;
   const double high = place + half_width;
-  entry.first = std::max(static_cast<int>(std::floor(low)), 0);
-  const int last = std::min(static_cast<int>(std::ceil(high)), old_count - 1);
+  entry.first = std::max(static_cast<int>(std::floor(low + 0.5)), 0);
+  const int last = std::min(static_cast<int>(std::ceil(high - 0.5)), old_count - 1);
   double sum = 0;
   for (int j = entry.first; j <= last; ++j) {
-    weights_.push_back(hat_until(high - j) - hat_until(low - j));
+    weights_.push_back(voxel_until(high - j) - voxel_until(low - j));
     sum += weights_.back();
   }
   for (std::size_t k = entry.begin; k < weights_.size(); ++k) weights_[k] /= sum;

@@ -20,6 +20,9 @@ ConversionJob full_job() {
   job.source.read.spacing = glm::dvec3(0.1, 1e-300, 3);
   job.source.read.origin = glm::dvec3(-1, 2, 0.30000000000000004);
   job.source.read.kind = field::FieldKind::level_set;
+  job.source.read.component = volumes::ComponentChoice{};
+  job.source.read.axis_order = volumes::AxisOrder::xyz;
+  job.source.read.no_data = -9999.5;
   job.source.particles = {.expected = true,
                           .method = points::Method::anisotropic,
                           .radius = 0.025,
@@ -33,6 +36,8 @@ ConversionJob full_job() {
   job.source.filters = {{volumes::LevelSetFilter::median, 2}, {volumes::LevelSetFilter::mean, 1}};
   job.source.resolution = glm::ivec3(10, 20, 30);
   job.source.away_from_zero = true;
+  job.source.kernel = field::ResampleKernel::bspline;
+  job.source.clip = {{{1, -2, 0.5}, 1e-3}, {{0, 0, 1}, -7}};
   job.source.roi = field::Box{{-1, -2, -3}, {1, 2, 3}};
   job.source.placement = {Space::index, UpAxis::y, true, true, 0.001, "mm", "cm", AnatomicalSpace::lps};
   job.surface = {extract::Method::mt, extract::NanPolicy::hole, true, extract::VoxelFaces::plain, 3};

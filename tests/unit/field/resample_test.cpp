@@ -1,5 +1,6 @@
 #include "field/resample.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -97,7 +98,7 @@ TEST(Resample, KeepsATrilinearFieldWhereItWas) {
   field.index_to_world = frame;
   field.index_to_file = scaling({2, 2, 2});
   field.scale = {-3, 7};
-  for (const glm::ivec3& resolution : {glm::ivec3(17, 31, 6), {2, 2, 2}, {64, 3, 5}, {10, 7, 130}}) {
+  for (const glm::ivec3& resolution : {glm::ivec3(17, 31, 6), {2, 2, 2}, {64, 3, 5}, {10, 9, 130}}) {
     const ScalarField other = resampled(field, resolution);
     EXPECT_EQ(other.scale.slope, -3);
     for_each_sample(resolution, [&](const glm::ivec3& p) {
@@ -149,6 +150,16 @@ TEST(Resample, CoarserIsTheMeanOverAStep) {
   EXPECT_TRUE(std::isnan(row_of(stripes, 17)[8]));
   EXPECT_EQ(row_of(stripes, 17)[10], flat[10]);
   for (const double value : row_of(std::vector<double>(50, 0.1), 7)) EXPECT_EQ(value, 0.1);
+  // A step that is hardly longer than a voxel hardly changes anything.
+  std::vector<double> spike(101, 0.0);
+  spike[5] = 8;
+  EXPECT_GT(std::ranges::max(row_of(spike, 100)), 7);
+  std::vector<double> line;
+  for (int i = 0; i < 50; ++i) line.push_back(i);
+  const std::vector<double> moved = row_of(line, 30);
+  for (std::size_t i = 0; i < moved.size(); ++i) {
+    EXPECT_NEAR(moved[i], static_cast<double>(i) * 49 / 29, 1.0 / 8 / (49.0 / 29) + 1e-12);
+  }
 }
 
 TEST(Resample, CubicGoesThroughTheSamplesAndKeepsParabolas) {
