@@ -73,7 +73,7 @@ class ConfigTest(ProgramTest):
                 ("iso = [[1]]\n", ("job.toml:1: iso: expected a text, a number or a list of them, found a list",)),
                 ("iso = 1979-05-27\n", ("found a date or time",)),
                 ("method = ['mc', 'mt']\n", ("job.toml:1: method: expected one value, found a list of 2",)),
-                ("method = 'mx'\n", ("job.toml: --method: expected one of mc, mt, voxels, found 'mx'",)),
+                ("method = 'mx'\n", ("job.toml: --method: expected one of mc, mt, voxels, surface-nets, found 'mx'",)),
                 ("cap = 1\n", ("job.toml:1: cap: expected true or false, found a number",)),
                 ("grid = ''\n", ("job.toml: --grid needs a value",)),
                 ("iso = 1\niso = 2\n", ("job.toml:2: ",)),

@@ -115,7 +115,7 @@ class DocumentsTest(ProgramTest):
                 ("isoextract --meth", ["--method"]),
                 ("isoextract in.vdb --iso 0 --meth", ["--method"]),
                 ("isoextract convert --meth", ["--method"]),
-                ("isoextract in.vdb --method ", ["mc", "mt", "voxels", "surface-nets"]),
+                ("isoextract in.vdb --method ", ["mc", "mt", "surface-nets", "voxels"]),
                 ("isoextract in.vdb --method=m", ["mc", "mt"]),
                 ("isoextract in.vdb --format g", ["glb", "gltf"]),
                 ("isoextract in.vdb --iso ", []),
@@ -149,7 +149,8 @@ class DocumentsTest(ProgramTest):
         script = self.folder / "isoextract.fish"
         script.write_text(self.text("generate", "fish"))
         subprocess.run(["fish", "-n", script], check=True)
-        for line, wanted in (("isoextract --meth", ["--method"]), ("isoextract x --method ", ["mc", "mt", "voxels", "surface-nets"]),
+        for line, wanted in (("isoextract --meth", ["--method"]),
+                             ("isoextract x --method ", ["mc", "mt", "surface-nets", "voxels"]),
                              ("isoextract info --js", ["--json"]), ("isoextract info --meth", []),
                              ("isoextract generate ", ["bash", "fish", "man", "zsh"])):
             run = subprocess.run(["fish", "--no-config", "-c", 'source $argv[1]; complete -C $argv[2]', script, line],

@@ -120,7 +120,7 @@ class VoxelsTest(ProgramTest):
         return run.err
 
     def test_what_is_refused(self):
-        self.assertIn("--labels does not go with marching cubes", self.refused("labels.raw", "--labels", "all"))
+        self.assertIn("--labels does not go with marching cubes", self.refused("labels.raw", "--labels", "all", "--method", "mc"))
         self.assertIn("--labels and --iso exclude each other", self.refused(*self.labels, "--labels", "1", "--iso", "0"))
         self.assertIn("expected all, or whole numbers", self.refused(*self.labels, "--labels", "1,x"))
         self.assertIn("each label once", self.refused(*self.labels, "--labels", "1,1"))
