@@ -1,4 +1,4 @@
-// Table positions (TransferFunction) of a field's samples, cell by cell.
+// Table positions (TransferFunction) of a field's samples.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace isoextract::render::detail {
 
-// Shared by all threads; what reads it is CellReader.
+// Shared by all threads; what reads it is SampleReader or CornerReader.
 class VolumeSamples {
  public:
   // Reserves what finding blocks takes. `volume` outlives this.
