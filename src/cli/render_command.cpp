@@ -91,6 +91,21 @@ convert::Json json_of(const PicturePlan& plan, const render::Rendered& rendered,
           {"fragments", statistics.fragments}};
 }
 
+// Lets a renderer keep what it makes of a volume for as long as that is there.
+class KeptVolume {
+ public:
+  explicit KeptVolume(render::Renderer& renderer) : renderer_(renderer) {}
+  KeptVolume(const KeptVolume&) = delete;
+  KeptVolume& operator=(const KeptVolume&) = delete;
+  ~KeptVolume() { forget(); }
+
+  void be(const render::Volume* volume) { renderer_.keep(volume); }
+  void forget() { renderer_.keep(nullptr); }
+
+ private:
+  render::Renderer& renderer_;
+};
+
 // All pictures of a plan; the camera of the first serves all, so that a sequence stands still.
 class Pictures {
  public:
@@ -102,14 +117,17 @@ class Pictures {
     RenderNotes notes(messages_, bar);
     auto source = SceneSource::open(plan_, context_, notes);
     if (!source) return tl::unexpected(std::move(source.error()));
+    KeptVolume kept(renderer_);      // goes before its volume
     std::optional<std::string> now;  // the volume that was read last
     for (const PicturePlan& picture : plan_.pictures) {
       StageTime reading;
       if (picture.input && now != picture.input) {
         const Stopwatch watch;
+        kept.forget();
         auto read = source->read_volume(*picture.input, picture.output, context_, notes);
         if (!read) return read;
         now = picture.input;
+        kept.be(source->scene().volume);
         reading = watch.elapsed();
       }
       if (auto drawn = draw(*source, picture, reading, bar); !drawn) return drawn;

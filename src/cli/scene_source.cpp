@@ -26,15 +26,21 @@ constexpr std::uint64_t kMostTransferBytes = 1U << 20U;
 
 class KeptSurfaces final : public convert::MeshSink {
  public:
+  explicit KeptSurfaces(bool with_source) : with_source_(with_source) {}
+
   Result<void> take(convert::HandedMeshes handed) override {
     std::ranges::move(handed.meshes, std::back_inserter(meshes));
     return {};
   }
-  std::vector<mesh::Mesh> meshes;
-};
+  [[nodiscard]] bool wants_source() const override { return with_source_; }
+  void take_source(convert::Source&& taken) override { source = std::move(taken); }
 
-// The notes of a conversion, which has read the volume a second time and noted all of that before.
-class NoEvents final : public convert::Events {};
+  std::vector<mesh::Mesh> meshes;
+  std::optional<convert::Source> source;
+
+ private:
+  bool with_source_;
+};
 
 Result<mesh::Mesh> read_mesh(const std::string& path, const RenderPlan& plan, const Context& context,
                              convert::Events& events) {
@@ -123,32 +129,36 @@ Result<void> SceneSource::read_volume(const std::string& input, const std::strin
   surfaces_.clear();
   convert::ConversionJob job = plan_->job;
   job.source.input = input;
-  if (plan_->draws_volume) {
+  if (!plan_->isos.empty()) {
+    KeptSurfaces kept(plan_->draws_volume);
+    job.outputs = {{output, plan_->isos}};
+    convert::Outcome outcome = convert::run(job, context, events, {}, nullptr, &kept);
+    if (outcome.error) return tl::unexpected(std::move(*outcome.error));
+    surfaces_ = std::move(kept.meshes);
+    source_ = std::move(kept.source);
+  } else if (plan_->draws_volume) {
     auto source = convert::open_source(job.source, {}, context, events);
     if (!source) return tl::unexpected(std::move(source.error()));
     source_ = std::move(*source);
-    const auto box = render::box_of_volume(source_->field);
-    if (!box) return tl::unexpected(box.error());
-    if (auto chosen = choose_transfer(source_->field, context); !chosen) return chosen;
-    if (first) {
-      const field::Box world = field::image_of(source_->output_from_index, *box);
-      const glm::dvec3 sides = world.max - world.min;
-      unit_length_ = plan_->unit_length.value_or(std::max({sides.x, sides.y, sides.z}) / 100);
-    }
-    volume_ = render::Volume{&source_->field, source_->output_from_index, *transfer_, unit_length_};
   }
-  if (plan_->isos.empty()) return {};
-  KeptSurfaces kept;
-  NoEvents silent;
-  job.outputs = {{output, plan_->isos}};
-  convert::Outcome outcome = convert::run(job, context, plan_->draws_volume ? silent : events, {}, nullptr, &kept);
-  if (outcome.error) return tl::unexpected(std::move(*outcome.error));
-  surfaces_ = std::move(kept.meshes);
   if (plan_->shading == render::Shading::smooth) {
     for (mesh::Mesh& mesh : surfaces_) {
       if (auto added = render::add_normals(mesh, input, context); !added) return added;
     }
   }
+  return plan_->draws_volume ? place_volume(first, context) : Result<void>();
+}
+
+Result<void> SceneSource::place_volume(bool first, const Context& context) {
+  const auto box = render::box_of_volume(source_->field);
+  if (!box) return tl::unexpected(box.error());
+  if (auto chosen = choose_transfer(source_->field, context); !chosen) return chosen;
+  if (first) {
+    const field::Box world = field::image_of(source_->output_from_index, *box);
+    const glm::dvec3 sides = world.max - world.min;
+    unit_length_ = plan_->unit_length.value_or(std::max({sides.x, sides.y, sides.z}) / 100);
+  }
+  volume_ = render::Volume{&source_->field, source_->output_from_index, *transfer_, unit_length_};
   return {};
 }
 

@@ -35,6 +35,8 @@ class SceneSource {
  private:
   explicit SceneSource(const RenderPlan& plan) : plan_(&plan) {}
 
+  // Of the source; the first one says what a unit of length is.
+  [[nodiscard]] Result<void> place_volume(bool first, const Context& context);
   [[nodiscard]] Result<void> choose_transfer(const field::ScalarField& field, const Context& context);
   void add_surface(render::Scene& scene, const mesh::Mesh& mesh) const;
 

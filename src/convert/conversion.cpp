@@ -55,7 +55,9 @@ class Conversion {
   Result<void> run() {
     if (auto opened = job_.field_file ? open_tools() : open_backends(); !opened) return opened;
     if (auto checked = check_mesh_files(job_); !checked) return checked;
-    auto source = open_source(job_.source, use_of(job_), context_, events_);
+    SourceUse use = use_of(job_);
+    if (sink_ != nullptr && sink_->wants_source()) use.only_iso.reset();
+    auto source = open_source(job_.source, use, context_, events_);
     if (!source) return tl::unexpected(std::move(source.error()));
     source_ = std::move(*source);
     if (auto found = find_labels(); !found) return found;
@@ -65,6 +67,7 @@ class Conversion {
         return done;
       isos = isos.subspan(output.isos.size());
     }
+    if (sink_ != nullptr && sink_->wants_source()) sink_->take_source(std::move(source_));
     return {};
   }
 

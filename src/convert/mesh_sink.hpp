@@ -21,12 +21,19 @@ struct HandedMeshes {
   meshes::MeshPacking packing;  // how they are to be packed
 };
 
+struct Source;
+
 class MeshSink {
  public:
   virtual ~MeshSink() = default;
 
   // Told on the thread of the conversion, which fails as this does.
   [[nodiscard]] virtual Result<void> take(HandedMeshes handed) = 0;
+
+  // Whether it wants what the surfaces are of as well, with samples that are right away from them too; and what it gets
+  // then, last, from a conversion that did not fail. The surfaces are the same.
+  [[nodiscard]] virtual bool wants_source() const { return false; }
+  virtual void take_source(Source&& /*source*/) {}
 };
 
 }  // namespace isoextract::convert

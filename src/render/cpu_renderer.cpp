@@ -38,6 +38,27 @@ class FirstError {
   std::optional<Error> error_;
 };
 
+// What is made of a volume before a ray is followed.
+struct PreparedVolume {
+  explicit PreparedVolume(detail::VolumeSamples opened) : samples(std::move(opened)) {}
+
+  [[nodiscard]] static Result<std::unique_ptr<PreparedVolume>> make(const Volume& volume, bool skipping,
+                                                                    const Context& context) {
+    auto samples = detail::VolumeSamples::open(volume, context);
+    if (!samples) return tl::unexpected(std::move(samples.error()));
+    auto made = std::make_unique<PreparedVolume>(std::move(*samples));
+    if (skipping) {
+      auto bricks = detail::VolumeBricks::measure(made->samples, context);
+      if (!bricks) return tl::unexpected(std::move(bricks.error()));
+      made->bricks.emplace(std::move(*bricks));
+    }
+    return made;
+  }
+
+  detail::VolumeSamples samples;
+  std::optional<detail::VolumeBricks> bricks;  // of `samples`; none where nothing is skipped
+};
+
 class CpuRenderer : public Renderer {
  public:
   Result<Rendered> draw(const Scene& scene, const Camera& camera, const RenderOptions& options,
@@ -53,21 +74,23 @@ class CpuRenderer : public Renderer {
     if (!tiles) return tl::unexpected(tiles.error());
 
     detail::VolumeView volume;
-    std::optional<detail::VolumeSamples> samples;
-    std::optional<detail::VolumeBricks> bricks;
+    std::unique_ptr<PreparedVolume> own;  // of this picture alone
     PixelBox within;
     if (scene.volume != nullptr) {
-      auto opened = detail::VolumeSamples::open(*scene.volume, context);
-      if (!opened) return tl::unexpected(std::move(opened.error()));
-      samples.emplace(std::move(*opened));
-      volume.samples = &*samples;
-      if (options.empty_space_skipping) {
-        auto measured = detail::VolumeBricks::measure(*samples, context);
-        if (!measured) return tl::unexpected(std::move(measured.error()));
-        bricks.emplace(std::move(*measured));
-        volume.bricks = &*bricks;
-        rendered.statistics.bricks = bricks->count();
-        rendered.statistics.bricks_skipped = bricks->count_unseen();
+      const bool keeps = scene.volume == to_keep_;
+      std::unique_ptr<PreparedVolume>& prepared = keeps ? kept_ : own;
+      rendered.volume_kept = prepared != nullptr && prepared->bricks.has_value() == options.empty_space_skipping;
+      if (!rendered.volume_kept) {
+        prepared.reset();
+        auto made = PreparedVolume::make(*scene.volume, options.empty_space_skipping, context);
+        if (!made) return tl::unexpected(std::move(made.error()));
+        prepared = std::move(*made);
+      }
+      volume.samples = &prepared->samples;
+      if (prepared->bricks) {
+        volume.bricks = &*prepared->bricks;
+        rendered.statistics.bricks = prepared->bricks->count();
+        rendered.statistics.bricks_skipped = prepared->bricks->count_unseen();
       }
       const field::Affine index_of_world = scene.volume->index_to_world.inverse();
       volume.box = *box_of_volume(*scene.volume->field);
@@ -79,7 +102,7 @@ class CpuRenderer : public Renderer {
       within = pixels_of(camera, options.size, scene.volume->index_to_world, volume.box);
     }
 
-    const auto type = samples ? samples->field().type() : field::SampleType::f32;
+    const auto type = scene.volume != nullptr ? scene.volume->field->type() : field::SampleType::f32;
     FirstError failure;
     field::visit_sample_type(type, [&]<class T>(std::type_identity<T>) {
       draw_tiles<T>({scene, camera, options, context, surfaces, *tiles, volume, within}, rendered, failure);
@@ -87,6 +110,11 @@ class CpuRenderer : public Renderer {
     if (failure.error()) return tl::unexpected(std::move(*failure.error()));
     if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
     return rendered;
+  }
+
+  void keep(const Volume* volume) override {
+    kept_.reset();
+    to_keep_ = volume;
   }
 
   [[nodiscard]] std::string device() const override { return "CPU, " + cpu_name(); }
@@ -144,6 +172,9 @@ class CpuRenderer : public Renderer {
     });
     for (const Local& local : locals) add(rendered.statistics, local.statistics);
   }
+
+  const Volume* to_keep_ = nullptr;
+  std::unique_ptr<PreparedVolume> kept_;  // of that volume
 };
 
 }  // namespace

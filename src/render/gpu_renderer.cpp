@@ -35,9 +35,39 @@ class GpuRenderer final : public Renderer {
     return rendered;
   }
 
+  void keep(const Volume* volume) override {
+    gl_->make_current();  // for what goes
+    kept_.reset();
+    to_keep_ = volume;
+  }
+
   [[nodiscard]] std::string device() const override { return gl::describe(gl_->device()); }
 
  private:
+  struct PreparedVolume {
+    RenderOptions options;  // that it was made for
+    RenderStatistics statistics;
+    detail::GpuMemory memory;
+    std::optional<detail::GpuVolume> volume;
+
+    [[nodiscard]] bool serves(const RenderOptions& asked) const {
+      return asked.empty_space_skipping == options.empty_space_skipping &&
+             asked.samples_per_voxel == options.samples_per_voxel;
+    }
+  };
+
+  [[nodiscard]] Result<std::unique_ptr<PreparedVolume>> prepare(const Volume& volume, const RenderOptions& options,
+                                                                const Context& context) const {
+    auto made = std::make_unique<PreparedVolume>(PreparedVolume{
+        options, {}, detail::GpuMemory(gl_->device(), options_.memory_bytes, kept_bytes(), context), {}});
+    auto uploaded = detail::GpuVolume::upload(*gl_, volume, options, made->statistics, made->memory, context);
+    if (!uploaded) return tl::unexpected(std::move(uploaded.error()));
+    made->volume.emplace(std::move(*uploaded));
+    return made;
+  }
+
+  [[nodiscard]] std::uint64_t kept_bytes() const { return kept_ ? kept_->memory.taken() : 0; }
+
   Result<Rendered> draw_current(const Scene& scene, const Camera& camera, const RenderOptions& options,
                                 const Context& context) {
     glDisable(GL_RASTERIZER_DISCARD);
@@ -49,19 +79,26 @@ class GpuRenderer final : public Renderer {
     if (!picture) return tl::unexpected(std::move(picture.error()));
     rendered.picture = std::move(*picture);
 
-    detail::GpuMemory memory(gl_->device(), options_.memory_bytes, context);
+    std::unique_ptr<PreparedVolume> own;  // of this picture alone
+    const detail::GpuVolume* volume = nullptr;
+    if (scene.volume != nullptr) {
+      std::unique_ptr<PreparedVolume>& prepared = scene.volume == to_keep_ ? kept_ : own;
+      rendered.volume_kept = prepared != nullptr && prepared->serves(options);
+      if (!rendered.volume_kept) {
+        prepared.reset();
+        auto made = prepare(*scene.volume, options, context);
+        if (!made) return tl::unexpected(std::move(made.error()));
+        prepared = std::move(*made);
+      }
+      rendered.statistics = prepared->statistics;
+      volume = &*prepared->volume;
+    }
+    detail::GpuMemory memory(gl_->device(), options_.memory_bytes, own ? own->memory.taken() : kept_bytes(), context);
     const detail::SurfaceView view(scene, camera, options.size);
     const auto surfaces = detail::GpuSurfaces::upload(*gl_, scene, view, memory, context);
     if (!surfaces) return tl::unexpected(surfaces.error());
-    std::optional<detail::GpuVolume> volume;
-    if (scene.volume != nullptr) {
-      auto uploaded = detail::GpuVolume::upload(*gl_, *scene.volume, options, rendered.statistics, memory, context);
-      if (!uploaded) return tl::unexpected(std::move(uploaded.error()));
-      volume.emplace(std::move(*uploaded));
-    }
-    auto drawing = detail::GpuPicture::make({*gl_, programs_, scene, camera, options, view, *surfaces,
-                                             volume ? &*volume : nullptr, options_.list_bytes, context},
-                                            memory);
+    auto drawing = detail::GpuPicture::make(
+        {*gl_, programs_, scene, camera, options, view, *surfaces, volume, options_.list_bytes, context}, memory);
     if (!drawing) return tl::unexpected(std::move(drawing.error()));
     if (auto drawn = drawing->draw(rendered); !drawn) return tl::unexpected(std::move(drawn.error()));
     return rendered;
@@ -70,6 +107,8 @@ class GpuRenderer final : public Renderer {
   std::unique_ptr<gl::GlContext> gl_;  // first, so that it goes last
   GpuRenderOptions options_;
   detail::GpuPrograms programs_;
+  const Volume* to_keep_ = nullptr;
+  std::unique_ptr<PreparedVolume> kept_;  // of that volume
 };
 
 }  // namespace

@@ -73,6 +73,7 @@ struct RenderStatistics {
 struct Rendered {
   Picture picture;
   RenderStatistics statistics;
+  bool volume_kept = false;  // what the volume needs was made for an earlier picture (Renderer::keep())
 };
 
 class Renderer {
@@ -87,6 +88,12 @@ class Renderer {
   // lost samples meanwhile is the caller's to ask, afterwards (DenseSamples::lost()).
   [[nodiscard]] virtual Result<Rendered> draw(const Scene& scene, const Camera& camera, const RenderOptions& options,
                                               const Context& context) = 0;
+
+  // Names the volume that pictures from now on share; null: none. What the first of them makes of it, ranges of bricks
+  // or an upload, is kept with the memory reserved for it, and made anew only where options ask for something else,
+  // until the next call. So long the volume and its field live and stay as they are, and so does the context that is
+  // drawn with. Pictures are the same without.
+  virtual void keep(const Volume* volume) = 0;
 
   // "CPU", or what the device is called.
   [[nodiscard]] virtual std::string device() const = 0;

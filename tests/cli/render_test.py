@@ -71,6 +71,16 @@ class RenderTest(ProgramTest):
         opaque = self.picture("demo:sphere?size=24", *options, "--opacity", "1")
         self.assertGreater(max(abs(a - b) for a, b in zip(opaque.pixel(24, 16), middle)), 10)
 
+    def test_particles_inside_of_their_surface_are_seen(self):
+        spots = "".join(f"{x} {y} {z}\n" for z in range(6) for y in range(6) for x in range(6))
+        (self.folder / "block.xyz").write_text(f"216\nblock\n{spots}")
+        options = ("--particles", "sph", "--radius", "0.6", "--tf", "smoke", "--unit-length", "4")
+        alone = self.picture("block.xyz", *options, name="alone.png")
+        self.assertGreater(alone.pixel(24, 16)[3], 100)
+        # Next to nothing of a surface: what is seen is the volume, without a hole where the surface asks for no samples.
+        both = self.picture("block.xyz", *options, "--iso", "0.5", "--opacity", "0.001")
+        self.assertLessEqual(both.difference(alone), 3)
+
     def test_exr(self):
         self.convert("render", SPHERE, "--iso", "0", *SMALL, "-o", "out.exr")
         channels = exr_channels((self.folder / "out.exr").read_bytes())

@@ -8,8 +8,9 @@
 
 namespace isoextract::render::detail {
 
-GpuMemory::GpuMemory(const gl::GpuDevice& device, std::optional<std::uint64_t> limit, const Context& context)
-    : device_(device), context_(context), limit_(limit), is_told_(limit.has_value()) {
+GpuMemory::GpuMemory(const gl::GpuDevice& device, std::optional<std::uint64_t> limit, std::uint64_t besides,
+                     const Context& context)
+    : device_(device), context_(context), limit_(limit), is_told_(limit.has_value()), taken_(besides) {
   if (!limit_ && device.memory_bytes) limit_ = *device.memory_bytes / 4 * 3;
 }
 

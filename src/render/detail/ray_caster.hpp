@@ -11,6 +11,8 @@
 
 #include <glm/glm.hpp>
 
+#include "render/detail/corner_reader.hpp"
+#include "render/detail/slab_batch.hpp"
 #include "render/detail/surface_tiles.hpp"
 #include "render/detail/surface_view.hpp"
 #include "render/detail/volume_bricks.hpp"
@@ -43,10 +45,10 @@ class Ray {
   Ray(const RenderOptions& options, double unit)
       : end_(options.early_termination ? options.termination : 0), unit_(unit) {}
 
-  // A part of a slab: `taken` is 1 - exp(-sigma l).
-  void pass(const glm::vec4& entry, double taken, double middle) {
+  // A part of the slab from `first` to `last`: `taken` is 1 - exp(-sigma l).
+  void pass(const glm::vec4& entry, double taken, double first, double last) {
     add(glm::dvec3(entry), taken);
-    if (!settled_ && light_ <= 0.5) settle(middle, glm::vec3(0));
+    if (!settled_ && light_ <= 0.5) settle(first + (last - first) / 2, glm::vec3(0));
   }
   void meet(const Shade& shade, double depth) {
     add(glm::dvec3(shade.colour), shade.opacity);
@@ -101,9 +103,7 @@ class RayCaster {
         near_(camera.near_depth / camera.unit()),
         far_(camera.far_depth / camera.unit()),
         unit_(camera.unit()) {
-    if (volume.samples != nullptr) {
-      cursor_.emplace(*volume.samples, glm::ivec3(volume.box.min), glm::ivec3(volume.box.max) - 1);
-    }
+    if (volume.samples != nullptr) corners_.emplace(*volume.samples);
   }
 
   // `within`: whether the pixel may see the volume.
@@ -113,7 +113,7 @@ class RayCaster {
     const auto meet = [&](const Fragment& fragment) {
       ray.meet(surfaces_.shade(fragment.triangle, direction), fragment.depth);
     };
-    if (within && cursor_) fragments = pass_volume(ray, direction, fragments, statistics, meet);
+    if (within && corners_) fragments = pass_volume(ray, direction, fragments, statistics, meet);
     for (const Fragment& fragment : fragments) {
       if (ray.ended()) break;
       meet(fragment);
@@ -122,7 +122,8 @@ class RayCaster {
   }
 
  private:
-  // Returns the fragments that are left.
+  // Goes from brick to brick; slabs of those that are seen are collected, and composited when they are enough. Returns
+  // the fragments that are left.
   template <class Meet>
   std::span<const Fragment> pass_volume(Ray& ray, const glm::dvec3& direction, std::span<const Fragment> fragments,
                                         RenderStatistics& statistics, const Meet& meet) {
@@ -134,54 +135,127 @@ class RayCaster {
     const double step = volume_.step / length;
     // No further slab for what is only rounding.
     const auto slabs = std::max(std::int64_t{1}, static_cast<std::int64_t>(std::ceil((leave - enter) / step - 1e-9)));
-    const TransferFunction& transfer = volume_.samples->transfer();
-    glm::ivec3 seen_brick(std::numeric_limits<int>::min());
-    for (std::int64_t k = 0; k < slabs; ++k) {
+    const SlabRay way{enter,
+                      leave,
+                      step,
+                      double(slabs),
+                      length,
+                      volume_.per_length,
+                      volume_.eye,
+                      along,
+                      volume_.box.min,
+                      volume_.box.max - 1.0};
+    Way state{fragments, slabs};
+    batch_.size = 0;
+    std::int64_t k = 0;
+    while (k < slabs) {
       const double first = enter + double(k) * step;
-      const double last = k + 1 < slabs ? enter + double(k + 1) * step : leave;
-      while (!ray.ended() && !fragments.empty() && fragments.front().depth <= first) {
-        meet(fragments.front());
-        fragments = fragments.subspan(1);
-      }
-      if (ray.ended()) {
-        statistics.samples_terminated += static_cast<std::uint64_t>(slabs - k);
-        return fragments;
-      }
-      const double middle = first + (last - first) / 2;
-      const glm::dvec3 index = volume_.eye + middle * along;
-      const glm::ivec3 cell = cursor_->cell_of(index);
-      if (volume_.bricks != nullptr) {
-        const glm::ivec3 brick = cell >> 3;
-        if (brick != seen_brick) {
-          if (!volume_.bricks->seen(brick)) {
-            const std::int64_t next = next_slab(brick, along, enter, step, k, slabs);
-            statistics.samples_skipped += static_cast<std::uint64_t>(next - k);
-            k = next - 1;
-            continue;
-          }
-          seen_brick = brick;
+      if (state.next_fragment() <= first) {
+        if (!composite(ray, way, state, meet)) break;
+        if (!state.meet_until(first, ray, meet)) {
+          state.passed = k;
+          break;
         }
       }
-      ++statistics.samples;
-      const glm::vec4 entry = transfer.lookup((*cursor_)(index, cell));
-      if (!(entry.a > 0)) continue;
-      const double per_depth = entry.a * length * volume_.per_length;
-      double from = first;
-      while (!ray.ended() && !fragments.empty() && fragments.front().depth < last) {
-        const double to = fragments.front().depth;
-        if (to > from) ray.pass(entry, 1 - std::exp(-per_depth * (to - from)), middle);
-        if (ray.ended()) break;
+      const glm::ivec3 brick = cell_at(way, k) >> 3;
+      const std::int64_t next = next_slab(brick, along, enter, step, k, slabs);
+      if (volume_.bricks != nullptr && !volume_.bricks->seen(brick)) {
+        k = next;
+        continue;
+      }
+      while (k < next) {
+        batch_.number[batch_.size++] = double(k++);
+        if (batch_.size == SlabBatch::kSlabs && !composite(ray, way, state, meet)) break;
+      }
+      if (ray.ended()) break;
+    }
+    if (!ray.ended()) composite(ray, way, state, meet);
+    statistics.samples += static_cast<std::uint64_t>(state.samples);
+    statistics.samples_skipped += static_cast<std::uint64_t>(state.passed - state.samples);
+    statistics.samples_terminated += static_cast<std::uint64_t>(slabs - state.passed);
+    return state.fragments;
+  }
+
+  // How far a ray has come.
+  struct Way {
+    std::span<const Fragment> fragments;  // that are left
+    std::int64_t passed;                  // slabs, all of them unless the ray ended
+    std::int64_t samples = 0;             // that were taken
+
+    [[nodiscard]] double next_fragment() const {
+      return fragments.empty() ? std::numeric_limits<double>::infinity() : fragments.front().depth;
+    }
+    // Whether the ray goes on.
+    template <class Meet>
+    bool meet_until(double depth, const Ray& ray, const Meet& meet) {
+      while (!ray.ended() && next_fragment() <= depth) {
         meet(fragments.front());
         fragments = fragments.subspan(1);
-        from = std::max(from, to);
       }
-      if (!ray.ended()) ray.pass(entry, 1 - std::exp(-per_depth * (last - from)), middle);
+      return !ray.ended();
+    }
+  };
+
+  // The slabs of the batch, with the fragments among them, and begins another. Whether the ray goes on.
+  template <class Meet>
+  bool composite(Ray& ray, const SlabRay& way, Way& state, const Meet& meet) {
+    if (batch_.size == 0) return true;
+    place(way, batch_);
+    corners_->shade(way, batch_);
+    for (std::size_t i = 0; i < batch_.size; ++i) {
+      const double first = batch_.first[i];
+      const double last = batch_.last[i];
+      if (state.next_fragment() <= first && !state.meet_until(first, ray, meet)) {
+        state.passed = static_cast<std::int64_t>(batch_.number[i]);
+        return false;
+      }
+      ++state.samples;
+      if (!(batch_.sigma[i] > 0)) continue;
+      if (state.next_fragment() < last) {
+        divide(ray, way, i, state, meet);
+      } else {
+        ray.pass(batch_.entry[i], batch_.opacity[i], first, last);
+      }
       if (ray.ended()) {
-        statistics.samples_terminated += static_cast<std::uint64_t>(slabs - k - 1);
-        return fragments;
+        state.passed = static_cast<std::int64_t>(batch_.number[i]) + 1;
+        return false;
       }
     }
-    return fragments;
+    batch_.size = 0;
+    return true;
+  }
+
+  // A slab with fragments in it.
+  template <class Meet>
+  void divide(Ray& ray, const SlabRay& way, std::size_t slab, Way& state, const Meet& meet) {
+    const double first = batch_.first[slab];
+    const double last = batch_.last[slab];
+    const glm::vec4& entry = batch_.entry[slab];
+    const double per_depth = batch_.sigma[slab] * way.length * way.per_length;
+    double from = first;
+    while (!ray.ended() && state.next_fragment() < last) {
+      const double to = state.next_fragment();
+      if (to > from) ray.pass(entry, 1 - std::exp(-per_depth * (to - from)), first, last);
+      if (ray.ended()) return;
+      meet(state.fragments.front());
+      state.fragments = state.fragments.subspan(1);
+      from = std::max(from, to);
+    }
+    if (!ray.ended()) ray.pass(entry, 1 - std::exp(-per_depth * (last - from)), first, last);
+  }
+
+  // That has the slab's sample. A place on the upper border belongs to the last cell.
+  [[nodiscard]] static glm::ivec3 cell_at(const SlabRay& way, std::int64_t k) {
+    const double first = way.enter + double(k) * way.step;
+    const double last = double(k + 1) < way.slabs ? way.enter + double(k + 1) * way.step : way.leave;
+    const double middle = first + (last - first) / 2;
+    glm::ivec3 cell;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double index = std::clamp(way.eye[axis] + middle * way.along[axis], way.first[axis], way.greatest[axis]);
+      const int whole = static_cast<int>(index);
+      cell[axis] = index < whole ? whole - 1 : whole;
+    }
+    return cell;
   }
 
   // Depths at which the ray is in the box, and between near and far.
@@ -227,7 +301,8 @@ class RayCaster {
   double near_;
   double far_;
   double unit_;
-  std::optional<PositionCursor<T>> cursor_;
+  std::optional<CornerReader<T>> corners_;  // none without a volume
+  SlabBatch batch_;
 };
 
 }  // namespace isoextract::render::detail

@@ -1,7 +1,6 @@
-// Table positions (TransferFunction) of a field's samples, cell by cell.
+// Table positions (TransferFunction) of a field's samples.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <utility>
@@ -15,7 +14,7 @@
 
 namespace isoextract::render::detail {
 
-// Shared by all threads; what reads it is CellReader.
+// Shared by all threads; what reads it is SampleReader or CornerReader.
 class VolumeSamples {
  public:
   // Reserves what finding blocks takes. `volume` outlives this.
@@ -83,42 +82,6 @@ class SampleReader {
   glm::ivec3 origin_{0};
   const T* block_ = nullptr;
   float constant_ = 0;
-};
-
-// The trilinear interpolant, looked at in an order in which neighbours mostly share a cell.
-template <class T>
-class PositionCursor {
- public:
-  // `last` is the greatest cell of the volume's box.
-  PositionCursor(const VolumeSamples& samples, const glm::ivec3& first, const glm::ivec3& last)
-      : reader_(samples), first_(first), last_(last) {}
-
-  [[nodiscard]] float operator()(const glm::dvec3& index, const glm::ivec3& cell) {
-    if (!loaded_ || cell != cell_) {
-      loaded_ = true;
-      cell_ = cell;
-      for (int n = 0; n < 8; ++n)
-        at_[static_cast<std::size_t>(n)] = reader_(cell + glm::ivec3(n & 1, n >> 1 & 1, n >> 2));
-    }
-    const glm::vec3 t(index - glm::dvec3(cell));
-    const auto between = [](float a, float b, float share) { return a + share * (b - a); };
-    const float low = between(between(at_[0], at_[1], t.x), between(at_[2], at_[3], t.x), t.y);
-    const float high = between(between(at_[4], at_[5], t.x), between(at_[6], at_[7], t.x), t.y);
-    return between(low, high, t.z);
-  }
-
-  // A place on the upper border belongs to the last cell.
-  [[nodiscard]] glm::ivec3 cell_of(const glm::dvec3& index) const {
-    return glm::clamp(glm::ivec3(glm::floor(index)), first_, last_);
-  }
-
- private:
-  SampleReader<T> reader_;
-  glm::ivec3 first_;
-  glm::ivec3 last_;
-  bool loaded_ = false;
-  glm::ivec3 cell_{0};
-  std::array<float, 8> at_{};
 };
 
 }  // namespace isoextract::render::detail

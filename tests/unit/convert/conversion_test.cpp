@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <new>
+#include <optional>
 #include <set>
 #include <string>
 #include <thread>
@@ -12,6 +13,8 @@
 
 #include <gtest/gtest.h>
 
+#include "convert/source.hpp"
+#include "field/sparse_lookup.hpp"
 #include "support/temp_folder.hpp"
 
 namespace isoextract::convert {
@@ -120,6 +123,51 @@ class Handed final : public MeshSink {
   std::vector<std::string> names;
   std::vector<std::size_t> triangles;
 };
+
+// Takes what the surfaces are of as well.
+class HandedWithSource final : public MeshSink {
+ public:
+  Result<void> take(HandedMeshes handed) override {
+    EXPECT_FALSE(source.has_value());
+    triangles = handed.meshes[0].triangles.size();
+    return {};
+  }
+  [[nodiscard]] bool wants_source() const override { return true; }
+  void take_source(Source&& taken) override { source = std::move(taken); }
+
+  std::optional<Source> source;
+  std::size_t triangles = 0;
+};
+
+TEST_F(ConversionTest, ASinkGetsTheSourceOfOneReadingWithAllItsSamples) {
+  {
+    std::ofstream file(folder_ / "block.xyz");
+    file << "216\nblock\n";
+    for (int n = 0; n < 216; ++n) file << n % 6 << ' ' << n / 6 % 6 << ' ' << n / 36 << '\n';
+  }
+  ConversionJob wanted = job((folder_ / "block.xyz").string(), 0.5, "block.ply");
+  wanted.source.particles.expected = true;
+  wanted.source.particles.radius = 0.6;
+  const Outcome written = run(wanted);
+  ASSERT_TRUE(written.done()) << written.error->message;
+  log_.lines.clear();
+  HandedWithSource sink;
+  ASSERT_TRUE(convert::run(wanted, Context(), log_, {}, nullptr, &sink).done());
+  EXPECT_EQ(sink.triangles, written.meshes[0].triangles);
+  EXPECT_EQ(std::ranges::count_if(log_.lines, [](const std::string& line) { return line.starts_with("read "); }), 1);
+  ASSERT_TRUE(sink.source.has_value());
+  EXPECT_TRUE(sink.source->of_particles);
+  // In the middle, where the surface alone needs none.
+  const auto& samples = std::get<field::SparseSamples>(sink.source->field.samples);
+  const field::SparseLookup lookup(samples);
+  const glm::dvec3 middle = sink.source->field.index_to_world.inverse()(glm::dvec3(2.5));
+  EXPECT_GE(lookup.block(field::block_origin(glm::ivec3(middle))), 0);
+
+  wanted.outputs[0].isos = {99};
+  HandedWithSource none;
+  EXPECT_FALSE(convert::run(wanted, Context(), log_, {}, nullptr, &none).done());
+  EXPECT_FALSE(none.source.has_value());
+}
 
 TEST_F(ConversionTest, ASinkGetsTheMeshesInPlaceOfFiles) {
   const ConversionJob wanted = several(meshes::MeshFormat::glb, {0.1, 9, 0.3});

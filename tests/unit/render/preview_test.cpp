@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <deque>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -78,6 +80,99 @@ TEST(Preview, WithoutASurfaceThereIsTheGroundAlone) {
   const Picture picture = preview_of(mesh::Mesh(), options);
   for (const glm::vec4& pixel : picture.colour) EXPECT_EQ(pixel, picture.colour[0]);
   EXPECT_EQ(picture.colour[0].a, 1.0F);
+}
+
+// A box of a colour of its own, `right`, `up` and `near` of the middle as the camera sees it.
+class BoxesInView {
+ public:
+  explicit BoxesInView(const ViewAngles& angles) {
+    options_.size = {160, 120};
+    options_.angles = angles;
+    options_.box = field::Box{glm::dvec3(-4), glm::dvec3(4)};
+    options_.scale_bar = false;
+    camera_ = framing(*options_.box, angles, options_.up, options_.size);
+  }
+  void add(double right, double up, double near, double half, const glm::dvec3& colour) {
+    const glm::vec3 at(glm::transpose(camera_.rotation()) * glm::dvec3(right, up, near));
+    mesh::Mesh& mesh = meshes_.emplace_back(box_mesh(glm::vec3(static_cast<float>(half))));
+    for (glm::vec3& position : mesh.positions) position += at;
+    surfaces_.push_back({&mesh, colour, 1, Shading::flat});
+  }
+  [[nodiscard]] PreviewOptions& options() { return options_; }
+  [[nodiscard]] Picture draw() const {
+    const auto renderer = make_cpu_renderer();
+    auto drawn = draw_preview(surfaces_, options_, *renderer, Context());
+    EXPECT_TRUE(drawn.has_value()) << drawn.error().message;
+    return std::move(drawn->picture);
+  }
+
+ private:
+  PreviewOptions options_;
+  Camera camera_;
+  std::deque<mesh::Mesh> meshes_;
+  std::vector<Surface> surfaces_;
+};
+
+TEST(Preview, RightIsRightUpIsUpAndTheNearerHides) {
+  for (const ViewAngles angles : {ViewAngles{0, 0}, ViewAngles{35, 20}, ViewAngles{-110, -40}}) {
+    BoxesInView boxes(angles);
+    boxes.add(0, 0, 0, 0.5, {1, 0, 0});
+    boxes.add(2, 1, 0, 0.5, {0, 1, 0});
+    boxes.add(0, 0, 2, 0.3, {0, 0, 1});  // before the red one
+    const Picture picture = boxes.draw();
+    std::array<glm::dvec2, 3> middle{};
+    std::array<int, 3> count{};
+    for (int y = 0; y < picture.height; ++y) {
+      for (int x = 0; x < picture.width; ++x) {
+        const glm::vec4& pixel = picture.colour[static_cast<std::size_t>(x + picture.width * y)];
+        for (int c = 0; c < 3; ++c) {
+          if (pixel[c] <= 2 * std::max(pixel[(c + 1) % 3], pixel[(c + 2) % 3])) continue;
+          middle[static_cast<std::size_t>(c)] += glm::dvec2(x, y);
+          ++count[static_cast<std::size_t>(c)];
+        }
+      }
+    }
+    for (std::size_t c = 0; c < 3; ++c) {
+      ASSERT_GT(count[c], 20) << c;
+      middle[c] /= count[c];
+    }
+    EXPECT_GT(middle[1].x, middle[0].x + 20) << angles.azimuth;
+    EXPECT_LT(middle[1].y, middle[0].y - 10) << angles.azimuth;
+    EXPECT_NEAR(middle[2].x, 79.5, 1) << angles.azimuth;
+    EXPECT_NEAR(middle[2].y, 59.5, 1) << angles.azimuth;
+    const auto depth = [&](const glm::ivec2& at) {
+      return picture.depth[static_cast<std::size_t>(at.x + picture.width * at.y)];
+    };
+    EXPECT_GT(picture.colour[static_cast<std::size_t>(80 + picture.width * 60)].b, 0.2F);
+    EXPECT_LT(depth({80, 60}), depth(glm::ivec2(middle[1])) - 1) << angles.azimuth;
+  }
+}
+
+TEST(Preview, ItsScaleBarIsDrawnAsLongAsItSays) {
+  for (const PictureSize size : {PictureSize{160, 120}, PictureSize{640, 720}}) {
+    BoxesInView boxes({35, 20, 17.0});
+    boxes.add(0, 0, 0, 0.5, {1, 0, 0});
+    boxes.options().size = size;
+    const Picture without = boxes.draw();
+    boxes.options().scale_bar = true;
+    const Picture with = boxes.draw();
+    const Camera camera = framing(*boxes.options().box, boxes.options().angles, UpAxis::z, size);
+    const ScaleBar bar = scale_bar(camera, size, "");
+    // The lowest row that is another has all of the bar and nothing else.
+    int first = -1;
+    int count = 0;
+    for (int y = size.height - 1; y >= 0 && count == 0; --y) {
+      for (int x = 0; x < size.width; ++x) {
+        const auto at = static_cast<std::size_t>(x + size.width * y);
+        if (with.colour[at] == without.colour[at]) continue;
+        if (first < 0) first = x;
+        EXPECT_EQ(x, first + count);
+        ++count;
+      }
+    }
+    EXPECT_EQ(count, bar.pixels);
+    EXPECT_GT(first, 0);
+  }
 }
 
 TEST(ScaleBar, IsRoundAndAsLongAsItSays) {
