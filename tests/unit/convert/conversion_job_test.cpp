@@ -34,6 +34,7 @@ ConversionJob full_job() {
                           .columns = std::array<std::string, 3>{"x", "2", "z"}};
   job.source.attributes = {{"heat", "b.vdb[temperature]", true}, {"v", "velocity", false}};
   job.source.filters = {{volumes::LevelSetFilter::median, 2}, {volumes::LevelSetFilter::mean, 1}};
+  job.source.blurs = {{BlurKind::median, 2, false}, {BlurKind::gaussian, 0.5, true}};
   job.source.resolution = glm::ivec3(10, 20, 30);
   job.source.away_from_zero = true;
   job.source.kernel = field::ResampleKernel::bspline;
@@ -45,6 +46,8 @@ ConversionJob full_job() {
   job.colour = ColourChoice{"heat", Colormap::turbo, std::array{-1.5, 2.25}};
   job.label_names = LabelTableFile{"lut.txt", "0123"};
   job.opacity = {0.25, 1};
+  job.pieces = {LeastPiece{edit::PieceMeasure::area, 2.5, true}, true, 3, true};
+  job.smooth = SmoothChoice{7, edit::SmoothMethod::sinc, 0.25};
   job.simplify = SimplifyBound{0.1, true};
   job.error = field::Interpolation::tricubic;
   job.verify = true;

@@ -136,8 +136,8 @@ TEST(Preview, RightIsRightUpIsUpAndTheNearerHides) {
       ASSERT_GT(count[c], 20) << c;
       middle[c] /= count[c];
     }
-    EXPECT_GT(middle[1].x, middle[0].x + 20) << angles.azimuth;
-    EXPECT_LT(middle[1].y, middle[0].y - 10) << angles.azimuth;
+    EXPECT_GT(middle[1].x, middle[0].x + 10) << angles.azimuth;
+    EXPECT_LT(middle[1].y, middle[0].y - 5) << angles.azimuth;
     EXPECT_NEAR(middle[2].x, 79.5, 1) << angles.azimuth;
     EXPECT_NEAR(middle[2].y, 59.5, 1) << angles.azimuth;
     const auto depth = [&](const glm::ivec2& at) {
