@@ -115,7 +115,7 @@ void declare_blur(const Group& group, SurfaceFlags& flags) {
 }
 
 void declare_edits(CLI::App& app, EditFlags& flags) {
-  const Group group(app, "Pieces and smoothing");
+  const Group group(app, "Pieces");
   group.value("--drop-components", "MIN", flags.least, parse_least_piece,
               "Drop components of fewer triangles than MIN (100), or of less area or volume (area:40, volume:5 in "
               "voxels, volume:5world in the units of the written mesh). A body goes with the cavities in it; a "

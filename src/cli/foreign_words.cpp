@@ -31,7 +31,6 @@ constexpr std::array kForeignOptions{
     ForeignOption{"--reduce", "--simplify", "D leaves out triangles and keeps the surface within D voxels"},
     ForeignOption{"--target-reduction", "--simplify", "D leaves out triangles and keeps the surface within D voxels"},
     ForeignOption{"--adaptivity", "--simplify", "D leaves out triangles and keeps the surface within D voxels"},
-    ForeignOption{"--smooth", "--filter", "gaussian smooths a level set before extraction"},
     ForeignOption{"--crop", "--roi", "X0,Y0,Z0,X1,Y1,Z1 extracts from that box only"},
     ForeignOption{"--bbox", "--roi", "X0,Y0,Z0,X1,Y1,Z1 extracts from that box only"},
     ForeignOption{"--extent", "--roi", "X0,Y0,Z0,X1,Y1,Z1 extracts from that box only"},

@@ -16,12 +16,12 @@
 namespace isoextract::cli {
 namespace {
 
-constexpr std::array<std::string_view, 9> kGroups{"Input",    "Particles", "Frames", "Surface", "Pieces and smoothing",
+constexpr std::array<std::string_view, 9> kGroups{"Input",    "Particles", "Frames", "Surface", "Pieces",
                                                   "Vertices", "Placement", "Output", "Run"};
 // Of all commands.
-constexpr std::array<std::string_view, 11> kAllGroups{
-    "Input",    "Scene",     "Simulation", "Particles", "Frames", "Surface", "Pieces and smoothing",
-    "Vertices", "Placement", "Output",     "Run"};
+constexpr std::array<std::string_view, 11> kAllGroups{"Input",     "Scene",   "Simulation", "Particles",
+                                                      "Frames",    "Surface", "Pieces",     "Vertices",
+                                                      "Placement", "Output",  "Run"};
 constexpr std::array<std::string_view, 13> kCommands{"convert",  "info",  "verify",    "compare", "check",
                                                      "render",   "bench", "stability", "merge",   "devices",
                                                      "simulate", "help",  "generate"};

@@ -116,7 +116,7 @@ class SurfaceStages {
                                        source_.data ? &source_.field : nullptr, source_.clip,
                                        job_.smooth.has_value(), context_);
     if (!measured) return tl::unexpected(std::move(measured.error()));
-    surface.error = std::move(*measured);
+    surface.error = *measured;
     if (auto whole = volumes::check_not_lost(data); !whole) return whole;
     events_.measured(*surface.error, watch.elapsed());
     return {};

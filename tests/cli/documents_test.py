@@ -33,7 +33,7 @@ class DocumentsTest(ProgramTest):
         self.assertGreater(len(self.options("convert")), 25)
 
     def test_topics_cover_the_options_of_convert(self):
-        topics = "".join(self.text("help", topic) for topic in ("input", "particles", "frames", "surface", "vertices", "placement", "output", "run"))
+        topics = "".join(self.text("help", topic) for topic in ("input", "particles", "frames", "surface", "pieces", "vertices", "placement", "output", "run"))
         for option in self.options("convert"):
             self.assertIn(f"--{option}", topics)
 
@@ -41,7 +41,7 @@ class DocumentsTest(ProgramTest):
         overview = self.text("help")
         self.assertEqual(overview, self.text("--help"))
         self.assertEqual(overview, self.text("-h"))
-        for name in (*(name for name in COMMANDS if " " not in name), "input", "particles", "frames", "surface", "vertices", "placement", "output", "run", "formats", "demo", "coordinates",
+        for name in (*(name for name in COMMANDS if " " not in name), "input", "particles", "frames", "surface", "pieces", "vertices", "placement", "output", "run", "formats", "demo", "coordinates",
                      "exit-codes"):
             self.assertRegex(overview, rf"\n  {name} ")
             self.assertGreater(len(self.text("help", name)), 100)

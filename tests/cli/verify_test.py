@@ -42,10 +42,10 @@ class VerifyTest(ProgramTest):
     def test_options_of_surface_and_placement(self):
         for end in FORMATS:
             options = ("--iso", "0.1", "--method", "mt", "--cap", "--roi", "-0.5,-0.6,-0.7,0.5,0.6,0.7", "--unit", "mm",
-                       "--up", "y")
+                       "--to-unit", "m", "--up", "y")
             self.write(f"a.{end}", GYROID, *options)
             self.verify(f"a.{end}", GYROID, *options)
-            self.verify(f"a.{end}", GYROID, *options[:-4], code=6)
+            self.verify(f"a.{end}", GYROID, *options[:-6], code=6)
             self.write(f"b.{end}", GYROID, "--iso", "0.1", "--space", "index")
             self.verify(f"b.{end}", GYROID, "--iso", "0.1", "--space", "index")
 

@@ -39,6 +39,8 @@ class CornerReader {
   using Raw = std::conditional_t<std::is_integral_v<T> && !std::is_same_v<T, std::uint32_t>, std::int32_t,
                                  std::conditional_t<sizeof(T) <= 4 && field::is_floating_sample<T>, float, double>>;
 
+  static Raw raw(T value) { return static_cast<Raw>(value); }
+
   void read_dense(const SlabBatch& batch) {
     const auto* values = static_cast<const T*>(dense_->data);
     const std::int64_t row = dense_->dims.x;
@@ -46,15 +48,15 @@ class CornerReader {
     auto& at = dense_corners_.at;
     for (std::size_t i = 0; i < batch.size; ++i) {
       const T* p = values + (batch.cell[0][i] + row * batch.cell[1][i] + layer * batch.cell[2][i]);
-      at[0][i] = static_cast<Raw>(p[0]);
-      at[1][i] = static_cast<Raw>(p[1]);
-      at[2][i] = static_cast<Raw>(p[row]);
-      at[3][i] = static_cast<Raw>(p[row + 1]);
+      at[0][i] = raw(p[0]);
+      at[1][i] = raw(p[1]);
+      at[2][i] = raw(p[row]);
+      at[3][i] = raw(p[row + 1]);
       p += layer;
-      at[4][i] = static_cast<Raw>(p[0]);
-      at[5][i] = static_cast<Raw>(p[1]);
-      at[6][i] = static_cast<Raw>(p[row]);
-      at[7][i] = static_cast<Raw>(p[row + 1]);
+      at[4][i] = raw(p[0]);
+      at[5][i] = raw(p[1]);
+      at[6][i] = raw(p[row]);
+      at[7][i] = raw(p[row + 1]);
     }
   }
 
