@@ -228,7 +228,7 @@ MeshRecord record_as_written(MeshRecord record, const std::string& file, const m
   record.file = file;
   record.name = mesh.name;
   record.vertices = mesh.positions.size();
-  record.error = std::move(error);
+  record.error = error;
   return record;
 }
 

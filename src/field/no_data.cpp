@@ -27,15 +27,10 @@ template <class T>
 class NoDataTest {
  public:
   NoDataTest(const ValueScale& scale, double value) : scale_(scale) {
-    if (!scale.is_identity()) {
+    if (scale.is_identity()) {
+      stored_ = as_stored(value);
+    } else {
       scaled_ = static_cast<float>(value);
-    } else if constexpr (std::is_same_v<T, double>) {
-      stored_ = value;
-    } else if constexpr (is_floating_sample<T>) {
-      stored_ = static_cast<T>(static_cast<float>(value));
-    } else if (value >= std::numeric_limits<T>::min() && value <= std::numeric_limits<T>::max() &&
-               value == std::floor(value)) {
-      stored_ = static_cast<T>(value);
     }
   }
 
@@ -45,6 +40,17 @@ class NoDataTest {
   }
 
  private:
+  // Nothing where no sample can have the value.
+  static std::optional<T> as_stored(double value) {
+    if constexpr (is_floating_sample<T>) {
+      using Rounded = std::conditional_t<std::is_same_v<T, double>, double, float>;
+      return static_cast<T>(static_cast<Rounded>(value));
+    } else {
+      const bool fits = value >= std::numeric_limits<T>::min() && value <= std::numeric_limits<T>::max();
+      return fits && value == std::floor(value) ? std::optional<T>(static_cast<T>(value)) : std::nullopt;
+    }
+  }
+
   ValueScale scale_;
   std::optional<T> stored_;
   std::optional<float> scaled_;

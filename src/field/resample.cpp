@@ -181,7 +181,9 @@ template <class T>
 void fill(const SourceRows<T>& source, const glm::ivec3& old_dims, const glm::ivec3& dims, const Weights& weights,
           Resampled<T>* values, const Context& context) {
   constexpr int kRows = 64;  // of a new plane, in one go
-  const auto& [along_x, along_y, along_z] = weights;
+  const AxisWeights& along_x = weights[0];
+  const AxisWeights& along_y = weights[1];
+  const AxisWeights& along_z = weights[2];
   const std::int64_t bands = (std::int64_t{dims.y} + kRows - 1) / kRows;
   context.progress().begin("resampling", static_cast<std::uint64_t>(bands * dims.z));
   tbb::parallel_for(std::int64_t{0}, bands * dims.z, [&](std::int64_t part) {

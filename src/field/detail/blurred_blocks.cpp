@@ -92,7 +92,7 @@ void add_rest(const SparseTile& tile, const Places& blocks, std::vector<SparseTi
 Result<BlurredBlocks> find_blurred_blocks(const SparseSamples& samples, const SparseLookup& lookup, int reach,
                                           const std::string& what, const Context& context) {
   const int rings = (reach + kPlace - 1) / kPlace;
-  const auto width = static_cast<std::uint64_t>(2 * rings + 1);
+  const auto width = 2 * static_cast<std::uint64_t>(rings) + 1;
   std::uint64_t at_borders = 0;
   for (const SparseTile& tile : samples.tiles) at_borders += places_at_border(tile, rings);
   // Places of a ring around blocks that hang together are mostly each other's.

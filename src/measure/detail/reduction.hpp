@@ -16,9 +16,9 @@ using PointRange = tbb::blocked_range<std::size_t>;
 // Sums::merge in an order that depends on `count` only.
 template <class Sums, class Body>
 [[nodiscard]] Sums reduce_in_order(std::size_t count, const Sums& none, Progress* progress, const Body& body) {
-  constexpr std::size_t kGrain = 1 << 13;
+  constexpr std::size_t kPiece = 1 << 13;
   return tbb::parallel_deterministic_reduce(
-      PointRange(0, count, kGrain), none,
+      PointRange(0, count, kPiece), none,
       [&](const PointRange& range, Sums sums) {
         body(range, sums);
         if (progress != nullptr) progress->advance(range.size());

@@ -85,14 +85,19 @@ void join_normal_seams(mesh::Mesh& mesh, std::vector<MeshPart>& parts, const Con
   memory.take(mesh.positions.size() * (2 * sizeof(std::uint32_t) + mesh::vertex_bytes(mesh)));
   Joined joined(mesh.positions.size());
   bool any = false;
+  // The edge from one place to another, where there is one and no more.
+  const auto only_one = [&](const Ends& at) -> const OpenEdge* {
+    const auto first = std::ranges::lower_bound(open, at, {}, ends);
+    const auto last = std::ranges::upper_bound(open, at, {}, ends);
+    return last - first == 1 ? &*first : nullptr;
+  };
   for (const OpenEdge& edge : open) {
-    const auto same = std::ranges::equal_range(open, ends(edge), {}, ends);
-    const auto back = std::ranges::equal_range(open, ends_of(mesh, edge.to, edge.from), {}, ends);
+    const OpenEdge* back = only_one(ends_of(mesh, edge.to, edge.from));
     // Where several edges lie upon each other, nobody knows which belong together.
-    if (same.size() != 1 || back.size() != 1) continue;
-    if (part_of(parts, edge.from) != part_of(parts, back.front().to)) continue;
-    joined.join(edge.from, back.front().to);
-    joined.join(edge.to, back.front().from);
+    if (back == nullptr || only_one(ends(edge)) == nullptr) continue;
+    if (part_of(parts, edge.from) != part_of(parts, back->to)) continue;
+    joined.join(edge.from, back->to);
+    joined.join(edge.to, back->from);
     any = true;
   }
   if (!any) return;
