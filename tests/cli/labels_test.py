@@ -53,6 +53,11 @@ class LabelsTest(ProgramTest):
         run = self.convert(*self.map, *arguments, "-o", "out.glb")
         return read_glb((self.folder / "out.glb").read_bytes()), run
 
+    def test_what_changes_each_mesh_by_itself_is_told(self):
+        for option, value in (("--simplify", "0.5"), ("--smooth", "5")):
+            run = self.convert(*self.map, "--labels", "all", option, value, "-o", "a.glb")
+            self.assertIn(f"{option} changes the mesh of each label by itself", run.err)
+
     def test_one_run_makes_smooth_closed_meshes_without_gaps(self):
         meshes, run = self.glb("--labels", "all", "--report", "r.json")
         self.assertEqual(list(meshes), ["map label 1", "map label 5", "map label 9"])
