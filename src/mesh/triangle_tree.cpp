@@ -34,7 +34,7 @@ struct TriangleTree::Item {
 };
 
 TriangleTree::TriangleTree(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles)
-    : corners_(triangles.size()) {
+    : corners_(triangles.size()), triangles_(triangles.size()) {
   while (triangles.size() > kLeafTriangles << depth_) ++depth_;
   boxes_ = Buffer<Box>((std::size_t{2} << depth_) - 1);
   Buffer<Item> items(triangles.size());
@@ -59,6 +59,7 @@ void TriangleTree::build(std::span<Item> items, std::size_t level, std::size_t n
       const glm::uvec3& triangle = triangles[items[i].triangle];
       const Corners corners{positions[triangle.x], positions[triangle.y], positions[triangle.z]};
       corners_[first + i] = corners;
+      triangles_[first + i] = items[i].triangle;
       box.min = glm::min(box.min, glm::min(corners.a, glm::min(corners.b, corners.c)));
       box.max = glm::max(box.max, glm::max(corners.a, glm::max(corners.b, corners.c)));
     }
@@ -105,12 +106,15 @@ TriangleTree::Nearest TriangleTree::nearest_in(std::uint32_t slot, const glm::dv
 void TriangleTree::search(std::size_t leaf, const glm::dvec3& p, Nearest& best) const {
   const std::size_t last = first_slot(depth_, leaf + 1);
   for (std::size_t slot = first_slot(depth_, leaf); slot < last; ++slot) {
+    const Corners& t = corners_[slot];
+    const Box box{glm::min(t.a, glm::min(t.b, t.c)), glm::max(t.a, glm::max(t.b, t.c))};
+    if (!(mesh::distance_squared(box, p) < best.distance_squared)) continue;
     const Nearest found = nearest_in(static_cast<std::uint32_t>(slot), p);
     if (found.distance_squared < best.distance_squared) best = found;
   }
 }
 
-TriangleTree::Nearest TriangleTree::nearest(const glm::dvec3& p, std::uint32_t hint) const {
+TriangleTree::Nearest TriangleTree::nearest(const glm::dvec3& p, std::uint32_t hint, double enough_squared) const {
   struct Entry {
     std::size_t node;
     double distance_squared;
@@ -122,6 +126,7 @@ TriangleTree::Nearest TriangleTree::nearest(const glm::dvec3& p, std::uint32_t h
   const std::size_t first_leaf = (std::size_t{1} << depth_) - 1;
   Entry entry{0, distance_squared(boxes_[0], p)};
   for (;;) {
+    if (best.distance_squared <= enough_squared) return best;
     if (entry.distance_squared < best.distance_squared) {
       if (entry.node < first_leaf) {
         Entry near{2 * entry.node + 1, distance_squared(boxes_[2 * entry.node + 1], p)};
