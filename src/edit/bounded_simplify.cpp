@@ -166,7 +166,7 @@ class Simplifier {
   // The triangles in question, by the box of a grid that their centroids are in.
   std::vector<Place> split(double size) {
     std::vector<char> near = wanted_;  // with some rings around
-    constexpr int kRings = 3;
+    constexpr int kRings = 2;
     const bool all = std::all_of(near.begin(), near.end(), [](char w) { return w != 0; });
     for (int ring = 0; ring < kRings && !all; ++ring) {
       const std::vector<char> inner = near;

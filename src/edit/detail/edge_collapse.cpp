@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <queue>
 #include <utility>
 #include <vector>
@@ -52,7 +53,9 @@ class PatchCollapse {
     double cost;
     std::uint32_t vertex;
     std::uint32_t version;
-    std::uint32_t to;                               // kNone: not looked at yet, and the cost is the least it could be
+    std::uint32_t to;       // kNone: not looked at yet, and the cost is the least it could be
+    std::uint32_t next_to;  // where that is in vain, or kNone
+    double next_cost;
     bool operator<(const Candidate& other) const {  // std::priority_queue has the greatest on top
       return cost != other.cost ? cost > other.cost : vertex > other.vertex;
     }
@@ -63,6 +66,11 @@ class PatchCollapse {
   struct Ring {
     std::vector<Around> around;
     std::vector<std::uint32_t> neighbours;  // once each
+  };
+  struct Near {
+    double distance_squared;  // of points of a new triangle, and of samples to it
+    std::uint32_t slot;       // near to it, in the tree of the original mesh
+    KnownDistance known;
   };
   struct Attached {
     std::uint32_t triangle;
@@ -219,18 +227,47 @@ class PatchCollapse {
     look_around(v, pushed_);
     double least = std::numeric_limits<double>::infinity();
     for (const std::uint32_t to : pushed_.neighbours) least = std::min(least, least_cost(v, to));
-    if (least <= limit_squared_) queue_.push({least, v, version_[v], kNone});
+    if (least <= limit_squared_) queue_.push({least, v, version_[v], kNone, kNone, 0});
   }
 
   void try_to_remove(const Candidate& candidate) {
     const std::uint32_t v = candidate.vertex;
     look_around(v, ring_);
-    if (candidate.to != kNone) {
-      make_new(v, candidate.to);
-      attach(v);
-      collapse(v, candidate.to);
+    prepared_ = kNone;
+    if (candidate.to == kNone) {
+      look_at_targets(candidate);
+    } else if (!collapse_if_near(v, candidate.to) && candidate.next_to != kNone) {
+      try_next({candidate.next_cost, v, candidate.version, candidate.next_to, kNone, 0});
+    }
+  }
+
+  // At once, or when it is its turn.
+  void try_next(const Candidate& candidate) {
+    if (candidate.cost > limit_squared_) return;
+    if (!queue_.empty() && candidate.cost > queue_.top().cost) {
+      queue_.push(candidate);
       return;
     }
+    greatest_ = std::max(greatest_, candidate.cost);
+    if (!collapse_if_near(candidate.vertex, candidate.to) && candidate.next_to != kNone) {
+      try_next({candidate.next_cost, candidate.vertex, candidate.version, candidate.next_to, kNone, 0});
+    }
+  }
+
+  bool collapse_if_near(std::uint32_t v, std::uint32_t to) {
+    if (prepared_ != to) {
+      make_new(v, to);
+      attach(v);
+      farthest_new(to, 0);
+    }
+    if (!new_are_near()) return false;
+    collapse(v, to);
+    return true;
+  }
+
+  // The ring is that of the candidate's vertex.
+  void look_at_targets(const Candidate& candidate) {
+    const std::uint32_t v = candidate.vertex;
     // The best by their planes; what is tried in vain is tried again only when something around has changed.
     constexpr std::size_t kTries = 2;
     std::vector<std::pair<double, std::uint32_t>>& targets = targets_;
@@ -240,35 +277,23 @@ class PatchCollapse {
       if (cost <= limit_squared_) targets.emplace_back(cost, to);
     }
     std::sort(targets.begin(), targets.end());
-    double best = std::numeric_limits<double>::infinity();
-    std::uint32_t best_to = kNone;
-    std::uint32_t last_to = kNone;  // what new_ and attached_ are of
-    std::size_t tried = 0;
+    found_.clear();
     for (const auto& [cost, to] : targets) {
-      if (tried == kTries || cost >= best) break;
+      if (found_.size() == kTries || (!found_.empty() && cost >= found_[0].first)) break;
       if (!keeps_topology(v, to)) continue;
       make_new(v, to);
-      last_to = kNone;
+      prepared_ = kNone;
       if (!keeps_shape(v)) continue;
-      ++tried;
-      last_to = to;
+      prepared_ = to;
       double sampled = std::max(cost, attach(v));
-      if (sampled <= limit_squared_ && sampled < best) sampled = farthest_new(to, sampled);
-      if (sampled > limit_squared_ || sampled >= best || !new_are_near(sampled)) continue;
-      best = sampled;
-      best_to = to;
+      if (sampled <= limit_squared_) sampled = farthest_new(to, sampled);
+      found_.emplace_back(sampled, to);
     }
-    if (best_to == kNone) return;
-    if (!queue_.empty() && best > queue_.top().cost) {
-      queue_.push({std::max(best, candidate.cost), v, version_[v], best_to});
-      return;
-    }
-    greatest_ = std::max(greatest_, best);
-    if (best_to != last_to) {
-      make_new(v, best_to);
-      attach(v);
-    }
-    collapse(v, best_to);
+    if (found_.empty()) return;
+    std::sort(found_.begin(), found_.end());
+    const auto [cost, to] = found_[0];
+    const auto [next_cost, next_to] = found_.size() > 1 ? found_[1] : std::pair(0.0, kNone);
+    try_next({std::max(cost, candidate.cost), v, candidate.version, to, next_to, next_cost});
   }
 
   [[nodiscard]] bool joined(std::uint32_t a, std::uint32_t b) const {
@@ -365,7 +390,7 @@ class PatchCollapse {
     attached_.clear();
     double greatest = 0;
     const auto add = [&](std::uint32_t sample) {
-      const glm::dvec3 p = state_.sample(sample) - origin_;
+      const glm::dvec3 p = glm::dvec3(state_.positions[sample]) - origin_;
       double least = std::numeric_limits<double>::infinity();
       std::uint32_t nearest = 0;
       for (const auto& [f, t] : new_) {
@@ -387,54 +412,56 @@ class PatchCollapse {
       for (std::uint32_t s = state_.first_sample[t]; s != kNone; s = state_.next_sample[s]) {
         if (!add(s)) return beyond;
       }
-      if (state_.changed_by[t] != kNone) continue;
-      const glm::uvec3& original = state_.original[t];
-      for (std::uint32_t edge = 0; edge < 3; ++edge) {
-        const auto at = static_cast<int>(edge);
-        if (original[at] < original[(at + 1) % 3] &&
-            !add(static_cast<std::uint32_t>(state_.positions.size()) + 3 * t + edge)) {
-          return beyond;
-        }
-      }
     }
     return greatest;
   }
 
   // The greatest squared distance of points of the new triangles to the original mesh: their centres, and the middles
-  // of the new edges. Or `known`, where that is greater.
-  [[nodiscard]] double farthest_new(std::uint32_t to, double known) const {
+  // of the new edges. Or `known`, where that is greater. After attach(v).
+  [[nodiscard]] double farthest_new(std::uint32_t to, double known) {
     double farthest = known;
-    const auto look = [&](std::uint32_t f, const glm::dvec3& p) {
-      const std::uint32_t hint = state_.original_slot[triangles_[f]];
-      farthest = std::max(farthest, state_.original_tree.nearest(p + origin_, hint, farthest).distance_squared);
-      return farthest <= limit_squared_;
-    };
+    near_.clear();
     for (const auto& [f, t] : new_) {
-      if (!look(f, (places_[t.x] + places_[t.y] + places_[t.z]) / 3.0)) return farthest;
+      std::uint32_t slot = state_.original_slot[triangles_[f]];
+      double of_triangle = 0;
+      const auto look = [&](const glm::dvec3& p) {
+        const auto nearest = state_.original_tree.nearest(p + origin_, slot, farthest);
+        of_triangle = std::max(of_triangle, nearest.distance_squared);
+        slot = nearest.slot;
+      };
+      look((places_[t.x] + places_[t.y] + places_[t.z]) / 3.0);
       for (int corner = 0; corner < 3; ++corner) {
-        if (t[corner] != to) continue;
-        if (!look(f, 0.5 * (places_[to] + places_[t[(corner + 1) % 3]]))) return farthest;
+        if (t[corner] == to) look(0.5 * (places_[to] + places_[t[(corner + 1) % 3]]));
       }
+      farthest = std::max(farthest, of_triangle);
+      if (farthest > limit_squared_ && known > 0) return farthest;
+      for (const Attached& a : attached_) {
+        if (a.triangle == f) of_triangle = std::max(of_triangle, a.distance_squared);
+      }
+      near_.push_back({of_triangle, slot, {}});
     }
     return farthest;
   }
 
-  // Whether the new triangles, whose points have up to this squared distance, are as near as they must be.
-  [[nodiscard]] bool new_are_near(double sampled) const {
-    constexpr double kClearlyNear = 0.5;  // of what is allowed: then no more is looked at
-    if (!std::isfinite(proven_) || sampled < kClearlyNear * kClearlyNear * proven_ * proven_) return true;
+  // Whether the new triangles are as near as they must be, at every point. After farthest_new().
+  [[nodiscard]] bool new_are_near() {
+    static const double kClearlyNear = std::atof(std::getenv("NEAR"));  // of what is allowed: then no more is looked at
+    if (!std::isfinite(proven_)) return true;
     mesh::DistanceLimits limits;
     limits.tolerance = 0;
     limits.floor = 1e-2 * proven_;
     limits.enough = proven_;
     limits.refuse = proven_;
     limits.most_parts = 64;  // what takes longer to decide is near to the limit
-    return std::all_of(new_.begin(), new_.end(), [&](const auto& face) {
-      const Corners& t = face.second;
+    for (std::size_t i = 0; i < new_.size(); ++i) {
+      if (near_[i].distance_squared < kClearlyNear * kClearlyNear * proven_ * proven_) continue;
+      const Corners& t = new_[i].second;
       const std::array<glm::dvec3, 3> corners{places_[t.x] + origin_, places_[t.y] + origin_, places_[t.z] + origin_};
-      const std::uint32_t hint = state_.original_slot[triangles_[face.first]];
-      return mesh::bound_distance(corners, state_.original_tree, limits, 0, hint).upper <= proven_;
-    });
+      const mesh::TriangleBound found = mesh::bound_distance(corners, state_.original_tree, limits, 0, near_[i].slot);
+      if (!(found.upper <= proven_)) return false;
+      near_[i].known = {found.lower, found.upper};
+    }
+    return true;
   }
 
   // After make_new(v, to) and attach(v).
@@ -458,7 +485,9 @@ class PatchCollapse {
     while (*end != kNone) end = &next_corner_[*end];
     *end = first_corner_[v];
     first_corner_[v] = kNone;
-    for (const auto& [f, t] : new_) {
+    for (std::size_t i = 0; i < new_.size(); ++i) {
+      const auto& [f, t] = new_[i];
+      state_.known[triangles_[f]] = near_[i].known;
       corners_[f] = t;
       state_.corners[triangles_[f]] = {vertices_[t.x], vertices_[t.y], vertices_[t.z]};
     }
@@ -513,8 +542,11 @@ class PatchCollapse {
   Ring ring_;
   Ring pushed_;
   std::vector<std::pair<double, std::uint32_t>> targets_;
+  std::vector<std::pair<double, std::uint32_t>> found_;
+  std::uint32_t prepared_ = kNone;  // the target that what follows is of, if it is of one
   std::vector<std::pair<std::uint32_t, Corners>> new_;
   std::vector<Attached> attached_;
+  std::vector<Near> near_;  // of each of new_
 };
 
 }  // namespace
