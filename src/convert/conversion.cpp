@@ -168,7 +168,8 @@ class Conversion {
     }
     for (std::size_t i = 0; i < pieces->size(); ++i) {
       Surface piece{surface.iso, std::move((*pieces)[i]), {}, {}, {}};
-      if (auto shaded = shade_surface(job_, source_, extras_.mesh_facts, context_, events_, piece); !shaded) return shaded;
+      if (auto shaded = shade_surface(job_, source_, extras_.mesh_facts, context_, events_, piece); !shaded)
+        return shaded;
       if (!into_files) {
         if (auto added = add(std::move(piece), file); !added) return added;
         continue;

@@ -21,8 +21,8 @@ struct MeshError {
 };
 
 // Of methods that follow the interpolant (MethodTraits). `extracted` is how the mesh was extracted from `field`, or
-// from `grid` if there is one, which was made of it by resample() or by blurring. `clipped` is what of it was kept since.
-// `moved`: vertices are no longer where they were extracted. Fails where measure_surface_coverage() does.
+// from `grid` if there is one, which was made of it by resample() or by blurring. `clipped` is what of it was kept
+// since. `moved`: vertices are no longer where they were extracted. Fails where measure_surface_coverage() does.
 [[nodiscard]] Result<MeshError> measure_mesh_error(const mesh::Mesh& mesh, const field::ScalarField& field,
                                                    const extract::ExtractOptions& extracted,
                                                    field::Interpolation interpolation, const field::ScalarField* grid,

@@ -73,8 +73,8 @@ struct PlacedField {
 };
 
 // Where the samples' axes are oblique to the box, surfaces are cut at it, unless they are closed there, which is done
-// along samples: then the box is that of the samples. Fails with ErrorKind::usage where an anatomical space is asked for
-// and the file does not say which one its world is, where the scale leads out of the range of numbers, and as
+// along samples: then the box is that of the samples. Fails with ErrorKind::usage where an anatomical space is asked
+// for and the file does not say which one its world is, where the scale leads out of the range of numbers, and as
 // samples_in_box does.
 [[nodiscard]] Result<PlacedField> place_field(const field::ScalarField& field, const Placement& placement,
                                               const std::optional<field::Box>& roi, bool closed);

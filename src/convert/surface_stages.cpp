@@ -112,9 +112,9 @@ class SurfaceStages {
     }
     const Stopwatch watch;
     const field::ScalarField& data = source_.data ? *source_.data : source_.field;
-    auto measured = measure_mesh_error(surface.mesh, data, extract_options_of(job_, source_, surface.iso), *job_.error,
-                                       source_.data ? &source_.field : nullptr, source_.clip,
-                                       job_.smooth.has_value(), context_);
+    auto measured =
+        measure_mesh_error(surface.mesh, data, extract_options_of(job_, source_, surface.iso), *job_.error,
+                           source_.data ? &source_.field : nullptr, source_.clip, job_.smooth.has_value(), context_);
     if (!measured) return tl::unexpected(std::move(measured.error()));
     surface.error = *measured;
     if (auto whole = volumes::check_not_lost(data); !whole) return whole;

@@ -25,9 +25,9 @@ struct Surface {
 
 // What is known of all surfaces, and of the one at hand.
 struct SurfaceFacts {
-  std::vector<double> isos;  // of all surfaces of the job
-  bool may_be_open = false;  // it may have a border
-  bool recorded = false;     // a MeshRecord of it is asked for
+  std::vector<double> isos;            // of all surfaces of the job
+  bool may_be_open = false;            // it may have a border
+  bool recorded = false;               // a MeshRecord of it is asked for
   const LabelLooks* labels = nullptr;  // where the iso values are labels: how these look
 };
 
@@ -35,8 +35,8 @@ struct SurfaceFacts {
 [[nodiscard]] extract::ExtractOptions extract_options_of(const ConversionJob& job, const Source& source, double iso);
 
 // Gives the vertices their attributes, changes the mesh as the job asks for, colours what came of it and measures its
-// error. A mesh that is split into pieces is left without what shade_surface() does: each piece is to have its own. Tells
-// of each stage. Fails as the stages do.
+// error. A mesh that is split into pieces is left without what shade_surface() does: each piece is to have its own.
+// Tells of each stage. Fails as the stages do.
 [[nodiscard]] Result<void> finish_surface(const ConversionJob& job, const Source& source, const SurfaceFacts& facts,
                                           const Context& context, Events& events, Surface& surface);
 
