@@ -42,7 +42,7 @@ class Simplifier {
     if (!(enough > 0) || left_ <= options_.triangles) return original();
     auto collapsed = options_.triangles > 0 ? to_count(enough) : within(enough);
     if (!collapsed) return tl::unexpected(std::move(collapsed.error()));
-    constexpr double kTrianglesOfPatch = 12;
+    constexpr double kTrianglesOfPatch = 16;
     const ProofOptions prove{enough, options_.patch_size / kTrianglesOfPatch};
     const auto proof = prove_distance(state_, logs_, prove, context_);
     if (!proof) return tl::unexpected(proof.error());
@@ -153,7 +153,6 @@ class Simplifier {
     });
     if (auto going_on = context_.check(); !going_on) return tl::unexpected(std::move(going_on.error()));
     numbers_ += triangles.size();
- fprintf(stderr,"round %f patches %zu triangles %zu\n", size, patches, triangles.size());
     for (CollapseLog& log : logs) {
       facts_.collapses += log.collapses.size();
       left_ -= log.removed;
@@ -166,7 +165,7 @@ class Simplifier {
   // The triangles in question, by the box of a grid that their centroids are in.
   std::vector<Place> split(double size) {
     std::vector<char> near = wanted_;  // with some rings around
-    constexpr int kRings = 3;
+    constexpr int kRings = 2;
     const bool all = std::all_of(near.begin(), near.end(), [](char w) { return w != 0; });
     for (int ring = 0; ring < kRings && !all; ++ring) {
       const std::vector<char> inner = near;
@@ -286,9 +285,10 @@ std::uint64_t working_bytes(const mesh::Mesh& mesh) {
   constexpr std::uint64_t kPatchVertex = sizeof(glm::dvec3) + 12 * sizeof(double) + 5 * sizeof(std::uint32_t) + 24;
   constexpr std::uint64_t kTriangle =
       CollapseState::kTriangleBytes + kLog + std::max(kPlaces + kPatch, kProofTriangleBytes) + sizeof(glm::uvec3);
+  const std::uint64_t trees = 2 * mesh::TriangleTree::bytes(mesh.triangles.size());
   constexpr std::uint64_t kVertex =
       CollapseState::kVertexBytes + sizeof(glm::vec3) + 2 * sizeof(std::uint32_t) + 4 + kPatchVertex;
-  return mesh.triangles.size() * kTriangle + mesh.positions.size() * (kVertex + vertex_bytes(mesh));
+  return trees + mesh.triangles.size() * kTriangle + mesh.positions.size() * (kVertex + vertex_bytes(mesh));
 }
 
 Result<SimplifiedMesh> simplified(mesh::Mesh mesh, const SimplifyOptions& options, const Context& context) {

@@ -28,7 +28,7 @@ struct SimplifyOptions {
   std::uint64_t triangles = 0;  // no fewer than these, but one
   // From the mesh's coordinates to the space in which distances are meant: for voxels, where a voxel is a unit cube.
   glm::dmat3 to_metric{1.0};
-  double patch_size = 24;  // side of the first patches, in that space; some tens of the mesh's triangles
+  double patch_size = 32;  // side of the first patches, in that space; some tens of the mesh's triangles
 };
 
 struct Simplification {

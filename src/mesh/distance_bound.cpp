@@ -120,8 +120,9 @@ TriangleBound bound_distance(const std::array<glm::dvec3, 3>& corners, const Tri
   for (std::size_t parts = 0; !waiting.empty(); ++parts) {
     const Polygon polygon = waiting.back();
     waiting.pop_back();
+    double to_hint = std::numeric_limits<double>::infinity();
     if (limits.enough > 0) {  // then what is under it need not be the nearest
-      const double to_hint = std::sqrt(farthest_squared(polygon, tree, polygon.hint));
+      to_hint = std::sqrt(farthest_squared(polygon, tree, polygon.hint));
       if (to_hint <= limits.enough) {
         if (parts == 0) bound.slot = polygon.hint;
         bound.upper = std::max(bound.upper, to_hint);
@@ -138,13 +139,14 @@ TriangleBound bound_distance(const std::array<glm::dvec3, 3>& corners, const Tri
       bound.nearest = nearest.point;
       lower = std::max(lower, distance);
     }
-    const double to_triangle = farthest_squared(polygon, tree, nearest.slot);
+    const bool by_hint = nearest.slot == polygon.hint && std::isfinite(to_hint);
+    const double to_triangle = by_hint ? to_hint : std::sqrt(farthest_squared(polygon, tree, nearest.slot));
     double radius = 0;
     for (std::size_t i = 0; i < polygon.count; ++i) {
       const glm::dvec3 way = polygon.corners[i] - centre;
       radius = std::max(radius, glm::dot(way, way));
     }
-    const double upper = std::min(std::sqrt(to_triangle), distance + std::sqrt(radius));
+    const double upper = std::min(to_triangle, distance + std::sqrt(radius));
     if (upper <= limits.good_upper(lower)) {
       bound.upper = std::max(bound.upper, upper);
       continue;

@@ -60,6 +60,8 @@ class TriangleTree {
   }
   void build(std::span<Item> items, std::size_t level, std::size_t number, std::span<const glm::vec3> positions,
              std::span<const glm::uvec3> triangles);
+  void search_below(std::size_t node, double node_distance_squared, const glm::dvec3& p, double enough_squared,
+                    Nearest& best) const;
   void search(std::size_t leaf, const glm::dvec3& p, Nearest& best) const;
 
   std::size_t depth_ = 0;

@@ -14,7 +14,8 @@ CollapseState::CollapseState(std::span<const glm::vec3> places, std::span<const 
       gone(triangles.size(), 0),
       changed_by(triangles.size(), kNone),
       first_sample(triangles.size(), kNone),
-      next_sample(places.size() + 3 * triangles.size(), kNone),
+      next_sample(places.size(), kNone),
+      known(triangles.size()),
       original_tree(places, triangles),
       original_slot(triangles.size()) {
   for (std::uint32_t slot = 0; slot < original_slot.size(); ++slot) original_slot[original_tree.triangle(slot)] = slot;
@@ -48,6 +49,7 @@ std::size_t undo_collapse(std::uint32_t collapse, CollapseState& state, std::spa
         }
       }
       state.changed_by[record.triangle] = record.changed_before;
+      state.known[record.triangle] = {};
     }
     ++count;
     waiting.pop_back();

@@ -23,6 +23,14 @@ namespace isoextract::edit {
 
 inline constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
+// What is known of the greatest distance of a triangle's points to the other surface.
+struct KnownDistance {
+  double lower = 0;
+  double upper = -1;  // below 0: nothing is known
+
+  [[nodiscard]] bool is_known() const { return upper >= 0; }
+};
+
 struct CollapseState {
   // At least one triangle. `positions` are in the space in which distances are meant, `stored` those of the mesh.
   CollapseState(std::span<const glm::vec3> positions, std::span<const glm::vec3> stored,
@@ -34,24 +42,17 @@ struct CollapseState {
   std::vector<glm::uvec3> corners;
   std::vector<char> gone;
   std::vector<std::uint32_t> changed_by;  // the last collapse that changed the triangle, or kNone
-  // Points of the original mesh that are held against the triangle that they are nearest to: sample v is vertex v,
-  // sample positions.size() + 3 t + e the middle of edge e of original triangle t. Lists that end with kNone.
+  // Vertices that went and are held against the triangle that they are nearest to: lists that end with kNone.
   std::vector<std::uint32_t> first_sample;
   std::vector<std::uint32_t> next_sample;
+  std::vector<KnownDistance> known;  // of triangles that changed, to the original mesh
   mesh::TriangleTree original_tree;
   std::vector<std::uint32_t> original_slot;  // of each triangle, in the tree
 
   [[nodiscard]] bool is_original(std::uint32_t t) const { return gone[t] == 0 && changed_by[t] == kNone; }
-  [[nodiscard]] glm::dvec3 sample(std::uint32_t s) const {
-    if (s < positions.size()) return positions[s];
-    const std::size_t edge = s - positions.size();
-    const glm::uvec3& t = original[edge / 3];
-    const auto from = static_cast<int>(edge % 3);
-    return 0.5 * (glm::dvec3(positions[t[from]]) + glm::dvec3(positions[t[(from + 1) % 3]]));
-  }
-
-  // What one takes for each triangle and vertex.
-  static constexpr std::uint64_t kTriangleBytes = sizeof(glm::uvec3) + 1 + 6 * sizeof(std::uint32_t);
+  // What one takes for each triangle and vertex, beside the tree.
+  static constexpr std::uint64_t kTriangleBytes =
+      sizeof(glm::uvec3) + 1 + 3 * sizeof(std::uint32_t) + sizeof(KnownDistance);
   static constexpr std::uint64_t kVertexBytes = sizeof(std::uint32_t);
 };
 

@@ -15,22 +15,11 @@ namespace {
 
 constexpr std::size_t kProofGrain = 256;
 
-// What is known of one triangle's distance to the other surface.
-struct Known {
-  double lower = 0;
-  double upper = 0;
-};
-
 class DistanceProof {
  public:
   DistanceProof(CollapseState& state, std::span<const CollapseLog> logs, const ProofOptions& options,
                 const Context& context)
-      : state_(state),
-        logs_(logs),
-        options_(options),
-        context_(context),
-        known_new_(state.corners.size()),
-        known_old_(state.corners.size()) {
+      : state_(state), logs_(logs), options_(options), context_(context), known_old_(state.corners.size()) {
     limits_.enough = options.enough;
     if (std::isfinite(options.enough)) {
       limits_.tolerance = 0;
@@ -62,8 +51,9 @@ class DistanceProof {
       }
       find_doubts(changed, new_in_doubt, old_in_doubt);
     }
-    for (std::uint32_t t = 0; t < known_new_.size(); ++t) {
-      const Known now = state_.gone[t] == 0 ? known_new_[t] : Known();
+    for (std::uint32_t t = 0; t < known_old_.size(); ++t) {
+      const KnownDistance now =
+          state_.gone[t] == 0 && state_.changed_by[t] != kNone ? state_.known[t] : KnownDistance();
       proof.lower = std::max({proof.lower, now.lower, known_old_[t].lower});
       proof.upper = std::max({proof.upper, now.upper, known_old_[t].upper});
     }
@@ -77,10 +67,9 @@ class DistanceProof {
     std::vector<std::uint32_t> wrong(new_in_doubt.size() + old_in_doubt.size(), kNone);
     for_each_in_doubt(new_in_doubt, [&](std::size_t i, std::uint32_t t) {
       if (state_.gone[t] != 0) return;
-      known_new_[t] = {};
-      if (state_.changed_by[t] == kNone) return;
+      if (state_.changed_by[t] == kNone || state_.known[t].is_known()) return;
       const mesh::TriangleBound found = bound(state_.corners[t], state_.original_tree, {state_.original_slot[t]});
-      known_new_[t] = {found.lower, found.upper};
+      state_.known[t] = {found.lower, found.upper};
       if (!good(found)) wrong[i] = t;
     });
     if (context_.cancelled()) return {};
@@ -101,7 +90,7 @@ class DistanceProof {
       const std::uint32_t t = numbers[tree.triangle(slot)];
       for (int corner = 0; corner < 3; ++corner) slot_near[state_.corners[t][corner]] = slot;
       for (std::uint32_t s = state_.first_sample[t]; s != kNone; s = state_.next_sample[s]) {
-        if (s < slot_near.size()) slot_near[s] = slot;
+        slot_near[s] = slot;
       }
     }
     for_each_in_doubt(old_in_doubt, [&](std::size_t i, std::uint32_t t) {
@@ -114,7 +103,6 @@ class DistanceProof {
       const std::uint32_t nearest = numbers[tree.triangle(found.slot)];
       wrong[new_in_doubt.size() + i] = state_.changed_by[nearest] == kNone ? t : nearest;
     });
-    { size_t a=0,b=0; for(size_t i=0;i<wrong.size();++i) if(wrong[i]!=kNone) (i<new_in_doubt.size()?a:b)++; fprintf(stderr,"new %zu of %zu wrong, old %zu of %zu\n",a,new_in_doubt.size(),b,old_in_doubt.size()); }
     std::erase(wrong, kNone);
     return wrong;
   }
@@ -215,8 +203,7 @@ class DistanceProof {
   const ProofOptions& options_;
   const Context& context_;
   mesh::DistanceLimits limits_;
-  std::vector<Known> known_new_;
-  std::vector<Known> known_old_;
+  std::vector<KnownDistance> known_old_;
   std::vector<Cell> doubtful_;
 };
 

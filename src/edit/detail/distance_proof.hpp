@@ -29,8 +29,10 @@ struct Proof {
   int passes = 0;            // measurements, the first of the whole mesh
 };
 
-// What it takes for each triangle of the original mesh, beside the state.
-inline constexpr std::uint64_t kProofTriangleBytes = 2 * (9 * sizeof(float) + 6 * sizeof(float) + 20) + 3 * 16 + 8;
+// What it takes for each triangle of the original mesh, beside the state and a tree: what is known of it, which are in
+// doubt, and those that are there.
+inline constexpr std::uint64_t kProofTriangleBytes =
+    sizeof(KnownDistance) + 6 * sizeof(std::uint32_t) + sizeof(glm::uvec3) + 1;
 
 // Fails where the context is cancelled. The same for any number of threads.
 [[nodiscard]] Result<Proof> prove_distance(CollapseState& state, std::span<const CollapseLog> logs,

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/hash.hpp"
+#include "edit/detail/patch_mesh.hpp"
 #include "edit/detail/quadric.hpp"
 #include "mesh/closest_point.hpp"
 #include "mesh/distance_bound.hpp"
@@ -15,19 +15,17 @@
 namespace isoextract::edit {
 namespace {
 
-class PatchCollapse {
+class PatchCollapse : private PatchMesh {
  public:
   PatchCollapse(CollapseState& state, std::span<const std::uint32_t> patch, const CollapseVertices& vertices,
                 const CollapseLimits& limits, std::uint32_t first)
-      : state_(state),
-        triangles_(patch),
+      : PatchMesh(state, patch, vertices.locked),
         limit_squared_(limits.distance * limits.distance),
         proven_(limits.proven),
         least_triangles_(limits.triangles),
         left_(patch.size()) {
     log_.first = first;
-    number_vertices();
-    look_around_vertices(vertices);
+    version_.assign(vertices_.size(), 0);
     sum_quadrics();
   }
 
@@ -47,126 +45,27 @@ class PatchCollapse {
   }
 
  private:
-  using Corners = glm::uvec3;  // in the patch's numbers of vertices
   struct Candidate {
     double cost;
     std::uint32_t vertex;
     std::uint32_t version;
-    std::uint32_t to;                               // kNone: not looked at yet, and the cost is the least it could be
+    std::uint32_t to;       // kNone: not looked at yet, and the cost is the least it could be
+    std::uint32_t next_to;  // where that is in vain, or kNone
+    double next_cost;
     bool operator<(const Candidate& other) const {  // std::priority_queue has the greatest on top
       return cost != other.cost ? cost > other.cost : vertex > other.vertex;
     }
   };
-  struct Around {
-    std::uint32_t triangle, from, next;  // the edge opposite, in the direction of the triangle
-  };
-  struct Ring {
-    std::vector<Around> around;
-    std::vector<std::uint32_t> neighbours;  // once each
+  struct Near {
+    double distance_squared;  // of points of a new triangle, and of samples to it
+    std::uint32_t slot;       // near to it, in the tree of the original mesh
+    KnownDistance known;
   };
   struct Attached {
     std::uint32_t triangle;
     std::uint32_t sample;
     double distance_squared;
   };
-
-  // Numbers in the order in which vertices first occur, and coordinates relative to one vertex, so that products of
-  // them keep their digits.
-  void number_vertices() {
-    std::size_t size = 16;
-    while (size < triangles_.size() * 2) size *= 2;
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> table(size, {kNone, kNone});
-    const auto number = [&](std::uint32_t vertex) {
-      std::size_t slot = hash_of_three(vertex, 0, 0) & (size - 1);
-      while (table[slot].first != vertex && table[slot].first != kNone) slot = (slot + 1) & (size - 1);
-      if (table[slot].first == kNone) {
-        table[slot] = {vertex, static_cast<std::uint32_t>(vertices_.size())};
-        vertices_.push_back(vertex);
-      }
-      return table[slot].second;
-    };
-    corners_.reserve(triangles_.size());
-    vertices_.reserve(triangles_.size());
-    for (const std::uint32_t t : triangles_) {
-      const glm::uvec3& c = state_.corners[t];
-      const std::uint32_t a = number(c.x);
-      const std::uint32_t b = number(c.y);
-      corners_.emplace_back(a, b, number(c.z));
-    }
-    origin_ = state_.positions[vertices_[vertices_.size() / 2]];
-    places_.reserve(vertices_.size());
-    for (const std::uint32_t vertex : vertices_) places_.push_back(glm::dvec3(state_.positions[vertex]) - origin_);
-    version_.assign(vertices_.size(), 0);
-    removed_.assign(triangles_.size(), 0);
-    // Lists of the corners at each vertex.
-    first_corner_.assign(vertices_.size(), kNone);
-    next_corner_.assign(3 * triangles_.size(), kNone);
-    for (std::uint32_t corner = static_cast<std::uint32_t>(next_corner_.size()); corner-- > 0;) {
-      std::uint32_t& first = first_corner_[corners_[corner / 3][static_cast<int>(corner % 3)]];
-      next_corner_[corner] = first;
-      first = corner;
-    }
-  }
-
-  // Unlinks corners of triangles that went on the way.
-  void look_around(std::uint32_t v, Ring& ring) {
-    ring.around.clear();
-    ring.neighbours.clear();
-    std::uint32_t* link = &first_corner_[v];
-    while (*link != kNone) {
-      const std::uint32_t corner = *link;
-      const std::uint32_t t = corner / 3;
-      if (removed_[t] != 0) {
-        *link = next_corner_[corner];
-        continue;
-      }
-      const auto at = static_cast<int>(corner % 3);
-      ring.around.push_back({t, corners_[t][(at + 1) % 3], corners_[t][(at + 2) % 3]});
-      link = &next_corner_[corner];
-    }
-    for (const Around& a : ring.around) ring.neighbours.push_back(a.from);
-    if (border_[v] != 0) {  // its ring is open: the last vertex starts no edge
-      for (const Around& a : ring.around) {
-        if (std::none_of(ring.around.begin(), ring.around.end(), [&](const Around& b) { return b.from == a.next; })) {
-          ring.neighbours.push_back(a.next);
-        }
-      }
-    }
-  }
-
-  // Fixed are the locked ones, and those where the surface is neither one closed fan of triangles nor one open one.
-  void look_around_vertices(const CollapseVertices& vertices) {
-    fixed_.assign(vertices_.size(), 0);
-    border_.assign(vertices_.size(), 0);
-    for (std::uint32_t v = 0; v < vertices_.size(); ++v) {
-      look_around(v, ring_);
-      const std::vector<Around>& around = ring_.around;
-      std::size_t starts = 0;
-      std::size_t start = 0;
-      bool twice = false;
-      for (std::size_t i = 0; i < around.size(); ++i) {
-        std::size_t before = 0;
-        for (std::size_t j = 0; j < around.size(); ++j) {
-          before += around[j].next == around[i].from ? 1 : 0;
-          if (i != j && (around[i].from == around[j].from || around[i].next == around[j].next)) twice = true;
-        }
-        if (before == 0) {
-          ++starts;
-          start = i;
-        }
-      }
-      std::size_t walked = 1;
-      for (std::size_t i = start; !twice && walked < around.size(); ++walked) {
-        const auto next =
-            std::find_if(around.begin(), around.end(), [&](const Around& a) { return a.from == around[i].next; });
-        if (next == around.end() || (starts == 0 && next == around.begin())) break;
-        i = static_cast<std::size_t>(next - around.begin());
-      }
-      const bool one_fan = !twice && starts <= 1 && walked == around.size();
-      border_[v] = one_fan && starts == 1 ? 1 : 0;
-      fixed_[v] = !one_fan || vertices.locked[vertices_[v]] != 0 ? 1 : 0;
-    }
-  }
 
   void sum_quadrics() {
     quadrics_.resize(vertices_.size());
@@ -191,20 +90,6 @@ class PatchCollapse {
     }
   }
 
-  // Of an edge whose triangle is there.
-  [[nodiscard]] bool is_border_edge(std::uint32_t a, std::uint32_t b) const {
-    std::size_t triangles = 0;
-    for (std::uint32_t c = first_corner_[a]; c != kNone; c = next_corner_[c]) {
-      const Corners& t = corners_[c / 3];
-      if (removed_[c / 3] == 0 && (t.x == b || t.y == b || t.z == b)) ++triangles;
-    }
-    return triangles == 1;
-  }
-
-  [[nodiscard]] glm::dvec3 cross_product(const Corners& t) const {
-    return glm::cross(places_[t.y] - places_[t.x], places_[t.z] - places_[t.x]);
-  }
-
   // Where all is flat, short edges go first, and vertices that have not taken in much: none shall have very many edges.
   [[nodiscard]] double least_cost(std::uint32_t from, std::uint32_t to) const {
     constexpr double kOfArea = 1e-10;
@@ -219,18 +104,48 @@ class PatchCollapse {
     look_around(v, pushed_);
     double least = std::numeric_limits<double>::infinity();
     for (const std::uint32_t to : pushed_.neighbours) least = std::min(least, least_cost(v, to));
-    if (least <= limit_squared_) queue_.push({least, v, version_[v], kNone});
+    if (least <= limit_squared_) queue_.push({least, v, version_[v], kNone, kNone, 0});
   }
 
   void try_to_remove(const Candidate& candidate) {
     const std::uint32_t v = candidate.vertex;
     look_around(v, ring_);
-    if (candidate.to != kNone) {
-      make_new(v, candidate.to);
-      attach(v);
-      collapse(v, candidate.to);
+    prepared_ = kNone;
+    if (candidate.to == kNone) {
+      look_at_targets(candidate);
+    } else if (!collapse_if_near(v, candidate.to) && candidate.next_to != kNone) {
+      try_next({candidate.next_cost, v, candidate.version, candidate.next_to, kNone, 0});
+    }
+  }
+
+  // At once, or when it is its turn.
+  void try_next(const Candidate& candidate) {
+    if (candidate.cost > limit_squared_) return;
+    if (!queue_.empty() && candidate.cost > queue_.top().cost) {
+      queue_.push(candidate);
       return;
     }
+    greatest_ = std::max(greatest_, candidate.cost);
+    if (!collapse_if_near(candidate.vertex, candidate.to) && candidate.next_to != kNone) {
+      try_next({candidate.next_cost, candidate.vertex, candidate.version, candidate.next_to, kNone, 0});
+    }
+  }
+
+  bool collapse_if_near(std::uint32_t v, std::uint32_t to) {
+    if (prepared_ != to) {
+      make_new(v, to);
+      attach(v);
+      look_from_new(to, 0);
+      prepared_ = to;
+    }
+    if (!new_are_near()) return false;
+    collapse(v, to);
+    return true;
+  }
+
+  // The ring is that of the candidate's vertex.
+  void look_at_targets(const Candidate& candidate) {
+    const std::uint32_t v = candidate.vertex;
     // The best by their planes; what is tried in vain is tried again only when something around has changed.
     constexpr std::size_t kTries = 2;
     std::vector<std::pair<double, std::uint32_t>>& targets = targets_;
@@ -240,43 +155,23 @@ class PatchCollapse {
       if (cost <= limit_squared_) targets.emplace_back(cost, to);
     }
     std::sort(targets.begin(), targets.end());
-    double best = std::numeric_limits<double>::infinity();
-    std::uint32_t best_to = kNone;
-    std::uint32_t last_to = kNone;  // what new_ and attached_ are of
-    std::size_t tried = 0;
+    found_.clear();
     for (const auto& [cost, to] : targets) {
-      if (tried == kTries || cost >= best) break;
+      if (found_.size() == kTries || (!found_.empty() && cost >= found_[0].first)) break;
       if (!keeps_topology(v, to)) continue;
       make_new(v, to);
-      last_to = kNone;
+      prepared_ = kNone;
       if (!keeps_shape(v)) continue;
-      ++tried;
-      last_to = to;
+      prepared_ = to;
       double sampled = std::max(cost, attach(v));
-      if (sampled <= limit_squared_ && sampled < best) sampled = farthest_new(to, sampled);
-      if (sampled > limit_squared_ || sampled >= best || !new_are_near(sampled)) continue;
-      best = sampled;
-      best_to = to;
+      if (sampled <= limit_squared_) sampled = look_from_new(to, sampled);
+      found_.emplace_back(sampled, to);
     }
-    if (best_to == kNone) return;
-    if (!queue_.empty() && best > queue_.top().cost) {
-      queue_.push({std::max(best, candidate.cost), v, version_[v], best_to});
-      return;
-    }
-    greatest_ = std::max(greatest_, best);
-    if (best_to != last_to) {
-      make_new(v, best_to);
-      attach(v);
-    }
-    collapse(v, best_to);
-  }
-
-  [[nodiscard]] bool joined(std::uint32_t a, std::uint32_t b) const {
-    for (std::uint32_t c = first_corner_[a]; c != kNone; c = next_corner_[c]) {
-      const Corners& t = corners_[c / 3];
-      if (removed_[c / 3] == 0 && (t.x == b || t.y == b || t.z == b)) return true;
-    }
-    return false;
+    if (found_.empty()) return;
+    std::sort(found_.begin(), found_.end());
+    const auto [cost, to] = found_[0];
+    const auto [next_cost, next_to] = found_.size() > 1 ? found_[1] : std::pair(0.0, kNone);
+    try_next({std::max(cost, candidate.cost), v, candidate.version, to, next_to, next_cost});
   }
 
   // The link condition: v and `to` have those neighbours in common that face their edge, and no more; they are not two
@@ -341,31 +236,13 @@ class PatchCollapse {
     return first_corner_[v] != kNone;
   }
 
-  // In double, of the stored positions.
-  [[nodiscard]] bool has_area(const Corners& t) const {
-    const glm::dvec3 a(state_.stored[vertices_[t.x]]);
-    const glm::dvec3 ab = glm::dvec3(state_.stored[vertices_[t.y]]) - a;
-    const glm::dvec3 ac = glm::dvec3(state_.stored[vertices_[t.z]]) - a;
-    return glm::cross(ab, ac) != glm::dvec3(0);
-  }
-
-  // Height to longest side.
-  [[nodiscard]] double thickness(const Corners& t) const {
-    double longest = 0;
-    for (int corner = 0; corner < 3; ++corner) {
-      const glm::dvec3 edge = places_[t[(corner + 1) % 3]] - places_[t[corner]];
-      longest = std::max(longest, glm::dot(edge, edge));
-    }
-    return longest > 0 ? glm::length(cross_product(t)) / longest : 0;
-  }
-
   // Finds which of the new triangles is nearest to each sample around v, and to v itself. Returns the greatest of their
   // squared distances, or infinity where it is beyond the limit.
   double attach(std::uint32_t v) {
     attached_.clear();
     double greatest = 0;
     const auto add = [&](std::uint32_t sample) {
-      const glm::dvec3 p = state_.sample(sample) - origin_;
+      const glm::dvec3 p = glm::dvec3(state_.positions[sample]) - origin_;
       double least = std::numeric_limits<double>::infinity();
       std::uint32_t nearest = 0;
       for (const auto& [f, t] : new_) {
@@ -387,54 +264,56 @@ class PatchCollapse {
       for (std::uint32_t s = state_.first_sample[t]; s != kNone; s = state_.next_sample[s]) {
         if (!add(s)) return beyond;
       }
-      if (state_.changed_by[t] != kNone) continue;
-      const glm::uvec3& original = state_.original[t];
-      for (std::uint32_t edge = 0; edge < 3; ++edge) {
-        const auto at = static_cast<int>(edge);
-        if (original[at] < original[(at + 1) % 3] &&
-            !add(static_cast<std::uint32_t>(state_.positions.size()) + 3 * t + edge)) {
-          return beyond;
-        }
-      }
     }
     return greatest;
   }
 
   // The greatest squared distance of points of the new triangles to the original mesh: their centres, and the middles
-  // of the new edges. Or `known`, where that is greater.
-  [[nodiscard]] double farthest_new(std::uint32_t to, double known) const {
+  // of the new edges. Or `known`, where that is greater. After attach(v).
+  double look_from_new(std::uint32_t to, double known) {
     double farthest = known;
-    const auto look = [&](std::uint32_t f, const glm::dvec3& p) {
-      const std::uint32_t hint = state_.original_slot[triangles_[f]];
-      farthest = std::max(farthest, state_.original_tree.nearest(p + origin_, hint, farthest).distance_squared);
-      return farthest <= limit_squared_;
-    };
+    near_.clear();
     for (const auto& [f, t] : new_) {
-      if (!look(f, (places_[t.x] + places_[t.y] + places_[t.z]) / 3.0)) return farthest;
+      std::uint32_t slot = state_.original_slot[triangles_[f]];
+      double of_triangle = 0;
+      const auto look = [&](const glm::dvec3& p) {
+        const auto nearest = state_.original_tree.nearest(p + origin_, slot, farthest);
+        of_triangle = std::max(of_triangle, nearest.distance_squared);
+        slot = nearest.slot;
+      };
+      look((places_[t.x] + places_[t.y] + places_[t.z]) / 3.0);
       for (int corner = 0; corner < 3; ++corner) {
-        if (t[corner] != to) continue;
-        if (!look(f, 0.5 * (places_[to] + places_[t[(corner + 1) % 3]]))) return farthest;
+        if (t[corner] == to) look(0.5 * (places_[to] + places_[t[(corner + 1) % 3]]));
       }
+      farthest = std::max(farthest, of_triangle);
+      if (farthest > limit_squared_ && known > 0) return farthest;
+      for (const Attached& a : attached_) {
+        if (a.triangle == f) of_triangle = std::max(of_triangle, a.distance_squared);
+      }
+      near_.push_back({of_triangle, slot, {}});
     }
     return farthest;
   }
 
-  // Whether the new triangles, whose points have up to this squared distance, are as near as they must be.
-  [[nodiscard]] bool new_are_near(double sampled) const {
+  // Whether the new triangles are as near as they must be, at every point. After look_from_new().
+  [[nodiscard]] bool new_are_near() {
     constexpr double kClearlyNear = 0.5;  // of what is allowed: then no more is looked at
-    if (!std::isfinite(proven_) || sampled < kClearlyNear * kClearlyNear * proven_ * proven_) return true;
+    if (!std::isfinite(proven_)) return true;
     mesh::DistanceLimits limits;
     limits.tolerance = 0;
     limits.floor = 1e-2 * proven_;
     limits.enough = proven_;
     limits.refuse = proven_;
     limits.most_parts = 64;  // what takes longer to decide is near to the limit
-    return std::all_of(new_.begin(), new_.end(), [&](const auto& face) {
-      const Corners& t = face.second;
+    for (std::size_t i = 0; i < new_.size(); ++i) {
+      if (near_[i].distance_squared < kClearlyNear * kClearlyNear * proven_ * proven_) continue;
+      const Corners& t = new_[i].second;
       const std::array<glm::dvec3, 3> corners{places_[t.x] + origin_, places_[t.y] + origin_, places_[t.z] + origin_};
-      const std::uint32_t hint = state_.original_slot[triangles_[face.first]];
-      return mesh::bound_distance(corners, state_.original_tree, limits, 0, hint).upper <= proven_;
-    });
+      const mesh::TriangleBound found = mesh::bound_distance(corners, state_.original_tree, limits, 0, near_[i].slot);
+      if (!(found.upper <= proven_)) return false;
+      near_[i].known = {found.lower, found.upper};
+    }
+    return true;
   }
 
   // After make_new(v, to) and attach(v).
@@ -458,7 +337,9 @@ class PatchCollapse {
     while (*end != kNone) end = &next_corner_[*end];
     *end = first_corner_[v];
     first_corner_[v] = kNone;
-    for (const auto& [f, t] : new_) {
+    for (std::size_t i = 0; i < new_.size(); ++i) {
+      const auto& [f, t] = new_[i];
+      state_.known[triangles_[f]] = near_[i].known;
       corners_[f] = t;
       state_.corners[triangles_[f]] = {vertices_[t.x], vertices_[t.y], vertices_[t.z]};
     }
@@ -490,31 +371,23 @@ class PatchCollapse {
     }
   }
 
-  CollapseState& state_;
-  std::span<const std::uint32_t> triangles_;  // their numbers in the mesh
   double limit_squared_;
   double proven_;
   std::size_t least_triangles_;
   std::size_t left_;
   double greatest_ = 0;
   CollapseLog log_;
-  std::vector<std::uint32_t> vertices_;  // their numbers in the mesh
-  glm::dvec3 origin_{0.0};
-  std::vector<glm::dvec3> places_;
-  std::vector<Corners> corners_;
-  std::vector<char> removed_;                // triangles
-  std::vector<std::uint32_t> first_corner_;  // of each vertex: 3 triangle + corner
-  std::vector<std::uint32_t> next_corner_;
-  std::vector<char> fixed_;   // vertices that stay
-  std::vector<char> border_;  // vertices with one open fan
   std::vector<Quadric> quadrics_;
   std::vector<std::uint32_t> version_;  // of what is around a vertex: candidates of older ones do not count
   std::priority_queue<Candidate> queue_;
   Ring ring_;
   Ring pushed_;
   std::vector<std::pair<double, std::uint32_t>> targets_;
+  std::vector<std::pair<double, std::uint32_t>> found_;
+  std::uint32_t prepared_ = kNone;  // the target that what follows is of, if it is of one
   std::vector<std::pair<std::uint32_t, Corners>> new_;
   std::vector<Attached> attached_;
+  std::vector<Near> near_;  // of each of new_
 };
 
 }  // namespace

@@ -1,16 +1,16 @@
 // Fewer triangles for a patch of a surface: vertices are collapsed into neighbours, the least error first.
 //
-// - Error: the greatest distance of the points of the original mesh that were nearest to the triangles that change
-//   (its vertices and the middles of its edges) to the new ones, after Klein, Liebich, Strasser: Mesh reduction with
-//   error control. IEEE Visualization 1996; or the quadric error (Garland, Heckbert: Surface simplification using
-//   quadric error metrics. SIGGRAPH 1997) where that is greater. Quadric errors cost little: the points are looked at
-//   where these say that it is a vertex's turn. Where many points belong to one triangle, the farthest are kept.
+// - Error: the greatest distance of vertices that went to the new triangles, after Klein, Liebich, Strasser: Mesh
+//   reduction with error control. IEEE Visualization 1996; that of the middles of new triangles and edges to the
+//   original mesh; or the quadric error (Garland, Heckbert: Surface simplification using quadric error metrics.
+//   SIGGRAPH 1997), whichever is greatest. Quadric errors cost little: points are looked at where these say that it is
+//   a vertex's turn. Where many vertices belong to one triangle, the farthest are kept.
 // - Topology: a vertex is only collapsed where the link condition holds (Dey, Edelsbrunner, Guha, Nekhayev: Topology
 //   preserving edge contraction. Publ. Inst. Math. 66, 1999), and no triangle turns over or loses its area. Vertices of
 //   open borders move along them, and planes upright on their edges belong to the quadrics.
 //
-// The order of collapses does not know the limit: a greater one goes on where a smaller one ended. Points prove
-// nothing; distance_proof.hpp does.
+// The order of collapses does not know the limit, but for those that `proven` refuses. Points prove nothing;
+// distance_proof.hpp does.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,8 @@ namespace isoextract::edit {
 
 struct CollapseLimits {
   double distance = std::numeric_limits<double>::infinity();
-  // That no new triangle may have from the original mesh, at any point. Held against those that come near to it.
+  // That no point of a new triangle may have from the original mesh. Triangles whose points come near to it are
+  // bounded.
   double proven = std::numeric_limits<double>::infinity();
   std::size_t triangles = 0;  // of the patch: no fewer, if it can be told
 };
