@@ -96,6 +96,7 @@ struct SurfaceFlags {
   std::optional<field::Box> roi;
   std::vector<convert::ClipPlane> clip;
   std::optional<glm::ivec3> resolution;
+  std::optional<glm::dvec3> voxel_size;
   std::optional<field::ResampleKernel> kernel;
   std::vector<convert::FilterStep> filters;
   std::vector<convert::BlurStep> blurs;

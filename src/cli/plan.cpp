@@ -61,11 +61,16 @@ Result<void> plan_region(const SurfaceFlags& flags, convert::SourceOptions& sour
 }
 
 Result<void> plan_resolution(const SurfaceFlags& flags, convert::SourceOptions& source) {
-  if (flags.kernel && !flags.resolution) {
+  if (flags.resolution && flags.voxel_size) {
+    return refuse_usage("--resolution and --voxel-size both say what the grid to extract from is",
+                        "leave one of them out");
+  }
+  if (flags.kernel && !flags.resolution && !flags.voxel_size) {
     return refuse_usage("--kernel says what is between the samples of a finer grid, and none is asked for",
-                        "give --resolution N, or leave --kernel out");
+                        "give --resolution N or --voxel-size S, or leave --kernel out");
   }
   source.resolution = flags.resolution;
+  source.voxel_size = flags.voxel_size;
   source.kernel = flags.kernel.value_or(source.kernel);
   return {};
 }

@@ -45,7 +45,7 @@ template <class Format, class ByPath>
 [[nodiscard]] convert::SurfaceOptions plan_surface(const SurfaceFlags& flags, const InputFlags& input);
 // What --roi and --clip say.
 [[nodiscard]] Result<void> plan_region(const SurfaceFlags& flags, convert::SourceOptions& source);
-// What --resolution and --kernel say.
+// What --resolution, --voxel-size and --kernel say.
 [[nodiscard]] Result<void> plan_resolution(const SurfaceFlags& flags, convert::SourceOptions& source);
 // Where no --nan is given: who says which samples are no data wants no error for them.
 [[nodiscard]] extract::NanPolicy usual_nan(const InputFlags& input);

@@ -180,8 +180,11 @@ void declare_surface(const Group& group, SurfaceFlags& flags) {
               "input's samples themselves). A sparse grid becomes dense: its active voxels and one of background "
               "around them. --space index and --roi keep "
               "the input's voxel coordinates, --error its voxels; those of --simplify are the grid's.");
+  group.value("--voxel-size", "SX,SY,SZ", flags.voxel_size, parse_spacing,
+              "In place of --resolution: the edges of that grid's voxels in units of the input's world, or one number "
+              "for all, such as 0.5. They are changed as little as makes them divide the box, and a note says so.");
   group.choice("--kernel", flags.kernel,
-               "What is between the input's samples where --resolution is finer: a line from one to the next; a smooth "
+               "What is between the input's samples where that grid is finer: a line from one to the next; a smooth "
                "curve through them (Catmull-Rom); or the cubic B-spline, which is smoother and not through them "
                "(default: linear).");
   group.values("--filter", "gaussian|median|mean", flags.filters, parse_filter,

@@ -106,6 +106,7 @@ struct SourceOptions {
   std::vector<BlurStep> blurs;              // and then these
   std::vector<AttributeChoice> attributes;  // of the vertices; their names differ
   std::optional<glm::ivec3> resolution;     // of the grid to extract from, in place of the input's own samples
+  std::optional<glm::dvec3> voxel_size;     // likewise, in the input's world; not with resolution
   // In place of read.kind: inside is above an iso value that is positive, below one that is negative, and at 0 as the
   // field has it. Of volumes only.
   bool away_from_zero = false;

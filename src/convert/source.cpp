@@ -18,15 +18,31 @@
 namespace isoextract::convert {
 namespace {
 
+// The voxels that came of those asked for, where they are not the same but for rounding.
+void tell_voxel_size(const glm::dvec3& asked, const field::ScalarField& grid, Events& events) {
+  const glm::dmat3& axes = grid.index_to_world.linear;
+  const glm::dvec3 made(glm::length(axes[0]), glm::length(axes[1]), glm::length(axes[2]));
+  constexpr double kRounding = 1e-6;
+  if (glm::all(glm::lessThanEqual(glm::abs(made - asked), kRounding * asked))) return;
+  events.note(
+      fmt::format("{}: voxels of {:.6g} x {:.6g} x {:.6g} in place of {:.6g} x {:.6g} x {:.6g}, so that they "
+                  "divide the box of the data",
+                  field_label(grid), made.x, made.y, made.z, asked.x, asked.y, asked.z));
+}
+
 // The grid of another resolution takes the place of the data.
 Result<void> change_resolution(const SourceOptions& options, bool keep_data, const Context& context, Events& events,
                                Source& source) {
   const Stopwatch watch;
-  auto grid = field::resample(source.field, *options.resolution, options.kernel, context);
+  auto resolution = options.resolution ? Result<glm::ivec3>(*options.resolution)
+                                       : field::resolution_of_voxel_size(source.field, *options.voxel_size);
+  if (!resolution) return tl::unexpected(std::move(resolution.error()));
+  auto grid = field::resample(source.field, *resolution, options.kernel, context);
   if (!grid) return tl::unexpected(std::move(grid.error()));
   const StageTime time = watch.elapsed();
   for (const std::string& text : grid->notes) events.note(text);
   events.resampled(*grid, resolution_fact(source.field, *grid), time);
+  if (options.voxel_size) tell_voxel_size(*options.voxel_size, *grid, events);
   if (keep_data && !source.data) source.data = std::move(source.field);
   source.field = std::move(*grid);
   return context.check();
@@ -164,7 +180,7 @@ SourceUse use_of(const ConversionJob& job) {
   use.isos = job.isos();
   use.empty_is_fine = job.empty != EmptyPolicy::error;
   use.closed = closes_regions(job.surface);
-  if (use.isos.size() != 1 || job.error || job.source.resolution) return use;
+  if (use.isos.size() != 1 || job.error || job.source.resolution || job.source.voxel_size) return use;
   const IsoChoice& only = use.isos.front();
   if (only.is_number()) use.only_iso = only.number;
   if (only.kind == IsoChoice::Kind::suggested) use.only_iso = points::method_info(job.source.particles.method).iso;
@@ -189,7 +205,7 @@ Result<Source> open_source(const SourceOptions& options, const SourceUse& use, c
   if (auto blurred = blur_field(options.blurs, source.label, context, events, source.field); !blurred) {
     return tl::unexpected(std::move(blurred.error()));
   }
-  if (options.resolution) {
+  if (options.resolution || options.voxel_size) {
     auto changed = change_resolution(options, use.keep_data, context, events, source);
     if (!changed) return tl::unexpected(std::move(changed.error()));
   }

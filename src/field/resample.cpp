@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -317,6 +318,33 @@ Result<ScalarField> resample(const ScalarField& field, const glm::ivec3& resolut
   }
   return visit_sample_type(
       field.type(), [&]<class T>(std::type_identity<T>) { return resampled<T>(field, resolution, kernel, context); });
+}
+
+Result<glm::ivec3> resolution_of_voxel_size(const ScalarField& field, const glm::dvec3& voxel_size) {
+  const auto* sparse = std::get_if<SparseSamples>(&field.samples);
+  const IndexBox box =
+      sparse == nullptr ? field.extents() : visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) {
+        return box_in_background<T>(*sparse);
+      });
+  const glm::i64vec3 dims = box.dims();
+  if (glm::any(glm::lessThan(dims, glm::i64vec3(2)))) {
+    return fail(ErrorKind::input, fmt::format("{}: another voxel size needs at least 2 samples along each axis, "
+                                              "found {}",
+                                              field.source, dims_text(dims)));
+  }
+  glm::ivec3 resolution(0);
+  for (int axis = 0; axis < 3; ++axis) {
+    const double length = static_cast<double>(dims[axis] - 1) * glm::length(field.index_to_world.linear[axis]);
+    const double steps = std::round(length / voxel_size[axis]);
+    if (!(voxel_size[axis] > 0 && steps >= 1 && steps < std::numeric_limits<int>::max())) {
+      return fail(
+          ErrorKind::usage,
+          fmt::format("{}: the samples reach {} along {}, which voxels of {} do not divide into 1 to {} steps",
+                      field.source, length, "xyz"[axis], voxel_size[axis], std::numeric_limits<int>::max() - 1));
+    }
+    resolution[axis] = static_cast<int>(steps) + 1;
+  }
+  return resolution;
 }
 
 }  // namespace isoextract::field

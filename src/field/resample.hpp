@@ -56,4 +56,12 @@ constexpr auto words_of(ResampleKernel /*type*/) {
                                            ResampleKernel kernel = ResampleKernel::linear,
                                            const Context& context = Context());
 
+// The resolution whose steps are as near to `voxel_size`, the lengths of a voxel's edges in world units, as steps can
+// be that divide the box that resample() covers: so that nothing of it is left out. They are those of the field where
+// they are asked for. Sparse samples are looked through for their box.
+//
+// Fails with ErrorKind::usage where a length is not above 0 or no two samples along an axis are so far apart, and where
+// the samples along one are more than an int holds; with ErrorKind::input where `field` has but one along an axis.
+[[nodiscard]] Result<glm::ivec3> resolution_of_voxel_size(const ScalarField& field, const glm::dvec3& voxel_size);
+
 }  // namespace isoextract::field

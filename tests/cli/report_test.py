@@ -115,6 +115,9 @@ class ReportTest(ProgramTest):
         for axis, count in enumerate((30, 40, 50)):
             self.assertAlmostEqual(report["output_from_index"][axis][axis], 2 / (count - 1), delta=1e-12)
         self.assertIsNone(self.report(SPHERE, "--iso", "0", "-o", "a.ply")[0]["options"]["resolution"])
+        report = self.report(SPHERE, "--iso", "0", "--voxel-size", "0.05,0.1,0.2", "-o", "a.ply")[0]
+        self.assertEqual(report["options"]["voxel_size"], [0.05, 0.1, 0.2])
+        self.assertIsNone(report["options"]["resolution"])
 
     def test_input_facts_of_a_raw_file(self):
         self.write_raw("a.raw", (6, 5, 4), lambda x, y, z: x + y + z)

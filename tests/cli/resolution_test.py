@@ -90,6 +90,48 @@ class ResolutionTest(ProgramTest):
         self.assertEqual((one.err, one.out), ("", three.out))
         self.assertGreater(len(read_ply(one.out).triangles), 1000)
 
+    def test_voxels_of_a_size_in_the_world(self):
+        placed = (SPHERE, "--iso", "0", "--spacing", "0.5,2,1", "--origin", "10,-20,3e3")
+        own = self.mesh(*placed, name="a.ply")
+        run = self.convert(*placed, "--voxel-size", "0.5,2,1", "--explain", "-o", "b.ply")
+        self.assertEqual((self.folder / "a.ply").read_bytes(), (self.folder / "b.ply").read_bytes())
+        self.assertIn("left out: resampling: the data have that resolution", run.err)
+        self.assertNotIn("in place of", run.err)
+        # 23 steps of 0.5, 2 and 1 as 46, 23 and 46; with --scale the same samples.
+        for scale in ((), ("--scale", "0.01")):
+            by_count = self.mesh(*placed, *scale, "--resolution", "47,24,47", name="a.ply")
+            run = self.convert(*placed, *scale, "--voxel-size", "0.25,2,0.5", "-o", "b.ply")
+            self.assertEqual((self.folder / "a.ply").read_bytes(), (self.folder / "b.ply").read_bytes())
+            self.assertNotIn("in place of", run.err)
+        self.assertNotEqual(len(own.triangles), len(by_count.triangles))
+        # What does not divide the box becomes what does: 11.5, 46 and 23 by 3 are 4, 15 and 8 steps.
+        self.mesh(*placed, "--resolution", "5,16,9", name="a.ply")
+        run = self.convert(*placed, "--voxel-size", "3", "-o", "b.ply")
+        self.assertEqual((self.folder / "a.ply").read_bytes(), (self.folder / "b.ply").read_bytes())
+        self.assertIn("voxels of 2.875 x 3.06667 x 2.875 in place of 3 x 3 x 3", run.err)
+
+    def test_voxels_of_a_sparse_grid_of_the_same_size(self):
+        sparse = self.mesh(METABALLS, "--iso", "0.5")
+        run = self.convert(METABALLS, "--iso", "0.5", "--voxel-size", str(2 / 47), "-o", "b.ply")
+        self.assertIn("its sparse samples become 46 x 45 x 45", run.err)
+        self.assertNotIn("in place of", run.err)
+        dense = read_ply((self.folder / "b.ply").read_bytes())
+        self.assertEqual((len(dense.vertices), len(dense.triangles)), (len(sparse.vertices), len(sparse.triangles)))
+        for ours, theirs in zip(sorted(dense.vertices), sorted(sparse.vertices)):
+            for x, y in zip(ours, theirs):
+                self.assertAlmostEqual(x, y, delta=1e-5)
+
+    def test_voxel_sizes_that_are_refused(self):
+        for value in ("0", "-1", "1,1", "nan", "x", ""):
+            self.assert_fails(1, self.run_program(SPHERE, "--iso", "0", "--voxel-size", value),
+                              "--voxel-size: expected one or three numbers above 0")
+        both = self.run_program(SPHERE, "--iso", "0", "--resolution", "8", "--voxel-size", "1", "-o", "a.ply")
+        self.assert_fails(1, both, "--resolution and --voxel-size both")
+        for value in ("500", "1e-12"):
+            run = self.run_program(SPHERE, "--iso", "0", "--voxel-size", value, "-o", "a.ply")
+            self.assert_fails(1, run, f"which voxels of {value} do not divide")
+        self.assertEqual(self.files(), [])
+
     def test_bad_values(self):
         for value in ("1", "0", "-4", "4,4", "4,1,4", "4,4,4,4", "4.5", "", "x", "4,,4", "99999999999"):
             run = self.run_program(SPHERE, "--iso", "0", "--resolution", value)

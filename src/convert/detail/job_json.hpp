@@ -337,6 +337,7 @@ class JobJson {
     each("filters", job.source.filters);
     each("blurs", job.source.blurs);
     each("resolution", job.source.resolution);
+    each("voxel_size", job.source.voxel_size);
     each("kernel", job.source.kernel);
     each("roi", job.source.roi);
     each("clip", job.source.clip);

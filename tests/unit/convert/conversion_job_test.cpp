@@ -36,6 +36,7 @@ ConversionJob full_job() {
   job.source.filters = {{volumes::LevelSetFilter::median, 2}, {volumes::LevelSetFilter::mean, 1}};
   job.source.blurs = {{BlurKind::median, 2, false}, {BlurKind::gaussian, 0.5, true}};
   job.source.resolution = glm::ivec3(10, 20, 30);
+  job.source.voxel_size = glm::dvec3(0.5, 1, 2e-3);
   job.source.away_from_zero = true;
   job.source.kernel = field::ResampleKernel::bspline;
   job.source.clip = {{{1, -2, 0.5}, 1e-3}, {{0, 0, 1}, -7}};

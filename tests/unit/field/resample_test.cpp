@@ -55,6 +55,35 @@ std::vector<double> row_of(const std::vector<double>& samples, int count, Resamp
   return row;
 }
 
+TEST(Resample, VoxelSizesDivideTheBoxAlongItsOwnAxes) {
+  // Axes that are turned and sheared, of lengths 0.5, 2 and 5.
+  ScalarField field = test::random_field<float>({5, 4, 3}, 1, 1);
+  field.index_to_world = {{{0.3, 0.4, 0}, {-1.6, 1.2, 0}, {3, 0, 4}}, {100, -20, 7}};
+  EXPECT_EQ(resolution_of_voxel_size(field, {0.5, 2, 5}).value(), glm::ivec3(5, 4, 3));
+  EXPECT_EQ(resolution_of_voxel_size(field, {0.25, 6, 10.0 / 7}).value(), glm::ivec3(9, 2, 8));
+  EXPECT_EQ(resolution_of_voxel_size(field, {3.9, 2.4 - 1e-3, 2.4}).value(), glm::ivec3(2, 4, 5));
+  // Both ends stay, and all samples are steps of the length apart, on the axis.
+  const ScalarField finer = resampled(field, resolution_of_voxel_size(field, {0.25, 6, 10.0 / 7}).value());
+  for (const glm::ivec3& p : {glm::ivec3(0), glm::ivec3(8, 1, 7), glm::ivec3(3, 0, 5)}) {
+    const glm::dvec3 place = field.index_to_world.offset + 0.25 * p.x * glm::dvec3(0.6, 0.8, 0) +
+                             6.0 * p.y * glm::dvec3(-0.8, 0.6, 0) + 10.0 / 7 * p.z * glm::dvec3(0.6, 0, 0.8);
+    EXPECT_LT(glm::length(finer.index_to_world(p) - place), 1e-12);
+  }
+  EXPECT_EQ(sample_at(finer, {8, 1, 7}), sample_at(field, {4, 3, 2}));
+}
+
+TEST(Resample, RefusesVoxelSizesWithoutAStepInTheBox) {
+  const ScalarField field = test::random_field<float>({5, 4, 3}, 1, 1);
+  for (const double size : {0.0, -1.0, kInfinity, std::nan(""), 1e-12, 4.1}) {
+    const auto refused = resolution_of_voxel_size(field, {1, 1, size});
+    ASSERT_FALSE(refused) << size;
+    EXPECT_EQ(refused.error().kind, ErrorKind::usage);
+  }
+  const auto flat = resolution_of_voxel_size(test::random_field<float>({5, 1, 3}, 1, 1), glm::dvec3(1));
+  ASSERT_FALSE(flat);
+  EXPECT_EQ(flat.error().kind, ErrorKind::input);
+}
+
 TEST(Resample, ToItsOwnResolutionSharesTheSamples) {
   ScalarField field = test::random_field<std::uint16_t>({5, 6, 7}, 1, 60000);
   field.notes = {"was shown when it was read"};
