@@ -103,6 +103,21 @@ class LabelsTest(ProgramTest):
         self.convert(*self.map, "--labels", "all", "--label-names", "snap.txt", "-o", "o.obj")
         self.assertIn("Left", (self.folder / "o.obj").read_text())
 
+    def test_nodes_meshes_and_materials_have_the_names(self):
+        for table, names in (((), ["map label 1", "map label 5", "map label 9"]),
+                             (("--label-names", "snap.txt"), ["Left kidney", "Tumour", "map label 9"])):
+            for extension in ("glb", "gltf"):
+                out = self.folder / f"named.{extension}"
+                self.convert(*self.map, "--labels", "all", *table, "-o", out.name)
+                model = model_of(out) if extension == "glb" else json.loads(out.read_text())
+                nodes = [node for node in model["nodes"] if "mesh" in node]
+                self.assertEqual([node["name"] for node in nodes], names)
+                for node in nodes:
+                    mesh = model["meshes"][node["mesh"]]
+                    self.assertEqual(mesh["name"], node["name"])
+                    for primitive in mesh["primitives"]:
+                        self.assertEqual(model["materials"][primitive["material"]]["name"], node["name"])
+
     def test_names_and_colours_of_freesurfer(self):
         meshes, _ = self.glb("--labels", "1", "--label-names", "lut.txt", "--opacity", "0.5")
         self.assertEqual(list(meshes), ["Left-Kidney"])
