@@ -99,6 +99,15 @@ std::array<Polygon, 2> halve_corners(const Polygon& polygon) {
   return parts;
 }
 
+// Of the polygon's points from the triangle in a slot.
+double farthest_squared(const Polygon& polygon, const TriangleTree& tree, std::uint32_t slot) {
+  double farthest = 0;
+  for (std::size_t i = 0; i < polygon.count; ++i) {
+    farthest = std::max(farthest, tree.nearest_in(slot, polygon.corners[i]).distance_squared);
+  }
+  return farthest;
+}
+
 }  // namespace
 
 TriangleBound bound_distance(const std::array<glm::dvec3, 3>& corners, const TriangleTree& tree,
@@ -111,6 +120,15 @@ TriangleBound bound_distance(const std::array<glm::dvec3, 3>& corners, const Tri
   for (std::size_t parts = 0; !waiting.empty(); ++parts) {
     const Polygon polygon = waiting.back();
     waiting.pop_back();
+    double to_hint = std::numeric_limits<double>::infinity();
+    if (limits.enough > 0) {  // then what is under it need not be the nearest
+      to_hint = std::sqrt(farthest_squared(polygon, tree, polygon.hint));
+      if (to_hint <= limits.enough) {
+        if (parts == 0) bound.slot = polygon.hint;
+        bound.upper = std::max(bound.upper, to_hint);
+        continue;
+      }
+    }
     const glm::dvec3 centre = polygon.centre();
     const TriangleTree::Nearest nearest = tree.nearest(centre, polygon.hint);
     const double distance = std::sqrt(nearest.distance_squared);
@@ -121,14 +139,14 @@ TriangleBound bound_distance(const std::array<glm::dvec3, 3>& corners, const Tri
       bound.nearest = nearest.point;
       lower = std::max(lower, distance);
     }
-    double to_triangle = 0;
+    const bool by_hint = nearest.slot == polygon.hint && std::isfinite(to_hint);
+    const double to_triangle = by_hint ? to_hint : std::sqrt(farthest_squared(polygon, tree, nearest.slot));
     double radius = 0;
     for (std::size_t i = 0; i < polygon.count; ++i) {
-      to_triangle = std::max(to_triangle, tree.nearest_in(nearest.slot, polygon.corners[i]).distance_squared);
       const glm::dvec3 way = polygon.corners[i] - centre;
       radius = std::max(radius, glm::dot(way, way));
     }
-    const double upper = std::min(std::sqrt(to_triangle), distance + std::sqrt(radius));
+    const double upper = std::min(to_triangle, distance + std::sqrt(radius));
     if (upper <= limits.good_upper(lower)) {
       bound.upper = std::max(bound.upper, upper);
       continue;
