@@ -80,13 +80,26 @@ class Simplifier {
     return placed;
   }
 
-  // Rounds that look again at what was on the borders of patches.
+  // Rounds that look again at what was on the borders of patches; and all of them for distances that grow, so that
+  // what is flat has gone, whatever patch it was in, before what is not is made flat. For a larger distance more is
+  // done after the same.
   Result<void> within(double enough) {
+    constexpr double kFirst = 1.0 / 320;  // of the patches; a tenth of a voxel
+    constexpr double kSteps = 10;
+    constexpr double kMuchLess = 0.5;
+    for (double distance = kFirst * options_.patch_size; distance < kMuchLess * enough; distance *= kSteps) {
+      if (auto swept = sweep(distance); !swept) return swept;
+      std::fill(wanted_.begin(), wanted_.end(), 1);
+    }
+    return sweep(enough);
+  }
+
+  Result<void> sweep(double distance) {
     constexpr double kOfVertices = 0.95;  // vertices are less far away than what lies between them
     constexpr double kLargerPatches = 4;
     double size = options_.patch_size;
     for (;; size *= kLargerPatches) {
-      auto patches = round(size, {kOfVertices * enough, enough, 0}, 0);
+      auto patches = round(size, {kOfVertices * distance, distance, 0}, 0);
       if (!patches) return tl::unexpected(std::move(patches.error()));
       if (*patches <= 1) return {};
     }

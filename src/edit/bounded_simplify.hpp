@@ -3,9 +3,10 @@
 //
 // Edges are collapsed in patches, side by side, whose common vertices stay (detail/edge_collapse.hpp). What stayed for
 // that reason has its turn in the next round, whose patches are larger; in the last round all that is left is one
-// patch, so nothing of the patches is seen in the end. Points of the mesh that came in tell on the way how far away new
-// triangles are. What they cannot tell, every point of both surfaces, is proven afterwards, and collapses that went too
-// far are taken back (detail/distance_proof.hpp).
+// patch, so nothing of the patches is seen in the end. A large distance is reached by way of small ones, each of which
+// has all these rounds: more triangles than for a small one are not left. Points of the mesh that came in tell on the
+// way how far away new triangles are. What they cannot tell, every point of both surfaces, is proven afterwards, and
+// collapses that went too far are taken back (detail/distance_proof.hpp).
 //
 // Distances are bounded triangle by triangle as in distance_bound.hpp, against the mesh that came in. The result is the
 // same for any number of threads.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace isoextract::mesh {
@@ -18,6 +19,7 @@ struct Polygon {
   std::size_t count = 0;
   std::uint32_t hint = 0;
 
+  [[nodiscard]] std::span<const glm::dvec3> points() const { return {corners.data(), count}; }
   void add(const glm::dvec3& corner) { corners[count++] = corner; }
   [[nodiscard]] glm::dvec3 centre() const {
     glm::dvec3 sum(0.0);
@@ -99,15 +101,6 @@ std::array<Polygon, 2> halve_corners(const Polygon& polygon) {
   return parts;
 }
 
-// Of the polygon's points from the triangle in a slot.
-double farthest_squared(const Polygon& polygon, const TriangleTree& tree, std::uint32_t slot) {
-  double farthest = 0;
-  for (std::size_t i = 0; i < polygon.count; ++i) {
-    farthest = std::max(farthest, tree.nearest_in(slot, polygon.corners[i]).distance_squared);
-  }
-  return farthest;
-}
-
 }  // namespace
 
 TriangleBound bound_distance(const std::array<glm::dvec3, 3>& corners, const TriangleTree& tree,
@@ -122,7 +115,7 @@ TriangleBound bound_distance(const std::array<glm::dvec3, 3>& corners, const Tri
     waiting.pop_back();
     double to_hint = std::numeric_limits<double>::infinity();
     if (limits.enough > 0) {  // then what is under it need not be the nearest
-      to_hint = std::sqrt(farthest_squared(polygon, tree, polygon.hint));
+      to_hint = std::sqrt(tree.farthest_squared_in(polygon.hint, polygon.points()));
       if (to_hint <= limits.enough) {
         if (parts == 0) bound.slot = polygon.hint;
         bound.upper = std::max(bound.upper, to_hint);
@@ -140,7 +133,7 @@ TriangleBound bound_distance(const std::array<glm::dvec3, 3>& corners, const Tri
       lower = std::max(lower, distance);
     }
     const bool by_hint = nearest.slot == polygon.hint && std::isfinite(to_hint);
-    const double to_triangle = by_hint ? to_hint : std::sqrt(farthest_squared(polygon, tree, nearest.slot));
+    const double to_triangle = by_hint ? to_hint : std::sqrt(tree.farthest_squared_in(nearest.slot, polygon.points()));
     double radius = 0;
     for (std::size_t i = 0; i < polygon.count; ++i) {
       const glm::dvec3 way = polygon.corners[i] - centre;

@@ -94,10 +94,18 @@ TriangleTree::Nearest TriangleTree::nearest_in(std::uint32_t slot, const glm::dv
   const Corners& corners = corners_[slot];
   Nearest found;
   found.slot = slot;
-  found.point = closest_on_triangle(p, corners.a, corners.b, corners.c);
+  found.point = TriangleTarget(corners.a, corners.b, corners.c).closest(p);
   const glm::dvec3 way = p - found.point;
   found.distance_squared = glm::dot(way, way);
   return found;
+}
+
+double TriangleTree::farthest_squared_in(std::uint32_t slot, std::span<const glm::dvec3> points) const {
+  const Corners& corners = corners_[slot];
+  const TriangleTarget triangle(corners.a, corners.b, corners.c);
+  double farthest = 0;
+  for (const glm::dvec3& p : points) farthest = std::max(farthest, triangle.distance_squared(p));
+  return farthest;
 }
 
 void TriangleTree::search(std::size_t leaf, const glm::dvec3& p, Nearest& best) const {

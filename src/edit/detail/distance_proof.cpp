@@ -127,13 +127,16 @@ class DistanceProof {
     std::uint32_t hint = *near.begin();
     double least = std::numeric_limits<double>::infinity();
     for (const std::uint32_t slot : near) {
-      double farthest = 0;
-      for (const glm::dvec3& place : places) {
-        farthest = std::max(farthest, tree.nearest_in(slot, place).distance_squared);
-      }
+      const double farthest = tree.farthest_squared_in(slot, places);
       if (farthest >= least) continue;
       least = farthest;
       hint = slot;
+    }
+    if (least <= limits_.enough * limits_.enough) {
+      mesh::TriangleBound found;
+      found.upper = std::sqrt(least);
+      found.slot = hint;
+      return found;
     }
     mesh::DistanceLimits limits = limits_;
     if (std::isfinite(limits.refuse)) {

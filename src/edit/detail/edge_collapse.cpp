@@ -121,7 +121,8 @@ class PatchCollapse : private PatchMesh {
   // At once, or when it is its turn.
   void try_next(const Candidate& candidate) {
     if (candidate.cost > limit_squared_) return;
-    if (!queue_.empty() && candidate.cost > queue_.top().cost) {
+    constexpr double kMuchMore = 10;  // of a square; in strict order all would be looked at again, for little
+    if (!queue_.empty() && candidate.cost > kMuchMore * queue_.top().cost) {
       queue_.push(candidate);
       return;
     }
@@ -157,7 +158,7 @@ class PatchCollapse : private PatchMesh {
     std::sort(targets.begin(), targets.end());
     found_.clear();
     for (const auto& [cost, to] : targets) {
-      if (found_.size() == kTries || (!found_.empty() && cost >= found_[0].first)) break;
+      if (found_.size() == kTries || (!found_.empty() && found_[0].first <= limit_squared_)) break;
       if (!keeps_topology(v, to)) continue;
       make_new(v, to);
       prepared_ = kNone;
@@ -218,17 +219,22 @@ class PatchCollapse : private PatchMesh {
     }
   }
 
-  // No triangle turns by more than some 75 degrees, or becomes all but a line. One that is all but a line has no
-  // direction of its own: what comes of it is held against all faces around.
+  // No triangle turns by more than some 75 degrees, or becomes all but a line where none was nearly that thin. One that
+  // is all but a line has no direction of its own: what comes of it is held against all faces around.
   [[nodiscard]] bool keeps_shape(std::uint32_t v) const {
     constexpr double kLeastCosine = 0.25;
     constexpr double kThin = 1e-2;
     constexpr double kThinnest = 1e-3;
     if (new_.empty()) return false;
+    constexpr double kOfThinnest = 0.5;
     glm::dvec3 around(0.0);
-    for (const Around& a : ring_.around) around += cross_product(corners_[a.triangle]);
+    double thin_enough = kThinnest;
+    for (const Around& a : ring_.around) {
+      around += cross_product(corners_[a.triangle]);
+      thin_enough = std::min(thin_enough, kOfThinnest * thickness(corners_[a.triangle]));
+    }
     for (const auto& [f, t] : new_) {
-      if (!(thickness(t) > kThinnest) || !has_area(t)) return false;
+      if (!(thickness(t) > thin_enough) || !has_area(t)) return false;
       const glm::dvec3 before = thickness(corners_[f]) > kThin ? cross_product(corners_[f]) : around;
       const glm::dvec3 after = cross_product(t);
       if (!(glm::dot(before, after) > kLeastCosine * glm::length(before) * glm::length(after))) return false;
@@ -240,17 +246,18 @@ class PatchCollapse : private PatchMesh {
   // squared distances, or infinity where it is beyond the limit.
   double attach(std::uint32_t v) {
     attached_.clear();
+    targets_of_new_.clear();
+    for (const auto& [f, t] : new_) targets_of_new_.emplace_back(places_[t.x], places_[t.y], places_[t.z]);
     double greatest = 0;
     const auto add = [&](std::uint32_t sample) {
       const glm::dvec3 p = glm::dvec3(state_.positions[sample]) - origin_;
       double least = std::numeric_limits<double>::infinity();
       std::uint32_t nearest = 0;
-      for (const auto& [f, t] : new_) {
-        const glm::dvec3 way = p - mesh::closest_on_triangle(p, places_[t.x], places_[t.y], places_[t.z]);
-        const double squared = glm::dot(way, way);
+      for (std::size_t i = 0; i < new_.size(); ++i) {
+        const double squared = targets_of_new_[i].distance_squared(p);
         if (squared < least) {
           least = squared;
-          nearest = f;
+          nearest = new_[i].first;
         }
       }
       attached_.push_back({nearest, sample, least});
@@ -268,8 +275,8 @@ class PatchCollapse : private PatchMesh {
     return greatest;
   }
 
-  // The greatest squared distance of points of the new triangles to the original mesh: their centres, and the middles
-  // of the new edges. Or `known`, where that is greater. After attach(v).
+  // The greatest squared distance of points of the new triangles to the original mesh: the middles of the new
+  // edges. Or `known`, where that is greater. After attach(v).
   double look_from_new(std::uint32_t to, double known) {
     double farthest = known;
     near_.clear();
@@ -281,7 +288,6 @@ class PatchCollapse : private PatchMesh {
         of_triangle = std::max(of_triangle, nearest.distance_squared);
         slot = nearest.slot;
       };
-      look((places_[t.x] + places_[t.y] + places_[t.z]) / 3.0);
       for (int corner = 0; corner < 3; ++corner) {
         if (t[corner] == to) look(0.5 * (places_[to] + places_[t[(corner + 1) % 3]]));
       }
@@ -386,6 +392,7 @@ class PatchCollapse : private PatchMesh {
   std::vector<std::pair<double, std::uint32_t>> found_;
   std::uint32_t prepared_ = kNone;  // the target that what follows is of, if it is of one
   std::vector<std::pair<std::uint32_t, Corners>> new_;
+  std::vector<mesh::TriangleTarget> targets_of_new_;
   std::vector<Attached> attached_;
   std::vector<Near> near_;  // of each of new_
 };

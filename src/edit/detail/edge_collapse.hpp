@@ -1,10 +1,10 @@
 // Fewer triangles for a patch of a surface: vertices are collapsed into neighbours, the least error first.
 //
 // - Error: the greatest distance of vertices that went to the new triangles, after Klein, Liebich, Strasser: Mesh
-//   reduction with error control. IEEE Visualization 1996; that of the middles of new triangles and edges to the
-//   original mesh; or the quadric error (Garland, Heckbert: Surface simplification using quadric error metrics.
-//   SIGGRAPH 1997), whichever is greatest. Quadric errors cost little: points are looked at where these say that it is
-//   a vertex's turn. Where many vertices belong to one triangle, the farthest are kept.
+//   reduction with error control. IEEE Visualization 1996; that of the middles of new edges to the original mesh; or
+//   the quadric error (Garland, Heckbert: Surface simplification using quadric error metrics. SIGGRAPH 1997), whichever
+//   is greatest. Quadric errors cost little: points are looked at where these say that it is a vertex's turn. Where
+//   many vertices belong to one triangle, the farthest are kept.
 // - Topology: a vertex is only collapsed where the link condition holds (Dey, Edelsbrunner, Guha, Nekhayev: Topology
 //   preserving edge contraction. Publ. Inst. Math. 66, 1999), and no triangle turns over or loses its area. Vertices of
 //   open borders move along them, and planes upright on their edges belong to the quadrics.
