@@ -48,7 +48,7 @@ void declare_convert_surface(CLI::App& app, ConvertFlags& flags) {
   group.value("--simplify", "ERR", flags.simplify, parse_simplify_bound,
               "Leave out triangles as long as no point of either mesh is farther than ERR from the other: 0.1 or "
               "0.1voxel in voxels, 0.5world in the units of the written mesh. The distance is measured and told. Open "
-              "borders keep their vertices.");
+              "borders stay within ERR, too, with fewer vertices.");
   group.choice("--empty", flags.empty,
                "What to do where there is no surface: fail, write no file and remove an old one of that name, or write "
                "an empty one (default: error).");

@@ -24,8 +24,9 @@ std::string simplification_summary(const convert::MeshSimplification& simplifica
 
 std::string simplification_details(const convert::MeshSimplification& simplification) {
   const edit::Simplification& facts = simplification.facts;
-  return fmt::format("{} passes over {} patches; {} patches kept as they were; {:.2f} s of processor time",
-                     facts.passes, facts.patches, facts.patches_kept, facts.time.cpu_seconds);
+  return fmt::format(
+      "{} rounds over {} patches; {} of {} collapses taken back in {} passes; {:.2f} s of processor time", facts.rounds,
+      facts.patches, facts.taken_back, facts.collapses, facts.passes, facts.time.cpu_seconds);
 }
 
 }  // namespace isoextract::cli

@@ -8,7 +8,7 @@
 namespace isoextract::convert {
 namespace {
 
-constexpr double kPatchVoxels = 24;
+constexpr double kPatchVoxels = 32;
 
 struct Stretch {
   double least = 1;

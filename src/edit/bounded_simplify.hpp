@@ -1,14 +1,15 @@
-// Fewer triangles within a stated distance: what comes out is measured against what went in, and is never farther from
-// it than asked, in both directions, at any point.
+// Fewer triangles within a stated distance, or a stated number of them: what comes out is measured against what went
+// in, and where a distance is asked for never farther from it, in both directions, at any point.
 //
-// The surface is cut into patches by a grid of boxes, and each patch is simplified by itself, its border locked
-// (mesh/patch_simplifier.hpp); a second round with the boxes moved by half a box reaches what was border in the first.
-// No new triangle is made that is farther away than asked. Where an old one gets too far from what is left, the
-// triangles around it stay as they were, and the rest of the patch is simplified again. So one sharp corner costs
-// triangles there and not everywhere, and patches are worked on in parallel.
+// Edges are collapsed in patches, side by side, whose common vertices stay (detail/edge_collapse.hpp). What stayed for
+// that reason has its turn in the next round, whose patches are larger; in the last round all that is left is one
+// patch, so nothing of the patches is seen in the end. A large distance is reached by way of small ones, each of which
+// has all these rounds: more triangles than for a small one are not left. Points of the mesh that came in tell on the
+// way how far away new triangles are. What they cannot tell, every point of both surfaces, is proven afterwards, and
+// collapses that went too far are taken back (detail/distance_proof.hpp).
 //
-// Distances are bounded triangle by triangle as in distance_bound.hpp, against the mesh that came in, not against the
-// round before. The result is the same for any number of threads.
+// Distances are bounded triangle by triangle as in distance_bound.hpp, against the mesh that came in. The result is the
+// same for any number of threads.
 #pragma once
 
 #include <cstdint>
@@ -23,10 +24,12 @@
 namespace isoextract::edit {
 
 struct SimplifyOptions {
-  double max_distance = 0;  // in the space that to_metric leads to
+  // In the space that to_metric leads to; infinity: as far as the number of triangles asks for.
+  double max_distance = 0;
+  std::uint64_t triangles = 0;  // no fewer than these, but one
   // From the mesh's coordinates to the space in which distances are meant: for voxels, where a voxel is a unit cube.
   glm::dmat3 to_metric{1.0};
-  double patch_size = 24;  // side of the boxes, in that space
+  double patch_size = 32;  // side of the first patches, in that space; some tens of the mesh's triangles
 };
 
 struct Simplification {
@@ -36,9 +39,11 @@ struct Simplification {
   double measured_upper = 0;
   std::uint64_t triangles_before = 0;
   std::uint64_t triangles_after = 0;
-  std::uint64_t patches = 0;       // of all rounds
-  std::uint64_t patches_kept = 0;  // of those, left as they were: nothing could be gained within what was asked
-  int passes = 0;                  // times that patches were simplified and measured, over all rounds
+  std::uint64_t patches = 0;     // of all rounds
+  std::uint64_t collapses = 0;   // of edges, those that were taken back among them
+  std::uint64_t taken_back = 0;  // because something was too far away
+  int rounds = 0;
+  int passes = 0;  // times that the result was measured: once more each time that collapses were taken back
   StageTime time;
 };
 
@@ -47,11 +52,11 @@ struct SimplifiedMesh {
   Simplification facts;
 };
 
-// The result has some of the mesh's vertices, with all that belongs to them but edge keys, in
-// their order. Open borders keep every
-// vertex. Where the mesh is a manifold, so is the result, with as many components and the same Euler number; it has no
-// triangles without area and none twice that the mesh has not. Where nothing can be gained, it is the mesh.
-// Fails where its working memory, some 500 bytes a triangle, is more than is left, and where the context is cancelled.
+// The result has some of the mesh's vertices, with all that belongs to them but edge keys, in their order. Vertices of
+// open borders go where the others of the border can stand for them. Where the mesh is a manifold, so is the result,
+// with as many components and borders and the same Euler number, which may need more triangles than were asked for; it
+// has no triangles without area and none twice that the mesh has not. Where nothing can be gained, it is the mesh.
+// Fails where its working memory, some 400 bytes a triangle, is more than is left, and where the context is cancelled.
 [[nodiscard]] Result<SimplifiedMesh> simplify_within(mesh::Mesh mesh, const SimplifyOptions& options,
                                                      const Context& context = Context());
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace isoextract::mesh {
@@ -18,6 +19,7 @@ struct Polygon {
   std::size_t count = 0;
   std::uint32_t hint = 0;
 
+  [[nodiscard]] std::span<const glm::dvec3> points() const { return {corners.data(), count}; }
   void add(const glm::dvec3& corner) { corners[count++] = corner; }
   [[nodiscard]] glm::dvec3 centre() const {
     glm::dvec3 sum(0.0);
@@ -111,6 +113,15 @@ TriangleBound bound_distance(const std::array<glm::dvec3, 3>& corners, const Tri
   for (std::size_t parts = 0; !waiting.empty(); ++parts) {
     const Polygon polygon = waiting.back();
     waiting.pop_back();
+    double to_hint = std::numeric_limits<double>::infinity();
+    if (limits.enough > 0) {  // then what is under it need not be the nearest
+      to_hint = std::sqrt(tree.farthest_squared_in(polygon.hint, polygon.points()));
+      if (to_hint <= limits.enough) {
+        if (parts == 0) bound.slot = polygon.hint;
+        bound.upper = std::max(bound.upper, to_hint);
+        continue;
+      }
+    }
     const glm::dvec3 centre = polygon.centre();
     const TriangleTree::Nearest nearest = tree.nearest(centre, polygon.hint);
     const double distance = std::sqrt(nearest.distance_squared);
@@ -121,14 +132,14 @@ TriangleBound bound_distance(const std::array<glm::dvec3, 3>& corners, const Tri
       bound.nearest = nearest.point;
       lower = std::max(lower, distance);
     }
-    double to_triangle = 0;
+    const bool by_hint = nearest.slot == polygon.hint && std::isfinite(to_hint);
+    const double to_triangle = by_hint ? to_hint : std::sqrt(tree.farthest_squared_in(nearest.slot, polygon.points()));
     double radius = 0;
     for (std::size_t i = 0; i < polygon.count; ++i) {
-      to_triangle = std::max(to_triangle, tree.nearest_in(nearest.slot, polygon.corners[i]).distance_squared);
       const glm::dvec3 way = polygon.corners[i] - centre;
       radius = std::max(radius, glm::dot(way, way));
     }
-    const double upper = std::min(std::sqrt(to_triangle), distance + std::sqrt(radius));
+    const double upper = std::min(to_triangle, distance + std::sqrt(radius));
     if (upper <= limits.good_upper(lower)) {
       bound.upper = std::max(bound.upper, upper);
       continue;

@@ -16,14 +16,11 @@ constexpr std::size_t kParallelTriangles = 1 << 13;
 
 template <class Box>
 double distance_squared(const Box& box, const glm::dvec3& p) {
-  double sum = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double below = static_cast<double>(box.min[axis]) - p[axis];
-    const double above = p[axis] - static_cast<double>(box.max[axis]);
-    const double outside = std::max({below, above, 0.0});
-    sum += outside * outside;
-  }
-  return sum;
+  const auto outside = [](double low, double at, double high) { return std::max(std::max(low - at, at - high), 0.0); };
+  const double x = outside(static_cast<double>(box.min.x), p.x, static_cast<double>(box.max.x));
+  const double y = outside(static_cast<double>(box.min.y), p.y, static_cast<double>(box.max.y));
+  const double z = outside(static_cast<double>(box.min.z), p.z, static_cast<double>(box.max.z));
+  return x * x + y * y + z * z;
 }
 
 }  // namespace
@@ -34,7 +31,7 @@ struct TriangleTree::Item {
 };
 
 TriangleTree::TriangleTree(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles)
-    : corners_(triangles.size()) {
+    : corners_(triangles.size()), triangles_(triangles.size()) {
   while (triangles.size() > kLeafTriangles << depth_) ++depth_;
   boxes_ = Buffer<Box>((std::size_t{2} << depth_) - 1);
   Buffer<Item> items(triangles.size());
@@ -59,6 +56,7 @@ void TriangleTree::build(std::span<Item> items, std::size_t level, std::size_t n
       const glm::uvec3& triangle = triangles[items[i].triangle];
       const Corners corners{positions[triangle.x], positions[triangle.y], positions[triangle.z]};
       corners_[first + i] = corners;
+      triangles_[first + i] = items[i].triangle;
       box.min = glm::min(box.min, glm::min(corners.a, glm::min(corners.b, corners.c)));
       box.max = glm::max(box.max, glm::max(corners.a, glm::max(corners.b, corners.c)));
     }
@@ -96,21 +94,34 @@ TriangleTree::Nearest TriangleTree::nearest_in(std::uint32_t slot, const glm::dv
   const Corners& corners = corners_[slot];
   Nearest found;
   found.slot = slot;
-  found.point = closest_on_triangle(p, corners.a, corners.b, corners.c);
+  found.point = TriangleTarget(corners.a, corners.b, corners.c).closest(p);
   const glm::dvec3 way = p - found.point;
   found.distance_squared = glm::dot(way, way);
   return found;
 }
 
+double TriangleTree::farthest_squared_in(std::uint32_t slot, std::span<const glm::dvec3> points) const {
+  const Corners& corners = corners_[slot];
+  const TriangleTarget triangle(corners.a, corners.b, corners.c);
+  double farthest = 0;
+  for (const glm::dvec3& p : points) farthest = std::max(farthest, triangle.distance_squared(p));
+  return farthest;
+}
+
 void TriangleTree::search(std::size_t leaf, const glm::dvec3& p, Nearest& best) const {
   const std::size_t last = first_slot(depth_, leaf + 1);
   for (std::size_t slot = first_slot(depth_, leaf); slot < last; ++slot) {
+    const Corners& t = corners_[slot];
+    const Box box{glm::min(t.a, glm::min(t.b, t.c)), glm::max(t.a, glm::max(t.b, t.c))};
+    if (!(mesh::distance_squared(box, p) < best.distance_squared)) continue;
     const Nearest found = nearest_in(static_cast<std::uint32_t>(slot), p);
     if (found.distance_squared < best.distance_squared) best = found;
   }
 }
 
-TriangleTree::Nearest TriangleTree::nearest(const glm::dvec3& p, std::uint32_t hint) const {
+// Below a node whose box may hold something nearer, the nearer child first.
+void TriangleTree::search_below(std::size_t node, double node_distance_squared, const glm::dvec3& p,
+                                double enough_squared, Nearest& best) const {
   struct Entry {
     std::size_t node;
     double distance_squared;
@@ -118,10 +129,10 @@ TriangleTree::Nearest TriangleTree::nearest(const glm::dvec3& p, std::uint32_t h
   constexpr std::size_t kMostLevels = 32;  // slots have 32 bits
   std::array<Entry, kMostLevels + 1> waiting;
   std::size_t count = 0;
-  Nearest best = nearest_in(hint, p);
   const std::size_t first_leaf = (std::size_t{1} << depth_) - 1;
-  Entry entry{0, distance_squared(boxes_[0], p)};
+  Entry entry{node, node_distance_squared};
   for (;;) {
+    if (best.distance_squared <= enough_squared) return;
     if (entry.distance_squared < best.distance_squared) {
       if (entry.node < first_leaf) {
         Entry near{2 * entry.node + 1, distance_squared(boxes_[2 * entry.node + 1], p)};
@@ -133,9 +144,26 @@ TriangleTree::Nearest TriangleTree::nearest(const glm::dvec3& p, std::uint32_t h
       }
       search(entry.node - first_leaf, p, best);
     }
-    if (count == 0) return best;
+    if (count == 0) return;
     entry = waiting[--count];
   }
+}
+
+// From the leaf of the hint upwards: what is beside each node on the way is mostly too far to be looked at.
+TriangleTree::Nearest TriangleTree::nearest(const glm::dvec3& p, std::uint32_t hint, double enough_squared) const {
+  Nearest best = nearest_in(hint, p);
+  std::size_t leaf = (std::size_t{hint} << depth_) / corners_.size();
+  while (first_slot(depth_, leaf + 1) <= hint) ++leaf;
+  std::size_t node = (std::size_t{1} << depth_) - 1 + leaf;
+  if (best.distance_squared <= enough_squared) return best;
+  search(leaf, p, best);
+  while (node > 0 && best.distance_squared > enough_squared) {
+    const std::size_t sibling = ((node - 1) ^ 1U) + 1;
+    const double squared = distance_squared(boxes_[sibling], p);
+    if (squared < best.distance_squared) search_below(sibling, squared, p, enough_squared, best);
+    node = (node - 1) / 2;
+  }
+  return best;
 }
 
 }  // namespace isoextract::mesh

@@ -29,7 +29,7 @@ class TriangleTree {
 
   // What making the tree takes at most, for a caller to reserve; half of it, once it is made.
   [[nodiscard]] static std::uint64_t bytes(std::uint64_t triangles) {
-    return triangles * (sizeof(Corners) + sizeof(Box) + sizeof(glm::vec4));
+    return triangles * (sizeof(Corners) + sizeof(Box) + sizeof(glm::vec4) + sizeof(std::uint32_t));
   }
 
   // At least one triangle; finite positions; indices below positions.size(). The tree keeps copies. It is the same for
@@ -37,13 +37,19 @@ class TriangleTree {
   TriangleTree(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles);
 
   // The nearest point of all triangles, in the frame of the positions. The search starts from what is known of the
-  // triangle in slot `hint`: one that is near saves time, and wins where it is as near as another.
-  [[nodiscard]] Nearest nearest(const glm::dvec3& p, std::uint32_t hint) const;
+  // triangle in slot `hint`: one that is near saves time, and wins where it is as near as another. What is as near as
+  // `enough_squared` ends it, though something else may be nearer.
+  [[nodiscard]] Nearest nearest(const glm::dvec3& p, std::uint32_t hint, double enough_squared = 0) const;
 
   // The nearest point of one triangle.
   [[nodiscard]] Nearest nearest_in(std::uint32_t slot, const glm::dvec3& p) const;
 
+  // The greatest squared distance of the points to one triangle.
+  [[nodiscard]] double farthest_squared_in(std::uint32_t slot, std::span<const glm::dvec3> points) const;
+
   [[nodiscard]] const Corners& corners(std::uint32_t slot) const { return corners_[slot]; }
+  // The triangle in a slot, by its number among those that the tree was made of.
+  [[nodiscard]] std::uint32_t triangle(std::uint32_t slot) const { return triangles_[slot]; }
   [[nodiscard]] std::size_t size() const { return corners_.size(); }
 
  private:
@@ -57,10 +63,13 @@ class TriangleTree {
   }
   void build(std::span<Item> items, std::size_t level, std::size_t number, std::span<const glm::vec3> positions,
              std::span<const glm::uvec3> triangles);
+  void search_below(std::size_t node, double node_distance_squared, const glm::dvec3& p, double enough_squared,
+                    Nearest& best) const;
   void search(std::size_t leaf, const glm::dvec3& p, Nearest& best) const;
 
   std::size_t depth_ = 0;
   Buffer<Corners> corners_;
+  Buffer<std::uint32_t> triangles_;
   Buffer<Box> boxes_;  // node k has children 2k + 1 and 2k + 2
 };
 

@@ -96,7 +96,7 @@ mesh::Mesh random_soup(std::mt19937& random, unsigned triangles, float size) {
 double brute_distance(const glm::dvec3& p, const mesh::Mesh& mesh) {
   double least = std::numeric_limits<double>::infinity();
   for (const glm::uvec3& t : mesh.triangles) {
-    const glm::dvec3 q = mesh::closest_on_triangle(p, mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]);
+    const glm::dvec3 q = mesh::TriangleTarget(mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]).closest(p);
     least = std::min(least, glm::length(p - q));
   }
   return least;
@@ -122,7 +122,7 @@ TEST(ClosestOnTriangle, AgreesWithSamplesAlsoWithoutArea) {
     if (round % 6 == 4) c = a + (b - a) * 0.5;
     if (round % 6 == 5) b = c = a;
     const glm::dvec3 p = point() * 2.0;
-    const double found = glm::length(p - mesh::closest_on_triangle(p, a, b, c));
+    const double found = glm::length(p - mesh::TriangleTarget(a, b, c).closest(p));
     double least = std::numeric_limits<double>::infinity();
     constexpr int kSteps = 60;
     for (int i = 0; i <= kSteps; ++i) {
@@ -159,7 +159,7 @@ TEST(ClosestOnTriangle, IsRightForNeedles) {
     const glm::dvec3 b = needle.positions[1];
     const glm::dvec3 c = needle.positions[2];
     const glm::dvec3 p = glm::dvec3(start + place(random) * direction) + glm::dvec3(0.01, -0.02, 0.01);
-    const double found = glm::length(p - mesh::closest_on_triangle(p, a, b, c));
+    const double found = glm::length(p - mesh::TriangleTarget(a, b, c).closest(p));
     const double sides = std::min({glm::length(p - mesh::closest_on_segment(p, a, b)),
                                    glm::length(p - mesh::closest_on_segment(p, b, c)),
                                    glm::length(p - mesh::closest_on_segment(p, c, a))});

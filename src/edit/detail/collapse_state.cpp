@@ -1,0 +1,60 @@
+#include "edit/detail/collapse_state.hpp"
+
+#include <algorithm>
+#include <iterator>
+
+namespace isoextract::edit {
+
+CollapseState::CollapseState(std::span<const glm::vec3> places, std::span<const glm::vec3> stored_places,
+                             std::span<const glm::uvec3> triangles)
+    : positions(places),
+      stored(stored_places),
+      original(triangles),
+      corners(triangles.begin(), triangles.end()),
+      gone(triangles.size(), 0),
+      changed_by(triangles.size(), kNone),
+      first_sample(triangles.size(), kNone),
+      next_sample(places.size(), kNone),
+      known(triangles.size()),
+      original_tree(places, triangles),
+      original_slot(triangles.size()) {
+  for (std::uint32_t slot = 0; slot < original_slot.size(); ++slot) original_slot[original_tree.triangle(slot)] = slot;
+}
+
+std::size_t undo_collapse(std::uint32_t collapse, CollapseState& state, std::span<const CollapseLog> logs,
+                          std::vector<PutBack>& changed) {
+  std::size_t count = 0;
+  std::vector<std::uint32_t> waiting{collapse};
+  while (!waiting.empty()) {
+    const std::uint32_t number = waiting.back();
+    const auto& log = *std::prev(std::upper_bound(logs.begin(), logs.end(), number,
+                                                  [](std::uint32_t n, const CollapseLog& l) { return n < l.first; }));
+    const Collapse& done = log.collapses[number - log.first];
+    const std::span records(log.records.data() + done.first_record, done.records);
+    const auto later = std::find_if(records.begin(), records.end(), [&](const CollapseLog::Record& record) {
+      return state.changed_by[record.triangle] != number;
+    });
+    if (later != records.end()) {
+      waiting.push_back(state.changed_by[later->triangle]);
+      continue;
+    }
+    for (const CollapseLog::Record& record : records) {
+      changed.push_back({record.triangle, state.corners[record.triangle]});
+      if (state.gone[record.triangle] != 0) {
+        state.gone[record.triangle] = 0;
+      } else {
+        glm::uvec3& t = state.corners[record.triangle];
+        for (int corner = 0; corner < 3; ++corner) {
+          if (t[corner] == done.to) t[corner] = done.vertex;
+        }
+      }
+      state.changed_by[record.triangle] = record.changed_before;
+      state.known[record.triangle] = {};
+    }
+    ++count;
+    waiting.pop_back();
+  }
+  return count;
+}
+
+}  // namespace isoextract::edit

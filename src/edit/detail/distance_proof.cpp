@@ -1,0 +1,220 @@
+#include "edit/detail/distance_proof.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <initializer_list>
+#include <limits>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/partitioner.h>
+
+namespace isoextract::edit {
+namespace {
+
+constexpr std::size_t kProofGrain = 256;
+
+class DistanceProof {
+ public:
+  DistanceProof(CollapseState& state, std::span<const CollapseLog> logs, const ProofOptions& options,
+                const Context& context)
+      : state_(state), logs_(logs), options_(options), context_(context), known_old_(state.corners.size()) {
+    limits_.enough = options.enough;
+    if (std::isfinite(options.enough)) {
+      limits_.tolerance = 0;
+      limits_.refuse = options.enough;
+      limits_.floor = 1e-3 * options.enough;  // what is so near to the limit is refused, not looked into without end
+    } else {
+      limits_.enough = 0;
+      limits_.tolerance = kMeasuredWithin;
+    }
+  }
+
+  Result<Proof> run() {
+    Proof proof;
+    std::vector<std::uint32_t> all(state_.corners.size());
+    for (std::uint32_t t = 0; t < all.size(); ++t) all[t] = t;
+    std::vector<std::uint32_t> new_in_doubt = all;
+    std::vector<std::uint32_t> old_in_doubt = std::move(all);
+    for (;;) {
+      if (auto going_on = context_.check(); !going_on) return tl::unexpected(std::move(going_on.error()));
+      ++proof.passes;
+      context_.progress().begin("measuring the simplified mesh", new_in_doubt.size() + old_in_doubt.size());
+      const std::vector<std::uint32_t> wrong = measure(new_in_doubt, old_in_doubt);
+      if (context_.cancelled()) continue;
+      if (wrong.empty()) break;
+      std::vector<PutBack> changed;
+      for (const std::uint32_t t : wrong) {
+        if (state_.changed_by[t] == kNone) continue;
+        proof.undone += undo_collapse(state_.changed_by[t], state_, logs_, changed);
+      }
+      find_doubts(changed, new_in_doubt, old_in_doubt);
+    }
+    for (std::uint32_t t = 0; t < known_old_.size(); ++t) {
+      const KnownDistance now =
+          state_.gone[t] == 0 && state_.changed_by[t] != kNone ? state_.known[t] : KnownDistance();
+      proof.lower = std::max({proof.lower, now.lower, known_old_[t].lower});
+      proof.upper = std::max({proof.upper, now.upper, known_old_[t].upper});
+    }
+    return proof;
+  }
+
+ private:
+  // Triangles that are too far away, or in place of these what is nearest to them.
+  std::vector<std::uint32_t> measure(const std::vector<std::uint32_t>& new_in_doubt,
+                                     const std::vector<std::uint32_t>& old_in_doubt) {
+    std::vector<std::uint32_t> wrong(new_in_doubt.size() + old_in_doubt.size(), kNone);
+    for_each_in_doubt(new_in_doubt, [&](std::size_t i, std::uint32_t t) {
+      if (state_.gone[t] != 0) return;
+      if (state_.changed_by[t] == kNone || state_.known[t].is_known()) return;
+      const mesh::TriangleBound found = bound(state_.corners[t], state_.original_tree, {state_.original_slot[t]});
+      state_.known[t] = {found.lower, found.upper};
+      if (!good(found)) wrong[i] = t;
+    });
+    if (context_.cancelled()) return {};
+    // In later passes the triangles around suffice: what is nearer can only be better.
+    std::vector<std::uint32_t> numbers;
+    std::vector<glm::uvec3> there;
+    const bool first = old_in_doubt.size() == state_.corners.size();
+    for (std::uint32_t t = 0; t < state_.corners.size(); ++t) {
+      if (state_.gone[t] != 0 ||
+          !(first || in_doubtful_cell(corners(state_.corners[t]), options_.enough + options_.cell_size)))
+        continue;
+      numbers.push_back(t);
+      there.push_back(state_.corners[t]);
+    }
+    const mesh::TriangleTree tree(state_.positions, there);
+    std::vector<std::uint32_t> slot_near(state_.positions.size(), 0);  // to each vertex, if it is known
+    for (std::uint32_t slot = 0; slot < there.size(); ++slot) {
+      const std::uint32_t t = numbers[tree.triangle(slot)];
+      for (int corner = 0; corner < 3; ++corner) slot_near[state_.corners[t][corner]] = slot;
+      for (std::uint32_t s = state_.first_sample[t]; s != kNone; s = state_.next_sample[s]) {
+        slot_near[s] = slot;
+      }
+    }
+    for_each_in_doubt(old_in_doubt, [&](std::size_t i, std::uint32_t t) {
+      known_old_[t] = {};
+      if (state_.is_original(t)) return;
+      const glm::uvec3& c = state_.original[t];
+      const mesh::TriangleBound found = bound(c, tree, {slot_near[c.x], slot_near[c.y], slot_near[c.z]});
+      known_old_[t] = {first ? found.lower : 0, found.upper};
+      if (good(found)) return;
+      const std::uint32_t nearest = numbers[tree.triangle(found.slot)];
+      wrong[new_in_doubt.size() + i] = state_.changed_by[nearest] == kNone ? t : nearest;
+    });
+    std::erase(wrong, kNone);
+    return wrong;
+  }
+
+  template <class Body>
+  void for_each_in_doubt(const std::vector<std::uint32_t>& triangles, const Body& body) {
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, triangles.size(), kProofGrain),
+        [&](const tbb::blocked_range<std::size_t>& part) {
+          if (context_.cancelled()) return;
+          for (std::size_t i = part.begin(); i < part.end(); ++i) body(i, triangles[i]);
+          context_.progress().advance(part.size());
+        },
+        tbb::simple_partitioner());
+  }
+
+  // What takes more parts than triangles of the original mesh could be under it, by far, is near to the limit: refused.
+  // `near` are slots of the tree that may be near.
+  [[nodiscard]] mesh::TriangleBound bound(const glm::uvec3& t, const mesh::TriangleTree& tree,
+                                          std::initializer_list<std::uint32_t> near) const {
+    const auto places = corners(t);
+    std::uint32_t hint = *near.begin();
+    double least = std::numeric_limits<double>::infinity();
+    for (const std::uint32_t slot : near) {
+      const double farthest = tree.farthest_squared_in(slot, places);
+      if (farthest >= least) continue;
+      least = farthest;
+      hint = slot;
+    }
+    if (least <= limits_.enough * limits_.enough) {
+      mesh::TriangleBound found;
+      found.upper = std::sqrt(least);
+      found.slot = hint;
+      return found;
+    }
+    mesh::DistanceLimits limits = limits_;
+    if (std::isfinite(limits.refuse)) {
+      const double cells = glm::length(glm::cross(places[1] - places[0], places[2] - places[0])) /
+                           (options_.cell_size * options_.cell_size);
+      limits.most_parts = 256 + static_cast<std::size_t>(std::min(64 * cells, 1e7));
+    }
+    return mesh::bound_distance(places, tree, limits, 0, hint);
+  }
+
+  [[nodiscard]] bool good(const mesh::TriangleBound& bound) const { return bound.upper <= options_.enough; }
+
+  [[nodiscard]] std::array<glm::dvec3, 3> corners(const glm::uvec3& t) const {
+    return {state_.positions[t.x], state_.positions[t.y], state_.positions[t.z]};
+  }
+
+  using Cell = std::array<std::int64_t, 3>;
+
+  template <class Body>
+  void for_cells(const std::array<glm::dvec3, 3>& triangle, double gap, const Body& body) const {
+    const auto& [a, b, c] = triangle;
+    const glm::i64vec3 low(glm::floor((glm::min(a, glm::min(b, c)) - gap) / options_.cell_size));
+    const glm::i64vec3 high(glm::floor((glm::max(a, glm::max(b, c)) + gap) / options_.cell_size));
+    for (std::int64_t z = low.z; z <= high.z; ++z) {
+      for (std::int64_t y = low.y; y <= high.y; ++y) {
+        for (std::int64_t x = low.x; x <= high.x; ++x) body(Cell{z, y, x});
+      }
+    }
+  }
+
+  [[nodiscard]] bool in_doubtful_cell(const std::array<glm::dvec3, 3>& triangle, double gap) const {
+    bool found = false;
+    for_cells(triangle, gap,
+              [&](const Cell& cell) { found = found || std::binary_search(doubtful_.begin(), doubtful_.end(), cell); });
+    return found;
+  }
+
+  // Triangles that came back, and original ones that may have been near to what changed.
+  void find_doubts(const std::vector<PutBack>& changed, std::vector<std::uint32_t>& new_in_doubt,
+                   std::vector<std::uint32_t>& old_in_doubt) {
+    new_in_doubt.clear();
+    doubtful_.clear();
+    for (const PutBack& put_back : changed) {
+      new_in_doubt.push_back(put_back.triangle);
+      for_cells(corners(put_back.corners), options_.enough, [&](const Cell& cell) { doubtful_.push_back(cell); });
+    }
+    std::sort(new_in_doubt.begin(), new_in_doubt.end());
+    new_in_doubt.erase(std::unique(new_in_doubt.begin(), new_in_doubt.end()), new_in_doubt.end());
+    std::sort(doubtful_.begin(), doubtful_.end());
+    doubtful_.erase(std::unique(doubtful_.begin(), doubtful_.end()), doubtful_.end());
+    std::vector<char> near(state_.original.size(), 0);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, near.size(), kProofGrain), [&](const auto& part) {
+      for (std::size_t t = part.begin(); t < part.end(); ++t) {
+        near[t] = in_doubtful_cell(corners(state_.original[t]), 0) ? 1 : 0;
+      }
+    });
+    old_in_doubt.clear();
+    for (std::uint32_t t = 0; t < near.size(); ++t) {
+      if (near[t] != 0) old_in_doubt.push_back(t);
+    }
+  }
+
+  static constexpr double kMeasuredWithin = 0.05;
+
+  CollapseState& state_;
+  std::span<const CollapseLog> logs_;
+  const ProofOptions& options_;
+  const Context& context_;
+  mesh::DistanceLimits limits_;
+  std::vector<KnownDistance> known_old_;
+  std::vector<Cell> doubtful_;
+};
+
+}  // namespace
+
+Result<Proof> prove_distance(CollapseState& state, std::span<const CollapseLog> logs, const ProofOptions& options,
+                             const Context& context) {
+  return DistanceProof(state, logs, options, context).run();
+}
+
+}  // namespace isoextract::edit

@@ -1,0 +1,408 @@
+#include "edit/detail/edge_collapse.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <queue>
+#include <utility>
+#include <vector>
+
+#include "edit/detail/patch_mesh.hpp"
+#include "edit/detail/quadric.hpp"
+#include "mesh/closest_point.hpp"
+#include "mesh/distance_bound.hpp"
+
+namespace isoextract::edit {
+namespace {
+
+class PatchCollapse : private PatchMesh {
+ public:
+  PatchCollapse(CollapseState& state, std::span<const std::uint32_t> patch, const CollapseVertices& vertices,
+                const CollapseLimits& limits, std::uint32_t first)
+      : PatchMesh(state, patch, vertices.locked),
+        limit_squared_(limits.distance * limits.distance),
+        proven_(limits.proven),
+        least_triangles_(limits.triangles),
+        left_(patch.size()) {
+    log_.first = first;
+    version_.assign(vertices_.size(), 0);
+    sum_quadrics();
+  }
+
+  CollapseLog run(const CollapseVertices& vertices) {
+    for (std::uint32_t v = 0; v < vertices_.size(); ++v) {
+      if (vertices.wanted[vertices_[v]] != 0) push(v);
+    }
+    while (!queue_.empty() && left_ > least_triangles_) {
+      const Candidate candidate = queue_.top();
+      if (candidate.cost > limit_squared_) break;
+      queue_.pop();
+      if (candidate.version != version_[candidate.vertex]) continue;
+      greatest_ = std::max(greatest_, candidate.cost);
+      try_to_remove(candidate);
+    }
+    return std::move(log_);
+  }
+
+ private:
+  struct Candidate {
+    double cost;
+    std::uint32_t vertex;
+    std::uint32_t version;
+    std::uint32_t to;       // kNone: not looked at yet, and the cost is the least it could be
+    std::uint32_t next_to;  // where that is in vain, or kNone
+    double next_cost;
+    bool operator<(const Candidate& other) const {  // std::priority_queue has the greatest on top
+      return cost != other.cost ? cost > other.cost : vertex > other.vertex;
+    }
+  };
+  struct Near {
+    double distance_squared;  // of points of a new triangle, and of samples to it
+    std::uint32_t slot;       // near to it, in the tree of the original mesh
+    KnownDistance known;
+  };
+  struct Attached {
+    std::uint32_t triangle;
+    std::uint32_t sample;
+    double distance_squared;
+  };
+
+  void sum_quadrics() {
+    quadrics_.resize(vertices_.size());
+    for (std::size_t i = 0; i < corners_.size(); ++i) {
+      const Corners& t = corners_[i];
+      const glm::dvec3 cross = cross_product(t);
+      const double length = glm::length(cross);
+      if (!(length > 0)) continue;
+      for (int corner = 0; corner < 3; ++corner) {
+        quadrics_[t[corner]].add_plane(cross / length, places_[t.x], length / 2);
+        const std::uint32_t from = t[corner];
+        const std::uint32_t to = t[(corner + 1) % 3];
+        if (border_[from] == 0 || border_[to] == 0 || !is_border_edge(from, to)) continue;
+        const glm::dvec3 edge = places_[to] - places_[from];
+        const glm::dvec3 upright = glm::cross(edge, cross);
+        const double size = glm::length(upright);
+        if (!(size > 0)) continue;
+        for (const std::uint32_t end : {from, to}) {
+          quadrics_[end].add_plane(upright / size, places_[from], glm::dot(edge, edge));
+        }
+      }
+    }
+  }
+
+  // Where all is flat, short edges go first, and vertices that have not taken in much: none shall have very many edges.
+  [[nodiscard]] double least_cost(std::uint32_t from, std::uint32_t to) const {
+    constexpr double kOfArea = 1e-10;
+    const glm::dvec3 way = places_[to] - places_[from];
+    const double area = quadrics_[from].weight + quadrics_[to].weight + glm::dot(way, way);
+    return mean_square(quadrics_[from], quadrics_[to], places_[to]) + kOfArea * area;
+  }
+
+  void push(std::uint32_t v) {
+    ++version_[v];
+    if (fixed_[v] != 0) return;
+    look_around(v, pushed_);
+    double least = std::numeric_limits<double>::infinity();
+    for (const std::uint32_t to : pushed_.neighbours) least = std::min(least, least_cost(v, to));
+    if (least <= limit_squared_) queue_.push({least, v, version_[v], kNone, kNone, 0});
+  }
+
+  void try_to_remove(const Candidate& candidate) {
+    const std::uint32_t v = candidate.vertex;
+    look_around(v, ring_);
+    prepared_ = kNone;
+    if (candidate.to == kNone) {
+      look_at_targets(candidate);
+    } else if (!collapse_if_near(v, candidate.to) && candidate.next_to != kNone) {
+      try_next({candidate.next_cost, v, candidate.version, candidate.next_to, kNone, 0});
+    }
+  }
+
+  // At once, or when it is its turn.
+  void try_next(const Candidate& candidate) {
+    if (candidate.cost > limit_squared_) return;
+    constexpr double kMuchMore = 10;  // of a square; in strict order all would be looked at again, for little
+    if (!queue_.empty() && candidate.cost > kMuchMore * queue_.top().cost) {
+      queue_.push(candidate);
+      return;
+    }
+    greatest_ = std::max(greatest_, candidate.cost);
+    if (!collapse_if_near(candidate.vertex, candidate.to) && candidate.next_to != kNone) {
+      try_next({candidate.next_cost, candidate.vertex, candidate.version, candidate.next_to, kNone, 0});
+    }
+  }
+
+  bool collapse_if_near(std::uint32_t v, std::uint32_t to) {
+    if (prepared_ != to) {
+      make_new(v, to);
+      attach(v);
+      look_from_new(to, 0);
+      prepared_ = to;
+    }
+    if (!new_are_near()) return false;
+    collapse(v, to);
+    return true;
+  }
+
+  // The ring is that of the candidate's vertex.
+  void look_at_targets(const Candidate& candidate) {
+    const std::uint32_t v = candidate.vertex;
+    // The best by their planes; what is tried in vain is tried again only when something around has changed.
+    constexpr std::size_t kTries = 2;
+    std::vector<std::pair<double, std::uint32_t>>& targets = targets_;
+    targets.clear();
+    for (const std::uint32_t to : ring_.neighbours) {
+      const double cost = least_cost(v, to);
+      if (cost <= limit_squared_) targets.emplace_back(cost, to);
+    }
+    std::sort(targets.begin(), targets.end());
+    found_.clear();
+    for (const auto& [cost, to] : targets) {
+      if (found_.size() == kTries || (!found_.empty() && found_[0].first <= limit_squared_)) break;
+      if (!keeps_topology(v, to)) continue;
+      make_new(v, to);
+      prepared_ = kNone;
+      if (!keeps_shape(v)) continue;
+      prepared_ = to;
+      double sampled = std::max(cost, attach(v));
+      if (sampled <= limit_squared_) sampled = look_from_new(to, sampled);
+      found_.emplace_back(sampled, to);
+    }
+    if (found_.empty()) return;
+    std::sort(found_.begin(), found_.end());
+    const auto [cost, to] = found_[0];
+    const auto [next_cost, next_to] = found_.size() > 1 ? found_[1] : std::pair(0.0, kNone);
+    try_next({std::max(cost, candidate.cost), v, candidate.version, to, next_to, next_cost});
+  }
+
+  // The link condition: v and `to` have those neighbours in common that face their edge, and no more; they are not two
+  // vertices of a tetrahedron, nor of a hole with three. And no new edge joins two fixed vertices.
+  [[nodiscard]] bool keeps_topology(std::uint32_t v, std::uint32_t to) const {
+    std::array<std::uint32_t, 2> apex{kNone, kNone};
+    std::size_t apexes = 0;
+    for (const Around& a : ring_.around) {
+      if (a.from == to) apex[apexes++ % 2] = a.next;
+      if (a.next == to) apex[apexes++ % 2] = a.from;
+    }
+    const bool along_border = border_[v] != 0;
+    if (apexes != (along_border ? 1 : 2) || apex[0] == apex[1]) return false;
+    if (along_border && (border_[to] == 0 || ring_.around.size() < 2)) return false;
+    for (const std::uint32_t neighbour : ring_.neighbours) {
+      if (neighbour == to) continue;
+      if (neighbour == apex[0] || neighbour == apex[1]) {
+        // At a border the edges to the apex become one, which must not be a border on both sides.
+        if (along_border && is_border_edge(v, neighbour) && is_border_edge(to, neighbour)) return false;
+        continue;
+      }
+      if (fixed_[neighbour] != 0 && fixed_[to] != 0) return false;
+      if (joined(neighbour, to)) return false;
+    }
+    for (std::uint32_t c = first_corner_[to]; c != kNone; c = next_corner_[c]) {
+      if (removed_[c / 3] != 0) continue;
+      const Corners& t = corners_[c / 3];
+      const auto has = [&](std::uint32_t w) { return t.x == w || t.y == w || t.z == w; };
+      if (!has(v) && has(apex[0]) && (along_border ? false : has(apex[1]))) return false;
+    }
+    return true;
+  }
+
+  // The triangles around v that stay, with `to` in its place.
+  void make_new(std::uint32_t v, std::uint32_t to) {
+    new_.clear();
+    for (const Around& a : ring_.around) {
+      if (a.from == to || a.next == to) continue;
+      Corners t = corners_[a.triangle];
+      for (int corner = 0; corner < 3; ++corner) {
+        if (t[corner] == v) t[corner] = to;
+      }
+      new_.emplace_back(a.triangle, t);
+    }
+  }
+
+  // No triangle turns by more than some 75 degrees, or becomes all but a line where none was nearly that thin. One that
+  // is all but a line has no direction of its own: what comes of it is held against all faces around.
+  [[nodiscard]] bool keeps_shape(std::uint32_t v) const {
+    constexpr double kLeastCosine = 0.25;
+    constexpr double kThin = 1e-2;
+    constexpr double kThinnest = 1e-3;
+    if (new_.empty()) return false;
+    constexpr double kOfThinnest = 0.5;
+    glm::dvec3 around(0.0);
+    double thin_enough = kThinnest;
+    for (const Around& a : ring_.around) {
+      around += cross_product(corners_[a.triangle]);
+      thin_enough = std::min(thin_enough, kOfThinnest * thickness(corners_[a.triangle]));
+    }
+    for (const auto& [f, t] : new_) {
+      if (!(thickness(t) > thin_enough) || !has_area(t)) return false;
+      const glm::dvec3 before = thickness(corners_[f]) > kThin ? cross_product(corners_[f]) : around;
+      const glm::dvec3 after = cross_product(t);
+      if (!(glm::dot(before, after) > kLeastCosine * glm::length(before) * glm::length(after))) return false;
+    }
+    return first_corner_[v] != kNone;
+  }
+
+  // Finds which of the new triangles is nearest to each sample around v, and to v itself. Returns the greatest of their
+  // squared distances, or infinity where it is beyond the limit.
+  double attach(std::uint32_t v) {
+    attached_.clear();
+    targets_of_new_.clear();
+    for (const auto& [f, t] : new_) targets_of_new_.emplace_back(places_[t.x], places_[t.y], places_[t.z]);
+    double greatest = 0;
+    const auto add = [&](std::uint32_t sample) {
+      const glm::dvec3 p = glm::dvec3(state_.positions[sample]) - origin_;
+      double least = std::numeric_limits<double>::infinity();
+      std::uint32_t nearest = 0;
+      for (std::size_t i = 0; i < new_.size(); ++i) {
+        const double squared = targets_of_new_[i].distance_squared(p);
+        if (squared < least) {
+          least = squared;
+          nearest = new_[i].first;
+        }
+      }
+      attached_.push_back({nearest, sample, least});
+      greatest = std::max(greatest, least);
+      return least <= limit_squared_;
+    };
+    const auto beyond = std::numeric_limits<double>::infinity();
+    if (!add(vertices_[v])) return beyond;
+    for (const Around& a : ring_.around) {
+      const std::uint32_t t = triangles_[a.triangle];
+      for (std::uint32_t s = state_.first_sample[t]; s != kNone; s = state_.next_sample[s]) {
+        if (!add(s)) return beyond;
+      }
+    }
+    return greatest;
+  }
+
+  // The greatest squared distance of points of the new triangles to the original mesh: the middles of the new
+  // edges. Or `known`, where that is greater. After attach(v).
+  double look_from_new(std::uint32_t to, double known) {
+    double farthest = known;
+    near_.clear();
+    for (const auto& [f, t] : new_) {
+      std::uint32_t slot = state_.original_slot[triangles_[f]];
+      double of_triangle = 0;
+      const auto look = [&](const glm::dvec3& p) {
+        const auto nearest = state_.original_tree.nearest(p + origin_, slot, farthest);
+        of_triangle = std::max(of_triangle, nearest.distance_squared);
+        slot = nearest.slot;
+      };
+      for (int corner = 0; corner < 3; ++corner) {
+        if (t[corner] == to) look(0.5 * (places_[to] + places_[t[(corner + 1) % 3]]));
+      }
+      farthest = std::max(farthest, of_triangle);
+      if (farthest > limit_squared_ && known > 0) return farthest;
+      for (const Attached& a : attached_) {
+        if (a.triangle == f) of_triangle = std::max(of_triangle, a.distance_squared);
+      }
+      near_.push_back({of_triangle, slot, {}});
+    }
+    return farthest;
+  }
+
+  // Whether the new triangles are as near as they must be, at every point. After look_from_new().
+  [[nodiscard]] bool new_are_near() {
+    constexpr double kClearlyNear = 0.5;  // of what is allowed: then no more is looked at
+    if (!std::isfinite(proven_)) return true;
+    mesh::DistanceLimits limits;
+    limits.tolerance = 0;
+    limits.floor = 1e-2 * proven_;
+    limits.enough = proven_;
+    limits.refuse = proven_;
+    limits.most_parts = 64;  // what takes longer to decide is near to the limit
+    for (std::size_t i = 0; i < new_.size(); ++i) {
+      if (near_[i].distance_squared < kClearlyNear * kClearlyNear * proven_ * proven_) continue;
+      const Corners& t = new_[i].second;
+      const std::array<glm::dvec3, 3> corners{places_[t.x] + origin_, places_[t.y] + origin_, places_[t.z] + origin_};
+      const mesh::TriangleBound found = mesh::bound_distance(corners, state_.original_tree, limits, 0, near_[i].slot);
+      if (!(found.upper <= proven_)) return false;
+      near_[i].known = {found.lower, found.upper};
+    }
+    return true;
+  }
+
+  // After make_new(v, to) and attach(v).
+  void collapse(std::uint32_t v, std::uint32_t to) {
+    const std::uint32_t number = log_.first + static_cast<std::uint32_t>(log_.collapses.size());
+    log_.collapses.push_back({vertices_[v], vertices_[to], static_cast<std::uint32_t>(log_.records.size()),
+                              static_cast<std::uint32_t>(ring_.around.size()), greatest_});
+    for (const Around& a : ring_.around) {
+      const std::uint32_t t = triangles_[a.triangle];
+      log_.records.push_back({t, state_.changed_by[t]});
+      state_.changed_by[t] = number;
+      state_.first_sample[t] = kNone;
+      if (a.from != to && a.next != to) continue;
+      removed_[a.triangle] = 1;
+      state_.gone[t] = 1;
+      --left_;
+      ++log_.removed;
+    }
+    // The corners of v's list are to's from now on.
+    std::uint32_t* end = &first_corner_[to];
+    while (*end != kNone) end = &next_corner_[*end];
+    *end = first_corner_[v];
+    first_corner_[v] = kNone;
+    for (std::size_t i = 0; i < new_.size(); ++i) {
+      const auto& [f, t] = new_[i];
+      state_.known[triangles_[f]] = near_[i].known;
+      corners_[f] = t;
+      state_.corners[triangles_[f]] = {vertices_[t.x], vertices_[t.y], vertices_[t.z]};
+    }
+    keep_samples();
+    ++version_[v];
+    fixed_[v] = 1;
+    quadrics_[to].add(quadrics_[v]);
+    push(to);
+    look_around(to, ring_);
+    for (const std::uint32_t neighbour : ring_.neighbours) push(neighbour);
+  }
+
+  void keep_samples() {
+    constexpr std::size_t kMostSamples = 6;
+    if (attached_.size() > kMostSamples) {
+      std::sort(attached_.begin(), attached_.end(), [](const Attached& a, const Attached& b) {
+        if (a.triangle != b.triangle) return a.triangle < b.triangle;
+        return a.distance_squared != b.distance_squared ? a.distance_squared > b.distance_squared : a.sample < b.sample;
+      });
+    }
+    std::size_t of_triangle = 0;
+    for (std::size_t i = 0; i < attached_.size(); ++i) {
+      const Attached& a = attached_[i];
+      of_triangle = i > 0 && attached_[i - 1].triangle == a.triangle ? of_triangle + 1 : 0;
+      if (of_triangle >= kMostSamples) continue;
+      std::uint32_t& first = state_.first_sample[triangles_[a.triangle]];
+      state_.next_sample[a.sample] = first;
+      first = a.sample;
+    }
+  }
+
+  double limit_squared_;
+  double proven_;
+  std::size_t least_triangles_;
+  std::size_t left_;
+  double greatest_ = 0;
+  CollapseLog log_;
+  std::vector<Quadric> quadrics_;
+  std::vector<std::uint32_t> version_;  // of what is around a vertex: candidates of older ones do not count
+  std::priority_queue<Candidate> queue_;
+  Ring ring_;
+  Ring pushed_;
+  std::vector<std::pair<double, std::uint32_t>> targets_;
+  std::vector<std::pair<double, std::uint32_t>> found_;
+  std::uint32_t prepared_ = kNone;  // the target that what follows is of, if it is of one
+  std::vector<std::pair<std::uint32_t, Corners>> new_;
+  std::vector<mesh::TriangleTarget> targets_of_new_;
+  std::vector<Attached> attached_;
+  std::vector<Near> near_;  // of each of new_
+};
+
+}  // namespace
+
+CollapseLog collapse_edges(CollapseState& state, std::span<const std::uint32_t> patch, const CollapseVertices& vertices,
+                           const CollapseLimits& limits, std::uint32_t first) {
+  if (patch.empty()) return {first, 0, {}, {}};
+  return PatchCollapse(state, patch, vertices, limits, first).run(vertices);
+}
+
+}  // namespace isoextract::edit
