@@ -9,8 +9,8 @@
 //   preserving edge contraction. Publ. Inst. Math. 66, 1999), and no triangle turns over or loses its area. Vertices of
 //   open borders move along them, and planes upright on their edges belong to the quadrics.
 //
-// The order of collapses does not know the limit, but for those that `proven` refuses. Points prove nothing;
-// distance_proof.hpp does.
+// The order hardly knows the limit: second choices are looked at where the first is beyond it, and `proven` refuses
+// some. Points prove nothing; distance_proof.hpp does.
 #pragma once
 
 #include <cstdint>

@@ -181,7 +181,7 @@ TEST(BoundedSimplify, BoxesKeepLittleMoreThanTheirCorners) {
 // Values of float put vertices a hair beside the samples: triangles so thin that they have no normal to speak of.
 TEST(BoundedSimplify, TiltedPlanesKeepLittleMoreThanTheirCorners) {
   const auto plane = test::dense_field<float>(
-      {48, 48, 48}, [](int i, int j, int k) { return static_cast<double>(10 - (k - 0.3F * i - 0.17F * j)); });
+      {48, 48, 48}, [](int i, int j, int k) { return static_cast<float>(10.0 - (k - 0.3 * i - 0.17 * j)); });
   extract::ExtractOptions options;
   options.iso = 0;
   for (const double distance : {0.01, 0.1, 1.0}) {
