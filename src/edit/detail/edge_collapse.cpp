@@ -187,6 +187,9 @@ class PatchCollapse : private PatchMesh {
     const bool along_border = border_[v] != 0;
     if (apexes != (along_border ? 1 : 2) || apex[0] == apex[1]) return false;
     if (along_border && (border_[to] == 0 || ring_.around.size() < 2)) return false;
+    // What is left of three triangles may be there already, in another patch.
+    const bool three_around = !along_border && ring_.around.size() == 3;
+    if (three_around && fixed_[to] != 0 && fixed_[apex[0]] != 0 && fixed_[apex[1]] != 0) return false;
     for (const std::uint32_t neighbour : ring_.neighbours) {
       if (neighbour == to) continue;
       if (neighbour == apex[0] || neighbour == apex[1]) {
