@@ -69,8 +69,7 @@ class PatchCollapse : private PatchMesh {
 
   void sum_quadrics() {
     quadrics_.resize(vertices_.size());
-    for (std::size_t i = 0; i < corners_.size(); ++i) {
-      const Corners& t = corners_[i];
+    for (const Corners& t : corners_) {
       const glm::dvec3 cross = cross_product(t);
       const double length = glm::length(cross);
       if (!(length > 0)) continue;
