@@ -89,7 +89,6 @@ class Simplifier {
     constexpr double kMuchLess = 0.5;
     for (double distance = kFirst * options_.patch_size; distance < kMuchLess * enough; distance *= kSteps) {
       if (auto swept = sweep(distance); !swept) return swept;
-      std::fill(wanted_.begin(), wanted_.end(), 1);
     }
     return sweep(enough);
   }
@@ -97,8 +96,8 @@ class Simplifier {
   Result<void> sweep(double distance) {
     constexpr double kOfVertices = 0.95;  // vertices are less far away than what lies between them
     constexpr double kLargerPatches = 4;
-    double size = options_.patch_size;
-    for (;; size *= kLargerPatches) {
+    std::fill(wanted_.begin(), wanted_.end(), 1);
+    for (double size = options_.patch_size;; size *= kLargerPatches) {
       auto patches = round(size, {kOfVertices * distance, distance, 0}, 0);
       if (!patches) return tl::unexpected(std::move(patches.error()));
       if (*patches <= 1) return {};

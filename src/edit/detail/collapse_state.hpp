@@ -61,7 +61,6 @@ struct Collapse {
   std::uint32_t to;
   std::uint32_t first_record;
   std::uint32_t records;
-  double cost;  // the greatest of all so far, of its patch
 };
 
 // What one patch went through. Its collapses are numbered from `first`.

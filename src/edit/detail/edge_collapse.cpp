@@ -38,7 +38,6 @@ class PatchCollapse : private PatchMesh {
       if (candidate.cost > limit_squared_) break;
       queue_.pop();
       if (candidate.version != version_[candidate.vertex]) continue;
-      greatest_ = std::max(greatest_, candidate.cost);
       try_to_remove(candidate);
     }
     return std::move(log_);
@@ -49,9 +48,7 @@ class PatchCollapse : private PatchMesh {
     double cost;
     std::uint32_t vertex;
     std::uint32_t version;
-    std::uint32_t to;       // kNone: not looked at yet, and the cost is the least it could be
-    std::uint32_t next_to;  // where that is in vain, or kNone
-    double next_cost;
+    std::uint32_t to;                               // kNone: not looked at yet, and the cost is the least it could be
     bool operator<(const Candidate& other) const {  // std::priority_queue has the greatest on top
       return cost != other.cost ? cost > other.cost : vertex > other.vertex;
     }
@@ -103,7 +100,7 @@ class PatchCollapse : private PatchMesh {
     look_around(v, pushed_);
     double least = std::numeric_limits<double>::infinity();
     for (const std::uint32_t to : pushed_.neighbours) least = std::min(least, least_cost(v, to));
-    if (least <= limit_squared_) queue_.push({least, v, version_[v], kNone, kNone, 0});
+    if (least <= limit_squared_) queue_.push({least, v, version_[v], kNone});
   }
 
   void try_to_remove(const Candidate& candidate) {
@@ -112,35 +109,29 @@ class PatchCollapse : private PatchMesh {
     prepared_ = kNone;
     if (candidate.to == kNone) {
       look_at_targets(candidate);
-    } else if (!collapse_if_near(v, candidate.to) && candidate.next_to != kNone) {
-      try_next({candidate.next_cost, v, candidate.version, candidate.next_to, kNone, 0});
+    } else {
+      collapse_if_near(v, candidate.to);
     }
   }
 
   // At once, or when it is its turn.
-  void try_next(const Candidate& candidate) {
-    if (candidate.cost > limit_squared_) return;
+  void collapse_in_turn(const Candidate& candidate) {
     constexpr double kMuchMore = 10;  // of a square; in strict order all would be looked at again, for little
     if (!queue_.empty() && candidate.cost > kMuchMore * queue_.top().cost) {
       queue_.push(candidate);
       return;
     }
-    greatest_ = std::max(greatest_, candidate.cost);
-    if (!collapse_if_near(candidate.vertex, candidate.to) && candidate.next_to != kNone) {
-      try_next({candidate.next_cost, candidate.vertex, candidate.version, candidate.next_to, kNone, 0});
-    }
+    collapse_if_near(candidate.vertex, candidate.to);
   }
 
-  bool collapse_if_near(std::uint32_t v, std::uint32_t to) {
+  void collapse_if_near(std::uint32_t v, std::uint32_t to) {
     if (prepared_ != to) {
       make_new(v, to);
       attach(v);
       look_from_new(to, 0);
       prepared_ = to;
     }
-    if (!new_are_near()) return false;
-    collapse(v, to);
-    return true;
+    if (new_are_near()) collapse(v, to);
   }
 
   // The ring is that of the candidate's vertex.
@@ -148,16 +139,14 @@ class PatchCollapse : private PatchMesh {
     const std::uint32_t v = candidate.vertex;
     // The best by their planes; what is tried in vain is tried again only when something around has changed.
     constexpr std::size_t kTries = 2;
-    std::vector<std::pair<double, std::uint32_t>>& targets = targets_;
-    targets.clear();
+    targets_.clear();
     for (const std::uint32_t to : ring_.neighbours) {
       const double cost = least_cost(v, to);
-      if (cost <= limit_squared_) targets.emplace_back(cost, to);
+      if (cost <= limit_squared_) targets_.emplace_back(cost, to);
     }
-    std::sort(targets.begin(), targets.end());
-    found_.clear();
-    for (const auto& [cost, to] : targets) {
-      if (found_.size() == kTries || (!found_.empty() && found_[0].first <= limit_squared_)) break;
+    std::sort(targets_.begin(), targets_.end());
+    std::size_t tries = 0;
+    for (const auto& [cost, to] : targets_) {
       if (!keeps_topology(v, to)) continue;
       make_new(v, to);
       prepared_ = kNone;
@@ -165,13 +154,12 @@ class PatchCollapse : private PatchMesh {
       prepared_ = to;
       double sampled = std::max(cost, attach(v));
       if (sampled <= limit_squared_) sampled = look_from_new(to, sampled);
-      found_.emplace_back(sampled, to);
+      if (sampled <= limit_squared_) {
+        collapse_in_turn({std::max(sampled, candidate.cost), v, candidate.version, to});
+        return;
+      }
+      if (++tries == kTries) return;
     }
-    if (found_.empty()) return;
-    std::sort(found_.begin(), found_.end());
-    const auto [cost, to] = found_[0];
-    const auto [next_cost, next_to] = found_.size() > 1 ? found_[1] : std::pair(0.0, kNone);
-    try_next({std::max(cost, candidate.cost), v, candidate.version, to, next_to, next_cost});
   }
 
   // The link condition: v and `to` have those neighbours in common that face their edge, and no more; they are not two
@@ -328,7 +316,7 @@ class PatchCollapse : private PatchMesh {
   void collapse(std::uint32_t v, std::uint32_t to) {
     const std::uint32_t number = log_.first + static_cast<std::uint32_t>(log_.collapses.size());
     log_.collapses.push_back({vertices_[v], vertices_[to], static_cast<std::uint32_t>(log_.records.size()),
-                              static_cast<std::uint32_t>(ring_.around.size()), greatest_});
+                              static_cast<std::uint32_t>(ring_.around.size())});
     for (const Around& a : ring_.around) {
       const std::uint32_t t = triangles_[a.triangle];
       log_.records.push_back({t, state_.changed_by[t]});
@@ -383,7 +371,6 @@ class PatchCollapse : private PatchMesh {
   double proven_;
   std::size_t least_triangles_;
   std::size_t left_;
-  double greatest_ = 0;
   CollapseLog log_;
   std::vector<Quadric> quadrics_;
   std::vector<std::uint32_t> version_;  // of what is around a vertex: candidates of older ones do not count
@@ -391,7 +378,6 @@ class PatchCollapse : private PatchMesh {
   Ring ring_;
   Ring pushed_;
   std::vector<std::pair<double, std::uint32_t>> targets_;
-  std::vector<std::pair<double, std::uint32_t>> found_;
   std::uint32_t prepared_ = kNone;  // the target that what follows is of, if it is of one
   std::vector<std::pair<std::uint32_t, Corners>> new_;
   std::vector<mesh::TriangleTarget> targets_of_new_;
