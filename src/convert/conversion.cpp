@@ -311,7 +311,7 @@ class Conversion {
     return {ErrorKind::input,
             fmt::format("{}: no surface at iso {}{}{}; the values {}run from {:.6g} to {:.6g}", source_.label,
                         text_of(asked), source_.region ? " in the region" : "",
-                        job_.source.resolution || job_.source.voxel_size ? " on the grid of another resolution" : "",
+                        job_.source.resamples() ? " on the grid of another resolution" : "",
                         source_.region ? "of the whole field " : "", statistics.min, statistics.max),
             region_hides_it ? Hint(Remedy::widen_region_or_skip) : other, Reason::no_surface};
   }

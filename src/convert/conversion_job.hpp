@@ -115,6 +115,9 @@ struct SourceOptions {
   std::vector<ClipPlane> clip;                                   // likewise; of the surfaces, not of the samples
   Placement placement;
 
+  // Whether the grid to extract from is another than the input's.
+  [[nodiscard]] bool resamples() const { return resolution || voxel_size; }
+
   friend bool operator==(const SourceOptions&, const SourceOptions&) = default;
 };
 

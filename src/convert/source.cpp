@@ -180,7 +180,7 @@ SourceUse use_of(const ConversionJob& job) {
   use.isos = job.isos();
   use.empty_is_fine = job.empty != EmptyPolicy::error;
   use.closed = closes_regions(job.surface);
-  if (use.isos.size() != 1 || job.error || job.source.resolution || job.source.voxel_size) return use;
+  if (use.isos.size() != 1 || job.error || job.source.resamples()) return use;
   const IsoChoice& only = use.isos.front();
   if (only.is_number()) use.only_iso = only.number;
   if (only.kind == IsoChoice::Kind::suggested) use.only_iso = points::method_info(job.source.particles.method).iso;
@@ -205,7 +205,7 @@ Result<Source> open_source(const SourceOptions& options, const SourceUse& use, c
   if (auto blurred = blur_field(options.blurs, source.label, context, events, source.field); !blurred) {
     return tl::unexpected(std::move(blurred.error()));
   }
-  if (options.resolution || options.voxel_size) {
+  if (options.resamples()) {
     auto changed = change_resolution(options, use.keep_data, context, events, source);
     if (!changed) return tl::unexpected(std::move(changed.error()));
   }

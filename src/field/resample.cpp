@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
@@ -239,6 +240,13 @@ IndexBox box_in_background(const SparseSamples& sparse) {
   return {box.min - 1, box.max + 1};
 }
 
+// The samples that the new grid covers: all of a dense one; of a sparse one what is not background, and one around it.
+IndexBox covered_box(const ScalarField& field) {
+  const auto* sparse = std::get_if<SparseSamples>(&field.samples);
+  if (sparse == nullptr) return field.extents();
+  return visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) { return box_in_background<T>(*sparse); });
+}
+
 std::string dims_text(const glm::i64vec3& dims) { return fmt::format("{} x {} x {}", dims.x, dims.y, dims.z); }
 
 // What is small beside any grid is not counted.
@@ -251,11 +259,19 @@ Result<Reservation> reserve_weights(const ScalarField& field, const glm::ivec3& 
   return context.reserve(bytes, fmt::format("{}: weights of samples", field.source));
 }
 
+// `what` for the message. Sparse grids have background around what is in them.
+Result<void> check_has_steps(const ScalarField& field, std::string_view what) {
+  const auto* dense = std::get_if<DenseSamples>(&field.samples);
+  if (dense == nullptr || glm::all(glm::greaterThanEqual(dense->dims, glm::ivec3(2)))) return {};
+  return fail(ErrorKind::input, fmt::format("{}: {} needs at least 2 samples along each axis, found {}", field.source,
+                                            what, dims_text(dense->dims)));
+}
+
 template <class T>
 Result<ScalarField> resampled(const ScalarField& field, const glm::ivec3& resolution, ResampleKernel kernel,
                               const Context& context) {
   const auto* sparse = std::get_if<SparseSamples>(&field.samples);
-  const IndexBox box = sparse != nullptr ? box_in_background<T>(*sparse) : field.extents();
+  const IndexBox box = covered_box(field);
   const glm::ivec3 old_dims(box.dims());
   ScalarField result = field;
   result.notes.clear();
@@ -310,28 +326,18 @@ Result<ScalarField> resample(const ScalarField& field, const glm::ivec3& resolut
     return fail(ErrorKind::usage,
                 fmt::format("a resolution needs at least 2 samples along each axis, found {}", dims_text(resolution)));
   }
-  if (const auto* dense = std::get_if<DenseSamples>(&field.samples);
-      dense != nullptr && glm::any(glm::lessThan(dense->dims, glm::ivec3(2)))) {
-    return fail(ErrorKind::input,
-                fmt::format("{}: another resolution needs at least 2 samples along each axis, found {}", field.source,
-                            dims_text(dense->dims)));
+  if (auto checked = check_has_steps(field, "another resolution"); !checked) {
+    return tl::unexpected(std::move(checked.error()));
   }
   return visit_sample_type(
       field.type(), [&]<class T>(std::type_identity<T>) { return resampled<T>(field, resolution, kernel, context); });
 }
 
 Result<glm::ivec3> resolution_of_voxel_size(const ScalarField& field, const glm::dvec3& voxel_size) {
-  const auto* sparse = std::get_if<SparseSamples>(&field.samples);
-  const IndexBox box =
-      sparse == nullptr ? field.extents() : visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) {
-        return box_in_background<T>(*sparse);
-      });
-  const glm::i64vec3 dims = box.dims();
-  if (glm::any(glm::lessThan(dims, glm::i64vec3(2)))) {
-    return fail(ErrorKind::input, fmt::format("{}: another voxel size needs at least 2 samples along each axis, "
-                                              "found {}",
-                                              field.source, dims_text(dims)));
+  if (auto checked = check_has_steps(field, "another voxel size"); !checked) {
+    return tl::unexpected(std::move(checked.error()));
   }
+  const glm::i64vec3 dims = covered_box(field).dims();
   glm::ivec3 resolution(0);
   for (int axis = 0; axis < 3; ++axis) {
     const double length = static_cast<double>(dims[axis] - 1) * glm::length(field.index_to_world.linear[axis]);
