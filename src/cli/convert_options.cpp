@@ -49,6 +49,9 @@ void declare_convert_surface(CLI::App& app, ConvertFlags& flags) {
               "Leave out triangles as long as no point of either mesh is farther than ERR from the other: 0.1 or "
               "0.1voxel in voxels, 0.5world in the units of the written mesh. The distance is measured and told. Open "
               "borders stay within ERR, too, with fewer vertices.");
+  group.value("--triangles", "N|P%", flags.triangles, parse_triangle_count,
+              "Leave N triangles of each surface, or P percent of them, where its topology lets that many go; how far "
+              "the surface moved is measured and told. With --simplify it ends where the first of the two is reached.");
   group.choice("--empty", flags.empty,
                "What to do where there is no surface: fail, write no file and remove an old one of that name, or write "
                "an empty one (default: error).");

@@ -177,7 +177,7 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string
   if (auto taken = plan_region(flags.surface, job.source); !taken) return tl::unexpected(taken.error());
   if (auto taken = plan_resolution(flags.surface, job.source); !taken) return tl::unexpected(taken.error());
   job.source.filters = flags.surface.filters;
-  job.simplify = flags.simplify;
+  if (flags.simplify || flags.triangles) job.simplify = convert::SimplifyChoice{flags.simplify, flags.triangles};
   if (auto planned = plan_edits(flags, job); !planned) return tl::unexpected(planned.error());
   job.empty = flags.empty.value_or(job.empty);
   job.error = flags.error;

@@ -17,7 +17,7 @@ namespace {
 // What is about surfaces, and was given.
 std::string_view surface_option(const ConvertFlags& flags) {
   const SurfaceFlags& surface = flags.surface;
-  const std::array<std::pair<bool, std::string_view>, 33> options{{{flags.labels.has_value(), "--labels"},
+  const std::array<std::pair<bool, std::string_view>, 34> options{{{flags.labels.has_value(), "--labels"},
                                                                    {flags.label_names.has_value(), "--label-names"},
                                                                    {flags.relaxations.has_value(), "--relax"},
                                                                    {flags.no_merge, "--no-merge"},
@@ -27,6 +27,7 @@ std::string_view surface_option(const ConvertFlags& flags) {
                                                                    {surface.method.has_value(), "--method"},
                                                                    {flags.normals.has_value(), "--normals"},
                                                                    {flags.simplify.has_value(), "--simplify"},
+                                                                   {flags.triangles.has_value(), "--triangles"},
                                                                    {surface.roi.has_value(), "--roi"},
                                                                    {!surface.clip.empty(), "--clip"},
                                                                    {surface.cap, "--cap"},

@@ -182,6 +182,7 @@ struct ConvertFlags {
   std::optional<std::vector<double>> opacity;
   EditFlags edits;
   std::optional<convert::SimplifyBound> simplify;
+  std::optional<convert::TriangleCount> triangles;
   std::optional<convert::EmptyPolicy> empty;
   PlacementFlags placement;
   std::optional<std::string> output;

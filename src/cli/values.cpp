@@ -236,6 +236,20 @@ Result<convert::SimplifyBound> parse_simplify_bound(std::string_view text) {
   return convert::SimplifyBound{*distance, in_world_units};
 }
 
+Result<convert::TriangleCount> parse_triangle_count(std::string_view text) {
+  constexpr double kAll = 100;
+  constexpr double kMost = 0x1p53;
+  std::string_view number = text;
+  const bool in_percent = text.ends_with('%');
+  if (in_percent) number.remove_suffix(1);
+  const auto amount = whole_text_as<double>(number);
+  const bool fits = amount && *amount > 0 && *amount <= (in_percent ? kAll : kMost);
+  if (!fits || (!in_percent && *amount != std::floor(*amount))) {
+    return expected_found("a number of triangles such as 100000, or a part of them such as 10%", text);
+  }
+  return convert::TriangleCount{*amount, in_percent};
+}
+
 std::optional<std::vector<double>> parse_numbers(std::string_view text) {
   std::vector<double> numbers;
   for (const std::string_view part : split(text, ",")) {

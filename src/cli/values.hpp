@@ -31,19 +31,20 @@ using VolumeChoice = std::variant<std::int64_t, AllVolumes>;
 [[nodiscard]] Result<double> parse_positive(std::string_view text);                         // finite, above 0
 [[nodiscard]] Result<double> parse_not_negative(std::string_view text);                     // finite, 0 or above
 [[nodiscard]] Result<convert::SimplifyBound> parse_simplify_bound(
-    std::string_view text);                                                       // 0.1, 0.1voxel or 0.5world, above 0
-[[nodiscard]] Result<double> parse_part(std::string_view text);                   // 0 to 1
-[[nodiscard]] Result<double> parse_one_or_more(std::string_view text);            // finite, 1 or above
-[[nodiscard]] Result<std::uint64_t> parse_count(std::string_view text);           // a whole number, 0 or above
-[[nodiscard]] Result<std::uint64_t> parse_relaxations(std::string_view text);     // 0..10000
-[[nodiscard]] Result<std::uint64_t> parse_positive_count(std::string_view text);  // likewise, 1 or above
-[[nodiscard]] Result<glm::ivec2> parse_grid_size(std::string_view text);          // NXxNY or NX,NY, 2 or above
-[[nodiscard]] Result<glm::dvec3> parse_sides(std::string_view text);              // AxBxC or one for all, above 0
-[[nodiscard]] Result<simulate::Tap> parse_tap(std::string_view text);             // X,Y,RATE
-[[nodiscard]] Result<glm::dvec3> parse_vector(std::string_view text);             // X,Y,Z
-[[nodiscard]] Result<glm::dvec3> parse_spacing(std::string_view text);            // SX,SY,SZ or one for all, above 0
-[[nodiscard]] Result<glm::ivec3> parse_dims(std::string_view text);               // NX,NY,NZ or NXxNYxNZ, above 0
-[[nodiscard]] Result<glm::ivec3> parse_resolution(std::string_view text);         // as dims or one for all, 2 or above
+    std::string_view text);  // 0.1, 0.1voxel or 0.5world, above 0
+[[nodiscard]] Result<convert::TriangleCount> parse_triangle_count(std::string_view text);  // 100000 or 2.5%, above 0
+[[nodiscard]] Result<double> parse_part(std::string_view text);                            // 0 to 1
+[[nodiscard]] Result<double> parse_one_or_more(std::string_view text);                     // finite, 1 or above
+[[nodiscard]] Result<std::uint64_t> parse_count(std::string_view text);                    // a whole number, 0 or above
+[[nodiscard]] Result<std::uint64_t> parse_relaxations(std::string_view text);              // 0..10000
+[[nodiscard]] Result<std::uint64_t> parse_positive_count(std::string_view text);           // likewise, 1 or above
+[[nodiscard]] Result<glm::ivec2> parse_grid_size(std::string_view text);                   // NXxNY or NX,NY, 2 or above
+[[nodiscard]] Result<glm::dvec3> parse_sides(std::string_view text);       // AxBxC or one for all, above 0
+[[nodiscard]] Result<simulate::Tap> parse_tap(std::string_view text);      // X,Y,RATE
+[[nodiscard]] Result<glm::dvec3> parse_vector(std::string_view text);      // X,Y,Z
+[[nodiscard]] Result<glm::dvec3> parse_spacing(std::string_view text);     // SX,SY,SZ or one for all, above 0
+[[nodiscard]] Result<glm::ivec3> parse_dims(std::string_view text);        // NX,NY,NZ or NXxNYxNZ, above 0
+[[nodiscard]] Result<glm::ivec3> parse_resolution(std::string_view text);  // as dims or one for all, 2 or above
 [[nodiscard]] Result<render::PictureSize> parse_picture_size(std::string_view text);  // WxH, each from 1 to 16384
 [[nodiscard]] Result<convert::FilterStep> parse_filter(std::string_view text);  // gaussian, median or mean, or with :N
 [[nodiscard]] Result<field::Box> parse_box(std::string_view text);              // X0,Y0,Z0,X1,Y1,Z1, min <= max

@@ -55,10 +55,12 @@ Result<void> plan_voxels(const ConvertFlags& flags, std::vector<std::string>& no
     return refuse_usage(fmt::format("--relax does not go with {}", method.title), "give --method surface-nets");
   }
   surface.relaxations = flags.relaxations.value_or(surface.relaxations);
-  if (flags.labels && (flags.simplify || flags.edits.smooth)) {
+  if (flags.labels && (flags.simplify || flags.triangles || flags.edits.smooth)) {
     notes.push_back(
         fmt::format("{} changes the mesh of each label by itself: borders that they share part from each other",
-                    flags.simplify ? "--simplify" : "--smooth"));
+                    flags.simplify    ? "--simplify"
+                    : flags.triangles ? "--triangles"
+                                      : "--smooth"));
   }
   if (!flags.no_merge && !flags.t_junctions) return {};
   if (flags.no_merge && flags.t_junctions) {

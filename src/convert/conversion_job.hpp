@@ -55,14 +55,6 @@ constexpr auto words_of(EmptyPolicy /*type*/) {
                     Word{EmptyPolicy::write, "write"}};
 }
 
-// How far a simplified mesh may be from the mesh that it was.
-struct SimplifyBound {
-  double distance = 0;
-  bool in_world_units = false;  // else in voxels
-
-  friend bool operator==(const SimplifyBound&, const SimplifyBound&) = default;
-};
-
 // How particles become the field that is extracted. A volume needs none of it.
 struct ParticleOptions {
   // The input is of particles: one that could be either is read so, and a volume is refused. Otherwise its content
@@ -188,7 +180,7 @@ struct ConversionJob {
   // In the order in which they are done: pieces, smoothing, simplifying.
   PieceChoice pieces;
   std::optional<SmoothChoice> smooth;
-  std::optional<SimplifyBound> simplify;
+  std::optional<SimplifyChoice> simplify;
   std::optional<field::Interpolation> error;  // what the meshes are measured against; nothing: they are not
   bool verify = false;                        // the other backend is asked as well, and must agree
   BackendChoice backend;

@@ -2,8 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <numbers>
 #include <utility>
+
+#include <fmt/format.h>
 
 namespace isoextract::convert {
 namespace {
@@ -35,17 +39,32 @@ Stretch stretch_of(const glm::dmat3& map) {
   return {std::sqrt(std::max(least, 0.0)), std::sqrt(most)};
 }
 
+std::uint64_t wanted(const TriangleCount& count, std::uint64_t there) {
+  const double whole = count.in_percent ? std::floor(count.amount / 100 * static_cast<double>(there)) : count.amount;
+  return std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::min(whole, static_cast<double>(there))));
+}
+
 }  // namespace
 
-Result<MeshSimplification> simplify_mesh(mesh::Mesh& mesh, double iso, const SimplifyBound& bound,
+std::string triangle_count_text(const TriangleCount& count) {
+  return fmt::format("{}{}", count.amount, count.in_percent ? "%" : "");
+}
+
+std::string simplify_bound_text(const SimplifyBound& bound) {
+  return fmt::format("{}{}", bound.distance, bound.in_world_units ? "world" : "voxel");
+}
+
+Result<MeshSimplification> simplify_mesh(mesh::Mesh& mesh, double iso, const SimplifyChoice& choice,
                                          const field::Affine& output_from_index, const Context& context) {
   const Stretch voxel = stretch_of(output_from_index.linear);
   edit::SimplifyOptions options;
-  options.max_distance = bound.distance;
+  options.max_distance = choice.within ? choice.within->distance : std::numeric_limits<double>::infinity();
   options.patch_size = kPatchVoxels * std::cbrt(std::abs(output_from_index.determinant()));
-  if (!bound.in_world_units && voxel.is_even()) {
-    options.max_distance = bound.distance * voxel.least;
-  } else if (!bound.in_world_units) {
+  if (choice.triangles) options.triangles = wanted(*choice.triangles, mesh.triangles.size());
+  const bool in_world_units = choice.within && choice.within->in_world_units;
+  if (!in_world_units && voxel.is_even()) {
+    options.max_distance *= voxel.least;
+  } else if (!in_world_units) {
     options.to_metric = glm::inverse(output_from_index.linear);
     options.patch_size = kPatchVoxels;
   }
@@ -55,7 +74,8 @@ Result<MeshSimplification> simplify_mesh(mesh::Mesh& mesh, double iso, const Sim
 
   MeshSimplification result;
   result.iso = iso;
-  result.asked = bound;
+  result.asked = choice;
+  result.triangles_asked = options.triangles;
   result.facts = simplified->facts;
   const DistanceRange measured{simplified->facts.measured_lower, simplified->facts.measured_upper};
   if (options.to_metric != glm::dmat3(1.0)) {

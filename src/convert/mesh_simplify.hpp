@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "base/context.hpp"
 #include "base/stopwatch.hpp"
@@ -19,15 +20,21 @@ struct DistanceRange {
 // Of a mesh that was simplified: the Hausdorff distance to what it was, at least and at most.
 struct MeshSimplification {
   double iso = 0;
-  SimplifyBound asked;
+  SimplifyChoice asked;
+  std::uint64_t triangles_asked = 0;  // 0: no number was
   DistanceRange voxels;
   DistanceRange world;  // in the mesh's units
   edit::Simplification facts;
 };
 
+// 100000 or 2.5%, as people write it.
+[[nodiscard]] std::string triangle_count_text(const TriangleCount& count);
+// 0.1voxel or 0.5world.
+[[nodiscard]] std::string simplify_bound_text(const SimplifyBound& bound);
+
 // `mesh` was placed by `output_from_index`, whose linear part says what a voxel is. It is replaced by what is left.
 // Fails as edit::simplify_within() does.
-[[nodiscard]] Result<MeshSimplification> simplify_mesh(mesh::Mesh& mesh, double iso, const SimplifyBound& bound,
+[[nodiscard]] Result<MeshSimplification> simplify_mesh(mesh::Mesh& mesh, double iso, const SimplifyChoice& choice,
                                                        const field::Affine& output_from_index, const Context& context);
 
 }  // namespace isoextract::convert

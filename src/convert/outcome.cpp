@@ -20,9 +20,9 @@ Json options_of(const ConversionJob& job, std::uint64_t memory_limit) {
   json["unit"] = job.source.placement.unit.empty() ? Json(nullptr) : Json(job.source.placement.unit);
   const std::string& to_unit = job.source.placement.to_unit;
   json["to_unit"] = to_unit.empty() ? Json(nullptr) : Json(to_unit);
-  if (job.simplify) {
-    json["simplify"] = fmt::format("{}{}", job.simplify->distance, job.simplify->in_world_units ? "world" : "voxel");
-  }
+  const SimplifyChoice simplify = job.simplify.value_or(SimplifyChoice());
+  json["simplify"] = simplify.within ? Json(simplify_bound_text(*simplify.within)) : Json(nullptr);
+  json["triangles"] = simplify.triangles ? Json(triangle_count_text(*simplify.triangles)) : Json(nullptr);
   if (job.field_file) json["format"] = "vdb";
   if (job.picture_file) json["format"] = "png";
   json["memory_limit"] = memory_limit;
@@ -124,8 +124,14 @@ Json json_of(const ColourRecord& record) {
 
 Json json_of(const MeshSimplification& record) {
   const auto range = [](const DistanceRange& r) { return Json{{"lower", r.lower}, {"upper", r.upper}}; };
+  Json asked = nullptr;
+  if (const auto& within = record.asked.within) {
+    asked = {{"distance", within->distance}, {"unit", within->in_world_units ? "world" : "voxel"}};
+  }
   return {{"iso", record.iso},
-          {"asked", {{"distance", record.asked.distance}, {"unit", record.asked.in_world_units ? "world" : "voxel"}}},
+          {"asked", asked},
+          {"asked_triangles",
+           record.asked.triangles ? Json(triangle_count_text(*record.asked.triangles)) : Json(nullptr)},
           {"measured", {{"voxels", range(record.voxels)}, {"world", range(record.world)}}},
           {"triangles_before", record.facts.triangles_before},
           {"triangles_after", record.facts.triangles_after},

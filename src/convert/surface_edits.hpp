@@ -46,6 +46,30 @@ struct PieceChoice {
   friend bool operator==(const PieceChoice&, const PieceChoice&) = default;
 };
 
+// How far a simplified mesh may be from the mesh that it was.
+struct SimplifyBound {
+  double distance = 0;
+  bool in_world_units = false;  // else in voxels
+
+  friend bool operator==(const SimplifyBound&, const SimplifyBound&) = default;
+};
+
+// How many triangles each surface keeps.
+struct TriangleCount {
+  double amount = 0;  // above 0; a whole number, or a percentage of what the surface had, up to 100
+  bool in_percent = false;
+
+  friend bool operator==(const TriangleCount&, const TriangleCount&) = default;
+};
+
+// With both, it ends where the first of them is reached.
+struct SimplifyChoice {
+  std::optional<SimplifyBound> within;
+  std::optional<TriangleCount> triangles;
+
+  friend bool operator==(const SimplifyChoice&, const SimplifyChoice&) = default;
+};
+
 struct SmoothChoice {
   std::uint64_t passes = 20;  // 1 to edit::kMaxSmoothPasses
   edit::SmoothMethod method = edit::SmoothMethod::taubin;

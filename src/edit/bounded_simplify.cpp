@@ -42,11 +42,10 @@ class Simplifier {
     if (!(enough > 0) || left_ <= options_.triangles) return original();
     auto collapsed = options_.triangles > 0 ? to_count(enough) : within(enough);
     if (!collapsed) return tl::unexpected(std::move(collapsed.error()));
-    constexpr double kTrianglesOfPatch = 16;
-    const ProofOptions prove{enough, options_.patch_size / kTrianglesOfPatch};
-    const auto proof = prove_distance(state_, logs_, prove, context_);
+    const auto proof = std::isfinite(enough) ? prove_distance(state_, logs_, proof_options(enough), context_)
+                                             : measure_distance(state_, context_);
     if (!proof) return tl::unexpected(proof.error());
-    facts_.taken_back = proof->undone;
+    facts_.taken_back += proof->undone;
     facts_.passes = proof->passes;
     facts_.measured_lower = proof->lower;
     facts_.measured_upper = proof->upper;
@@ -87,43 +86,90 @@ class Simplifier {
     constexpr double kFirst = 1.0 / 320;  // of the patches; a tenth of a voxel
     constexpr double kSteps = 10;
     constexpr double kMuchLess = 0.5;
+    std::vector<double> distances;
     for (double distance = kFirst * options_.patch_size; distance < kMuchLess * enough; distance *= kSteps) {
+      distances.push_back(distance);
+    }
+    distances.push_back(enough);
+    context_.progress().begin("simplifying", distances.size() * kSweepWork);
+    for (const double distance : distances) {
       if (auto swept = sweep(distance); !swept) return swept;
     }
-    return sweep(enough);
+    return {};
   }
 
   Result<void> sweep(double distance) {
-    constexpr double kOfVertices = 0.95;  // vertices are less far away than what lies between them
     constexpr double kLargerPatches = 4;
     std::fill(wanted_.begin(), wanted_.end(), 1);
+    std::uint64_t work = kSweepWork;
     for (double size = options_.patch_size;; size *= kLargerPatches) {
-      auto patches = round(size, {kOfVertices * distance, distance, 0}, 0);
+      const std::uint64_t share = work - work / 4;  // few triangles are looked at again
+      auto patches = round(size, {kOfVertices * distance, distance, 0}, {.work = share});
       if (!patches) return tl::unexpected(std::move(patches.error()));
-      if (*patches <= 1) return {};
+      work -= share;
+      if (*patches > 1) continue;
+      context_.progress().advance(work);
+      return {};
     }
   }
 
-  // Rounds whose distances grow, until so little is left to do that one patch may have all of it.
+  // Rounds whose distances grow, until so little is left to do that one patch may have all of it: then what costs least
+  // goes first. Where points knew too little, collapses are taken back for good, and others done instead.
   Result<void> to_count(double enough) {
+    constexpr double kFirst = 1.0 / 2000;  // of the patches
     constexpr double kSteps = 1.5;
     constexpr double kAlmost = 1.5;
-    constexpr std::size_t kFew = 1 << 17;
+    constexpr std::size_t kFew = 8;
     const auto target = static_cast<double>(options_.triangles);
-    double distance = 5e-4 * options_.patch_size;
+    double distance = kFirst * options_.patch_size;
     double size = options_.patch_size;
-    while (left_ > kFew && static_cast<double>(left_) > kAlmost * target && distance < enough) {
-      const std::size_t before = left_;
+    std::size_t patches = kFew + 1;
+    context_.progress().begin("simplifying", left_ - options_.triangles);
+    while (patches > kFew && static_cast<double>(left_) > kAlmost * target && distance < enough) {
+      const auto before = static_cast<double>(left_);
       std::fill(wanted_.begin(), wanted_.end(), 1);
-      auto patches = round(size, {distance, enough, 0}, target / static_cast<double>(left_));
-      if (!patches) return tl::unexpected(std::move(patches.error()));
+      auto done = round(size, {distance, enough, 0}, {.least_part = target / before});
+      if (!done) return tl::unexpected(std::move(done.error()));
+      patches = *done;
       distance *= kSteps;
-      if (left_ * 2 < before) size *= std::sqrt(static_cast<double>(before) / static_cast<double>(left_));
+      size *= std::sqrt(before / static_cast<double>(left_));  // as many triangles a patch
     }
+    if (auto done = cheapest(enough); !done) return done;
+    return replace_worst(enough);
+  }
+
+  // As one patch, to the number of triangles.
+  Result<void> cheapest(double enough) {
     std::fill(wanted_.begin(), wanted_.end(), 1);
-    auto patches = round(std::numeric_limits<double>::infinity(), {enough, enough, options_.triangles}, 0);
-    if (!patches) return tl::unexpected(std::move(patches.error()));
+    auto done = round(std::numeric_limits<double>::infinity(), {enough, enough, options_.triangles}, {});
+    if (!done) return tl::unexpected(std::move(done.error()));
     return {};
+  }
+
+  Result<void> replace_worst(double enough) {
+    constexpr int kTimes = 3;
+    constexpr double kMuchMore = 2;
+    constexpr double kLeast = 1.0 / 320;  // of the patches
+    refused_.assign(mesh_.positions.size(), 0);
+    const double distance = std::max(kMuchMore * std::sqrt(farthest_squared_), kLeast * options_.patch_size);
+    for (int time = 0; time < kTimes && left_ <= options_.triangles && distance < enough; ++time) {
+      ProofOptions look = proof_options(distance);
+      look.once = true;
+      const auto proof = prove_distance(state_, logs_, look, context_);
+      if (!proof) return tl::unexpected(proof.error());
+      if (proof->undone == 0) break;
+      facts_.taken_back += proof->undone;
+      for (const std::uint32_t vertex : proof->refused) refused_[vertex] = 1;
+      left_ = static_cast<std::size_t>(std::count(state_.gone.begin(), state_.gone.end(), 0));
+      context_.progress().begin("simplifying", left_ - options_.triangles);
+      if (auto done = cheapest(enough); !done) return done;
+    }
+    return {};
+  }
+
+  [[nodiscard]] ProofOptions proof_options(double distance) const {
+    constexpr double kTrianglesOfPatch = 16;
+    return {.enough = distance, .cell_size = options_.patch_size / kTrianglesOfPatch};
   }
 
   struct Place {
@@ -134,9 +180,13 @@ class Simplifier {
     }
   };
 
-  // Collapses edges in patches of this size, each to no fewer than a part of its triangles. Returns how many there
-  // were.
-  Result<std::size_t> round(double size, CollapseLimits limits, double least_part) {
+  struct Share {
+    double least_part = 0;   // of the triangles of each patch that is left
+    std::uint64_t work = 0;  // that the round reports when it is done; 0: the triangles that it removes
+  };
+
+  // Collapses edges in patches of this size. Returns how many there were.
+  Result<std::size_t> round(double size, const CollapseLimits& limits, const Share& share) {
     if (auto going_on = context_.check(); !going_on) return tl::unexpected(std::move(going_on.error()));
     std::vector<Place> places = split(size);
     std::vector<std::size_t> first;  // of each patch, and where they end
@@ -152,22 +202,28 @@ class Simplifier {
 
     ++facts_.rounds;
     facts_.patches += patches;
-    context_.progress().begin("simplifying", triangles.size());
     std::vector<CollapseLog> logs(patches);
+    const auto work_up_to = [&](std::size_t triangle) {
+      return static_cast<std::uint64_t>(static_cast<double>(share.work) * static_cast<double>(triangle) /
+                                        static_cast<double>(std::max<std::size_t>(triangles.size(), 1)));
+    };
     tbb::parallel_for(std::size_t{0}, patches, [&](std::size_t p) {
       if (context_.cancelled()) return;
       const std::span patch(triangles.data() + first[p], first[p + 1] - first[p]);
       CollapseLimits own = limits;
-      if (least_part > 0)
-        own.triangles = static_cast<std::size_t>(std::ceil(least_part * static_cast<double>(patch.size())));
+      if (share.least_part > 0)
+        own.triangles = static_cast<std::size_t>(std::ceil(share.least_part * static_cast<double>(patch.size())));
       logs[p] = collapse_edges(state_, patch, {locked_, wanted_}, own, static_cast<std::uint32_t>(numbers_ + first[p]));
-      context_.progress().advance(patch.size());
+      const std::uint64_t done =
+          share.work > 0 ? work_up_to(first[p + 1]) - work_up_to(first[p]) : std::uint64_t{logs[p].removed};
+      context_.progress().advance(done);
     });
     if (auto going_on = context_.check(); !going_on) return tl::unexpected(std::move(going_on.error()));
     numbers_ += triangles.size();
     for (CollapseLog& log : logs) {
       facts_.collapses += log.collapses.size();
       left_ -= log.removed;
+      farthest_squared_ = std::max(farthest_squared_, log.farthest_squared);
       if (!log.collapses.empty()) logs_.push_back(std::move(log));
     }
     want_borders(triangles, first);
@@ -221,6 +277,9 @@ class Simplifier {
   void lock_borders(const std::vector<std::uint32_t>& triangles, const std::vector<std::size_t>& first) {
     patch_of_.assign(mesh_.positions.size(), kNone);
     std::fill(locked_.begin(), locked_.end(), 0);
+    for (std::size_t v = 0; v < refused_.size(); ++v) {
+      if (refused_[v] != 0) locked_[v] = kOutside;
+    }
     std::vector<char> in_patch(state_.corners.size(), 0);
     for (std::size_t p = 0; p + 1 < first.size(); ++p) {
       for (std::size_t i = first[p]; i < first[p + 1]; ++i) {
@@ -250,6 +309,8 @@ class Simplifier {
     }
   }
 
+  static constexpr double kOfVertices = 0.95;           // vertices are less far away than what lies between them
+  static constexpr std::uint64_t kSweepWork = 1 << 20;  // in parts: which share of them a round does is a guess
   static constexpr char kBetweenPatches = 1;
   static constexpr char kOutside = 2;
 
@@ -262,10 +323,12 @@ class Simplifier {
   CollapseState state_;
   std::vector<char> locked_;
   std::vector<char> wanted_;
+  std::vector<char> refused_;  // vertices that stay, as the surface would be too far away without them; empty: none
   std::vector<std::uint32_t> patch_of_;
   std::vector<CollapseLog> logs_;
   std::uint64_t numbers_ = 0;  // of collapses, so far
   std::size_t left_;
+  double farthest_squared_ = 0;  // of points of the triangles that changed
 };
 
 // Vertices that no triangle uses any more are left out; the others keep their order. Edge keys go: they are of meshes
@@ -290,24 +353,24 @@ void set_triangles(mesh::Mesh& mesh, const Triangles& triangles) {
 
 // What a Simplifier takes at most at a time: the state of the collapses, and their logs; patches with their places,
 // and those in work; or two trees, and what is known of triangles.
-std::uint64_t working_bytes(const mesh::Mesh& mesh) {
+std::uint64_t working_bytes(const mesh::Mesh& mesh, const SimplifyOptions& options) {
   constexpr std::uint64_t kLog = sizeof(Collapse) + 6 * sizeof(CollapseLog::Record);
   constexpr std::uint64_t kPlaces = 3 * sizeof(std::uint64_t) + sizeof(std::uint32_t) + 1;
   constexpr std::uint64_t kPatch = 2 * 16 + sizeof(glm::uvec3) + 3 * sizeof(std::uint32_t) + 1;
   constexpr std::uint64_t kPatchVertex = sizeof(glm::dvec3) + 12 * sizeof(double) + 5 * sizeof(std::uint32_t) + 24;
-  constexpr std::uint64_t kTriangle =
-      CollapseState::kTriangleBytes + kLog + std::max(kPlaces + kPatch, kProofTriangleBytes) + sizeof(glm::uvec3);
+  const bool bounded = std::isfinite(options.max_distance);
+  const std::uint64_t triangle = CollapseState::kTriangleBytes + kLog + sizeof(glm::uvec3) +
+                                 std::max({kPlaces + kPatch, kProofTriangleBytes, bounded ? 0 : kMeasureTriangleBytes});
   const std::uint64_t trees = 2 * mesh::TriangleTree::bytes(mesh.triangles.size());
-  constexpr std::uint64_t kVertex =
-      CollapseState::kVertexBytes + sizeof(glm::vec3) + 2 * sizeof(std::uint32_t) + 4 + kPatchVertex;
-  return trees + mesh.triangles.size() * kTriangle + mesh.positions.size() * (kVertex + vertex_bytes(mesh));
+  constexpr std::uint64_t kVertex = CollapseState::kVertexBytes + sizeof(glm::vec3) + 2 * sizeof(std::uint32_t) + 5 +
+                                    std::max(kPatchVertex, kMeasureVertexBytes);
+  return trees + mesh.triangles.size() * triangle + mesh.positions.size() * (kVertex + vertex_bytes(mesh));
 }
 
 Result<SimplifiedMesh> simplified(mesh::Mesh mesh, const SimplifyOptions& options, const Context& context) {
   const Stopwatch watch;
   SimplifiedMesh result;
   Simplification& facts = result.facts;
-  facts.asked = options.max_distance;
   facts.triangles_before = mesh.triangles.size();
   if (!mesh.triangles.empty()) {
     const auto triangles = Simplifier(mesh, options, facts, context).run();
@@ -325,7 +388,7 @@ Result<SimplifiedMesh> simplified(mesh::Mesh mesh, const SimplifyOptions& option
 
 Result<SimplifiedMesh> simplify_within(mesh::Mesh mesh, const SimplifyOptions& options, const Context& context) {
   const std::string what = mesh.name + ": the triangles that are simplified";
-  const auto memory = context.reserve(working_bytes(mesh), what);
+  const auto memory = context.reserve(working_bytes(mesh, options), what);
   if (!memory) return tl::unexpected(memory.error());
   try {
     return simplified(std::move(mesh), options, context);

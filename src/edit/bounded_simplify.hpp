@@ -6,7 +6,8 @@
 // patch, so nothing of the patches is seen in the end. A large distance is reached by way of small ones, each of which
 // has all these rounds: more triangles than for a small one are not left. Points of the mesh that came in tell on the
 // way how far away new triangles are. What they cannot tell, every point of both surfaces, is proven afterwards, and
-// collapses that went too far are taken back (detail/distance_proof.hpp).
+// collapses that went too far are taken back (detail/distance_proof.hpp). A number of triangles is reached by distances
+// that grow, and the distance measured in the end.
 //
 // Distances are bounded triangle by triangle as in distance_bound.hpp, against the mesh that came in. The result is the
 // same for any number of threads.
@@ -33,8 +34,8 @@ struct SimplifyOptions {
 };
 
 struct Simplification {
-  double asked = 0;  // all distances in the space of to_metric
-  // The Hausdorff distance of the result to the mesh that came in: at least, at most. Never above `asked`.
+  // The Hausdorff distance of the result to the mesh that came in: at least, at most, in the space of to_metric. Never
+  // above max_distance.
   double measured_lower = 0;
   double measured_upper = 0;
   std::uint64_t triangles_before = 0;

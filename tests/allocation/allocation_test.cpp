@@ -142,7 +142,7 @@ TEST_F(Allocation, OfAttributesAndColours) {
 
 TEST_F(Allocation, OfSimplifying) {
   ConversionJob job = job_of("demo:sphere?size=4", 0, meshes::MeshFormat::ply);
-  job.simplify = SimplifyBound{0.2, false};
+  job.simplify = SimplifyChoice{SimplifyBound{0.2, false}, {}};
   expect_all_are_told(job);
 }
 

@@ -1,4 +1,4 @@
-"""--simplify: fewer triangles within a stated distance, told, reported, and checked by compare."""
+"""--simplify, --triangles: fewer triangles within a stated distance or to a stated number, told, reported, and checked by compare."""
 
 import json
 import re
@@ -70,6 +70,66 @@ class SimplifyTest(ProgramTest):
                          f"a{threads}.ply")
         self.assertEqual((self.folder / "a1.ply").read_bytes(), (self.folder / "a3.ply").read_bytes())
 
+    def count(self, *arguments, name="a.ply"):
+        """The run and its record."""
+        run = self.convert(*arguments, "-o", name, "--report", "report.json")
+        (record,) = json.loads((self.folder / "report.json").read_text())["simplifications"]
+        return run, record
+
+    def test_a_number_of_triangles(self):
+        arguments = ("demo:gyroid?size=40", "--iso", "0", "--cap", "--spacing", "1,2,5")
+        self.convert(*arguments, "-o", "full.ply")
+        run, record = self.count(*arguments, "--triangles", "5000")
+        report = json.loads(self.convert("compare", "--json", "full.ply", "a.ply").text)
+        self.assertEqual(record["asked"], None)
+        self.assertEqual(record["asked_triangles"], "5000")
+        self.assertEqual(record["triangles_before"], report["a"]["triangles"])
+        self.assertEqual(record["triangles_after"], report["b"]["triangles"])
+        self.assertIn(record["triangles_after"], (4999, 5000))
+        lower, upper = (record["measured"]["world"][end] for end in ("lower", "upper"))
+        self.assertLess(0, lower)
+        self.assertLessEqual(lower, report["hausdorff"][1] + report["resolution"])
+        self.assertLessEqual(report["hausdorff"][0], upper + report["resolution"])
+        for fact in ("closed", "components", "genus", "open_edges"):
+            self.assertEqual(report["a"][fact], report["b"][fact], fact)
+        self.assertRegex(run.err, r"asked for 5000 triangles, measured \S+ to \S+ voxels")
+
+    def test_a_part_of_the_triangles(self):
+        _, record = self.count(FINE, "--iso", "0", "--triangles", "12.5%")
+        self.assertEqual(record["asked_triangles"], "12.5%")
+        self.assertLessEqual(abs(record["triangles_after"] - record["triangles_before"] // 8), 1)
+        voxel = 2 / 47
+        self.assertAlmostEqual(record["measured"]["world"]["upper"] / record["measured"]["voxels"]["upper"], voxel, 6)
+
+    def test_a_number_and_a_distance(self):
+        _, alone = self.count(FINE, "--iso", "0", "--simplify", "0.05")
+        run, both = self.count(FINE, "--iso", "0", "--simplify", "0.05", "--triangles", "20")
+        self.assertLess(alone["triangles_after"] * 0.5, both["triangles_after"])
+        self.assertLess(both["triangles_after"], alone["triangles_after"] * 2)
+        self.assertLessEqual(both["measured"]["voxels"]["upper"], 0.05)
+        self.assertIn("asked for 20 triangles and at most 0.05 voxels", run.err)
+        self.assertIn("fewer would be farther away", run.err)
+        _, enough = self.count(FINE, "--iso", "0", "--simplify", "0.5", "--triangles", "6000")
+        self.assertIn(enough["triangles_after"], (5999, 6000))
+
+    def test_more_triangles_than_topology_needs(self):
+        run, record = self.count("demo:gyroid?size=24", "--iso", "0", "--cap", "--triangles", "1")
+        self.assertGreater(record["triangles_after"], 1)
+        self.assertIn("fewer would change the topology", run.err)
+
+    def test_as_many_as_there_are(self):
+        self.convert(SPHERE, "--iso", "0", "-o", "full.ply")
+        for asked in ("100%", "1000000"):
+            run, record = self.count(SPHERE, "--iso", "0", "--triangles", asked)
+            self.assertIn(f"it has {record['triangles_before']} triangles, and was to keep", run.err)
+            self.assertEqual((self.folder / "a.ply").read_bytes(), (self.folder / "full.ply").read_bytes())
+
+    def test_same_triangles_for_any_number_of_threads(self):
+        for threads in (1, 3):
+            self.convert("demo:gyroid?size=64", "--iso", "0", "--triangles", "3000", "--threads", threads, "-o",
+                         f"a{threads}.ply")
+        self.assertEqual((self.folder / "a1.ply").read_bytes(), (self.folder / "a3.ply").read_bytes())
+
     def test_no_surface(self):
         run = self.convert(SPHERE, "--iso", "9", "--empty", "write", "--simplify", "0.1", "-o", "a.ply")
         self.assertIn("none of its 0 triangles", run.err)
@@ -77,6 +137,9 @@ class SimplifyTest(ProgramTest):
     def test_usage(self):
         for wrong in ("0", "-1", "0.1mm", "world", "nan", "1e999", ""):
             self.assert_fails(1, self.run_program(SPHERE, "--iso", "0", "--simplify", wrong), "--simplify")
+        for wrong in ("0", "-1", "1.5", "0%", "101%", "nan", "%", "1e999", "ten", ""):
+            self.assert_fails(1, self.run_program(SPHERE, "--iso", "0", "--triangles", wrong), "--triangles")
+        self.assert_fails(1, self.run_program(SPHERE, "--iso", "0", "--target-reduction", "0.9"), "--triangles 10%")
 
     @needs_data("med/MR.nii.gz")
     def test_a_noisy_scan(self):

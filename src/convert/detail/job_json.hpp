@@ -35,12 +35,13 @@ concept JsonValue = std::same_as<T, bool> || std::same_as<T, double> || std::sam
     std::same_as<T, std::int64_t> || std::same_as<T, std::string>;
 
 template <class T>
-concept JobStructure = std::same_as<T, volumes::RawLayout> || std::same_as<T, ParticleOptions> ||
-    std::same_as<T, AttributeChoice> || std::same_as<T, ColourChoice> || std::same_as<T, LabelTableFile> ||
-    std::same_as<T, SimplifyBound> || std::same_as<T, OutputFileJob> || std::same_as<T, FilterStep> ||
-    std::same_as<T, ClipPlane> || std::same_as<T, FieldFileOptions> || std::same_as<T, BlurStep> ||
-    std::same_as<T, LeastPiece> || std::same_as<T, PieceChoice> || std::same_as<T, SmoothChoice> ||
-    std::same_as<T, PictureFileOptions> || std::same_as<T, ConversionJob>;
+concept JobStructure =
+    std::same_as<T, volumes::RawLayout> || std::same_as<T, ParticleOptions> || std::same_as<T, AttributeChoice> ||
+    std::same_as<T, ColourChoice> || std::same_as<T, LabelTableFile> || std::same_as<T, SimplifyBound> ||
+    std::same_as<T, TriangleCount> || std::same_as<T, SimplifyChoice> || std::same_as<T, OutputFileJob> ||
+    std::same_as<T, FilterStep> || std::same_as<T, ClipPlane> || std::same_as<T, FieldFileOptions> ||
+    std::same_as<T, BlurStep> || std::same_as<T, LeastPiece> || std::same_as<T, PieceChoice> ||
+    std::same_as<T, SmoothChoice> || std::same_as<T, PictureFileOptions> || std::same_as<T, ConversionJob>;
 
 class JobJson {
  public:
@@ -279,6 +280,12 @@ class JobJson {
     } else if constexpr (std::same_as<Structure, SimplifyBound>) {
       each("distance", value.distance);
       each("in_world_units", value.in_world_units);
+    } else if constexpr (std::same_as<Structure, TriangleCount>) {
+      each("amount", value.amount);
+      each("in_percent", value.in_percent);
+    } else if constexpr (std::same_as<Structure, SimplifyChoice>) {
+      each("within", value.within);
+      each("triangles", value.triangles);
     } else if constexpr (std::same_as<Structure, FilterStep>) {
       each("filter", value.filter);
       each("width", value.width);

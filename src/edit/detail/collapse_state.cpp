@@ -4,6 +4,14 @@
 #include <iterator>
 
 namespace isoextract::edit {
+namespace {
+
+const CollapseLog& log_of(std::uint32_t collapse, std::span<const CollapseLog> logs) {
+  return *std::prev(std::upper_bound(logs.begin(), logs.end(), collapse,
+                                     [](std::uint32_t n, const CollapseLog& log) { return n < log.first; }));
+}
+
+}  // namespace
 
 CollapseState::CollapseState(std::span<const glm::vec3> places, std::span<const glm::vec3> stored_places,
                              std::span<const glm::uvec3> triangles)
@@ -21,14 +29,18 @@ CollapseState::CollapseState(std::span<const glm::vec3> places, std::span<const 
   for (std::uint32_t slot = 0; slot < original_slot.size(); ++slot) original_slot[original_tree.triangle(slot)] = slot;
 }
 
+std::uint32_t collapsed_vertex(std::uint32_t collapse, std::span<const CollapseLog> logs) {
+  const CollapseLog& log = log_of(collapse, logs);
+  return log.collapses[collapse - log.first].vertex;
+}
+
 std::size_t undo_collapse(std::uint32_t collapse, CollapseState& state, std::span<const CollapseLog> logs,
                           std::vector<PutBack>& changed) {
   std::size_t count = 0;
   std::vector<std::uint32_t> waiting{collapse};
   while (!waiting.empty()) {
     const std::uint32_t number = waiting.back();
-    const auto& log = *std::prev(std::upper_bound(logs.begin(), logs.end(), number,
-                                                  [](std::uint32_t n, const CollapseLog& l) { return n < l.first; }));
+    const CollapseLog& log = log_of(number, logs);
     const Collapse& done = log.collapses[number - log.first];
     const std::span records(log.records.data() + done.first_record, done.records);
     const auto later = std::find_if(records.begin(), records.end(), [&](const CollapseLog::Record& record) {

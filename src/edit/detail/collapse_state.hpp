@@ -70,7 +70,8 @@ struct CollapseLog {
     std::uint32_t changed_before;  // `changed_by` until then
   };
   std::uint32_t first = 0;
-  std::uint32_t removed = 0;  // triangles
+  std::uint32_t removed = 0;    // triangles
+  double farthest_squared = 0;  // of points of the new triangles from the original mesh, and of those that went
   std::vector<Collapse> collapses;
   std::vector<Record> records;
 };
@@ -80,6 +81,9 @@ struct PutBack {
   std::uint32_t triangle;
   glm::uvec3 corners;
 };
+
+// The vertex that a collapse moved. `logs` rise by `first`.
+[[nodiscard]] std::uint32_t collapsed_vertex(std::uint32_t collapse, std::span<const CollapseLog> logs);
 
 // Undoes a collapse and all that depend on it, the latest first. `logs` rise by `first`. Triangles that were there and
 // change, or come back, are added to `changed`, perhaps several times. Samples are not put back. Returns how many

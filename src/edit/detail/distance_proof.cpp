@@ -10,6 +10,9 @@
 #include <tbb/parallel_for.h>
 #include <tbb/partitioner.h>
 
+#include "mesh/distance_bound.hpp"
+#include "mesh/triangle_tree.hpp"
+
 namespace isoextract::edit {
 namespace {
 
@@ -20,15 +23,10 @@ class DistanceProof {
   DistanceProof(CollapseState& state, std::span<const CollapseLog> logs, const ProofOptions& options,
                 const Context& context)
       : state_(state), logs_(logs), options_(options), context_(context), known_old_(state.corners.size()) {
+    limits_.tolerance = 0;
     limits_.enough = options.enough;
-    if (std::isfinite(options.enough)) {
-      limits_.tolerance = 0;
-      limits_.refuse = options.enough;
-      limits_.floor = 1e-3 * options.enough;  // what is so near to the limit is refused, not looked into without end
-    } else {
-      limits_.enough = 0;
-      limits_.tolerance = kMeasuredWithin;
-    }
+    limits_.refuse = options.enough;
+    limits_.floor = 1e-3 * options.enough;  // what is so near to the limit is refused, not looked into without end
   }
 
   Result<Proof> run() {
@@ -47,8 +45,10 @@ class DistanceProof {
       std::vector<PutBack> changed;
       for (const std::uint32_t t : wrong) {
         if (state_.changed_by[t] == kNone) continue;
+        proof.refused.push_back(collapsed_vertex(state_.changed_by[t], logs_));
         proof.undone += undo_collapse(state_.changed_by[t], state_, logs_, changed);
       }
+      if (options_.once) break;
       find_doubts(changed, new_in_doubt, old_in_doubt);
     }
     for (std::uint32_t t = 0; t < known_old_.size(); ++t) {
@@ -139,11 +139,9 @@ class DistanceProof {
       return found;
     }
     mesh::DistanceLimits limits = limits_;
-    if (std::isfinite(limits.refuse)) {
-      const double cells = glm::length(glm::cross(places[1] - places[0], places[2] - places[0])) /
-                           (options_.cell_size * options_.cell_size);
-      limits.most_parts = 256 + static_cast<std::size_t>(std::min(64 * cells, 1e7));
-    }
+    const double cells = glm::length(glm::cross(places[1] - places[0], places[2] - places[0])) /
+                         (options_.cell_size * options_.cell_size);
+    limits.most_parts = 256 + static_cast<std::size_t>(std::min(64 * cells, 1e7));
     return mesh::bound_distance(places, tree, limits, 0, hint);
   }
 
@@ -199,8 +197,6 @@ class DistanceProof {
     }
   }
 
-  static constexpr double kMeasuredWithin = 0.05;
-
   CollapseState& state_;
   std::span<const CollapseLog> logs_;
   const ProofOptions& options_;
@@ -210,11 +206,45 @@ class DistanceProof {
   std::vector<Cell> doubtful_;
 };
 
+// What float resolves of the farthest vertex: distances below it are rounding.
+double resolution_of(std::span<const glm::vec3> positions) {
+  float farthest = 0;
+  for (const glm::vec3& p : positions) farthest = std::max({farthest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+  return static_cast<double>(farthest) * 0x1p-23;
+}
+
 }  // namespace
 
 Result<Proof> prove_distance(CollapseState& state, std::span<const CollapseLog> logs, const ProofOptions& options,
                              const Context& context) {
   return DistanceProof(state, logs, options, context).run();
+}
+
+Result<Proof> measure_distance(const CollapseState& state, const Context& context) {
+  constexpr double kTolerance = 0.02;
+  context.progress().begin("measuring the simplified mesh", 0);
+  std::vector<char> new_left_out(state.corners.size());
+  std::vector<char> old_left_out(state.corners.size());
+  std::vector<glm::uvec3> there;
+  for (std::uint32_t t = 0; t < state.corners.size(); ++t) {
+    new_left_out[t] = state.gone[t] != 0 || state.is_original(t) ? 1 : 0;
+    old_left_out[t] = state.is_original(t) ? 1 : 0;
+    if (state.gone[t] == 0) there.push_back(state.corners[t]);
+  }
+  const mesh::DistanceLimits limits{.tolerance = kTolerance, .floor = resolution_of(state.positions)};
+  Proof proof;
+  proof.passes = 1;
+  const auto measure = [&](const mesh::PlacedTriangles& from, const mesh::TriangleTree& to) {
+    mesh::GreatestDistanceSearch search(from, to, limits, context);
+    search.measure_corners();
+    const mesh::GreatestDistance found = search.bound_triangles();
+    proof.lower = std::max(proof.lower, found.lower);
+    proof.upper = std::max(proof.upper, found.upper);
+  };
+  measure({state.positions, state.corners, new_left_out}, state.original_tree);
+  measure({state.positions, state.original, old_left_out}, mesh::TriangleTree(state.positions, there));
+  if (auto going_on = context.check(); !going_on) return tl::unexpected(std::move(going_on.error()));
+  return proof;
 }
 
 }  // namespace isoextract::edit

@@ -11,21 +11,22 @@
 
 #include "base/context.hpp"
 #include "edit/detail/collapse_state.hpp"
-#include "mesh/distance_bound.hpp"
-#include "mesh/triangle_tree.hpp"
+#include "mesh/greatest_distance.hpp"
 
 namespace isoextract::edit {
 
 struct ProofOptions {
-  double enough = 0;     // the distance that is to be proven; infinity: none is, and what it is is measured
+  double enough = 0;     // the distance that is to be proven, finite
+  bool once = false;     // what is too far away is undone, and nothing is measured again: nothing is proven then
   double cell_size = 1;  // of a grid by which triangles near to changes are found again; a few triangles wide
 };
 
 struct Proof {
   double lower = 0;  // of the Hausdorff distance
   double upper = 0;
-  std::uint64_t undone = 0;  // collapses
-  int passes = 0;            // measurements, the first of the whole mesh
+  std::uint64_t undone = 0;            // collapses
+  std::vector<std::uint32_t> refused;  // the vertices whose collapses were not to be; others had to be undone for them
+  int passes = 0;                      // measurements, the first of the whole mesh
 };
 
 // What it takes for each triangle of the original mesh, beside the state and a tree: what is known of it, which are in
@@ -36,5 +37,13 @@ inline constexpr std::uint64_t kProofTriangleBytes =
 // Fails where the context is cancelled. The same for any number of threads.
 [[nodiscard]] Result<Proof> prove_distance(CollapseState& state, std::span<const CollapseLog> logs,
                                            const ProofOptions& options, const Context& context);
+
+// What measure_distance() takes, likewise; and for each vertex.
+inline constexpr std::uint64_t kMeasureTriangleBytes =
+    mesh::GreatestDistanceSearch::bytes(0, 1) + sizeof(glm::uvec3) + 2;
+inline constexpr std::uint64_t kMeasureVertexBytes = mesh::GreatestDistanceSearch::bytes(1, 0);
+
+// The distance as it is: nothing is taken back. The interval is no wider than a fiftieth of it, or what float resolves.
+[[nodiscard]] Result<Proof> measure_distance(const CollapseState& state, const Context& context);
 
 }  // namespace isoextract::edit

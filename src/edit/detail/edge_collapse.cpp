@@ -336,6 +336,7 @@ class PatchCollapse : private PatchMesh {
     for (std::size_t i = 0; i < new_.size(); ++i) {
       const auto& [f, t] = new_[i];
       state_.known[triangles_[f]] = near_[i].known;
+      log_.farthest_squared = std::max(log_.farthest_squared, near_[i].distance_squared);
       corners_[f] = t;
       state_.corners[triangles_[f]] = {vertices_[t.x], vertices_[t.y], vertices_[t.z]};
     }
@@ -389,7 +390,7 @@ class PatchCollapse : private PatchMesh {
 
 CollapseLog collapse_edges(CollapseState& state, std::span<const std::uint32_t> patch, const CollapseVertices& vertices,
                            const CollapseLimits& limits, std::uint32_t first) {
-  if (patch.empty()) return {first, 0, {}, {}};
+  if (patch.empty()) return {first, 0, 0, {}, {}};
   return PatchCollapse(state, patch, vertices, limits, first).run(vertices);
 }
 

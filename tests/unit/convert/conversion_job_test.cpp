@@ -49,7 +49,7 @@ ConversionJob full_job() {
   job.opacity = {0.25, 1};
   job.pieces = {LeastPiece{edit::PieceMeasure::area, 2.5, true}, true, 3, true};
   job.smooth = SmoothChoice{7, edit::SmoothMethod::sinc, 0.25};
-  job.simplify = SimplifyBound{0.1, true};
+  job.simplify = SimplifyChoice{SimplifyBound{0.1, true}, TriangleCount{2.5, true}};
   job.error = field::Interpolation::tricubic;
   job.verify = true;
   job.backend = {Backend::automatic, {gl::CudaIndex{2}, 1U << 20U}};

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <stdexcept>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -228,6 +230,7 @@ TEST(BoundedSimplify, AsManyTrianglesAsAskedFor) {
     SimplifyOptions options;
     options.max_distance = std::numeric_limits<double>::infinity();
     options.triangles = asked;
+    options.patch_size = 8;
     const auto [after, facts] = must_simplify(copy(before), options);
     EXPECT_LE(after.triangles.size(), asked);
     EXPECT_GE(after.triangles.size() + 2, asked);
@@ -235,7 +238,69 @@ TEST(BoundedSimplify, AsManyTrianglesAsAskedFor) {
     const auto distance = measure::measure_distance(before, after, measure::DistanceOptions());
     EXPECT_LE(distance->hausdorff_lower, facts.measured_upper + distance->resolution);
     EXPECT_LE(facts.measured_lower, distance->hausdorff_upper + distance->resolution);
+    EXPECT_LE(facts.measured_upper, 1.03 * facts.measured_lower);
   }
+}
+
+// In patches, of a surface with an open border and handles; for any number of threads.
+TEST(BoundedSimplify, AsManyTrianglesOfPatches) {
+  extract::ExtractOptions extract;
+  extract.output_from_index = {glm::dmat3(1.0), {}};
+  const mesh::Mesh before = test::extract(demo("demo:gyroid?size=56"), extract).mesh;
+  const mesh::Topology was = mesh::measure_topology(before);
+  ASSERT_GT(was.open_edges, 0U);
+  for (const double most : {std::numeric_limits<double>::infinity(), 0.3}) {
+    SimplifyOptions options;
+    options.max_distance = most;
+    options.triangles = before.triangles.size() / 8;
+    options.patch_size = 6;
+    const auto [after, facts] = must_simplify(copy(before), options);
+    EXPECT_GT(facts.patches, 100U);
+    EXPECT_GT(facts.rounds, 2);
+    EXPECT_GE(after.triangles.size() + 2, options.triangles);
+    if (std::isinf(most)) {
+      EXPECT_LE(after.triangles.size(), options.triangles);
+    } else {
+      EXPECT_LE(facts.measured_upper, most);
+      EXPECT_LT(after.triangles.size(), before.triangles.size() / 2);
+    }
+    const mesh::Topology is = mesh::measure_topology(after);
+    test::expect_sound(after, false);
+    EXPECT_EQ(is.components, was.components);
+    EXPECT_EQ(is.euler, was.euler);
+    const auto distance = measure::measure_distance(before, after, measure::DistanceOptions());
+    EXPECT_LE(distance->hausdorff_lower, facts.measured_upper + distance->resolution);
+    EXPECT_LE(facts.measured_lower, distance->hausdorff_upper + distance->resolution);
+    const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+    const auto alone = must_simplify(copy(before), options);
+    ASSERT_EQ(alone.mesh.triangles.size(), after.triangles.size());
+    EXPECT_EQ(std::memcmp(alone.mesh.triangles.data(), after.triangles.data(), after.triangles.size_bytes()), 0);
+    EXPECT_EQ(alone.facts.measured_upper, facts.measured_upper);
+  }
+}
+
+// The percentage that people see is of all rounds: it falls where a stage begins, and nowhere else.
+TEST(BoundedSimplify, ProgressIsOfAllRounds) {
+  const mesh::Mesh before = test::sphere(64, false);
+  SimplifyOptions options;
+  options.max_distance = 0.5;
+  options.patch_size = 4;
+  const Context context;
+  std::atomic<bool> ended = false;
+  int falls = 0;
+  std::thread watcher([&] {
+    for (std::uint64_t last = 0; !ended;) {
+      const std::uint64_t now = context.progress().done();
+      if (now < last) ++falls;
+      last = now;
+    }
+  });
+  const auto done = simplify_within(copy(before), options, context);
+  ended = true;
+  watcher.join();
+  ASSERT_TRUE(done);
+  EXPECT_GT(done->facts.rounds, 2);
+  EXPECT_LE(falls, done->facts.passes + 1);
 }
 
 TEST(BoundedSimplify, AnisotropicObliqueMirroredAndFarFrames) {
