@@ -128,15 +128,15 @@ Json json_of(const MeshSimplification& record) {
   if (const auto& within = record.asked.within) {
     asked = {{"distance", within->distance}, {"unit", within->in_world_units ? "world" : "voxel"}};
   }
-  return {{"iso", record.iso},
-          {"asked", asked},
-          {"asked_triangles",
-           record.asked.triangles ? Json(triangle_count_text(*record.asked.triangles)) : Json(nullptr)},
-          {"measured", {{"voxels", range(record.voxels)}, {"world", range(record.world)}}},
-          {"triangles_before", record.facts.triangles_before},
-          {"triangles_after", record.facts.triangles_after},
-          {"passes", record.facts.passes},
-          {"time", json_of(record.facts.time)}};
+  return {
+      {"iso", record.iso},
+      {"asked", asked},
+      {"asked_triangles", record.asked.triangles ? Json(triangle_count_text(*record.asked.triangles)) : Json(nullptr)},
+      {"measured", {{"voxels", range(record.voxels)}, {"world", range(record.world)}}},
+      {"triangles_before", record.facts.triangles_before},
+      {"triangles_after", record.facts.triangles_after},
+      {"passes", record.facts.passes},
+      {"time", json_of(record.facts.time)}};
 }
 
 Json json_of(const MeshPackingRecord& record) {
