@@ -1,53 +1,158 @@
-"""Fewer triangles within a stated distance."""
+"""Fewer triangles within a stated distance, and to a stated number, beside gltfpack and VTK."""
 
-from measuring import programs, record
+import json
+
+from measuring import compression, processes, programs, record
 from measuring.tables import number, percent, table
 
 NAME = "simplify"
-TITLE = "What `--simplify` leaves, and how long it takes"
-BOUND = "0.1"
+TITLE = "What `--simplify` and `--triangles` leave, and how long it takes"
+BOUND = 0.1
+LADDER = (0.01, 0.03, 0.1, 0.3, 1, 3)
+PYTHON = "/usr/bin/python3"  # which has NumPy, and VTK
+SCRIPT = record.ROOT / "scripts" / "measuring" / "simplify_peers.py"
+PEERS_OF_VTK = ("vtkQuadricDecimation", "vtkDecimatePro")
+BOX = "box.npy"
 
-# A file of the data folder or a demo field, and its options.
+# A file of the data folder, one that simplify_peers.py makes, or a demo field; and its options.
 INPUTS = (
+    (BOX, "--iso", "0"),
     ("med/ch2.nii.gz", "--iso", "60"),
     ("med/MR.nii.gz", "--iso", "120", "--cap"),
     ("med/tooth.nhdr", "--iso", "500"),
     ("demo:sphere?size=256", "--iso", "0"),
     ("demo:gyroid?size=128", "--iso", "0", "--cap"),
 )
-QUICK = (("demo:sphere?size=48", "--iso", "0"), ("demo:gyroid?size=32", "--iso", "0", "--cap"))
+QUICK = ((BOX, "--iso", "0"), ("demo:gyroid?size=32", "--iso", "0", "--cap"))
+BESIDE = (BOX, "med/ch2.nii.gz", "med/tooth.nhdr", "demo:gyroid?size=32")
+PLAIN = ("--space", "index", "--normals", "none")  # in voxels; the peers have no normals to look after either
+
+
+def inputs(setting):
+    for name, *options in QUICK if setting.quick else INPUTS:
+        if name == BOX:
+            path = setting.folder / BOX
+            programs.run([PYTHON, SCRIPT, "box", "40" if setting.quick else "220", path])
+        else:
+            path = name if name.startswith("demo:") else setting.data / name
+        if name in (BOX, path) or path.exists():
+            yield name, [path, *options]
+
+
+def bounded(setting, arguments):
+    """What is left at each distance; the time at BOUND."""
+    row = {"command": programs.shown(["isoextract", *arguments, "--simplify", BOUND, "-o", "mesh.ply"]), "ladder": []}
+    for distance in LADDER:
+        report = programs.convert(setting, *arguments, "--simplify", distance)
+        (found,) = report["simplifications"]
+        row["ladder"].append(found["triangles_after"])
+        if distance != BOUND:
+            continue
+        row |= {"before": found["triangles_before"], "after": found["triangles_after"],
+                "measured_voxels": found["measured"]["voxels"], "simplify_seconds": found["time"]["wall_seconds"],
+                "closed": report["meshes"][0]["closed"]}
+    return row
+
+
+def compared(setting, full, mesh):
+    report = json.loads(programs.run([setting.isoextract, "compare", "--json", full, mesh]))
+    return {"triangles": report["b"]["triangles"], "distance": report["hausdorff"],
+            **{what: [report[side][what] for side in "ab"] for what in ("components", "genus", "closed")}}
+
+
+def beside(setting, arguments, rounds, versions):
+    """Ours within a distance, then ours and the peers to as many triangles."""
+    full = {kind: setting.folder / f"full.{kind}" for kind in ("ply", "glb")}
+    for file in full.values():
+        programs.run([setting.isoextract, *arguments, *PLAIN, "-o", file, "-q"])
+    rows = []
+
+    def ours(*options):
+        seconds = []
+        for _ in range(rounds):
+            file, report = setting.folder / "ours.ply", setting.folder / "report.json"
+            programs.run([setting.isoextract, *arguments, *PLAIN, *options, "-o", file, "--report", report, "-q"])
+            (found,) = json.loads(report.read_text())["simplifications"]
+            seconds.append(found["time"]["wall_seconds"])
+        rows.append({"way": f"`isoextract {' '.join(options)}`", "seconds": seconds, **compared(setting, full["ply"], file)})
+        return found["triangles_before"], found["triangles_after"]
+
+    before, wanted = ours("--simplify", str(BOUND))
+    ours("--triangles", str(wanted))
+
+    file = setting.folder / "gltfpack.glb"
+    packing = [compression.NODE / "node_modules" / ".bin" / "gltfpack", "-i", full["glb"], "-o", file, "-noq", "-se", "1", "-si"]
+    only_packed, seconds = ([processes.run_once([*packing, ratio])["wall"] for _ in range(rounds)]
+                            for ratio in ("1", f"{wanted / before:.8f}"))
+    rows.append({"way": f"`gltfpack -noq -se 1 -si {wanted / before:.3g}`", "seconds": [t - min(only_packed) for t in seconds],
+                 **compared(setting, full["glb"], file)})
+
+    for name in PEERS_OF_VTK:
+        file, seconds = setting.folder / "vtk.ply", []
+        for _ in range(rounds):
+            found = json.loads(programs.run([PYTHON, SCRIPT, "vtk", name, wanted, full["ply"], file]))
+            seconds.append(found["seconds"])
+        versions["VTK"] = found["vtk"]
+        rows.append({"way": name, "seconds": seconds, **compared(setting, full["ply"], file)})
+    return {"command": programs.shown(["isoextract", *arguments]), "before": before, "rows": rows}
 
 
 def measure(setting):
     measured = record.Record(NAME, setting.isoextract, setting.quick)
-    rows = []
-    for name, *options in QUICK if setting.quick else INPUTS:
-        path = name if name.startswith("demo:") else setting.data / name
-        if not name.startswith("demo:") and not path.exists():
-            continue
-        report = programs.convert(setting, path, *options, "--simplify", BOUND)
-        (found,) = report["simplifications"]
-        mesh = report["meshes"][0]
-        rows.append({"command": programs.shown(["isoextract", path, *options, "--simplify", BOUND, "-o", "mesh.ply"]),
-                     "before": found["triangles_before"], "after": found["triangles_after"],
-                     "measured_voxels": found["measured"]["voxels"], "simplify_seconds": found["time"]["wall_seconds"],
-                     "all_seconds": report["total"]["wall_seconds"], "closed": mesh["closed"]})
-    commands = [row["command"] for row in rows]
-    return measured.finish([record.cores()], {}, commands, {"bound_voxels": float(BOUND), "rows": rows})
+    versions = {"gltfpack": compression.packages()["gltfpack"]}
+    rounds = 1 if setting.quick else 3
+    rows, others = [], []
+    for name, arguments in inputs(setting):
+        rows.append(bounded(setting, arguments))
+        if name in BESIDE:
+            others.append(beside(setting, arguments, rounds, versions))
+    commands = [f"simplify_peers.py box 220 {BOX}", *(row["command"] for row in rows)]
+    figures = {"bound_voxels": BOUND, "ladder": LADDER, "rounds": rounds, "rows": rows, "beside": others}
+    return measured.finish([record.cores()], versions, commands, figures)
+
+
+def kept(pair):
+    before, after = ({True: "yes", False: "no"}[value] if isinstance(value, bool) else number(value) for value in pair)
+    return after if before == after else f"**{before} to {after}**"
 
 
 def page(measured):
     figures = measured["figures"]
+    bound = figures["bound_voxels"]
     rows = [[f"`{row['command']}`", number(row["before"]), number(row["after"]), percent(row["after"] / row["before"]),
              f"{row['measured_voxels']['lower']:.4f} to {row['measured_voxels']['upper']:.4f}",
              number(row["simplify_seconds"]), number(1e6 * row["simplify_seconds"] / row["before"])]
             for row in figures["rows"]]
     columns = ["command", "triangles before:", "after:", "left:", "measured distance, voxels:", "cold, s:",
                "s for a million:"]
-    return f"""`--simplify {figures['bound_voxels']}` leaves out triangles as long as the distance to the full mesh, measured at any point of both and not
+    ladder = table(["distance, voxels", *(f"{distance}:" for distance in figures["ladder"])],
+                   [[f"`{row['command'].split(' --simplify')[0]}`", *map(number, row["ladder"])] for row in figures["rows"]])
+    sections = []
+    for one in figures["beside"]:
+        lines = [[row["way"], number(row["triangles"]), f"{row['distance'][0]:.3g} to {row['distance'][1]:.3g}",
+                  number(min(row["seconds"])), kept(row["components"]), kept(row["genus"]), kept(row["closed"])]
+                 for row in one["rows"]]
+        heads = ["", "triangles:", "distance, voxels:", "cold, s:", "components:", "genus:", "closed:"]
+        sections.append(f"`{one['command']}`, {number(one['before'])} triangles:\n\n{table(heads, lines)}")
+    peers = "\n\n".join(sections)
+    return f"""`--simplify {bound}` leaves out triangles as long as the distance to the full mesh, measured at any point of both and not
 only at vertices, stays below that many voxels. What was measured is an interval that holds the distance.
 
-A conversion simplifies once, in a process of its own: its time is **cold**, and a warm one does not exist.
+A conversion simplifies once, in a process of its own: its time is **cold**, and a warm one does not exist. The box is the
+distance to a cube 220 voxels wide, whose sides lie on planes of samples.
 
 {table(columns, rows)}
+
+## A larger distance leaves fewer
+
+{ladder}
+
+## Beside others
+
+Each to as many triangles as `--simplify {bound}` leaves. Distances, of any point of either mesh, are what `isoextract compare` says;
+so are components, genus and whether the mesh is closed; what changed is in bold type. Times are of the simplification alone, the least
+of {figures['rounds']}, each in a process of its own; for `gltfpack`, the npm package, which runs in Node, of the whole command less a
+run of it that simplifies nothing. The peers use one thread. None of them tells a distance, so none of their time went to one.
+
+{peers}
 """
