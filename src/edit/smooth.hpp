@@ -14,6 +14,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 
 #include <glm/glm.hpp>
 
@@ -21,6 +22,7 @@
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
 #include "base/words.hpp"
+#include "mesh/half_space.hpp"
 #include "mesh/mesh.hpp"
 
 namespace isoextract::edit {
@@ -46,6 +48,8 @@ struct SmoothOptions {
   double pass_band = 0.1;     // above 0, below 1
   // Vertices on a side of the box stay on it: caps stay flat.
   std::optional<SmoothWalls> walls;
+  // Vertices in their planes stay where they are: the caps of cuts, and what they were cut along.
+  std::span<const mesh::HalfSpace> cuts;
   // From the mesh's coordinates to the space in which the greatest displacement is told.
   glm::dmat3 to_metric{1.0};
 };

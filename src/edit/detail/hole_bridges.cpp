@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <limits>
 
+#include "edit/detail/loop_necks.hpp"
 #include "mesh/exact_sign.hpp"
 
 namespace isoextract::edit {
@@ -24,6 +25,7 @@ class HoleBridges {
       result_.nodes[p].next = next[p];
       result_.nodes[next[p]].prev = p;
     }
+    cut_necks(points_, result_);
     find_loops();
   }
 
@@ -212,6 +214,7 @@ class HoleBridges {
     nodes[last].next = back;
     nodes[to].prev = back;
     loop_of_.insert(loop_of_.end(), 2, loop_of_[to]);
+    result_.bridges.emplace_back(there, back);
     list(there);
     list(back);
   }

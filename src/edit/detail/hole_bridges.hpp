@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -17,6 +18,7 @@ namespace isoextract::edit {
 struct BridgedLoops {
   std::vector<PolygonNode> nodes;
   std::vector<std::uint32_t> polygons;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> bridges;  // nodes from which one leads there, and back
 };
 
 [[nodiscard]] BridgedLoops bridge_holes(std::span<const glm::dvec2> points, std::span<const std::uint32_t> next);

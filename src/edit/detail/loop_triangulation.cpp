@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "edit/detail/hole_bridges.hpp"
 #include "edit/detail/polygon_ears.hpp"
@@ -12,9 +11,7 @@
 namespace isoextract::edit {
 namespace {
 
-// An edge of a triangle: 3 * triangle + the corner that it starts at.
-using HalfEdge = std::uint32_t;
-constexpr HalfEdge kNoTwin = std::numeric_limits<HalfEdge>::max();
+constexpr HalfEdge kNoTwin = kNoHalfEdge;
 
 using PointPair = std::pair<std::uint32_t, std::uint32_t>;
 
@@ -23,24 +20,8 @@ PointPair pair_of(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), st
 // The triangles with their neighbours, and what changes edges among them.
 class Triangulation {
  public:
-  Triangulation(std::span<const glm::dvec2> points, std::vector<glm::uvec3> triangles)
-      : points_(points.begin(), points.end()), triangles_(std::move(triangles)), twin_(3 * triangles_.size(), kNoTwin) {
-    std::vector<std::pair<PointPair, HalfEdge>> edges;
-    edges.reserve(twin_.size());
-    for (HalfEdge h = 0; h < twin_.size(); ++h) edges.emplace_back(pair_of(start(h), end(h)), h);
-    std::ranges::sort(edges);
-    for (std::size_t i = 0, j = 0; i < edges.size(); i = j) {
-      while (j < edges.size() && edges[j].first == edges[i].first) ++j;
-      // Two there and two back: each with one of the other kind.
-      for (std::size_t k = i; k < j; ++k) {
-        const HalfEdge h = edges[k].second;
-        for (std::size_t l = k + 1; l < j && twin_[h] == kNoTwin; ++l) {
-          const HalfEdge other = edges[l].second;
-          if (twin_[other] == kNoTwin && start(other) == end(h)) pair(h, other);
-        }
-      }
-    }
-  }
+  Triangulation(std::span<const glm::dvec2> points, Ears ears)
+      : points_(points.begin(), points.end()), triangles_(std::move(ears.triangles)), twin_(std::move(ears.twins)) {}
 
   // Lawson's flips. Each makes the triangulation better by a measure that has a greatest value, but for rounding.
   void flip_to_delaunay() {
@@ -196,14 +177,20 @@ Result<LoopTriangles> triangulate_loops(std::span<const glm::dvec2> points, std:
   const auto memory = context.reserve(points.size() * kBytesAPoint + taken.size_bytes(), "triangles that close a cut");
   if (!memory) return tl::unexpected(memory.error());
   const BridgedLoops loops = bridge_holes(points, next);
-  std::vector<glm::uvec3> triangles;
-  triangles.reserve(loops.nodes.size());
+  Ears ears;
+  ears.of_node.assign(loops.nodes.size(), kNoHalfEdge);
+  ears.triangles.reserve(loops.nodes.size());
+  ears.twins.reserve(3 * loops.nodes.size());
   for (const std::uint32_t polygon : loops.polygons) {
     if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
-    if (cut_ears(points, loops.nodes, polygon, triangles)) continue;
+    if (cut_ears(points, loops.nodes, polygon, ears)) continue;
     return fail(ErrorKind::input, "the surface is cut along a line without an inside");
   }
-  Triangulation triangulation(points, std::move(triangles));
+  for (const auto& [there, back] : loops.bridges) {
+    ears.twins[ears.of_node[there]] = ears.of_node[back];
+    ears.twins[ears.of_node[back]] = ears.of_node[there];
+  }
+  Triangulation triangulation(points, std::move(ears));
   triangulation.flip_to_delaunay();
   triangulation.part_double_edges(taken, result.midpoints);
   result.turned = triangulation.turned();

@@ -83,13 +83,13 @@ class NodeGrid {
 
 class EarCutter {
  public:
-  EarCutter(std::span<const glm::dvec2> points, std::span<const PolygonNode> nodes, std::uint32_t first,
-            std::vector<glm::uvec3>& triangles)
-      : points_(points), triangles_(triangles) {
+  EarCutter(std::span<const glm::dvec2> points, std::span<const PolygonNode> nodes, std::uint32_t first, Ears& ears)
+      : points_(points), ears_(ears) {
     // By numbers of its own, so that a small polygon among many takes little.
     std::uint32_t n = first;
     do {
       ring_.push_back({nodes[n].point, 0, 0});
+      facts_.emplace_back().node = n;
       n = nodes[n].next;
     } while (n != first);
     const auto count = static_cast<std::uint32_t>(ring_.size());
@@ -99,7 +99,6 @@ class EarCutter {
       places_.push_back(points_[ring_[i].point]);
     }
     left_ = count;
-    facts_.resize(count);
     rebuild();
   }
 
@@ -133,6 +132,8 @@ class EarCutter {
     std::uint32_t own_version = 0;
     EarKind kind = EarKind::clear;
     bool gone = false;
+    std::uint32_t node = kNone;
+    HalfEdge beyond = kNoHalfEdge;  // of the ear that was cut off between this and the next, if there was one
   };
 
   void rebuild() {
@@ -232,13 +233,36 @@ class EarCutter {
 
   bool put(std::uint32_t n) {
     if (!differ(ring_[n].prev, n, ring_[n].next)) return false;
-    triangles_.emplace_back(ring_[ring_[n].prev].point, ring_[n].point, ring_[ring_[n].next].point);
+    const HalfEdge last = add(n);
+    meet(ring_[n].next, last);
     return true;
   }
 
-  void cut(std::uint32_t n) {
-    triangles_.emplace_back(ring_[ring_[n].prev].point, ring_[n].point, ring_[ring_[n].next].point);
+  // The triangle at a node; returns its half-edge from the next to the one before.
+  HalfEdge add(std::uint32_t n) {
+    const auto h = static_cast<HalfEdge>(3 * ears_.triangles.size());
     const std::uint32_t before = ring_[n].prev;
+    ears_.triangles.emplace_back(ring_[before].point, ring_[n].point, ring_[ring_[n].next].point);
+    ears_.twins.insert(ears_.twins.end(), 3, kNoHalfEdge);
+    meet(before, h);
+    meet(n, h + 1);
+    return h + 2;
+  }
+
+  // A half-edge from a node to its next.
+  void meet(std::uint32_t n, HalfEdge h) {
+    const HalfEdge beyond = facts_[n].beyond;
+    if (beyond == kNoHalfEdge) {
+      ears_.of_node[facts_[n].node] = h;
+    } else {
+      ears_.twins[h] = beyond;
+      ears_.twins[beyond] = h;
+    }
+  }
+
+  void cut(std::uint32_t n) {
+    const std::uint32_t before = ring_[n].prev;
+    facts_[before].beyond = add(n);
     const std::uint32_t after = ring_[n].next;
     ring_[before].next = after;
     ring_[after].prev = before;
@@ -251,7 +275,7 @@ class EarCutter {
   }
 
   std::span<const glm::dvec2> points_;
-  std::vector<glm::uvec3>& triangles_;
+  Ears& ears_;
   std::vector<PolygonNode> ring_;
   std::vector<glm::dvec2> places_;
   std::vector<NodeFacts> facts_;
@@ -263,9 +287,8 @@ class EarCutter {
 
 }  // namespace
 
-bool cut_ears(std::span<const glm::dvec2> points, std::span<const PolygonNode> nodes, std::uint32_t first,
-              std::vector<glm::uvec3>& triangles) {
-  return EarCutter(points, nodes, first, triangles).run();
+bool cut_ears(std::span<const glm::dvec2> points, std::span<const PolygonNode> nodes, std::uint32_t first, Ears& ears) {
+  return EarCutter(points, nodes, first, ears).run();
 }
 
 }  // namespace isoextract::edit

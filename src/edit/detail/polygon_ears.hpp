@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -16,9 +17,20 @@ struct PolygonNode {
   std::uint32_t next = 0;
 };
 
-// Cuts the polygon that `first` is of into triangles of points. False where none is left that has
+// An edge of a triangle: 3 * triangle + the corner that it starts at.
+using HalfEdge = std::uint32_t;
+constexpr HalfEdge kNoHalfEdge = std::numeric_limits<HalfEdge>::max();
+
+// Triangles of points, and how they hang together.
+struct Ears {
+  std::vector<glm::uvec3> triangles;
+  std::vector<HalfEdge> twins;    // of each half-edge that across the edge, or kNoHalfEdge
+  std::vector<HalfEdge> of_node;  // the half-edge from each node to its next
+};
+
+// Cuts the polygon that `first` is of into triangles, added to `ears`. False where none is left that has
 // three different points; then the polygon is not of one piece with an inside.
 [[nodiscard]] bool cut_ears(std::span<const glm::dvec2> points, std::span<const PolygonNode> nodes, std::uint32_t first,
-                            std::vector<glm::uvec3>& triangles);
+                            Ears& ears);
 
 }  // namespace isoextract::edit

@@ -167,7 +167,7 @@ TEST(LoopTriangulation, SquaresThatTouch) {
     const PlanarLoops apart = borders_of_squares(random, size, share, false);
     expect_filling(apart, must_triangulate(apart), what, true);
     const PlanarLoops joined = borders_of_squares(random, size, share, true);
-    expect_closing(joined, must_triangulate(joined), what);
+    expect_filling(joined, must_triangulate(joined), what, false);
     if (HasFatalFailure()) return;
   }
 }
@@ -176,7 +176,7 @@ TEST(LoopTriangulation, SquaresThatTouch) {
 TEST(LoopTriangulation, PointsAtOnePlace) {
   std::mt19937 random(2);
   for (int i = 0; i < 200; ++i) {
-    const PlanarLoops plain = borders_of_squares(random, 3 + i % 11, 0.6, false);
+    const PlanarLoops plain = borders_of_squares(random, 3 + i % 11, 0.6, i % 2 == 1);
     PlanarLoops loops;
     std::vector<bool> seen(plain.points.size());
     for (std::uint32_t first = 0; first < plain.points.size(); ++first) {
