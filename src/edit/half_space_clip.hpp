@@ -24,7 +24,8 @@ struct ClipFacts {
   std::uint64_t triangles_cut = 0;  // that a plane goes through
   std::uint64_t triangles_after = 0;
   std::uint64_t cap_triangles = 0;  // of all caps, before later planes cut them
-  std::uint64_t caps_overlap = 0;   // of them, that overlap others: there the surface passes through itself
+  std::uint64_t caps_overlap =
+      0;  // of them, that overlap others by more than rounding: there the surface passes through itself
 };
 
 // Keeps of `mesh`, which has no attributes yet, what lies in all of `kept`, given in its own coordinates. Vertices that

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -83,6 +84,37 @@ glm::dvec2 in_plane(const glm::vec3& p, const mesh::HalfSpace& kept) {
   return kept.normal[axis] < 0 ? seen : glm::dvec2(seen.y, seen.x);
 }
 
+// Points that are nearer to each other than `near` are at one place for the triangulation: those around a sample that
+// is on the surface, which lie in an order that rounding has made. No vertex moves.
+void merge_places(std::vector<glm::dvec2>& points, double near) {
+  if (!(near > 0)) return;
+  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells;
+  const auto cell_of = [&](const glm::dvec2& p) { return glm::i64vec2(glm::floor(p / near)); };
+  const auto key_of_cell = [](const glm::i64vec2& cell) {
+    return static_cast<std::uint64_t>(cell.x) << 32 ^ (static_cast<std::uint64_t>(cell.y) & 0xFFFFFFFFU);
+  };
+  const auto place_near = [&](const glm::dvec2& p) -> std::optional<glm::dvec2> {
+    const glm::i64vec2 cell = cell_of(p);
+    for (int dy = -1; dy <= 1; ++dy) {
+      for (int dx = -1; dx <= 1; ++dx) {
+        const auto found = cells.find(key_of_cell(cell + glm::i64vec2(dx, dy)));
+        if (found == cells.end()) continue;
+        for (const std::uint32_t n : found->second) {
+          if (glm::length(points[n] - p) < near) return points[n];
+        }
+      }
+    }
+    return std::nullopt;
+  };
+  for (std::uint32_t n = 0; n < points.size(); ++n) {
+    if (const auto place = place_near(points[n])) {
+      points[n] = *place;
+    } else {
+      cells[key_of_cell(cell_of(points[n]))].push_back(n);
+    }
+  }
+}
+
 Result<void> append(const std::vector<VertexPair>& border, const LoopTriangles& cap, mesh::Mesh& mesh,
                     const Context& context) {
   const std::size_t vertices = mesh.positions.size() + cap.midpoints.size();
@@ -132,7 +164,7 @@ Result<CutCap> close_cut(mesh::Mesh& mesh, const mesh::HalfSpace& kept, double o
     }
     edges = edges_in_plane(mesh, kept, on_plane);
   }
-  const auto memory = context.reserve(edges.border.size() * 64 + edges.others.size() * 16, what);
+  const auto memory = context.reserve(edges.border.size() * 192 + edges.others.size() * 16, what);
   if (!memory) return tl::unexpected(memory.error());
   const auto next = loops_of(edges.border);
   if (!next) {
@@ -155,7 +187,10 @@ Result<CutCap> close_cut(mesh::Mesh& mesh, const mesh::HalfSpace& kept, double o
     const auto b = point_at(edge.second);
     if (a && b) taken.emplace_back(std::minmax(*a, *b));
   }
-  auto cap = triangulate_loops(points, *next, taken, context);
+  // Of a cluster of vertices around a sample that is on the surface each may be moved on its own.
+  constexpr double kRoundings = 16;
+  merge_places(points, kRoundings * on_plane);
+  auto cap = triangulate_loops(points, *next, taken, kRoundings * on_plane, context);
   if (!cap) return tl::unexpected(std::move(cap.error()));
   if (auto done = append(edges.border, *cap, mesh, context); !done) return tl::unexpected(std::move(done.error()));
   return CutCap{cap->triangles.size(), cap->turned};

@@ -12,7 +12,7 @@ namespace isoextract::edit {
 
 struct CutCap {
   std::uint64_t triangles = 0;
-  std::uint64_t turned = 0;  // that overlap others, as the cut crosses itself
+  std::uint64_t turned = 0;  // that overlap others by more than rounding, as the cut crosses itself
 };
 
 // Fills the loops of edges of `mesh` that have one triangle and lie with both ends within `on_plane` of the plane of

@@ -67,9 +67,15 @@ class Triangulation {
     }
   }
 
-  [[nodiscard]] std::uint64_t turned() const {
-    return static_cast<std::uint64_t>(std::ranges::count_if(
-        triangles_, [&](const glm::uvec3& t) { return mesh::turn_of(points_[t.x], points_[t.y], points_[t.z]) < 0; }));
+  [[nodiscard]] std::uint64_t turned(double rounding) const {
+    return static_cast<std::uint64_t>(std::ranges::count_if(triangles_, [&](const glm::uvec3& t) {
+      const glm::dvec2 a = points_[t.x];
+      const glm::dvec2 b = points_[t.y];
+      const glm::dvec2 c = points_[t.z];
+      if (mesh::turn_of(a, b, c) >= 0) return false;
+      const double across = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+      return -across > rounding * std::max({glm::length(b - a), glm::length(c - b), glm::length(a - c)});
+    }));
   }
 
   [[nodiscard]] std::vector<glm::uvec3> take() && { return std::move(triangles_); }
@@ -169,7 +175,7 @@ class Triangulation {
 }  // namespace
 
 Result<LoopTriangles> triangulate_loops(std::span<const glm::dvec2> points, std::span<const std::uint32_t> next,
-                                        std::span<const PointPair> taken, const Context& context) {
+                                        std::span<const PointPair> taken, double rounding, const Context& context) {
   LoopTriangles result;
   if (points.empty()) return result;
   // Nodes, strips, cells and half-edges, counted together at their most.
@@ -183,7 +189,7 @@ Result<LoopTriangles> triangulate_loops(std::span<const glm::dvec2> points, std:
   ears.twins.reserve(3 * loops.nodes.size());
   for (const std::uint32_t polygon : loops.polygons) {
     if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
-    if (cut_ears(points, loops.nodes, polygon, ears)) continue;
+    if (cut_ears(points, loops.nodes, polygon, ears, rounding)) continue;
     return fail(ErrorKind::input, "the surface is cut along a line without an inside");
   }
   for (const auto& [there, back] : loops.bridges) {
@@ -193,7 +199,7 @@ Result<LoopTriangles> triangulate_loops(std::span<const glm::dvec2> points, std:
   Triangulation triangulation(points, std::move(ears));
   triangulation.flip_to_delaunay();
   triangulation.part_double_edges(taken, result.midpoints);
-  result.turned = triangulation.turned();
+  result.turned = triangulation.turned(rounding);
   result.triangles = std::move(triangulation).take();
   return result;
 }

@@ -27,14 +27,16 @@ struct LoopTriangles {
   std::vector<glm::uvec3> triangles;  // counter-clockwise
   // Points in the middle of two others, numbered after the given ones: of edges that there would be twice.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> midpoints;
-  std::uint64_t turned = 0;  // triangles that run clockwise: they overlap others
+  std::uint64_t turned = 0;  // triangles that run clockwise, and are wider than rounding: they overlap others
 };
 
 // `points` have coordinates that float32 holds, and `next` says what follows each along its loop, a permutation without
 // cycles of fewer than three. What is filled lies on the left. No edge within will join what one of `taken` joins:
-// pairs of points, the smaller first. Memory is reserved; fails where it is not there, and with ErrorKind::cancelled.
+// pairs of points, the smaller first. `rounding` is how far points may be from where they should be. Memory is
+// reserved; fails where it is not there, and with ErrorKind::cancelled.
 [[nodiscard]] Result<LoopTriangles> triangulate_loops(
     std::span<const glm::dvec2> points, std::span<const std::uint32_t> next,
-    std::span<const std::pair<std::uint32_t, std::uint32_t>> taken = {}, const Context& context = Context());
+    std::span<const std::pair<std::uint32_t, std::uint32_t>> taken = {}, double rounding = 0,
+    const Context& context = Context());
 
 }  // namespace isoextract::edit

@@ -19,6 +19,7 @@ enum class EarKind {
   clear,     // nothing lies on the edge that cuts it off
   touching,  // something may touch that edge
   flat,      // without area
+  rough,     // overlapping the rest by no more than rounding
   any        // overlapping the rest
 };
 
@@ -83,8 +84,9 @@ class NodeGrid {
 
 class EarCutter {
  public:
-  EarCutter(std::span<const glm::dvec2> points, std::span<const PolygonNode> nodes, std::uint32_t first, Ears& ears)
-      : points_(points), ears_(ears) {
+  EarCutter(std::span<const glm::dvec2> points, std::span<const PolygonNode> nodes, std::uint32_t first, Ears& ears,
+            double rounding)
+      : points_(points), ears_(ears), rounding_(rounding) {
     // By numbers of its own, so that a small polygon among many takes little.
     std::uint32_t n = first;
     do {
@@ -111,7 +113,7 @@ class EarCutter {
       while (facts_[at].gone) at = ring_[at].next;
       if (left_ <= 3) return put(at);
       std::uint32_t ear = kNone;
-      for (const EarKind kind : {EarKind::clear, EarKind::touching, EarKind::flat, EarKind::any}) {
+      for (const EarKind kind : {EarKind::clear, EarKind::touching, EarKind::flat, EarKind::rough, EarKind::any}) {
         ear = find_ear(at, kind);
         if (ear != kNone) break;
       }
@@ -163,6 +165,7 @@ class EarCutter {
     if (kind == EarKind::any) return true;
     const int turn = mesh::turn_of(a, b, c);
     if (kind == EarKind::flat) return turn == 0;
+    if (kind == EarKind::rough && turn <= 0) return width_of({a, b, c}) >= -rounding_;
     return turn > 0 && !is_blocked(n, kind);
   }
 
@@ -194,7 +197,7 @@ class EarCutter {
 
   [[nodiscard]] bool is_blocked(std::uint32_t n, EarKind kind) {
     NodeFacts& facts = facts_[n];
-    if (facts.blocker != kNone && facts.kind >= kind && facts.own_version == facts.version &&
+    if (facts.blocker != kNone && facts.kind == kind && facts.own_version == facts.version &&
         facts.blocker_version == facts_[facts.blocker].version && !facts_[facts.blocker].gone) {
       return true;
     }
@@ -214,8 +217,26 @@ class EarCutter {
     return true;
   }
 
+  // Across the longest side; negative where it runs clockwise.
+  [[nodiscard]] static double width_of(const std::array<glm::dvec2, 3>& ear) {
+    const glm::dvec2 u = ear[1] - ear[0];
+    const glm::dvec2 v = ear[2] - ear[0];
+    return (u.x * v.y - u.y * v.x) / std::max({glm::length(u), glm::length(v), glm::length(v - u)});
+  }
+
+  // Whether a place is in the ear by more than rounding.
+  [[nodiscard]] bool is_deep(const glm::dvec2& q, const std::array<glm::dvec2, 3>& ear) const {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const glm::dvec2 along = ear[(i + 1) % 3] - ear[i];
+      const glm::dvec2 to = q - ear[i];
+      if (along.x * to.y - along.y * to.x <= rounding_ * glm::length(along)) return false;
+    }
+    return true;
+  }
+
   // Whether a node lies in the ear, or an edge at it runs into the ear from its border.
   [[nodiscard]] bool blocks(std::uint32_t q, const std::array<glm::dvec2, 3>& ear, EarKind kind) const {
+    if (kind == EarKind::rough) return is_deep(places_[q], ear);
     std::array<int, 3> side{};  // of the edges from before to n, from n to after, and of that which cuts
     for (std::size_t i = 0; i < 3; ++i) {
       side[i] = mesh::turn_of(ear[i], ear[(i + 1) % 3], places_[q]);
@@ -281,14 +302,16 @@ class EarCutter {
   std::vector<NodeFacts> facts_;
   NodeGrid grid_;
   std::vector<std::uint32_t> folds_;  // where there may be some
+  double rounding_;
   std::size_t left_ = 0;
   std::size_t listed_ = 0;
 };
 
 }  // namespace
 
-bool cut_ears(std::span<const glm::dvec2> points, std::span<const PolygonNode> nodes, std::uint32_t first, Ears& ears) {
-  return EarCutter(points, nodes, first, ears).run();
+bool cut_ears(std::span<const glm::dvec2> points, std::span<const PolygonNode> nodes, std::uint32_t first, Ears& ears,
+              double rounding) {
+  return EarCutter(points, nodes, first, ears, rounding).run();
 }
 
 }  // namespace isoextract::edit

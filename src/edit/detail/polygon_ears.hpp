@@ -28,9 +28,10 @@ struct Ears {
   std::vector<HalfEdge> of_node;  // the half-edge from each node to its next
 };
 
-// Cuts the polygon that `first` is of into triangles, added to `ears`. False where none is left that has
+// Cuts the polygon that `first` is of into triangles, added to `ears`. `rounding` is how far points may be from
+// where they should be. False where none is left that has
 // three different points; then the polygon is not of one piece with an inside.
 [[nodiscard]] bool cut_ears(std::span<const glm::dvec2> points, std::span<const PolygonNode> nodes, std::uint32_t first,
-                            Ears& ears);
+                            Ears& ears, double rounding = 0);
 
 }  // namespace isoextract::edit

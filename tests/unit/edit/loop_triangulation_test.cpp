@@ -241,10 +241,10 @@ TEST(LoopTriangulation, WhatOverlapsIsClosedAndCounted) {
 TEST(LoopTriangulation, StaysWithinItsMemoryAndEndsWhereAsked) {
   PlanarLoops loops;
   loops.add_circle({0, 0}, 1, 500, false);
-  EXPECT_FALSE(triangulate_loops(loops.points, loops.next, {}, Context(MemoryBudget(1000))));
+  EXPECT_FALSE(triangulate_loops(loops.points, loops.next, {}, 0, Context(MemoryBudget(1000))));
   const Context context;
   context.cancel();
-  EXPECT_EQ(triangulate_loops(loops.points, loops.next, {}, context).error().kind, ErrorKind::cancelled);
+  EXPECT_EQ(triangulate_loops(loops.points, loops.next, {}, 0, context).error().kind, ErrorKind::cancelled);
 }
 
 }  // namespace
