@@ -49,7 +49,8 @@ Neighbours ends_of_edges(const mesh::Mesh& mesh, bool outgoing) {
 }
 
 // How a vertex may move, as bits.
-constexpr std::uint8_t kStays = 8;  // 1, 2 and 4: not across a side of the box along x, y, z
+constexpr std::uint8_t kStays = 8;   // 1, 2 and 4: not across a side of the box along x, y, z
+constexpr std::uint8_t kInCut = 16;  // stays, too
 
 class Signal {
  public:
@@ -66,7 +67,7 @@ class Signal {
 
   // The mean of the neighbours less the vertex, of places that are moved by `moves`; as far as the vertex may move.
   [[nodiscard]] glm::dvec3 laplacian(const Buffer<glm::vec3>& moves, std::size_t v) const {
-    if (bound_[v] == kStays) return glm::dvec3(0);
+    if (bound_[v] >= kStays) return glm::dvec3(0);
     const glm::dvec3 here = glm::dvec3(mesh_.positions[v]) + glm::dvec3(moves[v]);
     glm::dvec3 sum(0);
     const auto near = neighbours_.at(v);
@@ -93,7 +94,7 @@ class Signal {
     for_each_vertex(mesh_.positions.size(), [&](std::size_t v) {
       const glm::dvec3 p = mesh_.position(v);
       if (std::ranges::any_of(cuts, [&](const mesh::HalfSpace& cut) { return std::abs(cut.depth(p)) <= on_plane; })) {
-        bound_[v] = kStays;
+        if (bound_[v] != kStays) bound_[v] = kInCut;
       }
     });
   }

@@ -57,10 +57,10 @@ struct SmoothOptions {
 struct SmoothFacts {
   std::uint64_t vertices = 0;
   std::uint64_t border_vertices = 0;  // of open borders, which stay where they are
-  std::uint64_t wall_vertices = 0;
-  double greatest_move = 0;        // of a vertex, in the space of to_metric
-  double greatest_move_world = 0;  // and in the mesh's own
-  double volume_before = 0;        // of the mesh's coordinates; they mean something where it is closed
+  std::uint64_t wall_vertices = 0;    // on sides of the box and in the planes of cuts
+  double greatest_move = 0;           // of a vertex, in the space of to_metric
+  double greatest_move_world = 0;     // and in the mesh's own
+  double volume_before = 0;           // of the mesh's coordinates; they mean something where it is closed
   double volume_after = 0;
   StageTime time;
 };

@@ -187,10 +187,13 @@ Result<CutCap> close_cut(mesh::Mesh& mesh, const mesh::HalfSpace& kept, double o
     const auto b = point_at(edge.second);
     if (a && b) taken.emplace_back(std::minmax(*a, *b));
   }
-  // Of a cluster of vertices around a sample that is on the surface each may be moved on its own.
-  constexpr double kRoundings = 16;
-  merge_places(points, kRoundings * on_plane);
-  auto cap = triangulate_loops(points, *next, taken, kRoundings * on_plane, context);
+  auto cap = triangulate_loops(points, *next, taken, 0, context);
+  if (cap && cap->turned > 0) {
+    // Of a cluster of vertices around a sample that is on the surface each may have been moved on its own.
+    constexpr double kRoundings = 16;
+    merge_places(points, kRoundings * on_plane);
+    cap = triangulate_loops(points, *next, taken, kRoundings * on_plane, context);
+  }
   if (!cap) return tl::unexpected(std::move(cap.error()));
   if (auto done = append(edges.border, *cap, mesh, context); !done) return tl::unexpected(std::move(done.error()));
   return CutCap{cap->triangles.size(), cap->turned};
