@@ -154,15 +154,22 @@ class ArraysTest(ProgramTest):
         self.assertEqual(eighth.open_edges(), 0)
         self.assertAlmostEqual(volume(eighth), whole / 8, delta=1e-3 * whole)
 
-        # As it comes, with a normal on each side of the rim.
         run = self.convert(SPHERE, "--iso", "0", "--cap", "--clip", "0,0,1,0.1", "-o", "a.ply", "--report", "r.json")
         self.assertIn("closed by", run.err)
         self.convert("check", "a.ply", "--require", "printable")
-        mesh = read_ply((self.folder / "a.ply").read_bytes())
+        self.convert(SPHERE, "--iso", "0", "--cap", "--clip", "0,0,1,0.1", "--normals", "smooth", "-o", "n.ply")
+        mesh = read_ply((self.folder / "n.ply").read_bytes())
+        # Each vertex of the rim twice, with the normal of each side.
         flat = [n for v, n in zip(mesh.vertices, mesh.normals) if abs(v[2] - 0.1) < 1e-6]
+        self.assertGreater(len(flat), 20)
         self.assertEqual(sum(abs(n[2] + 1) < 1e-6 for n in flat) * 2, len(flat))
         self.convert("verify", SPHERE, "a.ply", "--iso", "0", "--clip", "0,0,1,0.1", "--cap")
         self.assertEqual(self.run_program("verify", SPHERE, "a.ply", "--iso", "0", "--clip", "0,0,1,0.1").code, 6)
+        # Nothing of the cap is measured, as nothing of it is on the isosurface.
+        self.convert(SPHERE, "--iso", "0", "--cap", "--clip", "0,0,1,0.1", "--error", "-o", "e.ply", "--report", "r.json")
+        error = json.loads((self.folder / "r.json").read_bytes())["meshes"][0]["error"]
+        self.assertGreater(error["cap_triangles"], 20)
+        self.assertLess(error["interior"]["max"]["voxels"], 0.2)
         smooth = self.mesh(SPHERE, "--iso", "0", "--cap", "--clip", "0,0,1,0.1", "--smooth", "10")
         self.assertAlmostEqual(min(z for _, _, z in smooth.vertices), 0.1, delta=1e-6)
         threads = [self.convert(SPHERE, "--iso", "0", "--cap", "--clip", "1,2,3,0.1", "--threads", n, "-o", f"{n}.ply")
