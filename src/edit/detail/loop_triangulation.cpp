@@ -50,7 +50,7 @@ class Triangulation {
     std::vector<bool> twice(twin_.size());
     for (HalfEdge h = 0; h < twin_.size(); ++h) {
       if (twin_[h] == kNoTwin || h > twin_[h]) continue;
-      const auto [first, last] = std::ranges::equal_range(edges, pair_of(start(h), end(h)));
+      const auto [first, last] = std::equal_range(edges.begin(), edges.end(), pair_of(start(h), end(h)));
       twice[h] = last - first > 1;
     }
     for (HalfEdge h = 0; h < twin_.size(); ++h) {
