@@ -49,12 +49,6 @@ convert::SurfaceOptions plan_surface(const SurfaceFlags& flags, const InputFlags
 }
 
 Result<void> plan_region(const SurfaceFlags& flags, convert::SourceOptions& source) {
-  if (flags.cap && !flags.clip.empty()) {
-    return refuse_usage(
-        "--cap does not go with --clip: it closes a surface along samples, and not at a plane through "
-        "its triangles",
-        "leave one of them out");
-  }
   source.roi = flags.roi;
   source.clip = flags.clip;
   return {};

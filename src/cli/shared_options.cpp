@@ -172,8 +172,8 @@ void declare_surface(const Group& group, SurfaceFlags& flags) {
   group.values(
       "--clip", "NX,NY,NZ,D", flags.clip, parse_clip_plane,
       "Keep of the surface what lies on the side of a plane that its normal N points to: NX x + NY y + NZ z >= "
-      "D, in the same coordinates. Triangles are cut, and the surface is open there. Several times for several "
-      "planes.");
+      "D, in the same coordinates. Triangles are cut, and the surface is open there, or closed with --cap. Several "
+      "times for several planes.");
   group.value("--resolution", "NX,NY,NZ", flags.resolution, parse_resolution,
               "Extract from a grid of so many samples over the same box, or one number for all axes: means of the "
               "input's samples along axes that get fewer, values between them along those that get more (default: the "
@@ -193,7 +193,7 @@ void declare_surface(const Group& group, SurfaceFlags& flags) {
                "times for several "
                "filters, one after the other. Needs the plug-in around OpenVDB.");
   declare_blur(group, flags);
-  group.flag("--cap", flags.cap, "Close the surface where it leaves the data or the --roi.");
+  group.flag("--cap", flags.cap, "Close the surface where it leaves the data or the --roi, and where --clip cuts it.");
   declare_nan(group, flags.nan);
 }
 

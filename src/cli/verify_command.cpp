@@ -144,7 +144,8 @@ Result<mesh::Mesh> extract_all(const VerifyPlan& plan, convert::Source& source, 
     source.face_outward(iso.value);
     auto extraction = extractor->extract(source.field, source.extract_options(plan.surface, iso.value), context);
     if (!extraction) return tl::unexpected(std::move(extraction.error()));
-    auto clipped = convert::clip_mesh(extraction->mesh, source.clip, source.label, context, events);
+    auto clipped = convert::clip_mesh(extraction->mesh, source.clip, convert::cut_ends(plan.surface), source.label,
+                                      context, events);
     if (!clipped) return tl::unexpected(std::move(clipped.error()));
     meshes.push_back(std::move(extraction->mesh));
   }

@@ -246,7 +246,7 @@ class Conversion {
     if (!extraction && gave_way(extraction.error())) extraction = extractor_->extract(source_.field, options, context_);
     if (!extraction) return tl::unexpected(std::move(extraction.error()));
     if (auto whole = volumes::check_not_lost(source_.field); !whole) return tl::unexpected(std::move(whole.error()));
-    open_ = may_be_open(extraction->stats, options) || !source_.clip.empty();
+    open_ = may_be_open(extraction->stats, options) || (!source_.clip.empty() && !options.cap);
     const AskedFor asked{.triangle_normals = are_of_triangles(job_.normals), .error = job_.error.has_value()};
     events_.extracted({iso, asked_iso.asked, extraction->mesh.triangles.size(), extraction->stats,
                        extraction_facts(extraction->stats, options, asked), watch.elapsed()});
@@ -259,7 +259,7 @@ class Conversion {
       events_.verified(*record);
       if (auto same = check_verification(source_.label, *record); !same) return tl::unexpected(std::move(same.error()));
     }
-    auto clipped = clip_mesh(extraction->mesh, source_.clip, source_.label, context_, events_);
+    auto clipped = clip_mesh(extraction->mesh, source_.clip, cut_ends(job_.surface), source_.label, context_, events_);
     if (!clipped) return tl::unexpected(std::move(clipped.error()));
     return std::move(extraction->mesh);
   }

@@ -1,8 +1,8 @@
 #include "convert/mesh_clip.hpp"
 
-#include <fmt/format.h>
+#include <utility>
 
-#include "edit/half_space_clip.hpp"
+#include <fmt/format.h>
 
 namespace isoextract::convert {
 
@@ -27,13 +27,24 @@ std::vector<mesh::HalfSpace> half_spaces_of(const field::ScalarField& field, con
   return kept;
 }
 
-Result<void> clip_mesh(mesh::Mesh& mesh, std::span<const mesh::HalfSpace> kept, const std::string& label,
-                       const Context& context, Events& events) {
+Result<void> clip_mesh(mesh::Mesh& mesh, std::span<const mesh::HalfSpace> kept, edit::CutEnds ends,
+                       const std::string& label, const Context& context, Events& events) {
   if (kept.empty()) return {};
-  const auto facts = edit::clip_to_half_spaces(mesh, kept, context);
-  if (!facts) return tl::unexpected(facts.error());
-  events.note(fmt::format("{}: {} of {} triangles are left, after {} were cut; the surface is open there", label,
-                          facts->triangles_after, facts->triangles_before, facts->triangles_cut));
+  const auto facts = edit::clip_to_half_spaces(mesh, kept, ends, context);
+  if (!facts) {
+    Error error = facts.error();
+    error.message = fmt::format("{}: {}", label, error.message);
+    return tl::unexpected(std::move(error));
+  }
+  events.note(fmt::format(
+      "{}: {} of {} triangles are left, after {} were cut; the surface is {} there", label, facts->triangles_after,
+      facts->triangles_before, facts->triangles_cut,
+      ends == edit::CutEnds::capped ? fmt::format("closed by {} triangles", facts->cap_triangles) : "open"));
+  if (facts->caps_overlap > 0) {
+    events.note(
+        fmt::format("{}: {} triangles of the cut overlap others, as the surface passes through or touches itself there",
+                    label, facts->caps_overlap));
+  }
   return {};
 }
 

@@ -11,6 +11,7 @@
 #include "base/error.hpp"
 #include "convert/conversion_job.hpp"
 #include "convert/events.hpp"
+#include "edit/half_space_clip.hpp"
 #include "mesh/half_space.hpp"
 #include "mesh/mesh.hpp"
 
@@ -22,8 +23,13 @@ namespace isoextract::convert {
                                                           const std::vector<ClipPlane>& planes,
                                                           const std::optional<field::Box>& box);
 
-// Keeps what lies in all of them, and tells how much that is. Nothing happens where there are none.
-[[nodiscard]] Result<void> clip_mesh(mesh::Mesh& mesh, std::span<const mesh::HalfSpace> kept, const std::string& label,
-                                     const Context& context, Events& events);
+[[nodiscard]] inline edit::CutEnds cut_ends(const SurfaceOptions& surface) {
+  return surface.cap ? edit::CutEnds::capped : edit::CutEnds::open;
+}
+
+// Keeps what lies in all of them, closed there if `ends` says so, and tells how much that is. Nothing happens where
+// there are none.
+[[nodiscard]] Result<void> clip_mesh(mesh::Mesh& mesh, std::span<const mesh::HalfSpace> kept, edit::CutEnds ends,
+                                     const std::string& label, const Context& context, Events& events);
 
 }  // namespace isoextract::convert

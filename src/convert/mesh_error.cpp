@@ -69,12 +69,13 @@ Result<MeshError> measure_mesh_error(const mesh::Mesh& mesh, const field::Scalar
   measure::FieldErrorOptions options;
   options.interpolation = interpolation;
   options.grid = grid;
+  if (extracted.cap) options.cuts = clipped;
   options.vertices_on_edges = extract::method_info(extracted.method).traits.vertices_on_edges;
   if (moved) options.vertices_on_edges = false;
   if (grid != nullptr) options.reach = reach_from(*grid);
   if (moved) options.reach = std::max(options.reach, kReachOfMoved);
   error.field = measure::measure_field_error(mesh, field, extracted, options, context);
-  error.analytic = measure::measure_analytic_error(mesh, field, extracted, grid, context);
+  error.analytic = measure::measure_analytic_error(mesh, field, extracted, grid, options.cuts, context);
   if (error.analytic && !extracted.region && field.kind == field::FieldKind::density) {
     const double unit = error.analytic->unit;
     error.exact = field::find_analytic_field(field.name)->size(extracted.iso);

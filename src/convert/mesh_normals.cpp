@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <utility>
 #include <variant>
 
@@ -31,11 +32,14 @@ std::optional<field::IndexBox> capped_box(const field::ScalarField& field, const
   return field::IndexBox{glm::max(all.min, extracted.region->min), glm::min(all.max, extracted.region->max)};
 }
 
-// The faces of the capped box by number, from 1 on: in which of them a triangle lies with all its corners, 0 for none.
+// The faces of the capped box by number, from 1 on, and then the planes of capped cuts: in which of them a triangle
+// lies with all its corners, 0 for none.
 class CapFaces {
  public:
-  CapFaces(const mesh::Mesh& mesh, const field::Affine& output_from_index, const field::IndexBox& box)
+  CapFaces(const mesh::Mesh& mesh, const field::Affine& output_from_index, const std::optional<field::IndexBox>& box,
+           std::span<const mesh::HalfSpace> cuts)
       : mesh_(mesh),
+        cuts_(cuts),
         index_from_local_(glm::inverse(output_from_index.linear)),
         offset_(index_from_local_ * (mesh.origin - output_from_index.offset)),
         box_(box) {
@@ -55,31 +59,46 @@ class CapFaces {
       const glm::dvec3 row(index_from_local_[0][axis], index_from_local_[1][axis], index_from_local_[2][axis]);
       tolerance_[axis] = kRoundings * static_cast<double>(farthest) * glm::length(row) + 1e-9;
     }
+    cut_tolerance_ = 4 * kRoundings * static_cast<double>(farthest);
   }
 
   [[nodiscard]] std::uint8_t operator()(const glm::uvec3& triangle) const {
-    unsigned on = 0x3F;  // a bit a face
+    unsigned on = box_ ? 0x3F : 0;  // a bit a face
     for (int corner = 0; corner < 3 && on != 0; ++corner) {
       on &= faces_at(offset_ + index_from_local_ * glm::dvec3(mesh_.positions[triangle[corner]]));
     }
-    return on == 0 ? std::uint8_t{0} : static_cast<std::uint8_t>(1 + std::countr_zero(on));
+    return on == 0 ? cut_of(triangle) : static_cast<std::uint8_t>(1 + std::countr_zero(on));
   }
 
  private:
+  // The last number stands for all further planes.
+  [[nodiscard]] std::uint8_t cut_of(const glm::uvec3& triangle) const {
+    for (std::size_t cut = 0; cut < cuts_.size(); ++cut) {
+      bool in = true;
+      for (int corner = 0; corner < 3 && in; ++corner) {
+        in = std::abs(cuts_[cut].depth(mesh_.position(triangle[corner]))) <= cut_tolerance_;
+      }
+      if (in) return static_cast<std::uint8_t>(std::min<std::size_t>(7 + cut, 255));
+    }
+    return 0;
+  }
+
   [[nodiscard]] unsigned faces_at(const glm::dvec3& index) const {
     unsigned faces = 0;
     for (int axis = 0; axis < 3; ++axis) {
-      if (std::abs(index[axis] - box_.min[axis]) <= tolerance_[axis]) faces |= 1U << (2 * axis);
-      if (std::abs(index[axis] - box_.max[axis]) <= tolerance_[axis]) faces |= 2U << (2 * axis);
+      if (std::abs(index[axis] - box_->min[axis]) <= tolerance_[axis]) faces |= 1U << (2 * axis);
+      if (std::abs(index[axis] - box_->max[axis]) <= tolerance_[axis]) faces |= 2U << (2 * axis);
     }
     return faces;
   }
 
   const mesh::Mesh& mesh_;
+  std::span<const mesh::HalfSpace> cuts_;
   glm::dmat3 index_from_local_;
   glm::dvec3 offset_;
-  field::IndexBox box_;
+  std::optional<field::IndexBox> box_;
   glm::dvec3 tolerance_{0.0};  // voxels
+  double cut_tolerance_ = 0;   // of the mesh's coordinates: twice that of the cut, as other planes may cut a cap again
 };
 
 }  // namespace
@@ -90,18 +109,21 @@ Result<void> fit_normals(mesh::Mesh& mesh, const ConversionJob& job, const Sourc
                          const Context& context, Events& events) {
   if (!has_vertex_normals(job) || mesh.triangles.empty()) return {};
   const auto box = capped_box(source.field, source.extract_options(job.surface, iso));
-  if (job.normals == Normals::smooth && !job.simplify && !box) return {};
+  const std::span<const mesh::HalfSpace> cuts =
+      job.surface.cap ? std::span<const mesh::HalfSpace>(source.clip) : std::span<const mesh::HalfSpace>();
+  const bool has_caps = box || !cuts.empty();
+  if (job.normals == Normals::smooth && !job.simplify && !has_caps) return {};
   const Stopwatch watch;
   context.progress().begin("normals", 0);
   mesh::ShadingOptions options;
   options.may_copy = copies_vertices(job);
   if (job.simplify) options.crease_degrees = kCreaseDegrees;
-  const std::size_t triangles = box ? mesh.triangles.size() : 0;
+  const std::size_t triangles = has_caps ? mesh.triangles.size() : 0;
   const auto memory = context.reserve(triangles, source.label + ": normals");
   if (!memory) return tl::unexpected(memory.error());
   Buffer<std::uint8_t> planes(triangles);
-  if (box) {
-    const CapFaces face_of(mesh, source.output_from_index, *box);
+  if (has_caps) {
+    const CapFaces face_of(mesh, source.output_from_index, box, cuts);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles, 1 << 12), [&](const auto& part) {
       for (std::size_t t = part.begin(); t != part.end(); ++t) planes[t] = face_of(mesh.triangles[t]);
     });

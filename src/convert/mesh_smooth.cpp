@@ -21,13 +21,14 @@ Json json_of(const SmoothRecord& record) {
 
 Result<SmoothRecord> smooth_mesh(mesh::Mesh& mesh, double iso, const SmoothChoice& choice,
                                  const field::Affine& output_from_index, const std::optional<field::IndexBox>& data,
-                                 const Context& context) {
+                                 std::span<const mesh::HalfSpace> cuts, const Context& context) {
   edit::SmoothOptions options;
   options.method = choice.method;
   options.passes = choice.passes;
   options.pass_band = choice.pass_band;
   const field::Affine index_from_output = output_from_index.inverse();
   options.to_metric = index_from_output.linear;
+  options.cuts = cuts;
   if (data) {
     options.walls = edit::SmoothWalls{index_from_output.linear, index_from_output.offset, glm::dvec3(data->min),
                                       glm::dvec3(data->max)};

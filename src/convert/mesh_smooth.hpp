@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 
 #include "base/context.hpp"
 #include "base/error.hpp"
@@ -25,9 +26,10 @@ struct SmoothRecord {
 [[nodiscard]] Json json_of(const SmoothRecord& record);
 
 // `mesh` was placed by `output_from_index`. Where it was capped, `data` are the samples it was made of: its caps lie on
-// the sides of that box, and stay there. Fails as edit::smooth() does.
+// the sides of that box, and stay there; so do those of `cuts`. Fails as edit::smooth() does.
 [[nodiscard]] Result<SmoothRecord> smooth_mesh(mesh::Mesh& mesh, double iso, const SmoothChoice& choice,
                                                const field::Affine& output_from_index,
-                                               const std::optional<field::IndexBox>& data, const Context& context);
+                                               const std::optional<field::IndexBox>& data,
+                                               std::span<const mesh::HalfSpace> cuts, const Context& context);
 
 }  // namespace isoextract::convert

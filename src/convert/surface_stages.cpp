@@ -1,5 +1,6 @@
 #include "convert/surface_stages.hpp"
 
+#include <span>
 #include <string>
 #include <utility>
 
@@ -63,8 +64,8 @@ class SurfaceStages {
 
   Result<void> smooth(Surface& surface) {
     if (!job_.smooth || surface.mesh.triangles.empty()) return {};
-    auto record =
-        smooth_mesh(surface.mesh, surface.iso, *job_.smooth, source_.output_from_index, capped_box(), context_);
+    auto record = smooth_mesh(surface.mesh, surface.iso, *job_.smooth, source_.output_from_index, capped_box(),
+                              capped_cuts(), context_);
     if (!record) return tl::unexpected(std::move(record.error()));
     events_.smoothed(*record);
     return {};
@@ -129,6 +130,11 @@ class SurfaceStages {
     if (source_.region) return source_.region;
     if (std::holds_alternative<field::SparseSamples>(source_.field.samples)) return std::nullopt;
     return source_.field.extents();
+  }
+
+  [[nodiscard]] std::span<const mesh::HalfSpace> capped_cuts() const {
+    if (!job_.surface.cap) return {};
+    return source_.clip;
   }
 
   const ConversionJob& job_;

@@ -42,18 +42,25 @@ class Simplifier {
     if (!(enough > 0) || left_ <= options_.triangles) return original();
     auto collapsed = options_.triangles > 0 ? to_count(enough) : within(enough);
     if (!collapsed) return tl::unexpected(std::move(collapsed.error()));
-    const auto proof = std::isfinite(enough) ? prove_distance(state_, logs_, proof_options(enough), context_)
-                                             : measure_distance(state_, context_);
-    if (!proof) return tl::unexpected(proof.error());
-    facts_.taken_back += proof->undone;
-    facts_.passes = proof->passes;
-    facts_.measured_lower = proof->lower;
-    facts_.measured_upper = proof->upper;
+    facts_.measured_upper = std::numeric_limits<double>::infinity();
+    if (std::isfinite(enough)) {
+      if (auto proven = look(prove_distance(state_, logs_, proof_options(enough), context_)); !proven) {
+        return tl::unexpected(std::move(proven.error()));
+      }
+    }
+    if (options_.triangles > 0) {
+      if (auto measured = look(measure_distance(state_, context_)); !measured) {
+        return tl::unexpected(std::move(measured.error()));
+      }
+    }
     Triangles triangles;
     for (std::size_t t = 0; t < state_.corners.size(); ++t) {
       if (state_.gone[t] == 0) triangles.push_back(state_.corners[t]);
     }
-    if (triangles.size() < mesh_.triangles.size()) facts_.measured_upper += slack_;
+    if (triangles.size() < mesh_.triangles.size()) {
+      facts_.measured_upper += slack_;
+      facts_.measured_lower = std::max(0.0, facts_.measured_lower - slack_);
+    }
     if (facts_.measured_upper > options_.max_distance) {  // rounding is to blame
       facts_.measured_lower = facts_.measured_upper = 0;
       return original();
@@ -63,6 +70,16 @@ class Simplifier {
 
  private:
   [[nodiscard]] Triangles original() const { return {mesh_.triangles.begin(), mesh_.triangles.end()}; }
+
+  // What is known of the distance, in all.
+  Result<void> look(const Result<Proof>& proof) {
+    if (!proof) return tl::unexpected(proof.error());
+    facts_.taken_back += proof->undone;
+    facts_.passes += proof->passes;
+    facts_.measured_lower = std::max(facts_.measured_lower, proof->lower);
+    facts_.measured_upper = std::min(facts_.measured_upper, proof->upper);
+    return {};
+  }
 
   // Positions in the space of to_metric. Without a map they are the mesh's own; with one, rounding moves them.
   std::vector<glm::vec3> place_vertices() {
@@ -121,21 +138,34 @@ class Simplifier {
     constexpr double kAlmost = 1.5;
     constexpr std::size_t kFew = 8;
     const auto target = static_cast<double>(options_.triangles);
+    constexpr double kLeastGrowth = 1.2;  // where topology lets little go, too, there are few patches soon
+    const double farthest = std::min(enough, extent());
     double distance = kFirst * options_.patch_size;
     double size = options_.patch_size;
     std::size_t patches = kFew + 1;
     context_.progress().begin("simplifying", left_ - options_.triangles);
-    while (patches > kFew && static_cast<double>(left_) > kAlmost * target && distance < enough) {
+    while (patches > kFew && static_cast<double>(left_) > kAlmost * target && distance < farthest) {
       const auto before = static_cast<double>(left_);
       std::fill(wanted_.begin(), wanted_.end(), 1);
       auto done = round(size, {distance, enough, 0}, {.least_part = target / before});
       if (!done) return tl::unexpected(std::move(done.error()));
       patches = *done;
       distance *= kSteps;
-      size *= std::sqrt(before / static_cast<double>(left_));  // as many triangles a patch
+      size *= std::max(std::sqrt(before / static_cast<double>(left_)), kLeastGrowth);  // as many triangles a patch
     }
     if (auto done = cheapest(enough); !done) return done;
     return replace_worst(enough);
+  }
+
+  // The longest side of the box of all vertices.
+  [[nodiscard]] double extent() const {
+    glm::vec3 low = state_.positions.front();
+    glm::vec3 high = low;
+    for (const glm::vec3& p : state_.positions) {
+      low = glm::min(low, p);
+      high = glm::max(high, p);
+    }
+    return std::max({high.x - low.x, high.y - low.y, high.z - low.z});
   }
 
   // As one patch, to the number of triangles.
@@ -159,12 +189,15 @@ class Simplifier {
       if (!proof) return tl::unexpected(proof.error());
       if (proof->undone == 0) break;
       facts_.taken_back += proof->undone;
+      ++facts_.passes;
+      drop_samples_that_are_back(state_);
       for (const std::uint32_t vertex : proof->refused) refused_[vertex] = 1;
       left_ = static_cast<std::size_t>(std::count(state_.gone.begin(), state_.gone.end(), 0));
       context_.progress().begin("simplifying", left_ - options_.triangles);
       if (auto done = cheapest(enough); !done) return done;
     }
-    return {};
+    refused_.clear();
+    return left_ > options_.triangles ? cheapest(enough) : Result<void>();
   }
 
   [[nodiscard]] ProofOptions proof_options(double distance) const {
@@ -189,6 +222,10 @@ class Simplifier {
   Result<std::size_t> round(double size, const CollapseLimits& limits, const Share& share) {
     if (auto going_on = context_.check(); !going_on) return tl::unexpected(std::move(going_on.error()));
     std::vector<Place> places = split(size);
+    if (numbers_ + places.size() >= kNone) {
+      return fail(ErrorKind::input,
+                  mesh_.name + ": simplifying it takes more rounds than collapses can be numbered in");
+    }
     std::vector<std::size_t> first;  // of each patch, and where they end
     for (std::size_t i = 0; i < places.size(); ++i) {
       if (i == 0 || places[i].cell != places[i - 1].cell) first.push_back(i);
@@ -356,11 +393,11 @@ void set_triangles(mesh::Mesh& mesh, const Triangles& triangles) {
 std::uint64_t working_bytes(const mesh::Mesh& mesh, const SimplifyOptions& options) {
   constexpr std::uint64_t kLog = sizeof(Collapse) + 6 * sizeof(CollapseLog::Record);
   constexpr std::uint64_t kPlaces = 3 * sizeof(std::uint64_t) + sizeof(std::uint32_t) + 1;
-  constexpr std::uint64_t kPatch = 2 * 16 + sizeof(glm::uvec3) + 3 * sizeof(std::uint32_t) + 1;
+  constexpr std::uint64_t kPatch = 4 * 16 + sizeof(glm::uvec3) + 3 * sizeof(std::uint32_t) + 1;
   constexpr std::uint64_t kPatchVertex = sizeof(glm::dvec3) + 12 * sizeof(double) + 5 * sizeof(std::uint32_t) + 24;
-  const bool bounded = std::isfinite(options.max_distance);
+  const bool counted = options.triangles > 0;
   const std::uint64_t triangle = CollapseState::kTriangleBytes + kLog + sizeof(glm::uvec3) +
-                                 std::max({kPlaces + kPatch, kProofTriangleBytes, bounded ? 0 : kMeasureTriangleBytes});
+                                 std::max({kPlaces + kPatch, kProofTriangleBytes, counted ? kMeasureTriangleBytes : 0});
   const std::uint64_t trees = 2 * mesh::TriangleTree::bytes(mesh.triangles.size());
   constexpr std::uint64_t kVertex = CollapseState::kVertexBytes + sizeof(glm::vec3) + 2 * sizeof(std::uint32_t) + 5 +
                                     std::max(kPatchVertex, kMeasureVertexBytes);

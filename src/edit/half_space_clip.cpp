@@ -11,6 +11,8 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include "edit/detail/cut_cap.hpp"
+
 namespace isoextract::edit {
 namespace {
 
@@ -21,16 +23,17 @@ std::uint64_t key_of(std::uint32_t a, std::uint32_t b) { return std::uint64_t{st
 
 class PlaneCut {
  public:
-  PlaneCut(const mesh::Mesh& mesh, const mesh::HalfSpace& kept) : mesh_(mesh), depth_(mesh.positions.size()) {
+  PlaneCut(const mesh::Mesh& mesh, const mesh::HalfSpace& kept, CutEnds ends)
+      : mesh_(mesh), kept_side_(kept), ends_(ends), depth_(mesh.positions.size()) {
     glm::vec3 farthest(0);
     for (const glm::vec3& p : mesh.positions) farthest = glm::max(farthest, glm::abs(p));
     constexpr double kRoundings = 4;
-    const double on_plane = kRoundings * std::numeric_limits<float>::epsilon() *
-                            static_cast<double>(std::max({farthest.x, farthest.y, farthest.z}));
+    on_plane_ = kRoundings * std::numeric_limits<float>::epsilon() *
+                static_cast<double>(std::max({farthest.x, farthest.y, farthest.z}));
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, depth_.size(), 4096), [&](const auto& range) {
       for (std::size_t v = range.begin(); v < range.end(); ++v) {
         const double depth = kept.depth(mesh.position(v));
-        depth_[v] = std::abs(depth) <= on_plane ? 0 : depth;
+        depth_[v] = std::abs(depth) <= on_plane_ ? 0 : depth;
       }
     });
   }
@@ -69,6 +72,8 @@ class PlaneCut {
   }
 
   [[nodiscard]] std::uint64_t cut() const { return cut_; }
+  // Vertices within this are on the plane, those among them that are made.
+  [[nodiscard]] double on_plane() const { return on_plane_; }
   [[nodiscard]] std::uint64_t result_bytes() const {
     const std::uint64_t vertex = sizeof(glm::vec3) * (mesh_.normals.empty() ? 1 : 2);
     return (kept_ + edges_.size()) * vertex + triangles_ * sizeof(glm::uvec3);
@@ -110,6 +115,7 @@ class PlaneCut {
     const glm::dvec3 depth(depth_[t.x], depth_[t.y], depth_[t.z]);
     const bool out = depth.x < 0 || depth.y < 0 || depth.z < 0;
     if (out && !(depth.x > 0 || depth.y > 0 || depth.z > 0)) return polygon;
+    if (ends_ == CutEnds::capped && depth == glm::dvec3(0) && !faces_out(t)) return polygon;
     polygon.cut = out;
     for (int i = 0; i < 3; ++i) {
       const int next = i == 2 ? 0 : i + 1;
@@ -119,6 +125,13 @@ class PlaneCut {
       }
     }
     return polygon;
+  }
+
+  // Of a triangle in the plane, whether what it bounds is on the kept side.
+  [[nodiscard]] bool faces_out(const glm::uvec3& t) const {
+    const glm::dvec3 a(mesh_.positions[t.x]);
+    const glm::dvec3 across = glm::cross(glm::dvec3(mesh_.positions[t.y]) - a, glm::dvec3(mesh_.positions[t.z]) - a);
+    return glm::dot(across, kept_side_.normal) < 0;
   }
 
   [[nodiscard]] std::uint32_t number_of(const Corner& corner) const {
@@ -158,6 +171,9 @@ class PlaneCut {
   }
 
   const mesh::Mesh& mesh_;
+  const mesh::HalfSpace& kept_side_;
+  CutEnds ends_;
+  double on_plane_ = 0;
   std::vector<double> depth_;
   std::vector<std::uint32_t> new_of_old_;
   std::vector<std::uint64_t> edges_;  // that are cut, sorted
@@ -168,15 +184,16 @@ class PlaneCut {
 
 }  // namespace
 
-Result<ClipFacts> clip_to_half_spaces(mesh::Mesh& mesh, std::span<const mesh::HalfSpace> kept, const Context& context) {
-  ClipFacts facts{mesh.triangles.size(), 0, 0};
+Result<ClipFacts> clip_to_half_spaces(mesh::Mesh& mesh, std::span<const mesh::HalfSpace> kept, CutEnds ends,
+                                      const Context& context) {
+  ClipFacts facts{mesh.triangles.size(), 0, 0, 0, 0};
   context.progress().begin("cutting the mesh", kept.size());
   for (const mesh::HalfSpace& half_space : kept) {
     if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
     const std::string what = "cutting the mesh at a plane";
     const auto working = context.reserve(PlaneCut::bytes(mesh), what);
     if (!working) return tl::unexpected(working.error());
-    PlaneCut cut(mesh, half_space);
+    PlaneCut cut(mesh, half_space, ends);
     if (cut.cuts()) {
       cut.plan();
       auto memory = context.reserve(cut.result_bytes(), what);
@@ -184,7 +201,14 @@ Result<ClipFacts> clip_to_half_spaces(mesh::Mesh& mesh, std::span<const mesh::Ha
       facts.triangles_cut += cut.cut();
       mesh::Mesh result = cut.make();
       result.memory = std::move(*memory);
+      const double on_plane = cut.on_plane();
       mesh = std::move(result);
+      if (ends == CutEnds::capped) {
+        const auto cap = close_cut(mesh, half_space, on_plane, context);
+        if (!cap) return tl::unexpected(cap.error());
+        facts.cap_triangles += cap->triangles;
+        facts.caps_overlap += cap->turned;
+      }
     }
     context.progress().advance(1);
   }

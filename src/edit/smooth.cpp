@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <new>
 #include <numbers>
 #include <string>
@@ -48,7 +49,8 @@ Neighbours ends_of_edges(const mesh::Mesh& mesh, bool outgoing) {
 }
 
 // How a vertex may move, as bits.
-constexpr std::uint8_t kStays = 8;  // 1, 2 and 4: not across a side of the box along x, y, z
+constexpr std::uint8_t kStays = 8;   // 1, 2 and 4: not across a side of the box along x, y, z
+constexpr std::uint8_t kInCut = 16;  // stays, too
 
 class Signal {
  public:
@@ -60,11 +62,12 @@ class Signal {
       const auto out = neighbours_.at(v);
       bound_[v] = out.empty() || !std::ranges::equal(out, incoming.at(v)) ? kStays : sides_of(v);
     });
+    keep_cuts(options.cuts);
   }
 
   // The mean of the neighbours less the vertex, of places that are moved by `moves`; as far as the vertex may move.
   [[nodiscard]] glm::dvec3 laplacian(const Buffer<glm::vec3>& moves, std::size_t v) const {
-    if (bound_[v] == kStays) return glm::dvec3(0);
+    if (bound_[v] >= kStays) return glm::dvec3(0);
     const glm::dvec3 here = glm::dvec3(mesh_.positions[v]) + glm::dvec3(moves[v]);
     glm::dvec3 sum(0);
     const auto near = neighbours_.at(v);
@@ -81,6 +84,21 @@ class Signal {
   [[nodiscard]] std::uint8_t bound(std::size_t v) const { return bound_[v]; }
 
  private:
+  void keep_cuts(std::span<const mesh::HalfSpace> cuts) {
+    if (cuts.empty()) return;
+    float farthest = 0;
+    for (const glm::vec3& p : mesh_.positions)
+      farthest = std::max({farthest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+    // Twice what cutting takes as on the plane.
+    const double on_plane = 8 * std::numeric_limits<float>::epsilon() * static_cast<double>(farthest);
+    for_each_vertex(mesh_.positions.size(), [&](std::size_t v) {
+      const glm::dvec3 p = mesh_.position(v);
+      if (std::ranges::any_of(cuts, [&](const mesh::HalfSpace& cut) { return std::abs(cut.depth(p)) <= on_plane; })) {
+        if (bound_[v] != kStays) bound_[v] = kInCut;
+      }
+    });
+  }
+
   [[nodiscard]] std::uint8_t sides_of(std::size_t v) const {
     if (!walls_) return 0;
     constexpr double kNear = 1e-4;

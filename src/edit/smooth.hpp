@@ -14,6 +14,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 
 #include <glm/glm.hpp>
 
@@ -21,6 +22,7 @@
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
 #include "base/words.hpp"
+#include "mesh/half_space.hpp"
 #include "mesh/mesh.hpp"
 
 namespace isoextract::edit {
@@ -46,6 +48,8 @@ struct SmoothOptions {
   double pass_band = 0.1;     // above 0, below 1
   // Vertices on a side of the box stay on it: caps stay flat.
   std::optional<SmoothWalls> walls;
+  // Vertices in their planes stay where they are: the caps of cuts, and what they were cut along.
+  std::span<const mesh::HalfSpace> cuts;
   // From the mesh's coordinates to the space in which the greatest displacement is told.
   glm::dmat3 to_metric{1.0};
 };
@@ -53,10 +57,10 @@ struct SmoothOptions {
 struct SmoothFacts {
   std::uint64_t vertices = 0;
   std::uint64_t border_vertices = 0;  // of open borders, which stay where they are
-  std::uint64_t wall_vertices = 0;
-  double greatest_move = 0;        // of a vertex, in the space of to_metric
-  double greatest_move_world = 0;  // and in the mesh's own
-  double volume_before = 0;        // of the mesh's coordinates; they mean something where it is closed
+  std::uint64_t wall_vertices = 0;    // on sides of the box and in the planes of cuts
+  double greatest_move = 0;           // of a vertex, in the space of to_metric
+  double greatest_move_world = 0;     // and in the mesh's own
+  double volume_before = 0;           // of the mesh's coordinates; they mean something where it is closed
   double volume_after = 0;
   StageTime time;
 };

@@ -204,10 +204,12 @@ class AnalyticMeasurement {
 
 std::optional<AnalyticError> measure_analytic_error(const mesh::Mesh& mesh, const field::ScalarField& field,
                                                     const extract::ExtractOptions& extracted,
-                                                    const field::ScalarField* grid, const Context& context) {
+                                                    const field::ScalarField* grid,
+                                                    std::span<const mesh::HalfSpace> cuts, const Context& context) {
   const field::AnalyticField* formula = field::formula_of(field);
   if (formula == nullptr) return std::nullopt;
-  const IndexMesh placed(mesh, field, extracted, grid);
+  IndexMesh placed(mesh, field, extracted, grid);
+  placed.add_capped_cuts(cuts);
   if (!is_similarity(placed.output_from_index().linear)) return std::nullopt;
   return AnalyticMeasurement(mesh, placed, field, extracted, *formula, context).run();
 }

@@ -380,7 +380,8 @@ Result<BenchResult> bench_demo(std::string_view name, const std::vector<int>& si
     const auto field = field::make_demo_field(fmt::format("{}?size={}", result.input, size), context);
     if (!field) return tl::unexpected(field.error());
     const Judge judge = [&](const Specimen& specimen, std::size_t /*number*/, BenchErrors& errors) {
-      const auto error = measure_analytic_error(specimen.mesh, specimen.field, specimen.extracted, nullptr, context);
+      const auto error =
+          measure_analytic_error(specimen.mesh, specimen.field, specimen.extracted, nullptr, {}, context);
       if (!error) return;
       errors.position = error->interior;
       if (specimen.extracted.smooth_normals) errors.smooth_normals = error->smooth_normals;

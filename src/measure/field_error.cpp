@@ -184,7 +184,9 @@ class FieldMeasurement {
         context_(context),
         chosen_(field, options.interpolation),
         trilinear_(field, field::Interpolation::trilinear),
-        placed_(mesh, field, extracted, options.grid) {}
+        placed_(mesh, field, extracted, options.grid) {
+    placed_.add_capped_cuts(options.cuts);
+  }
 
   FieldError run() {
     FieldError result;

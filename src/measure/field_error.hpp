@@ -10,18 +10,22 @@
 // is none, or samples are not finite, there is no distance; such points are counted, not left out in silence.
 #pragma once
 
+#include <span>
+
 #include "base/context.hpp"
 #include "extract/extractor.hpp"
 #include "field/interpolant.hpp"
 #include "measure/error_statistics.hpp"
+#include "mesh/half_space.hpp"
 
 namespace isoextract::measure {
 
 struct FieldErrorOptions {
   field::Interpolation interpolation = field::Interpolation::trilinear;  // whose isosurface is the truth
   double reach = 1;                                                      // voxels of the field
-  const field::ScalarField* grid = nullptr;  // that the mesh was extracted from, if resample() made it of the field
-  bool vertices_on_edges = true;             // MethodTraits::vertices_on_edges: else there is no `storage` error
+  const field::ScalarField* grid = nullptr;    // that the mesh was extracted from, if resample() made it of the field
+  bool vertices_on_edges = true;               // MethodTraits::vertices_on_edges: else there is no `storage` error
+  std::span<const mesh::HalfSpace> cuts = {};  // that are capped: triangles in their planes are caps, too
 };
 
 struct FieldError {
@@ -36,7 +40,7 @@ struct FieldError {
   // not on edges.
   ErrorStatistics storage;
 
-  std::uint64_t cap_triangles = 0;  // not measured: they lie in the border of the data, not on the isosurface
+  std::uint64_t cap_triangles = 0;  // not measured: they lie in the border of the data or a cut, not on the isosurface
 };
 
 // Of methods that follow the interpolant (MethodTraits). `extracted` is how `mesh` was extracted, from `field` or from

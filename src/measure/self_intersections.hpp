@@ -1,5 +1,5 @@
 // Where a mesh passes through itself: every two triangles that have a point in common which is no corner or side that
-// they share. Exact (detail/exact_sign), for all finite float32 coordinates.
+// they share. Exact (mesh/exact_sign), for all finite float32 coordinates.
 //
 // Triangles are taken with their border: those that touch meet. What two share is told by coordinates, not by indices,
 // so that seams of doubled vertices are no intersections. Triangles without area are left out, and so is a pair with

@@ -10,9 +10,9 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
-#include "measure/detail/exact_sign.hpp"
 #include "measure/detail/triangle_boxes.hpp"
 #include "mesh/adjacency.hpp"
+#include "mesh/exact_sign.hpp"
 
 namespace isoextract::measure {
 namespace {
@@ -67,7 +67,7 @@ std::vector<Component> measure_components(const mesh::Mesh& mesh, const mesh::Co
 // Whether the ray from p along x passes the triangle a, b, c. Where it meets a side or a corner, that belongs to one of
 // the triangles that share it: points on a line count as right of it, and z as a little more than it is.
 bool is_passed(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& p) {
-  const glm::dvec2 at = along_axis(p, 0);
+  const glm::dvec2 at = mesh::along_axis(p, 0);
   int winding = 0;
   const auto add_side = [&](const glm::dvec3& from, const glm::dvec3& to) {
     const bool rises = from.z <= p.z && to.z > p.z;
@@ -75,12 +75,12 @@ bool is_passed(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, co
     if (!rises && !falls) return;
     const glm::dvec3& low = rises ? from : to;
     const glm::dvec3& high = rises ? to : from;
-    if (turn_of(along_axis(low, 0), along_axis(high, 0), at) > 0) winding += rises ? 1 : -1;
+    if (mesh::turn_of(mesh::along_axis(low, 0), mesh::along_axis(high, 0), at) > 0) winding += rises ? 1 : -1;
   };
   add_side(a, b);
   add_side(b, c);
   add_side(c, a);
-  return winding != 0 && side_of_plane(a, b, c, p) == -winding;
+  return winding != 0 && mesh::side_of_plane(a, b, c, p) == -winding;
 }
 
 class ShellNesting {

@@ -133,9 +133,58 @@ class ArraysTest(ProgramTest):
         self.convert(SPHERE, "--iso", "0", "--clip", "0,0,1,0.1", "-o", "a.glb")
         self.convert("verify", SPHERE, "a.glb", "--iso", "0", "--clip", "0,0,1,0.1")
         self.assertEqual(self.run_program("verify", SPHERE, "a.glb", "--iso", "0").code, 6)
-        self.assert_fails(1, self.run_program(SPHERE, "--iso", "0", "--clip", "0,0,1,0", "--cap"), "--cap does not go")
         self.assert_fails(1, self.run_program(SPHERE, "--iso", "0", "--clip", "0,0,0,1"), "--clip: expected a normal")
         self.assert_fails(2, self.run_program(SPHERE, "--iso", "0", "--clip", "0,0,1,9"), "no surface at iso 0")
+
+    def test_a_cap_closes_what_planes_cut(self):
+        def volume(mesh):
+            def of(t):
+                a, b, c = (mesh.vertices[i] for i in t)
+                return sum(a[i] * (b[i - 2] * c[i - 1] - b[i - 1] * c[i - 2]) for i in range(3)) / 6
+            return sum(of(t) for t in mesh.triangles)
+
+        whole = volume(self.mesh(SPHERE, "--iso", "0", "--normals", "flat"))
+        plane = ("--normals", "flat", "--cap", "--clip")
+        parts = [self.mesh(SPHERE, "--iso", "0", *plane, "0.3,0.2,1,0.1"),
+                 self.mesh(SPHERE, "--iso", "0", *plane, "-0.3,-0.2,-1,-0.1")]
+        for part in parts:
+            self.assertEqual(part.open_edges(), 0)
+        self.assertAlmostEqual(sum(map(volume, parts)), whole, delta=1e-6)
+        eighth = self.mesh(SPHERE, "--iso", "0", *plane, "1,0,0,0", "--clip", "0,1,0,0", "--clip", "0,0,1,0")
+        self.assertEqual(eighth.open_edges(), 0)
+        self.assertAlmostEqual(volume(eighth), whole / 8, delta=1e-3 * whole)
+
+        run = self.convert(SPHERE, "--iso", "0", "--cap", "--clip", "0,0,1,0.1", "-o", "a.ply", "--report", "r.json")
+        self.assertIn("closed by", run.err)
+        self.convert("check", "a.ply", "--require", "printable")
+        self.convert(SPHERE, "--iso", "0", "--cap", "--clip", "0,0,1,0.1", "--normals", "smooth", "-o", "n.ply")
+        mesh = read_ply((self.folder / "n.ply").read_bytes())
+        # Each vertex of the rim twice, with the normal of each side.
+        flat = [n for v, n in zip(mesh.vertices, mesh.normals) if abs(v[2] - 0.1) < 1e-6]
+        self.assertGreater(len(flat), 20)
+        self.assertEqual(sum(abs(n[2] + 1) < 1e-6 for n in flat) * 2, len(flat))
+        self.convert("verify", SPHERE, "a.ply", "--iso", "0", "--clip", "0,0,1,0.1", "--cap")
+        self.assertEqual(self.run_program("verify", SPHERE, "a.ply", "--iso", "0", "--clip", "0,0,1,0.1").code, 6)
+        # Nothing of the cap is measured, as nothing of it is on the isosurface.
+        self.convert(SPHERE, "--iso", "0", "--cap", "--clip", "0,0,1,0.1", "--error", "-o", "e.ply", "--report", "r.json")
+        error = json.loads((self.folder / "r.json").read_bytes())["meshes"][0]["error"]
+        self.assertGreater(error["cap_triangles"], 20)
+        self.assertLess(error["interior"]["max"]["voxels"], 0.2)
+        smooth = self.mesh(SPHERE, "--iso", "0", "--cap", "--clip", "0,0,1,0.1", "--smooth", "10")
+        self.assertAlmostEqual(min(z for _, _, z in smooth.vertices), 0.1, delta=1e-6)
+        threads = [self.convert(SPHERE, "--iso", "0", "--cap", "--clip", "1,2,3,0.1", "--threads", n, "-o", f"{n}.ply")
+                   and (self.folder / f"{n}.ply").read_bytes() for n in ("1", "4")]
+        self.assertEqual(*threads)
+
+    def test_a_cut_that_ends_at_a_hole_is_not_closed(self):
+        size = 9
+        samples = [math.dist((x, y, z), (4, 4, 4)) if (x, y, z) != (7, 4, 4) else math.nan
+                   for z in range(size) for y in range(size) for x in range(size)]
+        (self.folder / "h.npy").write_bytes(npy("<f4", (size,) * 3, struct.pack(f"<{size ** 3}f", *samples)))
+        raw = ("h.npy", "--axis-order", "zyx", "--iso", "3.2", "--nan", "hole", "--cap", "-o", "a.ply")
+        self.assert_fails(2, self.run_program(*raw, "--clip", "0,0,1,4.1"), "h.npy", "cannot be closed")
+        self.assertFalse((self.folder / "a.ply").exists())
+        self.convert(*raw, "--clip", "-1,0,0,-4")
 
     def test_a_region_on_oblique_axes_is_cut_at_its_faces(self):
         c, s = math.cos(0.5), math.sin(0.5)

@@ -34,6 +34,24 @@ std::uint32_t collapsed_vertex(std::uint32_t collapse, std::span<const CollapseL
   return log.collapses[collapse - log.first].vertex;
 }
 
+void drop_samples_that_are_back(CollapseState& state) {
+  std::vector<char> there(state.positions.size(), 0);
+  for (std::size_t t = 0; t < state.corners.size(); ++t) {
+    const glm::uvec3& c = state.corners[t];
+    if (state.gone[t] == 0) there[c.x] = there[c.y] = there[c.z] = 1;
+  }
+  for (std::uint32_t& first : state.first_sample) {
+    std::uint32_t* link = &first;
+    while (*link != kNone) {
+      if (there[*link] != 0) {
+        *link = state.next_sample[*link];
+      } else {
+        link = &state.next_sample[*link];
+      }
+    }
+  }
+}
+
 std::size_t undo_collapse(std::uint32_t collapse, CollapseState& state, std::span<const CollapseLog> logs,
                           std::vector<PutBack>& changed) {
   std::size_t count = 0;

@@ -85,6 +85,10 @@ struct PutBack {
 // The vertex that a collapse moved. `logs` rise by `first`.
 [[nodiscard]] std::uint32_t collapsed_vertex(std::uint32_t collapse, std::span<const CollapseLog> logs);
 
+// After collapses were undone: vertices that are there again are held against triangles no more. Before the next
+// collapse, which would hold them twice.
+void drop_samples_that_are_back(CollapseState& state);
+
 // Undoes a collapse and all that depend on it, the latest first. `logs` rise by `first`. Triangles that were there and
 // change, or come back, are added to `changed`, perhaps several times. Samples are not put back. Returns how many
 // collapses were undone.

@@ -43,7 +43,8 @@ inline constexpr std::uint64_t kMeasureTriangleBytes =
     mesh::GreatestDistanceSearch::bytes(0, 1) + sizeof(glm::uvec3) + 2;
 inline constexpr std::uint64_t kMeasureVertexBytes = mesh::GreatestDistanceSearch::bytes(1, 0);
 
-// The distance as it is: nothing is taken back. The interval is no wider than a fiftieth of it, or what float resolves.
+// The distance as it is: nothing is taken back. The interval is no wider than a fiftieth of it and what float
+// resolves, but where a triangle would take millions of parts.
 [[nodiscard]] Result<Proof> measure_distance(const CollapseState& state, const Context& context);
 
 }  // namespace isoextract::edit

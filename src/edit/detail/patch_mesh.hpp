@@ -116,7 +116,7 @@ class PatchMesh {
   // them keep their digits.
   void number_vertices() {
     std::size_t size = 16;
-    while (size < triangles_.size() * 2) size *= 2;
+    while (size < triangles_.size() * 4) size *= 2;  // up to three vertices each
     std::vector<std::pair<std::uint32_t, std::uint32_t>> table(size, {kNone, kNone});
     const auto number = [&](std::uint32_t vertex) {
       std::size_t slot = hash_of_three(vertex, 0, 0) & (size - 1);

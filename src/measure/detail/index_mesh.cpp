@@ -36,8 +36,8 @@ IndexMesh::IndexMesh(const mesh::Mesh& mesh, const field::ScalarField& field, co
 }
 
 std::vector<std::uint8_t> IndexMesh::surface_vertices() const {
-  std::vector<std::uint8_t> used(mesh_.positions.size(), cap_ ? 0 : 1);
-  if (!cap_) return used;
+  std::vector<std::uint8_t> used(mesh_.positions.size(), cap_ || !cuts_.empty() ? 0 : 1);
+  if (!cap_ && cuts_.empty()) return used;
   for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
     if (is_cap(corners(t))) continue;
     for (int corner = 0; corner < 3; ++corner) used[mesh_.triangles[t][corner]] = 1;

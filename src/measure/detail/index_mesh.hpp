@@ -6,11 +6,13 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <glm/glm.hpp>
 
 #include "extract/extractor.hpp"
+#include "mesh/half_space.hpp"
 
 namespace isoextract::measure {
 
@@ -39,8 +41,12 @@ class IndexMesh {
     return glm::cross(linear * (corners[1] - corners[0]), linear * (corners[2] - corners[0]));
   }
 
-  // All corners in one face of the box that was capped.
+  // Caps lie in the planes of these as well, which are in the mesh's coordinates. They must outlive this.
+  void add_capped_cuts(std::span<const mesh::HalfSpace> cuts) { cuts_ = cuts; }
+
+  // All corners in one face of the box that was capped, or in the plane of a capped cut.
   [[nodiscard]] bool is_cap(const std::array<glm::dvec3, 3>& corners) const {
+    if (is_in_cut(corners)) return true;
     if (!cap_) return false;
     for (int axis = 0; axis < 3; ++axis) {
       for (const double face : {cap_->min[axis], cap_->max[axis]}) {
@@ -80,12 +86,20 @@ class IndexMesh {
   [[nodiscard]] double voxel() const { return std::cbrt(std::abs(output_from_index_.determinant())); }
 
  private:
+  [[nodiscard]] bool is_in_cut(const std::array<glm::dvec3, 3>& corners) const {
+    return std::ranges::any_of(cuts_, [&](const mesh::HalfSpace& cut) {
+      return std::ranges::all_of(
+          corners, [&](const glm::dvec3& p) { return std::abs(cut.depth(output_from_index_(p))) <= rounding(); });
+    });
+  }
+
   const mesh::Mesh& mesh_;
   field::Affine output_from_index_;
   glm::dmat3 index_from_local_;
   glm::dvec3 local_offset_;
   double tolerance_;  // voxels
   std::optional<field::Box> cap_;
+  std::span<const mesh::HalfSpace> cuts_;
 };
 
 }  // namespace isoextract::measure

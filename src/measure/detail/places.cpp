@@ -8,7 +8,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
-#include "measure/detail/exact_sign.hpp"
+#include "mesh/exact_sign.hpp"
 
 namespace isoextract::measure {
 namespace {
@@ -42,7 +42,7 @@ glm::uvec3 sorted(glm::uvec3 t) {
 }
 
 bool has_area(std::span<const glm::vec3> positions, const glm::uvec3& t) {
-  return !are_collinear(glm::dvec3(positions[t.x]), glm::dvec3(positions[t.y]), glm::dvec3(positions[t.z]));
+  return !mesh::are_collinear(glm::dvec3(positions[t.x]), glm::dvec3(positions[t.y]), glm::dvec3(positions[t.z]));
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "measure/detail/exact_sign.hpp"
+#include "mesh/exact_sign.hpp"
 
 namespace isoextract::measure {
 namespace {
@@ -14,7 +14,7 @@ using Signs = std::array<int, 3>;
 Signs sides_of(const PlacedTriangle& p, const PlacedTriangle& q) {
   Signs signs;
   for (std::size_t i = 0; i < 3; ++i) {
-    signs[i] = side_of_plane(p.corners[0], p.corners[1], p.corners[2], q.corners[i]);
+    signs[i] = mesh::side_of_plane(p.corners[0], p.corners[1], p.corners[2], q.corners[i]);
   }
   return signs;
 }
@@ -28,7 +28,8 @@ int axis_of(const PlacedTriangle& t) {
   const int likely = normal.x >= normal.y && normal.x >= normal.z ? 0 : normal.y >= normal.z ? 1 : 2;
   for (int i = 0; i < 3; ++i) {
     const int axis = (likely + i) % 3;
-    if (turn_of(along_axis(t.corners[0], axis), along_axis(t.corners[1], axis), along_axis(t.corners[2], axis)) != 0) {
+    if (mesh::turn_of(mesh::along_axis(t.corners[0], axis), mesh::along_axis(t.corners[1], axis),
+                      mesh::along_axis(t.corners[2], axis)) != 0) {
       return axis;
     }
   }
@@ -38,7 +39,7 @@ int axis_of(const PlacedTriangle& t) {
 using Flat = std::array<glm::dvec2, 3>;
 
 bool holds_point(const Flat& t, const glm::dvec2& p) {
-  return !has_both(turn_of(t[0], t[1], p), turn_of(t[1], t[2], p), turn_of(t[2], t[0], p));
+  return !has_both(mesh::turn_of(t[0], t[1], p), mesh::turn_of(t[1], t[2], p), mesh::turn_of(t[2], t[0], p));
 }
 
 bool intervals_meet(double a, double b, double c, double d) {
@@ -48,15 +49,16 @@ bool intervals_meet(double a, double b, double c, double d) {
 bool segments_meet(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c, const glm::dvec2& d) {
   if (!intervals_meet(a.x, b.x, c.x, d.x) || !intervals_meet(a.y, b.y, c.y, d.y)) return false;
   // Of four points on one line the intervals say all.
-  return turn_of(a, b, c) * turn_of(a, b, d) <= 0 && turn_of(c, d, a) * turn_of(c, d, b) <= 0;
+  return mesh::turn_of(a, b, c) * mesh::turn_of(a, b, d) <= 0 && mesh::turn_of(c, d, a) * mesh::turn_of(c, d, b) <= 0;
 }
 
 // In one plane.
 bool flat_segment_meets(const glm::dvec3& a, const glm::dvec3& b, const PlacedTriangle& t) {
   const int axis = axis_of(t);
-  const Flat flat{along_axis(t.corners[0], axis), along_axis(t.corners[1], axis), along_axis(t.corners[2], axis)};
-  const glm::dvec2 p = along_axis(a, axis);
-  const glm::dvec2 q = along_axis(b, axis);
+  const Flat flat{mesh::along_axis(t.corners[0], axis), mesh::along_axis(t.corners[1], axis),
+                  mesh::along_axis(t.corners[2], axis)};
+  const glm::dvec2 p = mesh::along_axis(a, axis);
+  const glm::dvec2 q = mesh::along_axis(b, axis);
   return holds_point(flat, p) || segments_meet(p, q, flat[0], flat[1]) || segments_meet(p, q, flat[1], flat[2]) ||
          segments_meet(p, q, flat[2], flat[0]);
 }
@@ -66,7 +68,7 @@ bool segment_meets(const glm::dvec3& a, const glm::dvec3& b, int at_a, int at_b,
   if (at_a * at_b > 0) return false;
   if (at_a == 0 && at_b == 0) return flat_segment_meets(a, b, t);
   const auto& [x, y, z] = t.corners;
-  return !has_both(side_of_plane(a, b, x, y), side_of_plane(a, b, y, z), side_of_plane(a, b, z, x));
+  return !has_both(mesh::side_of_plane(a, b, x, y), mesh::side_of_plane(a, b, y, z), mesh::side_of_plane(a, b, z, x));
 }
 
 bool all_zero(const Signs& signs) { return signs == Signs{}; }
@@ -101,7 +103,7 @@ TriangleOverlap around_corner(const PlacedTriangle& p, const PlacedTriangle& q, 
   const glm::dvec3& q1 = q.corners[(at_q + 1) % 3];
   const glm::dvec3& q2 = q.corners[(at_q + 2) % 3];
   const auto side = [](const PlacedTriangle& t, const glm::dvec3& point) {
-    return side_of_plane(t.corners[0], t.corners[1], t.corners[2], point);
+    return mesh::side_of_plane(t.corners[0], t.corners[1], t.corners[2], point);
   };
   const int of_q1 = side(p, q1);
   const int of_q2 = side(p, q2);
@@ -122,10 +124,10 @@ TriangleOverlap along_side(const PlacedTriangle& p, const PlacedTriangle& q, std
   const glm::dvec3& b = p.corners[(at_p + 2) % 3];
   const glm::dvec3& tip = p.corners[at_p];
   const glm::dvec3& other = q.corners[at_q];
-  if (side_of_plane(a, b, tip, other) != 0) return {};
+  if (mesh::side_of_plane(a, b, tip, other) != 0) return {};
   const int axis = axis_of(p);
   const auto turn = [&](const glm::dvec3& c) {
-    return turn_of(along_axis(a, axis), along_axis(b, axis), along_axis(c, axis));
+    return mesh::turn_of(mesh::along_axis(a, axis), mesh::along_axis(b, axis), mesh::along_axis(c, axis));
   };
   const bool meet = turn(tip) == turn(other);
   return {meet, meet, meet};

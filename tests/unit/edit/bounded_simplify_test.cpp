@@ -279,6 +279,47 @@ TEST(BoundedSimplify, AsManyTrianglesOfPatches) {
   }
 }
 
+// Spikes on a plane: vertices tell too little there, so collapses are taken back, and others done in their place.
+TEST(BoundedSimplify, WhatIsTakenBackIsReplaced) {
+  extract::ExtractOptions extract;
+  const auto field = test::dense_field<float>({48, 48, 24}, [](int i, int j, int k) {
+    const bool spike = i % 6 == 3 && j % 6 == 3 && k < 16;
+    return spike ? 4.0 - 0.2 * k : 6.3 - k + 0.4 * std::sin(0.9 * i) * std::cos(0.7 * j);
+  });
+  const mesh::Mesh before = test::extract(field, extract).mesh;
+  std::uint64_t taken_back = 0;
+  for (const int percent : {4, 6, 8, 10, 15, 30}) {
+    SimplifyOptions options;
+    options.max_distance = std::numeric_limits<double>::infinity();
+    options.triangles = before.triangles.size() * static_cast<std::size_t>(percent) / 100;
+    const auto [after, facts] = must_simplify(copy(before), options);
+    taken_back += facts.taken_back;
+    test::expect_sound(after, false);
+    const auto distance = measure::measure_distance(before, after, measure::DistanceOptions());
+    EXPECT_LE(distance->hausdorff_lower, facts.measured_upper + distance->resolution);
+    EXPECT_LE(facts.measured_lower, distance->hausdorff_upper + distance->resolution);
+  }
+  EXPECT_GT(taken_back, 0U);
+}
+
+// Open specks: discs that become one triangle each, in more patches than any number of rounds could empty.
+TEST(BoundedSimplify, SpecksThatTopologyKeeps) {
+  extract::ExtractOptions extract;
+  extract.iso = 0.5;
+  const auto field = test::dense_field<std::uint8_t>(
+      {80, 80, 40}, [](int i, int j, int k) { return i % 8 == 0 && j % 8 == 0 && k % 8 == 0 ? 1 : 0; });
+  const mesh::Mesh before = test::extract(field, extract).mesh;
+  for (const double distance : {std::numeric_limits<double>::infinity(), 3.0}) {
+    SimplifyOptions options;
+    options.max_distance = distance;
+    options.triangles = 10;
+    options.patch_size = 8;
+    const auto [after, facts] = must_simplify(copy(before), options);
+    EXPECT_LT(facts.rounds, 40);
+    EXPECT_EQ(mesh::measure_topology(after).components, mesh::measure_topology(before).components);
+  }
+}
+
 // The percentage that people see is of all rounds: it falls where a stage begins, and nowhere else.
 TEST(BoundedSimplify, ProgressIsOfAllRounds) {
   const mesh::Mesh before = test::sphere(64, false);

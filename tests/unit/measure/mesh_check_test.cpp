@@ -24,7 +24,7 @@ MeshCheck check(const mesh::Mesh& mesh) {
 }
 
 // From -half to half along each axis, facing outward or, turned, inward.
-mesh::Mesh cube(float half, bool turned = false, const glm::vec3& centre = glm::vec3(0)) {
+mesh::Mesh centred_cube(float half, bool turned = false, const glm::vec3& centre = glm::vec3(0)) {
   std::vector<glm::vec3> positions;
   for (unsigned i = 0; i < 8; ++i) {
     const auto at = [&](unsigned bit) { return (i >> bit & 1U) != 0 ? half : -half; };
@@ -65,7 +65,7 @@ void leave_out(mesh::Mesh& mesh, std::size_t triangle) {
 bool meets(Requirement requirement, const MeshCheck& found) { return !why_not(requirement, found); }
 
 TEST(MeshCheckTest, ACubeIsSound) {
-  const MeshCheck found = check(cube(0.5F));
+  const MeshCheck found = check(centred_cube(0.5F));
   for (const Word<Requirement>& one : words_of(Requirement{})) {
     EXPECT_EQ(meets(one.value, found), one.value != Requirement::normals) << one.word;
   }
@@ -83,7 +83,7 @@ TEST(MeshCheckTest, ACubeIsSound) {
 }
 
 TEST(MeshCheckTest, HolesAreCountedAndMeasured) {
-  mesh::Mesh mesh = cube(0.5F);
+  mesh::Mesh mesh = centred_cube(0.5F);
   leave_out(mesh, 0);
   const MeshCheck one = check(mesh);
   ASSERT_EQ(one.loops.size(), 1U);
@@ -126,7 +126,7 @@ TEST(MeshCheckTest, AVertexOfTwoFansIsTwo) {
 }
 
 TEST(MeshCheckTest, ATriangleTurnedRound) {
-  mesh::Mesh mesh = cube(0.5F);
+  mesh::Mesh mesh = centred_cube(0.5F);
   std::swap(mesh.triangles[3].x, mesh.triangles[3].y);
   const MeshCheck found = check(mesh);
   EXPECT_EQ(found.components[0].edges.misoriented, 3U);
@@ -148,9 +148,9 @@ TEST(MeshCheckTest, EdgesOfThreeTriangles) {
 TEST(MeshCheckTest, DefectsOfComponentsAddUp) {
   mesh::Mesh open = test::sphere(8, false);
   leave_out(open, 30);
-  mesh::Mesh turned = cube(5);
+  mesh::Mesh turned = centred_cube(5);
   std::swap(turned.triangles[3].x, turned.triangles[3].y);
-  const mesh::Mesh mesh = all_of(std::move(open), std::move(turned), cube(9), test::tetrahedron());
+  const mesh::Mesh mesh = all_of(std::move(open), std::move(turned), centred_cube(9), test::tetrahedron());
   const MeshCheck found = check(mesh);
   ASSERT_EQ(found.components.size(), 4U);
   EdgeDefects sum;
@@ -168,17 +168,21 @@ TEST(MeshCheckTest, DefectsOfComponentsAddUp) {
 
 // Cubes around one centre: the rays leave through edges, diagonals and corners of those around.
 TEST(MeshCheckTest, ShellsWithinShells) {
-  EXPECT_EQ(shells(check(all_of(cube(1), cube(2), cube(3)))), (std::vector{Shell::body, Shell::nested, Shell::body}));
-  EXPECT_EQ(shells(check(all_of(cube(1, true), cube(2)))), (std::vector{Shell::hollow, Shell::body}));
-  EXPECT_EQ(shells(check(all_of(cube(1), cube(2, true)))), (std::vector{Shell::nested, Shell::inside_out}));
-  EXPECT_EQ(shells(check(cube(1, true))), (std::vector{Shell::inside_out}));
+  EXPECT_EQ(shells(check(all_of(centred_cube(1), centred_cube(2), centred_cube(3)))),
+            (std::vector{Shell::body, Shell::nested, Shell::body}));
+  EXPECT_EQ(shells(check(all_of(centred_cube(1, true), centred_cube(2)))), (std::vector{Shell::hollow, Shell::body}));
+  EXPECT_EQ(shells(check(all_of(centred_cube(1), centred_cube(2, true)))),
+            (std::vector{Shell::nested, Shell::inside_out}));
+  EXPECT_EQ(shells(check(centred_cube(1, true))), (std::vector{Shell::inside_out}));
   const glm::vec3 far(10, 0, 0);
-  const MeshCheck beside = check(all_of(cube(1), cube(1, false, far), cube(1, true, -far), cube(0.5F, true, far)));
+  const MeshCheck beside = check(
+      all_of(centred_cube(1), centred_cube(1, false, far), centred_cube(1, true, -far), centred_cube(0.5F, true, far)));
   EXPECT_EQ(shells(beside), (std::vector{Shell::body, Shell::body, Shell::inside_out, Shell::hollow}));
   EXPECT_EQ(why_not(Requirement::outward, beside), "1 component inside out");
   for (std::uint32_t depth = 0; depth < 12; ++depth) {
     std::vector<mesh::Mesh> nest;
-    for (std::uint32_t i = 0; i <= depth; ++i) nest.push_back(cube(static_cast<float>(i + 1), (depth - i) % 2 == 1));
+    for (std::uint32_t i = 0; i <= depth; ++i)
+      nest.push_back(centred_cube(static_cast<float>(i + 1), (depth - i) % 2 == 1));
     const MeshCheck found = check(together(std::move(nest)));
     for (std::uint32_t i = 0; i <= depth; ++i) {
       EXPECT_EQ(found.components[i].within, depth - i);
@@ -210,15 +214,15 @@ TEST(MeshCheckTest, ShellsWithinShellsOfSlantedFaces) {
   // Beyond a face, within its box.
   EXPECT_EQ(within(check(all_of(octahedron(8), octahedron(0.5F, {5, 2.5F, 2.5F})))), (Depths{0, 0}));
   // The diagonals of the faces in front of the rays.
-  mesh::Mesh outer = cube(3);
+  mesh::Mesh outer = centred_cube(3);
   for (glm::vec3& p : outer.positions) p.y = -p.y;
   for (glm::uvec3& t : outer.triangles) std::swap(t.y, t.z);
-  EXPECT_EQ(within(check(all_of(cube(1), std::move(outer)))), (Depths{1, 0}));
+  EXPECT_EQ(within(check(all_of(centred_cube(1), std::move(outer)))), (Depths{1, 0}));
 }
 
 TEST(MeshCheckTest, SeamsOfDoubledVerticesAreTold) {
   // A cube with four vertices a face and one that nobody uses.
-  const mesh::Mesh whole = cube(1);
+  const mesh::Mesh whole = centred_cube(1);
   std::vector<glm::vec3> positions{{7, 7, 7}};
   std::vector<glm::uvec3> triangles;
   for (const glm::uvec3& t : whole.triangles) {
@@ -263,14 +267,14 @@ TEST(MeshCheckTest, TrianglesOfOneVertexOrOneLine) {
 
 TEST(MeshCheckTest, HugeCoordinates) {
   for (const float half : {1e30F, 3e38F, 1e-40F}) {
-    const MeshCheck found = check(all_of(cube(half), cube(half / 2, true)));
+    const MeshCheck found = check(all_of(centred_cube(half), centred_cube(half / 2, true)));
     EXPECT_EQ(shells(found), (std::vector{Shell::body, Shell::hollow})) << half;
     EXPECT_EQ(found.intersections.pairs + found.intersections.zero_area_triangles, 0U) << half;
   }
 }
 
 TEST(MeshCheckTest, NormalsAgainstTheirTriangles) {
-  const mesh::Mesh mesh = cube(1);
+  const mesh::Mesh mesh = centred_cube(1);
   std::vector<glm::vec3> outward(mesh.positions.begin(), mesh.positions.end());
   for (glm::vec3& normal : outward) normal = glm::normalize(normal);
   const NormalFacts sound = check_normals(mesh, outward, mesh.triangles.span());

@@ -1,10 +1,10 @@
-#include "measure/detail/exact_sign.hpp"
+#include "mesh/exact_sign.hpp"
 
 #include <array>
 #include <cmath>
 #include <cstddef>
 
-namespace isoextract::measure {
+namespace isoextract::mesh {
 namespace {
 
 // Sums of doubles that do not overlap, the smallest first, without zeros: Shewchuk, section 2. `kMost` terms at most.
@@ -154,4 +154,4 @@ bool are_collinear(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c
   return true;
 }
 
-}  // namespace isoextract::measure
+}  // namespace isoextract::mesh

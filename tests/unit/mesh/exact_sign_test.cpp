@@ -1,4 +1,4 @@
-#include "measure/detail/exact_sign.hpp"
+#include "mesh/exact_sign.hpp"
 
 #include <array>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace isoextract::measure {
+namespace isoextract::mesh {
 namespace {
 
 __extension__ using Whole = __int128;
@@ -88,4 +88,4 @@ TEST(ExactSign, LosesNoBitsOfFarApartNumbers) {
 }
 
 }  // namespace
-}  // namespace isoextract::measure
+}  // namespace isoextract::mesh

@@ -8,7 +8,7 @@
 
 #include <glm/glm.hpp>
 
-namespace isoextract::measure {
+namespace isoextract::mesh {
 
 // Points have float32 coordinates, which double holds. The sign is -1, 0 or 1.
 
@@ -27,4 +27,4 @@ namespace isoextract::measure {
 // Whether the three are on one line.
 [[nodiscard]] bool are_collinear(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c);
 
-}  // namespace isoextract::measure
+}  // namespace isoextract::mesh

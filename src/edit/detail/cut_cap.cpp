@@ -1,0 +1,202 @@
+#include "edit/detail/cut_cap.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "edit/detail/loop_triangulation.hpp"
+#include "mesh/attributes.hpp"
+#include "mesh/exact_sign.hpp"
+#include "mesh/vertex_fans.hpp"
+
+namespace isoextract::edit {
+namespace {
+
+using VertexPair = std::pair<std::uint32_t, std::uint32_t>;
+
+// What of the mesh lies in the plane: edges of its border, and others.
+struct PlaneEdges {
+  std::vector<VertexPair> border;  // as their triangles run along them, in their order
+  std::vector<VertexPair> others;  // the smaller first
+};
+
+PlaneEdges edges_in_plane(const mesh::Mesh& mesh, const mesh::HalfSpace& kept, double on_plane) {
+  std::vector<bool> is_on(mesh.positions.size());
+  for (std::size_t v = 0; v < is_on.size(); ++v) is_on[v] = std::abs(kept.depth(mesh.position(v))) <= on_plane;
+  std::vector<VertexPair> edges;
+  for (const glm::uvec3& t : mesh.triangles) {
+    for (int i = 0; i < 3; ++i) {
+      const VertexPair edge(t[i], t[(i + 1) % 3]);
+      if (is_on[edge.first] && is_on[edge.second]) edges.push_back(edge);
+    }
+  }
+  const auto in_both_ways = [](const VertexPair& e) {
+    return VertexPair(std::min(e.first, e.second), std::max(e.first, e.second));
+  };
+  std::ranges::sort(edges, [&](const VertexPair& a, const VertexPair& b) {
+    const VertexPair p = in_both_ways(a);
+    const VertexPair q = in_both_ways(b);
+    return p != q ? p < q : a < b;
+  });
+  PlaneEdges result;
+  for (std::size_t i = 0, j = 0; i < edges.size(); i = j) {
+    const VertexPair edge = in_both_ways(edges[i]);
+    std::size_t rising = 0;
+    for (j = i; j < edges.size() && in_both_ways(edges[j]) == edge; ++j) rising += edges[j] == edge ? 1 : 0;
+    const std::size_t falling = j - i - rising;
+    for (std::size_t n = falling; n < rising; ++n) result.border.push_back(edge);
+    for (std::size_t n = rising; n < falling; ++n) result.border.emplace_back(edge.second, edge.first);
+    if (rising > 0 && falling > 0) result.others.push_back(edge);
+  }
+  std::ranges::sort(result.border);
+  return result;
+}
+
+bool start_at_one_vertex(const VertexPair& a, const VertexPair& b) { return a.first == b.first; }
+
+// The border as loops of points, each of a vertex: what follows each, against the sense of the triangles.
+std::optional<std::vector<std::uint32_t>> loops_of(const std::vector<VertexPair>& border) {
+  // Point n is where border[n] starts.
+  std::vector<std::uint32_t> next(border.size());
+  std::vector<std::uint32_t> entered(border.size(), 0);  // of the first point at a vertex, how many of it
+  for (std::uint32_t n = 0; n < border.size(); ++n) {
+    const auto at = std::ranges::lower_bound(border, VertexPair(border[n].second, 0));
+    const auto first = static_cast<std::size_t>(at - border.begin());
+    if (at == border.end() || at->first != border[n].second) return std::nullopt;
+    const std::size_t point = first + entered[first]++;
+    if (point >= border.size() || border[point].first != border[n].second) return std::nullopt;
+    next[point] = n;
+  }
+  return next;
+}
+
+// Seen from outside, without rounding.
+glm::dvec2 in_plane(const glm::vec3& p, const mesh::HalfSpace& kept) {
+  const glm::dvec3 size = glm::abs(kept.normal);
+  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  const glm::dvec2 seen = mesh::along_axis(glm::dvec3(p), axis);
+  return kept.normal[axis] < 0 ? seen : glm::dvec2(seen.y, seen.x);
+}
+
+// Points that are nearer to each other than `near` are at one place for the triangulation: those around a sample that
+// is on the surface, which lie in an order that rounding has made. No vertex moves.
+void merge_places(std::vector<glm::dvec2>& points, double near) {
+  if (!(near > 0)) return;
+  std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> cells;
+  const auto cell_of = [&](const glm::dvec2& p) { return glm::i64vec2(glm::floor(p / near)); };
+  const auto key_of_cell = [](const glm::i64vec2& cell) {
+    return static_cast<std::uint64_t>(cell.x) << 32 ^ (static_cast<std::uint64_t>(cell.y) & 0xFFFFFFFFU);
+  };
+  const auto place_near = [&](const glm::dvec2& p) -> std::optional<glm::dvec2> {
+    const glm::i64vec2 cell = cell_of(p);
+    for (int dy = -1; dy <= 1; ++dy) {
+      for (int dx = -1; dx <= 1; ++dx) {
+        const auto found = cells.find(key_of_cell(cell + glm::i64vec2(dx, dy)));
+        if (found == cells.end()) continue;
+        for (const std::uint32_t n : found->second) {
+          if (glm::length(points[n] - p) < near) return points[n];
+        }
+      }
+    }
+    return std::nullopt;
+  };
+  for (std::uint32_t n = 0; n < points.size(); ++n) {
+    if (const auto place = place_near(points[n])) {
+      points[n] = *place;
+    } else {
+      cells[key_of_cell(cell_of(points[n]))].push_back(n);
+    }
+  }
+}
+
+Result<void> append(const std::vector<VertexPair>& border, const LoopTriangles& cap, mesh::Mesh& mesh,
+                    const Context& context) {
+  const std::size_t vertices = mesh.positions.size() + cap.midpoints.size();
+  const std::size_t triangles = mesh.triangles.size() + cap.triangles.size();
+  auto memory = context.reserve(vertices * mesh::vertex_bytes(mesh) + triangles * sizeof(glm::uvec3),
+                                "the mesh with a cut that is closed");
+  if (!memory) return tl::unexpected(memory.error());
+  const auto vertex_of = [&](std::uint32_t point) {
+    return point < border.size() ? border[point].first
+                                 : static_cast<std::uint32_t>(mesh.positions.size() + (point - border.size()));
+  };
+  Buffer<glm::uvec3> all(triangles);
+  glm::uvec3* out = std::ranges::copy(mesh.triangles, all.data()).out;
+  for (const glm::uvec3& t : cap.triangles) *out++ = {vertex_of(t.x), vertex_of(t.y), vertex_of(t.z)};
+  if (!cap.midpoints.empty()) {
+    Buffer<glm::vec3> positions(vertices);
+    Buffer<glm::vec3> normals(mesh.normals.empty() ? 0 : vertices);
+    std::ranges::copy(mesh.positions, positions.data());
+    std::ranges::copy(mesh.normals, normals.data());
+    std::size_t at = mesh.positions.size();
+    for (const auto& [a, b] : cap.midpoints) {
+      const std::uint32_t from = vertex_of(a);
+      const std::uint32_t to = vertex_of(b);
+      positions[at] = glm::vec3((glm::dvec3(positions[from]) + glm::dvec3(positions[to])) / 2.0);
+      if (!mesh.normals.empty()) normals[at] = normals[from];
+      ++at;
+    }
+    mesh.positions = std::move(positions);
+    mesh.normals = std::move(normals);
+  }
+  mesh.triangles = std::move(all);
+  mesh.memory = std::move(*memory);
+  return {};
+}
+
+}  // namespace
+
+Result<CutCap> close_cut(mesh::Mesh& mesh, const mesh::HalfSpace& kept, double on_plane, const Context& context) {
+  const std::string what = "closing a cut";
+  // Edges in the plane are few, unless the mesh lies in it.
+  const auto flags = context.reserve(mesh.positions.size() / 8 + 8, what);
+  if (!flags) return tl::unexpected(flags.error());
+  PlaneEdges edges = edges_in_plane(mesh, kept, on_plane);
+  if (std::ranges::adjacent_find(edges.border, start_at_one_vertex) != edges.border.end()) {
+    if (auto parted = mesh::make_one_vertex_a_fan(mesh, what, context); !parted) {
+      return tl::unexpected(std::move(parted.error()));
+    }
+    edges = edges_in_plane(mesh, kept, on_plane);
+  }
+  const auto memory = context.reserve(edges.border.size() * 192 + edges.others.size() * 16, what);
+  if (!memory) return tl::unexpected(memory.error());
+  const auto next = loops_of(edges.border);
+  if (!next) {
+    return fail(ErrorKind::input,
+                "the surface cannot be closed where a plane cuts it: it has a border or a hole there, and the cut ends "
+                "at that");
+  }
+  std::vector<glm::dvec2> points;
+  points.reserve(edges.border.size());
+  for (const VertexPair& edge : edges.border) points.push_back(in_plane(mesh.positions[edge.first], kept));
+  // Edges of points in place of vertices.
+  std::vector<VertexPair> taken;
+  const auto point_at = [&](std::uint32_t vertex) -> std::optional<std::uint32_t> {
+    const auto at = std::ranges::lower_bound(edges.border, VertexPair(vertex, 0));
+    if (at == edges.border.end() || at->first != vertex) return std::nullopt;
+    return static_cast<std::uint32_t>(at - edges.border.begin());
+  };
+  for (const VertexPair& edge : edges.others) {
+    const auto a = point_at(edge.first);
+    const auto b = point_at(edge.second);
+    if (a && b) taken.emplace_back(std::minmax(*a, *b));
+  }
+  auto cap = triangulate_loops(points, *next, taken, 0, context);
+  if (cap && cap->turned > 0) {
+    // Of a cluster of vertices around a sample that is on the surface each may have been moved on its own.
+    constexpr double kRoundings = 16;
+    merge_places(points, kRoundings * on_plane);
+    cap = triangulate_loops(points, *next, taken, kRoundings * on_plane, context);
+  }
+  if (!cap) return tl::unexpected(std::move(cap.error()));
+  if (auto done = append(edges.border, *cap, mesh, context); !done) return tl::unexpected(std::move(done.error()));
+  return CutCap{cap->triangles.size(), cap->turned};
+}
+
+}  // namespace isoextract::edit

@@ -1,0 +1,207 @@
+#include "edit/detail/loop_triangulation.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "edit/detail/hole_bridges.hpp"
+#include "edit/detail/polygon_ears.hpp"
+#include "mesh/exact_sign.hpp"
+
+namespace isoextract::edit {
+namespace {
+
+constexpr HalfEdge kNoTwin = kNoHalfEdge;
+
+using PointPair = std::pair<std::uint32_t, std::uint32_t>;
+
+PointPair pair_of(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
+
+// The triangles with their neighbours, and what changes edges among them.
+class Triangulation {
+ public:
+  Triangulation(std::span<const glm::dvec2> points, Ears ears)
+      : points_(points.begin(), points.end()), triangles_(std::move(ears.triangles)), twin_(std::move(ears.twins)) {}
+
+  // Lawson's flips. Each makes the triangulation better by a measure that has a greatest value, but for rounding.
+  void flip_to_delaunay() {
+    std::vector<HalfEdge> waiting(twin_.size());
+    for (HalfEdge h = 0; h < twin_.size(); ++h) waiting[h] = h;
+    std::uint64_t left = 64 * std::uint64_t{twin_.size()};
+    while (!waiting.empty() && left > 0) {
+      const HalfEdge h = waiting.back();
+      waiting.pop_back();
+      if (twin_[h] == kNoTwin || !is_flip_better(h)) continue;
+      --left;
+      flip(h);
+      for (const HalfEdge outer : {following(h), preceding(h), following(twin_[h]), preceding(twin_[h])}) {
+        waiting.push_back(outer);
+      }
+    }
+  }
+
+  // Of inner edges that join what another edge joins, and edges of the loops may, too.
+  void part_double_edges(std::span<const PointPair> taken, std::vector<PointPair>& midpoints) {
+    std::vector<PointPair> edges(taken.begin(), taken.end());
+    for (HalfEdge h = 0; h < twin_.size(); ++h) {
+      if (twin_[h] == kNoTwin || h < twin_[h]) edges.push_back(pair_of(start(h), end(h)));
+    }
+    std::ranges::sort(edges);
+    std::vector<bool> twice(twin_.size());
+    for (HalfEdge h = 0; h < twin_.size(); ++h) {
+      if (twin_[h] == kNoTwin || h > twin_[h]) continue;
+      const auto [first, last] = std::equal_range(edges.begin(), edges.end(), pair_of(start(h), end(h)));
+      twice[h] = last - first > 1;
+    }
+    for (HalfEdge h = 0; h < twin_.size(); ++h) {
+      if (!twice[h]) continue;
+      midpoints.push_back(pair_of(start(h), end(h)));
+      const HalfEdge t = twin_[h];
+      const auto first = static_cast<HalfEdge>(twin_.size());
+      part(h);
+      // Those that have moved.
+      twice.resize(twin_.size());
+      twice[following(first)] = twice[following(h)];
+      twice[following(first + 3)] = twice[following(t)];
+      twice[h] = twice[following(h)] = twice[following(t)] = false;
+    }
+  }
+
+  [[nodiscard]] std::uint64_t turned(double rounding) const {
+    return static_cast<std::uint64_t>(std::ranges::count_if(triangles_, [&](const glm::uvec3& t) {
+      const glm::dvec2 a = points_[t.x];
+      const glm::dvec2 b = points_[t.y];
+      const glm::dvec2 c = points_[t.z];
+      if (mesh::turn_of(a, b, c) >= 0) return false;
+      const double across = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+      return -across > rounding * std::max({glm::length(b - a), glm::length(c - b), glm::length(a - c)});
+    }));
+  }
+
+  [[nodiscard]] std::vector<glm::uvec3> take() && { return std::move(triangles_); }
+
+ private:
+  static HalfEdge following(HalfEdge h) { return h % 3 == 2 ? h - 2 : h + 1; }
+  static HalfEdge preceding(HalfEdge h) { return h % 3 == 0 ? h + 2 : h - 1; }
+  [[nodiscard]] std::uint32_t start(HalfEdge h) const { return triangles_[h / 3][static_cast<int>(h % 3)]; }
+  [[nodiscard]] std::uint32_t end(HalfEdge h) const { return start(following(h)); }
+  [[nodiscard]] std::uint32_t tip(HalfEdge h) const { return start(preceding(h)); }
+
+  void pair(HalfEdge a, HalfEdge b) {
+    if (a != kNoTwin) twin_[a] = b;
+    if (b != kNoTwin) twin_[b] = a;
+  }
+
+  // Whether the angles opposite the edge are more than half a turn together, and the other diagonal is within.
+  [[nodiscard]] bool is_flip_better(HalfEdge h) const {
+    const std::uint32_t c = tip(h);
+    const std::uint32_t d = tip(twin_[h]);
+    if (c == d) return false;
+    const glm::dvec2& a = points_[start(h)];
+    const glm::dvec2& b = points_[end(h)];
+    const auto angle = [&](const glm::dvec2& from, const glm::dvec2& right, const glm::dvec2& left) {
+      const glm::dvec2 u = right - from;
+      const glm::dvec2 v = left - from;
+      const double size = std::sqrt(glm::dot(u, u) * glm::dot(v, v));
+      return size > 0 ? glm::dvec2(glm::dot(u, v), u.x * v.y - u.y * v.x) / size : glm::dvec2(1, 0);
+    };
+    const glm::dvec2 at_c = angle(points_[c], a, b);
+    const glm::dvec2 at_d = angle(points_[d], b, a);
+    constexpr double kClearly = 1e-9;
+    if (at_c.x * at_d.y + at_c.y * at_d.x > -kClearly) return false;
+    return mesh::turn_of(points_[c], a, points_[d]) > 0 && mesh::turn_of(points_[d], b, points_[c]) > 0;
+  }
+
+  // a b c and b a d become d c a and c d b; h runs from d to c then, and its twin back.
+  void flip(HalfEdge h) {
+    const HalfEdge t = twin_[h];
+    const std::uint32_t a = start(h);
+    const std::uint32_t b = end(h);
+    const std::uint32_t c = tip(h);
+    const std::uint32_t d = tip(t);
+    const HalfEdge bc = twin_[following(h)];
+    const HalfEdge ca = twin_[preceding(h)];
+    const HalfEdge ad = twin_[following(t)];
+    const HalfEdge db = twin_[preceding(t)];
+    set(h, d, c, a);
+    set(t, c, d, b);
+    twin_[following(h)] = twin_[preceding(h)] = twin_[following(t)] = twin_[preceding(t)] = kNoTwin;
+    pair(following(h), ca);
+    pair(preceding(h), ad);
+    pair(following(t), db);
+    pair(preceding(t), bc);
+  }
+
+  // The triangle of h is then p, q and r, with h from p to q.
+  void set(HalfEdge h, std::uint32_t p, std::uint32_t q, std::uint32_t r) {
+    glm::uvec3& t = triangles_[h / 3];
+    t[static_cast<int>(h % 3)] = p;
+    t[static_cast<int>(following(h) % 3)] = q;
+    t[static_cast<int>(preceding(h) % 3)] = r;
+  }
+
+  // A point in the middle of the edge; the triangles at it become two each.
+  void part(HalfEdge h) {
+    const HalfEdge t = twin_[h];
+    const std::uint32_t a = start(h);
+    const std::uint32_t b = end(h);
+    const std::uint32_t c = tip(h);
+    const std::uint32_t d = tip(t);
+    const auto m = static_cast<std::uint32_t>(points_.size());
+    points_.push_back((points_[a] + points_[b]) / 2.0);
+    const auto first = static_cast<HalfEdge>(twin_.size());
+    const HalfEdge second = first + 3;
+    const HalfEdge bc = twin_[following(h)];
+    const HalfEdge ad = twin_[following(t)];
+    set(h, a, m, c);
+    set(t, b, m, d);
+    triangles_.emplace_back(m, b, c);
+    triangles_.emplace_back(m, a, d);
+    twin_.insert(twin_.end(), 6, kNoTwin);
+    twin_[following(h)] = twin_[following(t)] = kNoTwin;
+    pair(h, second);
+    pair(t, first);
+    pair(following(first), bc);
+    pair(following(second), ad);
+    pair(preceding(first), following(h));
+    pair(preceding(second), following(t));
+  }
+
+  std::vector<glm::dvec2> points_;
+  std::vector<glm::uvec3> triangles_;
+  std::vector<HalfEdge> twin_;
+};
+
+}  // namespace
+
+Result<LoopTriangles> triangulate_loops(std::span<const glm::dvec2> points, std::span<const std::uint32_t> next,
+                                        std::span<const PointPair> taken, double rounding, const Context& context) {
+  LoopTriangles result;
+  if (points.empty()) return result;
+  // Nodes, strips, cells and half-edges, counted together at their most.
+  constexpr std::uint64_t kBytesAPoint = 400;
+  const auto memory = context.reserve(points.size() * kBytesAPoint + taken.size_bytes(), "triangles that close a cut");
+  if (!memory) return tl::unexpected(memory.error());
+  const BridgedLoops loops = bridge_holes(points, next);
+  Ears ears;
+  ears.of_node.assign(loops.nodes.size(), kNoHalfEdge);
+  ears.triangles.reserve(loops.nodes.size());
+  ears.twins.reserve(3 * loops.nodes.size());
+  for (const std::uint32_t polygon : loops.polygons) {
+    if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
+    if (cut_ears(points, loops.nodes, polygon, ears, rounding)) continue;
+    return fail(ErrorKind::input, "the surface is cut along a line without an inside");
+  }
+  for (const auto& [there, back] : loops.bridges) {
+    ears.twins[ears.of_node[there]] = ears.of_node[back];
+    ears.twins[ears.of_node[back]] = ears.of_node[there];
+  }
+  Triangulation triangulation(points, std::move(ears));
+  triangulation.flip_to_delaunay();
+  triangulation.part_double_edges(taken, result.midpoints);
+  result.turned = triangulation.turned(rounding);
+  result.triangles = std::move(triangulation).take();
+  return result;
+}
+
+}  // namespace isoextract::edit

@@ -1,0 +1,197 @@
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "edit/half_space_clip.hpp"
+#include "field/demo_field.hpp"
+#include "mesh/topology.hpp"
+#include "support/meshes.hpp"
+#include "support/sample_meshes.hpp"
+
+namespace isoextract::edit {
+namespace {
+
+mesh::Mesh closed_surface(const char* demo, double iso = 0, const glm::dvec3& origin = glm::dvec3(0)) {
+  const field::ScalarField field = field::make_demo_field(demo).value();
+  extract::ExtractOptions options;
+  options.iso = iso;
+  options.cap = true;
+  options.smooth_normals = true;
+  options.output_from_index = field.index_to_world;
+  options.output_from_index.offset += origin;
+  return test::extract(field, options).mesh;
+}
+
+ClipFacts must_cap(mesh::Mesh& mesh, const std::vector<mesh::HalfSpace>& kept, const Context& context = Context()) {
+  auto facts = clip_to_half_spaces(mesh, kept, CutEnds::capped, context);
+  if (!facts) throw std::runtime_error(facts.error().message);
+  return *facts;
+}
+
+// The area in a plane of the triangles that lie in it, and of those among them that face to its kept side.
+struct PlaneArea {
+  double area = 0;
+  double against = 0;
+};
+PlaneArea area_in(const mesh::Mesh& mesh, const mesh::HalfSpace& plane) {
+  PlaneArea sum;
+  for (const glm::uvec3& t : mesh.triangles) {
+    bool in = true;
+    for (int i = 0; i < 3; ++i) in = in && std::abs(plane.depth(mesh.position(t[i]))) < 3e-6;
+    if (!in) continue;
+    const glm::dvec3 across =
+        glm::cross(mesh.position(t.y) - mesh.position(t.x), mesh.position(t.z) - mesh.position(t.x));
+    const double out = -glm::dot(across, plane.normal) / 2;
+    sum.area += out;
+    sum.against += std::max(-out, 0.0);
+  }
+  return sum;
+}
+
+void expect_closed(const mesh::Mesh& mesh, const std::string& what) {
+  const mesh::Topology topology = mesh::measure_topology(mesh);
+  EXPECT_TRUE(topology.is_closed_oriented_manifold())
+      << what << ": " << topology.open_edges << " open, " << topology.nonmanifold_edges << " non-manifold, "
+      << topology.misoriented_edges << " misoriented edges, " << topology.nonmanifold_vertices << " vertices";
+  EXPECT_EQ(topology.unused_vertices, 0U) << what;
+  EXPECT_EQ(mesh.normals.size(), mesh.positions.size()) << what;
+}
+
+double volume_of(const mesh::Mesh& mesh) { return mesh::measure_size(mesh).volume; }
+
+// Planes in general place, along the samples' axes between samples, and through samples.
+TEST(CutCap, BothSidesAreClosedAndMakeTheWhole) {
+  struct Surface {
+    const char* demo;
+    double iso;
+  };
+  const std::vector<glm::dvec3> normals{{0.3, -0.7, 0.5}, {0, 0, 1}, {1, 0, 0}, {1, 1, 0}, {0, -1, 0}};
+  for (const auto& [demo, iso] : {Surface{"demo:sphere?size=33", 0}, Surface{"demo:torus?size=40", 0},
+                                  Surface{"demo:gyroid?size=33", 0}, Surface{"demo:gyroid?size=24", 0.25}}) {
+    for (const double offset : {0.0, 0.05, -0.125}) {
+      for (const glm::dvec3& along : normals) {
+        const std::string what = std::string(demo) + " " + std::to_string(offset) + " " + std::to_string(along.x);
+        const mesh::Mesh whole = closed_surface(demo, iso);
+        ASSERT_TRUE(mesh::measure_topology(whole).is_closed_oriented_manifold());
+        const mesh::HalfSpace one{glm::normalize(along), offset};
+        const mesh::HalfSpace other{-one.normal, -offset};
+        mesh::Mesh a = copy(whole);
+        mesh::Mesh b = copy(whole);
+        const ClipFacts facts = must_cap(a, {one});
+        must_cap(b, {other});
+        EXPECT_GT(facts.cap_triangles, 8U) << what;
+        EXPECT_EQ(facts.caps_overlap, 0U) << what;
+        EXPECT_EQ(facts.triangles_after, a.triangles.size()) << what;
+        expect_closed(a, what);
+        expect_closed(b, what);
+        EXPECT_NEAR(volume_of(a) + volume_of(b), volume_of(whole), 2e-6) << what;
+        EXPECT_GT(volume_of(a), 0.1 * volume_of(whole)) << what;
+        const PlaneArea in_a = area_in(a, one);
+        const PlaneArea in_b = area_in(b, other);
+        EXPECT_NEAR(in_a.area, in_b.area, 1e-5) << what;
+        EXPECT_GT(in_a.area, 0.01) << what;
+        EXPECT_LT(in_a.against + in_b.against, 1e-5 * in_a.area) << what;  // rounding along all edges
+      }
+    }
+  }
+}
+
+// A half, a quarter and an eighth: later planes cut the caps of earlier ones. No handles, no parts.
+TEST(CutCap, PlaneAfterPlane) {
+  for (const glm::dvec3& origin : {glm::dvec3(0), glm::dvec3(1e5, -2e5, 3e5)}) {
+    mesh::Mesh part = closed_surface("demo:sphere?size=49", 0, origin);
+    double volume = volume_of(part);
+    for (int axis = 0; axis < 3; ++axis) {
+      glm::dvec3 normal(0);
+      normal[axis] = 1;
+      must_cap(part, {{normal, origin[axis]}});
+      expect_closed(part, std::to_string(axis));
+      EXPECT_NEAR(volume_of(part) / volume, 0.5, 1e-3) << axis;
+      volume = volume_of(part);
+      const mesh::Topology topology = mesh::measure_topology(part);
+      EXPECT_EQ(topology.components, 1U);
+      EXPECT_EQ(topology.euler, 2);
+    }
+  }
+  mesh::Mesh ring = closed_surface("demo:torus?size=40");
+  must_cap(ring, {{glm::normalize(glm::dvec3(1, 0.1, 0)), 0}});
+  EXPECT_EQ(mesh::measure_topology(ring).euler, 2);  // a half of a ring
+}
+
+// Triangles of a plane whose body is outside go, those whose body is kept stay, and the rest of the plane is closed.
+TEST(CutCap, FacesInThePlane) {
+  // A block with a smaller one on top: the step is at z = 0.
+  const auto box = [](const glm::vec3& low, const glm::vec3& high) {
+    std::vector<glm::vec3> corners;
+    for (int i = 0; i < 8; ++i) {
+      corners.emplace_back((i & 1) != 0 ? high.x : low.x, (i & 2) != 0 ? high.y : low.y, (i & 4) != 0 ? high.z : low.z);
+    }
+    return test::make_mesh("box", corners,
+                           {{0, 2, 1},
+                            {1, 2, 3},
+                            {4, 5, 6},
+                            {5, 7, 6},
+                            {0, 1, 4},
+                            {1, 5, 4},
+                            {2, 6, 3},
+                            {3, 6, 7},
+                            {0, 4, 2},
+                            {2, 4, 6},
+                            {1, 3, 5},
+                            {3, 7, 5}});
+  };
+  mesh::Mesh above = box({0, 0, 0}, {1, 1, 1});
+  must_cap(above, {{{0, 0, 1}, 0}});
+  EXPECT_EQ(above.triangles.size(), 12U);  // nothing is outside
+  mesh::Mesh below = box({0, 0, -1}, {1, 1, 0});
+  must_cap(below, {{{0, 0, 1}, 0}});
+  EXPECT_TRUE(below.triangles.empty());
+  mesh::Mesh half = box({0, 0, -1}, {1, 2, 3});
+  half.normals = {};
+  const ClipFacts facts = must_cap(half, {{{0, 0, 1}, 0}});
+  EXPECT_GE(facts.cap_triangles, 2U);
+  EXPECT_TRUE(mesh::measure_topology(half).is_closed_oriented_manifold());
+  EXPECT_NEAR(volume_of(half), 6, 1e-6);
+}
+
+TEST(CutCap, WhatWasOpenIsRefused) {
+  const field::ScalarField field = field::make_demo_field("demo:gyroid?size=30").value();
+  extract::ExtractOptions options;
+  options.iso = 0;
+  options.output_from_index = field.index_to_world;
+  mesh::Mesh open = test::extract(field, options).mesh;
+  const std::vector<mesh::HalfSpace> kept{{{0.6, 0.8, 0}, 0.1}};
+  const auto refused = clip_to_half_spaces(open, kept, CutEnds::capped);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, ErrorKind::input);
+  EXPECT_NE(refused.error().message.find("cannot be closed"), std::string::npos);
+}
+
+TEST(CutCap, IsTheSameForAnyNumberOfThreadsAndWithinItsMemory) {
+  const std::vector<mesh::HalfSpace> kept{{glm::normalize(glm::dvec3(1, 2, 3)), 0.1}, {{0, 0, -1}, -0.5}};
+  std::vector<mesh::Mesh> results;
+  for (const std::size_t threads : {1, 4}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    results.push_back(closed_surface("demo:gyroid?size=30"));
+    must_cap(results.back(), kept);
+  }
+  ASSERT_EQ(results[0].triangles.size(), results[1].triangles.size());
+  EXPECT_EQ(std::memcmp(results[0].triangles.data(), results[1].triangles.data(), results[0].triangles.size_bytes()),
+            0);
+  mesh::Mesh mesh = closed_surface("demo:gyroid?size=30");
+  EXPECT_FALSE(clip_to_half_spaces(mesh, kept, CutEnds::capped, Context(MemoryBudget(1000))));
+  const Context context(MemoryBudget(std::uint64_t{1} << 30));
+  must_cap(mesh, kept, context);
+  EXPECT_EQ(context.memory().reserved(),
+            mesh.positions.size_bytes() + mesh.normals.size_bytes() + mesh.triangles.size_bytes());
+}
+
+}  // namespace
+}  // namespace isoextract::edit
