@@ -97,7 +97,8 @@ class ConfigReader {
     const std::string name = "--" + key;
     if (const auto is_on = node.value_exact<bool>(); is_on && (!takes_value(option) || value_is_optional(option))) {
       if (!*is_on) return std::vector<std::string>();
-      return std::vector<std::string>{takes_value(option) ? fmt::format("{}={}", name, choices(option).front()) : name};
+      const auto words = choices(option);
+      return std::vector<std::string>{words.empty() ? name : fmt::format("{}={}", name, words.front())};
     }
     if (!takes_value(option)) return bad(node, fmt::format("{}: expected true or false, found {}", key, kind_of(node)));
     auto texts = texts_of(key, node);

@@ -89,6 +89,9 @@ std::string ends_text(const std::vector<SurfaceEnd>& ends, const ConvertPlan& pl
   }
   if (!text.empty()) return text;
   if (ends.empty()) return "empty";
+  if (!plan.job.source.clip.empty() && !plan.job.surface.cap) {
+    return "closed but where --clip cut it (--cap closes that)";
+  }
   const bool rectangles = plan.job.surface.voxel_faces == extract::VoxelFaces::rectangles;
   return rectangles ? "closed, but not edge by edge (--t-junctions)" : "closed";
 }
@@ -218,6 +221,8 @@ class Narrator final : public convert::Events {
     tell_stage(fmt::format("{}: written in {}", path, times_text(output.time)));
     std::vector<double> isos = output.isos;  // of pieces several times the same
     isos.erase(std::unique(isos.begin(), isos.end()), isos.end());
+    if (ends_.empty() && output.triangles > 0) ends_ = ends_before_;  // another piece of the same surface
+    ends_before_ = ends_;
     std::uint64_t bytes = 0;
     for (const meshes::WrittenFile& file : output.files) bytes += file.bytes;
     bar_.above([&] {
@@ -280,6 +285,7 @@ class Narrator final : public convert::Events {
   Stopwatch watch_;  // since the start, or since the last file
   std::string label_;
   std::vector<SurfaceEnd> ends_;
+  std::vector<SurfaceEnd> ends_before_;  // of the file before
   std::vector<std::string> verified_;
   std::vector<std::string> edited_;
   std::vector<std::string> colours_;

@@ -136,6 +136,11 @@ class ArraysTest(ProgramTest):
         self.assert_fails(1, self.run_program(SPHERE, "--iso", "0", "--clip", "0,0,0,1"), "--clip: expected a normal")
         self.assert_fails(2, self.run_program(SPHERE, "--iso", "0", "--clip", "0,0,1,9"), "no surface at iso 0")
 
+    def test_the_result_line_does_not_call_what_was_cut_closed(self):
+        for cap, text in (((), "; closed but where --clip cut it (--cap closes that); "), (("--cap",), "; closed; ")):
+            run = self.convert("demo:sphere?size=20", "--iso", "0", "--clip", "1,0,0,0.1", *cap, "-o", "a.ply")
+            self.assertIn(text, run.err)
+
     def test_a_cap_closes_what_planes_cut(self):
         def volume(mesh):
             def of(t):

@@ -23,6 +23,12 @@ class ConfigTest(ProgramTest):
                      "--normals", "flat")
         self.assertEqual((self.folder / "a.glb").read_bytes(), (self.folder / "b.glb").read_bytes())
 
+    def test_true_gives_an_option_without_its_value(self):
+        self.convert(SPHERE, "--iso", "0", "--largest", "-o", "a.ply")
+        (self.folder / "job.toml").write_text(f'input = "{SPHERE}"\niso = 0\nlargest = true\n')
+        self.convert("--config", "job.toml", "-o", "b.ply")
+        self.assertEqual((self.folder / "a.ply").read_bytes(), (self.folder / "b.ply").read_bytes())
+
     def test_the_command_line_wins(self):
         self.write(f'input = "nothing.vdb"\niso = [0.1, 0.2]\noutput = "a.ply"\nformat = "stl"\nmethod = "mt"\n')
         self.convert("convert", SPHERE, "--config=job.toml", "--iso", "0", "--method", "mc", "--format", "ply")

@@ -33,6 +33,13 @@ class PiecesTest(ProgramTest):
         report = json.loads((self.folder / "report.json").read_text())
         return run, report
 
+    def test_each_piece_is_told_to_be_closed(self):
+        run = self.convert("balls.raw", *RAW, "--split-components", "-o", "{piece}.ply")
+        told = [line for line in run.err.splitlines() if " -> " in line]
+        self.assertGreater(len(told), 1)
+        for line in told:
+            self.assertIn("; closed; ", line)
+
     def test_the_largest_with_its_cavity(self):
         run, report = self.balls("--largest")
         (mesh,) = report["meshes"]
