@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <map>
 #include <type_traits>
 #include <utility>
 
@@ -139,8 +140,9 @@ class Narrator final : public convert::Events {
 
   void extracted(const convert::ExtractedSurface& surface) override {
     const extract::ExtractStats& stats = surface.stats;
+    ends_.erase(surface.iso);
     if (surface.triangles > 0) {
-      ends_.push_back({surface.iso, stats.meets_border && !plan_.job.surface.cap, stats.hole_cells});
+      ends_[surface.iso] = {surface.iso, stats.meets_border && !plan_.job.surface.cap, stats.hole_cells};
     }
     tell_stage(
         fmt::format("{} {} {}: extracted in {}: {:.3f} s to compare samples, {:.3f} s to count, {:.3f} s "
@@ -221,14 +223,12 @@ class Narrator final : public convert::Events {
     tell_stage(fmt::format("{}: written in {}", path, times_text(output.time)));
     std::vector<double> isos = output.isos;  // of pieces several times the same
     isos.erase(std::unique(isos.begin(), isos.end()), isos.end());
-    if (ends_.empty() && output.triangles > 0) ends_ = ends_before_;  // another piece of the same surface
-    ends_before_ = ends_;
     std::uint64_t bytes = 0;
     for (const meshes::WrittenFile& file : output.files) bytes += file.bytes;
     bar_.above([&] {
       messages_.summary(fmt::format("{} {} {} -> {}: {} triangles, {} vertices, {}; {}; {}; {:.2f} s", label_, word_,
                                     fmt::join(isos, ", "), path, output.triangles, output.vertices,
-                                    format_byte_size(bytes), ends_text(ends_, plan_),
+                                    format_byte_size(bytes), ends_text(ends_of(isos), plan_),
                                     describe(plan_.job.source.placement), watch_.elapsed().wall_seconds));
       for (const std::string& line : edited_) messages_.summary("  " + line);
       for (const std::string& line : colours_) messages_.summary("  " + line);
@@ -267,9 +267,17 @@ class Narrator final : public convert::Events {
     for (const std::string& line : error_details(error)) messages_.explanation("  " + line);
   }
 
+  // Of those that have triangles.
+  [[nodiscard]] std::vector<SurfaceEnd> ends_of(const std::vector<double>& isos) const {
+    std::vector<SurfaceEnd> ends;
+    for (const double iso : isos) {
+      if (const auto found = ends_.find(iso); found != ends_.end()) ends.push_back(found->second);
+    }
+    return ends;
+  }
+
   // What was about the file that is done.
   void forget() {
-    ends_.clear();
     verified_.clear();
     edited_.clear();
     colours_.clear();
@@ -284,8 +292,7 @@ class Narrator final : public convert::Events {
   std::string_view word_;
   Stopwatch watch_;  // since the start, or since the last file
   std::string label_;
-  std::vector<SurfaceEnd> ends_;
-  std::vector<SurfaceEnd> ends_before_;  // of the file before
+  std::map<double, SurfaceEnd> ends_;  // by iso: pieces of a surface are written to several files
   std::vector<std::string> verified_;
   std::vector<std::string> edited_;
   std::vector<std::string> colours_;

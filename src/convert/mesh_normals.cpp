@@ -11,9 +11,9 @@
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
 
 #include "base/buffer.hpp"
+#include "mesh/metrics.hpp"
 #include "mesh/shading_normals.hpp"
 
 namespace isoextract::convert {
@@ -44,22 +44,13 @@ class CapFaces {
         offset_(index_from_local_ * (mesh.origin - output_from_index.offset)),
         box_(box) {
     // Vertices that are on no face are twice as far from each as this at least (extract/edge_geometry.hpp).
-    const float farthest = tbb::parallel_reduce(
-        tbb::blocked_range<std::size_t>(0, mesh.positions.size(), 1 << 14), 0.0F,
-        [&](const tbb::blocked_range<std::size_t>& part, float most) {
-          for (std::size_t v = part.begin(); v != part.end(); ++v) {
-            const glm::vec3 size = glm::abs(mesh.positions[v]);
-            most = std::max({most, size.x, size.y, size.z});
-          }
-          return most;
-        },
-        [](float a, float b) { return std::max(a, b); });
+    const float farthest = mesh::farthest_coordinate(mesh.positions.span());
     constexpr double kRoundings = 4 * 0x1p-24;
     for (int axis = 0; axis < 3; ++axis) {
       const glm::dvec3 row(index_from_local_[0][axis], index_from_local_[1][axis], index_from_local_[2][axis]);
       tolerance_[axis] = kRoundings * static_cast<double>(farthest) * glm::length(row) + 1e-9;
     }
-    cut_tolerance_ = 4 * kRoundings * static_cast<double>(farthest);
+    cut_tolerance_ = 2 * mesh::on_plane_distance(farthest);
   }
 
   [[nodiscard]] std::uint8_t operator()(const glm::uvec3& triangle) const {
@@ -98,7 +89,7 @@ class CapFaces {
   glm::dvec3 offset_;
   std::optional<field::IndexBox> box_;
   glm::dvec3 tolerance_{0.0};  // voxels
-  double cut_tolerance_ = 0;   // of the mesh's coordinates: twice that of the cut, as other planes may cut a cap again
+  double cut_tolerance_ = 0;   // of the mesh's coordinates
 };
 
 }  // namespace

@@ -16,6 +16,7 @@
 #include "edit/detail/collapse_state.hpp"
 #include "edit/detail/distance_proof.hpp"
 #include "edit/detail/edge_collapse.hpp"
+#include "mesh/metrics.hpp"
 
 namespace isoextract::edit {
 namespace {
@@ -86,13 +87,9 @@ class Simplifier {
     std::vector<glm::vec3> placed;
     if (options_.to_metric == glm::dmat3(1.0)) return placed;
     placed.resize(mesh_.positions.size());
-    double farthest = 0;
-    for (std::size_t v = 0; v < placed.size(); ++v) {
-      placed[v] = options_.to_metric * glm::dvec3(mesh_.positions[v]);
-      const glm::vec3 size = glm::abs(placed[v]);
-      farthest = std::max(farthest, static_cast<double>(std::max({size.x, size.y, size.z})));
-    }
-    slack_ = 4 * farthest * 0x1p-24;  // both surfaces move by at most half a last place on each axis
+    std::transform(mesh_.positions.begin(), mesh_.positions.end(), placed.begin(),
+                   [&](const glm::vec3& p) { return glm::vec3(options_.to_metric * glm::dvec3(p)); });
+    slack_ = 2 * mesh::float32_resolution(placed);  // both surfaces move by at most half a last place on each axis
     return placed;
   }
 

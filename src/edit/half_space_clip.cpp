@@ -12,6 +12,7 @@
 #include <tbb/parallel_for.h>
 
 #include "edit/detail/cut_cap.hpp"
+#include "mesh/metrics.hpp"
 
 namespace isoextract::edit {
 namespace {
@@ -24,12 +25,11 @@ std::uint64_t key_of(std::uint32_t a, std::uint32_t b) { return std::uint64_t{st
 class PlaneCut {
  public:
   PlaneCut(const mesh::Mesh& mesh, const mesh::HalfSpace& kept, CutEnds ends)
-      : mesh_(mesh), kept_side_(kept), ends_(ends), depth_(mesh.positions.size()) {
-    glm::vec3 farthest(0);
-    for (const glm::vec3& p : mesh.positions) farthest = glm::max(farthest, glm::abs(p));
-    constexpr double kRoundings = 4;
-    on_plane_ = kRoundings * std::numeric_limits<float>::epsilon() *
-                static_cast<double>(std::max({farthest.x, farthest.y, farthest.z}));
+      : mesh_(mesh),
+        kept_side_(kept),
+        ends_(ends),
+        on_plane_(mesh::on_plane_distance(mesh::farthest_coordinate(mesh.positions.span()))),
+        depth_(mesh.positions.size()) {
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, depth_.size(), 4096), [&](const auto& range) {
       for (std::size_t v = range.begin(); v < range.end(); ++v) {
         const double depth = kept.depth(mesh.position(v));
@@ -173,7 +173,7 @@ class PlaneCut {
   const mesh::Mesh& mesh_;
   const mesh::HalfSpace& kept_side_;
   CutEnds ends_;
-  double on_plane_ = 0;
+  double on_plane_;
   std::vector<double> depth_;
   std::vector<std::uint32_t> new_of_old_;
   std::vector<std::uint64_t> edges_;  // that are cut, sorted

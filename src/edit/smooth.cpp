@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <new>
 #include <numbers>
 #include <string>
@@ -86,11 +85,7 @@ class Signal {
  private:
   void keep_cuts(std::span<const mesh::HalfSpace> cuts) {
     if (cuts.empty()) return;
-    float farthest = 0;
-    for (const glm::vec3& p : mesh_.positions)
-      farthest = std::max({farthest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-    // Twice what cutting takes as on the plane.
-    const double on_plane = 8 * std::numeric_limits<float>::epsilon() * static_cast<double>(farthest);
+    const double on_plane = 2 * mesh::on_plane_distance(mesh::farthest_coordinate(mesh_.positions.span()));
     for_each_vertex(mesh_.positions.size(), [&](std::size_t v) {
       const glm::dvec3 p = mesh_.position(v);
       if (std::ranges::any_of(cuts, [&](const mesh::HalfSpace& cut) { return std::abs(cut.depth(p)) <= on_plane; })) {

@@ -144,12 +144,6 @@ SampleFigures figures_of(std::vector<double>& samples) {
   return figures;
 }
 
-double float32_resolution(const mesh::Mesh& mesh) {
-  const mesh::LocalBounds bounds = mesh::measure_local_bounds(mesh);
-  const glm::vec3 farthest = glm::max(glm::abs(bounds.min), glm::abs(bounds.max));
-  return static_cast<double>(std::max({farthest.x, farthest.y, farthest.z})) * 0x1p-23;
-}
-
 }  // namespace
 
 Result<MeshDistance> measure_distance(const mesh::Mesh& a, const mesh::Mesh& b, const DistanceOptions& options,
@@ -170,7 +164,8 @@ Result<MeshDistance> measure_distance(const mesh::Mesh& a, const mesh::Mesh& b, 
                                       fmt::format("{} and {}: the distances of their triangles", a.name, b.name));
   if (!memory) return tl::unexpected(memory.error());
   MeshDistance result;
-  result.resolution = std::max(float32_resolution(a), float32_resolution(b));
+  result.resolution =
+      std::max(mesh::float32_resolution(a.positions.span()), mesh::float32_resolution(b.positions.span()));
   context.progress().begin("measuring distances", 0);
   const auto directed = [&](const mesh::Mesh& from, const mesh::Mesh& to, std::vector<double>& samples) {
     const mesh::TriangleTree tree(to.positions.span(), to.triangles.span());

@@ -14,4 +14,11 @@ struct HalfSpace {
   [[nodiscard]] double depth(const glm::dvec3& p) const { return glm::dot(normal, p) - offset; }
 };
 
+// Vertices that are nearer to a plane than this count as on it where it cuts: a few roundings of float32 positions, of
+// whose coordinates `farthest` is the greatest. Where a later plane cut what lies in it, they may be twice as far.
+[[nodiscard]] inline double on_plane_distance(float farthest) {
+  constexpr double kRoundings = 4;
+  return kRoundings * 0x1p-23 * static_cast<double>(farthest);
+}
+
 }  // namespace isoextract::mesh

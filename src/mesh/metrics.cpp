@@ -1,5 +1,6 @@
 #include "mesh/metrics.hpp"
 
+#include <algorithm>
 #include <limits>
 
 #include <tbb/blocked_range.h>
@@ -37,6 +38,19 @@ Bounds measure_bounds(const Mesh& mesh) {
   if (mesh.positions.empty()) return {};
   const LocalBounds local = measure_local_bounds(mesh);
   return {mesh.origin + glm::dvec3(local.min), mesh.origin + glm::dvec3(local.max)};
+}
+
+float farthest_coordinate(std::span<const glm::vec3> positions) {
+  return tbb::parallel_reduce(
+      Range(0, positions.size(), kTrianglesAtATime), 0.0F,
+      [&](const Range& range, float farthest) {
+        for (std::size_t v = range.begin(); v != range.end(); ++v) {
+          const glm::vec3 size = glm::abs(positions[v]);
+          farthest = std::max({farthest, size.x, size.y, size.z});
+        }
+        return farthest;
+      },
+      [](float a, float b) { return std::max(a, b); });
 }
 
 MeshSize measure_size(const Mesh& mesh) {

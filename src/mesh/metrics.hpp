@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "mesh/mesh.hpp"
 
@@ -21,6 +22,14 @@ struct LocalBounds {
   glm::vec3 max{0.0F};
 };
 [[nodiscard]] LocalBounds measure_local_bounds(const Mesh& mesh);
+
+// The greatest of their absolute coordinates, which says how finely float32 resolves them; 0 where there are none.
+[[nodiscard]] float farthest_coordinate(std::span<const glm::vec3> positions);
+
+// A last place of that coordinate: distances up to it are rounding.
+[[nodiscard]] inline double float32_resolution(std::span<const glm::vec3> positions) {
+  return static_cast<double>(farthest_coordinate(positions)) * 0x1p-23;
+}
 
 struct MeshSize {
   double area = 0;

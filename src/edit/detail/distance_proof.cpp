@@ -11,6 +11,7 @@
 #include <tbb/partitioner.h>
 
 #include "mesh/distance_bound.hpp"
+#include "mesh/metrics.hpp"
 #include "mesh/triangle_tree.hpp"
 
 namespace isoextract::edit {
@@ -206,13 +207,6 @@ class DistanceProof {
   std::vector<Cell> doubtful_;
 };
 
-// What float resolves of the farthest vertex: distances below it are rounding.
-double resolution_of(std::span<const glm::vec3> positions) {
-  float farthest = 0;
-  for (const glm::vec3& p : positions) farthest = std::max({farthest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-  return static_cast<double>(farthest) * 0x1p-23;
-}
-
 }  // namespace
 
 Result<Proof> prove_distance(CollapseState& state, std::span<const CollapseLog> logs, const ProofOptions& options,
@@ -231,7 +225,7 @@ Result<Proof> measure_distance(const CollapseState& state, const Context& contex
     old_left_out[t] = state.is_original(t) ? 1 : 0;
     if (state.gone[t] == 0) there.push_back(state.corners[t]);
   }
-  const mesh::DistanceLimits limits{.tolerance = kTolerance, .floor = resolution_of(state.positions)};
+  const mesh::DistanceLimits limits{.tolerance = kTolerance, .floor = mesh::float32_resolution(state.positions)};
   Proof proof;
   proof.passes = 1;
   const auto measure = [&](const mesh::PlacedTriangles& from, const mesh::TriangleTree& to) {

@@ -11,8 +11,6 @@
 namespace isoextract::edit {
 namespace {
 
-constexpr HalfEdge kNoTwin = kNoHalfEdge;
-
 using PointPair = std::pair<std::uint32_t, std::uint32_t>;
 
 PointPair pair_of(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
@@ -31,7 +29,7 @@ class Triangulation {
     while (!waiting.empty() && left > 0) {
       const HalfEdge h = waiting.back();
       waiting.pop_back();
-      if (twin_[h] == kNoTwin || !is_flip_better(h)) continue;
+      if (twin_[h] == kNoHalfEdge || !is_flip_better(h)) continue;
       --left;
       flip(h);
       for (const HalfEdge outer : {following(h), preceding(h), following(twin_[h]), preceding(twin_[h])}) {
@@ -44,12 +42,12 @@ class Triangulation {
   void part_double_edges(std::span<const PointPair> taken, std::vector<PointPair>& midpoints) {
     std::vector<PointPair> edges(taken.begin(), taken.end());
     for (HalfEdge h = 0; h < twin_.size(); ++h) {
-      if (twin_[h] == kNoTwin || h < twin_[h]) edges.push_back(pair_of(start(h), end(h)));
+      if (twin_[h] == kNoHalfEdge || h < twin_[h]) edges.push_back(pair_of(start(h), end(h)));
     }
     std::ranges::sort(edges);
     std::vector<bool> twice(twin_.size());
     for (HalfEdge h = 0; h < twin_.size(); ++h) {
-      if (twin_[h] == kNoTwin || h > twin_[h]) continue;
+      if (twin_[h] == kNoHalfEdge || h > twin_[h]) continue;
       const auto [first, last] = std::equal_range(edges.begin(), edges.end(), pair_of(start(h), end(h)));
       twice[h] = last - first > 1;
     }
@@ -88,8 +86,8 @@ class Triangulation {
   [[nodiscard]] std::uint32_t tip(HalfEdge h) const { return start(preceding(h)); }
 
   void pair(HalfEdge a, HalfEdge b) {
-    if (a != kNoTwin) twin_[a] = b;
-    if (b != kNoTwin) twin_[b] = a;
+    if (a != kNoHalfEdge) twin_[a] = b;
+    if (b != kNoHalfEdge) twin_[b] = a;
   }
 
   // Whether the angles opposite the edge are more than half a turn together, and the other diagonal is within.
@@ -125,7 +123,7 @@ class Triangulation {
     const HalfEdge db = twin_[preceding(t)];
     set(h, d, c, a);
     set(t, c, d, b);
-    twin_[following(h)] = twin_[preceding(h)] = twin_[following(t)] = twin_[preceding(t)] = kNoTwin;
+    twin_[following(h)] = twin_[preceding(h)] = twin_[following(t)] = twin_[preceding(t)] = kNoHalfEdge;
     pair(following(h), ca);
     pair(preceding(h), ad);
     pair(following(t), db);
@@ -157,8 +155,8 @@ class Triangulation {
     set(t, b, m, d);
     triangles_.emplace_back(m, b, c);
     triangles_.emplace_back(m, a, d);
-    twin_.insert(twin_.end(), 6, kNoTwin);
-    twin_[following(h)] = twin_[following(t)] = kNoTwin;
+    twin_.insert(twin_.end(), 6, kNoHalfEdge);
+    twin_[following(h)] = twin_[following(t)] = kNoHalfEdge;
     pair(h, second);
     pair(t, first);
     pair(following(first), bc);

@@ -12,6 +12,7 @@
 #include "edit/half_space_clip.hpp"
 #include "field/demo_field.hpp"
 #include "mesh/topology.hpp"
+#include "support/box_mesh.hpp"
 #include "support/meshes.hpp"
 #include "support/sample_meshes.hpp"
 
@@ -128,32 +129,13 @@ TEST(CutCap, PlaneAfterPlane) {
 // Triangles of a plane whose body is outside go, those whose body is kept stay, and the rest of the plane is closed.
 TEST(CutCap, FacesInThePlane) {
   // A block with a smaller one on top: the step is at z = 0.
-  const auto box = [](const glm::vec3& low, const glm::vec3& high) {
-    std::vector<glm::vec3> corners;
-    for (int i = 0; i < 8; ++i) {
-      corners.emplace_back((i & 1) != 0 ? high.x : low.x, (i & 2) != 0 ? high.y : low.y, (i & 4) != 0 ? high.z : low.z);
-    }
-    return test::make_mesh("box", corners,
-                           {{0, 2, 1},
-                            {1, 2, 3},
-                            {4, 5, 6},
-                            {5, 7, 6},
-                            {0, 1, 4},
-                            {1, 5, 4},
-                            {2, 6, 3},
-                            {3, 6, 7},
-                            {0, 4, 2},
-                            {2, 4, 6},
-                            {1, 3, 5},
-                            {3, 7, 5}});
-  };
-  mesh::Mesh above = box({0, 0, 0}, {1, 1, 1});
+  mesh::Mesh above = test::box_mesh({0, 0, 0}, {1, 1, 1});
   must_cap(above, {{{0, 0, 1}, 0}});
   EXPECT_EQ(above.triangles.size(), 12U);  // nothing is outside
-  mesh::Mesh below = box({0, 0, -1}, {1, 1, 0});
+  mesh::Mesh below = test::box_mesh({0, 0, -1}, {1, 1, 0});
   must_cap(below, {{{0, 0, 1}, 0}});
   EXPECT_TRUE(below.triangles.empty());
-  mesh::Mesh half = box({0, 0, -1}, {1, 2, 3});
+  mesh::Mesh half = test::box_mesh({0, 0, -1}, {1, 2, 3});
   half.normals = {};
   const ClipFacts facts = must_cap(half, {{{0, 0, 1}, 0}});
   EXPECT_GE(facts.cap_triangles, 2U);

@@ -7,6 +7,7 @@
 #include <tbb/global_control.h>
 
 #include "mesh/joined.hpp"
+#include "support/box_mesh.hpp"
 #include "support/sample_meshes.hpp"
 
 namespace isoextract::measure {
@@ -25,17 +26,11 @@ MeshCheck check(const mesh::Mesh& mesh) {
 
 // From -half to half along each axis, facing outward or, turned, inward.
 mesh::Mesh centred_cube(float half, bool turned = false, const glm::vec3& centre = glm::vec3(0)) {
-  std::vector<glm::vec3> positions;
-  for (unsigned i = 0; i < 8; ++i) {
-    const auto at = [&](unsigned bit) { return (i >> bit & 1U) != 0 ? half : -half; };
-    positions.push_back(centre + glm::vec3(at(0), at(1), at(2)));
-  }
-  std::vector<glm::uvec3> triangles{{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
-                                    {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+  mesh::Mesh mesh = test::box_mesh(centre - half, centre + half);
   if (turned) {
-    for (glm::uvec3& t : triangles) std::swap(t.y, t.z);
+    for (glm::uvec3& t : mesh.triangles) std::swap(t.y, t.z);
   }
-  return make_mesh("cube", positions, triangles);
+  return mesh;
 }
 
 mesh::Mesh together(std::vector<mesh::Mesh> meshes) { return std::move(*mesh::join_meshes(meshes, Context())); }

@@ -8,27 +8,15 @@
 #include <tbb/global_control.h>
 
 #include "mesh/topology.hpp"
+#include "support/box_mesh.hpp"
 #include "unit/mesh/shapes.hpp"
 
 namespace isoextract::mesh {
 namespace {
 
-// Corner n is at its bits; every normal points away from the middle, as a gradient does at a corner.
+// Every normal points away from the middle, as a gradient does at a corner.
 Mesh cube() {
-  std::vector<glm::vec3> corners;
-  for (unsigned n = 0; n < 8; ++n) corners.emplace_back(n & 1, n >> 1 & 1, n >> 2 & 1);
-  Mesh mesh = test::make_mesh(corners, {{0, 2, 1},
-                                        {1, 2, 3},
-                                        {4, 5, 6},
-                                        {5, 7, 6},
-                                        {0, 1, 4},
-                                        {1, 5, 4},
-                                        {2, 6, 3},
-                                        {3, 6, 7},
-                                        {0, 4, 2},
-                                        {2, 4, 6},
-                                        {1, 3, 5},
-                                        {3, 7, 5}});
+  Mesh mesh = test::box_mesh(glm::vec3(0), glm::vec3(1));
   mesh.normals = Buffer<glm::vec3>(8);
   for (std::size_t v = 0; v < 8; ++v) mesh.normals[v] = glm::normalize(mesh.positions[v] - 0.5F);
   return mesh;

@@ -11,34 +11,10 @@
 
 #include "render/contact_sheet.hpp"
 #include "render/picture_text.hpp"
+#include "support/box_mesh.hpp"
 
 namespace isoextract::render {
 namespace {
-
-// A box of two triangles a side.
-mesh::Mesh box_mesh(const glm::vec3& half) {
-  mesh::Mesh mesh;
-  mesh.positions = Buffer<glm::vec3>(8);
-  for (int i = 0; i < 8; ++i) {
-    mesh.positions[static_cast<std::size_t>(i)] =
-        half * glm::vec3((i & 1) != 0 ? 1 : -1, (i & 2) != 0 ? 1 : -1, (i & 4) != 0 ? 1 : -1);
-  }
-  constexpr std::array<glm::uvec3, 12> kTriangles{{{0, 2, 1},
-                                                   {1, 2, 3},
-                                                   {4, 5, 6},
-                                                   {5, 7, 6},
-                                                   {0, 1, 4},
-                                                   {1, 5, 4},
-                                                   {2, 6, 3},
-                                                   {3, 6, 7},
-                                                   {0, 4, 2},
-                                                   {2, 4, 6},
-                                                   {1, 3, 5},
-                                                   {3, 7, 5}}};
-  mesh.triangles = Buffer<glm::uvec3>(kTriangles.size());
-  std::copy(kTriangles.begin(), kTriangles.end(), mesh.triangles.begin());
-  return mesh;
-}
 
 Picture preview_of(const mesh::Mesh& mesh, const PreviewOptions& options) {
   Surface surface;
@@ -53,7 +29,7 @@ Picture preview_of(const mesh::Mesh& mesh, const PreviewOptions& options) {
 TEST(Preview, AllOfTheMeshIsSeenAndFillsThePicture) {
   for (const glm::vec3 half :
        {glm::vec3(1, 1, 1), glm::vec3(20, 1, 1), glm::vec3(1, 1, 30), glm::vec3(1e-6F, 2e-6F, 1e-6F)}) {
-    const mesh::Mesh mesh = box_mesh(half);
+    const mesh::Mesh mesh = test::box_mesh(-half, half);
     PreviewOptions options;
     options.size = {120, 90};
     options.scale_bar = false;
@@ -94,8 +70,8 @@ class BoxesInView {
   }
   void add(double right, double up, double near, double half, const glm::dvec3& colour) {
     const glm::vec3 at(glm::transpose(camera_.rotation()) * glm::dvec3(right, up, near));
-    mesh::Mesh& mesh = meshes_.emplace_back(box_mesh(glm::vec3(static_cast<float>(half))));
-    for (glm::vec3& position : mesh.positions) position += at;
+    const auto side = static_cast<float>(half);
+    const mesh::Mesh& mesh = meshes_.emplace_back(test::box_mesh(at - side, at + side));
     surfaces_.push_back({&mesh, colour, 1, Shading::flat});
   }
   [[nodiscard]] PreviewOptions& options() { return options_; }
