@@ -58,6 +58,7 @@ enum class Remedy {
   region_is_in_voxels,   // the region was asked for in voxel coordinates
   region_is_in_world,    // in the input's world, before scales and turns
   choose_scale,          // another scale or unit
+  name_unit,             // the file does not say which unit its world is in
   other_output_name,     // for a file that is written
   widen_region_or_skip,  // the region hides the surface; or an empty one is no error
   try_iso,               // text: another value and what it was found by; or an empty surface is no error

@@ -241,6 +241,11 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
   if (std::string note = changing_isos(flags, sources->size()); !note.empty()) found->notes.push_back(std::move(note));
   for (std::string& note : found->notes) plan.common.notes.push_back(std::move(note));
   if (std::string note = note_of_frames(plan.common.job); !note.empty()) plan.common.notes.push_back(std::move(note));
+  if (flags.placement.center && !flags.surface.roi) {
+    plan.common.notes.emplace_back(
+        "--center: each frame is moved by the middle of its own samples; of sparse volumes and particles, whose box "
+        "changes, the frames move against each other, which --roi prevents");
+  }
   auto outputs = flags.batch.animate
                      ? plan_animation(flags, *sources, plan.common.job.format, plan.batch)
                      : batch::name_outputs(*sources, flags.output, plan.common.job.format, other_extension(flags));

@@ -12,6 +12,7 @@
 #include "base/stopwatch.hpp"
 #include "cli/check_report.hpp"
 #include "cli/progress_bar.hpp"
+#include "convert/placement_record.hpp"
 #include "files/output_file.hpp"
 #include "meshes/mesh_reader.hpp"
 
@@ -79,7 +80,10 @@ Result<CheckReport> make_report(const CheckPlan& plan, const Messages& messages,
   });
   file->mesh.name = plan.mesh;
   report.format = file->format;
-  report.in_metres = file->y_up;  // glTF alone prescribes both
+  report.is_gltf = file->y_up;  // which alone prescribes that, and metres
+  report.unit = report.is_gltf
+                    ? convert::metre()
+                    : convert::find_length_unit(convert::placement_of(*file, convert::UpAxis::z).placement.to_unit);
   report.has_normals = !file->normals.empty();
   if (auto checked = check_parts(plan, *file, context, report); !checked) return tl::unexpected(checked.error());
   auto whole = check_one(file->mesh, file->normals, file->normals.numbers.span(), plan.weld, context);

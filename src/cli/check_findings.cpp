@@ -132,14 +132,20 @@ class Findings {
 
   void tell_size() {
     const glm::dvec3 size = check_.bounds.max - check_.bounds.min;
-    if (report_.in_metres) {
+    if (report_.is_gltf) {
       engine(fmt::format("It is {} large.", size_text(size, 1, "m")));
       slicer(fmt::format("It is {} large, if it knows that glTF is in metres.", size_text(size, 1000, "mm")));
       return;
     }
-    const bool small = std::max({size.x, size.y, size.z}) < 1;
-    slicer(fmt::format("It reads the numbers as millimetres: {}{}.", size_text(size, 1, "mm"),
-                       small ? "; if they are metres, scale by 1000" : ""));
+    std::string besides;
+    if (const auto& unit = report_.unit) {
+      const double scale = convert::unit_ratio(*unit, *convert::find_length_unit("mm"));
+      besides = scale == 1 ? ", which they are"
+                           : fmt::format("; the file says they are in {}: scale by {:g}", unit->name, scale);
+    } else if (std::max({size.x, size.y, size.z}) < 1) {
+      besides = "; if they are metres, scale by 1000";
+    }
+    slicer(fmt::format("It reads the numbers as millimetres: {}{}.", size_text(size, 1, "mm"), besides));
   }
 
   const CheckReport& report_;

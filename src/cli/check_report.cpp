@@ -111,11 +111,13 @@ void add_mesh(NamedLines& lines, const CheckReport& report, const MeshCheck& che
   lines.add("triangles", fmt::format("{}", check.triangles));
   const glm::dvec3 size = check.bounds.max - check.bounds.min;
   lines.add("size", fmt::format("{:.6g} x {:.6g} x {:.6g}{}", size.x, size.y, size.z,
-                                report.in_metres ? " m" : "; the format has no unit"));
+                                report.unit ? fmt::format(" {}", report.unit->name) : "; the file has no unit"));
   lines.add("bounds", fmt::format("{} .. {}", point_in_words(check.bounds.min), point_in_words(check.bounds.max)));
-  lines.add("area", fmt::format("{:.9g}{}", check.size.area, report.in_metres ? " m2" : ""));
+  lines.add("area",
+            fmt::format("{:.9g}{}", check.size.area, report.unit ? fmt::format(" {}2", report.unit->name) : ""));
   if (check.topology.is_closed_oriented_manifold()) {
-    lines.add("volume", fmt::format("{:.9g}{}", check.size.volume, report.in_metres ? " m3" : ""));
+    lines.add("volume",
+              fmt::format("{:.9g}{}", check.size.volume, report.unit ? fmt::format(" {}3", report.unit->name) : ""));
     lines.add("genus", fmt::format("{}", check.topology.genus()));
   }
   lines.add("components", components_line(check));
@@ -299,7 +301,7 @@ Json check_json(const CheckReport& report) {
   for (const Finding& finding : findings_of(report)) findings.push_back({{"who", finding.who}, {"text", finding.text}});
   return {{"file", report.file},
           {"format", report.format},
-          {"unit", report.in_metres ? Json("metre") : Json(nullptr)},
+          {"unit", report.unit ? Json(report.unit->name) : Json(nullptr)},
           {"welded", report.welded},
           {"mesh", mesh_json(report.whole)},
           {"meshes", std::move(parts)},

@@ -1,11 +1,13 @@
 // What `check` found out, as a table, as sentences and as JSON.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "convert/json_values.hpp"
+#include "convert/placement.hpp"
 #include "measure/mesh_check.hpp"
 
 namespace isoextract::cli {
@@ -19,8 +21,9 @@ struct PartReport {
 struct CheckReport {
   std::string file;
   std::string_view format;
-  bool in_metres = false;    // as glTF prescribes; other formats have no unit
-  bool has_normals = false;  // one mesh of it at least
+  bool is_gltf = false;
+  std::optional<convert::LengthUnit> unit;  // that glTF prescribes, or that the file says; else nobody knows
+  bool has_normals = false;                 // one mesh of it at least
   bool welded = false;
   measure::MeshCheck whole;
   std::vector<PartReport> parts;  // none where the file holds one mesh

@@ -13,9 +13,8 @@
 #include "cli/attribute_text.hpp"
 #include "cli/layout.hpp"
 #include "cli/progress_bar.hpp"
-#include "cli/turned_mesh.hpp"
 #include "convert/json_values.hpp"
-#include "convert/placement.hpp"
+#include "convert/placement_record.hpp"
 #include "measure/attribute_match.hpp"
 #include "measure/mesh_distance.hpp"
 #include "mesh/metrics.hpp"
@@ -28,7 +27,8 @@ namespace {
 struct Side {
   std::string path;
   meshes::MeshFile file;
-  bool turned = false;  // from y up to z up
+  convert::ResolvedPlacement placement;  // as the file says, or as is usual in its format
+  std::optional<std::string> undone;  // what of it was, to get to the world; nothing where the mesh is as in its file
   mesh::Topology topology;
   mesh::MeshSize size;
   mesh::Bounds bounds;
@@ -53,20 +53,35 @@ Result<void> measure_side(Side& side, const Context& context) {
   return {};
 }
 
-// glTF says where up is, the other formats do not: meshes of one kind are compared as they are. Where there is one of
-// each, the other one is taken to be z up unless it is told, as the input of a conversion is.
+// Meshes that were placed alike are compared as they are, others in the world of what they were made of. Files that say
+// nothing of it are taken to be placed as is usual in their format: glTF is turned unless its world is y up, and the
+// others are as the world was.
 void bring_into_one_frame(std::array<Side, 2>& sides, const std::optional<convert::UpAxis>& up,
                           const Messages& messages) {
-  if (sides[0].file.y_up == sides[1].file.y_up) {
-    if (!up) return;
-    const std::string_view why = sides[0].file.y_up ? "both meshes are glTF, which is y up" : "neither mesh is glTF";
-    messages.note(fmt::format("--up changes nothing: {}", why));
-    return;
+  bool asked = false;
+  for (Side& side : sides) {
+    const auto record = convert::read_record(side.file.placement);
+    if (!record && !side.file.placement.empty()) {
+      messages.note(fmt::format("{}: what it says of its placement cannot be read, and is left aside", side.path));
+    }
+    asked = asked || (!record && side.file.y_up);
+    side.placement = convert::placement_of(side.file, up.value_or(convert::UpAxis::z));
   }
-  if (up.value_or(convert::UpAxis::z) == convert::UpAxis::y) return;
-  Side& gltf = sides[0].file.y_up ? sides[0] : sides[1];
-  turn_y_up_to_z_up(gltf.file.mesh);
-  gltf.turned = true;
+  const bool alike = sides[0].placement.output_from_world() == sides[1].placement.output_from_world();
+  const bool both_usual = sides[0].file.y_up && sides[1].file.y_up && alike;
+  if (up && (!asked || both_usual)) {
+    const std::string_view why = both_usual                                 ? "both meshes are glTF, which is y up"
+                                 : sides[0].file.y_up || sides[1].file.y_up ? "the glTF says how it was turned"
+                                                                            : "neither mesh is glTF";
+    messages.note(fmt::format("--up changes nothing: {}", why));
+  }
+  if (alike) return;
+  for (Side& side : sides) {
+    const field::Affine map = side.placement.output_from_world();
+    if (map == field::Affine()) continue;
+    convert::move_mesh(side.file.mesh, map.inverse());
+    side.undone = convert::placement_text(side.placement);
+  }
 }
 
 // "no: 12 open edges, 1 non-manifold vertex", or the genus.
@@ -90,7 +105,7 @@ std::string closed_text(const mesh::Topology& topology) {
 void add_side(NamedLines& lines, const Side& side) {
   lines.plain(side.path);
   lines.add("format", side.file.format);
-  if (side.turned) lines.add("turned", "from y up to z up");
+  if (side.undone) lines.add("undone", *side.undone);
   lines.add("vertices", fmt::format("{}", side.file.mesh.positions.size()));
   lines.add("triangles", side.size.zero_area_triangles == 0
                              ? fmt::format("{}", side.file.mesh.triangles.size())
@@ -119,7 +134,9 @@ std::string text_of(const std::array<Side, 2>& sides, const measure::MeshDistanc
                     const measure::AttributeMatches& attributes) {
   NamedLines lines;
   for (const Side& side : sides) add_side(lines, side);
-  lines.plain("distances, in the unit of the meshes");
+  const bool moved = sides[0].undone || sides[1].undone;
+  lines.plain(moved ? "distances, in the unit of the world that the meshes were made of"
+                    : "distances, in the unit of the meshes");
   add_direction(lines, "first to 2nd", distance.a_to_b);
   add_direction(lines, "2nd to first", distance.b_to_a);
   lines.add("Hausdorff", interval_text(distance.hausdorff_lower, distance.hausdorff_upper));
@@ -133,7 +150,7 @@ std::string text_of(const std::array<Side, 2>& sides, const measure::MeshDistanc
 convert::Json side_json(const Side& side) {
   convert::Json json{{"file", side.path},
                      {"format", side.file.format},
-                     {"turned_from_y_up_to_z_up", side.turned},
+                     {"undone", convert::optional_json(side.undone)},
                      {"vertices", side.file.mesh.positions.size()},
                      {"triangles", side.file.mesh.triangles.size()}};
   json.update(convert::json_of(side.topology, side.size));
@@ -202,7 +219,8 @@ Result<void> check_distance(const ComparePlan& plan, const std::array<Side, 2>& 
   const bool known = distance.hausdorff_lower <= distance.hausdorff_upper;
   if (!plan.max_distance || (known && distance.hausdorff_upper <= *plan.max_distance)) return {};
   const bool surely = distance.hausdorff_lower > *plan.max_distance;
-  const auto turned = std::ranges::find(sides, true, &Side::turned);
+  const auto turned =
+      std::ranges::find_if(sides, [](const Side& side) { return side.undone && side.file.placement.empty(); });
   const std::string hint =
       turned == sides.end()
           ? ""

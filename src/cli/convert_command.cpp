@@ -31,6 +31,7 @@
 #include "convert/conversion.hpp"
 #include "convert/field_label.hpp"
 #include "convert/output_checks.hpp"
+#include "convert/placement_record.hpp"
 #include "files/output_file.hpp"
 
 namespace isoextract::cli {
@@ -41,20 +42,10 @@ std::string times_text(const StageTime& time) {
 }
 
 // "world coordinates, turned from z up to y up, scaled by 0.001 (mm to m)"
-std::string describe(const convert::Placement& placement) {
-  if (placement.space == convert::Space::index) return "voxel coordinates";
-  std::string text = "world coordinates";
-  if (placement.to_space) text += fmt::format(", in {}", word_of(*placement.to_space));
-  if (placement.turn_z_up_to_y_up) text += ", turned from z up to y up";
-  if (placement.turn_y_up_to_z_up) text += ", turned from y up to z up";
-  if (placement.unit != placement.to_unit) {
-    text += fmt::format(", scaled by {} ({} to {})", placement.scale, placement.unit, placement.to_unit);
-  } else if (!placement.unit.empty()) {
-    text += fmt::format(", in {}", placement.unit);
-  } else if (placement.scale != 1) {
-    text += fmt::format(", scaled by {}", placement.scale);
-  }
-  return text;
+std::string describe(const convert::ResolvedPlacement& placed) {
+  const std::string done = convert::placement_text(placed);
+  if (placed.placement.space == convert::Space::index) return done;
+  return fmt::format("world coordinates{}{}", done.empty() ? "" : ", ", done);
 }
 
 // What would have been done besides, had it been asked for.
@@ -137,6 +128,8 @@ class Narrator final : public convert::Events {
     tell_stage(fmt::format("{}: resampled in {}", label_, times_text(time)));
     explain(fact);
   }
+
+  void placed(const convert::PlacedField& placed) override { placed_ = placed.placement; }
 
   void extracted(const convert::ExtractedSurface& surface) override {
     const extract::ExtractStats& stats = surface.stats;
@@ -228,8 +221,8 @@ class Narrator final : public convert::Events {
     bar_.above([&] {
       messages_.summary(fmt::format("{} {} {} -> {}: {} triangles, {} vertices, {}; {}; {}; {:.2f} s", label_, word_,
                                     fmt::join(isos, ", "), path, output.triangles, output.vertices,
-                                    format_byte_size(bytes), ends_text(ends_of(isos), plan_),
-                                    describe(plan_.job.source.placement), watch_.elapsed().wall_seconds));
+                                    format_byte_size(bytes), ends_text(ends_of(isos), plan_), describe(placed_),
+                                    watch_.elapsed().wall_seconds));
       for (const std::string& line : edited_) messages_.summary("  " + line);
       for (const std::string& line : colours_) messages_.summary("  " + line);
       for (const std::string& line : packed_) messages_.summary("  " + line);
@@ -292,6 +285,7 @@ class Narrator final : public convert::Events {
   std::string_view word_;
   Stopwatch watch_;  // since the start, or since the last file
   std::string label_;
+  convert::ResolvedPlacement placed_;
   std::map<double, SurfaceEnd> ends_;  // by iso: pieces of a surface are written to several files
   std::vector<std::string> verified_;
   std::vector<std::string> edited_;

@@ -17,7 +17,7 @@ namespace {
 // What is about surfaces, and was given.
 std::string_view surface_option(const ConvertFlags& flags) {
   const SurfaceFlags& surface = flags.surface;
-  const std::array<std::pair<bool, std::string_view>, 34> options{{{flags.labels.has_value(), "--labels"},
+  const std::array<std::pair<bool, std::string_view>, 35> options{{{flags.labels.has_value(), "--labels"},
                                                                    {flags.label_names.has_value(), "--label-names"},
                                                                    {flags.relaxations.has_value(), "--relax"},
                                                                    {flags.no_merge, "--no-merge"},
@@ -43,6 +43,7 @@ std::string_view surface_option(const ConvertFlags& flags) {
                                                                    {flags.placement.to_unit.has_value(), "--to-unit"},
                                                                    {flags.placement.up_out.has_value(), "--up-out"},
                                                                    {flags.placement.to_space.has_value(), "--to-space"},
+                                                                   {flags.placement.center, "--center"},
                                                                    {flags.ascii, "--ascii"},
                                                                    {flags.draco.has_value(), "--draco"},
                                                                    {flags.quantize, "--quantize"},

@@ -101,34 +101,38 @@ HelpTopic demo_topic() {
 }
 
 HelpTopic coordinates_topic() {
-  return {"coordinates",
-          "Coordinates",
-          "Where the mesh is, and what --up, --scale and --unit do.",
-          {{"By default the mesh stands where the input says: each sample has its place in the input's world, by the "
-            "transform, spacing, axes and origin of the file, and the mesh uses that world. --spacing and --origin "
-            "replace what the file says.",
-            {}},
-           {"Only for glb and gltf, whose standard prescribes that y points up, the world is turned: with --up z, "
-            "the default, (x, y, z) becomes (x, z, -y). With --up y the input's axes are kept. ply, obj, stl and drc "
-            "prescribe nothing, and keep the input's axes. --up-out turns any of them. compare takes the turn back "
-            "where it gets one mesh "
-            "of each kind, unless its --up says y.",
-            {}},
-           {"--scale multiplies the coordinates. --unit names the unit of the input's world: glb and gltf are then "
-            "written in metres, other formats in that unit, and all in that of --to-unit; without it coordinates are "
-            "written as they are, whatever their unit.",
-            {}},
-           {"--to-space ras or lps mirrors x and y of a scan whose file says which of the two its world is, as NIfTI "
-            "always does and NRRD may.",
-            {}},
-           {"--space index ignores all of this and gives voxel coordinates: the first sample is at (0, 0, 0), its "
-            "neighbours at distance 1. With --resolution these are the input's voxels as well, so that the mesh lies "
-            "where it lies without.",
-            {}},
-           {"--roi is a box in the input's world, before --up, --scale and --unit, or in voxel coordinates with "
-            "--space index. The surface is extracted from the samples inside it. Where the samples' axes are oblique "
-            "to the world's, the smallest box of samples that covers it is taken.",
-            {}}}};
+  return {
+      "coordinates",
+      "Coordinates",
+      "Where the mesh is, and what --up, --scale, --unit and --center do.",
+      {{"By default the mesh stands where the input says: each sample has its place in the input's world, by the "
+        "transform, spacing, axes and origin of the file, and the mesh uses that world. --spacing and --origin "
+        "replace what the file says.",
+        {}},
+       {"Only for glb and gltf, whose standard prescribes that y points up, the world is turned: with --up z, "
+        "the default, (x, y, z) becomes (x, z, -y). With --up y the input's axes are kept. ply, obj, stl and drc "
+        "prescribe nothing, and keep the input's axes. --up-out turns any of them.",
+        {}},
+       {"--scale multiplies the coordinates. --unit names the unit of the input's world: glb and gltf are then "
+        "written in metres, other formats in that unit, and all in that of --to-unit; without it coordinates are "
+        "written as they are, whatever their unit. --unit file is the unit that the file states; 'isoextract info' "
+        "shows it.",
+        {}},
+       {"--to-space ras or lps mirrors x and y of a scan whose file says which of the two its world is, as NIfTI "
+        "always does and NRRD may.",
+        {}},
+       {"--center moves the middle of the samples to the origin, last of all: of the whole volume or of --roi.", {}},
+       {"What of this is asked for stands in the file, but of stl. compare undoes it where two meshes were placed "
+        "otherwise, and glTF's turn as well; of a glTF file of another program its --up says what was up.",
+        {}},
+       {"--space index ignores all of this and gives voxel coordinates: the first sample is at (0, 0, 0), its "
+        "neighbours at distance 1. With --resolution these are the input's voxels as well, so that the mesh lies "
+        "where it lies without.",
+        {}},
+       {"--roi is a box in the input's world, before --up, --scale and --unit, or in voxel coordinates with "
+        "--space index. The surface is extracted from the samples inside it. Where the samples' axes are oblique "
+        "to the world's, the smallest box of samples that covers it is taken.",
+        {}}}};
 }
 
 HelpTopic exit_codes_topic() {

@@ -44,6 +44,13 @@ std::string component_text(const volumes::ComponentChoice& choice) {
   return choice.number ? fmt::format("{}", *choice.number) : "the length of all";
 }
 
+void add_creator(NamedLines& lines, std::string_view creator) {
+  if (creator.empty()) return;
+  const auto up = convert::up_axis_of(creator);
+  lines.add("creator", fmt::format("{}{}", printable(std::string(creator), kMaxName),
+                                   up ? fmt::format("; {0} is up there, which --up {0} tells", word_of(*up)) : ""));
+}
+
 void add_grids(NamedLines& lines, const InputReport& report) {
   if (report.particles || (report.grids.size() == 1 && report.field)) return;
   lines.add("grids", fmt::format("{}", report.grids.size()));
@@ -56,6 +63,12 @@ void add_grids(NamedLines& lines, const InputReport& report) {
                             grid.kind ? fmt::format(", {}", convert::kind_name(*grid.kind)) : "", several_text(grid),
                             grid.scalar ? "" : "; no surface can be extracted from this type",
                             grid.frame_problem.empty() ? "" : "; its place cannot be used: " + grid.frame_problem));
+  }
+  // That of the one that is described stands with the rest of it.
+  if (report.field || report.grids.empty()) return;
+  const std::string& creator = report.grids.front().creator;
+  if (std::ranges::all_of(report.grids, [&](const auto& grid) { return grid.creator == creator; })) {
+    add_creator(lines, creator);
   }
 }
 
@@ -77,6 +90,7 @@ void add_shape(NamedLines& lines, const FieldReport& report) {
   const field::ScalarField& field = report.field;
   lines.add("format", field.format);
   if (!field.name.empty()) lines.add("name", printable(field.name, kMaxName));
+  add_creator(lines, field.creator);
   lines.add("kind", fmt::format("{}: {} the iso value is inside", convert::kind_name(field.kind), word_of(field.kind)));
   const field::IndexBox box = field.extents();
   if (const auto* sparse = std::get_if<field::SparseSamples>(&field.samples)) {
@@ -104,6 +118,10 @@ void add_shape(NamedLines& lines, const FieldReport& report) {
   lines.add("origin", vector_text(field.index_to_world.offset));
   if (!box.empty()) lines.add("world box", convert::box_text(convert::world_bounds(field)));
   if (!field.world_space.empty()) lines.add("world space", printable(field.world_space, kMaxName));
+  if (!field.length_unit.empty()) {
+    lines.add("unit", fmt::format("{}{}", printable(field.length_unit, kMaxName),
+                                  convert::find_length_unit(field.length_unit) ? "; --unit file takes it" : ""));
+  }
 }
 
 void add_histogram(NamedLines& lines, const field::FieldStatistics& statistics) {
@@ -165,6 +183,7 @@ convert::Json json_of(const volumes::GridInfo& grid) {
   json["voxels"] = grid.voxels ? convert::Json(*grid.voxels) : nullptr;
   json["volumes"] = grid.volumes;
   json["components"] = grid.components;
+  json["creator"] = grid.creator;
   json["problem"] = grid.frame_problem.empty() ? convert::Json(nullptr) : convert::Json(grid.frame_problem);
   return json;
 }
@@ -201,6 +220,8 @@ convert::Json json_of(const FieldReport& report) {
   json["index_to_world"] = convert::json_of(field.index_to_world);
   json["world_box"] = field.extents().empty() ? convert::Json(nullptr) : convert::json_of(convert::world_bounds(field));
   json["world_space"] = field.world_space;
+  json["length_unit"] = field.length_unit;
+  json["creator"] = field.creator;
   json["values"] = json_of_values(report);
   json["suggestion"] = nullptr;
   if (report.suggestion.separates) {

@@ -113,14 +113,22 @@ struct EditFlags {
   std::optional<convert::SmoothChoice> smooth;
 };
 
+// Of the input's world: a unit, or the one that the file states.
+struct UnitChoice {
+  std::optional<convert::LengthUnit> unit;
+};
+
 struct PlacementFlags {
   std::optional<convert::Space> space;
   std::optional<convert::UpAxis> up;
   std::optional<double> scale;
-  std::optional<convert::LengthUnit> unit;
+  std::optional<UnitChoice> unit;
   std::optional<convert::LengthUnit> to_unit;
   std::optional<convert::UpAxis> up_out;
   std::optional<convert::AnatomicalSpace> to_space;
+  bool center = false;
+
+  [[nodiscard]] bool any() const { return space || up || scale || unit || to_unit || up_out || to_space || center; }
 };
 
 struct DeviceFlags {

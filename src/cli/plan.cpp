@@ -89,6 +89,7 @@ Result<convert::Placement> plan_placement(const PlacementFlags& flags, meshes::M
                                    : flags.to_unit  ? "--to-unit"
                                    : flags.up_out   ? "--up-out"
                                    : flags.to_space ? "--to-space"
+                                   : flags.center   ? "--center"
                                                     : "";
     if (!other.empty()) {
       return refuse_usage(fmt::format("--space index gives voxel coordinates, which {} cannot change", other),
@@ -98,7 +99,8 @@ Result<convert::Placement> plan_placement(const PlacementFlags& flags, meshes::M
   }
   if (flags.scale && flags.unit) return refuse_usage("--scale and --unit exclude each other");
   if (flags.to_unit && !flags.unit) {
-    return refuse_usage("--to-unit needs the unit of the input's world as well", "give --unit, for example --unit mm");
+    return refuse_usage("--to-unit needs the unit of the input's world as well",
+                        "give --unit file where the input states it, or for example --unit mm");
   }
   const std::string_view format_name = meshes::mesh_format_info(format).name;
   const convert::UpAxis up_out = flags.up_out.value_or(is_gltf(format) ? convert::UpAxis::y : placement.up);
@@ -116,15 +118,18 @@ Result<convert::Placement> plan_placement(const PlacementFlags& flags, meshes::M
   }
   placement.to_space = flags.to_space;
   if (flags.scale) placement.scale = *flags.scale;
-  if (flags.unit) {
-    const convert::LengthUnit& to = flags.to_unit ? *flags.to_unit : is_gltf(format) ? convert::metre() : *flags.unit;
-    placement.scale = convert::unit_ratio(*flags.unit, to);
-    placement.unit = flags.unit->name;
-    placement.to_unit = to.name;
-    if (is_gltf(format) && placement.to_unit != convert::metre().name) {
-      notes.push_back(fmt::format("--to-unit {}: {} prescribes metres, which other programs take its numbers for",
-                                  placement.to_unit, format_name));
-    }
+  placement.center = flags.center;
+  if (!flags.unit) return placement;
+  // Without a name, that of the file stays.
+  const std::optional<convert::LengthUnit> to = flags.to_unit     ? flags.to_unit
+                                                : is_gltf(format) ? std::optional(convert::metre())
+                                                                  : flags.unit->unit;
+  if (to) placement.to_unit = to->name;
+  placement.unit = flags.unit->unit ? flags.unit->unit->name : convert::kUnitOfFile;
+  if (flags.unit->unit) placement.scale = convert::unit_ratio(*flags.unit->unit, *to);
+  if (is_gltf(format) && placement.to_unit != convert::metre().name) {
+    notes.push_back(fmt::format("--to-unit {}: {} prescribes metres, which other programs take its numbers for",
+                                placement.to_unit, format_name));
   }
   return placement;
 }
@@ -251,6 +256,7 @@ Result<VerifyPlan> plan_verify(const VerifyFlags& flags) {
   auto placement = plan_placement(flags.placement, format, plan.notes);
   if (!placement) return tl::unexpected(placement.error());
   plan.source.placement = std::move(*placement);
+  plan.is_placed = flags.placement.any();
   plan.source.away_from_zero = flags.input.inside == InsideChoice::away_from_zero;
   if (auto taken = plan_region(flags.surface, plan.source); !taken) return tl::unexpected(taken.error());
   if (auto taken = plan_resolution(flags.surface, plan.source); !taken) return tl::unexpected(taken.error());

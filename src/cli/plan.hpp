@@ -53,6 +53,7 @@ struct VerifyPlan {
   std::vector<convert::IsoChoice> isos;
   std::optional<std::string> mesh;  // none: the backends are compared
   gpu::GpuChoice gpu;
+  bool is_placed = false;      // by options: what the mesh says of its placement does not count then
   bool float32_world = false;  // the mesh's format has float32 world coordinates only
   bool json = false;
   std::vector<std::string> notes;

@@ -27,7 +27,7 @@ std::string words_of(const Hint& hint) {
     case Remedy::rescale: return "choose another --spacing, --scale or --unit, or --space index";
     case Remedy::place_nearer:
       return (text.empty() ? "" : fmt::format("use --format {}; or ", text)) +
-             "place the volume nearer with --origin X,Y,Z or --space index";
+             "place the volume nearer with --center, --origin X,Y,Z or --space index";
     case Remedy::choose_nan_policy:
       return "use --nan outside to take them as outside, or --nan hole to leave the surface open around them";
     case Remedy::use_cpu: return text.empty() ? "--backend cpu needs no GPU" : text + "; --backend cpu needs no GPU";
@@ -41,7 +41,8 @@ std::string words_of(const Hint& hint) {
                          text);
     case Remedy::region_is_in_voxels: return "--roi is in voxel coordinates because of --space index";
     case Remedy::region_is_in_world:
-      return "--roi is in the input's world coordinates, before --up, --scale, --unit and --to-space";
+      return "--roi is in the input's world coordinates, before --up, --scale, --unit, --to-space and --center";
+    case Remedy::name_unit: return "name it with --unit, for example --unit mm";
     case Remedy::choose_scale: return "choose another --scale, --unit or --to-unit";
     case Remedy::other_output_name: return "choose another name with -o";
     case Remedy::widen_region_or_skip: return "widen the --roi; --empty skip makes this no error";

@@ -8,10 +8,10 @@
 
 #include <fmt/format.h>
 
-#include "cli/turned_mesh.hpp"
 #include "convert/conversion.hpp"
 #include "convert/mesh_sink.hpp"
 #include "convert/picture_file.hpp"
+#include "convert/placement_record.hpp"
 #include "field/statistics.hpp"
 #include "files/file_bytes.hpp"
 #include "meshes/mesh_reader.hpp"
@@ -48,7 +48,8 @@ Result<mesh::Mesh> read_mesh(const std::string& path, const RenderPlan& plan, co
   auto file = meshes::read_mesh(path, context);
   if (!file) return tl::unexpected(std::move(file.error()));
   for (const std::string& note : file->notes) events.note(note);
-  if (file->y_up && plan.up == render::UpAxis::z) turn_y_up_to_z_up(file->mesh);
+  const convert::UpAxis up = plan.up == render::UpAxis::y ? convert::UpAxis::y : convert::UpAxis::z;
+  convert::move_mesh(file->mesh, convert::placement_of(*file, up).output_from_world().inverse());
   return std::move(file->mesh);
 }
 

@@ -32,6 +32,12 @@ std::vector<Choice<convert::LengthUnit>> units() {
   return choices;
 }
 
+std::vector<Choice<UnitChoice>> units_of_input() {
+  std::vector<Choice<UnitChoice>> choices{{std::string(convert::kUnitOfFile), {}}};
+  for (const convert::LengthUnit& unit : convert::length_units()) choices.push_back({std::string(unit.name), {unit}});
+  return choices;
+}
+
 // "weight (a fixed weight for each particle), sph (...)"
 std::string particle_methods() {
   std::vector<std::string> methods;
@@ -218,10 +224,14 @@ void declare_placement(CLI::App& app, PlacementFlags& flags) {
                "posterior, superior, as DICOM). The file has to say which of them its world is (default: the file's).");
   group.value("--scale", "S", flags.scale, parse_positive, "Multiply the world coordinates by S.");
   group.choice(
-      "--unit", flags.unit, units(),
-      "Unit of the input's world. glb and gltf are written in metres, as glTF prescribes, and other formats in "
-      "that unit (default: coordinates are written as they are). Not together with --scale.");
+      "--unit", flags.unit, units_of_input(),
+      "Unit of the input's world; file is the one that it states, which 'isoextract info' shows. glb and gltf are "
+      "written in metres, as glTF prescribes, and other formats in that unit (default: coordinates are written as they "
+      "are). Not together with --scale.");
   group.choice("--to-unit", flags.to_unit, units(), "Unit of the mesh, of any format, in place of that; needs --unit.");
+  group.flag("--center", flags.center,
+             "Move the middle of the samples to the origin: that of --roi where it is given. All surfaces of a volume "
+             "move alike.");
 }
 
 }  // namespace isoextract::cli

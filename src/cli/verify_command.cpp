@@ -13,6 +13,7 @@
 #include "cli/progress_bar.hpp"
 #include "cli/verification_text.hpp"
 #include "convert/mesh_clip.hpp"
+#include "convert/placement_record.hpp"
 #include "convert/source.hpp"
 #include "measure/mesh_match.hpp"
 #include "mesh/joined.hpp"
@@ -169,7 +170,13 @@ Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages, const
       notes.note(fmt::format("{}: attributes and colours of its vertices are not verified: {}", *plan.mesh,
                              fmt::join(names, ", ")));
     }
-    auto source = open_source(plan, context, notes);
+    VerifyPlan placed = plan;
+    if (const auto record = plan.is_placed ? std::nullopt : convert::read_record(file->placement)) {
+      notes.note(fmt::format("{}: it says that it was placed otherwise than usual, and the surface is placed so: {}",
+                             *plan.mesh, convert::placement_text(*record)));
+      placed.source.placement = record->placement;
+    }
+    auto source = open_source(placed, context, notes);
     if (!source) return tl::unexpected(source.error());
     std::vector<std::string> isos;
     for (const convert::ResolvedIso& iso : source->isos) isos.push_back(text_of(iso));

@@ -24,6 +24,7 @@
 #include "convert/mesh_pieces.hpp"
 #include "convert/output_checks.hpp"
 #include "convert/picture_file.hpp"
+#include "convert/placement_record.hpp"
 #include "convert/source.hpp"
 #include "convert/surface_stages.hpp"
 #include "extract/voxels.hpp"
@@ -183,8 +184,12 @@ class Conversion {
   }
 
   [[nodiscard]] meshes::MeshWriteOptions write_options() const {
-    return {job_.format, job_.normals == Normals::flat, job_.ascii, mesh_packing(job_.packing, source_),
-            copies_vertices(job_)};
+    return {job_.format,
+            job_.normals == Normals::flat,
+            job_.ascii,
+            mesh_packing(job_.packing, source_),
+            copies_vertices(job_),
+            record_text(source_.placement, job_.format)};
   }
 
   // All labels that are asked for, in one look at the samples.
@@ -338,7 +343,8 @@ class Conversion {
   }
 
   Result<meshes::MeshWriteResult> complete(OutputFile& file) {
-    if (sink_ == nullptr && job_.picture_file) return write_picture(file.held, job_, file.written.job, context_);
+    if (sink_ == nullptr && job_.picture_file)
+      return write_picture(file.held, job_, source_.placement.placement, file.written.job, context_);
     if (sink_ == nullptr) return file.writer.finish();
     if (auto taken = sink_->take({file.written.job, file.written.isos, std::move(file.held), write_options().packing});
         !taken) {

@@ -49,6 +49,8 @@ Json json_of(const InputFacts& input) {
   json["value_scale"] = {{"slope", input.scale.slope}, {"intercept", input.scale.intercept}};
   json["index_to_world"] = json_of(input.index_to_world);
   json["world_space"] = input.world_space;
+  json["length_unit"] = input.length_unit;
+  json["creator"] = input.creator;
   return json;
 }
 
@@ -70,6 +72,14 @@ Json json_of(const ParticleRecord& record) {
           {"bricks_stored", figures.bricks_stored},
           {"bricks_inside", figures.bricks_inside},
           {"time", json_of(record.time)}};
+}
+
+Json json_of(const PlacedField& placed) {
+  const Placement& placement = placed.placement.placement;
+  return {{"unit", placement.unit.empty() ? Json(nullptr) : Json(placement.unit)},
+          {"to_unit", placement.to_unit.empty() ? Json(nullptr) : Json(placement.to_unit)},
+          {"scale", placement.scale},
+          {"moved_by", json_of(placed.placement.moved_by)}};
 }
 
 Json json_of(const StageRecord& stage) {
@@ -187,6 +197,8 @@ InputFacts input_facts(const std::string& path, const field::ScalarField& field)
   facts.format = field.format;
   facts.name = field.name;
   facts.world_space = field.world_space;
+  facts.length_unit = field.length_unit;
+  facts.creator = field.creator;
   facts.type = field.type();
   facts.kind = field.kind;
   facts.scale = field.scale;
@@ -252,8 +264,9 @@ Json report_of(const ConversionJob* job, const Outcome& report, const std::vecto
   json["device"] = device_of(report);
   json["input"] = report.input ? json_of(*report.input) : Json(nullptr);
   if (report.particles) json["particles"] = json_of(*report.particles);
-  json["output_from_index"] = report.output_from_index ? json_of(*report.output_from_index) : Json(nullptr);
-  json["region"] = report.region ? json_of(*report.region) : Json(nullptr);
+  json["output_from_index"] = report.placed ? json_of(report.placed->output_from_index) : Json(nullptr);
+  json["region"] = report.placed && report.placed->region ? json_of(*report.placed->region) : Json(nullptr);
+  if (report.placed) json["placement"] = json_of(*report.placed);
   if (!report.isos.empty()) json["iso_values"] = array_of(report.isos);
   json["stages"] = array_of(report.stages);
   json["total"] = json_of(report.total);

@@ -36,6 +36,8 @@ struct InputFacts {
   std::string format;  // "OpenVDB"
   std::string name;    // of the grid, or the file's stem
   std::string world_space;
+  std::string length_unit;
+  std::string creator;
   bool sparse = false;
   field::SampleType type = field::SampleType::f32;
   field::FieldKind kind = field::FieldKind::density;
@@ -92,11 +94,10 @@ struct Outcome {
   std::string backend;  // "cpu" or "gpu"; if it could not be opened, what was asked for; empty if that was not tried
   std::string device;   // the processor's or the GPU's name; empty if it could not be opened
   int threads = 0;
-  std::optional<InputFacts> input;                 // absent if it could not be read
-  std::optional<ParticleRecord> particles;         // absent for volumes
-  std::optional<field::Affine> output_from_index;  // what placed the meshes
-  std::optional<field::IndexBox> region;           // samples that the region asked for holds
-  std::vector<ResolvedIso> isos;                   // of all outputs, where some were no numbers
+  std::optional<InputFacts> input;          // absent if it could not be read
+  std::optional<ParticleRecord> particles;  // absent for volumes
+  std::optional<PlacedField> placed;        // what placed the meshes
+  std::vector<ResolvedIso> isos;            // of all outputs, where some were no numbers
   std::vector<StageRecord> stages;
   StageTime total;
   std::uint64_t bytes_read = 0;

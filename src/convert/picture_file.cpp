@@ -43,7 +43,8 @@ Result<std::uint64_t> write_png(const std::string& path, const render::Picture& 
 }
 
 Result<meshes::MeshWriteResult> write_picture(std::span<const mesh::Mesh> meshes, const ConversionJob& job,
-                                              const OutputFileJob& output, const Context& context) {
+                                              const Placement& placement, const OutputFileJob& output,
+                                              const Context& context) {
   std::vector<render::Surface> surfaces;
   for (const mesh::Mesh& mesh : meshes) surfaces.push_back(surface_of(mesh));
   render::PreviewOptions options;
@@ -52,8 +53,8 @@ Result<meshes::MeshWriteResult> write_picture(std::span<const mesh::Mesh> meshes
   };
   options.size = {side(job.picture_file->width), side(job.picture_file->height)};
   options.angles = job.picture_file->angles;
-  if (!job.source.placement.unit.empty()) options.unit = job.source.placement.to_unit;
-  options.up = shown_up(job.source.placement.up);
+  if (!placement.unit.empty()) options.unit = placement.to_unit;
+  options.up = shown_up(placement.up);
   const auto renderer = render::make_cpu_renderer();
   auto drawn = render::draw_preview(surfaces, options, *renderer, context);
   if (!drawn) return tl::unexpected(std::move(drawn.error()));

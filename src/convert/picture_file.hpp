@@ -29,10 +29,10 @@ namespace isoextract::convert {
 [[nodiscard]] Result<std::uint64_t> write_png(const std::string& path, const render::Picture& picture,
                                               const Context& context);
 
-// Draws `meshes` on the processor, the same picture for any number of threads, and writes it to `output`, whole or not
-// at all. Fails as render::draw_preview() does, and with ErrorKind::output.
+// Draws `meshes`, which are placed so, on the processor, the same picture for any number of threads, and writes it to
+// `output`, whole or not at all. Fails as render::draw_preview() does, and with ErrorKind::output.
 [[nodiscard]] Result<meshes::MeshWriteResult> write_picture(std::span<const mesh::Mesh> meshes,
-                                                            const ConversionJob& job, const OutputFileJob& output,
-                                                            const Context& context);
+                                                            const ConversionJob& job, const Placement& placement,
+                                                            const OutputFileJob& output, const Context& context);
 
 }  // namespace isoextract::convert

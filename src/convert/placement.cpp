@@ -6,14 +6,26 @@
 
 #include <fmt/format.h>
 
+#include "base/ascii.hpp"
+#include "base/printable.hpp"
 #include "convert/field_label.hpp"
 
 namespace isoextract::convert {
 namespace {
 
-constexpr std::array kUnits{LengthUnit{"um", 1},  LengthUnit{"mm", 1e3},    LengthUnit{"cm", 1e4},
-                            LengthUnit{"m", 1e6}, LengthUnit{"in", 25'400}, LengthUnit{"ft", 304'800}};
-constexpr std::size_t kMetre = 3;
+constexpr std::array kUnits{LengthUnit{"angstrom", 1e2}, LengthUnit{"nm", 1e3},    LengthUnit{"um", 1e6},
+                            LengthUnit{"mm", 1e9},       LengthUnit{"cm", 1e10},   LengthUnit{"m", 1e12},
+                            LengthUnit{"in", 25.4e9},    LengthUnit{"ft", 304.8e9}};
+constexpr std::size_t kMetre = 5;
+
+// What files call a unit, in lower case and without the s of a plural. The micro sign has two characters in Unicode.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 20> kOtherNames{
+    {{"å", "angstrom"},    {"Å", "angstrom"},    {"nanometer", "nm"},  {"nanometre", "nm"},  {"µm", "um"},
+     {"μm", "um"},         {"micron", "um"},     {"micrometer", "um"}, {"micrometre", "um"}, {"millimeter", "mm"},
+     {"millimetre", "mm"}, {"centimeter", "cm"}, {"centimetre", "cm"}, {"meter", "m"},       {"metre", "m"},
+     {"inch", "in"},       {"inche", "in"},      {"\"", "in"},         {"foot", "ft"},       {"feet", "ft"}}};
+
+constexpr std::size_t kMaxShownUnit = 80;  // characters of what a file says
 
 constexpr double kVoxelTolerance = 1e-6;
 constexpr double kAxisTolerance = 1e-6;  // of an axis' length
@@ -34,18 +46,43 @@ std::optional<glm::dvec2> ras_signs(std::string_view world_space) {
   return std::nullopt;
 }
 
-// Mirrors the axes of the field's world; nothing where its space is not known.
-std::optional<field::Affine> anatomical_map(std::string_view world_space, AnatomicalSpace to) {
-  const auto from = ras_signs(world_space);
-  if (!from) return std::nullopt;
-  const glm::dvec2 signs = to == AnatomicalSpace::ras ? *from : -*from;
-  return field::scaling(glm::dvec3(signs, 1));
-}
-
 // Where samples are: sparse ones are everywhere, for the background is a value like any other.
 field::IndexBox sample_box(const field::ScalarField& field) {
   if (std::holds_alternative<field::DenseSamples>(field.samples)) return field.extents();
   return {glm::ivec3(-field::kMaxSparseIndex), glm::ivec3(field::kMaxSparseIndex)};
+}
+
+// The unit that the file states, where that one is asked for.
+Result<Placement> with_unit_of_file(const field::ScalarField& field, const Placement& placement) {
+  Placement with_unit = placement;
+  if (placement.unit != kUnitOfFile) return with_unit;
+  const auto unit = find_length_unit(field.length_unit);
+  if (!unit) {
+    const std::string found = field.length_unit.empty()
+                                  ? "states none"
+                                  : fmt::format("states '{}'", printable(field.length_unit, kMaxShownUnit));
+    return fail(ErrorKind::usage,
+                fmt::format("{}: the unit that the file states was asked for, and it {}{}", field_label(field), found,
+                            field.length_unit.empty() ? "" : ", which is none of those that are known"),
+                Remedy::name_unit);
+  }
+  const auto to = placement.to_unit.empty() ? unit : find_length_unit(placement.to_unit);
+  with_unit.unit = unit->name;
+  with_unit.to_unit = to->name;
+  with_unit.scale = unit_ratio(*unit, *to);
+  return with_unit;
+}
+
+// What a placement does to the coordinates that `map` leads to, without ResolvedPlacement::moved_by.
+field::Affine placed_after(const field::Affine& map, const ResolvedPlacement& resolved) {
+  const Placement& placement = resolved.placement;
+  field::Affine placed = field::scaling(glm::dvec3(placement.scale)).after(map);
+  if (placement.to_space) placed = field::scaling(glm::dvec3(resolved.signs, 1)).after(placed);
+  if (placement.turn_z_up_to_y_up)
+    placed = field::Affine{glm::dmat3(1, 0, 0, 0, 0, -1, 0, 1, 0), glm::dvec3(0)}.after(placed);
+  if (placement.turn_y_up_to_z_up)
+    placed = field::Affine{glm::dmat3(1, 0, 0, 0, 0, 1, 0, -1, 0), glm::dvec3(0)}.after(placed);
+  return placed;
 }
 
 }  // namespace
@@ -53,18 +90,27 @@ field::IndexBox sample_box(const field::ScalarField& field) {
 std::span<const LengthUnit> length_units() { return kUnits; }
 const LengthUnit& metre() { return kUnits[kMetre]; }
 
-double unit_ratio(const LengthUnit& from, const LengthUnit& to) { return from.micrometres / to.micrometres; }
+std::optional<LengthUnit> find_length_unit(std::string_view text) {
+  std::string name = lower_case(std::string(text));
+  const auto unit_called = [](std::string_view wanted) -> std::optional<LengthUnit> {
+    const auto found = std::ranges::find(kUnits, wanted, &LengthUnit::name);
+    return found == kUnits.end() ? std::nullopt : std::optional(*found);
+  };
+  if (const auto unit = unit_called(name)) return unit;
+  if (name.ends_with('s')) name.pop_back();
+  const auto other = std::ranges::find(kOtherNames, name, &std::pair<std::string_view, std::string_view>::first);
+  return unit_called(other == kOtherNames.end() ? std::string_view(name) : other->second);
+}
 
-field::Affine output_from_index(const field::ScalarField& field, const Placement& placement) {
-  if (placement.space == Space::index) return field.index_to_file;
-  field::Affine map = field::scaling(glm::dvec3(placement.scale)).after(field.index_to_world);
-  if (placement.to_space) {
-    if (const auto mirrored = anatomical_map(field.world_space, *placement.to_space)) map = mirrored->after(map);
-  }
-  if (placement.turn_z_up_to_y_up)
-    map = field::Affine{glm::dmat3(1, 0, 0, 0, 0, -1, 0, 1, 0), glm::dvec3(0)}.after(map);
-  if (placement.turn_y_up_to_z_up)
-    map = field::Affine{glm::dmat3(1, 0, 0, 0, 0, 1, 0, -1, 0), glm::dvec3(0)}.after(map);
+double unit_ratio(const LengthUnit& from, const LengthUnit& to) { return from.picometres / to.picometres; }
+
+std::optional<UpAxis> up_axis_of(std::string_view creator) {
+  return creator.starts_with("Houdini") ? std::optional(UpAxis::y) : std::nullopt;
+}
+
+field::Affine ResolvedPlacement::output_from_world() const {
+  field::Affine map = placed_after({}, *this);
+  map.offset += moved_by;
   return map;
 }
 
@@ -106,6 +152,30 @@ Result<field::IndexBox> samples_in_box(const field::ScalarField& field, const fi
   return samples;
 }
 
+namespace {
+
+// What of the field is in `roi`.
+Result<void> take_region(const field::ScalarField& field, const field::Box& roi, bool closed, PlacedField& placed) {
+  const Space space = placed.placement.placement.space;
+  const bool oblique = space == Space::world && !is_axis_aligned(field.index_to_world);
+  placed.cut_at_box = oblique && !closed;
+  auto region = samples_in_box(field, roi, space, placed.cut_at_box);
+  if (!region) return tl::unexpected(std::move(region.error()));
+  placed.region = *region;
+  if (!oblique) return {};
+  const glm::i64vec3 dims = region->dims();
+  placed.notes.push_back(
+      closed ? fmt::format("{}: its axes are oblique, so the region is the {} x {} x {} samples that cover the box: "
+                           "a surface is closed along samples",
+                           field_label(field), dims.x, dims.y, dims.z)
+             : fmt::format("{}: its axes are oblique, so the surface of the {} x {} x {} samples that cover the box "
+                           "is cut at it",
+                           field_label(field), dims.x, dims.y, dims.z));
+  return {};
+}
+
+}  // namespace
+
 Result<PlacedField> place_field(const field::ScalarField& field, const Placement& placement,
                                 const std::optional<field::Box>& roi, bool closed) {
   if (placement.to_space && !ras_signs(field.world_space)) {
@@ -116,29 +186,37 @@ Result<PlacedField> place_field(const field::ScalarField& field, const Placement
                             field_label(field), word_of(*placement.to_space), found),
                 "NIfTI files always say it, and NRRD files by their space");
   }
+  auto with_unit = with_unit_of_file(field, placement);
+  if (!with_unit) return tl::unexpected(std::move(with_unit.error()));
   PlacedField placed;
-  placed.output_from_index = output_from_index(field, placement);
-  if (field.index_to_world.is_regular() && !placed.output_from_index.is_regular()) {
-    return fail(
-        ErrorKind::usage,
-        fmt::format("{}: scaled by {}, coordinates leave the range of numbers", field_label(field), placement.scale),
-        Remedy::choose_scale);
+  ResolvedPlacement& resolved = placed.placement;
+  resolved.placement = std::move(*with_unit);
+  if (placement.to_space) {
+    const glm::dvec2 from = *ras_signs(field.world_space);
+    resolved.signs = *placement.to_space == AnatomicalSpace::ras ? from : -from;
   }
-  if (!roi) return placed;
-  const bool oblique = placement.space == Space::world && !is_axis_aligned(field.index_to_world);
-  placed.cut_at_box = oblique && !closed;
-  auto region = samples_in_box(field, *roi, placement.space, placed.cut_at_box);
-  if (!region) return tl::unexpected(region.error());
-  placed.region = *region;
-  if (oblique) {
-    const glm::i64vec3 dims = region->dims();
+  placed.output_from_index =
+      placement.space == Space::index ? field.index_to_file : placed_after(field.index_to_world, resolved);
+  if (field.index_to_world.is_regular() && !placed.output_from_index.is_regular()) {
+    return fail(ErrorKind::usage,
+                fmt::format("{}: scaled by {}, coordinates leave the range of numbers", field_label(field),
+                            resolved.placement.scale),
+                Remedy::choose_scale);
+  }
+  if (placement.turn_z_up_to_y_up && up_axis_of(field.creator) == UpAxis::y) {
     placed.notes.push_back(
-        closed ? fmt::format("{}: its axes are oblique, so the region is the {} x {} x {} samples that cover the box: "
-                             "a surface is closed along samples",
-                             field_label(field), dims.x, dims.y, dims.z)
-               : fmt::format("{}: its axes are oblique, so the surface of the {} x {} x {} samples that cover the box "
-                             "is cut at it",
-                             field_label(field), dims.x, dims.y, dims.z));
+        fmt::format("{}: {} made it, where y points up, and the mesh is turned as if z did: it stays upright where y "
+                    "is said to be up",
+                    field_label(field), printable(field.creator, kMaxShownUnit)));
+  }
+  if (roi) {
+    if (auto taken = take_region(field, *roi, closed, placed); !taken) return tl::unexpected(std::move(taken.error()));
+  }
+  const field::IndexBox samples = placed.region.value_or(field.extents());
+  if (placement.center && !samples.empty()) {
+    const glm::dvec3 middle = 0.5 * (glm::dvec3(samples.min) + glm::dvec3(samples.max));
+    resolved.moved_by = -placed.output_from_index(middle);
+    placed.output_from_index.offset += resolved.moved_by;
   }
   return placed;
 }

@@ -19,6 +19,8 @@ constexpr auto words_of(Space /*type*/) { return std::array{Word{Space::world, "
 
 enum class UpAxis { y, z };
 constexpr auto words_of(UpAxis /*type*/) { return std::array{Word{UpAxis::y, "y"}, Word{UpAxis::z, "z"}}; }
+// The axis that points up in what a program makes, by the name that its files give; none where that is not known.
+[[nodiscard]] std::optional<UpAxis> up_axis_of(std::string_view creator);
 
 // The axes that scans of bodies are stored in: x to the right or the left, y to the front or the back, z to the head.
 enum class AnatomicalSpace { ras, lps };
@@ -28,29 +30,46 @@ constexpr auto words_of(AnatomicalSpace /*type*/) {
 
 struct LengthUnit {
   std::string_view name;
-  double micrometres;  // a whole number, so that ratios of units are rounded once
+  double picometres;  // a whole number, so that ratios of units are rounded once
 };
 [[nodiscard]] std::span<const LengthUnit> length_units();
 [[nodiscard]] const LengthUnit& metre();
+// The unit that files call so: "mm", "millimeters", "Microns", ...
+[[nodiscard]] std::optional<LengthUnit> find_length_unit(std::string_view text);
 
 // What lengths in `from` are multiplied by to be in `to`.
 [[nodiscard]] double unit_ratio(const LengthUnit& from, const LengthUnit& to);
 
+// In place of a unit's name: the one that the file states.
+inline constexpr std::string_view kUnitOfFile = "file";
+
 // What happens between the samples' indices and the coordinates in the file.
 struct Placement {
   Space space = Space::world;
-  UpAxis up = UpAxis::z;           // of the input's world
-  bool turn_z_up_to_y_up = false;  // (x, y, z) -> (x, z, -y)
-  bool turn_y_up_to_z_up = false;  // (x, y, z) -> (x, -z, y); not both
-  double scale = 1;
-  std::string unit;                         // of the input's world; empty if none was named
-  std::string to_unit;                      // that `scale` converts it to; empty with `unit`
+  UpAxis up = UpAxis::z;                    // of the input's world
+  bool turn_z_up_to_y_up = false;           // (x, y, z) -> (x, z, -y)
+  bool turn_y_up_to_z_up = false;           // (x, y, z) -> (x, -z, y); not both
+  double scale = 1;                         // for place_field() to find with kUnitOfFile
+  std::string unit;                         // of the input's world, or kUnitOfFile; empty if none was named
+  std::string to_unit;                      // that `scale` converts it to; empty with `unit`, or to stay in the file's
   std::optional<AnatomicalSpace> to_space;  // that the world's axes are mirrored into, before they are turned
+  bool center = false;  // last, the middle of the samples is moved to the origin: of the region, or else of the field's
+                        // extents; not in Space::index
 
   friend bool operator==(const Placement&, const Placement&) = default;
 };
 
-[[nodiscard]] field::Affine output_from_index(const field::ScalarField& field, const Placement& placement);
+// The same where the field is known.
+struct ResolvedPlacement {
+  Placement placement;       // with the unit in place of kUnitOfFile, and its scale
+  glm::dvec2 signs{1.0};     // that x and y are multiplied by, for Placement::to_space
+  glm::dvec3 moved_by{0.0};  // for Placement::center, in output coordinates
+
+  // From the input's world, or from voxel coordinates in Space::index, to the output.
+  [[nodiscard]] field::Affine output_from_world() const;
+
+  friend bool operator==(const ResolvedPlacement&, const ResolvedPlacement&) = default;
+};
 
 // The field's extents in world coordinates.
 [[nodiscard]] field::Box world_bounds(const field::ScalarField& field);
@@ -66,6 +85,7 @@ struct Placement {
 
 // A field's place in the output, and what of it is wanted.
 struct PlacedField {
+  ResolvedPlacement placement;
   field::Affine output_from_index;
   std::optional<field::IndexBox> region;
   bool cut_at_box = false;         // the region holds more than the box, and surfaces are to be cut at it
@@ -73,9 +93,9 @@ struct PlacedField {
 };
 
 // Where the samples' axes are oblique to the box, surfaces are cut at it, unless they are closed there, which is done
-// along samples: then the box is that of the samples. Fails with ErrorKind::usage where an anatomical space is asked
-// for and the file does not say which one its world is, where the scale leads out of the range of numbers, and as
-// samples_in_box does.
+// along samples: then the box is that of the samples. A note tells of a field whose creator has another axis up than
+// it is turned by. Fails with ErrorKind::usage where an anatomical space or a unit is asked for and the file does not
+// say which one its world is, where the scale leads out of the range of numbers, and as samples_in_box does.
 [[nodiscard]] Result<PlacedField> place_field(const field::ScalarField& field, const Placement& placement,
                                               const std::optional<field::Box>& roi, bool closed);
 

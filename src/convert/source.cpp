@@ -108,6 +108,7 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
   auto made = make_particle_field(file->particles, options.particles, use.only_iso, context);
   if (!made) return tl::unexpected(std::move(made.error()));
   made->field.name = stem_of_file(files::shown_input_name(options.input));
+  made->field.length_unit = file->length_unit;
   events.read(options.input, made->field, reading);
   const points::FieldFigures& figures = made->figures;
   ParticleRecord record{file->format, file->length_unit, options.particles.method, {}, figures, watch.elapsed()};
@@ -214,6 +215,7 @@ Result<Source> open_source(const SourceOptions& options, const SourceUse& use, c
   if (!placed) return tl::unexpected(std::move(placed.error()));
   events.placed(*placed);
   for (const std::string& text : placed->notes) events.note(text);
+  source.placement = placed->placement;
   source.output_from_index = placed->output_from_index;
   source.region = placed->region;
   source.clip = half_spaces_of(source.field, source.output_from_index, options.placement.space, options.clip,

@@ -23,6 +23,7 @@ namespace isoextract::convert {
 struct Source {
   field::ScalarField field;                // to extract from
   std::optional<field::ScalarField> data;  // what was read, where `field` was made of it and the data were asked for
+  ResolvedPlacement placement;
   field::Affine output_from_index;
   std::optional<field::IndexBox> region;
   std::vector<mesh::HalfSpace> clip;  // what of the surfaces is kept, in their coordinates: clip_mesh()

@@ -143,6 +143,8 @@ Result<ScalarField> coarsen(const ScalarField& field, int factor, const Context&
   coarse.source = field.source;
   coarse.format = field.format;
   coarse.world_space = field.world_space;
+  coarse.length_unit = field.length_unit;
+  coarse.creator = field.creator;
   coarse.kind = field.kind;
   coarse.scale = field.scale;
   coarse.index_to_world = coarse_transform(field.index_to_world, factor);

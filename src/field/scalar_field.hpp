@@ -35,6 +35,8 @@ struct ScalarField {
   std::string source;       // the path or demo: text it was read from, for messages
   std::string format;       // "OpenVDB", "NRRD", ...
   std::string world_space;  // what the file calls its world: "RAS", "left-posterior-superior", ...; may be empty
+  std::string length_unit;  // what the file calls the unit of that world: "mm", "microns", ...; may be empty
+  std::string creator;      // what the file says made it: "Houdini/SOP_OpenVDB_Write"; may be empty
   std::size_t grids = 0;    // how many the source has by name, this one among them; 0 where its format names none
   std::string grid;         // where it does: what no other of them is called; printable
   FieldKind kind = FieldKind::density;

@@ -16,6 +16,7 @@
 #include "base/hash.hpp"
 #include "mesh/local_origin.hpp"
 #include "meshes/detail/json_tree.hpp"
+#include "meshes/detail/placement_entry.hpp"
 #include "meshes/read/gltf_json.hpp"
 #include "meshes/read/mesh_format_readers.hpp"
 
@@ -196,6 +197,7 @@ MeshFile read_file(const files::InputFile& file, const MeshReadOptions& options)
   result.format = surface.format;
   result.y_up = surface.y_up;
   result.is_ours = surface.is_ours;
+  if (surface.is_ours && surface.placement.size() <= kMaxPlacement) result.placement = surface.placement;
   for (const std::string& note : surface.notes) result.notes.push_back(fmt::format("{}: {}", file.name(), note));
   return result;
 }

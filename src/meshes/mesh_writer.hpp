@@ -50,6 +50,9 @@ struct MeshWriteOptions {
   // Vertices at one place whose normals differ are copies for those normals' sake (mesh/shading_normals.hpp). OBJ,
   // whose corners have normals of their own, writes that place once; the other formats need a vertex for each normal.
   bool copies_for_normals = false;
+  // Where the mesh is, for whoever reads it again: a JSON object in one line of ASCII, or nothing. PLY and OBJ keep it
+  // as a comment, glTF in the extras of its asset, DRC in its metadata; STL cannot.
+  std::string placement = {};
 };
 
 struct WrittenFile {

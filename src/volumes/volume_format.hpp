@@ -75,6 +75,7 @@ struct GridInfo {
   std::optional<std::uint64_t> voxels;   // active voxels, or all samples; none if they were not counted
   std::uint64_t volumes = 1;             // of this box each: time steps, for example; ReadOptions::volume chooses one
   std::uint64_t components = 1;          // numbers a sample; ReadOptions::component chooses one, or their length
+  std::string creator;                   // what the file says made it; may be empty
   std::string frame_problem;             // why the place that the file gives it cannot be used; empty if it can
 };
 

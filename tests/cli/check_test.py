@@ -46,7 +46,7 @@ class CheckTest(ProgramTest):
             self.assertEqual((mesh["components"], mesh["genus"], mesh["shells"]["body"]), (1, 0, 1))
             self.assertEqual(mesh["self_intersections"]["pairs"], 0)
             self.assertAlmostEqual(mesh["volume"], mesh["largest_components"][0]["volume"])
-            self.assertEqual(report["unit"], "metre" if extension in ("glb", "gltf") else None)
+            self.assertEqual(report["unit"], "m" if extension in ("glb", "gltf") else None)
             self.assertTrue(all(one["met"] for one in report["required"]))
             self.assertEqual(len(report["required"]), 9)
 
@@ -78,7 +78,7 @@ class CheckTest(ProgramTest):
     def test_the_table(self):
         self.write_obj("open.obj", CUBE, FACES[1:])
         text = self.convert("check", "open.obj").text
-        for part in ("open.obj\n", "OBJ", "1 x 1 x 1; the format has no unit", "no: 3 open edges in 1 loop; the longest of 3 edges, 3.41421",
+        for part in ("open.obj\n", "OBJ", "1 x 1 x 1; the file has no unit", "no: 3 open edges in 1 loop; the longest of 3 edges, 3.41421",
                      "1: 1 open", "slicer        It fills 1 hole", "slicer        It reads the numbers as millimetres", "engine"):
             self.assertIn(part, text)
         self.assertNotIn("volume", text)

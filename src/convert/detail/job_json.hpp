@@ -356,6 +356,7 @@ class JobJson {
     each("unit", job.source.placement.unit);
     each("to_unit", job.source.placement.to_unit);
     each("to_space", job.source.placement.to_space);
+    each("center", job.source.placement.center);
     each("method", job.surface.method);
     each("nan", job.surface.nan);
     each("cap", job.surface.cap);

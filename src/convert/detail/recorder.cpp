@@ -55,8 +55,7 @@ void Recorder::worked(const WorkFact& fact) {
 }
 
 void Recorder::placed(const PlacedField& placed) {
-  outcome_.output_from_index = placed.output_from_index;
-  outcome_.region = placed.region;
+  outcome_.placed = placed;
   listener_.placed(placed);
 }
 

@@ -28,6 +28,8 @@ inline ScalarField without_samples(const ScalarField& field) {
   other.source = field.source;
   other.format = field.format;
   other.world_space = field.world_space;
+  other.length_unit = field.length_unit;
+  other.creator = field.creator;
   other.grids = field.grids;
   other.grid = field.grid;
   other.kind = field.kind;

@@ -18,6 +18,7 @@ namespace {
 
 constexpr const char* kNameKey = "name";
 constexpr const char* kGeneratorKey = "generator";
+constexpr const char* kPlacementKey = "placement";
 // What the library holds of a triangle and of a vertex while it decodes, beside their attributes: its corner tables.
 constexpr std::uint64_t kTriangleBytes = 96;
 constexpr std::uint64_t kVertexBytes = 96;
@@ -66,8 +67,8 @@ class Encoding {
     add_positions();
     add_normals();
     for (std::size_t a = 0; a < input.attributes.size(); ++a) add_attribute(*input.attributes[a], input.names[a]);
-    if (input.generator.empty()) return;
-    metadata().AddEntryString(kGeneratorKey, input.generator);
+    if (!input.generator.empty()) metadata().AddEntryString(kGeneratorKey, input.generator);
+    if (!input.placement.empty()) metadata().AddEntryString(kPlacementKey, input.placement);
   }
 
   Result<std::vector<std::byte>> encode(DracoMethod method) {
@@ -304,7 +305,10 @@ Result<DracoSurface> decode_draco(std::span<const std::byte> bytes, const TakeMe
     if (!attribute) return tl::unexpected(std::move(attribute.error()));
     surface.attributes.push_back(std::move(*attribute));
   }
-  if (mesh.GetMetadata() != nullptr) mesh.GetMetadata()->GetEntryString(kGeneratorKey, &surface.generator);
+  if (mesh.GetMetadata() != nullptr) {
+    mesh.GetMetadata()->GetEntryString(kGeneratorKey, &surface.generator);
+    mesh.GetMetadata()->GetEntryString(kPlacementKey, &surface.placement);
+  }
   return surface;
 }
 

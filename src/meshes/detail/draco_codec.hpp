@@ -36,6 +36,7 @@ struct DracoInput {
   std::vector<std::string> names;                  // of the attributes
   bool names_in_file = false;
   std::string generator;  // in the file as well, unless empty
+  std::string placement;  // likewise
 };
 
 // Ids of the attributes in the bytes: positions, normals if any, attributes.
@@ -64,6 +65,7 @@ struct DracoSurface {
   std::vector<glm::uvec3> triangles;
   std::vector<DracoAttribute> attributes;
   std::string generator;
+  std::string placement;
 
   [[nodiscard]] const DracoAttribute* find(std::uint64_t id) const;
   [[nodiscard]] DracoAttribute* find(std::uint64_t id);

@@ -107,6 +107,7 @@ FileSurface read_drc(const MeshSource& source) {
   FileSurface surface;
   surface.format = "Draco";
   surface.is_ours = is_signature(unpacked.generator);
+  surface.placement = unpacked.placement;
   // Of each vertex of the surface, one of the file's.
   std::vector<std::uint32_t> vertices;
   if (is_soup) {

@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "meshes/detail/json_tree.hpp"
+#include "meshes/detail/placement_entry.hpp"
 #include "meshes/mesh_reader.hpp"
 #include "meshes/read/gltf_data.hpp"
 #include "meshes/read/gltf_json.hpp"
@@ -62,6 +63,15 @@ struct Instance {
   Transform transform;
 };
 
+std::string placement_of(const json& asset) {
+  const auto extras = asset.find("extras");
+  if (extras == asset.end() || !extras->is_object()) return {};
+  const auto placement = extras->find(kPlacementEntry);
+  return placement == extras->end() || !placement->is_object()
+             ? std::string()
+             : placement->dump(-1, ' ', true, json::error_handler_t::replace);
+}
+
 class ModelReader {
  public:
   ModelReader(const MeshSource& source, std::string_view text, std::span<const std::byte> binary)
@@ -77,6 +87,7 @@ class ModelReader {
       throw DamagedMesh(fmt::format("expected glTF of version 2, found '{}'", files::printable(version, 16)));
     }
     surface_.is_ours = is_signature(text_of(*asset, "generator"));
+    surface_.placement = placement_of(*asset);
     check_extensions();
     data_.emplace(source_, model_, binary_);
     const std::vector<Instance> instances = find_instances();

@@ -14,6 +14,7 @@
 
 #include <glm/glm.hpp>
 
+#include "base/ascii.hpp"
 #include "base/context.hpp"
 #include "base/finite.hpp"
 #include "files/file_bytes.hpp"
@@ -63,8 +64,9 @@ struct FileSurface {
   // The positions are float32 numbers relative to this, as the file has them; to be kept so.
   std::optional<glm::dvec3> origin;
   std::string_view format;
-  bool y_up = false;     // the format prescribes that y points up
-  bool is_ours = false;  // it says that isoextract wrote it
+  bool y_up = false;      // the format prescribes that y points up
+  bool is_ours = false;   // it says that isoextract wrote it
+  std::string placement;  // as MeshWriteOptions has it, whoever wrote it; up to kMaxPlacement of it count
   // Vertices have normals, and places that were not rounded: there may be several vertices at one, for their normals.
   bool has_normals = false;
   std::vector<std::string> notes;
@@ -164,6 +166,8 @@ class TextScanner {
   // The next word of this line or the following ones; empty at the end of the text.
   std::string_view word_anywhere();
 
+  // What is left of the line, without blanks at its ends.
+  [[nodiscard]] std::string_view rest_of_line() const { return trimmed(line_); }
   // The text after this line.
   [[nodiscard]] std::string_view rest() const { return rest_; }
   // Throws DamagedMesh with the line's number.

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "meshes/detail/placement_entry.hpp"
 #include "meshes/read/mesh_format_readers.hpp"
 
 namespace isoextract::meshes {
@@ -56,6 +57,10 @@ FileSurface read_obj(const MeshSource& source) {
   std::size_t lines_and_points = 0;
   while (scanner.next_line()) {
     const std::string_view keyword = scanner.word_of_joined_lines();
+    if (keyword == "#" && surface.is_ours && surface.positions.empty() && scanner.word() == kPlacementEntry) {
+      surface.placement = scanner.rest_of_line().substr(0, kMaxPlacement + 1);
+      continue;
+    }
     if (keyword == "v") {
       source.memory.make_room(surface.positions, 1);
       surface.positions.push_back(point_of(scanner));

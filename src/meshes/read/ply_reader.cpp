@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "base/checked.hpp"
+#include "meshes/detail/placement_entry.hpp"
 #include "meshes/read/mesh_format_readers.hpp"
 
 namespace isoextract::meshes {
@@ -70,7 +71,8 @@ struct Header {
   Encoding encoding = Encoding::text;
   std::vector<Element> elements;
   std::size_t bytes = 0;
-  bool is_ours = false;  // a comment says so
+  bool is_ours = false;   // a comment says so
+  std::string placement;  // likewise
 };
 
 // What a line of the header may take: a property with its names, and the values of one element.
@@ -120,7 +122,9 @@ Header read_header(std::string_view text, MemoryUse& memory) {
         scanner.expected("nothing after end_header", more);
       ended = true;
     } else if (keyword == "comment") {
-      header.is_ours = header.is_ours || scanner.word() == kProgram;
+      const std::string_view word = scanner.word();
+      header.is_ours = header.is_ours || word == kProgram;
+      if (word == kPlacementEntry) header.placement = scanner.rest_of_line().substr(0, kMaxPlacement + 1);
     } else if (keyword != "obj_info" && !keyword.empty()) {
       scanner.expected("format, element, property or comment", keyword);
     }
@@ -449,6 +453,7 @@ FileSurface read_ply(const MeshSource& source) {
   FileSurface surface;
   surface.format = header.encoding == Encoding::text ? "PLY, text" : "PLY, binary";
   surface.is_ours = header.is_ours;
+  surface.placement = header.placement;
   const std::string_view body = text.substr(header.bytes);
   if (header.encoding == Encoding::text) {
     read_body(TextBody(body), header, source, surface);

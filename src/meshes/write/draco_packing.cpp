@@ -202,6 +202,7 @@ Result<DracoPacked> pack_with_draco(const mesh::Mesh& mesh, const DracoPacking& 
   }
   input.names_in_file = packing.is_file;
   if (packing.is_file) input.generator = generator();
+  input.placement = packing.placement;
 
   bool one_by_one = false;
   auto packed = attempt(mesh, packing, input, DracoMethod::edgebreaker);

@@ -20,7 +20,8 @@ struct DracoPacking {
   PositionLattice lattice;  // of float_positions or float_world
   bool flat_normals = false;
   std::vector<GltfSemantic> semantics;
-  bool is_file = false;  // it says itself what attributes are called, and who wrote it
+  bool is_file = false;   // it says itself what attributes are called, and who wrote it
+  std::string placement;  // in such a file, as MeshWriteOptions has it
 };
 
 struct DracoPacked {

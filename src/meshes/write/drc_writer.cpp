@@ -26,6 +26,7 @@ class DrcWriter final : public FormatWriter {
     packing.flat_normals = options_.flat_normals;
     packing.semantics = part.semantics;
     packing.is_file = true;
+    packing.placement = options_.placement;
     auto packed = pack_with_draco(mesh, packing, context_);
     if (!packed) return tl::unexpected(std::move(packed.error()));
     packed->facts.bytes_before = part.bytes();

@@ -11,6 +11,7 @@
 
 #include "base/version.hpp"
 #include "meshes/detail/json_tree.hpp"
+#include "meshes/detail/placement_entry.hpp"
 
 namespace isoextract::meshes {
 namespace {
@@ -42,12 +43,14 @@ int last_number(std::size_t taken, const List& list) {
 }
 
 // The library's JSON of the model, without buffers.
-nlohmann::json document_of(tinygltf::Model& model) {
+nlohmann::json document_of(tinygltf::Model& model, const std::string& placement) {
   model.asset.generator = generator();
   model.asset.version = "2.0";
   std::ostringstream stream;
   tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, stream, false, false);
-  return nlohmann::json::parse(stream.str());
+  auto document = nlohmann::json::parse(stream.str());
+  if (!placement.empty()) document["asset"]["extras"][kPlacementEntry] = nlohmann::json::parse(placement);
+  return document;
 }
 
 // Where packed positions are relative to.
@@ -80,7 +83,7 @@ int GltfModel::add_frame(const std::string& name, std::span<const GltfPart> part
 }
 
 void GltfModel::take(const std::function<void(nlohmann::json& document)>& look) {
-  JsonTree tree(document_of(model_));
+  JsonTree tree(document_of(model_, placement_));
   describe_packed_views(tree.root());
   look(tree.root());
   meshopt_views_.clear();
@@ -134,7 +137,7 @@ std::string GltfModel::json(const std::string& uri, int indent, Notes& notes) {
   notes.insert(notes.end(), own.begin(), own.end());
   model_.scenes = {scene_};
   model_.defaultScene = 0;
-  JsonTree tree(document_of(model_));
+  JsonTree tree(document_of(model_, placement_));
   nlohmann::json& document = tree.root();
   // The library makes null, which glTF forbids, of a node without a name and of a scene without nodes.
   for (const char* list : {"nodes", "scenes"}) {

@@ -22,6 +22,9 @@ namespace isoextract::meshes {
 // Collects views and accessors in the order in which write_part() writes their bytes.
 class GltfModel {
  public:
+  // `placement` as MeshWriteOptions has it.
+  explicit GltfModel(std::string placement = {}) : placement_(std::move(placement)) {}
+
   // One node and, unless the part is without triangles, its mesh.
   void add(const GltfPart& part);
 
@@ -85,6 +88,7 @@ class GltfModel {
   };
   std::vector<MadeMaterial> materials_;
   bool has_split_ = false;
+  std::string placement_;
   bool in_frame_ = false;  // the frames of a sequence share their materials, whatever their meshes are called
   struct MeshoptView {
     int view;  // of the buffer that is not there, and stands for what is unpacked

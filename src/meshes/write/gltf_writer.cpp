@@ -33,7 +33,7 @@ class GlbWriter final : public FormatWriter {
     for (const GltfPart& part : parts_) binary_bytes += part.bytes();
     // Once before the bounds of what would be too much are measured, and once exactly.
     if (auto fits = check_length(glb_bytes(0, binary_bytes)); !fits) return fits;
-    GltfModel model;
+    GltfModel model(options_.placement);
     for (const GltfPart& part : parts_) model.add(part);
     std::string json = model.json({}, -1, notes);
     pad_glb_json(json);
@@ -99,7 +99,7 @@ class GltfWriter final : public FormatWriter {
   files::OutputFile& model_;
   files::OutputFile& binary_;
   std::string uri_;
-  GltfModel model_json_;
+  GltfModel model_json_{options_.placement};
   std::vector<PackedFacts> packed_;
 };
 

@@ -13,6 +13,7 @@
 
 #include "base/version.hpp"
 #include "files/record_stream.hpp"
+#include "meshes/detail/placement_entry.hpp"
 #include "meshes/write/mesh_encoding.hpp"
 #include "meshes/write/mesh_format_writers.hpp"
 
@@ -131,7 +132,13 @@ Result<void> write_faces(const mesh::Mesh& mesh, const Places& places, Normals n
 class ObjWriter final : public FormatWriter {
  public:
   ObjWriter(const MeshWriteOptions& options, const Context& context, files::OutputFile& file)
-      : flat_normals_(options.flat_normals), has_copies_(options.copies_for_normals), context_(context), file_(file) {}
+      : flat_normals_(options.flat_normals),
+        has_copies_(options.copies_for_normals),
+        context_(context),
+        file_(file),
+        header_(fmt::format("# {}\n", generator())) {
+    if (!options.placement.empty()) header_ += fmt::format("# {} {}\n", kPlacementEntry, options.placement);
+  }
 
   Result<void> add(const mesh::Mesh& mesh, Notes& /*notes*/) override {
     const auto memory = context_.reserve(has_copies_ ? Places::bytes(mesh) : 0, "the places of its vertices");
@@ -168,7 +175,7 @@ class ObjWriter final : public FormatWriter {
   bool has_copies_;
   Context context_;
   files::OutputFile& file_;
-  std::string header_ = fmt::format("# {}\n", generator());
+  std::string header_;
   Next next_;
 };
 

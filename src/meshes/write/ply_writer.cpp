@@ -9,6 +9,7 @@
 
 #include "base/version.hpp"
 #include "files/record_stream.hpp"
+#include "meshes/detail/placement_entry.hpp"
 #include "meshes/write/mesh_encoding.hpp"
 #include "meshes/write/mesh_format_writers.hpp"
 
@@ -136,6 +137,7 @@ std::string header(const mesh::Mesh& mesh, const MeshWriteOptions& options, Note
   const bool is_double = mesh.origin != glm::dvec3(0);
   std::string text =
       fmt::format("ply\nformat {} 1.0\ncomment {}\n", options.ascii ? "ascii" : "binary_little_endian", generator());
+  if (!options.placement.empty()) text += fmt::format("comment {} {}\n", kPlacementEntry, options.placement);
   text += fmt::format("element vertex {}\n", mesh.positions.size()) + vector(is_double ? "double" : "float", "");
   if (!options.flat_normals && !mesh.normals.empty()) text += vector("float", "n");
   text += attribute_properties(mesh, notes);

@@ -26,6 +26,7 @@ enum class WideInteger { none, i64, u64 };
 struct DenseFile {
   std::string format;  // "NRRD"
   std::string world_space;
+  std::string length_unit;  // likewise as in ScalarField
   field::SampleType type = field::SampleType::u8;
   WideInteger wide = WideInteger::none;  // f64 is the type of others
   glm::ivec3 dims{0};

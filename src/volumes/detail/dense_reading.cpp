@@ -196,6 +196,7 @@ Result<field::ScalarField> read_dense(const files::InputFile& file, DenseFile de
   field.name = std::move(name);
   field.format = std::move(dense.format);
   field.world_space = std::move(dense.world_space);
+  field.length_unit = std::move(dense.length_unit);
   if (*chosen) field.scale = dense.scale;
   field.notes = std::move(dense.notes);
   field.samples = std::move(*samples);

@@ -179,6 +179,17 @@ Frame frame_of(const NiftiHeader& header, std::vector<std::string>& notes) {
   return frame;
 }
 
+// The standard's code 0 is "unknown"; what is no code of a length is shown as it is.
+std::string length_unit_of(const NiftiHeader& header) {
+  switch (header.units) {
+    case NIFTI_UNITS_UNKNOWN: return "";
+    case NIFTI_UNITS_METER: return "m";
+    case NIFTI_UNITS_MM: return "mm";
+    case NIFTI_UNITS_MICRON: return "um";
+    default: return fmt::format("code {}", header.units);
+  }
+}
+
 field::ValueScale scale_of(const NiftiHeader& header, std::vector<std::string>& notes) {
   if (header.slope == 0) return {};
   if (!std::isfinite(header.slope)) {
@@ -299,8 +310,7 @@ Result<DenseFile> open_with_header(const files::InputFile& file, const NiftiHead
   if (!is_colour) dense.scale = scale_of(header, dense.notes);  // which the standard does not apply to colours
   dense.frame = frame_of(header, dense.notes);
   dense.pieces = {std::move(*piece)};
-  if (header.units == NIFTI_UNITS_METER) dense.notes.emplace_back("the header's unit of length is the metre");
-  if (header.units == NIFTI_UNITS_MICRON) dense.notes.emplace_back("the header's unit of length is the micrometre");
+  dense.length_unit = length_unit_of(header);
   return dense;
 }
 

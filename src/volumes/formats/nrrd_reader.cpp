@@ -6,8 +6,10 @@
 #include <mutex>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <teem/nrrd.h>
 
+#include "base/ascii.hpp"
 #include "base/checked.hpp"
 #include "base/printable.hpp"
 #include "volumes/detail/dense_format.hpp"
@@ -227,6 +229,18 @@ Frame axis_aligned_frame(const ParsedNrrd& parsed, const std::array<unsigned, 3>
   return frame;
 }
 
+// The unit of lengths: that of the space, or of the axes where there is none. Where they do not agree, all of them.
+std::string length_unit_of(const Nrrd& nrrd, const std::array<unsigned, 3>& axes) {
+  std::array<std::string, 3> units;
+  for (unsigned i = 0; i < 3; ++i) {
+    const char* text = nrrd.spaceDim > i ? nrrd.spaceUnits[i] : nullptr;
+    if (text == nullptr) text = nrrd.axis[axes[i]].units;
+    if (text != nullptr) units[i] = trimmed(text);
+  }
+  if (units[0] == units[1] && units[1] == units[2]) return units[0];
+  return fmt::format("{}", fmt::join(units, ", "));
+}
+
 // How many files the slow axes of the volume stand for.
 Result<void> check_file_count(const std::string& file, const Nrrd& nrrd, const NrrdDataFiles& files) {
   const unsigned dimension = files.file_dimension.value_or(nrrd.dim - 1);
@@ -354,6 +368,7 @@ Result<DenseFile> open_nrrd(const files::InputFile& file) {
   if (auto fine = check_volume_count(file.name(), *dims, *type, parts); !fine) return tl::unexpected(fine.error());
   dense.endian = parsed->state->endian == airEndianBig ? std::endian::big : std::endian::little;
   if (nrrd.space != nrrdSpaceUnknown) dense.world_space = ::airEnumStr(nrrdSpace, nrrd.space);
+  dense.length_unit = length_unit_of(nrrd, axes);
   dense.frame =
       nrrd.spaceDim > 0 ? oriented_frame(*parsed, axes, dense.notes) : axis_aligned_frame(*parsed, axes, dense.notes);
   auto pieces = locate_samples(file, *text, *parsed, sample_bytes(*dims, *type) * parts);

@@ -45,11 +45,15 @@ std::optional<T> value_of(const std::string& bytes) {
   return value;
 }
 
+// What OpenVDB's users call the program that made a grid or a file.
+bool is_creator(const std::string& name, const std::string& type) { return name == "creator" && type == "string"; }
+
 void read_grid_metadata(VdbCursor& cursor, VdbGridRecord& grid) {
   std::optional<glm::ivec3> box_min;
   std::optional<glm::ivec3> box_max;
   read_metadata(cursor, [&](const std::string& name, const std::string& type, const std::string& bytes) {
     if (name == "class" && type == "string") grid.grid_class = bytes;
+    if (is_creator(name, type)) grid.creator = bytes;
     if (name == "is_saved_as_half_float" && type == "bool") grid.half = bytes == std::string(1, '\1');
     if (name == "file_bbox_min" && type == "vec3i") box_min = value_of<glm::ivec3>(bytes);
     if (name == "file_bbox_max" && type == "vec3i") box_max = value_of<glm::ivec3>(bytes);
@@ -172,6 +176,7 @@ namespace {
 struct FileHead {
   std::uint32_t version = 0;
   bool streamed = false;  // without the places of its grids
+  std::string creator;
   std::int32_t grids = 0;
 };
 
@@ -187,7 +192,9 @@ FileHead read_file_head(VdbCursor& cursor) {
   static_cast<void>(cursor.take(2 * sizeof(std::uint32_t)));  // the library's version
   head.streamed = cursor.read_value<std::uint8_t>() == 0;
   cursor.seek(cursor.position() + kUuidLength);
-  read_metadata(cursor, [](const std::string&, const std::string&, const std::string&) {});
+  read_metadata(cursor, [&](const std::string& name, const std::string& type, const std::string& bytes) {
+    if (is_creator(name, type)) head.creator = bytes;
+  });
   head.grids = cursor.read_value<std::int32_t>();
   if (head.grids < 0) throw VdbDamaged(fmt::format("said to hold {} grids", head.grids));
   return head;
@@ -201,6 +208,7 @@ VdbHeader read_vdb_header(VdbCursor& cursor) {
   header.file_version = head.version;
   for (std::int32_t i = 0; i < head.grids; ++i) {
     header.grids.push_back(read_descriptor(cursor, head.streamed, i + 1 == head.grids));
+    if (header.grids.back().creator.empty()) header.grids.back().creator = head.creator;
   }
   return header;
 }

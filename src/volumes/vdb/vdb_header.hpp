@@ -21,6 +21,7 @@ struct VdbGridRecord {
   std::string instance_parent;          // unique name of the grid whose tree this one shares; may be empty
   bool half = false;                    // floats are stored as half
   std::string grid_class;               // "level set", "fog volume", ...; may be empty
+  std::string creator;                  // what made it, where the grid or the file says so
   std::optional<std::uint64_t> voxels;  // active ones, where the file says so
   std::optional<field::IndexBox> box;   // of the active voxels, likewise
   std::uint32_t compression = 0;

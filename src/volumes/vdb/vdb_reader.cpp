@@ -130,6 +130,7 @@ std::vector<GridInfo> describe_grids(VdbCursor& cursor, const files::InputFile& 
     info.scalar = visit_scalar_tree(record.tree_type, [](auto) {});
     if (record.grid_class == kLevelSetClass) info.kind = field::FieldKind::level_set;
     if (record.grid_class == kFogClass) info.kind = field::FieldKind::density;
+    info.creator = printable(record.creator, 200);
     info.frame_problem = printable(record.frame_problem, 300);
     if (count) {
       info.box = count->box;
@@ -199,7 +200,10 @@ Result<field::ScalarField> read_vdb(const std::string& input, const files::Input
     const VdbHeader header = read_vdb_header(cursor);
     const std::vector<GridInfo> grids = describe_grids(cursor, file, header);
     if (const auto wanted = grid_for_plugin(cursor, header, grids, options)) {
-      return read_by_plugin(plugin, input, *wanted, options, file.context());
+      auto field = read_by_plugin(plugin, input, *wanted, options, file.context());
+      const auto same = field ? std::ranges::find(grids, field->grid, &GridInfo::label) : grids.end();
+      if (same != grids.end()) field->creator = same->creator;
+      return field;
     }
     const auto chosen = choose_grid(file.name(), grids, options.grid);
     if (!chosen) return tl::unexpected(chosen.error());
@@ -207,6 +211,7 @@ Result<field::ScalarField> read_vdb(const std::string& input, const files::Input
     if (!field) return field;
     field->grids = grids.size();
     field->grid = grids[*chosen].label;
+    field->creator = grids[*chosen].creator;
     if (!options.grid && grids.size() > 1) {
       field->notes.push_back(
           fmt::format("grid '{}' of {} was chosen: it is the only scalar one", grids[*chosen].label, grids.size()));

@@ -141,5 +141,26 @@ TEST(VdbGridList, WhatMayBeRightButIsNotReadIsNotCalledDamaged) {
   expect_in(refusal(folder / "v.vdb", options).message, "'other' holds float (tree 4_4_3)");
 }
 
+TEST(VdbGridList, TheCreatorIsThatOfTheGridOrOfTheFile) {
+  openvdb::initialize();
+  const auto own = one_voxel("own");
+  own->setCreator("Houdini/SOP_\x1b");
+  const TempFolder folder;
+  openvdb::MetaMap of_file;
+  of_file.insertMeta("creator", openvdb::StringMetadata("Blender/Smoke"));
+  openvdb::io::File file((folder / "v.vdb").string());
+  file.write(openvdb::GridCPtrVec{own, one_voxel("plain")}, of_file);
+  file.close();
+  const auto listed = volumes::list_grids((folder / "v.vdb").string(), {});
+  ASSERT_TRUE(listed);
+  EXPECT_EQ(listed->at(0).creator, R"(Houdini/SOP_\x1b)");
+  EXPECT_EQ(listed->at(1).creator, "Blender/Smoke");
+  volumes::ReadOptions options;
+  options.grid = "plain";
+  EXPECT_EQ(must_read(folder / "v.vdb", options).creator, "Blender/Smoke");
+  write_vdb(folder / "none.vdb", {one_voxel("plain")});
+  EXPECT_EQ(must_read(folder / "none.vdb", options).creator, "");
+}
+
 }  // namespace
 }  // namespace isoextract::test

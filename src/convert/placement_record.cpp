@@ -1,0 +1,166 @@
+#include "convert/placement_record.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <tbb/parallel_for.h>
+
+#include "base/finite.hpp"
+#include "convert/json_values.hpp"
+
+namespace isoextract::convert {
+namespace {
+
+constexpr std::string_view kZToY = "z up to y up";
+constexpr std::string_view kYToZ = "y up to z up";
+constexpr std::array<std::string_view, 4> kMirrored{"", "x", "y", "xy"};
+
+std::string_view turn_text(const Placement& placement) {
+  return placement.turn_z_up_to_y_up ? kZToY : placement.turn_y_up_to_z_up ? kYToZ : "";
+}
+
+// The text under `key`; empty where there is none. False where it is something else.
+bool read_text(const Json& json, const char* key, std::string& text) {
+  const auto found = json.find(key);
+  if (found == json.end()) return true;
+  if (!found->is_string()) return false;
+  text = found->get<std::string>();
+  return true;
+}
+
+template <class E>
+bool read_word(const Json& json, const char* key, std::optional<E>& value) {
+  std::string text;
+  if (!read_text(json, key, text)) return false;
+  if (text.empty()) return true;
+  for (const Word<E>& entry : words_of(E{})) {
+    if (entry.word == text) value = entry.value;
+  }
+  return value.has_value();
+}
+
+bool read_scale(const Json& json, double& scale) {
+  const auto found = json.find("scale");
+  if (found == json.end()) return true;
+  if (!found->is_number()) return false;
+  scale = found->get<double>();
+  return std::isfinite(scale) && scale > 0;
+}
+
+bool read_vector(const Json& json, const char* key, std::optional<glm::dvec3>& vector) {
+  const auto found = json.find(key);
+  if (found == json.end()) return true;
+  if (!found->is_array() || found->size() != 3) return false;
+  vector.emplace();
+  for (int axis = 0; axis < 3; ++axis) {
+    const Json& number = (*found)[static_cast<std::size_t>(axis)];
+    if (!number.is_number()) return false;
+    (*vector)[axis] = number.get<double>();
+  }
+  return is_finite(*vector);
+}
+
+bool is_known_unit(const std::string& name) {
+  const auto unit = find_length_unit(name);
+  return name.empty() || (unit && unit->name == name);
+}
+
+}  // namespace
+
+ResolvedPlacement usual_placement(bool format_is_y_up, UpAxis up) {
+  ResolvedPlacement record;
+  record.placement.up = up;
+  record.placement.turn_z_up_to_y_up = format_is_y_up && up == UpAxis::z;
+  return record;
+}
+
+std::string record_text(const ResolvedPlacement& resolved, meshes::MeshFormat format) {
+  const Placement& placement = resolved.placement;
+  if (placement.space == Space::index) return Json{{"space", word_of(Space::index)}}.dump();
+  const bool format_is_y_up = format == meshes::MeshFormat::glb || format == meshes::MeshFormat::gltf;
+  if (resolved == usual_placement(format_is_y_up)) return {};
+  Json json{{"up", word_of(placement.up)}};
+  if (const std::string_view turned = turn_text(placement); !turned.empty()) json["turned"] = turned;
+  if (placement.to_space) {
+    json["to_space"] = word_of(*placement.to_space);
+    json["mirrored"] = fmt::format("{}{}", resolved.signs.x < 0 ? "x" : "", resolved.signs.y < 0 ? "y" : "");
+  }
+  if (placement.scale != 1) json["scale"] = placement.scale;
+  if (!placement.unit.empty()) {
+    json["unit"] = placement.unit;
+    json["to_unit"] = placement.to_unit;
+  }
+  if (placement.center) json["moved_by"] = json_of(resolved.moved_by);
+  return json.dump();
+}
+
+std::optional<ResolvedPlacement> read_record(std::string_view text) {
+  const Json json = Json::parse(text, nullptr, false);
+  if (!json.is_object()) return std::nullopt;
+  ResolvedPlacement record;
+  Placement& placement = record.placement;
+  std::optional<Space> space;
+  if (!read_word(json, "space", space)) return std::nullopt;
+  placement.space = space.value_or(Space::world);
+  if (placement.space == Space::index) return record;
+  std::optional<UpAxis> up;
+  std::optional<glm::dvec3> moved_by;
+  std::string turned;
+  std::string mirrored;
+  const bool readable = read_word(json, "up", up) && read_text(json, "turned", turned) &&
+                        read_word(json, "to_space", placement.to_space) && read_scale(json, placement.scale) &&
+                        read_text(json, "unit", placement.unit) && read_text(json, "to_unit", placement.to_unit) &&
+                        read_vector(json, "moved_by", moved_by) && read_text(json, "mirrored", mirrored);
+  const bool known = (turned.empty() || turned == kZToY || turned == kYToZ) &&
+                     std::ranges::find(kMirrored, mirrored) != kMirrored.end();
+  if (!readable || !up || !known || !is_known_unit(placement.unit) || !is_known_unit(placement.to_unit)) {
+    return std::nullopt;
+  }
+  placement.up = *up;
+  placement.turn_z_up_to_y_up = turned == kZToY;
+  placement.turn_y_up_to_z_up = turned == kYToZ;
+  placement.center = moved_by.has_value();
+  record.moved_by = moved_by.value_or(glm::dvec3(0));
+  record.signs = {mirrored.starts_with('x') ? -1 : 1, mirrored.ends_with('y') ? -1 : 1};
+  return record;
+}
+
+ResolvedPlacement placement_of(const meshes::MeshFile& file, UpAxis up) {
+  return read_record(file.placement).value_or(usual_placement(file.y_up, up));
+}
+
+std::string placement_text(const ResolvedPlacement& resolved) {
+  const Placement& placement = resolved.placement;
+  if (placement.space == Space::index) return "voxel coordinates";
+  std::vector<std::string> parts;
+  if (placement.to_space) parts.push_back(fmt::format("in {}", word_of(*placement.to_space)));
+  if (const std::string_view turned = turn_text(placement); !turned.empty()) {
+    parts.push_back(fmt::format("turned from {}", turned));
+  }
+  if (placement.unit != placement.to_unit) {
+    parts.push_back(fmt::format("scaled by {} ({} to {})", placement.scale, placement.unit, placement.to_unit));
+  } else if (!placement.unit.empty()) {
+    parts.push_back(fmt::format("in {}", placement.unit));
+  } else if (placement.scale != 1) {
+    parts.push_back(fmt::format("scaled by {}", placement.scale));
+  }
+  if (placement.center) {
+    const glm::dvec3& by = resolved.moved_by;
+    parts.push_back(fmt::format("moved by ({:.6g}, {:.6g}, {:.6g})", by.x, by.y, by.z));
+  }
+  return fmt::format("{}", fmt::join(parts, ", "));
+}
+
+void move_mesh(mesh::Mesh& mesh, const field::Affine& map) {
+  if (map == field::Affine()) return;
+  mesh.origin = map(mesh.origin);
+  tbb::parallel_for(std::size_t{0}, mesh.positions.size(),
+                    [&](std::size_t v) { mesh.positions[v] = glm::vec3(map.linear * glm::dvec3(mesh.positions[v])); });
+  if (map.determinant() > 0) return;
+  for (glm::uvec3& triangle : mesh.triangles) std::swap(triangle.y, triangle.z);
+}
+
+}  // namespace isoextract::convert

@@ -1,0 +1,36 @@
+// What mesh files say of where their meshes are, so that what was done to the input's world can be undone: JSON in one
+// line, which the writers keep (meshes::MeshWriteOptions::placement).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "convert/placement.hpp"
+#include "field/affine.hpp"
+#include "mesh/mesh.hpp"
+#include "meshes/mesh_reader.hpp"
+#include "meshes/mesh_writer.hpp"
+
+namespace isoextract::convert {
+
+// Where nobody says anything: meshes of a z-up world, turned where their format prescribes another axis.
+[[nodiscard]] ResolvedPlacement usual_placement(bool format_is_y_up, UpAxis up = UpAxis::z);
+
+// Empty where there is nothing to say: the placement is the usual one of the format.
+[[nodiscard]] std::string record_text(const ResolvedPlacement& resolved, meshes::MeshFormat format);
+
+// Nothing where the text is no such record.
+[[nodiscard]] std::optional<ResolvedPlacement> read_record(std::string_view text);
+
+// Of a mesh in a file: what that says or, where it says nothing that can be read, what is usual.
+[[nodiscard]] ResolvedPlacement placement_of(const meshes::MeshFile& file, UpAxis up);
+
+// "voxel coordinates", or what was done to the world's: "turned from z up to y up, scaled by 0.001 (mm to m), moved by (1, 2, 3)"; empty where nothing was done.
+[[nodiscard]] std::string placement_text(const ResolvedPlacement& resolved);
+
+// Puts the vertices of a mesh without normals where `map` says, and winds its triangles the other way round where that
+// mirrors. Turns by right angles round nothing.
+void move_mesh(mesh::Mesh& mesh, const field::Affine& map);
+
+}  // namespace isoextract::convert

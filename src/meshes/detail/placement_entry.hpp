@@ -1,0 +1,13 @@
+// MeshWriteOptions::placement in files: what it is called, and how much of it is read.
+#pragma once
+
+#include <cstddef>
+#include <string_view>
+
+namespace isoextract::meshes {
+
+// The first word of a comment, or the key of an entry.
+inline constexpr std::string_view kPlacementEntry = "placement";
+inline constexpr std::size_t kMaxPlacement = 2000;  // bytes
+
+}  // namespace isoextract::meshes

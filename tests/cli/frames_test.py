@@ -1,0 +1,245 @@
+"""Units, axes and the origin: what input files state, what meshes say of it, and undoing it."""
+
+import gzip
+import json
+import struct
+
+from support import DATA, ProgramTest, main, needs_data, read_glb, read_ply
+
+DIMS = (3, 4, 5)
+SPIKE = (1, 2, 3)
+# In the octahedron around the spike, which is at (12, 26, 42), in the world's z-up coordinates.
+LOW, HIGH = (11, 24.5, 40), (13, 27.5, 44)
+PLACED = ("--spacing", "2,3,4", "--origin", "10,20,30", "--iso", "0.5")
+
+
+def spike():
+    values = [float((x, y, z) == SPIKE) for z in range(DIMS[2]) for y in range(DIMS[1]) for x in range(DIMS[0])]
+    return struct.pack(f"<{len(values)}f", *values)
+
+
+def nifti(unit):
+    header = bytearray(352)
+    struct.pack_into("<i", header, 0, 348)
+    struct.pack_into("<8h", header, 40, 3, *DIMS, 1, 1, 1, 1)
+    struct.pack_into("<hh", header, 70, 16, 32)
+    struct.pack_into("<8f", header, 76, 1, 2, 3, 4, 1, 1, 1, 1)
+    struct.pack_into("<f", header, 108, 352)
+    header[123] = unit
+    struct.pack_into("<hh", header, 252, 0, 1)
+    struct.pack_into("<12f", header, 280, 2, 0, 0, 10, 0, 3, 0, 20, 0, 0, 4, 30)
+    header[344:348] = b"n+1\0"
+    return bytes(header) + spike()
+
+
+def nrrd(fields):
+    head = "NRRD0004\ntype: float\ndimension: 3\nsizes: 3 4 5\nendian: little\nencoding: raw\n"
+    return (head + fields + "\n").encode() + spike()
+
+
+SPACE = "space: LPS\nspace directions: (2,0,0) (0,3,0) (0,0,4)\nspace origin: (10,20,30)\n"
+
+
+class FramesTest(ProgramTest):
+    def write(self, name, data):
+        (self.folder / name).write_bytes(data)
+        return name
+
+    def raw(self):
+        return (self.write("spike.raw", spike()), "--dims", "3,4,5", "--dtype", "f32", *PLACED)
+
+    def bounds(self, name):
+        data = (self.folder / name).read_bytes()
+        mesh = read_ply(data) if name.endswith("ply") else next(iter(read_glb(data).values()))
+        self.assertGreater(mesh.volume(), 0)
+        return [number for corner in mesh.bounds() for number in corner]
+
+    def assert_near(self, found, wanted):
+        self.assertEqual(len(found), len(wanted))
+        for got, number in zip(found, wanted):
+            self.assertAlmostEqual(got, number, delta=1e-6 * max(1e-3, abs(number)))
+
+    def test_the_unit_of_a_file(self):
+        files = [(self.write(f"{code}.nii", nifti(code)), metres) for code, metres in ((1, 1), (2, 1e-3), (3, 1e-6))]
+        units = '"{0}" "{0}" "{0}"\n'
+        for i, (unit, metres) in enumerate((("mm", 1e-3), ("Microns", 1e-6), ("\u00b5m", 1e-6), ("centimeters", 1e-2),
+                                            ("inches", 0.0254), ("feet", 0.3048), ("\u00c5", 1e-10), ("nm", 1e-9))):
+            files.append((self.write(f"space{i}.nrrd", nrrd(SPACE + "space units: " + units.format(unit))), metres))
+            axes = "spacings: 2 3 4\naxis mins: 9 18.5 28\nunits: " + units.format(unit)
+            files.append((self.write(f"axes{i}.nrrd", nrrd(axes)), metres))
+        for name, metres in files:
+            run = self.convert(name, "--iso", 0.5, "--unit", "file", "--up", "y", "-o", "out.glb", "--report", "r.json")
+            self.assert_near(self.bounds("out.glb"), [metres * x for x in (*LOW, *HIGH)])
+            report = json.loads((self.folder / "r.json").read_text())
+            self.assertEqual(report["options"]["unit"], "file")
+            self.assertEqual(report["placement"]["to_unit"], "m")
+            self.assertAlmostEqual(report["placement"]["scale"], metres, delta=1e-15 * metres)
+            self.assertNotIn("(file", run.err)
+            # The file's unit stays where no format prescribes another, and --to-unit goes before both.
+            self.convert(name, "--iso", 0.5, "--unit", "file", "-o", "out.ply")
+            self.assert_near(self.bounds("out.ply"), (*LOW, *HIGH))
+            self.convert(name, "--iso", 0.5, "--unit", "file", "--to-unit", "cm", "-o", "out.ply")
+            self.assert_near(self.bounds("out.ply"), [100 * metres * x for x in (*LOW, *HIGH)])
+
+    def test_a_file_that_does_not_say_its_unit(self):
+        files = {self.write("unknown.nii", nifti(0)): "states none", self.write("odd.nii", nifti(7)): "states 'code 7'",
+                 self.write("none.nrrd", nrrd(SPACE)): "states none",
+                 self.write("parsec.nrrd", nrrd(SPACE + 'space units: "pc" "pc" "pc"\n')): "states 'pc', which is none",
+                 self.write("mixed.nrrd", nrrd(SPACE + 'space units: "mm" "mm" "cm"\n')): "states 'mm, mm, cm'",
+                 "demo:sphere?size=8": "states none"}
+        for name, said in files.items():
+            iso = 0 if name.startswith("demo") else 0.5
+            run = self.run_program(name, "--iso", iso, "--unit", "file", "-o", "out.ply")
+            self.assert_fails(1, run, said)
+            self.assertIn("hint: name it with --unit, for example --unit mm", run.err)
+            self.assertFalse((self.folder / "out.ply").exists())
+        run = self.run_program("unknown.nii", "--iso", 0.5, "--to-unit", "mm", "-o", "out.ply")
+        self.assert_fails(1, run, "--to-unit needs the unit")
+        self.assertIn("--unit file where the input states it", run.err)
+
+    def test_particles_have_units_too(self):
+        atoms = "".join(f"{i} {i % 4} {i // 4 % 4} {i // 16}\n" for i in range(64))
+        box = "ITEM: BOX BOUNDS ff ff ff\n" + "0 4\n" * 3
+        dump = f"ITEM: UNITS\nmetal\nITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n64\n{box}ITEM: ATOMS id x y z\n{atoms}"
+        self.write("atoms.dump", dump.encode())
+        self.convert("atoms.dump", "--iso", "auto", "-o", "plain.ply")
+        self.convert("atoms.dump", "--iso", "auto", "--unit", "file", "--to-unit", "nm", "-o", "out.ply")
+        self.assert_near(self.bounds("out.ply"), [x / 10 for x in self.bounds("plain.ply")])
+
+    def test_info_tells_of_units_and_spaces(self):
+        self.write("mm.nii", nifti(2))
+        text = self.convert("info", "mm.nii").text
+        self.assertIn("unit          mm; --unit file takes it", text)
+        self.assertIn("world space   RAS", text)
+        self.assertEqual(json.loads(self.convert("info", "--json", "mm.nii").text)[0]["field"]["length_unit"], "mm")
+        self.write("pc.nrrd", nrrd(SPACE + 'space units: "pc" "pc" "pc"\n'))
+        text = self.convert("info", "pc.nrrd").text
+        self.assertIn("unit          pc\n", text)
+        self.assertNotIn("--unit file", text)
+
+    def test_the_middle_goes_to_the_origin(self):
+        half = [(high - low) / 2 for low, high in zip(LOW, HIGH)]
+        # Of samples from (10, 20, 30) to (14, 29, 46).
+        at = [12 - 12, 26 - 24.5, 42 - 38]
+        low, high = [x - h for x, h in zip(at, half)], [x + h for x, h in zip(at, half)]
+        run = self.convert(*self.raw(), "--center", "-o", "out.ply", "--report", "r.json")
+        self.assert_near(self.bounds("out.ply"), (*low, *high))
+        self.assertIn("world coordinates, moved by (-12, -24.5, -38)", run.err)
+        report = json.loads((self.folder / "r.json").read_text())
+        self.assertEqual(report["placement"]["moved_by"], [-12, -24.5, -38])
+        # After scales and turns, so that it is the mesh in its file whose middle is at the origin.
+        self.convert(*self.raw(), "--center", "--unit", "mm", "-o", "out.glb")
+        turned = (low[0], low[2], -high[1], high[0], high[2], -low[1])
+        self.assert_near(self.bounds("out.glb"), [x / 1000 for x in turned])
+        # Of the region where there is one, which is the same for every frame.
+        self.convert(*self.raw(), "--center", "--roi", "10,23,34,14,29,46", "-o", "out.ply")
+        self.assert_near(self.bounds("out.ply"), (-1, -1.5, 0, 1, 1.5, 4))
+        self.assert_fails(1, self.run_program(*self.raw(), "--center", "--space", "index", "-o", "out.ply"),
+                          "--space index gives voxel coordinates, which --center cannot change")
+        self.assert_fails(1, self.run_program(*self.raw()[:5], "--spacing", 1, "--center", "-o", "out.vdb"), "--center")
+
+    def test_far_coordinates_come_near(self):
+        """What is beyond the numbers of STL is not, once it is at the origin."""
+        far = (*self.raw()[:5], "--spacing", "1", "--origin", "1e9,0,0", "--iso", 0.5)
+        self.assert_fails(4, self.run_program(*far, "-o", "out.stl"), "with --center")
+        self.convert(*far, "--center", "-o", "out.stl")
+        self.convert(*far, "-o", "far.ply")
+        self.convert(*far, "--center", "-o", "near.ply")
+        report = json.loads(self.convert("compare", "far.ply", "near.ply", "--json").text)
+        self.assertEqual(report["hausdorff"][0], 0)
+        self.assertIsNone(report["a"]["undone"])
+        self.assertIn("moved by (-1e+09", report["b"]["undone"])
+
+    def test_compare_undoes_what_meshes_say(self):
+        self.write("scan.nii.gz", gzip.compress(nifti(2)))
+        self.convert("scan.nii.gz", "--iso", 0.5, "-o", "plain.ply")
+        changes = (("--unit", "file", "--to-unit", "m"), ("--scale", "0.3"), ("--up-out", "y"),
+                   ("--to-space", "lps"), ("--center",), ("--up", "y", "--up-out", "z"),
+                   ("--unit", "file", "--to-unit", "in", "--to-space", "lps", "--up-out", "y", "--center"))
+        for change in changes:
+            for name in ("out.ply", "out.obj", "out.glb", "out.gltf", "out.drc"):
+                self.convert("scan.nii.gz", "--iso", 0.5, *change, "-o", name)
+                report = json.loads(self.convert("compare", "plain.ply", name, "--json").text)
+                self.assertLess(report["hausdorff"][1], 0.05 if name == "out.drc" else 1e-5, (change, name))
+                self.assertAlmostEqual(report["a"]["volume"], report["b"]["volume"],
+                                       delta=0.2 if name == "out.drc" else 0.001)
+                if name != "out.drc":  # whose places are rounded
+                    run = self.convert("verify", "scan.nii.gz", "--iso", 0.5, name)
+                    self.assertIn("the surface is placed so" if name[-3:] in ("ply", "obj") else "same", run.err + run.text)
+
+    def test_one_axis_mirrored(self):
+        """Triangles wind the other way round then, and so they do where that is undone."""
+        self.write("las.nrrd", nrrd(SPACE.replace("LPS", "LAS")))
+        self.convert("las.nrrd", "--iso", 0.5, "-o", "plain.ply")
+        for name in ("out.ply", "out.glb"):
+            self.convert("las.nrrd", "--iso", 0.5, "--to-space", "ras", "--center", "-o", name)
+            report = json.loads(self.convert("compare", "plain.ply", name, "--json").text)
+            self.assertEqual(report["hausdorff"], [0, 0])
+            self.assertAlmostEqual(report["b"]["volume"], 4, delta=1e-5)
+            self.assertIn("same          yes", self.convert("verify", "las.nrrd", "--iso", 0.5, name).text)
+
+    def test_check_tells_the_unit(self):
+        for unit, said in (("mm", "as millimetres: 2 x 3 x 4 mm, which they are."), ("in", "the file says they are in in: scale by 25.4"),
+                           (None, "the file has no unit")):
+            self.convert(*self.raw(), *(("--unit", unit) if unit else ()), "--center", "-o", "a.ply")
+            self.assertIn(said, " ".join(self.run_program("check", "a.ply").text.split()))
+            report = json.loads(self.run_program("check", "a.ply", "--json").text)
+            self.assertEqual(report["unit"], unit)
+
+    def test_frames_that_move_against_each_other_are_told_of(self):
+        for frame in range(2):
+            self.write(f"f{frame}.raw", spike())
+        sequence = ("f{}.raw", *self.raw()[1:], "--center", "-o", "o{frame}.ply")
+        self.assertIn("note: --center: each frame is moved by the middle of its own samples", self.convert(*sequence).err)
+        self.assertNotIn("--center", self.convert(*sequence, "--roi", "10,20,30,14,29,46").err)
+
+    def test_meshes_that_nothing_was_done_to_say_nothing(self):
+        for name in ("a.ply", "a.obj", "a.glb", "a.gltf"):
+            self.convert(*self.raw(), "-o", name)
+            self.assertNotIn(b"placement", (self.folder / name).read_bytes())
+
+    def test_voxel_coordinates_say_so(self):
+        for name in ("a.glb", "a.ply"):
+            self.convert(*self.raw(), "--space", "index", "-o", name)
+        report = json.loads(self.convert("compare", "a.glb", "a.ply", "--json").text)
+        self.assertEqual((report["hausdorff"], report["a"]["undone"]), ([0, 0], None))
+        self.assertIn("same          yes", self.convert("verify", *self.raw(), "a.glb").text)
+
+    def test_what_a_mesh_says_is_not_trusted(self):
+        self.convert(*self.raw(), "--scale", 2, "-o", "a.obj")
+        self.convert(*self.raw(), "-o", "b.obj")
+        good = (self.folder / "a.obj").read_text()
+        self.assertIn('"scale":2.0', good)
+        for bad in ("{", "[]", '{"up":"x"}', '{"up":"z","scale":0}', '{"up":"z","scale":-2}', '{"up":"z","scale":1e999}',
+                    '{"up":"z","scale":"2"}', '{"up":"z","moved_by":[1,2]}', '{"up":"z","moved_by":[1,2,"3"]}',
+                    '{"up":"z","turned":"over"}', '{"up":"z","mirrored":"z"}', '{"up":"z","unit":"furlong"}', "{}"):
+            text = "\n".join("# placement " + bad if line.startswith("# placement") else line
+                             for line in good.split("\n"))
+            (self.folder / "a.obj").write_text(text)
+            run = self.run_program("compare", "a.obj", "b.obj", "--json")
+            self.assertEqual(run.code, 0, run.err)
+            self.assertIn("what it says of its placement cannot be read", run.err)
+            self.assertGreater(json.loads(run.text)["hausdorff"][0], 10)
+        # Nor is it looked for in files of others.
+        (self.folder / "a.obj").write_text(good.replace("# isoextract", "# somebody"))
+        run = self.run_program("compare", "a.obj", "b.obj", "--json")
+        self.assertGreater(json.loads(run.text)["hausdorff"][0], 10)
+        self.assertNotIn("placement", run.err)
+
+
+class CreatorTest(ProgramTest):
+    """Houdini's volumes are y up, and say who made them."""
+
+    @needs_data("vdb/smoke.vdb")
+    def test_houdini(self):
+        smoke = DATA / "vdb" / "smoke.vdb"
+        self.assertIn("creator       Houdini/SOP_OpenVDB_Write; y is up there, which --up y tells",
+                      self.convert("info", smoke).text)
+        run = self.convert(smoke, "--iso", 2, "-o", "smoke.glb")
+        self.assertIn("made it, where y points up, and the mesh is turned as if z did", run.err)
+        for options in (("--up", "y", "-o", "smoke.glb"), ("-o", "smoke.ply"), ("--space", "index", "-o", "smoke.glb")):
+            self.assertNotIn("where y points up", self.convert(smoke, "--iso", 2, *options).err)
+
+
+if __name__ == "__main__":
+    main()
