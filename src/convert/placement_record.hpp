@@ -26,7 +26,8 @@ namespace isoextract::convert {
 // Of a mesh in a file: what that says or, where it says nothing that can be read, what is usual.
 [[nodiscard]] ResolvedPlacement placement_of(const meshes::MeshFile& file, UpAxis up);
 
-// "voxel coordinates", or what was done to the world's: "turned from z up to y up, scaled by 0.001 (mm to m), moved by (1, 2, 3)"; empty where nothing was done.
+// "voxel coordinates", or what was done to the world's: "turned from z up to y up, scaled by 0.001 (mm to m), moved by
+// (1, 2, 3)"; empty where nothing was done.
 [[nodiscard]] std::string placement_text(const ResolvedPlacement& resolved);
 
 // Puts the vertices of a mesh without normals where `map` says, and winds its triangles the other way round where that
