@@ -14,21 +14,15 @@
 namespace isoextract::cli {
 namespace {
 
-void declare_convert_surface(CLI::App& app, ConvertFlags& flags) {
-  const Group group(app, "Surface");
-  group.values("--iso", "V", flags.isos, parse_iso,
-               fmt::format("{} Required but for particles, whose method has one; several times for several surfaces.",
-                           kIsoText));
-  declare_surface(group, flags.surface);
+void declare_labels(const Group& group, ConvertFlags& flags) {
   group.value(
       "--labels", "all|L,...", flags.labels, parse_labels,
       "Of a label map, whose samples are integers, the surface of each of these labels as a mesh of its own, in "
       "place of --iso: all but 0, or those that are listed. They are called label L. With --method surface-nets, which "
       "is the default then, or voxels.");
-  group.value<std::string>(
-      "--label-names", "FILE", flags.label_names, parse_text,
-      "Names and colours of labels, as a table that ITK-SNAP, FreeSurfer or 3D Slicer writes: meshes are called so, "
-      "and have these colours in glb, gltf and ply.");
+}
+
+void declare_cells(const Group& group, ConvertFlags& flags) {
   group.value("--relax", "N", flags.relaxations, parse_relaxations,
               fmt::format("With --method surface-nets: how many times vertices move towards their neighbours and back, "
                           "each within its cell; 0 leaves them at the corners of voxels (default: {}).",
@@ -40,11 +34,9 @@ void declare_convert_surface(CLI::App& app, ConvertFlags& flags) {
   group.flag("--t-junctions", flags.t_junctions,
              "With --method voxels: draw each rectangle with two triangles, though corners of others lie within its "
              "sides. These are the fewest triangles, but the mesh is not closed edge by edge.");
-  group.choice("--normals", flags.normals,
-               "Normals to store: none, one a triangle, or one a vertex: smooth is the field's gradient, area the mean "
-               "of the triangles around by their areas (default: smooth for glb and gltf, none for ply, obj and drc; "
-               "stl always has one a triangle). With --cap and --simplify a vertex gets a normal for each side of a "
-               "crease.");
+}
+
+void declare_simplification(const Group& group, ConvertFlags& flags) {
   group.value("--simplify", "ERR", flags.simplify, parse_simplify_bound,
               "Leave out triangles as long as no point of either mesh is farther than ERR from the other: 0.1 or "
               "0.1voxel in voxels, 0.5world in the units of the written mesh. The distance is measured and told. Open "
@@ -52,6 +44,32 @@ void declare_convert_surface(CLI::App& app, ConvertFlags& flags) {
   group.value("--triangles", "N|P%", flags.triangles, parse_triangle_count,
               "Leave N triangles of each surface, or P percent of them, where its topology lets that many go; how far "
               "the surface moved is measured and told. With --simplify it ends where the first of the two is reached.");
+}
+
+void declare_backend(const Group& group, ConvertFlags& flags) {
+  group.choice("--backend", flags.backend,
+               "What extracts: the processor, a GPU, or a GPU where there is one that is not software (default: "
+               "cpu). The triangles are the same.");
+}
+
+void declare_convert_surface(CLI::App& app, ConvertFlags& flags) {
+  const Group group(app, "Surface");
+  group.values("--iso", "V", flags.isos, parse_iso,
+               fmt::format("{} Required but for particles, whose method has one; several times for several surfaces.",
+                           kIsoText));
+  declare_surface(group, flags.surface);
+  declare_labels(group, flags);
+  group.value<std::string>(
+      "--label-names", "FILE", flags.label_names, parse_text,
+      "Names and colours of labels, as a table that ITK-SNAP, FreeSurfer or 3D Slicer writes: meshes are called so, "
+      "and have these colours in glb, gltf and ply.");
+  declare_cells(group, flags);
+  group.choice("--normals", flags.normals,
+               "Normals to store: none, one a triangle, or one a vertex: smooth is the field's gradient, area the mean "
+               "of the triangles around by their areas (default: smooth for glb and gltf, none for ply, obj and drc; "
+               "stl always has one a triangle). With --cap and --simplify a vertex gets a normal for each side of a "
+               "crease.");
+  declare_simplification(group, flags);
   group.choice("--empty", flags.empty,
                "What to do where there is no surface: fail, write no file and remove an old one of that name, or write "
                "an empty one (default: error).");
@@ -201,9 +219,7 @@ void declare_convert(CLI::App& app, ConvertFlags& flags) {
               "Measure how far the mesh is from the isosurface of the data, interpolated linearly along each axis "
               "(the default) or smoothly; of demo fields also how far from the formula.")
       ->expected(0, 1);
-  convert_run.choice("--backend", flags.backend,
-                     "What extracts: the processor, a GPU, or a GPU where there is one that is not software (default: "
-                     "cpu). The triangles are the same.");
+  declare_backend(convert_run, flags);
   declare_device(convert_run, flags.device);
   convert_run.flag("--verify", flags.verify,
                    "Extract with the other backend as well, CPU or GPU, and compare triangle by triangle. Where they "
@@ -214,6 +230,32 @@ void declare_convert(CLI::App& app, ConvertFlags& flags) {
       "several times takes a list, one without a value takes true. What the command line has as well wins over the "
       "file. Relative paths in it are relative to the current folder.");
   convert_run.flag("--explain", flags.explain, "Tell what was left out and why, with counts and times.");
+  declare_run(app, flags.run);
+}
+
+void declare_verify(CLI::App& app, VerifyFlags& flags) {
+  declare_input(app, flags.input, "INPUT", "The volume or particles to verify with");
+  Group(app, "Input")
+      .value<std::string>(
+          "MESH", "MESH", flags.mesh, parse_text,
+          "A mesh that was written from it: .glb, .gltf, .ply, .obj, .stl or .drc; its extension says how it "
+          "was placed unless options do. Without one the backends are compared with each other.");
+  declare_particles(app, flags.particles);
+  const Group surface(app, "Surface");
+  surface.values("--iso", "V", flags.isos, parse_iso,
+                 fmt::format("{} Required but for particles, whose method has one; several times for the several "
+                             "surfaces of a mesh.",
+                             kIsoText));
+  declare_surface(surface, flags.surface);
+  declare_labels(surface, flags);
+  declare_cells(surface, flags);
+  declare_simplification(surface, flags);
+  declare_edits(app, flags.edits);
+  declare_placement(app, flags.placement);
+  Group(app, "Output").flag("--json", flags.json, "Report as JSON.");
+  const Group run(app, "Run");
+  declare_backend(run, flags);
+  declare_device(run, flags.device);
   declare_run(app, flags.run);
 }
 

@@ -1,4 +1,4 @@
-// The options of convert.
+// The options of convert, and of verify, which does what convert did.
 #pragma once
 
 #include "cli/options.hpp"
@@ -6,5 +6,6 @@
 namespace isoextract::cli {
 
 void declare_convert(CLI::App& app, ConvertFlags& flags);
+void declare_verify(CLI::App& app, VerifyFlags& flags);
 
 }  // namespace isoextract::cli

@@ -34,24 +34,6 @@ void declare_merge(CLI::App& app, MergeFlags& flags) {
   declare_quiet(app, flags.quiet);
 }
 
-void declare_verify(CLI::App& app, VerifyFlags& flags) {
-  declare_input(app, flags.input, "INPUT", "The volume to verify with");
-  Group(app, "Input")
-      .value<std::string>(
-          "MESH", "MESH", flags.mesh, parse_text,
-          "A mesh that was written from it: .glb, .gltf, .ply, .obj, .stl or .drc; its extension says how it "
-          "was placed unless options do. Without one the backends are compared with each other.");
-  declare_particles(app, flags.particles);
-  const Group surface(app, "Surface");
-  surface.values("--iso", "V", flags.isos, parse_iso,
-                 fmt::format("{} Required; several times for the several surfaces of a mesh.", kIsoText));
-  declare_surface(surface, flags.surface);
-  declare_placement(app, flags.placement);
-  Group(app, "Output").flag("--json", flags.json, "Report as JSON.");
-  declare_device(Group(app, "Run"), flags.device);
-  declare_run(app, flags.run);
-}
-
 void declare_compare(CLI::App& app, CompareFlags& flags) {
   const Group input(app, "Input");
   input.values<std::string>(

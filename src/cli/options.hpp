@@ -221,16 +221,10 @@ struct InfoFlags {
   RunFlags run;
 };
 
-struct VerifyFlags {
-  InputFlags input;
-  ParticleFlags particles;
+// How the mesh was converted: of these options it has those that decide about triangles.
+struct VerifyFlags : ConvertFlags {
   std::optional<std::string> mesh;
-  std::vector<convert::IsoChoice> isos;
-  SurfaceFlags surface;
-  PlacementFlags placement;
-  DeviceFlags device;
   bool json = false;
-  RunFlags run;
 };
 
 struct CompareFlags {

@@ -232,42 +232,6 @@ Result<InfoPlan> plan_info(const InfoFlags& flags, const CLI::App& command) {
   return plan;
 }
 
-Result<VerifyPlan> plan_verify(const VerifyFlags& flags) {
-  if (flags.input.inputs.empty()) return refuse_usage("no INPUT was given", "isoextract verify INPUT --iso V [MESH]");
-  VerifyPlan plan;
-  plan.source.input = flags.input.inputs.front();
-  plan.mesh = flags.mesh;
-  if (auto checked = check_isos(flags.isos, plan.source.input); !checked) return tl::unexpected(checked.error());
-  plan.isos = flags.isos;
-  auto read = plan_read(flags.input);
-  if (!read) return tl::unexpected(read.error());
-  plan.source.read = std::move(*read);
-  auto particles = plan_particles(flags.particles, flags.surface.nan);
-  if (!particles) return tl::unexpected(particles.error());
-  plan.source.particles = std::move(*particles);
-  plan.memory = plan_memory(flags.input.memory_limit);
-  meshes::MeshFormat format = meshes::MeshFormat::glb;  // backends are compared where the default output would be
-  if (plan.mesh) {
-    const auto given = format_of_path(*plan.mesh, "MESH is a mesh that isoextract wrote");
-    if (!given) return tl::unexpected(given.error());
-    format = *given;
-  }
-  plan.float32_world = format == meshes::MeshFormat::stl || format == meshes::MeshFormat::drc;
-  auto placement = plan_placement(flags.placement, format, plan.notes);
-  if (!placement) return tl::unexpected(placement.error());
-  plan.source.placement = std::move(*placement);
-  plan.is_placed = flags.placement.any();
-  plan.source.away_from_zero = flags.input.inside == InsideChoice::away_from_zero;
-  if (auto taken = plan_region(flags.surface, plan.source); !taken) return tl::unexpected(taken.error());
-  if (auto taken = plan_resolution(flags.surface, plan.source); !taken) return tl::unexpected(taken.error());
-  plan.source.filters = flags.surface.filters;
-  plan.source.blurs = flags.surface.blurs;
-  plan.surface = plan_surface(flags.surface, flags.input);
-  plan.gpu = plan_gpu(flags.device);
-  plan.json = flags.json;
-  return plan;
-}
-
 Result<ComparePlan> plan_compare(const CompareFlags& flags) {
   if (flags.meshes.size() != 2) {
     return refuse_usage(fmt::format("compare takes two meshes, found {}{}{}", flags.meshes.size(),

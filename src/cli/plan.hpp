@@ -48,13 +48,10 @@ struct InfoPlan {
 
 struct VerifyPlan {
   MemoryBudget memory;
-  convert::SourceOptions source;
-  convert::SurfaceOptions surface;
-  std::vector<convert::IsoChoice> isos;
+  convert::ConversionJob job;       // what the mesh is to be as if made by; its one output is that mesh
   std::optional<std::string> mesh;  // none: the backends are compared
-  gpu::GpuChoice gpu;
-  bool is_placed = false;      // by options: what the mesh says of its placement does not count then
-  bool float32_world = false;  // the mesh's format has float32 world coordinates only
+  bool is_placed = false;           // by options: what the mesh says of its placement does not count then
+  bool float32_world = false;       // the mesh's format has float32 world coordinates only
   bool json = false;
   std::vector<std::string> notes;
 };

@@ -1,5 +1,8 @@
 #include "cli/verify_command.hpp"
 
+#include <algorithm>
+#include <iterator>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
@@ -12,7 +15,9 @@
 #include "cli/layout.hpp"
 #include "cli/progress_bar.hpp"
 #include "cli/verification_text.hpp"
-#include "convert/mesh_clip.hpp"
+#include "convert/conversion.hpp"
+#include "convert/field_label.hpp"
+#include "convert/mesh_sink.hpp"
 #include "convert/placement_record.hpp"
 #include "convert/source.hpp"
 #include "measure/mesh_match.hpp"
@@ -22,26 +27,60 @@
 namespace isoextract::cli {
 namespace {
 
-// Notes alone: the rest is told by what is found.
+// What a mesh is compared with.
+struct MadeAnew {
+  std::string surface;              // as messages call it
+  std::string backend;              // that extracted it
+  std::vector<std::string> stages;  // that the job asks for, in their order
+};
+
+// Tells notes alone, and keeps what made the surface: the rest is told by what is found.
 class Notes final : public convert::Events {
  public:
   Notes(const Messages& messages, ProgressBar& bar) : messages_(messages), bar_(bar) {}
   void note(const std::string& text) override {
     bar_.above([&] { messages_.note(text); });
   }
+  void opened(const extract::Extractor& extractor, const StageTime&) override { backend_ = extractor.name(); }
+  void read(const std::string&, const field::ScalarField& field, const StageTime&) override {
+    label_ = convert::field_label(field);
+  }
+  void extracted(const convert::ExtractedSurface& surface) override {
+    are_labels_ = surface.asked.is_label();
+    surfaces_.push_back(are_labels_ ? fmt::format("{}", surface.iso)
+                                    : text_of(convert::ResolvedIso{surface.asked, surface.iso, {}}));
+  }
+
+  [[nodiscard]] MadeAnew made_anew(const convert::ConversionJob& job) const {
+    MadeAnew anew;
+    const std::size_t told = surfaces_.size() > kMostTold ? kMostTold : surfaces_.size();
+    anew.surface = fmt::format("{} {} {}", label_, are_labels_ ? "label" : "iso",
+                               fmt::join(std::span(surfaces_).first(told), ", "));
+    if (told < surfaces_.size()) anew.surface += fmt::format(" and {} others", surfaces_.size() - told);
+    anew.backend = backend_;
+    anew.stages = {"extracted"};
+    if (!job.source.clip.empty()) anew.stages.emplace_back("clipped");
+    if (job.pieces.drops()) anew.stages.emplace_back("pieces dropped");
+    if (job.smooth) anew.stages.emplace_back("smoothed");
+    if (job.simplify) anew.stages.emplace_back("simplified");
+    return anew;
+  }
 
  private:
+  static constexpr std::size_t kMostTold = 10;
+
   const Messages& messages_;
   ProgressBar& bar_;
+  bool are_labels_ = false;
+  std::string label_;
+  std::string backend_;
+  std::vector<std::string> surfaces_;
 };
 
 // The samples of the source with the iso values that were asked for.
 Result<convert::Source> open_source(const VerifyPlan& plan, const Context& context, convert::Events& events) {
-  convert::SourceUse use;
-  use.isos = plan.isos;
-  use.closed = convert::closes_regions(plan.surface);
-  auto source = convert::open_source(plan.source, use, context, events);
-  if (source) source->isos = convert::each_once(source->isos);  // a mesh has one surface of each value
+  auto source = convert::open_source(plan.job.source, convert::use_of(plan.job), context, events);
+  if (source) source->isos = convert::each_once(source->isos);
   return source;
 }
 
@@ -50,7 +89,7 @@ Result<convert::VerificationRecord> compare_surface(const VerifyPlan& plan, doub
                                                     extract::Extractor& first, extract::Extractor& second,
                                                     const Context& context) {
   source.face_outward(iso);
-  extract::ExtractOptions options = source.extract_options(plan.surface, iso);
+  extract::ExtractOptions options = source.extract_options(plan.job.surface, iso);
   const extract::MethodInfo& method = extract::method_info(options.method);
   options.smooth_normals = method.traits.gradient_normals;
   options.edge_keys = method.traits.vertices_on_edges;
@@ -69,7 +108,7 @@ std::string records_json(const std::vector<convert::VerificationRecord>& records
 
 Result<void> verify_backends(const VerifyPlan& plan, const Messages& messages, const Context& context) {
   const std::unique_ptr<extract::Extractor> first = extract::make_cpu_extractor();
-  const auto second = convert::open_backend(convert::Backend::gpu, {plan.gpu});
+  const auto second = convert::open_backend(convert::Backend::gpu, {plan.job.backend.gpu});
   if (!second) return tl::unexpected(second.error());
   std::vector<convert::VerificationRecord> records;
   std::string label;
@@ -103,9 +142,10 @@ std::string distance_text(const measure::MeshMatch& match) {
                      measure::point_text(match.farthest));
 }
 
-std::string match_table(const std::string& path, const std::string& surface, const measure::MeshMatch& match) {
+std::string match_table(const std::string& path, const MadeAnew& anew, const measure::MeshMatch& match) {
   NamedLines lines;
-  lines.plain(fmt::format("{} and {}", path, surface));
+  lines.plain(fmt::format("{} and {}", path, anew.surface));
+  lines.add("made anew", fmt::format("by {}: {}", anew.backend, fmt::join(anew.stages, ", ")));
   const auto counts = [&](std::string_view name, const std::array<std::uint64_t, 2>& total,
                           const std::array<std::uint64_t, 2>& only, std::string_view what) {
     lines.add(name, fmt::format("{} and {}; {} and {} {} only", total[0], total[1], only[0], only[1], what));
@@ -120,43 +160,60 @@ std::string match_table(const std::string& path, const std::string& surface, con
   return lines.take();
 }
 
-// What may have made the meshes different.
-std::string hint_for(const measure::MeshMatch& match) {
-  const bool fewer = match.triangles.total[0] < match.triangles.total[1];
-  if (fewer && match.vertices_only[0] == 0 && match.triangles.only[0] > 0) {
-    return "it looks simplified: 'isoextract compare' measures how far it is from a mesh that was written without "
-           "--simplify";
+// What may have made the meshes different; pairs are of the file and of what was made anew.
+std::string hint_for(const convert::ConversionJob& job, const measure::MeshMatch& match) {
+  const auto& [theirs, ours] = match.triangles.total;
+  const bool part = match.triangles.only[0] == 0 && theirs < ours;
+  if (part) {
+    return "it is a part of that: give the --largest, --drop-components, --fill-cavities, --clip or --roi that it was "
+           "written with";
+  }
+  if (!job.simplify && theirs < ours && match.vertices_only[0] == 0) {
+    return "it looks simplified: give the --simplify or --triangles that it was written with; 'isoextract compare' "
+           "measures how far it is from a mesh that was written without";
+  }
+  if (job.simplify && match.matched > 0) {
+    return fmt::format(
+        "give the same options that it was written with. Simplifying takes other turns where positions differ in their "
+        "last bits: a mesh by another backend (--backend {}) or version may be as good, and 'isoextract compare' "
+        "measures how far it is from one that is written now",
+        word_of(job.backend.backend == convert::Backend::gpu ? convert::Backend::cpu : convert::Backend::gpu));
   }
   if (match.matched > 0 && match.vertices_only[0] > 0 && match.vertices_only[1] == 0) {
-    return "it holds more than that: give every --iso, and --cap if it was written with it";
+    return "it holds more than that: give every --iso, and --cap if it was written with it; leave out what it was "
+           "written without";
   }
-  if (match.vertices_only[0] > match.vertices[0] / 2) {
-    return "give the --iso, --method, --roi and placement options that it was written with";
+  if (match.vertices_only[0] > match.vertices[0] / 2 || theirs != ours) {
+    return "give the --iso, --method, --roi, --clip, --smooth, --simplify and placement options that it was written "
+           "with";
   }
   return "";
 }
 
-// All surfaces that were asked for.
-Result<mesh::Mesh> extract_all(const VerifyPlan& plan, convert::Source& source, const Context& context,
-                               convert::Events& events) {
-  const std::unique_ptr<extract::Extractor> extractor = extract::make_cpu_extractor();
-  std::vector<mesh::Mesh> meshes;
-  for (const convert::ResolvedIso& iso : source.isos) {
-    source.face_outward(iso.value);
-    auto extraction = extractor->extract(source.field, source.extract_options(plan.surface, iso.value), context);
-    if (!extraction) return tl::unexpected(std::move(extraction.error()));
-    auto clipped = convert::clip_mesh(extraction->mesh, source.clip, convert::cut_ends(plan.surface), source.label,
-                                      context, events);
-    if (!clipped) return tl::unexpected(std::move(clipped.error()));
-    meshes.push_back(std::move(extraction->mesh));
+// The meshes that the conversion would have written.
+class MadeMeshes final : public convert::MeshSink {
+ public:
+  Result<void> take(convert::HandedMeshes handed) override {
+    std::ranges::move(handed.meshes, std::back_inserter(meshes));
+    return {};
   }
-  if (meshes.size() == 1) return std::move(meshes.front());
-  return mesh::join_meshes(meshes, context);
+  [[nodiscard]] bool writes_files() const override { return false; }
+
+  std::vector<mesh::Mesh> meshes;
+};
+
+// All surfaces that were asked for, as one mesh.
+Result<mesh::Mesh> make_anew(const VerifyPlan& plan, const Context& context, Notes& events) {
+  MadeMeshes made;
+  convert::Outcome outcome = convert::run(plan.job, context, events, {}, nullptr, &made);
+  if (outcome.error) return tl::unexpected(std::move(*outcome.error));
+  if (made.meshes.size() == 1) return std::move(made.meshes.front());
+  return mesh::join_meshes(made.meshes, context);
 }
 
 Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages, const Context& context) {
   measure::MeshMatch match;
-  std::string surface;
+  MadeAnew anew;
   {
     ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
     Notes notes(messages, bar);
@@ -174,27 +231,28 @@ Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages, const
     if (const auto record = plan.is_placed ? std::nullopt : convert::read_record(file->placement)) {
       notes.note(fmt::format("{}: it says that it was placed otherwise than usual, and the surface is placed so: {}",
                              *plan.mesh, convert::placement_text(*record)));
-      placed.source.placement = record->placement;
+      placed.job.source.placement = record->placement;
     }
-    auto source = open_source(placed, context, notes);
-    if (!source) return tl::unexpected(source.error());
-    std::vector<std::string> isos;
-    for (const convert::ResolvedIso& iso : source->isos) isos.push_back(text_of(iso));
-    surface = fmt::format("{} iso {}", source->label, fmt::join(isos, ", "));
-    const auto extracted = extract_all(plan, *source, context, notes);
-    if (!extracted) return tl::unexpected(extracted.error());
-    const auto matched = measure::match_meshes(file->mesh, *extracted, plan.float32_world, context);
+    const auto made = make_anew(placed, context, notes);
+    if (!made) return tl::unexpected(made.error());
+    anew = notes.made_anew(plan.job);
+    const auto matched = measure::match_meshes(file->mesh, *made, plan.float32_world, context);
     if (!matched) return tl::unexpected(matched.error());
     match = *matched;
   }
   const std::vector<std::string> found = measure::differences(match, {"the file", "the volume's surface"});
-  const std::string text =
-      plan.json ? convert::json_text(convert::json_of(match, found)) : match_table(*plan.mesh, surface, match);
-  if (auto printed = print_to_stdout(text); !printed) return printed;
+  if (plan.json) {
+    convert::Json json = convert::json_of(match, found);
+    json["backend"] = anew.backend;
+    json["stages"] = anew.stages;
+    if (auto printed = print_to_stdout(convert::json_text(json)); !printed) return printed;
+  } else if (auto printed = print_to_stdout(match_table(*plan.mesh, anew, match)); !printed) {
+    return printed;
+  }
   if (found.empty()) return {};
   return fail(ErrorKind::verification,
-              fmt::format("{}: it is not the surface of {}: {}", *plan.mesh, surface, fmt::join(found, "; ")),
-              hint_for(match));
+              fmt::format("{}: it is not the surface of {}: {}", *plan.mesh, anew.surface, fmt::join(found, "; ")),
+              hint_for(plan.job, match));
 }
 
 }  // namespace

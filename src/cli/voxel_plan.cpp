@@ -45,7 +45,7 @@ bool has_all_labels(const ConvertFlags& flags) {
 
 Result<void> plan_voxels(const ConvertFlags& flags, std::vector<std::string>& notes, convert::SurfaceOptions& surface) {
   const extract::MethodInfo& method = extract::method_info(surface.method);
-  if (method.traits.always_closed && surface.cap) {
+  if (method.traits.always_closed && surface.cap && flags.surface.clip.empty()) {
     notes.push_back(fmt::format("--cap changes nothing: the surface of {} is closed everywhere", method.title));
   }
   if (surface.nan == extract::NanPolicy::hole && !extract::why_no_holes(method).empty()) {

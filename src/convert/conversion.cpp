@@ -55,7 +55,9 @@ class Conversion {
 
   Result<void> run() {
     if (auto opened = job_.field_file ? open_tools() : open_backends(); !opened) return opened;
-    if (auto checked = check_mesh_files(job_); !checked) return checked;
+    if (sink_ == nullptr || sink_->writes_files()) {
+      if (auto checked = check_mesh_files(job_); !checked) return checked;
+    }
     SourceUse use = use_of(job_);
     if (sink_ != nullptr && sink_->wants_source()) use.only_iso.reset();
     auto source = open_source(job_.source, use, context_, events_);
@@ -264,7 +266,8 @@ class Conversion {
       events_.verified(*record);
       if (auto same = check_verification(source_.label, *record); !same) return tl::unexpected(std::move(same.error()));
     }
-    auto clipped = clip_mesh(extraction->mesh, source_.clip, cut_ends(job_.surface), source_.label, context_, events_);
+    auto clipped = clip_mesh(extraction->mesh, source_.clip, cut_ends(job_.surface),
+                             fmt::format("{} {}", source_.label, surface_text(asked_iso.asked)), context_, events_);
     if (!clipped) return tl::unexpected(std::move(clipped.error()));
     return std::move(extraction->mesh);
   }

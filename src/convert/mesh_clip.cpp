@@ -36,6 +36,10 @@ Result<void> clip_mesh(mesh::Mesh& mesh, std::span<const mesh::HalfSpace> kept, 
     error.message = fmt::format("{}: {}", label, error.message);
     return tl::unexpected(std::move(error));
   }
+  if (facts->triangles_cut == 0 && facts->triangles_after == facts->triangles_before) {
+    events.note(fmt::format("{}: nothing was cut off, all {} triangles are left", label, facts->triangles_after));
+    return {};
+  }
   events.note(fmt::format(
       "{}: {} of {} triangles are left, after {} were cut; the surface is {} there", label, facts->triangles_after,
       facts->triangles_before, facts->triangles_cut,

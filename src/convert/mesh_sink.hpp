@@ -27,6 +27,10 @@ class MeshSink {
  public:
   virtual ~MeshSink() = default;
 
+  // Whether what it gets is on its way to the files that the job names, so that it is to be seen first of all that they
+  // can be written.
+  [[nodiscard]] virtual bool writes_files() const { return true; }
+
   // Told on the thread of the conversion, which fails as this does.
   [[nodiscard]] virtual Result<void> take(HandedMeshes handed) = 0;
 

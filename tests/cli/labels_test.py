@@ -53,6 +53,43 @@ class LabelsTest(ProgramTest):
         run = self.convert(*self.map, *arguments, "-o", "out.glb")
         return read_glb((self.folder / "out.glb").read_bytes()), run
 
+    def test_a_cut_is_closed_label_by_label_and_neighbours_still_meet(self):
+        """Caps close each mesh: what is cut off and what stays have the volume of the whole, and the colour."""
+        for method in ("surface-nets", "voxels"):
+            arguments = ("--labels", "all", "--label-names", "snap.txt", "--method", method, "--report", "r.json")
+
+            def made(*cut, where=arguments):
+                meshes, run = self.glb(*where, *cut)
+                report = json.loads((self.folder / "r.json").read_text())
+                colours = {m["name"]: m["pbrMetallicRoughness"]["baseColorFactor"]
+                           for m in model_of(self.folder / "out.glb")["materials"]}
+                return meshes, {m["name"]: m for m in report["meshes"]}, colours, run.err
+
+            whole, facts, colours, _ = made()
+            sides = []
+            for x, y, z, offset in ((0, 0.3, 1, 18.4), (0, -0.3, -1, -18.4)):
+                cut = ("--clip", f"{x},{y},{z},{offset}")
+                open_meshes, open_facts, _, _ = made(*cut)
+                meshes, cut_facts, cut_colours, told = made(*cut, "--cap")
+                self.assertNotIn("--cap changes nothing", told)
+                self.assertIn("map.raw label 5: ", told)
+                self.assertEqual(cut_colours, {name: colours[name] for name in meshes})
+                self.assertFalse(open_facts["Tumour"]["closed"])
+                for name, mesh in meshes.items():
+                    self.assertTrue(cut_facts[name]["closed"], name)
+                    self.assertEqual(mesh.vertices, open_meshes[name].vertices)
+                # The wall between the two halves, and its end in the plane: the same places in both, bit for bit.
+                common = set(map(tuple, meshes["Left kidney"].vertices)) & set(map(tuple, meshes["Tumour"].vertices))
+                # glTF is y up: (x, y, z) became (x, z, -y).
+                on_plane = [v for v in common if abs(-y * v[2] + z * v[1] - offset) < 1e-4]
+                self.assertGreater(len(on_plane), 10)
+                if method == "surface-nets":  # faces of voxels are merged to rectangles mesh by mesh
+                    self.assertGreater(without_gaps([open_meshes["Left kidney"], open_meshes["Tumour"]]), 100)
+                sides.append(cut_facts)
+            for name in whole:
+                volume = sum(side[name]["volume"] for side in sides if name in side)
+                self.assertAlmostEqual(volume / facts[name]["volume"], 1, delta=1e-5)
+
     def test_what_changes_each_mesh_by_itself_is_told(self):
         for option, value in (("--simplify", "0.5"), ("--smooth", "5")):
             run = self.convert(*self.map, "--labels", "all", option, value, "-o", "a.glb")

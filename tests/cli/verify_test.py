@@ -158,7 +158,8 @@ class VerifyTest(ProgramTest):
         report, run = self.verify("a.glb", fine, "--iso", 0, code=6)
         self.assertLess(report["triangles"][0], report["triangles"][1])
         self.assertEqual(report["vertices_only"][0], 0)
-        self.assertIn("it looks simplified: 'isoextract compare'", run.err)
+        self.assertIn("it looks simplified: give the --simplify or --triangles", run.err)
+        self.assertIn("'isoextract compare'", run.err)
 
     def test_nothing_on_both_sides(self):
         self.write("a.glb", SPHERE, "--iso", "9", "--empty", "write")

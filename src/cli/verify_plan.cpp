@@ -1,0 +1,99 @@
+#include <array>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "cli/edit_plan.hpp"
+#include "cli/output_folders.hpp"
+#include "cli/particle_plan.hpp"
+#include "cli/plan.hpp"
+#include "cli/plan_parts.hpp"
+#include "cli/voxel_plan.hpp"
+
+namespace isoextract::cli {
+namespace {
+
+// Of what is done to a surface after its extraction, the first that was given; or nothing.
+std::string_view change_option(const ConvertFlags& flags) {
+  if (!flags.surface.clip.empty()) return "--clip";
+  if (const std::string_view edit = edit_option(flags.edits); !edit.empty()) return edit;
+  return flags.simplify ? "--simplify" : flags.triangles ? "--triangles" : "";
+}
+
+// Without a mesh, where the backends' surfaces are compared as they are extracted.
+Result<void> check_backends_only(const ConvertFlags& flags) {
+  if (const std::string_view option = change_option(flags); !option.empty()) {
+    return refuse_usage(
+        fmt::format("{} changes a surface after it is extracted, and without MESH the backends are compared, "
+                    "which only extract",
+                    option),
+        fmt::format("leave {} out, or give the mesh that was written with it", option));
+  }
+  if (flags.labels) {
+    return refuse_usage("--labels needs MESH: the GPU backend has no surfaces of labels to compare",
+                        "give the mesh that was written with it");
+  }
+  if (!flags.backend) return {};
+  return refuse_usage("--backend needs MESH: without it both backends are compared with each other",
+                      "leave --backend out");
+}
+
+Result<void> check_mesh_path(const std::string& path, const ConvertFlags& flags, const meshes::MeshFormatInfo& format) {
+  for (const std::string_view word : {std::string_view("{iso}"), convert::kPieceWord}) {
+    if (path.find(word) == std::string::npos || is_there(path)) continue;
+    return refuse_usage(fmt::format("{}: verify takes one mesh, and {} stands for several files", path, word),
+                        word == convert::kPieceWord
+                            ? "write the pieces into one glb, which is verified as a whole"
+                            : "give the files one after the other, each with its own --iso or --labels");
+  }
+  if (flags.edits.split && !format.holds_several_meshes) {
+    return refuse_usage(fmt::format("{}: one {} file holds one piece, and which one is not known", path, format.name),
+                        "write the pieces into one glb, which is verified as a whole");
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<VerifyPlan> plan_verify(const VerifyFlags& given) {
+  if (given.input.inputs.empty()) return refuse_usage("no INPUT was given", "isoextract verify INPUT --iso V [MESH]");
+  const std::string& input = given.input.inputs.front();
+  VerifyPlan plan;
+  plan.mesh = given.mesh;
+  plan.json = given.json;
+  plan.is_placed = given.placement.any();
+  ConvertFlags flags = given;
+  meshes::MeshFormat format = meshes::MeshFormat::glb;  // backends are compared where the default output would be
+  if (plan.mesh) {
+    const auto found = format_of_path(*plan.mesh, "MESH is a mesh that isoextract wrote");
+    if (!found) return tl::unexpected(found.error());
+    format = *found;
+    if (auto fits = check_mesh_path(*plan.mesh, flags, meshes::mesh_format_info(format)); !fits) {
+      return tl::unexpected(fits.error());
+    }
+  } else {
+    if (auto fits = check_backends_only(flags); !fits) return tl::unexpected(fits.error());
+    flags.verify = true;
+  }
+  flags.format = OutputFormat{format};
+  plan.float32_world = format == meshes::MeshFormat::stl || format == meshes::MeshFormat::drc;
+
+  if (auto taken = take_labels(flags); !taken) return tl::unexpected(taken.error());
+  auto note = take_iso_of_method(flags, input);
+  if (!note) return tl::unexpected(note.error());
+  auto conversion = plan_conversion(flags, input, flags.isos);
+  if (!conversion) return tl::unexpected(conversion.error());
+  plan.notes = std::move(conversion->notes);
+  if (!note->empty()) plan.notes.push_back(std::move(*note));
+  plan.memory = conversion->memory;
+  plan.job = std::move(conversion->job);
+  plan.job.source.input = input;
+  plan.job.verify = false;
+  plan.job.normals = convert::Normals::none;     // of which triangles do not depend
+  plan.job.empty = convert::EmptyPolicy::write;  // the mesh may be empty, too
+  plan.job.packing = convert::PackingOptions();  // what a file rounds by is told by the mesh that is read
+  plan.job.outputs = {{plan.mesh.value_or(""), flags.isos}};
+  return plan;
+}
+
+}  // namespace isoextract::cli
