@@ -60,6 +60,7 @@ enum class Remedy {
   choose_scale,          // another scale or unit
   name_unit,             // the file does not say which unit its world is in
   other_output_name,     // for a file that is written
+  move_cut,              // cutting planes leave nothing of the surface; or an empty one is no error
   widen_region_or_skip,  // the region hides the surface; or an empty one is no error
   try_iso,               // text: another value and what it was found by; or an empty surface is no error
   other_iso,             // text: another value

@@ -127,6 +127,25 @@ OutputFiles files_of(const OutputSource& source, const OutputTemplate& names) {
   return files;
 }
 
+// Piece 1 of frame 12 and piece 12 of frame 1 shall not be one file.
+Result<void> check_piece_names(const OutputFiles& files) {
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  for (const convert::OutputFileJob& file : files) {
+    const std::size_t at = file.path.find(convert::kPieceWord);
+    if (at == std::string::npos) continue;
+    const std::size_t after = at + convert::kPieceWord.size();
+    const bool touches =
+        (at > 0 && is_digit(file.path[at - 1])) || (after < file.path.size() && is_digit(file.path[after]));
+    if (!touches) continue;
+    return fail(ErrorKind::usage,
+                fmt::format("{}: the number of a piece would stand beside a digit, and files of two frames could have "
+                            "one name",
+                            printable(file.path)),
+                fmt::format("put something else beside {}", convert::kPieceWord));
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<std::vector<OutputFiles>> name_outputs(std::span<const OutputSource> sources,
@@ -140,6 +159,7 @@ Result<std::vector<OutputFiles>> name_outputs(std::span<const OutputSource> sour
   for (const OutputSource& source : sources) {
     if (auto checked = check_words(source, *names, format); !checked) return tl::unexpected(checked.error());
     outputs.push_back(files_of(source, *names));
+    if (auto checked = check_piece_names(outputs.back()); !checked) return tl::unexpected(checked.error());
   }
   if (auto checked = check_outputs(sources, outputs, format); !checked) return tl::unexpected(checked.error());
   return outputs;

@@ -26,7 +26,8 @@ struct OutputSource {
 using OutputFiles = std::vector<convert::OutputFileJob>;  // of one conversion
 
 // The outputs of every source. `output` is what was asked for:
-//   a template    output_template.hpp; with {iso} in it every iso value has a file, else all of a source are in one
+//   a template    output_template.hpp; with {iso} in it every iso value has a file, else all of a source are in one;
+//                 with {piece} each piece of a surface has one, which is not beside a digit
 //   a folder      it ends with a slash, which may follow a template, or exists
 //   nothing       the current folder
 //   "-"           standard output

@@ -12,13 +12,13 @@
 
 namespace isoextract::batch {
 
-enum class OutputWord { stem, frame, grid, iso };
+enum class OutputWord { stem, frame, grid, iso, piece };
 constexpr auto words_of(OutputWord /*type*/) {
   return std::array{Word{OutputWord::stem, "stem"}, Word{OutputWord::frame, "frame"}, Word{OutputWord::grid, "grid"},
-                    Word{OutputWord::iso, "iso"}};
+                    Word{OutputWord::iso, "iso"}, Word{OutputWord::piece, "piece"}};
 }
 
-// What the words stand for.
+// What the words stand for. Pieces have numbers once they are there: their word stays as it is.
 struct OutputWords {
   std::string stem;
   std::int64_t frame = 0;

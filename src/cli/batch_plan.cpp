@@ -13,6 +13,7 @@
 #include "batch/frame_pattern.hpp"
 #include "batch/iso_table.hpp"
 #include "batch/output_names.hpp"
+#include "cli/edit_plan.hpp"
 #include "cli/field_plan.hpp"
 #include "cli/output_folders.hpp"
 #include "cli/particle_plan.hpp"
@@ -245,6 +246,10 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
     plan.common.notes.emplace_back(
         "--center: each frame is moved by the middle of its own samples; of sparse volumes and particles, whose box "
         "changes, the frames move against each other, which --roi prevents");
+  }
+  const meshes::MeshFormatInfo& format = meshes::mesh_format_info(plan.common.job.format);
+  if (auto fits = check_piece_outputs(flags, flags.output.value_or(""), format); !fits) {
+    return tl::unexpected(fits.error());
   }
   auto outputs = flags.batch.animate
                      ? plan_animation(flags, *sources, plan.common.job.format, plan.batch)

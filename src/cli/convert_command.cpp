@@ -117,7 +117,7 @@ class Narrator final : public convert::Events {
 
   void filtered(const convert::WorkFact& fact, const StageTime& time) override {
     tell_stage(fmt::format("{}: filtered in {}", label_, times_text(time)));
-    explain(fact);
+    edited_.push_back(fmt::format("{}: {}", fact.done, fact.text));
   }
 
   void resolved(const std::vector<convert::ResolvedIso>& /*isos*/, const std::optional<StageTime>& time) override {
@@ -126,7 +126,7 @@ class Narrator final : public convert::Events {
 
   void resampled(const field::ScalarField& /*grid*/, const convert::WorkFact& fact, const StageTime& time) override {
     tell_stage(fmt::format("{}: resampled in {}", label_, times_text(time)));
-    explain(fact);
+    edited_.push_back(fmt::format("{}: {}", fact.done, fact.text));
   }
 
   void placed(const convert::PlacedField& placed) override { placed_ = placed.placement; }
@@ -177,12 +177,12 @@ class Narrator final : public convert::Events {
 
   void picked(const convert::PieceRecord& record) override {
     tell_stage(fmt::format("{} {} {}: pieces found in {}", label_, word_, record.iso, times_text(record.facts.time)));
-    edited_.push_back(pieces_summary(record));
+    edited_.push_back(pieces_summary(record, word_));
   }
 
   void smoothed(const convert::SmoothRecord& record) override {
     tell_stage(fmt::format("{} {} {}: smoothed in {}", label_, word_, record.iso, times_text(record.facts.time)));
-    edited_.push_back(smoothing_summary(record));
+    edited_.push_back(smoothing_summary(record, word_));
   }
 
   void shaded(double iso, const convert::WorkFact& fact, const StageTime& time) override {
@@ -193,7 +193,7 @@ class Narrator final : public convert::Events {
   void simplified(const convert::MeshSimplification& simplification) override {
     tell_stage(fmt::format("{} {} {}: simplified in {}: {}", label_, word_, simplification.iso,
                            times_text(simplification.facts.time), simplification_details(simplification)));
-    edited_.push_back(simplification_summary(simplification));
+    edited_.push_back(simplification_summary(simplification, word_));
   }
 
   void measured(const convert::MeshError& error, const StageTime& time) override {
@@ -240,6 +240,7 @@ class Narrator final : public convert::Events {
       messages_.summary(fmt::format("{} -> {}: {}, as {} bits each; {}; {:.2f} s", label_, path, field.samples,
                                     field.as_half ? 16 : 32, format_byte_size(field.bytes),
                                     watch_.elapsed().wall_seconds));
+      for (const std::string& line : edited_) messages_.summary("  " + line);
     });
     forget();
   }

@@ -6,21 +6,21 @@
 
 namespace isoextract::cli {
 
-std::string pieces_summary(const convert::PieceRecord& record) {
+std::string pieces_summary(const convert::PieceRecord& record, std::string_view word) {
   const edit::PieceCounts& before = record.facts.before;
   const edit::PieceCounts& after = record.facts.after;
   const auto cavities = [](const edit::PieceCounts& counts) { return counts.components - counts.bodies; };
-  return fmt::format("pieces at iso {}: {} of {} bodies left, {} of {} cavities, {} of {} triangles; {:.2f} s",
+  return fmt::format("pieces at {} {}: {} of {} bodies left, {} of {} cavities, {} of {} triangles; {:.2f} s", word,
                      record.iso, after.bodies, before.bodies, cavities(after), cavities(before), after.triangles,
                      before.triangles, record.facts.time.wall_seconds);
 }
 
-std::string smoothing_summary(const convert::SmoothRecord& record) {
+std::string smoothing_summary(const convert::SmoothRecord& record, std::string_view word) {
   const edit::SmoothFacts& facts = record.facts;
   std::string text = fmt::format(
-      "smoothed at iso {}: {} passes of {}, pass band {}; vertices moved by at most {:.4g} voxels, in the mesh's units "
+      "smoothed at {} {}: {} passes of {}, pass band {}; vertices moved by at most {:.4g} voxels, in the mesh's units "
       "{:.4g}",
-      record.iso, record.asked.passes, word_of(record.asked.method), record.asked.pass_band, facts.greatest_move,
+      word, record.iso, record.asked.passes, word_of(record.asked.method), record.asked.pass_band, facts.greatest_move,
       facts.greatest_move_world);
   if (facts.border_vertices == 0) {
     const double change = record.volume_change();

@@ -45,6 +45,9 @@ std::string words_of(const Hint& hint) {
     case Remedy::name_unit: return "name it with --unit, for example --unit mm";
     case Remedy::choose_scale: return "choose another --scale, --unit or --to-unit";
     case Remedy::other_output_name: return "choose another name with -o";
+    case Remedy::move_cut:
+      return "--clip NX,NY,NZ,D keeps where NX x + NY y + NZ z >= D: move the plane, or turn its normal round; --empty "
+             "skip makes this no error";
     case Remedy::widen_region_or_skip: return "widen the --roi; --empty skip makes this no error";
     case Remedy::try_iso: return fmt::format("try --iso {}; --empty skip makes this no error", text);
     case Remedy::other_iso: return fmt::format("try --iso {}", text);

@@ -23,6 +23,7 @@ std::string asked_text(const convert::SimplifyChoice& asked) {
 
 std::string why_unchanged(const convert::MeshSimplification& simplification) {
   const edit::Simplification& facts = simplification.facts;
+  if (facts.triangles_before == 0) return "it has no triangles";
   if (simplification.triangles_asked >= facts.triangles_before && simplification.triangles_asked > 0) {
     return fmt::format("it has {} triangles, and was to keep {}", facts.triangles_before,
                        simplification.triangles_asked);
@@ -36,16 +37,16 @@ std::string why_unchanged(const convert::MeshSimplification& simplification) {
 
 }  // namespace
 
-std::string simplification_summary(const convert::MeshSimplification& simplification) {
+std::string simplification_summary(const convert::MeshSimplification& simplification, std::string_view word) {
   const edit::Simplification& facts = simplification.facts;
   if (facts.triangles_after == facts.triangles_before) {
-    return fmt::format("not simplified at iso {}: {}; {:.2f} s", simplification.iso, why_unchanged(simplification),
+    return fmt::format("not simplified at {} {}: {}; {:.2f} s", word, simplification.iso, why_unchanged(simplification),
                        facts.time.wall_seconds);
   }
   std::string text = fmt::format(
-      "simplified at iso {}: {} of {} triangles left ({:.1f} %); asked for {}, measured {:.4g} to {:.4g} voxels, "
+      "simplified at {} {}: {} of {} triangles left ({:.1f} %); asked for {}, measured {:.4g} to {:.4g} voxels, "
       "in the mesh's units {:.4g} to {:.4g}; {:.2f} s",
-      simplification.iso, facts.triangles_after, facts.triangles_before,
+      word, simplification.iso, facts.triangles_after, facts.triangles_before,
       100.0 * static_cast<double>(facts.triangles_after) / static_cast<double>(facts.triangles_before),
       asked_text(simplification.asked), simplification.voxels.lower, simplification.voxels.upper,
       simplification.world.lower, simplification.world.upper, facts.time.wall_seconds);

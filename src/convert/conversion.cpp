@@ -31,6 +31,7 @@
 #include "field/statistics.hpp"
 #include "files/file_bytes.hpp"
 #include "files/output_file.hpp"
+#include "mesh/metrics.hpp"
 #include "meshes/mesh_reader.hpp"
 
 namespace isoextract::convert {
@@ -266,9 +267,13 @@ class Conversion {
       events_.verified(*record);
       if (auto same = check_verification(source_.label, *record); !same) return tl::unexpected(std::move(same.error()));
     }
+    const bool was_empty = extraction->mesh.triangles.empty();
+    const mesh::Bounds whole = source_.clip.empty() ? mesh::Bounds() : mesh::measure_bounds(extraction->mesh);
     auto clipped = clip_mesh(extraction->mesh, source_.clip, cut_ends(job_.surface),
                              fmt::format("{} {}", source_.label, surface_text(asked_iso.asked)), context_, events_);
     if (!clipped) return tl::unexpected(std::move(clipped.error()));
+    cut_away_.reset();
+    if (!was_empty && extraction->mesh.triangles.empty()) cut_away_ = whole;
     return std::move(extraction->mesh);
   }
 
@@ -299,6 +304,15 @@ class Conversion {
     if (labels_) {
       return {ErrorKind::input, fmt::format("{}: no sample has {}", source_.label, text_of(asked)), Remedy::allow_empty,
               Reason::no_surface};
+    }
+    if (cut_away_) {
+      const field::Affine given_from_output =
+          given_from_index(source_.field, job_.source.placement.space).after(source_.output_from_index.inverse());
+      return {
+          ErrorKind::input,
+          fmt::format("{}: nothing of the surface at iso {} is where it is kept; it is in {}", source_.label,
+                      text_of(asked), box_text(field::image_of(given_from_output, {cut_away_->min, cut_away_->max}))),
+          Remedy::move_cut, Reason::no_surface};
     }
     const Stopwatch watch;
     const field::FieldStatistics statistics = field::measure_statistics(source_.field);
@@ -426,6 +440,7 @@ class Conversion {
   LabelLooks looks_;                            // likewise
   StageTime recording_;                         // of the file at hand, what reports ask for
   bool open_ = false;                           // the surface at hand may have a border
+  std::optional<mesh::Bounds> cut_away_;        // of that surface, where cuts left nothing of it
   std::unique_ptr<extract::Extractor> extractor_;
   std::unique_ptr<extract::Extractor> other_extractor_;  // only to verify
 };

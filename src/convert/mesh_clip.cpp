@@ -9,8 +9,7 @@ namespace isoextract::convert {
 std::vector<mesh::HalfSpace> half_spaces_of(const field::ScalarField& field, const field::Affine& output_from_index,
                                             Space space, const std::vector<ClipPlane>& planes,
                                             const std::optional<field::Box>& box) {
-  const field::Affine& given_from_index = space == Space::index ? field.index_to_file : field.index_to_world;
-  const field::Affine given_from_output = given_from_index.after(output_from_index.inverse());
+  const field::Affine given_from_output = given_from_index(field, space).after(output_from_index.inverse());
   std::vector<mesh::HalfSpace> kept;
   const auto add = [&](const glm::dvec3& normal, double offset) {
     const glm::dvec3 turned = glm::transpose(given_from_output.linear) * normal;
@@ -40,10 +39,15 @@ Result<void> clip_mesh(mesh::Mesh& mesh, std::span<const mesh::HalfSpace> kept, 
     events.note(fmt::format("{}: nothing was cut off, all {} triangles are left", label, facts->triangles_after));
     return {};
   }
-  events.note(fmt::format(
-      "{}: {} of {} triangles are left, after {} were cut; the surface is {} there", label, facts->triangles_after,
-      facts->triangles_before, facts->triangles_cut,
-      ends == edit::CutEnds::capped ? fmt::format("closed by {} triangles", facts->cap_triangles) : "open"));
+  std::string text =
+      fmt::format("{}: {} of {} triangles are left", label, facts->triangles_after, facts->triangles_before);
+  text += facts->triangles_cut > 0 ? fmt::format(", after {} were cut", facts->triangles_cut) : ", and none was cut";
+  if (facts->cap_triangles > 0) {
+    text += fmt::format("; the surface is closed by {} triangles there", facts->cap_triangles);
+  } else if (facts->triangles_cut > 0 && facts->triangles_after > 0) {
+    text += "; the surface is open there";
+  }
+  events.note(text);
   if (facts->caps_overlap > 0) {
     events.note(
         fmt::format("{}: {} triangles of the cut overlap others, as the surface passes through or touches itself there",

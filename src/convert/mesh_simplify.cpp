@@ -9,6 +9,9 @@
 
 #include <fmt/format.h>
 
+#include "mesh/adjacency.hpp"
+#include "mesh/components.hpp"
+
 namespace isoextract::convert {
 namespace {
 
@@ -44,6 +47,42 @@ std::uint64_t wanted(const TriangleCount& count, std::uint64_t there) {
   return std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::min(whole, static_cast<double>(there))));
 }
 
+struct ComponentCount {
+  std::uint64_t components = 0;
+  std::uint64_t hollows = 0;  // closed and facing inward
+};
+
+// The sum of a component's triangles as vectors is 0 where it is closed, and its volume then the same from any point.
+Result<ComponentCount> count_components(const mesh::Mesh& mesh, const Context& context) {
+  struct Sum {
+    glm::dvec3 vector{0.0};
+    double area = 0;
+    double volume = 0;
+  };
+  const auto memory = context.reserve(mesh::Components::bytes(mesh.positions.size()), mesh.name + ": its components");
+  if (!memory) return tl::unexpected(memory.error());
+  const mesh::Components components(mesh.triangles.span(), mesh.positions.size());
+  const auto sums_memory = context.reserve(components.count() * sizeof(Sum), mesh.name + ": its components");
+  if (!sums_memory) return tl::unexpected(sums_memory.error());
+  std::vector<Sum> sums(components.count());
+  for (const glm::uvec3& t : mesh.triangles) {
+    if (mesh::repeats_index(t)) continue;
+    Sum& sum = sums[components.of_vertex(t.x)];
+    const glm::dvec3 a(mesh.positions[t.x]);
+    const glm::dvec3 vector =
+        0.5 * glm::cross(glm::dvec3(mesh.positions[t.y]) - a, glm::dvec3(mesh.positions[t.z]) - a);
+    sum.vector += vector;
+    sum.area += glm::length(vector);
+    sum.volume += glm::dot(a, vector) / 3;
+  }
+  ComponentCount count{sums.size(), 0};
+  for (const Sum& sum : sums) {
+    const bool closed = glm::length(sum.vector) < 1e-6 * sum.area;
+    if (closed && sum.volume < -1e-9 * sum.area * std::sqrt(sum.area)) ++count.hollows;
+  }
+  return count;
+}
+
 }  // namespace
 
 std::string triangle_count_text(const TriangleCount& count) {
@@ -52,6 +91,27 @@ std::string triangle_count_text(const TriangleCount& count) {
 
 std::string simplify_bound_text(const SimplifyBound& bound) {
   return fmt::format("{}{}", bound.distance, bound.in_world_units ? "world" : "voxel");
+}
+
+std::vector<std::string> notes_of(const MeshSimplification& simplification) {
+  const edit::Simplification& facts = simplification.facts;
+  std::vector<std::string> notes;
+  if (simplification.turned > 0) {
+    notes.push_back(
+        fmt::format("simplification turned {} of {} components inside out, or more: they are thinner than the surface "
+                    "may move; with a smaller distance, more triangles, or without the smallest components it does not",
+                    simplification.turned, simplification.components));
+  }
+  // A closed component has four triangles at least.
+  const std::uint64_t asked = simplification.triangles_asked;
+  const bool is_much = 4 * simplification.components > asked / 2;
+  if (asked > 0 && is_much && (facts.triangles_after > asked || simplification.voxels.lower > 1)) {
+    notes.push_back(
+        fmt::format("{} components, each of which stays, take many of the {} triangles that are left: without the "
+                    "smallest ones the others are nearer",
+                    simplification.components, facts.triangles_after));
+  }
+  return notes;
 }
 
 Result<MeshSimplification> simplify_mesh(mesh::Mesh& mesh, double iso, const SimplifyChoice& choice,
@@ -68,15 +128,21 @@ Result<MeshSimplification> simplify_mesh(mesh::Mesh& mesh, double iso, const Sim
     options.to_metric = glm::inverse(output_from_index.linear);
     options.patch_size = kPatchVoxels;
   }
+  const auto before = count_components(mesh, context);
+  if (!before) return tl::unexpected(before.error());
   auto simplified = edit::simplify_within(std::move(mesh), options, context);
   if (!simplified) return tl::unexpected(std::move(simplified.error()));
   mesh = std::move(simplified->mesh);
+  const auto after = count_components(mesh, context);
+  if (!after) return tl::unexpected(after.error());
 
   MeshSimplification result;
   result.iso = iso;
   result.asked = choice;
   result.triangles_asked = options.triangles;
   result.facts = simplified->facts;
+  result.components = after->components;
+  result.turned = std::max(before->hollows, after->hollows) - std::min(before->hollows, after->hollows);
   const DistanceRange measured{simplified->facts.measured_lower, simplified->facts.measured_upper};
   if (options.to_metric != glm::dmat3(1.0)) {
     result.voxels = measured;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "base/context.hpp"
 #include "base/stopwatch.hpp"
@@ -24,6 +25,8 @@ struct MeshSimplification {
   std::uint64_t triangles_asked = 0;  // 0: no number was
   DistanceRange voxels;
   DistanceRange world;  // in the mesh's units
+  std::uint64_t components = 0;
+  std::uint64_t turned = 0;  // of them inside out, which shells thinner than the distance may be: at least so many
   edit::Simplification facts;
 };
 
@@ -32,8 +35,11 @@ struct MeshSimplification {
 // 0.1voxel or 0.5world.
 [[nodiscard]] std::string simplify_bound_text(const SimplifyBound& bound);
 
+// What is to be told of it besides, as sentences without their full stop.
+[[nodiscard]] std::vector<std::string> notes_of(const MeshSimplification& simplification);
+
 // `mesh` was placed by `output_from_index`, whose linear part says what a voxel is. It is replaced by what is left.
-// Fails as edit::simplify_within() does.
+// Fails as edit::simplify_within() does, and where the memory to look at its components is not there.
 [[nodiscard]] Result<MeshSimplification> simplify_mesh(mesh::Mesh& mesh, double iso, const SimplifyChoice& choice,
                                                        const field::Affine& output_from_index, const Context& context);
 

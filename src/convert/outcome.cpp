@@ -146,6 +146,8 @@ Json json_of(const MeshSimplification& record) {
       {"triangles_before", record.facts.triangles_before},
       {"triangles_after", record.facts.triangles_after},
       {"passes", record.facts.passes},
+      {"components", record.components},
+      {"turned_inside_out", record.turned},
       {"time", json_of(record.facts.time)}};
 }
 

@@ -33,8 +33,7 @@ constexpr double kAxisTolerance = 1e-6;  // of an axis' length
 // The field's extents in world or voxel coordinates.
 field::Box bounds_in(const field::ScalarField& field, Space space) {
   const field::IndexBox extents = field.extents();
-  return field::image_of(space == Space::index ? field.index_to_file : field.index_to_world,
-                         {glm::dvec3(extents.min), glm::dvec3(extents.max)});
+  return field::image_of(given_from_index(field, space), {glm::dvec3(extents.min), glm::dvec3(extents.max)});
 }
 
 // The signs of x and y in RAS coordinates, by what the file calls its world; none where that is no anatomical space.
@@ -114,6 +113,10 @@ field::Affine ResolvedPlacement::output_from_world() const {
   return map;
 }
 
+const field::Affine& given_from_index(const field::ScalarField& field, Space space) {
+  return space == Space::index ? field.index_to_file : field.index_to_world;
+}
+
 field::Box world_bounds(const field::ScalarField& field) { return bounds_in(field, Space::world); }
 
 bool is_axis_aligned(const field::Affine& index_to_world) {
@@ -127,7 +130,7 @@ bool is_axis_aligned(const field::Affine& index_to_world) {
 
 Result<field::IndexBox> samples_in_box(const field::ScalarField& field, const field::Box& box, Space space,
                                        bool covering) {
-  const field::Affine& map = space == Space::index ? field.index_to_file : field.index_to_world;
+  const field::Affine& map = given_from_index(field, space);
   const field::Box wanted = field::image_of(map.inverse(), box);
   const field::IndexBox stored = sample_box(field);
   const glm::dvec3 first(stored.min);

@@ -71,6 +71,9 @@ struct ResolvedPlacement {
   friend bool operator==(const ResolvedPlacement&, const ResolvedPlacement&) = default;
 };
 
+// To the coordinates that regions and planes are given in.
+[[nodiscard]] const field::Affine& given_from_index(const field::ScalarField& field, Space space);
+
 // The field's extents in world coordinates.
 [[nodiscard]] field::Box world_bounds(const field::ScalarField& field);
 

@@ -76,6 +76,9 @@ class SurfaceStages {
     auto simplified = simplify_mesh(surface.mesh, surface.iso, *job_.simplify, source_.output_from_index, context_);
     if (!simplified) return tl::unexpected(std::move(simplified.error()));
     events_.simplified(*simplified);
+    for (const std::string& text : notes_of(*simplified)) {
+      events_.note(fmt::format("{} iso {}: {}", source_.label, surface.iso, text));
+    }
     return {};
   }
 

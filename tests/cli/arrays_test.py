@@ -134,7 +134,14 @@ class ArraysTest(ProgramTest):
         self.convert("verify", SPHERE, "a.glb", "--iso", "0", "--clip", "0,0,1,0.1")
         self.assertEqual(self.run_program("verify", SPHERE, "a.glb", "--iso", "0").code, 6)
         self.assert_fails(1, self.run_program(SPHERE, "--iso", "0", "--clip", "0,0,0,1"), "--clip: expected a normal")
-        self.assert_fails(2, self.run_program(SPHERE, "--iso", "0", "--clip", "0,0,1,9"), "no surface at iso 0")
+        run = self.run_program(SPHERE, "--iso", "0", "--clip", "0,0,1,9", "-o", "a.ply")
+        self.assert_fails(2, run, "nothing of the surface at iso 0 is where it is kept; it is in (-0.697284, -0.697284,")
+        self.assertIn("hint: --clip NX,NY,NZ,D keeps where", run.err)
+        # Where a plane passes between components nothing is cut, and nothing is open.
+        self.write_raw("two.raw", (24, 8, 8), lambda x, y, z: float(x in (4, 19) and (y, z) == (4, 4)))
+        run = self.convert("two.raw", "--dims", "24,8,8", "--dtype", "f32", "--iso", "0.5", "--clip", "1,0,0,12", "-o",
+                           "a.ply")
+        self.assertIn("8 of 16 triangles are left, and none was cut\n", run.err)
 
     def test_the_result_line_does_not_call_what_was_cut_closed(self):
         for cap, text in (((), "; closed but where --clip cut it (--cap closes that); "), (("--cap",), "; closed; ")):

@@ -125,6 +125,11 @@ class LabelsTest(ProgramTest):
         self.assertEqual(areas, sorted(areas, reverse=True))
         self.assertGreater(areas[0] / areas[2], 1.25)
 
+    def test_what_is_done_to_a_mesh_is_told_by_label(self):
+        run = self.convert(*self.map, "--labels", "5", "--smooth", "5", "--simplify", "0.2", "--largest", "-o", "a.ply")
+        for done in ("pieces", "smoothed", "simplified"):
+            self.assertIn(f"  {done} at label 5: ", run.err)
+
     def test_files_of_their_own(self):
         self.convert(*self.map, "--labels", "1,9", "-o", "part_{iso}.stl")
         self.assertEqual(round(read_stl((self.folder / "part_9.stl").read_bytes()).volume()), 2 * 900)

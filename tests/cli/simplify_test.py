@@ -1,6 +1,7 @@
 """--simplify, --triangles: fewer triangles within a stated distance or to a stated number, told, reported, and checked by compare."""
 
 import json
+import math
 import re
 
 from support import DATA, SPHERE, ProgramTest, main, needs_data, read_ply
@@ -132,7 +133,36 @@ class SimplifyTest(ProgramTest):
 
     def test_no_surface(self):
         run = self.convert(SPHERE, "--iso", "9", "--empty", "write", "--simplify", "0.1", "-o", "a.ply")
-        self.assertIn("none of its 0 triangles", run.err)
+        self.assertIn("not simplified at iso 9: it has no triangles", run.err)
+
+    def specks(self):
+        """Single samples among zeros: octahedra a voxel wide."""
+        self.write_raw("specks.raw", (40, 40, 40),
+                       lambda x, y, z: float(x % 4 == 1 and y % 4 == 2 and z % 4 == 2 and (x * 7 + y * 5 + z * 3) % 5 > 1))
+        return ("specks.raw", "--dims", "40,40,40", "--dtype", "f32", "--iso", "0.5")
+
+    def test_shells_that_are_turned_inside_out_are_told_of(self):
+        def sheets(x, y, z):
+            waves = (8 * k + 4 + 1.5 * math.sin(x / 3 + k) * math.cos(y / 4) for k in range(5))
+            return -100.0 if math.hypot(x - 20, y - 20) > 15 else -min(abs(z - wave) for wave in waves)
+
+        self.write_raw("sheets.raw", (40, 40, 40), sheets)
+        thin = ("sheets.raw", "--dims", "40,40,40", "--dtype", "f32", "--iso", "-0.6")
+        run, record = self.count(*thin, "--simplify", "4")
+        mesh = json.loads(self.run_program("check", "a.ply", "--json").text)["mesh"]
+        turned = mesh["shells"]["inside out"]
+        self.assertEqual(record["components"], mesh["components"])
+        self.assertEqual(record["turned_inside_out"], turned)
+        self.assertGreater(turned, 0)
+        self.assertIn(f"simplification turned {turned} of {mesh['components']} components inside out", run.err)
+        run, record = self.count(*thin, "--simplify", "0.2")
+        self.assertEqual(record["turned_inside_out"], 0)
+        self.assertNotIn("inside out", run.err)
+
+    def test_components_that_keep_the_number_up_are_told_of(self):
+        run, record = self.count(*self.specks(), "--triangles", "10")
+        self.assertRegex(run.err, rf"{record['components']} components, each of which stays, take many of the")
+        self.assertNotIn("each of which stays", self.count(SPHERE, "--iso", "0", "--triangles", "100")[0].err)
 
     def test_usage(self):
         for wrong in ("0", "-1", "0.1mm", "world", "nan", "1e999", ""):

@@ -33,11 +33,12 @@ TEST(OutputTemplate, WordsAndNumbers) {
   EXPECT_EQ(expanded_name("{iso}_{iso}", {"", 0, "", "p99"}), "p99_p99");
   EXPECT_EQ(expanded_name("f{:04}", {"", -1, "", ""}), "f-0001");
   EXPECT_EQ(expanded_name("{stem", words), "{stem");
+  EXPECT_EQ(expanded_name("{frame}_{piece}.ply", words), "7_{piece}.ply");
 }
 
 TEST(OutputTemplate, OtherWordsAreRefused) {
   EXPECT_EQ(expanded_name("{name}.glb", {}),
-            "{name}.glb: expected {stem}, {frame}, {frame:04}, {grid} or {iso}, found '{name}'");
+            "{name}.glb: expected {stem}, {frame}, {frame:04}, {grid}, {iso} or {piece}, found '{name}'");
   for (const char* name :
        {"{Stem}.glb", "{iso:.2f}.glb", "{stem:04}", "{ iso}", "{frame:x}", "{frame:040}", "{:040}", "{1}"}) {
     const auto parsed = OutputTemplate::parse(name);
