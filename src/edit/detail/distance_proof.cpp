@@ -78,10 +78,12 @@ class DistanceProof {
     std::vector<std::uint32_t> numbers;
     std::vector<glm::uvec3> there;
     const bool first = old_in_doubt.size() == state_.corners.size();
-    for (std::uint32_t t = 0; t < state_.corners.size(); ++t) {
-      if (state_.gone[t] != 0 ||
-          !(first || in_doubtful_cell(corners(state_.corners[t]), options_.enough + options_.cell_size)))
-        continue;
+    const std::vector<char> around = marked([&](std::uint32_t t) {
+      return state_.gone[t] == 0 &&
+             (first || in_doubtful_cell(corners(state_.corners[t]), options_.enough + options_.cell_size));
+    });
+    for (std::uint32_t t = 0; t < around.size(); ++t) {
+      if (around[t] == 0) continue;
       numbers.push_back(t);
       there.push_back(state_.corners[t]);
     }
@@ -128,7 +130,7 @@ class DistanceProof {
     std::uint32_t hint = *near.begin();
     double least = std::numeric_limits<double>::infinity();
     for (const std::uint32_t slot : near) {
-      const double farthest = tree.farthest_squared_in(slot, places);
+      const double farthest = tree.farthest_squared_in(slot, places, least);
       if (farthest >= least) continue;
       least = farthest;
       hint = slot;
@@ -173,6 +175,18 @@ class DistanceProof {
     return found;
   }
 
+  // For each triangle whether `holds` says so: 1 or 0.
+  template <class Predicate>
+  [[nodiscard]] std::vector<char> marked(const Predicate& holds) const {
+    std::vector<char> marks(state_.original.size(), 0);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, marks.size(), kProofGrain), [&](const auto& part) {
+      for (std::size_t t = part.begin(); t < part.end(); ++t) {
+        marks[t] = holds(static_cast<std::uint32_t>(t)) ? 1 : 0;
+      }
+    });
+    return marks;
+  }
+
   // Triangles that came back, and original ones that may have been near to what changed.
   void find_doubts(const std::vector<PutBack>& changed, std::vector<std::uint32_t>& new_in_doubt,
                    std::vector<std::uint32_t>& old_in_doubt) {
@@ -186,12 +200,8 @@ class DistanceProof {
     new_in_doubt.erase(std::unique(new_in_doubt.begin(), new_in_doubt.end()), new_in_doubt.end());
     std::sort(doubtful_.begin(), doubtful_.end());
     doubtful_.erase(std::unique(doubtful_.begin(), doubtful_.end()), doubtful_.end());
-    std::vector<char> near(state_.original.size(), 0);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, near.size(), kProofGrain), [&](const auto& part) {
-      for (std::size_t t = part.begin(); t < part.end(); ++t) {
-        near[t] = in_doubtful_cell(corners(state_.original[t]), 0) ? 1 : 0;
-      }
-    });
+    const std::vector<char> near =
+        marked([&](std::uint32_t t) { return in_doubtful_cell(corners(state_.original[t]), 0); });
     old_in_doubt.clear();
     for (std::uint32_t t = 0; t < near.size(); ++t) {
       if (near[t] != 0) old_in_doubt.push_back(t);
