@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "batch/output_names.hpp"
 #include "cli/edit_plan.hpp"
@@ -15,7 +17,7 @@ namespace isoextract::cli {
 namespace {
 
 // What is about surfaces, and was given.
-std::string_view surface_option(const ConvertFlags& flags) {
+std::vector<std::string_view> surface_options(const ConvertFlags& flags) {
   const SurfaceFlags& surface = flags.surface;
   const std::array<std::pair<bool, std::string_view>, 35> options{{{flags.labels.has_value(), "--labels"},
                                                                    {flags.label_names.has_value(), "--label-names"},
@@ -52,8 +54,12 @@ std::string_view surface_option(const ConvertFlags& flags) {
                                                                    {flags.error.has_value(), "--error"},
                                                                    {flags.verify, "--verify"},
                                                                    {flags.backend.has_value(), "--backend"}}};
-  const auto given = std::ranges::find(options, true, &std::pair<bool, std::string_view>::first);
-  return given == options.end() ? edit_option(flags.edits) : given->second;
+  std::vector<std::string_view> given;
+  for (const auto& [is_given, name] : options) {
+    if (is_given) given.push_back(name);
+  }
+  if (const std::string_view edit = edit_option(flags.edits); !edit.empty()) given.push_back(edit);
+  return given;
 }
 
 }  // namespace
@@ -68,11 +74,11 @@ Result<void> check_field_options(const ConvertFlags& flags) {
     if (!flags.half) return {};
     return refuse_usage("--half is about a field that is stored, and a mesh is written", "name the output .vdb");
   }
-  const std::string_view option = surface_option(flags);
-  if (!option.empty()) {
-    return refuse_usage(
-        fmt::format("{} is about a surface, and the output is the field itself, in which there is none", option),
-        fmt::format("leave {} out, or name the output as a mesh", option));
+  if (const auto given = surface_options(flags); !given.empty()) {
+    const std::string names = fmt::format("{}", fmt::join(given, ", "));
+    return refuse_usage(fmt::format("{} {} about a surface, and the output is the field itself, in which there is none",
+                                    names, given.size() == 1 ? "is" : "are"),
+                        fmt::format("leave {} out, or name the output as a mesh", names));
   }
   if (flags.surface.nan == extract::NanPolicy::hole) {
     return refuse_usage("--nan hole is about a surface: samples that are not numbers are stored as they are");

@@ -64,7 +64,8 @@ std::string words_of(const Hint& hint) {
              "all frames into one .glb with --animate";
     case Remedy::report_gpu: return "please report it with 'isoextract devices'; --backend cpu needs no GPU";
     case Remedy::read_as_particles:
-      return "--particles METHOD takes the rows of an array for particles, such as --particles sph";
+      return "a height field is no volume; --particles METHOD takes the rows of an array for particles, such as "
+             "--particles sph";
     case Remedy::leave_out_particles:
       return "leave out the options of particles: 'isoextract help particles' lists them";
     case Remedy::leave_out_volumes:

@@ -345,8 +345,9 @@ Result<glm::ivec3> resolution_of_voxel_size(const ScalarField& field, const glm:
     if (!(voxel_size[axis] > 0 && steps >= 1 && steps < std::numeric_limits<int>::max())) {
       return fail(
           ErrorKind::usage,
-          fmt::format("{}: the samples reach {} along {}, which voxels of {} do not divide into 1 to {} steps",
-                      field.source, length, "xyz"[axis], voxel_size[axis], std::numeric_limits<int>::max() - 1));
+          fmt::format("{}: expected voxels that are at most as long along {} as its samples reach, {:.6g}, and "
+                      "no more than {} of them, found voxels of {}",
+                      field.source, "xyz"[axis], length, std::numeric_limits<int>::max() - 1, voxel_size[axis]));
     }
     resolution[axis] = static_cast<int>(steps) + 1;
   }

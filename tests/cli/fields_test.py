@@ -325,11 +325,13 @@ class FieldFileTest(FieldsTest):
     def test_options_of_surfaces_are_refused(self):
         for options in (("--iso", "0"), ("--method", "mt"), ("--normals", "flat"), ("--simplify", "0.1"), ("--cap",),
                         ("--roi", "0,0,0,1,1,1"), ("--attribute", "v"), ("--space", "index"), ("--up", "y"), ("--scale", "2"),
-                        ("--unit", "mm"), ("--to-unit", "m"), ("--up-out", "y"), ("--to-space", "ras"), ("--ascii",),
+                        ("--unit", "mm"), ("--to-unit", "m"), ("--up-out", "y"), ("--to-space", "ras"), ("--center",), ("--ascii",),
                         ("--draco",), ("--quantize",), ("--meshopt",), ("--optimize-order",),
                         ("--error",), ("--verify",), ("--backend", "cpu"), ("--animate",), ("--plot", "a.svg")):
             run = self.run_program(SPHERE, *options, "-o", "a.vdb")
             self.assert_fails(1, run, f"{options[0]} is about a surface, and the output is the field itself")
+        run = self.run_program(SPHERE, "--cap", "--iso", "0", "--smooth", "3", "--center", "-o", "a.vdb")
+        self.assert_fails(1, run, "--iso, --cap, --center, --smooth are about a surface", "leave --iso, --cap, --center, --")
         self.assert_fails(1, self.run_program(SPHERE, "--nan", "hole", "-o", "a.vdb"), "--nan hole")
         self.assert_fails(1, self.run_program(SPHERE, "-o", "a_{iso}.vdb"), "a field has no iso value")
         self.assert_fails(1, self.run_program(SPHERE, "--iso", "0", "-o", "a.xyz"), "or vdb for the field itself")

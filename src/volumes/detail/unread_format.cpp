@@ -80,6 +80,13 @@ bool begins_with(std::span<const std::byte> start, const Magic& magic) {
                             [](char c) { return static_cast<std::byte>(c); });
 }
 
+// Arrays have no place in the world, as most of these files have.
+std::string way_of(const KnownUnread& format) {
+  std::string way(format.way);
+  if (way.find("NPY") != std::string::npos) way += ", whose spacing and origin are to be given then";
+  return way;
+}
+
 }  // namespace
 
 std::optional<UnreadFormat> unread_format(const std::filesystem::path& path, std::span<const std::byte> start) {
@@ -87,12 +94,12 @@ std::optional<UnreadFormat> unread_format(const std::filesystem::path& path, std
   for (const KnownUnread& format : known_unread()) {
     const auto claims = [&](std::string_view extension) { return name.ends_with(extension); };
     if (std::ranges::any_of(format.extensions, claims))
-      return UnreadFormat{std::string(format.title), true, std::string(format.way)};
+      return UnreadFormat{std::string(format.title), true, way_of(format)};
   }
   for (const KnownUnread& format : known_unread()) {
     const auto is_it = [&](const Magic& magic) { return begins_with(start, magic); };
     if (std::ranges::any_of(format.magics, is_it))
-      return UnreadFormat{std::string(format.title), false, std::string(format.way)};
+      return UnreadFormat{std::string(format.title), false, way_of(format)};
   }
   return std::nullopt;
 }
