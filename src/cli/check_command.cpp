@@ -11,6 +11,7 @@
 #include "base/machine.hpp"
 #include "base/stopwatch.hpp"
 #include "cli/check_report.hpp"
+#include "cli/mistaken_files.hpp"
 #include "cli/progress_bar.hpp"
 #include "convert/placement_record.hpp"
 #include "files/output_file.hpp"
@@ -74,7 +75,7 @@ Result<CheckReport> make_report(const CheckPlan& plan, const Messages& messages,
   ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
   context.progress().begin("reading the mesh", 0);
   auto file = meshes::read_mesh(plan.mesh, context, {.normals = true});
-  if (!file) return tl::unexpected(std::move(file.error()));
+  if (!file) return tl::unexpected(about_mesh_file(std::move(file.error()), plan.mesh));
   bar.above([&] {
     for (const std::string& note : file->notes) messages.note(note);
   });

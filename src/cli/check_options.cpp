@@ -92,6 +92,7 @@ Result<CheckPlan> plan_check(const CheckFlags& flags) {
   }
   if (flags.report) {
     if (auto checked = convert::check_output_file(*flags.report, flags.meshes.front()); !checked) {
+      if (checked.error().kind == ErrorKind::usage) checked.error().hint = "choose another name with --report";
       return tl::unexpected(checked.error());
     }
   }

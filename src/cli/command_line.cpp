@@ -145,7 +145,14 @@ Result<void> take_remaining(CommandLine& line, const CLI::App& command) {
     const std::string near = name.starts_with("--") ? nearest_name(name, known) : "";
     std::error_code none;
     const bool is_file = takes_inputs(line, command) && std::filesystem::exists(word, none);
-    const std::string meant = hint_for_foreign_option(command, name);
+    std::string meant = hint_for_foreign_option(command, name);
+    if (meant.empty() && near.empty() && line.convert->get_option_no_throw(name) != nullptr) {
+      meant = &command == line.verify ? fmt::format(
+                                            "leave {} out: of convert's options verify has those that decide "
+                                            "about the triangles of a mesh",
+                                            name)
+                                      : fmt::format("{} is an option of convert; {}", name, help_hint(command));
+    }
     return fail(ErrorKind::usage, fmt::format("unknown option '{}' for '{}'", name, full_name(command)),
                 is_file          ? fmt::format("the file of that name is written ./{}", word)
                 : !meant.empty() ? meant

@@ -12,6 +12,7 @@
 #include "base/stopwatch.hpp"
 #include "cli/attribute_text.hpp"
 #include "cli/layout.hpp"
+#include "cli/mistaken_files.hpp"
 #include "cli/progress_bar.hpp"
 #include "convert/json_values.hpp"
 #include "convert/placement_record.hpp"
@@ -36,7 +37,7 @@ struct Side {
 
 Result<Side> read_side(const std::string& path, const Context& context) {
   auto file = meshes::read_mesh(path, context);
-  if (!file) return tl::unexpected(std::move(file.error()));
+  if (!file) return tl::unexpected(about_mesh_file(std::move(file.error()), path));
   Side side;
   side.path = path;
   side.file = std::move(*file);

@@ -11,6 +11,7 @@
 #include "base/stopwatch.hpp"
 #include "batch/output_names.hpp"
 #include "cli/info_report.hpp"
+#include "cli/mistaken_files.hpp"
 #include "cli/progress_bar.hpp"
 #include "convert/particle_source.hpp"
 #include "convert/source.hpp"
@@ -127,13 +128,13 @@ InputReport look_at(const InfoPlan& plan, const std::string& input, const Messag
   report.input = input;
   const auto of_particles = convert::is_particles(source_of(plan, input), Context(plan.memory));
   if (!of_particles) {
-    report.error = of_particles.error();
+    report.error = about_volume_file(of_particles.error(), input);
     return report;
   }
   if (*of_particles) return look_at_particles(plan, input, messages);
   auto grids = volumes::list_grids(input, plan.read, Context(plan.memory));
   if (!grids) {
-    report.error = std::move(grids.error());
+    report.error = about_volume_file(std::move(grids.error()), input);
     return report;
   }
   report.grids = std::move(*grids);

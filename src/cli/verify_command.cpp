@@ -13,6 +13,7 @@
 #include "base/printable.hpp"
 #include "base/stopwatch.hpp"
 #include "cli/layout.hpp"
+#include "cli/mistaken_files.hpp"
 #include "cli/progress_bar.hpp"
 #include "cli/verification_text.hpp"
 #include "convert/conversion.hpp"
@@ -116,7 +117,7 @@ Result<void> verify_backends(const VerifyPlan& plan, const Messages& messages, c
     ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
     Notes notes(messages, bar);
     auto source = open_source(plan, context, notes);
-    if (!source) return tl::unexpected(source.error());
+    if (!source) return tl::unexpected(about_volume_file(source.error(), plan.job.source.input));
     label = source->label;
     for (const convert::ResolvedIso& iso : source->isos) {
       auto record = compare_surface(plan, iso.value, *source, *first, *second->extractor, context);
@@ -163,8 +164,8 @@ std::string match_table(const std::string& path, const MadeAnew& anew, const mea
 // What may have made the meshes different; pairs are of the file and of what was made anew.
 std::string hint_for(const convert::ConversionJob& job, const measure::MeshMatch& match) {
   const auto& [theirs, ours] = match.triangles.total;
-  const bool part = match.triangles.only[0] == 0 && theirs < ours;
-  if (part) {
+  if (theirs == 0 || ours == 0) return "";
+  if (match.triangles.only[0] == 0 && theirs < ours) {
     return "it is a part of that: give the --largest, --drop-components, --fill-cavities, --clip or --roi that it was "
            "written with";
   }
@@ -206,7 +207,7 @@ class MadeMeshes final : public convert::MeshSink {
 Result<mesh::Mesh> make_anew(const VerifyPlan& plan, const Context& context, Notes& events) {
   MadeMeshes made;
   convert::Outcome outcome = convert::run(plan.job, context, events, {}, nullptr, &made);
-  if (outcome.error) return tl::unexpected(std::move(*outcome.error));
+  if (outcome.error) return tl::unexpected(about_volume_file(std::move(*outcome.error), plan.job.source.input));
   if (made.meshes.size() == 1) return std::move(made.meshes.front());
   return mesh::join_meshes(made.meshes, context);
 }
@@ -219,7 +220,7 @@ Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages, const
     Notes notes(messages, bar);
     context.progress().begin("reading the mesh", 0);
     auto file = meshes::read_mesh(*plan.mesh, context);
-    if (!file) return tl::unexpected(std::move(file.error()));
+    if (!file) return tl::unexpected(about_mesh_file(std::move(file.error()), *plan.mesh));
     for (const std::string& text : file->notes) notes.note(text);
     if (!file->mesh.attributes.empty()) {
       std::vector<std::string> names;

@@ -65,7 +65,9 @@ Result<VerifyPlan> plan_verify(const VerifyFlags& given) {
   ConvertFlags flags = given;
   meshes::MeshFormat format = meshes::MeshFormat::glb;  // backends are compared where the default output would be
   if (plan.mesh) {
-    const auto found = format_of_path(*plan.mesh, "MESH is a mesh that isoextract wrote");
+    const auto found = format_of_path(*plan.mesh, meshes::mesh_format_by_path(input)
+                                                      ? "the volume comes first: isoextract verify INPUT MESH"
+                                                      : "MESH is a mesh that isoextract wrote");
     if (!found) return tl::unexpected(found.error());
     format = *found;
     if (auto fits = check_mesh_path(*plan.mesh, flags, meshes::mesh_format_info(format)); !fits) {

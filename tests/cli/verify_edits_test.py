@@ -131,6 +131,23 @@ class VerifyEditsTest(ProgramTest):
         self.assertRegex(run.text, r"a\.glb and demo:gyroid\?size=24 iso 0\.1, p80 \([0-9.]+\)\n")
         self.assertIn("made anew     by cpu: extracted, smoothed, simplified", run.text)
 
+    def test_files_of_another_kind_are_told_where_to_go(self):
+        self.convert(NOISE, *ISO, "-o", "a.glb")
+        self.write_raw("a.raw", (4, 4, 4), lambda x, y, z: x)
+        (self.folder / "a.nii.gz").write_bytes(b"no volume, but its name is that of one")
+        for command in (("check", ), ("compare", "a.glb")):
+            run = self.run_program(*command, "a.nii.gz")
+            self.assert_fails(2, run, "expected a mesh", "hint: its name is that of a volume", "isoextract info a.nii.gz")
+            self.assertNotIn("hint", self.run_program(*command, "missing.nii.gz").err)
+        for command in (("info", "a.glb"), ("verify", "a.glb", *ISO, "a.glb")):
+            self.assert_fails(2, self.run_program(*command), "hint: its name is that of a mesh", "isoextract check a.glb")
+        self.assertNotIn("hint", self.run_program("info", "missing.glb").err)
+        self.assert_fails(1, self.run_program("verify", "a.glb", *ISO, "a.raw"), "the volume comes first")
+        self.assert_fails(1, self.run_program("verify", NOISE, *ISO, "--normals", "flat", "a.glb"),
+                          "unknown option '--normals' for 'verify'", "leave --normals out")
+        self.assert_fails(1, self.run_program("check", "a.glb", "--iso", "0"), "--iso is an option of convert")
+        self.assert_fails(1, self.run_program("check", "a.glb", "--report", "a.glb"), "another name with --report")
+
     def test_what_is_refused(self):
         for option in (("--smooth", "2"), ("--simplify", "0.1"), ("--triangles", "9"), ("--largest", ),
                        ("--drop-components", "9"), ("--fill-cavities", ), ("--split-components", ),

@@ -1,0 +1,59 @@
+#include "cli/mistaken_files.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/ascii.hpp"
+#include "cli/values.hpp"
+#include "meshes/mesh_writer.hpp"
+#include "volumes/particle_format.hpp"
+#include "volumes/volume_reader.hpp"
+
+namespace isoextract::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// What is not there, or has nothing in it, is of no kind.
+bool has_content(const std::string& path) {
+  std::error_code none;
+  return fs::is_regular_file(path, none) && fs::file_size(path, none) > 0;
+}
+
+bool named_as_volume(const std::string& path) {
+  const std::string name = lower_case(fs::path(path).filename().string());
+  const auto claims = [&](const auto& about) {
+    return std::ranges::any_of(about.extensions, [&](std::string_view extension) { return name.ends_with(extension); });
+  };
+  return std::ranges::any_of(volumes::volume_formats(), [&](const auto* format) { return claims(format->about()); }) ||
+         std::ranges::any_of(volumes::particle_format_descriptions(), claims);
+}
+
+}  // namespace
+
+Error about_mesh_file(Error error, const std::string& path) {
+  const bool is_mesh = meshes::mesh_format_by_path(path).has_value();
+  if (error.kind != ErrorKind::input || !error.hint.empty() || is_mesh || !has_content(path) ||
+      !named_as_volume(path)) {
+    return error;
+  }
+  error.hint = fmt::format("its name is that of a volume or of particles: 'isoextract info {}' tells what it holds",
+                           shell_quoted(path));
+  return error;
+}
+
+Error about_volume_file(Error error, const std::string& path) {
+  const auto format = meshes::mesh_format_by_path(path);
+  // Points are stored as PLY, too.
+  if (error.kind != ErrorKind::input || !format || *format == meshes::MeshFormat::ply || !has_content(path)) {
+    return error;
+  }
+  error.hint = fmt::format("its name is that of a mesh: 'isoextract check {}' tells about it", shell_quoted(path));
+  return error;
+}
+
+}  // namespace isoextract::cli
