@@ -8,6 +8,7 @@
 #include "base/printable.hpp"
 #include "batch/detail/name_parts.hpp"
 #include "batch/frame_pattern.hpp"
+#include "convert/surface_edits.hpp"
 
 namespace isoextract::batch {
 
@@ -22,10 +23,11 @@ Result<OutputTemplate> OutputTemplate::parse(std::string_view name) {
     }
     const auto word = part.kind == NamePart::Kind::number ? OutputWord::frame : value_of<OutputWord>(part.word);
     if (!word) {
-      return fail(ErrorKind::usage,
-                  fmt::format("{}: expected {{stem}}, {{frame}}, {{frame:04}}, {{grid}} or {{iso}}, found '{}'",
-                              printable(name), printable(part.text)),
-                  "{{ and }} stand for braces");
+      return fail(
+          ErrorKind::usage,
+          fmt::format("{}: expected {{stem}}, {{frame}}, {{frame:04}}, {{grid}}, {{iso}} or {{piece}}, found '{}'",
+                      printable(name), printable(part.text)),
+          "{{ and }} stand for braces");
     }
     result.parts_.push_back({std::exchange(result.end_, {}), *word, part.width});
   }
@@ -45,6 +47,7 @@ std::string OutputTemplate::expand(const OutputWords& words) const {
       case OutputWord::frame: name += frame_digits(words.frame, part.width); break;
       case OutputWord::grid: name += safe_in_file_names(words.grid); break;
       case OutputWord::iso: name += words.iso; break;
+      case OutputWord::piece: name += convert::kPieceWord; break;
     }
   }
   return name + end_;

@@ -12,10 +12,10 @@
 
 namespace isoextract::batch {
 
-enum class OutputWord { stem, frame, grid, iso };
+enum class OutputWord { stem, frame, grid, iso, piece };
 constexpr auto words_of(OutputWord /*type*/) {
   return std::array{Word{OutputWord::stem, "stem"}, Word{OutputWord::frame, "frame"}, Word{OutputWord::grid, "grid"},
-                    Word{OutputWord::iso, "iso"}};
+                    Word{OutputWord::iso, "iso"}, Word{OutputWord::piece, "piece"}};
 }
 
 // What the words stand for.
@@ -35,7 +35,8 @@ class OutputTemplate {
 
   [[nodiscard]] bool uses(OutputWord word) const;
 
-  // Stem and grid come out as safe_in_file_names().
+  // Stem and grid come out as safe_in_file_names(), and {piece} as it is, convert::kPieceWord: the numbers are known
+  // once there are pieces.
   [[nodiscard]] std::string expand(const OutputWords& words) const;
 
  private:

@@ -37,7 +37,7 @@ TEST(OutputTemplate, WordsAndNumbers) {
 
 TEST(OutputTemplate, OtherWordsAreRefused) {
   EXPECT_EQ(expanded_name("{name}.glb", {}),
-            "{name}.glb: expected {stem}, {frame}, {frame:04}, {grid} or {iso}, found '{name}'");
+            "{name}.glb: expected {stem}, {frame}, {frame:04}, {grid}, {iso} or {piece}, found '{name}'");
   for (const char* name :
        {"{Stem}.glb", "{iso:.2f}.glb", "{stem:04}", "{ iso}", "{frame:x}", "{frame:040}", "{:040}", "{1}"}) {
     const auto parsed = OutputTemplate::parse(name);
