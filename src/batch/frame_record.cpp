@@ -1,6 +1,8 @@
 #include "batch/frame_record.hpp"
 
 #include <algorithm>
+#include <string_view>
+#include <unordered_map>
 #include <utility>
 
 #include <fmt/format.h>
@@ -117,8 +119,11 @@ void add_meshes(const convert::Outcome& outcome, SurfaceFigures& surface) {
   if (first == outcome.meshes.end()) return;
   surface.triangles = 0;  // of what was extracted, before it was changed
   double volume = 0;
+  // The same surface may be in a second file, and pieces with names of their own may each have a file.
+  std::unordered_map<std::string_view, std::string_view> file_of_name;
   for (const convert::MeshRecord& mesh : outcome.meshes) {
-    if (mesh.iso != surface.iso || mesh.file != first->file) continue;
+    if (mesh.iso != surface.iso) continue;
+    if (file_of_name.try_emplace(mesh.name, mesh.file).first->second != mesh.file) continue;
     surface.triangles += mesh.triangles;
     surface.vertices = surface.vertices.value_or(0) + mesh.vertices;
     surface.components = surface.components.value_or(0) + mesh.topology.components;

@@ -14,6 +14,7 @@
 #include "base/printable.hpp"
 #include "batch/detail/input_names.hpp"
 #include "batch/detail/name_parts.hpp"
+#include "batch/detail/piece_names.hpp"
 #include "batch/frame_pattern.hpp"
 #include "batch/output_template.hpp"
 #include "convert/output_checks.hpp"
@@ -35,6 +36,11 @@ class PlaceKeys {
     if (path == "-") return "-";
     struct stat status {};
     if (::stat(path.c_str(), &status) == 0) return fmt::format("{}:{}", status.st_dev, status.st_ino);
+    return by_name(path);
+  }
+
+  // Of a path whose file need not be there.
+  std::string by_name(const fs::path& path) {
     return fmt::format("{}/{}", folder(path.parent_path().string()), path.filename().string());
   }
 
@@ -100,6 +106,11 @@ Result<void> check_words(const OutputSource& source, const OutputTemplate& names
   }
   const meshes::MeshFormatInfo& info = meshes::mesh_format_info(format);
   const bool all_labels = !source.isos.empty() && source.isos.front().kind == convert::IsoChoice::Kind::all_labels;
+  if (names.uses(OutputWord::piece) && (source.isos.size() > 1 || all_labels) && !names.uses(OutputWord::iso)) {
+    return fail(ErrorKind::usage,
+                fmt::format("{}: pieces of several surfaces would have the same names", label_of_source(source)),
+                "put {iso} into the name as well");
+  }
   if (all_labels && names.uses(OutputWord::iso)) {
     return fail(ErrorKind::usage,
                 fmt::format("{}: which labels there are is known once they are read", label_of_source(source)),
@@ -127,21 +138,34 @@ OutputFiles files_of(const OutputSource& source, const OutputTemplate& names) {
   return files;
 }
 
-// Piece 1 of frame 12 and piece 12 of frame 1 shall not be one file.
-Result<void> check_piece_names(const OutputFiles& files) {
-  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
-  for (const convert::OutputFileJob& file : files) {
-    const std::size_t at = file.path.find(convert::kPieceWord);
-    if (at == std::string::npos) continue;
-    const std::size_t after = at + convert::kPieceWord.size();
-    const bool touches =
-        (at > 0 && is_digit(file.path[at - 1])) || (after < file.path.size() && is_digit(file.path[after]));
-    if (!touches) continue;
-    return fail(ErrorKind::usage,
-                fmt::format("{}: the number of a piece would stand beside a digit, and files of two frames could have "
-                            "one name",
-                            printable(file.path)),
-                fmt::format("put something else beside {}", convert::kPieceWord));
+// Files whose names have a place for the numbers of pieces.
+Result<void> check_piece_files(std::span<const OutputSource> sources, std::span<const OutputFiles> outputs,
+                               meshes::MeshFormat format, PlaceKeys& places) {
+  PieceNames names;
+  bool any = false;
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    for (const convert::OutputFileJob& output : outputs[i]) {
+      if (output.path.find(convert::kPieceWord) == std::string::npos) continue;
+      any = true;
+      for (const fs::path& file : convert::mesh_files(output, format)) {
+        const auto first = names.add(places.by_name(file), i);
+        if (!first) continue;
+        return fail(ErrorKind::usage,
+                    fmt::format("{}: pieces of {} and of {} may have one name", printable(file.string()),
+                                label_of_source(sources[*first]), label_of_source(sources[i])),
+                    "put something that is no digit before and behind {piece}, and {frame} into the name");
+      }
+    }
+  }
+  for (std::size_t i = 0; any && i < sources.size(); ++i) {
+    if (!is_file_name(sources[i].input) || files::is_standard_input(sources[i].input)) continue;
+    const auto writer = names.could_be(places.by_name(sources[i].input));
+    if (!writer) continue;
+    return fail(
+        ErrorKind::usage,
+        fmt::format("{}: a piece of {} may have this name, and it is the input of {}; it is not overwritten",
+                    printable(sources[i].input), label_of_source(sources[*writer]), label_of_source(sources[i])),
+        Remedy::other_output_name);
   }
   return {};
 }
@@ -159,7 +183,6 @@ Result<std::vector<OutputFiles>> name_outputs(std::span<const OutputSource> sour
   for (const OutputSource& source : sources) {
     if (auto checked = check_words(source, *names, format); !checked) return tl::unexpected(checked.error());
     outputs.push_back(files_of(source, *names));
-    if (auto checked = check_piece_names(outputs.back()); !checked) return tl::unexpected(checked.error());
   }
   if (auto checked = check_outputs(sources, outputs, format); !checked) return tl::unexpected(checked.error());
   return outputs;
@@ -198,7 +221,7 @@ Result<void> check_outputs(std::span<const OutputSource> sources, std::span<cons
       }
     }
   }
-  return {};
+  return check_piece_files(sources, outputs, format, places);
 }
 
 std::string stem_of(const std::string& input) {

@@ -26,8 +26,7 @@ struct OutputSource {
 using OutputFiles = std::vector<convert::OutputFileJob>;  // of one conversion
 
 // The outputs of every source. `output` is what was asked for:
-//   a template    output_template.hpp; with {iso} in it every iso value has a file, else all of a source are in one;
-//                 with {piece} each piece of a surface has one, which is not beside a digit
+//   a template    output_template.hpp; with {iso} in it every iso value has a file, else all of a source are in one
 //   a folder      it ends with a slash, which may follow a template, or exists
 //   nothing       the current folder
 //   "-"           standard output
@@ -36,7 +35,8 @@ using OutputFiles = std::vector<convert::OutputFileJob>;  // of one conversion
 // EXTENSION is that of the format unless another is given: what is written need not be a mesh.
 //
 // Fails with ErrorKind::usage for a template that cannot be read, for {grid} where no grid was chosen, for several iso
-// values in one file of a format that holds one, and as check_outputs() does. Folders need not exist.
+// values in one file of a format that holds one, for {piece} with several iso values and no {iso}, and as
+// check_outputs() does. Folders need not exist.
 [[nodiscard]] Result<std::vector<OutputFiles>> name_outputs(std::span<const OutputSource> sources,
                                                             const std::optional<std::string>& output,
                                                             meshes::MeshFormat format, std::string_view extension = {});
@@ -44,8 +44,9 @@ using OutputFiles = std::vector<convert::OutputFileJob>;  // of one conversion
 // Whether every file is written once, and none of them is an input; `outputs` are those of the sources. Compared is the
 // place on the disk: links and different ways of writing a path make no difference, as far as they exist by now.
 // Files of a format that come in pairs (.gltf and .bin) count both. Fails with ErrorKind::usage; the message names the
-// file and whoever would write it. Data files that an input's header names are convert::check_mesh_files()'s. Takes
-// time as n log n does, and two looks at the disk a file.
+// file and whoever would write it. Names with {piece} in them are refused where some numbers of pieces could make two
+// of them the same, or the name of an input. Data files that an input's header names are convert::check_mesh_files()'s.
+// Takes time as n log n does, and two looks at the disk a file.
 [[nodiscard]] Result<void> check_outputs(std::span<const OutputSource> sources, std::span<const OutputFiles> outputs,
                                          meshes::MeshFormat format);
 

@@ -18,7 +18,7 @@ constexpr auto words_of(OutputWord /*type*/) {
                     Word{OutputWord::iso, "iso"}, Word{OutputWord::piece, "piece"}};
 }
 
-// What the words stand for. Pieces have numbers once they are there: their word stays as it is.
+// What the words stand for.
 struct OutputWords {
   std::string stem;
   std::int64_t frame = 0;
@@ -35,7 +35,8 @@ class OutputTemplate {
 
   [[nodiscard]] bool uses(OutputWord word) const;
 
-  // Stem and grid come out as safe_in_file_names().
+  // Stem and grid come out as safe_in_file_names(), and {piece} as it is, convert::kPieceWord: the numbers are known
+  // once there are pieces.
   [[nodiscard]] std::string expand(const OutputWords& words) const;
 
  private:

@@ -21,6 +21,7 @@
 #include "cli/plan_parts.hpp"
 #include "cli/vertex_plan.hpp"
 #include "cli/voxel_plan.hpp"
+#include "convert/mesh_pieces.hpp"
 #include "convert/output_checks.hpp"
 #include "convert/particle_source.hpp"
 #include "field/demo_field.hpp"
@@ -116,6 +117,10 @@ Result<void> plan_report(const ConvertFlags& flags, BatchPlan& plan) {
   if (!flags.report) return {};
   auto name = batch::OutputTemplate::parse(*flags.report);
   if (!name) return tl::unexpected(name.error());
+  if (name->uses(batch::OutputWord::piece)) {
+    return refuse_usage(fmt::format("--report {}: a report is of a whole frame, not of a piece", *flags.report),
+                        "leave {piece} out of its name");
+  }
   if (!name->uses(batch::OutputWord::frame)) {
     return refuse_usage(
         fmt::format("--report {}: frames have a report each, and this name has no place for their number",
@@ -140,6 +145,18 @@ Result<void> plan_tables(const BatchFlags& flags, BatchPlan& plan) {
   auto picture = picture_format_of(*flags.plot);
   if (!picture) return tl::unexpected(picture.error());
   plan.picture = *picture;
+  return {};
+}
+
+// Which folders there would have to be is known too late.
+Result<void> check_piece_folders(const std::vector<batch::OutputFiles>& outputs) {
+  for (const batch::OutputFiles& files : outputs) {
+    for (const convert::OutputFileJob& output : files) {
+      if (fs::path(output.path).parent_path().string().find(convert::kPieceWord) == std::string::npos) continue;
+      return refuse_usage(fmt::format("-o {}: {} is in the name of a folder", output.path, convert::kPieceWord),
+                          "put it into the name of the file");
+    }
+  }
   return {};
 }
 
@@ -255,6 +272,7 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
                      ? plan_animation(flags, *sources, plan.common.job.format, plan.batch)
                      : batch::name_outputs(*sources, flags.output, plan.common.job.format, other_extension(flags));
   if (!outputs) return tl::unexpected(outputs.error());
+  if (auto named = check_piece_folders(*outputs); !named) return tl::unexpected(named.error());
   for (std::size_t i = 0; i < sources->size(); ++i) {
     batch::FrameJob& frame = plan.batch.frames.emplace_back();
     frame.number = found->frames[i].number;
@@ -290,7 +308,9 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
 std::vector<fs::path> files_of(const convert::ConversionJob& job) {
   std::vector<fs::path> files;
   for (const convert::OutputFileJob& output : job.outputs) {
-    for (fs::path& file : convert::mesh_files(output, job.format)) files.push_back(std::move(file));
+    // Of pieces, as many as there may be, the first stands for all.
+    const convert::OutputFileJob first{convert::piece_path(output.path, 1), output.isos};
+    for (fs::path& file : convert::mesh_files(first, job.format)) files.push_back(std::move(file));
   }
   return files;
 }

@@ -50,6 +50,7 @@ std::string analytic_text(const convert::MeshError& error) {
                                  analytic.flat_normals.rms_degrees);
   if (error.exact) text += "; area " + percent_text(analytic.area, error.exact->area);
   if (error.exact && analytic.volume) text += ", volume " + percent_text(*analytic.volume, error.exact->volume);
+  if (error.of_part) text += "; area and volume are those of a part, and the formula's are of the whole: not compared";
   return text;
 }
 

@@ -16,6 +16,7 @@
 #include "cli/particle_plan.hpp"
 #include "cli/plan.hpp"
 #include "cli/plan_parts.hpp"
+#include "convert/surface_edits.hpp"
 #include "files/file_bytes.hpp"
 
 namespace isoextract::cli {
@@ -113,6 +114,10 @@ Result<void> name_pictures(const RenderFlags& flags, const Inputs& inputs, std::
                        picture.input.value_or(inputs.meshes.empty() ? "" : inputs.meshes.front()),
                        flags.input.grid.value_or(""),
                        {}});
+  }
+  if (flags.output && flags.output->find(convert::kPieceWord) != std::string::npos) {
+    return refuse_usage(fmt::format("-o {}: a picture shows a whole mesh", *flags.output),
+                        fmt::format("leave {} out", convert::kPieceWord));
   }
   const auto names = batch::name_outputs(sources, flags.output, meshes::MeshFormat::glb, "png");
   if (!names) return tl::unexpected(names.error());

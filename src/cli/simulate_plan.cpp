@@ -30,6 +30,9 @@ Result<bool> names_sequence(const std::string& output, const SequenceKind& kind)
   if (name->uses(batch::OutputWord::iso)) {
     return refuse_usage(fmt::format("-o {}: what is simulated has no iso value", output));
   }
+  if (name->uses(batch::OutputWord::piece)) {
+    return refuse_usage(fmt::format("-o {}: what is simulated has no pieces", output), "leave {piece} out");
+  }
   if (name->uses(batch::OutputWord::grid) && kind.grids.front().empty()) {
     return refuse_usage(fmt::format("-o {}: one file holds all grids", output), "leave {grid} out");
   }

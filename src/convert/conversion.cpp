@@ -183,7 +183,19 @@ class Conversion {
       if (auto added = add(std::move(piece), own); !added) return added;
       if (auto written = finish(own, std::span(&iso, 1)); !written) return written;
     }
+    if (!into_files) return {};
+    const auto removed = remove_old_pieces(file.written.job, pieces->size() + 1, job_, context_);
+    if (!removed) return tl::unexpected(removed.error());
+    if (!removed->empty()) {
+      events_.note(fmt::format("{}: there are {} pieces; removed, as they are of an earlier run: {}", source_.label,
+                               pieces->size(), first_and_last(*removed)));
+    }
     return {};
+  }
+
+  [[nodiscard]] static std::string first_and_last(const std::vector<std::string>& names) {
+    return names.size() < 3 ? fmt::format("{}", fmt::join(names, " and "))
+                            : fmt::format("{} to {}", names.front(), names.back());
   }
 
   [[nodiscard]] meshes::MeshWriteOptions write_options() const {
@@ -394,11 +406,15 @@ class Conversion {
   }
 
   Result<void> leave_out(const OutputFileJob& output, std::span<const ResolvedIso> asked) {
-    const auto removed =
-        sink_ == nullptr ? remove_old_meshes(output, job_.format, context_) : Result<std::vector<std::string>>();
+    const bool in_pieces = job_.pieces.split && output.path.find(kPieceWord) != std::string::npos;
+    const auto removed = sink_ != nullptr ? Result<std::vector<std::string>>()
+                         : in_pieces      ? remove_old_pieces(output, 1, job_, context_)
+                                          : remove_old_meshes(output, job_.format, context_);
     if (!removed) return tl::unexpected(removed.error());
     tell_skipped(output, asked, {},
-                 removed->empty() ? "" : fmt::format("; the old {} was removed", fmt::join(*removed, " and ")));
+                 removed->empty() ? ""
+                                  : fmt::format("; the old {} {} removed", first_and_last(*removed),
+                                                removed->size() < 3 ? "was" : "were"));
     events_.written({output, {}, 0, 0, {}, {}});
     return {};
   }

@@ -76,11 +76,16 @@ Result<MeshError> measure_mesh_error(const mesh::Mesh& mesh, const field::Scalar
   if (moved) options.reach = std::max(options.reach, kReachOfMoved);
   error.field = measure::measure_field_error(mesh, field, extracted, options, context);
   error.analytic = measure::measure_analytic_error(mesh, field, extracted, grid, options.cuts, context);
-  if (error.analytic && !extracted.region && field.kind == field::FieldKind::density) {
+  if (error.analytic && field.kind == field::FieldKind::density) {
     const double unit = error.analytic->unit;
     error.exact = field::find_analytic_field(field.name)->size(extracted.iso);
     if (error.exact)
       error.exact = field::SurfaceSize{error.exact->area * unit * unit, error.exact->volume * unit * unit * unit};
+  }
+  // Known is the size of the whole surface.
+  if (error.exact && (extracted.region || !clipped.empty())) {
+    error.of_part = true;
+    error.exact.reset();
   }
   auto coverage = measure::measure_surface_coverage(mesh, field, extracted, grid, clipped, context);
   if (!coverage) return tl::unexpected(std::move(coverage.error()));

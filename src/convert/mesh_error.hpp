@@ -15,8 +15,9 @@ namespace isoextract::convert {
 struct MeshError {
   double iso = 0;
   measure::FieldError field;
-  std::optional<measure::AnalyticError> analytic;    // of demo fields with a formula
-  std::optional<field::SurfaceSize> exact;           // likewise, where their size is known, in the mesh's units
+  std::optional<measure::AnalyticError> analytic;  // of demo fields with a formula
+  std::optional<field::SurfaceSize> exact;  // likewise, where their size is known, in the mesh's units; not of a part
+  bool of_part = false;                     // then: a region or a clip may have left some of it out
   std::optional<measure::SurfaceCoverage> coverage;  // the other way, where there is anything to compare with
 };
 

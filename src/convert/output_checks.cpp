@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "convert/mesh_pieces.hpp"
 #include "convert/particle_source.hpp"
 #include "files/file_bytes.hpp"
 #include "files/output_file.hpp"
@@ -80,6 +81,23 @@ Result<std::vector<std::string>> remove_old_meshes(const OutputFileJob& output, 
     auto gone = files::remove_old_file(file);
     if (!gone) return tl::unexpected(std::move(gone.error()));
     if (*gone) removed.push_back(file.string());
+  }
+  return removed;
+}
+
+Result<std::vector<std::string>> remove_old_pieces(const OutputFileJob& output, std::size_t first,
+                                                   const ConversionJob& job, const Context& context) {
+  std::vector<std::string> removed;
+  for (std::size_t number = first; number <= kMostPieceFiles; ++number) {
+    const OutputFileJob piece{piece_path(output.path, number), output.isos};
+    std::error_code none;
+    for (const fs::path& file : mesh_files(piece, job.format)) {
+      if (fs::equivalent(file, job.source.input, none) || !check_data_files(file, job)) return removed;
+    }
+    auto gone = remove_old_meshes(piece, job.format, context);
+    if (!gone) return gone;
+    if (gone->empty()) break;
+    removed.insert(removed.end(), gone->begin(), gone->end());
   }
   return removed;
 }

@@ -19,6 +19,11 @@ namespace isoextract::convert {
 [[nodiscard]] Result<std::vector<std::string>> remove_old_meshes(const OutputFileJob& output, meshes::MeshFormat format,
                                                                  const Context& context);
 
+// The same for pieces that an earlier run had more of: those of the numbers from `first` on, up to the first that is
+// not there or that the job reads. `output` has kPieceWord in its name.
+[[nodiscard]] Result<std::vector<std::string>> remove_old_pieces(const OutputFileJob& output, std::size_t first,
+                                                                 const ConversionJob& job, const Context& context);
+
 // Another file that goes with the job, its report for example: writable, and neither the input nor a mesh of the job,
 // nor where that goes.
 [[nodiscard]] Result<void> check_other_file(const std::filesystem::path& file, const ConversionJob& job);

@@ -1,5 +1,6 @@
 """--error: how far the mesh is from the isosurface it stands for."""
 
+import json
 import math
 import re
 
@@ -54,6 +55,14 @@ class ErrorTest(ProgramTest):
         run = self.convert("demo:gyroid?size=32", "--iso", "0", "-o", "a.ply", "--error")
         self.assertRegex(run.err, r"against the formula: .* degrees flat\n")
         self.assertNotIn("formula", self.convert("demo:random?size=9", "--iso", "0", "-o", "a.ply", "--error").err)
+
+    def test_a_part_is_not_compared_with_the_size_of_the_whole(self):
+        for part in (("--clip", "1,0,0,0"), ("--clip", "1,0,0,0", "--cap"), ("--roi", "0,0,0,16,31,31", "--cap")):
+            run = self.convert("demo:sphere?size=32", "--iso", "0.5", *part, "-o", "a.ply", "--error", "--report", "r.json")
+            self.assertRegex(run.err, r"against the formula: .*; area and volume are those of a part")
+            (mesh,) = json.loads((self.folder / "r.json").read_text())["meshes"]
+            self.assertEqual([mesh["error"]["analytic"][size] for size in ("area", "volume")], [None, None])
+            self.assertGreater(mesh["error"]["analytic"]["interior"]["points"], 0)
 
     def test_each_iso_value_has_its_own(self):
         run = self.convert(SPHERE, "--iso", "0", "--iso", "0.2", "-o", "a.glb", "--error")

@@ -3,7 +3,7 @@ foreach(name
     animate attributes batch batch_faults iso particles particle_limits particle_sequences config startup usage
     surface placement frames output interrupted streams inputs lost_input plugin openvdb fields memory info grids compare
     simplify compression resolution error bench documents report simulate jet stability far verify verify_edits gpu readme render
-    render_gpu voxels pictures pieces check normals labels arrays)
+    render_gpu voxels pictures pieces piece_sequences check normals labels arrays)
   add_test(NAME cli.${name}
     COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_CURRENT_SOURCE_DIR}/cli/${name}_test.py)
   set_tests_properties(cli.${name} PROPERTIES

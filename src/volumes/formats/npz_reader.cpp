@@ -2,10 +2,13 @@
 // is; the others are not looked at but for their headers.
 #include <algorithm>
 #include <array>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <zlib.h>
 
 #include "base/printable.hpp"
 #include "volumes/detail/dense_reading.hpp"
@@ -44,6 +47,24 @@ Result<NpzArray> read_array(const files::InputFile& file, const ZipMember& membe
     if (start->size() < count || count == kMaxNpyHeader) return tl::unexpected(std::move(header.error()));
   }
   return fail(ErrorKind::input, member_name(file, member) + ": no header");
+}
+
+// Of a member that is stored as it is: packed ones are checked as they are unpacked.
+Result<void> check_stored(const files::InputFile& file, const ZipMember& member, const SamplePiece& piece) {
+  constexpr std::uint64_t kBlock = std::uint64_t{1} << 20;
+  const auto reserved = file.context().reserve(kBlock, file.name() + ": its checksum");
+  if (!reserved) return tl::unexpected(reserved.error());
+  std::vector<std::byte> block(kBlock);
+  auto crc = ::crc32(0, nullptr, 0);
+  for (std::uint64_t at = 0; at < member.sizes.inflated; at += kBlock) {
+    if (auto go_on = file.context().check(); !go_on) return go_on;
+    const auto part = std::span(block).first(static_cast<std::size_t>(std::min(kBlock, member.sizes.inflated - at)));
+    if (auto read = file.read_at(piece.offset + at, part); !read) return read;
+    crc = ::crc32_z(crc, reinterpret_cast<const Bytef*>(part.data()), part.size());
+  }
+  if (crc == member.sizes.crc) return {};
+  return fail(ErrorKind::input, fmt::format("{} is damaged: its checksum is {:08x}, its directory says {:08x}",
+                                            member_name(file, member), crc, member.sizes.crc));
 }
 
 std::vector<ZipMember> arrays_of(std::vector<ZipMember> members) {
@@ -137,6 +158,9 @@ class NpzFormat final : public VolumeFormat {
     auto dense = npy_volume(member_name(*file, member), array->header, options);
     if (!dense) return tl::unexpected(std::move(dense.error()));
     dense->format = "NPZ";
+    if (!array->piece.packed()) {
+      if (auto whole = check_stored(*file, member, array->piece); !whole) return tl::unexpected(whole.error());
+    }
     (array->piece.packed() ? array->piece.skip : array->piece.offset) += array->header.data_offset;
     dense->pieces = {std::move(array->piece)};
     auto field = read_dense(*file, std::move(*dense), name_of(member), options);

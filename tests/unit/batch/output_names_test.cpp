@@ -33,7 +33,6 @@ TEST(OutputTemplate, WordsAndNumbers) {
   EXPECT_EQ(expanded_name("{iso}_{iso}", {"", 0, "", "p99"}), "p99_p99");
   EXPECT_EQ(expanded_name("f{:04}", {"", -1, "", ""}), "f-0001");
   EXPECT_EQ(expanded_name("{stem", words), "{stem");
-  EXPECT_EQ(expanded_name("{frame}_{piece}.ply", words), "7_{piece}.ply");
 }
 
 TEST(OutputTemplate, OtherWordsAreRefused) {

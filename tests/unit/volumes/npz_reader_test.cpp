@@ -165,6 +165,7 @@ TEST(NpzReaderBad, SizesAndPlacesThatAreNotSoAreRefused) {
                part.stored += 'x';
              }),
         "ends before its packed bytes do"},
+       {"stored, checksum", with(false, [](ZipPart& part) { part.crc ^= 1; }), "is damaged: its checksum is"},
        {"checksum", with(true, [](ZipPart& part) { part.crc ^= 1; }), "its checksum is"},
        {"garbage", with(true, [](ZipPart& part) { part.stored.assign(part.stored.size(), '\xff'); }),
         "damaged or cut off"},
