@@ -18,6 +18,7 @@
 #include "batch/natural_order.hpp"
 #include "volumes/particle_format.hpp"
 #include "volumes/volume_format.hpp"
+#include "volumes/volume_reader.hpp"
 
 namespace isoextract::batch {
 namespace {
@@ -193,18 +194,34 @@ tl::unexpected<Error> fail_several(const std::string& folder, std::span<const Se
       "name one of them by its pattern, with the folder before it");
 }
 
+// What the folder holds instead may be known: a series in DICOM has no names that tell it.
+tl::unexpected<Error> fail_no_names(const std::string& folder, const std::string& first) {
+  std::string message = fmt::format("{}: no file in the folder is named like a volume or particles", printable(folder));
+  Hint hint("files of any name are found by a pattern, with the folder before it");
+  if (const auto known = first.empty() ? std::nullopt : volumes::known_but_unread(fs::path(folder) / first)) {
+    message += fmt::format("; {}", known->message);
+    hint = known->hint;
+  }
+  return fail(ErrorKind::input, std::move(message), std::move(hint));
+}
+
 // Volumes, or particles where there are none: tables and meshes often lie beside volumes.
 Result<FoundFrames> files_of_folder(const std::string& folder) {
   std::vector<std::string> names;
   std::vector<std::string> particles;
   std::size_t others = 0;
+  std::string first;  // of those that are neither
   const auto visited = visit_folder(folder, [&](const std::string& name, const fs::directory_entry& entry) {
     std::error_code none;
     if (name.starts_with('.') || entry.is_directory(none)) return;
     if (has_volume_extension(name)) {
       names.push_back(name);
     } else {
-      if (has_particle_extension(name)) particles.push_back(name);
+      if (has_particle_extension(name)) {
+        particles.push_back(name);
+      } else if (first.empty() || NaturalLess()(name, first)) {
+        first = name;
+      }
       ++others;
     }
   });
@@ -214,11 +231,7 @@ Result<FoundFrames> files_of_folder(const std::string& folder) {
     others -= particles.size();
     names = std::move(particles);
   }
-  if (names.empty()) {
-    return fail(ErrorKind::input,
-                fmt::format("{}: no file in the folder is named like a volume or particles", printable(folder)),
-                "files of any name are found by a pattern, with the folder before it");
-  }
+  if (names.empty()) return fail_no_names(folder, first);
   std::ranges::sort(names, NaturalLess());
   const std::vector<Sequence> sequences = sequences_of(names);
   const auto is_several = [](const Sequence& sequence) { return sequence.members.size() > 1; };

@@ -54,9 +54,10 @@ Result<void> measure_side(Side& side, const Context& context) {
   return {};
 }
 
-// Meshes that were placed alike are compared as they are, others in the world of what they were made of. Files that say
-// nothing of it are taken to be placed as is usual in their format: glTF is turned unless its world is y up, and the
-// others are as the world was.
+// Meshes that were placed alike are compared as they are, others in the world of what they were made of. Files of ours
+// that say nothing of it were placed as is usual in their format: glTF is turned unless its world is y up, and the
+// others are as the world was. Files of other programs are taken to be placed as the mesh that they are compared with,
+// where that is of their kind, and as is usual elsewhere.
 void bring_into_one_frame(std::array<Side, 2>& sides, const std::optional<convert::UpAxis>& up,
                           const Messages& messages) {
   bool asked = false;
@@ -67,6 +68,10 @@ void bring_into_one_frame(std::array<Side, 2>& sides, const std::optional<conver
     }
     asked = asked || (!record && side.file.y_up);
     side.placement = convert::placement_of(side.file, up.value_or(convert::UpAxis::z));
+  }
+  // Other programs keep nothing of what our files say.
+  for (std::size_t i = 0; i < 2 && sides[0].file.y_up == sides[1].file.y_up; ++i) {
+    if (!sides[i].file.is_ours) sides[i].placement = sides[1 - i].placement;
   }
   const bool alike = sides[0].placement.output_from_world() == sides[1].placement.output_from_world();
   const bool both_usual = sides[0].file.y_up && sides[1].file.y_up && alike;

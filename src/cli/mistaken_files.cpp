@@ -47,6 +47,11 @@ Error about_mesh_file(Error error, const std::string& path) {
 }
 
 Error about_volume_file(Error error, const std::string& path) {
+  std::error_code none;
+  if (error.hint.empty() && fs::is_directory(path, none)) {
+    error.hint = "name one of the files in it; a conversion takes a folder, as a sequence";
+    return error;
+  }
   const auto format = meshes::mesh_format_by_path(path);
   // Points are stored as PLY, too.
   if (error.kind != ErrorKind::input || !format || *format == meshes::MeshFormat::ply || !has_content(path)) {

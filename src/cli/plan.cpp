@@ -7,8 +7,10 @@
 #include <fmt/ranges.h>
 
 #include "base/ascii.hpp"
+#include "base/printable.hpp"
 #include "cli/particle_plan.hpp"
 #include "cli/plan_parts.hpp"
+#include "field/demo_field.hpp"
 #include "files/file_bytes.hpp"
 
 namespace isoextract::cli {
@@ -150,6 +152,12 @@ Result<void> check_isos(const std::vector<convert::IsoChoice>& isos, const std::
 Result<volumes::ReadOptions> plan_read(const InputFlags& flags) {
   for (const std::string& input : flags.inputs) {
     if (input.empty()) return refuse_usage("INPUT is empty");
+    std::error_code none;
+    if (input.find('*') != std::string::npos && !input.starts_with(field::kDemoPrefix) &&
+        !std::filesystem::exists(input, none)) {
+      return refuse_usage(fmt::format("{}: there is no such file, and * is no pattern", printable(input)),
+                          "write {} where the number of a frame is, or let the shell expand it, without quotes");
+    }
   }
   if (std::ranges::count_if(flags.inputs, files::is_standard_input) > 1) {
     return refuse_usage("'-' was given twice, and stdin can be read once");

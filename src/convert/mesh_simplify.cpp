@@ -104,7 +104,7 @@ std::vector<std::string> notes_of(const MeshSimplification& simplification) {
   }
   // A closed component has four triangles at least.
   const std::uint64_t asked = simplification.triangles_asked;
-  const bool is_much = 4 * simplification.components > asked / 2;
+  const bool is_much = simplification.components > 1 && 4 * simplification.components > asked / 2;
   if (asked > 0 && is_much && (facts.triangles_after > asked || simplification.voxels.lower > 1)) {
     notes.push_back(
         fmt::format("{} components, each of which stays, take many of the {} triangles that are left: without the "

@@ -94,6 +94,7 @@ Result<std::vector<std::string>> remove_old_pieces(const OutputFileJob& output, 
     for (const fs::path& file : mesh_files(piece, job.format)) {
       if (fs::equivalent(file, job.source.input, none) || !check_data_files(file, job)) return removed;
     }
+    if (!meshes::is_signed(piece.path, context)) break;
     auto gone = remove_old_meshes(piece, job.format, context);
     if (!gone) return gone;
     if (gone->empty()) break;

@@ -20,7 +20,7 @@ namespace isoextract::convert {
                                                                  const Context& context);
 
 // The same for pieces that an earlier run had more of: those of the numbers from `first` on, up to the first that is
-// not there or that the job reads. `output` has kPieceWord in its name.
+// not there, that the job reads or that isoextract does not seem to have written. `output` has kPieceWord in its name.
 [[nodiscard]] Result<std::vector<std::string>> remove_old_pieces(const OutputFileJob& output, std::size_t first,
                                                                  const ConversionJob& job, const Context& context);
 

@@ -222,6 +222,17 @@ Result<MeshFile> read_mesh(const std::filesystem::path& path, const Context& con
   }
 }
 
+bool is_signed(const std::filesystem::path& path, const Context& context) {
+  constexpr std::size_t kBeginning = 4096;  // the JSON of one mesh is shorter than that
+  const auto file = files::InputFile::open(path, context);
+  if (!file) return false;
+  const auto bytes = files::first_bytes(*file, kBeginning);
+  if (!bytes) return false;
+  const std::string text = fmt::format("{} ", kProgram);
+  const auto matches = [](std::byte byte, char c) { return byte == static_cast<std::byte>(c); };
+  return std::search(bytes->begin(), bytes->end(), text.begin(), text.end(), matches) != bytes->end();
+}
+
 std::vector<std::string> data_file_names(const std::filesystem::path& gltf, const Context& context) {
   std::vector<std::string> names;
   try {

@@ -75,6 +75,10 @@ struct MeshFile {
 [[nodiscard]] Result<MeshFile> read_mesh(const std::filesystem::path& path, const Context& context = Context(),
                                          const MeshReadOptions& options = {});
 
+// Whether the file's beginning says that isoextract wrote it, without reading the mesh. STL as text never does, nor does
+// what cannot be read.
+[[nodiscard]] bool is_signed(const std::filesystem::path& path, const Context& context = Context());
+
 // The names of the files in which a .gltf keeps its data, as it has them; none where it is no glTF, or has none.
 [[nodiscard]] std::vector<std::string> data_file_names(const std::filesystem::path& gltf,
                                                        const Context& context = Context());

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,10 @@ namespace isoextract::volumes {
 // content. An array of numbers in rows may be one of particles all the same. Reads the beginning of the file.
 [[nodiscard]] Result<bool> is_surely_volume(const std::string& input, const ReadOptions& options,
                                             const Context& context = Context());
+
+// What a file is that no format here reads, where it is of a known kind: an error that says so, and what converts it.
+[[nodiscard]] std::optional<Error> known_but_unread(const std::filesystem::path& path,
+                                                    const Context& context = Context());
 
 // `input` is a path, "-" for standard input (files::InputFile tells how it is kept) or demo:NAME. Never reads samples.
 [[nodiscard]] Result<std::vector<GridInfo>> list_grids(const std::string& input, const ReadOptions& options,

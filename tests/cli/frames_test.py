@@ -198,6 +198,16 @@ class FramesTest(ProgramTest):
             self.convert(*self.raw(), "-o", name)
             self.assertNotIn(b"placement", (self.folder / name).read_bytes())
 
+    def test_meshes_that_other_programs_made_of_ours(self):
+        """They lose what our files say, and stay where they are."""
+        for name in ("a.obj", "a.gltf"):
+            self.convert(*self.raw(), "--unit", "mm", "--to-unit", "in", "--up", "y", "--up-out", "z", "--center", "-o", name)
+            text = (self.folder / name).read_text()
+            other = "b" + name[1:]
+            (self.folder / other).write_text(text.replace("isoextract 0", "somebody 0").replace("placement", "nothing"))
+            report = json.loads(self.convert("compare", name, other, "--json").text)
+            self.assertEqual((report["hausdorff"], report["a"]["undone"], report["b"]["undone"]), ([0, 0], None, None))
+
     def test_voxel_coordinates_say_so(self):
         for name in ("a.glb", "a.ply"):
             self.convert(*self.raw(), "--space", "index", "-o", name)

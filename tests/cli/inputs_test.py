@@ -319,5 +319,22 @@ class DemoTimeTest(ProgramTest):
             self.assertEqual(mesh["error"]["analytic"] is not None, formula)
 
 
+class FoldersTest(ProgramTest):
+    def test_what_a_folder_holds_instead(self):
+        (self.folder / "scan").mkdir()
+        for slice_ in ("I10", "I9", "I100"):
+            (self.folder / "scan" / slice_).write_bytes(bytes(128) + b"DICM" + bytes(400))
+        run = self.run_program("scan", "--iso", "1", "-o", "a.ply")
+        self.assert_fails(2, run, "no file in the folder is named like a volume", "I9: it is a DICOM file",
+                          "dcm2niix makes a NIfTI file")
+        self.assert_fails(2, self.run_program("info", "scan"), "found a directory", "name one of the files in it")
+        run = self.run_program("scan/I*", "--iso", "1", "-o", "a.ply")
+        self.assert_fails(1, run, "scan/I*: there is no such file, and * is no pattern", "write {} where the number")
+        (self.folder / "notes").mkdir()
+        (self.folder / "notes/a.txt").write_text("nothing")
+        run = self.run_program("notes", "--iso", "1", "-o", "a.ply")
+        self.assert_fails(2, run, "no file in the folder is named like", "files of any name are found by a pattern")
+
+
 if __name__ == "__main__":
     main()

@@ -68,6 +68,19 @@ class PieceSequencesTest(ProgramTest):
         self.assertEqual(self.meshes(), ["11_1.ply", "1_1.ply"])
         self.assertIn("removed, as they are of an earlier run: out/1_2.ply and out/1_3.ply", run.err)
 
+    def test_files_of_others_stay(self):
+        for end in ("ply", "stl", "obj", "glb", "gltf", "drc"):
+            name = (f"p_1.{end}", f"p_2.{end}", f"p_3.{end}", f"p_4.{end}")
+            split = (*OPTIONS, "-o", f"p_{{piece}}.{end}")
+            self.convert("p_1.raw", *split)
+            (self.folder / name[3]).write_bytes(b"mine")
+            self.convert("p_11.raw", *split)
+            self.assertEqual([(self.folder / n).exists() for n in name], [True, False, False, True], end)
+            self.convert("p_1.raw", *split)
+            (self.folder / name[1]).write_bytes(b"mine")
+            self.convert("p_11.raw", *split)
+            self.assertEqual([(self.folder / n).exists() for n in name], [True, True, True, True], end)
+
     def test_a_piece_that_is_read_stays(self):
         (self.folder / "a_3.ply").write_bytes((self.folder / "p_2.raw").read_bytes())
         self.convert("a_3.ply", "--input-format", "raw", *OPTIONS, "-o", "a_{piece}.ply")

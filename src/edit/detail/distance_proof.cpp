@@ -46,7 +46,7 @@ class DistanceProof {
       std::vector<PutBack> changed;
       for (const std::uint32_t t : wrong) {
         if (state_.changed_by[t] == kNone) continue;
-        proof.refused.push_back(collapsed_vertex(state_.changed_by[t], logs_));
+        if (options_.once) proof.refused.push_back(collapsed_vertex(state_.changed_by[t], logs_));
         proof.undone += undo_collapse(state_.changed_by[t], state_, logs_, changed);
       }
       if (options_.once) break;

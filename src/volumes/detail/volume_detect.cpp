@@ -10,6 +10,7 @@
 #include "files/file_bytes.hpp"
 #include "volumes/detail/formats.hpp"
 #include "volumes/detail/unread_format.hpp"
+#include "volumes/volume_reader.hpp"
 
 namespace isoextract::volumes {
 namespace {
@@ -39,13 +40,17 @@ const VolumeFormat* format_by_extension(const std::filesystem::path& path) {
   return nullptr;
 }
 
+std::optional<Error> error_of_unread(const files::InputFile& file, std::span<const std::byte> content) {
+  const auto known = unread_format(file.path(), content);
+  if (!known) return std::nullopt;
+  return Error{ErrorKind::input,
+               fmt::format("{}: it is {} by its {}, which isoextract does not read", file.name(), known->title,
+                           known->by_name ? "name" : "content"),
+               Hint(known->way)};
+}
+
 tl::unexpected<Error> fail_unknown(const files::InputFile& file, std::span<const std::byte> content) {
-  if (const auto known = unread_format(file.path(), content)) {
-    return fail(ErrorKind::input,
-                fmt::format("{}: it is {} by its {}, which isoextract does not read", file.name(), known->title,
-                            known->by_name ? "name" : "content"),
-                Hint(known->way));
-  }
+  if (auto known = error_of_unread(file, content)) return tl::unexpected(std::move(*known));
   std::string hint = "it reads";
   for (const VolumeFormat* format : volume_formats()) {
     const FormatDescription& about = format->about();
@@ -103,6 +108,13 @@ Result<DetectedFormat> detect_format(const std::string& input, const ReadOptions
   // The reader of that format says what is wrong with the content.
   if (by_extension != nullptr) return DetectedFormat{by_extension, {}};
   return fail_unknown(*file, *content);
+}
+
+std::optional<Error> known_but_unread(const std::filesystem::path& path, const Context& context) {
+  const auto file = files::InputFile::open(path, context);
+  if (!file) return std::nullopt;
+  const auto content = files::first_bytes(*file, kStartBytes);
+  return content ? error_of_unread(*file, *content) : std::nullopt;
 }
 
 Result<bool> has_volume_content(const std::string& input, const Context& context) {

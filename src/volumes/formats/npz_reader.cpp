@@ -158,13 +158,14 @@ class NpzFormat final : public VolumeFormat {
     auto dense = npy_volume(member_name(*file, member), array->header, options);
     if (!dense) return tl::unexpected(std::move(dense.error()));
     dense->format = "NPZ";
-    if (!array->piece.packed()) {
-      if (auto whole = check_stored(*file, member, array->piece); !whole) return tl::unexpected(whole.error());
-    }
+    const SamplePiece member_piece = array->piece;
     (array->piece.packed() ? array->piece.skip : array->piece.offset) += array->header.data_offset;
     dense->pieces = {std::move(array->piece)};
     auto field = read_dense(*file, std::move(*dense), name_of(member), options);
     if (!field) return field;
+    if (!member_piece.packed()) {
+      if (auto whole = check_stored(*file, member, member_piece); !whole) return tl::unexpected(whole.error());
+    }
     field->grids = grids->size();
     field->grid = (*grids)[*chosen].label;
     return field;
