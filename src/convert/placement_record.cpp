@@ -79,22 +79,25 @@ ResolvedPlacement usual_placement(bool format_is_y_up, UpAxis up) {
 
 std::string record_text(const ResolvedPlacement& resolved, meshes::MeshFormat format) {
   const Placement& placement = resolved.placement;
-  if (placement.space == Space::index) return Json{{"space", word_of(Space::index)}}.dump();
+  // As text: the library's documents lose memory where there is none for one of their members.
+  if (placement.space == Space::index) return fmt::format(R"({{"space":"{}"}})", word_of(Space::index));
   const bool format_is_y_up = format == meshes::MeshFormat::glb || format == meshes::MeshFormat::gltf;
   if (resolved == usual_placement(format_is_y_up)) return {};
-  Json json{{"up", word_of(placement.up)}};
-  if (const std::string_view turned = turn_text(placement); !turned.empty()) json["turned"] = turned;
+  std::string text = fmt::format(R"({{"up":"{}")", word_of(placement.up));
+  if (const std::string_view turned = turn_text(placement); !turned.empty()) {
+    text += fmt::format(R"(,"turned":"{}")", turned);
+  }
   if (placement.to_space) {
-    json["to_space"] = word_of(*placement.to_space);
-    json["mirrored"] = fmt::format("{}{}", resolved.signs.x < 0 ? "x" : "", resolved.signs.y < 0 ? "y" : "");
+    text += fmt::format(R"(,"to_space":"{}","mirrored":"{}{}")", word_of(*placement.to_space),
+                        resolved.signs.x < 0 ? "x" : "", resolved.signs.y < 0 ? "y" : "");
   }
-  if (placement.scale != 1) json["scale"] = placement.scale;
-  if (!placement.unit.empty()) {
-    json["unit"] = placement.unit;
-    json["to_unit"] = placement.to_unit;
+  if (placement.scale != 1) text += fmt::format(R"(,"scale":{})", placement.scale);
+  if (!placement.unit.empty()) text += fmt::format(R"(,"unit":"{}","to_unit":"{}")", placement.unit, placement.to_unit);
+  if (placement.center) {
+    const glm::dvec3& by = resolved.moved_by;
+    text += fmt::format(R"(,"moved_by":[{},{},{}])", by.x, by.y, by.z);
   }
-  if (placement.center) json["moved_by"] = json_of(resolved.moved_by);
-  return json.dump();
+  return text + "}";
 }
 
 std::optional<ResolvedPlacement> read_record(std::string_view text) {

@@ -219,7 +219,7 @@ class FramesTest(ProgramTest):
         self.convert(*self.raw(), "--scale", 2, "-o", "a.obj")
         self.convert(*self.raw(), "-o", "b.obj")
         good = (self.folder / "a.obj").read_text()
-        self.assertIn('"scale":2.0', good)
+        self.assertIn('"scale":2', good)
         for bad in ("{", "[]", '{"up":"x"}', '{"up":"z","scale":0}', '{"up":"z","scale":-2}', '{"up":"z","scale":1e999}',
                     '{"up":"z","scale":"2"}', '{"up":"z","moved_by":[1,2]}', '{"up":"z","moved_by":[1,2,"3"]}',
                     '{"up":"z","turned":"over"}', '{"up":"z","mirrored":"z"}', '{"up":"z","unit":"furlong"}', "{}"):

@@ -48,9 +48,14 @@ nlohmann::json document_of(tinygltf::Model& model, const std::string& placement)
   model.asset.version = "2.0";
   std::ostringstream stream;
   tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, stream, false, false);
-  auto document = nlohmann::json::parse(stream.str());
-  if (!placement.empty()) document["asset"]["extras"][kPlacementEntry] = nlohmann::json::parse(placement);
-  return document;
+  std::string text = stream.str();
+  // Before it is parsed: a document cannot take members without losing memory where there is none for them. Names
+  // cannot hold these characters, as quotes in them are escaped.
+  constexpr std::string_view kAsset = R"("asset":{)";
+  if (const std::size_t asset = text.find(kAsset); !placement.empty() && asset != std::string::npos) {
+    text.insert(asset + kAsset.size(), fmt::format(R"("extras":{{"{}":{}}},)", kPlacementEntry, placement));
+  }
+  return nlohmann::json::parse(text);
 }
 
 // Where packed positions are relative to.
