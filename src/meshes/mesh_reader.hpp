@@ -75,8 +75,8 @@ struct MeshFile {
 [[nodiscard]] Result<MeshFile> read_mesh(const std::filesystem::path& path, const Context& context = Context(),
                                          const MeshReadOptions& options = {});
 
-// Whether the file's beginning says that isoextract wrote it, without reading the mesh. STL as text never does, nor does
-// what cannot be read.
+// Whether the file's beginning says that isoextract wrote it, without reading the mesh. STL as text never does, nor
+// does what cannot be read.
 [[nodiscard]] bool is_signed(const std::filesystem::path& path, const Context& context = Context());
 
 // The names of the files in which a .gltf keeps its data, as it has them; none where it is no glTF, or has none.
