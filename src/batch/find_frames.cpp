@@ -9,7 +9,6 @@
 
 #include <fmt/format.h>
 
-#include "base/ascii.hpp"
 #include "base/printable.hpp"
 #include "batch/detail/folder_names.hpp"
 #include "batch/detail/input_names.hpp"
@@ -34,23 +33,6 @@ struct FoundFrames {
   bool numbered = true;  // by their names; else by position, which leaves no gaps
   std::vector<std::string> notes;
 };
-
-bool ends_with_one(const std::string& name, const std::vector<std::string>& extensions) {
-  return std::ranges::any_of(extensions, [&](const std::string& extension) { return name.ends_with(extension); });
-}
-
-bool has_volume_extension(const std::string& file) {
-  return std::ranges::any_of(volumes::volume_formats(), [name = lower_case(file)](const auto* format) {
-    return ends_with_one(name, format->about().extensions);
-  });
-}
-
-bool has_particle_extension(const std::string& file) {
-  std::string name = lower_case(file);
-  if (name.ends_with(".gz")) name.resize(name.size() - 3);
-  return std::ranges::any_of(volumes::particle_format_descriptions(),
-                             [&](const auto& about) { return ends_with_one(name, about.extensions); });
-}
 
 // What lies between the frames, of which there is at least one, if their numbers go on as they do.
 std::vector<FrameRun> gaps_between(std::span<const Frame> frames) {
@@ -214,10 +196,10 @@ Result<FoundFrames> files_of_folder(const std::string& folder) {
   const auto visited = visit_folder(folder, [&](const std::string& name, const fs::directory_entry& entry) {
     std::error_code none;
     if (name.starts_with('.') || entry.is_directory(none)) return;
-    if (has_volume_extension(name)) {
+    if (volumes::has_volume_extension(name)) {
       names.push_back(name);
     } else {
-      if (has_particle_extension(name)) {
+      if (volumes::has_particle_extension(name)) {
         particles.push_back(name);
       } else if (first.empty() || NaturalLess()(name, first)) {
         first = name;

@@ -67,7 +67,7 @@ void bring_into_one_frame(std::array<Side, 2>& sides, const std::optional<conver
       messages.note(fmt::format("{}: what it says of its placement cannot be read, and is left aside", side.path));
     }
     asked = asked || (!record && side.file.y_up);
-    side.placement = convert::placement_of(side.file, up.value_or(convert::UpAxis::z));
+    side.placement = record.value_or(convert::usual_placement(side.file.y_up, up.value_or(convert::UpAxis::z)));
   }
   // Other programs keep nothing of what our files say.
   for (std::size_t i = 0; i < 2 && sides[0].file.y_up == sides[1].file.y_up; ++i) {

@@ -1,13 +1,10 @@
 #include "cli/mistaken_files.hpp"
 
-#include <algorithm>
 #include <filesystem>
-#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "base/ascii.hpp"
 #include "cli/values.hpp"
 #include "meshes/mesh_writer.hpp"
 #include "volumes/particle_format.hpp"
@@ -24,23 +21,12 @@ bool has_content(const std::string& path) {
   return fs::is_regular_file(path, none) && fs::file_size(path, none) > 0;
 }
 
-bool named_as_volume(const std::string& path) {
-  const std::string name = lower_case(fs::path(path).filename().string());
-  const auto claims = [&](const auto& about) {
-    return std::ranges::any_of(about.extensions, [&](std::string_view extension) { return name.ends_with(extension); });
-  };
-  return std::ranges::any_of(volumes::volume_formats(), [&](const auto* format) { return claims(format->about()); }) ||
-         std::ranges::any_of(volumes::particle_format_descriptions(), claims);
-}
-
 }  // namespace
 
 Error about_mesh_file(Error error, const std::string& path) {
   const bool is_mesh = meshes::mesh_format_by_path(path).has_value();
-  if (error.kind != ErrorKind::input || !error.hint.empty() || is_mesh || !has_content(path) ||
-      !named_as_volume(path)) {
-    return error;
-  }
+  const bool is_named = volumes::has_volume_extension(path) || volumes::has_particle_extension(path);
+  if (error.kind != ErrorKind::input || !error.hint.empty() || is_mesh || !has_content(path) || !is_named) return error;
   error.hint = fmt::format("its name is that of a volume or of particles: 'isoextract info {}' tells what it holds",
                            shell_quoted(path));
   return error;

@@ -8,6 +8,7 @@
 
 #include "base/ascii.hpp"
 #include "base/printable.hpp"
+#include "cli/output_folders.hpp"
 #include "cli/particle_plan.hpp"
 #include "cli/plan_parts.hpp"
 #include "field/demo_field.hpp"
@@ -25,10 +26,6 @@ Result<std::optional<std::int64_t>> plan_one_volume(const InputFlags& flags) {
 }
 
 }  // namespace
-
-bool is_gltf(meshes::MeshFormat format) {
-  return format == meshes::MeshFormat::glb || format == meshes::MeshFormat::gltf;
-}
 
 MemoryBudget plan_memory(const std::optional<std::uint64_t>& limit) {
   return limit ? MemoryBudget(*limit) : MemoryBudget();
@@ -152,9 +149,7 @@ Result<void> check_isos(const std::vector<convert::IsoChoice>& isos, const std::
 Result<volumes::ReadOptions> plan_read(const InputFlags& flags) {
   for (const std::string& input : flags.inputs) {
     if (input.empty()) return refuse_usage("INPUT is empty");
-    std::error_code none;
-    if (input.find('*') != std::string::npos && !input.starts_with(field::kDemoPrefix) &&
-        !std::filesystem::exists(input, none)) {
+    if (input.find('*') != std::string::npos && !input.starts_with(field::kDemoPrefix) && !is_there(input)) {
       return refuse_usage(fmt::format("{}: there is no such file, and * is no pattern", printable(input)),
                           "write {} where the number of a frame is, or let the shell expand it, without quotes");
     }

@@ -20,7 +20,6 @@ namespace isoextract::cli {
   return fail(ErrorKind::usage, std::move(message), std::move(hint));
 }
 
-[[nodiscard]] bool is_gltf(meshes::MeshFormat format);
 // `besides` is what else than formats of meshes is expected.
 [[nodiscard]] Result<meshes::MeshFormat> format_of_path(const std::string& path, std::string hint,
                                                         std::string_view besides = "");

@@ -279,13 +279,12 @@ class Conversion {
       events_.verified(*record);
       if (auto same = check_verification(source_.label, *record); !same) return tl::unexpected(std::move(same.error()));
     }
-    const bool was_empty = extraction->mesh.triangles.empty();
-    const mesh::Bounds whole = source_.clip.empty() ? mesh::Bounds() : mesh::measure_bounds(extraction->mesh);
+    std::optional<mesh::Bounds> whole;  // of what there is to cut
+    if (!source_.clip.empty() && !extraction->mesh.triangles.empty()) whole = mesh::measure_bounds(extraction->mesh);
     auto clipped = clip_mesh(extraction->mesh, source_.clip, cut_ends(job_.surface),
                              fmt::format("{} {}", source_.label, surface_text(asked_iso.asked)), context_, events_);
     if (!clipped) return tl::unexpected(std::move(clipped.error()));
-    cut_away_.reset();
-    if (!was_empty && extraction->mesh.triangles.empty()) cut_away_ = whole;
+    cut_away_ = extraction->mesh.triangles.empty() ? whole : std::nullopt;
     return std::move(extraction->mesh);
   }
 
@@ -313,18 +312,18 @@ class Conversion {
   Error no_surface(const ResolvedIso& asked) {
     const double iso = asked.value;
     if (source_.empty) return empty_source();
-    if (labels_) {
-      return {ErrorKind::input, fmt::format("{}: no sample has {}", source_.label, text_of(asked)), Remedy::allow_empty,
-              Reason::no_surface};
-    }
     if (cut_away_) {
       const field::Affine given_from_output =
           given_from_index(source_.field, job_.source.placement.space).after(source_.output_from_index.inverse());
-      return {
-          ErrorKind::input,
-          fmt::format("{}: nothing of the surface at iso {} is where it is kept; it is in {}", source_.label,
-                      text_of(asked), box_text(field::image_of(given_from_output, {cut_away_->min, cut_away_->max}))),
-          Remedy::move_cut, Reason::no_surface};
+      return {ErrorKind::input,
+              fmt::format("{}: nothing of the surface at {} is where it is kept; it is in {}", source_.label,
+                          surface_text(asked.asked),
+                          box_text(field::image_of(given_from_output, {cut_away_->min, cut_away_->max}))),
+              Remedy::move_cut, Reason::no_surface};
+    }
+    if (labels_) {
+      return {ErrorKind::input, fmt::format("{}: no sample has {}", source_.label, text_of(asked)), Remedy::allow_empty,
+              Reason::no_surface};
     }
     const Stopwatch watch;
     const field::FieldStatistics statistics = field::measure_statistics(source_.field);

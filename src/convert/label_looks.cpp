@@ -58,7 +58,7 @@ Result<void> LabelLooks::colour(const ConversionJob& job, std::int64_t label, me
   if (job.colour) return {};
   const LabelEntry* entry = table_ ? table_->find(label) : nullptr;
   const glm::dvec3 colour = entry != nullptr ? entry->colour : usual_label_colour(label);
-  const bool has_materials = job.format == meshes::MeshFormat::glb || job.format == meshes::MeshFormat::gltf;
+  const bool has_materials = meshes::is_gltf(job.format);
   if (has_materials || job.picture_file) {
     if (!mesh.material) mesh.material.emplace();
     mesh.material->colour = glm::dvec3(linear_of_srgb(colour.x), linear_of_srgb(colour.y), linear_of_srgb(colour.z));

@@ -81,8 +81,7 @@ std::string record_text(const ResolvedPlacement& resolved, meshes::MeshFormat fo
   const Placement& placement = resolved.placement;
   // As text: the library's documents lose memory where there is none for one of their members.
   if (placement.space == Space::index) return fmt::format(R"({{"space":"{}"}})", word_of(Space::index));
-  const bool format_is_y_up = format == meshes::MeshFormat::glb || format == meshes::MeshFormat::gltf;
-  if (resolved == usual_placement(format_is_y_up)) return {};
+  if (resolved == usual_placement(meshes::is_gltf(format))) return {};
   std::string text = fmt::format(R"({{"up":"{}")", word_of(placement.up));
   if (const std::string_view turned = turn_text(placement); !turned.empty()) {
     text += fmt::format(R"(,"turned":"{}")", turned);

@@ -115,7 +115,7 @@ double opacity_of(const ConversionJob& job, const std::vector<double>& isos, dou
 Result<ColourRecord> add_colours(const ColourChoice& choice, meshes::MeshFormat format, mesh::Mesh& mesh,
                                  const Context& context) {
   const auto from = std::ranges::find(mesh.attributes, choice.attribute.value_or(""), &mesh::Attribute::name);
-  const bool linear = format == meshes::MeshFormat::glb || format == meshes::MeshFormat::gltf;
+  const bool linear = meshes::is_gltf(format);
   mesh::Attribute made;
   made.name = "colour";
   made.role = mesh::AttributeRole::colour;

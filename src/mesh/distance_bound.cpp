@@ -19,19 +19,6 @@ struct Polygon {
   std::size_t count = 0;
   std::uint32_t hint = 0;
 
-  Polygon() = default;
-  // Most have three or four corners, and are copied often.
-  Polygon(const Polygon& other) : count(other.count), hint(other.hint) {
-    std::copy_n(other.corners.begin(), count, corners.begin());
-  }
-  Polygon& operator=(const Polygon& other) {
-    count = other.count;
-    hint = other.hint;
-    std::copy_n(other.corners.begin(), count, corners.begin());
-    return *this;
-  }
-  ~Polygon() = default;
-
   [[nodiscard]] std::span<const glm::dvec3> points() const { return {corners.data(), count}; }
   void add(const glm::dvec3& corner) { corners[count++] = corner; }
   [[nodiscard]] glm::dvec3 centre() const {
@@ -120,16 +107,12 @@ TriangleBound bound_distance(const std::array<glm::dvec3, 3>& corners, const Tri
                              const DistanceLimits& limits, double known, std::uint32_t hint) {
   TriangleBound bound;
   double lower = known;
-  std::vector<Polygon> waiting;
-  Polygon polygon;
-  for (const glm::dvec3& corner : corners) polygon.add(corner);
-  polygon.hint = hint;
-  for (std::size_t parts = 0;; ++parts) {
-    if (parts > 0) {
-      if (waiting.empty()) break;
-      polygon = waiting.back();
-      waiting.pop_back();
-    }
+  std::vector<Polygon> waiting(1);
+  for (const glm::dvec3& corner : corners) waiting[0].add(corner);
+  waiting[0].hint = hint;
+  for (std::size_t parts = 0; !waiting.empty(); ++parts) {
+    const Polygon polygon = waiting.back();
+    waiting.pop_back();
     double to_hint = std::numeric_limits<double>::infinity();
     if (limits.enough > 0) {  // then what is under it need not be the nearest
       to_hint = std::sqrt(tree.farthest_squared_in(polygon.hint, polygon.points()));

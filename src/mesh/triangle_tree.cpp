@@ -100,15 +100,11 @@ TriangleTree::Nearest TriangleTree::nearest_in(std::uint32_t slot, const glm::dv
   return found;
 }
 
-double TriangleTree::farthest_squared_in(std::uint32_t slot, std::span<const glm::dvec3> points,
-                                         double enough_squared) const {
+double TriangleTree::farthest_squared_in(std::uint32_t slot, std::span<const glm::dvec3> points) const {
   const Corners& corners = corners_[slot];
   const TriangleTarget triangle(corners.a, corners.b, corners.c);
   double farthest = 0;
-  for (const glm::dvec3& p : points) {
-    farthest = std::max(farthest, triangle.distance_squared(p));
-    if (farthest >= enough_squared) break;
-  }
+  for (const glm::dvec3& p : points) farthest = std::max(farthest, triangle.distance_squared(p));
   return farthest;
 }
 

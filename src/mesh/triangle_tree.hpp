@@ -44,10 +44,8 @@ class TriangleTree {
   // The nearest point of one triangle.
   [[nodiscard]] Nearest nearest_in(std::uint32_t slot, const glm::dvec3& p) const;
 
-  // The greatest squared distance of the points to one triangle; or one that is `enough_squared` at least, where the
-  // greatest is that.
-  [[nodiscard]] double farthest_squared_in(std::uint32_t slot, std::span<const glm::dvec3> points,
-                                           double enough_squared = std::numeric_limits<double>::infinity()) const;
+  // The greatest squared distance of the points to one triangle.
+  [[nodiscard]] double farthest_squared_in(std::uint32_t slot, std::span<const glm::dvec3> points) const;
 
   [[nodiscard]] const Corners& corners(std::uint32_t slot) const { return corners_[slot]; }
   // The triangle in a slot, by its number among those that the tree was made of.

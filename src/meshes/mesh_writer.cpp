@@ -36,8 +36,6 @@ std::string names_of_formats(bool MeshFormatInfo::*property) {
   return names;
 }
 
-bool is_gltf(MeshFormat format) { return format == MeshFormat::glb || format == MeshFormat::gltf; }
-
 Result<void> check(std::size_t meshes, const fs::path& path, const MeshWriteOptions& options) {
   const MeshFormatInfo& info = mesh_format_info(options.format);
   if (auto sound = check_packing(options.packing, options.format); !sound) {
@@ -97,6 +95,8 @@ mesh::Bounds bounds_of(std::span<const mesh::Mesh> meshes) {
 }
 
 }  // namespace
+
+bool is_gltf(MeshFormat format) { return format == MeshFormat::glb || format == MeshFormat::gltf; }
 
 std::span<const MeshFormatInfo> mesh_formats() { return kFormats; }
 

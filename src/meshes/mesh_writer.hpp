@@ -25,6 +25,9 @@ constexpr auto words_of(MeshFormat /*type*/) {
                     Word{MeshFormat::obj, "obj"}, Word{MeshFormat::stl, "stl"},   Word{MeshFormat::drc, "drc"}};
 }
 
+// In one file or two: y points up, lengths are metres, and there are materials.
+[[nodiscard]] bool is_gltf(MeshFormat format);
+
 // One row a format: detection, help and README read it.
 struct MeshFormatInfo {
   MeshFormat format;

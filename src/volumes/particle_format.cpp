@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "base/ascii.hpp"
 #include "volumes/particles/particle_source.hpp"
 #include "volumes/particles/plugin_particles.hpp"
 
@@ -32,6 +33,15 @@ std::vector<ParticleFormatDescription> particle_format_descriptions() {
   std::vector<ParticleFormatDescription> all;
   for (const ParticleFormat* format : particle_formats()) all.push_back(format->about());
   return all;
+}
+
+bool has_particle_extension(const std::filesystem::path& path) {
+  std::string name = lower_case(path.filename().string());
+  if (name.ends_with(".gz")) name.resize(name.size() - 3);
+  const auto claims = [&](const std::string& extension) { return name.ends_with(extension); };
+  return std::ranges::any_of(particle_formats(), [&](const ParticleFormat* format) {
+    return std::ranges::any_of(format->about().extensions, claims);
+  });
 }
 
 }  // namespace isoextract::volumes

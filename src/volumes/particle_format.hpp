@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
@@ -60,5 +61,7 @@ struct ParticleInfo {
 
 // All of them, in the order in which they are asked and shown, those of plug-ins last.
 [[nodiscard]] std::vector<ParticleFormatDescription> particle_format_descriptions();
+// Whether a file is named like those of one of them, whatever the case.
+[[nodiscard]] bool has_particle_extension(const std::filesystem::path& path);
 
 }  // namespace isoextract::volumes

@@ -18,6 +18,9 @@ namespace isoextract::volumes {
 [[nodiscard]] Result<bool> is_surely_volume(const std::string& input, const ReadOptions& options,
                                             const Context& context = Context());
 
+// Whether a file is named like those of a format, whatever the case.
+[[nodiscard]] bool has_volume_extension(const std::filesystem::path& path);
+
 // What a file is that no format here reads, where it is of a known kind: an error that says so, and what converts it.
 [[nodiscard]] std::optional<Error> known_but_unread(const std::filesystem::path& path,
                                                     const Context& context = Context());

@@ -130,7 +130,7 @@ class DistanceProof {
     std::uint32_t hint = *near.begin();
     double least = std::numeric_limits<double>::infinity();
     for (const std::uint32_t slot : near) {
-      const double farthest = tree.farthest_squared_in(slot, places, least);
+      const double farthest = tree.farthest_squared_in(slot, places);
       if (farthest >= least) continue;
       least = farthest;
       hint = slot;

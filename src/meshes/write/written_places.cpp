@@ -108,8 +108,7 @@ Loss loss_in(const mesh::Mesh& mesh, MeshFormat format) {
                         mesh.origin.z)};
   }
   if (format == MeshFormat::stl || format == MeshFormat::drc) return loss_in<float>(mesh, "float32");
-  const bool is_gltf = format == MeshFormat::glb || format == MeshFormat::gltf;
-  if (is_gltf && largest(mesh.origin) > kLargestFloat) {
+  if (is_gltf(format) && largest(mesh.origin) > kLargestFloat) {
     return {
         fmt::format("expected a translation of a node that float32 holds, found one by {:.6g}", largest(mesh.origin))};
   }

@@ -110,6 +110,8 @@ Result<DetectedFormat> detect_format(const std::string& input, const ReadOptions
   return fail_unknown(*file, *content);
 }
 
+bool has_volume_extension(const std::filesystem::path& path) { return format_by_extension(path) != nullptr; }
+
 std::optional<Error> known_but_unread(const std::filesystem::path& path, const Context& context) {
   const auto file = files::InputFile::open(path, context);
   if (!file) return std::nullopt;
