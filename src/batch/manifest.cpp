@@ -5,7 +5,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <iterator>
 #include <span>
 #include <string_view>
 #include <system_error>
@@ -137,7 +139,7 @@ struct Manifest::State {
     if (folder >= 0) ::close(folder);
   }
 
-  // Of an earlier run, each job once.
+  // Of earlier runs, each job once.
   void keep(std::vector<FrameRecord> old) {
     records = std::move(old);
     for (std::size_t i = 0; i < records.size(); ++i) place_of.emplace(records[i].job, i);
@@ -160,7 +162,8 @@ Manifest::Manifest(Manifest&&) noexcept = default;
 Manifest& Manifest::operator=(Manifest&&) noexcept = default;
 Manifest::~Manifest() = default;
 
-Result<Manifest> Manifest::open(const fs::path& folder, const ManifestHeader& header, bool resume) {
+Result<Manifest> Manifest::open(const fs::path& folder, const ManifestHeader& header, bool resume,
+                                const std::unordered_set<std::string>& jobs) {
   auto state = std::make_unique<State>();
   const auto in_use = [&] {
     return fail(ErrorKind::output,
@@ -189,23 +192,25 @@ Result<Manifest> Manifest::open(const fs::path& folder, const ManifestHeader& he
                 fmt::format("{}: it is no manifest of a batch; it is not overwritten", state->path.string()),
                 "choose another folder, or move the file away");
   }
-  const bool trusted = resume && old && old->header.program == header.program && old->header.shard == header.shard;
-  const std::string first = line_of(json_of(header));
-  if (trusted && old->header.batch == header.batch) {
+  const bool trusted = old && old->header.program == header.program && old->header.shard == header.shard;
+  if (trusted && resume && old->header.batch == header.batch) {
     if (::ftruncate(state->file, static_cast<off_t>(old->believed)) != 0) {
       return output_error(state->path, "cut off its last line, which is torn", errno);
     }
     state->keep(std::move(old->records));
     return Manifest(std::move(state));
   }
-  // Of another batch: the records of jobs that both have are still good.
-  std::string kept = first;
+  std::vector<FrameRecord> kept;
   if (trusted) {
-    for (const FrameRecord& record : old->records) kept += line_of(batch::json_of(record));
-    state->keep(std::move(old->records));
+    std::ranges::copy_if(old->records, std::back_inserter(kept), [&](const FrameRecord& record) {
+      return jobs.contains(record.job) ? resume : header.shard.is_all();
+    });
   }
+  std::string text_kept = line_of(json_of(header));
+  for (const FrameRecord& record : kept) text_kept += line_of(batch::json_of(record));
+  if (resume) state->keep(std::move(kept));
   if (::ftruncate(state->file, 0) != 0) return output_error(state->path, "empty it", errno);
-  if (auto written = state->append(kept); !written) return tl::unexpected(written.error());
+  if (auto written = state->append(text_kept); !written) return tl::unexpected(written.error());
   return Manifest(std::move(state));
 }
 

@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <unordered_set>
 #include <vector>
 
 #include "base/error.hpp"
@@ -45,11 +46,12 @@ struct ManifestContent {
 
 class Manifest {
  public:
-  // Opens or makes the file in `folder` and locks it, and the folder against a run with other shards. With `resume` the
-  // records of an earlier run are kept, without it they are thrown away, as they are where another program wrote them.
+  // Opens or makes the file in `folder` and locks it, and the folder against a run with other shards. Records of `jobs`
+  // (hashes of those of the batch, or of its shard) are kept with `resume` and thrown away without it; those of other
+  // batches stay, but not in a shard's manifest, which is of one batch; another program's are never kept.
   // Fails with ErrorKind::output where that is not possible, or another run has the lock.
   [[nodiscard]] static Result<Manifest> open(const std::filesystem::path& folder, const ManifestHeader& header,
-                                             bool resume);
+                                             bool resume, const std::unordered_set<std::string>& jobs);
 
   Manifest(Manifest&&) noexcept;
   Manifest& operator=(Manifest&&) noexcept;

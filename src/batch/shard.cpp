@@ -147,7 +147,7 @@ Result<MergedShards> merge_shards(const fs::path& folder) {
   std::ranges::stable_sort(records, {}, &FrameRecord::frame);
   ManifestHeader header = *all;
   header.shard = {};
-  auto manifest = Manifest::open(folder, header, false);
+  auto manifest = Manifest::open(folder, header, false, jobs);
   if (!manifest) return tl::unexpected(manifest.error());
   for (const FrameRecord& record : records) {
     if (auto added = manifest->add(record); !added) return tl::unexpected(added.error());

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <mutex>
 #include <optional>
+#include <unordered_set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -319,8 +320,10 @@ Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& 
     animation.emplace(plan.batch, context);
     if (auto checked = animation->check(); !checked) return checked;
   }
+  std::unordered_set<std::string> jobs;
+  for (const std::size_t i : plan.frames) jobs.insert(convert::hash_of(plan.batch.frames[i].job));
   auto manifest =
-      batch::Manifest::open(plan.folder, batch::header_of(plan.batch, plan.shard, arguments), plan.flags.resume);
+      batch::Manifest::open(plan.folder, batch::header_of(plan.batch, plan.shard, arguments), plan.flags.resume, jobs);
   if (!manifest) return tl::unexpected(manifest.error());
   const auto tell = [&](const std::string& note) {
     if (plan.progress != ProgressStyle::json) messages.note(note);

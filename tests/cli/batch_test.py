@@ -225,6 +225,22 @@ class BatchTest(ProgramTest):
         (self.folder / "out/07.ply").write_bytes(b"another")
         self.assert_fails(2, self.run_program("merge", "out"), "out/07.ply: it is not what its shard has written")
 
+    def four_frames(self, iso, *arguments):
+        output = "out/" + iso + "_{:02}.ply"
+        return self.convert(FRAME, "--frames", "0-3", "--iso", iso, "-o", output, "--mkdir", *arguments)
+
+    def test_shards_of_other_options_are_joined_as_well(self):
+        for iso in ("0.4", "0.5"):
+            for shard in ("1/2", "2/2"):
+                self.four_frames(iso, "--shard", shard, "--resume")
+        self.assertIn("4 frames of 2 shards, all there", self.convert("merge", "out").err)
+
+    def test_another_batch_in_the_folder_costs_no_work(self):
+        self.four_frames("0.4")
+        self.four_frames("0.5")
+        self.assertIn("0 of 4 frames done, 4 kept", self.four_frames("0.4", "--resume").err)
+        self.assertIn("4 of 4 frames done", self.four_frames("0.5").err)
+
 
 if __name__ == "__main__":
     main()

@@ -62,7 +62,7 @@ class AnimationTest : public testing::Test {
   }
 
   [[nodiscard]] Manifest manifest(bool resume) const {
-    auto opened = Manifest::open(folder_.path(), header_of(batch_, {}, {}), resume);
+    auto opened = Manifest::open(folder_.path(), header_of(batch_, {}, {}), resume, {});
     EXPECT_TRUE(opened) << opened.error().message;
     return std::move(*opened);
   }

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <unordered_set>
 
 #include <gtest/gtest.h>
 
@@ -48,8 +49,14 @@ FrameRecord convert_frame(const FrameJob& frame) {
   return *record;
 }
 
+std::unordered_set<std::string> jobs_of(const BatchJob& batch) {
+  std::unordered_set<std::string> jobs;
+  for (const FrameJob& frame : batch.frames) jobs.insert(convert::hash_of(frame.job));
+  return jobs;
+}
+
 Manifest must_open(const TempFolder& folder, const BatchJob& batch, bool resume, const Shard& shard = {}) {
-  auto manifest = Manifest::open(folder.path(), header_of(batch, shard, {"a", "b"}), resume);
+  auto manifest = Manifest::open(folder.path(), header_of(batch, shard, {"a", "b"}), resume, jobs_of(batch));
   EXPECT_TRUE(manifest) << manifest.error().message;
   return std::move(*manifest);
 }
@@ -160,13 +167,13 @@ TEST(Manifest, AnotherProgramsRecordsAreNotTrustedAndOtherFilesAreNotOverwritten
   ManifestHeader header = header_of(batch, {}, {});
   header.program = "isoextract 0.0.0";
   {
-    auto manifest = Manifest::open(folder.path(), header, false);
+    auto manifest = Manifest::open(folder.path(), header, false, jobs_of(batch));
     ASSERT_TRUE(manifest);
     ASSERT_TRUE(manifest->add(record));
   }
   EXPECT_EQ(must_open(folder, batch, true).find(record.job), nullptr);
   write_bytes(folder / "isoextract.manifest", "my notes");
-  const auto refused = Manifest::open(folder.path(), header, false);
+  const auto refused = Manifest::open(folder.path(), header, false, jobs_of(batch));
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().kind, ErrorKind::output);
   EXPECT_EQ(read_bytes(folder / "isoextract.manifest"), "my notes");
@@ -186,12 +193,47 @@ TEST(Manifest, FramesThatTwoBatchesShareAreKept) {
   EXPECT_EQ(content->records, std::vector{record});
 }
 
+TEST(Manifest, AnotherBatchDoneAnewLeavesTheRecordsOfTheFirst) {
+  const TempFolder folder;
+  const BatchJob batch = three_frames(folder);
+  const BatchJob other = three_frames(folder, 1);
+  const FrameRecord record = convert_frame(batch.frames[0]);
+  ASSERT_TRUE(must_open(folder, batch, false).add(record));
+  {
+    Manifest manifest = must_open(folder, other, false);
+    EXPECT_EQ(manifest.find(record.job), nullptr) << "nothing was to be resumed";
+    ASSERT_TRUE(manifest.add(convert_frame(other.frames[1])));
+  }
+  EXPECT_NE(must_open(folder, batch, true).find(record.job), nullptr);
+  must_open(folder, batch, false);
+  const Manifest again = must_open(folder, other, true);
+  EXPECT_EQ(again.find(record.job), nullptr);
+  EXPECT_NE(again.find(convert::hash_of(other.frames[1].job)), nullptr);
+}
+
+TEST(Manifest, AShardsIsOfOneBatch) {
+  const TempFolder folder;
+  const Shard shard{1, 2};
+  BatchJob batch = three_frames(folder);
+  const FrameRecord first = convert_frame(batch.frames[0]);
+  const FrameRecord third = convert_frame(batch.frames[2]);
+  {
+    Manifest manifest = must_open(folder, batch, false, shard);
+    ASSERT_TRUE(manifest.add(first));
+    ASSERT_TRUE(manifest.add(third));
+  }
+  batch.frames.pop_back();
+  const Manifest manifest = must_open(folder, batch, true, shard);
+  EXPECT_NE(manifest.find(first.job), nullptr);
+  EXPECT_EQ(read_manifest(manifest.path()).value().records, std::vector{first});
+}
+
 TEST(Manifest, TwoRunsInOneFolderDoNotMixButShardsDo) {
   const TempFolder folder;
   const BatchJob batch = three_frames(folder);
   const auto opens_elsewhere = [&](const Shard& shard) {  // locks are a process's
     const pid_t child = ::fork();
-    if (child == 0) ::_exit(Manifest::open(folder.path(), header_of(batch, shard, {}), true) ? 0 : 1);
+    if (child == 0) ::_exit(Manifest::open(folder.path(), header_of(batch, shard, {}), true, {}) ? 0 : 1);
     int status = 0;
     ::waitpid(child, &status, 0);
     return WEXITSTATUS(status) == 0;

@@ -81,7 +81,7 @@ class Merge : public testing::Test {
   }
 
   void write_shard(const Shard& shard, std::size_t leave_out = 99) {
-    auto manifest = Manifest::open(folder_.path(), header_of(batch_, shard, {}), false);
+    auto manifest = Manifest::open(folder_.path(), header_of(batch_, shard, {}), false, {});
     ASSERT_TRUE(manifest);
     for (const std::size_t i : frames_of(batch_, shard)) {
       if (i == leave_out) continue;
