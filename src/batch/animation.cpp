@@ -1,11 +1,13 @@
 #include "batch/animation.hpp"
 
 #include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "batch/frame_pattern.hpp"
+#include "convert/mesh_normals.hpp"
 #include "convert/output_checks.hpp"
 #include "files/content_hash.hpp"
 #include "files/output_file.hpp"
@@ -24,7 +26,7 @@ std::string key_of(const std::string& animation, const FrameJob& frame) {
 
 meshes::MeshWriteOptions write_options(const BatchJob& batch) {
   const convert::ConversionJob& job = batch.frames.front().job;
-  return {job.format, job.normals == convert::Normals::flat, job.ascii, {}};
+  return {job.format, job.normals == convert::Normals::flat, job.ascii, {}, copies_vertices(job)};
 }
 
 }  // namespace
@@ -39,14 +41,18 @@ Result<void> Animation::check() const {
   std::vector<std::int64_t> numbers;
   for (const FrameJob& frame : batch_.frames) numbers.push_back(frame.number);
   if (auto told_apart = writer_.check_times(numbers); !told_apart) return told_apart;
-  return convert::check_output_file(batch_.animation->path, batch_.frames.front().job.source.input);
+  files::ReadFiles read;
+  if (std::error_code none; std::filesystem::exists(batch_.animation->path, none)) {
+    for (const FrameJob& frame : batch_.frames) convert::add_read_files(read, frame.job);
+  }
+  return convert::check_output_file(batch_.animation->path, read);
 }
 
 Result<std::vector<meshes::PackedFacts>> Animation::take(std::size_t frame, const convert::HandedMeshes& handed) {
   const std::int64_t number = batch_.frames[frame].number;
   const std::string stem = std::filesystem::path(batch_.animation->path).stem().string();
-  auto added =
-      writer_.add(fmt::format("{}_{}", stem, frame_digits(number, kNodeDigits)), number, handed.meshes, handed.packing);
+  auto added = writer_.add(fmt::format("{}_{}", stem, frame_digits(number, kNodeDigits)), number, handed.meshes,
+                           handed.packing, handed.placement);
   if (!added && writer_.has_failed()) {
     const std::lock_guard lock(mutex_);
     lost_ = added.error();

@@ -18,6 +18,7 @@
 
 #include "base/version.hpp"
 #include "files/file_bytes.hpp"
+#include "files/output_file.hpp"
 
 namespace isoextract::batch {
 namespace {
@@ -27,6 +28,7 @@ using convert::Json;
 
 constexpr int kManifestVersion = 1;
 constexpr std::size_t kHashDigits = 32;
+constexpr const char* kBegun = "begun_anew";
 
 tl::unexpected<Error> output_error(const fs::path& path, std::string_view action, int code) {
   return fail(ErrorKind::output,
@@ -71,23 +73,31 @@ std::optional<ManifestHeader> header_of(const Json& json) {
   }
 }
 
+Json json_of_begun(const std::string& job) { return {{kBegun, job}}; }
+
+std::optional<std::string> begun_of(const Json& json) {
+  const auto job = json.is_object() ? json.find(kBegun) : json.end();
+  if (!json.is_object() || job == json.end() || !job->is_string()) return std::nullopt;
+  return job->get<std::string>();
+}
+
 std::optional<ManifestContent> content_of(std::string_view text) {
-  const std::size_t size = text.size();
   const auto first = take_record_line(text);
   auto header = first ? header_of(*first) : std::nullopt;
   if (!header) return std::nullopt;
-  ManifestContent content{std::move(*header), {}, size - text.size()};
+  ManifestContent content{std::move(*header), {}};
   std::unordered_map<std::string, std::size_t> place_of;
+  std::vector<std::optional<FrameRecord>> records;
   while (const auto line = take_record_line(text)) {
     auto record = record_of(*line);
-    if (!record) break;
-    content.believed = size - text.size();
-    const auto [place, is_new] = place_of.try_emplace(record->job, content.records.size());
-    if (is_new) {
-      content.records.push_back(std::move(*record));
-    } else {
-      content.records[place->second] = std::move(*record);
-    }
+    const auto begun = record ? record->job : begun_of(*line);
+    if (!begun) break;
+    const auto [place, is_new] = place_of.try_emplace(*begun, records.size());
+    if (is_new) records.emplace_back();
+    records[place->second] = std::move(record);
+  }
+  for (auto& record : records) {
+    if (record) content.records.push_back(std::move(*record));
   }
   return content;
 }
@@ -127,22 +137,25 @@ Result<ManifestContent> read_manifest(const fs::path& path) {
 struct Manifest::State {
   fs::path path;
   int file = -1;
+  int before = -1;  // the file that this one has replaced: whoever opened that cannot lock it
   int folder = -1;  // locked too
-  std::vector<FrameRecord> records;
-  std::unordered_map<std::string, std::size_t> place_of;
+  bool resume = false;
+  std::unordered_map<std::string, FrameRecord> records;  // of earlier runs; without resume their jobs only
 
   State() = default;
   State(const State&) = delete;
   State& operator=(const State&) = delete;
   ~State() {
-    if (file >= 0) ::close(file);
-    if (folder >= 0) ::close(folder);
+    for (const int handle : {file, before, folder}) {
+      if (handle >= 0) ::close(handle);
+    }
   }
 
-  // Of earlier runs, each job once.
   void keep(std::vector<FrameRecord> old) {
-    records = std::move(old);
-    for (std::size_t i = 0; i < records.size(); ++i) place_of.emplace(records[i].job, i);
+    for (FrameRecord& record : old) {
+      std::string job = record.job;
+      records.emplace(std::move(job), resume ? std::move(record) : FrameRecord());
+    }
   }
 
   [[nodiscard]] Result<void> append(const std::string& line) const {
@@ -192,33 +205,37 @@ Result<Manifest> Manifest::open(const fs::path& folder, const ManifestHeader& he
                 fmt::format("{}: it is no manifest of a batch; it is not overwritten", state->path.string()),
                 "choose another folder, or move the file away");
   }
+  state->resume = resume;
   const bool trusted = old && old->header.program == header.program && old->header.shard == header.shard;
-  if (trusted && resume && old->header.batch == header.batch) {
-    if (::ftruncate(state->file, static_cast<off_t>(old->believed)) != 0) {
-      return output_error(state->path, "cut off its last line, which is torn", errno);
-    }
-    state->keep(std::move(old->records));
-    return Manifest(std::move(state));
-  }
   std::vector<FrameRecord> kept;
   if (trusted) {
     std::ranges::copy_if(old->records, std::back_inserter(kept), [&](const FrameRecord& record) {
-      return jobs.contains(record.job) ? resume : header.shard.is_all();
+      return header.shard.is_all() || old->header.batch == header.batch || jobs.contains(record.job);
     });
   }
-  std::string text_kept = line_of(json_of(header));
-  for (const FrameRecord& record : kept) text_kept += line_of(batch::json_of(record));
-  if (resume) state->keep(std::move(kept));
-  if (::ftruncate(state->file, 0) != 0) return output_error(state->path, "empty it", errno);
-  if (auto written = state->append(text_kept); !written) return tl::unexpected(written.error());
+  const bool goes_on = trusted && resume && old->header.batch == header.batch;
+  std::string content = line_of(json_of(goes_on ? old->header : header));
+  for (const FrameRecord& record : kept) content += line_of(batch::json_of(record));
+  if (content != *text) {
+    // At once or not at all, whatever ends the run.
+    if (auto written = files::write_file(state->path, content); !written) return tl::unexpected(written.error());
+    state->before = std::exchange(state->file, ::open(state->path.c_str(), O_RDWR | O_APPEND | O_CLOEXEC));
+    if (state->file < 0) return output_error(state->path, "open it for writing", errno);
+    if (::flock(state->file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return in_use();
+  }
+  state->keep(std::move(kept));
   return Manifest(std::move(state));
 }
 
 const fs::path& Manifest::path() const { return state_->path; }
 
 const FrameRecord* Manifest::find(const std::string& job) const {
-  const auto place = state_->place_of.find(job);
-  return place == state_->place_of.end() ? nullptr : &state_->records[place->second];
+  const auto place = state_->records.find(job);
+  return !state_->resume || place == state_->records.end() ? nullptr : &place->second;
+}
+
+Result<void> Manifest::begin(const std::string& job) {
+  return state_->records.erase(job) == 0 ? Result<void>() : state_->append(line_of(json_of_begun(job)));
 }
 
 Result<void> Manifest::add(const FrameRecord& record) { return state_->append(line_of(json_of(record))); }

@@ -1,8 +1,9 @@
 // What a batch has done so far, in a file beside its outputs, so that a later run can go on where it was ended.
 //
-// A text of lines: a header, then a record for each frame that is done, added when its outputs have their names. Each
-// line is JSON behind the hash of itself, and is written at once; one that a crash has torn is not believed, and ends
-// what is believed. The manifest is locked while its batch runs, by a lock that goes with its process.
+// A text of lines: a header, then a record for each frame that is done, added when its outputs have their names, and a
+// line for each that is done anew, which ends its record. Each line is JSON behind the hash of itself, written at once;
+// one that a crash has torn is not believed, and ends what is believed. The manifest is locked while its batch
+// runs, by a lock that goes with its process.
 #pragma once
 
 #include <filesystem>
@@ -35,7 +36,6 @@ struct ManifestHeader {
 struct ManifestContent {
   ManifestHeader header;
   std::vector<FrameRecord> records;  // the last of each job, in the order of the file
-  std::uint64_t believed = 0;        // bytes from the start
 };
 
 // Fails with ErrorKind::input where there is no such file, or it is no manifest.
@@ -46,10 +46,10 @@ struct ManifestContent {
 
 class Manifest {
  public:
-  // Opens or makes the file in `folder` and locks it, and the folder against a run with other shards. Records of `jobs`
-  // (hashes of those of the batch, or of its shard) are kept with `resume` and thrown away without it; those of other
-  // batches stay, but not in a shard's manifest, which is of one batch; another program's are never kept.
-  // Fails with ErrorKind::output where that is not possible, or another run has the lock.
+  // Opens or makes the file in `folder` and locks it, and the folder against a run with other shards. Records of the
+  // same program stay until their frame is begun anew; in a shard's manifest, which is of one batch, only those of
+  // `jobs`, the hashes of the shard's. Fails with ErrorKind::output where that is not possible, or another run has the
+  // lock.
   [[nodiscard]] static Result<Manifest> open(const std::filesystem::path& folder, const ManifestHeader& header,
                                              bool resume, const std::unordered_set<std::string>& jobs);
 
@@ -58,9 +58,11 @@ class Manifest {
   ~Manifest();
 
   [[nodiscard]] const std::filesystem::path& path() const;
-  // The record of a job by its hash: of earlier runs, with resume. Those that are added are on disk only, so that a run
-  // takes no memory for each frame.
+  // The record of a job by its hash: of earlier runs, and only where `resume` asks for them. Those that are added are
+  // on disk only, so that a run takes no memory for each frame.
   [[nodiscard]] const FrameRecord* find(const std::string& job) const;
+  // Before a job's outputs are touched: what was known of them holds no more. Fails with ErrorKind::output.
+  [[nodiscard]] Result<void> begin(const std::string& job);
   // Fails with ErrorKind::output.
   [[nodiscard]] Result<void> add(const FrameRecord& record);
 

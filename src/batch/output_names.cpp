@@ -150,6 +150,11 @@ Result<void> check_piece_files(std::span<const OutputSource> sources, std::span<
       for (const fs::path& file : convert::mesh_files(output, format)) {
         const auto first = names.add(places.by_name(file), i);
         if (!first) continue;
+        if (*first == i) {
+          return fail(ErrorKind::usage,
+                      fmt::format("{}: pieces of two surfaces may have one name", printable(file.string())),
+                      "put something that is no digit before and behind {piece}");
+        }
         return fail(ErrorKind::usage,
                     fmt::format("{}: pieces of {} and of {} may have one name", printable(file.string()),
                                 label_of_source(sources[*first]), label_of_source(sources[i])),

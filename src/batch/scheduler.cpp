@@ -113,7 +113,7 @@ class Scheduler {
     HeldMeshes held;
     tbb::task_arena arena(threads);
     arena.execute([&] {
-      outcome = convert::run(batch_.frames[frame].job, own, unheard, {.mesh_facts = options_.mesh_facts}, backends_,
+      outcome = convert::run(batch_.frames[frame].job, own, unheard, options_.extras, backends_,
                              receiver_ != nullptr ? &held : nullptr);
     });
     lock.lock();

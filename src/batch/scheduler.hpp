@@ -20,7 +20,7 @@ struct SchedulerOptions {
   int threads = 1;  // of all of them together; each conversion has its share, and more when few are left
   bool fail_fast = false;
   std::uint64_t memory_of_one = 0;  // what a conversion is thought to reserve, until some are measured; 0: not known
-  bool mesh_facts = false;          // Outcome::meshes
+  convert::OutcomeExtras extras = {};
 };
 
 // Told by the threads that convert, side by side: who listens guards what it has. Every function does nothing unless it

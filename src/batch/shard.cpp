@@ -147,9 +147,11 @@ Result<MergedShards> merge_shards(const fs::path& folder) {
   std::ranges::stable_sort(records, {}, &FrameRecord::frame);
   ManifestHeader header = *all;
   header.shard = {};
-  auto manifest = Manifest::open(folder, header, false, jobs);
+  auto manifest = Manifest::open(folder, header, true, {});
   if (!manifest) return tl::unexpected(manifest.error());
   for (const FrameRecord& record : records) {
+    const FrameRecord* old = manifest->find(record.job);
+    if (old != nullptr && *old == record) continue;
     if (auto added = manifest->add(record); !added) return tl::unexpected(added.error());
   }
   return MergedShards{manifest->path(), all->shard.count, all->frames};

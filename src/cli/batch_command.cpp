@@ -29,7 +29,9 @@
 #include "cli/pages_plan.hpp"
 #include "cli/report_file.hpp"
 #include "cli/threads.hpp"
+#include "convert/output_checks.hpp"
 #include "files/output_file.hpp"
+#include "files/read_files.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -83,6 +85,9 @@ class FrameKeeper final : public batch::FrameEvents {
     auto states = batch::input_states(plan_.batch.frames[frame]);
     // One that cannot be read fails when it is converted, with a better message.
     if (states) inputs_[frame] = std::move(*states);
+    const std::string job = convert::hash_of(plan_.batch.frames[frame].job);
+    const std::lock_guard lock(mutex_);
+    if (auto begun = manifest_.begin(job); !begun) unkept_ = begun.error();
   }
 
   bool finished(std::size_t frame, const convert::Outcome& outcome) override {
@@ -95,10 +100,11 @@ class FrameKeeper final : public batch::FrameEvents {
     missing_[frame] = outcome.done() ? 0 : 1;
     bool kept = true;
     if (!error) error = record(frame, outcome, kept);
-    if (auto lost = animation_ != nullptr ? animation_->lost() : std::nullopt) {
+    {
+      auto lost = animation_ != nullptr ? animation_->lost() : std::nullopt;
       const std::lock_guard lock(mutex_);
-      unkept_ = std::move(lost);
-      kept = false;
+      if (lost) unkept_ = std::move(lost);
+      kept = kept && !unkept_;
     }
     row.figures = batch::figures_of(outcome);
     for (const meshes::WrittenFile& file : outcome.files) row.outputs.push_back(file.path);
@@ -208,6 +214,35 @@ Result<void> write_tables(const BatchPlan& plan, const std::vector<batch::FrameR
   return files::write_file(*plan.flags.plot, *picture);
 }
 
+// Before the work: what is written besides the frames takes the place of none of their files.
+Result<void> check_besides(const BatchPlan& plan) {
+  const PagesPlan& pages = plan.common.pages;
+  for (const auto& file : {plan.flags.table, plan.flags.plot, pages.html, pages.contact_sheet}) {
+    if (!file) continue;
+    files::ReadFiles used;
+    if (plan.flags.iso_table) used.add(*plan.flags.iso_table, "has the iso values");
+    for (const batch::FrameJob& frame : plan.batch.frames) {
+      if (is_there(*file)) convert::add_read_files(used, frame.job);
+      for (const fs::path& mesh : files_of(frame.job)) {
+        if (!files::same_place(mesh, *file)) continue;
+        return fail(ErrorKind::usage, fmt::format("{}: this is the mesh of a frame as well", *file),
+                    Remedy::other_output_name);
+      }
+    }
+    if (auto checked = convert::check_output_file(*file, used); !checked) return checked;
+  }
+  return {};
+}
+
+// Where a frame might write over the samples of another: names of pieces are known late, and a .bin may be of both.
+std::optional<files::ReadFiles> read_by_others(const BatchPlan& plan) {
+  const convert::ConversionJob& job = plan.common.job;
+  if (!job.pieces.split && job.format != meshes::MeshFormat::gltf) return std::nullopt;
+  files::ReadFiles read;
+  for (const batch::FrameJob& frame : plan.batch.frames) convert::add_read_files(read, frame.job);
+  return read;
+}
+
 // What would be done, on stdout.
 Result<void> print_plan(const BatchPlan& plan, const Messages& messages) {
   std::string text;
@@ -314,6 +349,7 @@ Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& 
   }
   if (auto limited = limit_threads(plan.common.threads); !limited) return limited;
   if (auto made = make_folders(plan); !made) return made;
+  if (auto checked = check_besides(plan); !checked) return checked;
   const Context context{plan.common.memory};
   std::optional<batch::Animation> animation;
   if (plan.batch.animation) {
@@ -336,11 +372,13 @@ Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& 
   FrameKeeper keeper(plan, arguments, *manifest, animation ? &*animation : nullptr, progress, page);
   const std::vector<std::size_t> which = keep_what_is_done(plan, *manifest, keeper);
   const std::size_t kept = plan.frames.size() - which.size();
+  const std::optional<files::ReadFiles> read = read_by_others(plan);
   const batch::SchedulerOptions options{
       .jobs = plan.jobs,
       .threads = plan.common.threads.value_or(tbb::this_task_arena::max_concurrency()),
       .fail_fast = plan.flags.fail_fast,
-      .mesh_facts = plan.flags.table || plan.flags.plot || plan.report || plan.common.pages.html};
+      .extras = {.mesh_facts = plan.flags.table || plan.flags.plot || plan.report || plan.common.pages.html,
+                 .read = read ? &*read : nullptr}};
   const batch::BatchCounts counts =
       batch::run(plan.batch, which, options, context, keeper, animation ? &*animation : nullptr);
   std::optional<Error> unkept = keeper.unkept();

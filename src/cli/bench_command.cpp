@@ -45,11 +45,16 @@ class Bench {
   // Before the work: what could fail at its end.
   [[nodiscard]] Result<void> check() const {
     std::vector<std::string> files;
+    files::ReadFiles read;
+    for (const std::string& input : plan_.inputs) {
+      convert::ConversionJob job;
+      job.source.input = input;
+      job.source.read = plan_.read;
+      convert::add_read_files(read, job);
+    }
     for (const auto& file : {plan_.csv, plan_.json, plan_.plot}) {
       if (!file) continue;
-      for (const std::string& input : plan_.inputs) {
-        if (auto checked = convert::check_output_file(*file, input); !checked) return checked;
-      }
+      if (auto checked = convert::check_output_file(*file, read); !checked) return checked;
       for (const std::string& other : files) {
         if (!files::same_place(*file, other)) continue;
         return fail(ErrorKind::usage, fmt::format("{}: this is the name of two files to write", *file),

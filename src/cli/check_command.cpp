@@ -82,9 +82,9 @@ Result<CheckReport> make_report(const CheckPlan& plan, const Messages& messages,
   file->mesh.name = plan.mesh;
   report.format = file->format;
   report.is_gltf = file->y_up;  // which alone prescribes that, and metres
-  report.unit = report.is_gltf
-                    ? convert::metre()
-                    : convert::find_length_unit(convert::placement_of(*file, convert::UpAxis::z).placement.to_unit);
+  const auto record = convert::read_record(file->placement);
+  if (record) report.unit = convert::find_length_unit(record->placement.to_unit);
+  if (report.is_gltf) report.unit = convert::metre();
   report.has_normals = !file->normals.empty();
   if (auto checked = check_parts(plan, *file, context, report); !checked) return tl::unexpected(checked.error());
   auto whole = check_one(file->mesh, file->normals, file->normals.numbers.span(), plan.weld, context);

@@ -91,7 +91,9 @@ Result<CheckPlan> plan_check(const CheckFlags& flags) {
     return refuse_usage("the mesh to check cannot be read from stdin", "give the path of a file");
   }
   if (flags.report) {
-    if (auto checked = convert::check_output_file(*flags.report, flags.meshes.front()); !checked) {
+    files::ReadFiles read;
+    convert::add_read_mesh(read, flags.meshes.front(), Context(plan_memory(flags.memory_limit)));
+    if (auto checked = convert::check_output_file(*flags.report, read); !checked) {
       if (checked.error().kind == ErrorKind::usage) checked.error().hint = "choose another name with --report";
       return tl::unexpected(checked.error());
     }

@@ -56,8 +56,7 @@ Result<void> measure_side(Side& side, const Context& context) {
 
 // Meshes that were placed alike are compared as they are, others in the world of what they were made of. Files of ours
 // that say nothing of it were placed as is usual in their format: glTF is turned unless its world is y up, and the
-// others are as the world was. Files of other programs are taken to be placed as the mesh that they are compared with,
-// where that is of their kind, and as is usual elsewhere.
+// others are as the world was. Files of other programs are taken to be made of the mesh that they are compared with.
 void bring_into_one_frame(std::array<Side, 2>& sides, const std::optional<convert::UpAxis>& up,
                           const Messages& messages) {
   bool asked = false;
@@ -70,8 +69,19 @@ void bring_into_one_frame(std::array<Side, 2>& sides, const std::optional<conver
     side.placement = record.value_or(convert::usual_placement(side.file.y_up, up.value_or(convert::UpAxis::z)));
   }
   // Other programs keep nothing of what our files say.
-  for (std::size_t i = 0; i < 2 && sides[0].file.y_up == sides[1].file.y_up; ++i) {
-    if (!sides[i].file.is_ours) sides[i].placement = sides[1 - i].placement;
+  for (std::size_t i = 0; i < 2 && sides[0].file.is_ours != sides[1].file.is_ours; ++i) {
+    if (sides[i].file.is_ours) continue;
+    const convert::ResolvedPlacement& other = sides[1 - i].placement;
+    const bool of_one_kind = sides[0].file.y_up == sides[1].file.y_up;
+    sides[i].placement = of_one_kind ? other : convert::placed_like(other, sides[i].file.y_up);
+  }
+  if (sides[0].placement.placement.space != sides[1].placement.placement.space) {
+    const bool first = sides[0].placement.placement.space == convert::Space::index;
+    messages.note(
+        fmt::format("{} is in voxel coordinates, and {} is in those of the world: the distances are between "
+                    "the numbers in the files",
+                    sides[first ? 0 : 1].path, sides[first ? 1 : 0].path));
+    return;
   }
   const bool alike = sides[0].placement.output_from_world() == sides[1].placement.output_from_world();
   const bool both_usual = sides[0].file.y_up && sides[1].file.y_up && alike;

@@ -86,6 +86,11 @@ Result<std::vector<convert::OutputFileJob>> plan_outputs(const ConvertFlags& fla
   if (path.find(kIsoPattern) != std::string::npos) {
     std::vector<convert::OutputFileJob> jobs;
     for (const convert::IsoChoice& iso : flags.isos) jobs.push_back({with_iso(path, iso), {iso}});
+    if (path.find(convert::kPieceWord) != std::string::npos) {
+      const batch::OutputSource source{0, flags.input.inputs.front(), {}, flags.isos};
+      auto checked = batch::check_outputs({&source, 1}, {&jobs, 1}, format.format);
+      if (!checked) return tl::unexpected(std::move(checked.error()));
+    }
     return jobs;
   }
   if (has_all_labels(flags) && !format.holds_several_meshes) {

@@ -147,7 +147,7 @@ class Pictures {
     }
     render::ViewAngles angles = plan_.camera;
     angles.azimuth += picture.turn;
-    const render::Camera camera = render::framing(*box_, angles, plan_.up, plan_.options.size, plan_.fovy);
+    const render::Camera camera = render::framing(*box_, angles, source.up(), plan_.options.size, plan_.fovy);
     const Stopwatch watch;
     const auto rendered = renderer_.draw(scene, camera, plan_.options, context_);
     if (!rendered) return tl::unexpected(rendered.error());
@@ -182,14 +182,22 @@ class Pictures {
 };
 
 // Before the work: whether what it comes to could be written.
-Result<void> check_outputs(const RenderPlan& plan) {
+Result<void> check_outputs(const RenderPlan& plan, const Context& context) {
+  files::ReadFiles read;
+  for (const std::string& mesh : plan.meshes) convert::add_read_mesh(read, mesh, context);
+  if (plan.transfer_file) read.add(*plan.transfer_file, "holds the transfer function");
+  convert::ConversionJob job = plan.job;
+  for (const PicturePlan& picture : plan.pictures) {  // those of a turn share their input
+    if (!picture.input || *picture.input == job.source.input) continue;
+    job.source.input = *picture.input;
+    convert::add_read_files(read, job);
+  }
+  if (plan.json) {
+    if (auto fine = convert::check_output_file(*plan.json, read); !fine) return fine;
+  }
   for (const PicturePlan& picture : plan.pictures) {
     if (picture.output == "-") continue;
-    std::vector<std::string> inputs = plan.meshes;
-    if (picture.input) inputs.push_back(*picture.input);
-    for (const std::string& input : inputs) {
-      if (auto fine = convert::check_output_file(picture.output, input); !fine) return fine;
-    }
+    if (auto fine = convert::check_output_file(picture.output, read); !fine) return fine;
     if (plan.json && files::same_place(*plan.json, picture.output)) {
       return fail(ErrorKind::usage,
                   fmt::format("{}: it would be written twice, as a picture and by --json", *plan.json));
@@ -202,10 +210,10 @@ Result<void> check_outputs(const RenderPlan& plan) {
 
 Result<void> run_render(const RenderPlan& plan, const Messages& messages) {
   for (const std::string& note : plan.notes) messages.note(note);
-  if (auto fine = check_outputs(plan); !fine) return fine;
+  const Context context{plan.memory};
+  if (auto fine = check_outputs(plan, context); !fine) return fine;
   const auto renderer = open_renderer(plan, messages);
   if (!renderer) return tl::unexpected(renderer.error());
-  const Context context{plan.memory};
   Pictures pictures(plan, messages, **renderer, context);
   if (auto drawn = pictures.draw_all(); !drawn) return drawn;
   if (!plan.json) return {};

@@ -86,10 +86,9 @@ void declare_picture(const Group& group, RenderFlags& flags) {
       "so far that all is seen).");
   group.value("--fov", "DEGREES", flags.field_of_view, parse_field_of_view,
               "Vertical field of view (default: 45, that is 0.785 radians).");
-  group.choice(
-      "--up", flags.up,
-      "The axis that points up in the volume, and in the picture (default: z). With z the meshes of glTF files, "
-      "which are y up, are turned to it.");
+  group.choice("--up", flags.up,
+               "The axis that points up in the volume, and in the picture (default: z, or y where meshes alone "
+               "are drawn that say so). With z the meshes of glTF files, which are y up, are turned to it.");
   std::vector<std::string_view> names;
   for (const auto& word : words_of(render::BuiltInTransfer{})) names.push_back(word.word);
   group.value<std::string>(

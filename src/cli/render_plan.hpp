@@ -42,7 +42,7 @@ struct RenderPlan {
   std::optional<double> unit_length;
   render::ViewAngles camera;
   double fovy = render::Camera::kDefaultFovy;
-  render::UpAxis up = render::UpAxis::z;
+  std::optional<render::UpAxis> up;  // none: y where all that is drawn are meshes that say so, and z else
   render::RenderOptions options;
   glm::dvec4 background{0.0};
   convert::Backend backend = convert::Backend::automatic;

@@ -42,15 +42,30 @@ class KeptSurfaces final : public convert::MeshSink {
   bool with_source_;
 };
 
-Result<mesh::Mesh> read_mesh(const std::string& path, const RenderPlan& plan, const Context& context,
+struct PlacedMesh {
+  mesh::Mesh mesh;         // in the world of what it was made of
+  bool says_y_up = false;  // of that world
+};
+
+Result<PlacedMesh> read_mesh(const std::string& path, const RenderPlan& plan, const Context& context,
                              convert::Events& events) {
   context.progress().begin("reading meshes", 0);
   auto file = meshes::read_mesh(path, context);
   if (!file) return tl::unexpected(std::move(file.error()));
   for (const std::string& note : file->notes) events.note(note);
-  const convert::UpAxis up = plan.up == render::UpAxis::y ? convert::UpAxis::y : convert::UpAxis::z;
-  convert::move_mesh(file->mesh, convert::placement_of(*file, up).output_from_world().inverse());
-  return std::move(file->mesh);
+  const auto record = convert::read_record(file->placement);
+  if (!record && !file->placement.empty()) {
+    events.note(fmt::format("{}: what it says of its placement cannot be read, and is left aside", path));
+  }
+  const bool in_voxels = record && record->placement.space == convert::Space::index;
+  const bool has_volume = plan.pictures.front().input.has_value();
+  if (in_voxels && has_volume && plan.job.source.placement.space == convert::Space::world) {
+    events.note(fmt::format("{}: it is in voxel coordinates, and the volume is drawn in those of the world", path));
+  }
+  const bool y_up = plan.up == render::UpAxis::y;
+  const auto usual = convert::usual_placement(file->y_up, y_up ? convert::UpAxis::y : convert::UpAxis::z);
+  convert::move_mesh(file->mesh, record.value_or(usual).output_from_world().inverse());
+  return PlacedMesh{std::move(file->mesh), record && !in_voxels && record->placement.up == convert::UpAxis::y};
 }
 
 // The named function over the values that are inside: of a level set those below 0, the least of them most.
@@ -95,9 +110,12 @@ Result<render::TransferFunction> read_transfer(const std::string& path, const Co
 
 Result<SceneSource> SceneSource::open(const RenderPlan& plan, const Context& context, convert::Events& events) {
   SceneSource source(plan);
+  bool all_y_up = !plan.meshes.empty() && !plan.pictures.front().input;
   for (const std::string& path : plan.meshes) {
-    auto mesh = read_mesh(path, plan, context, events);
-    if (!mesh) return tl::unexpected(std::move(mesh.error()));
+    auto read = read_mesh(path, plan, context, events);
+    if (!read) return tl::unexpected(std::move(read.error()));
+    all_y_up = all_y_up && read->says_y_up;
+    mesh::Mesh* mesh = &read->mesh;
     if (plan.shading == render::Shading::smooth) {
       if (auto added = render::add_normals(*mesh, path, context); !added) {
         return tl::unexpected(std::move(added.error()));
@@ -105,6 +123,7 @@ Result<SceneSource> SceneSource::open(const RenderPlan& plan, const Context& con
     }
     source.meshes_.push_back(std::move(*mesh));
   }
+  if (all_y_up) source.up_of_meshes_ = render::UpAxis::y;
   if (plan.transfer_file) {
     auto transfer = read_transfer(*plan.transfer_file, context);
     if (!transfer) return tl::unexpected(std::move(transfer.error()));

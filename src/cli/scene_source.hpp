@@ -29,6 +29,8 @@ class SceneSource {
 
   // What there is now; it is lent until the next call of read_volume().
   [[nodiscard]] render::Scene scene() const;
+  // As asked for, or as the meshes of files say.
+  [[nodiscard]] render::UpAxis up() const { return plan_->up.value_or(up_of_meshes_); }
   // Fails where a part of the volume's file got lost meanwhile.
   [[nodiscard]] Result<void> check_not_lost() const;
 
@@ -42,6 +44,7 @@ class SceneSource {
 
   const RenderPlan* plan_;
   std::vector<mesh::Mesh> meshes_;  // of files
+  render::UpAxis up_of_meshes_ = render::UpAxis::z;
   std::optional<convert::Source> source_;
   std::optional<render::Volume> volume_;
   std::vector<mesh::Mesh> surfaces_;

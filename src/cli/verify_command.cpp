@@ -229,12 +229,18 @@ Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages, const
                              fmt::join(names, ", ")));
     }
     VerifyPlan placed = plan;
-    if (const auto record = plan.is_placed ? std::nullopt : convert::read_record(file->placement)) {
+    const auto record = plan.is_placed ? std::nullopt : convert::read_record(file->placement);
+    if (record) {
+      const std::string text = convert::placement_text(*record);
       notes.note(fmt::format("{}: it says that it was placed otherwise than usual, and the surface is placed so: {}",
-                             *plan.mesh, convert::placement_text(*record)));
+                             *plan.mesh, text.empty() ? "as the world is" : text));
       placed.job.source.placement = record->placement;
     }
-    const auto made = make_anew(placed, context, notes);
+    auto made = make_anew(placed, context, notes);
+    if (!made && record && made.error().kind == ErrorKind::usage) {
+      return fail(ErrorKind::input,
+                  fmt::format("{}: the volume cannot be placed as it says: {}", *plan.mesh, made.error().message));
+    }
     if (!made) return tl::unexpected(made.error());
     anew = notes.made_anew(plan.job);
     const auto matched = measure::match_meshes(file->mesh, *made, plan.float32_world, context);

@@ -57,7 +57,10 @@ class Conversion {
   Result<void> run() {
     if (auto opened = job_.field_file ? open_tools() : open_backends(); !opened) return opened;
     if (sink_ == nullptr || sink_->writes_files()) {
-      if (auto checked = check_mesh_files(job_); !checked) return checked;
+      if (extras_.read == nullptr) add_read_files(own_read_, job_);
+      for (const OutputFileJob& output : job_.outputs) {
+        if (auto checked = check_mesh_files(output, job_.format, read()); !checked) return checked;
+      }
     }
     SourceUse use = use_of(job_);
     if (sink_ != nullptr && sink_->wants_source()) use.only_iso.reset();
@@ -164,11 +167,12 @@ class Conversion {
   // As meshes of one file, or each as a file.
   Result<void> add_pieces(Surface surface, const ResolvedIso& iso, OutputFile& file) {
     const std::string& pattern = file.written.job.path;
-    const bool into_files = pattern.find(kPieceWord) != std::string::npos;
+    const bool into_files = sink_ == nullptr && pattern.find(kPieceWord) != std::string::npos;
     auto pieces = split_mesh(std::move(surface.mesh), into_files, context_);
     if (!pieces) return tl::unexpected(std::move(pieces.error()));
     for (std::size_t i = 0; into_files && i < pieces->size(); ++i) {
-      if (auto checked = check_output_file(piece_path(pattern, i + 1), job_.source.input); !checked) return checked;
+      if (auto checked = check_mesh_files({piece_path(pattern, i + 1), {}}, job_.format, read()); !checked)
+        return checked;
     }
     for (std::size_t i = 0; i < pieces->size(); ++i) {
       Surface piece{surface.iso, std::move((*pieces)[i]), {}, {}, {}};
@@ -184,7 +188,7 @@ class Conversion {
       if (auto written = finish(own, std::span(&iso, 1)); !written) return written;
     }
     if (!into_files) return {};
-    const auto removed = remove_old_pieces(file.written.job, pieces->size() + 1, job_, context_);
+    const auto removed = remove_old_pieces(file.written.job, pieces->size() + 1, job_.format, read(), context_);
     if (!removed) return tl::unexpected(removed.error());
     if (!removed->empty()) {
       events_.note(fmt::format("{}: there are {} pieces; removed, as they are of an earlier run: {}", source_.label,
@@ -374,10 +378,10 @@ class Conversion {
     if (sink_ == nullptr && job_.picture_file)
       return write_picture(file.held, job_, source_.placement.placement, file.written.job, context_);
     if (sink_ == nullptr) return file.writer.finish();
-    if (auto taken = sink_->take({file.written.job, file.written.isos, std::move(file.held), write_options().packing});
-        !taken) {
-      return tl::unexpected(std::move(taken.error()));
-    }
+    meshes::MeshWriteOptions options = write_options();
+    auto taken = sink_->take(
+        {file.written.job, file.written.isos, std::move(file.held), options.packing, std::move(options.placement)});
+    if (!taken) return tl::unexpected(std::move(taken.error()));
     return meshes::MeshWriteResult();
   }
 
@@ -407,7 +411,7 @@ class Conversion {
   Result<void> leave_out(const OutputFileJob& output, std::span<const ResolvedIso> asked) {
     const bool in_pieces = job_.pieces.split && output.path.find(kPieceWord) != std::string::npos;
     const auto removed = sink_ != nullptr ? Result<std::vector<std::string>>()
-                         : in_pieces      ? remove_old_pieces(output, 1, job_, context_)
+                         : in_pieces      ? remove_old_pieces(output, 1, job_.format, read(), context_)
                                           : remove_old_meshes(output, job_.format, context_);
     if (!removed) return tl::unexpected(removed.error());
     tell_skipped(output, asked, {},
@@ -417,6 +421,8 @@ class Conversion {
     events_.written({output, {}, 0, 0, {}, {}});
     return {};
   }
+
+  [[nodiscard]] const files::ReadFiles& read() const { return extras_.read != nullptr ? *extras_.read : own_read_; }
 
   // Values that were found may be the same, which nobody could know who asked for them.
   void tell_repeated(const OutputFileJob& output, std::span<const ResolvedIso> asked) {
@@ -450,6 +456,7 @@ class Conversion {
   OutcomeExtras extras_;
   KeptBackends* kept_backends_;  // null where none are kept
   MeshSink* sink_;               // null where files are written
+  files::ReadFiles own_read_;    // where files are written, and nobody says what is read
   Source source_;
   std::optional<extract::LabelVoxels> labels_;  // where those are what is asked for
   LabelLooks looks_;                            // likewise

@@ -7,6 +7,7 @@
 #include "convert/events.hpp"
 #include "convert/mesh_sink.hpp"
 #include "convert/outcome.hpp"
+#include "files/read_files.hpp"
 
 namespace isoextract::convert {
 
@@ -14,6 +15,8 @@ namespace isoextract::convert {
 struct OutcomeExtras {
   bool mesh_facts =
       false;  // Outcome::meshes: components, open edges, sizes; longer than the extraction, see reports.md
+  // What is not to be overwritten, the job's own inputs among it; null: those alone.
+  const files::ReadFiles* read = nullptr;
 };
 
 // Runs the job's stages: open a backend, read, and for each file extract, verify, simplify, measure, write. A surface

@@ -1,6 +1,7 @@
 // Who takes the meshes of a conversion where they are not written to its files.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "base/error.hpp"
@@ -19,6 +20,7 @@ struct HandedMeshes {
   std::vector<double> isos;  // one a mesh
   std::vector<mesh::Mesh> meshes;
   meshes::MeshPacking packing;  // how they are to be packed
+  std::string placement = {};   // meshes::MeshWriteOptions has it
 };
 
 struct Source;

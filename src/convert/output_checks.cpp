@@ -1,7 +1,9 @@
 #include "convert/output_checks.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -17,20 +19,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Where the input's header is a file of its own, those that hold the samples. What cannot be told is an error when the
-// input is read.
-Result<void> check_data_files(const fs::path& output, const ConversionJob& job) {
-  if (files::is_standard_input(job.source.input)) return {};  // all is in it
-  const auto inputs = list_source_files(job.source);
-  if (!inputs) return {};
-  for (const fs::path& input : *inputs) {
+// Whether a piece of an output could be this file.
+bool may_be_piece(const fs::path& file, const OutputFileJob& output, meshes::MeshFormat format) {
+  const auto place = [](const fs::path& path) {
     std::error_code none;
-    if (!fs::equivalent(output, input, none)) continue;
-    return fail(ErrorKind::usage,
-                fmt::format("{}: this holds the samples of the input; it is not overwritten", output.string()),
-                Remedy::other_output_name);
+    return fs::weakly_canonical(fs::absolute(path, none), none).string();
+  };
+  const std::string name = place(file);
+  for (const fs::path& pattern : mesh_files(output, format)) {
+    const std::string text = place(pattern);
+    const std::size_t at = text.find(kPieceWord);
+    if (at == std::string::npos || !name.starts_with(text.substr(0, at))) continue;
+    std::size_t number = 0;
+    if (std::from_chars(name.data() + at, name.data() + name.size(), number).ec != std::errc()) continue;
+    if (number > 0 && piece_path(text, number) == name) return true;
   }
-  return {};
+  return false;
 }
 
 }  // namespace
@@ -41,14 +45,28 @@ std::vector<fs::path> mesh_files(const OutputFileJob& output, meshes::MeshFormat
   return files;
 }
 
-// Devices and pipes are left alone: opening a pipe twice would end it for its reader.
-Result<void> check_output_file(const fs::path& path, const std::string& input) {
-  std::error_code none;
-  const fs::path source = files::is_standard_input(input) ? fs::path("/dev/stdin") : fs::path(input);
-  if (fs::equivalent(path, source, none)) {
-    return fail(ErrorKind::usage, fmt::format("{}: this is the input; it is not overwritten", path.string()),
-                Remedy::other_output_name);
+void add_read_files(files::ReadFiles& read, const ConversionJob& job) {
+  const std::string& input = job.source.input;
+  read.add(input, "is the input");
+  if (job.label_names) read.add(job.label_names->path, "has the names of labels");
+  if (files::is_standard_input(input)) return;  // all is in it
+  const auto inputs = list_source_files(job.source);
+  if (!inputs) return;
+  for (const fs::path& file : *inputs) read.add(file, "holds the samples of the input");
+}
+
+void add_read_mesh(files::ReadFiles& read, const std::string& path, const Context& context) {
+  read.add(path, "is the input");
+  const fs::path folder = fs::path(path).parent_path();
+  for (const std::string& data : meshes::data_file_names(path, context)) {
+    read.add(folder / data, fmt::format("holds the data of {}", path));
   }
+}
+
+// Devices and pipes are left alone: opening a pipe twice would end it for its reader.
+Result<void> check_output_file(const fs::path& path, const files::ReadFiles& read) {
+  if (auto checked = read.check(path); !checked) return checked;
+  std::error_code none;
   const fs::file_status status = fs::status(path, none);
   if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status)) return {};
   auto probe = files::OutputFile::create(path);
@@ -58,6 +76,11 @@ Result<void> check_output_file(const fs::path& path, const std::string& input) {
 
 Result<void> check_other_file(const fs::path& file, const ConversionJob& job) {
   for (const OutputFileJob& output : job.outputs) {
+    if (may_be_piece(file, output, job.format)) {
+      return fail(ErrorKind::usage,
+                  fmt::format("{}: a piece of {} may have this name", file.string(), job.source.input),
+                  Remedy::other_output_name);
+    }
     for (const fs::path& mesh : mesh_files(output, job.format)) {
       if (!files::same_place(file, mesh)) continue;
       return fail(ErrorKind::usage,
@@ -66,8 +89,9 @@ Result<void> check_other_file(const fs::path& file, const ConversionJob& job) {
                   Remedy::other_output_name);
     }
   }
-  auto checked = check_output_file(file, job.source.input);
-  return checked ? check_data_files(file, job) : checked;
+  files::ReadFiles read;
+  add_read_files(read, job);
+  return check_output_file(file, read);
 }
 
 Result<std::vector<std::string>> remove_old_meshes(const OutputFileJob& output, meshes::MeshFormat format,
@@ -86,16 +110,17 @@ Result<std::vector<std::string>> remove_old_meshes(const OutputFileJob& output, 
 }
 
 Result<std::vector<std::string>> remove_old_pieces(const OutputFileJob& output, std::size_t first,
-                                                   const ConversionJob& job, const Context& context) {
+                                                   meshes::MeshFormat format, const files::ReadFiles& read,
+                                                   const Context& context) {
   std::vector<std::string> removed;
   for (std::size_t number = first; number <= kMostPieceFiles; ++number) {
     const OutputFileJob piece{piece_path(output.path, number), output.isos};
     std::error_code none;
-    for (const fs::path& file : mesh_files(piece, job.format)) {
-      if (fs::equivalent(file, job.source.input, none) || !check_data_files(file, job)) return removed;
+    for (const fs::path& file : mesh_files(piece, format)) {
+      if (fs::is_symlink(file, none) || !read.check(file)) return removed;
     }
     if (!meshes::is_signed(piece.path, context)) break;
-    auto gone = remove_old_meshes(piece, job.format, context);
+    auto gone = remove_old_meshes(piece, format, context);
     if (!gone) return gone;
     if (gone->empty()) break;
     removed.insert(removed.end(), gone->begin(), gone->end());
@@ -103,13 +128,10 @@ Result<std::vector<std::string>> remove_old_pieces(const OutputFileJob& output, 
   return removed;
 }
 
-Result<void> check_mesh_files(const ConversionJob& job) {
-  for (const OutputFileJob& output : job.outputs) {
-    if (output.path == "-") continue;
-    for (const fs::path& file : mesh_files(output, job.format)) {
-      if (auto checked = check_output_file(file, job.source.input); !checked) return checked;
-      if (auto checked = check_data_files(file, job); !checked) return checked;
-    }
+Result<void> check_mesh_files(const OutputFileJob& output, meshes::MeshFormat format, const files::ReadFiles& read) {
+  if (output.path == "-") return {};
+  for (const fs::path& file : mesh_files(output, format)) {
+    if (auto checked = check_output_file(file, read); !checked) return checked;
   }
   return {};
 }

@@ -8,6 +8,7 @@
 #include "base/context.hpp"
 #include "base/error.hpp"
 #include "convert/conversion_job.hpp"
+#include "files/read_files.hpp"
 
 namespace isoextract::convert {
 
@@ -20,18 +21,27 @@ namespace isoextract::convert {
                                                                  const Context& context);
 
 // The same for pieces that an earlier run had more of: those of the numbers from `first` on, up to the first that is
-// not there, that the job reads or that isoextract does not seem to have written. `output` has kPieceWord in its name.
+// not there, that is a link, that is read, or that isoextract does not seem to have written. `output` has kPieceWord in
+// its name.
 [[nodiscard]] Result<std::vector<std::string>> remove_old_pieces(const OutputFileJob& output, std::size_t first,
-                                                                 const ConversionJob& job, const Context& context);
+                                                                 meshes::MeshFormat format,
+                                                                 const files::ReadFiles& read, const Context& context);
 
-// Another file that goes with the job, its report for example: writable, and neither the input nor a mesh of the job,
-// nor where that goes.
+// The input, those that hold its samples or attributes apart, and the job's others. What cannot be told of an input is
+// an error when it is read.
+void add_read_files(files::ReadFiles& read, const ConversionJob& job);
+// A mesh, and its data where those are files of their own.
+void add_read_mesh(files::ReadFiles& read, const std::string& path, const Context& context);
+
+// Another file that goes with the job, its report for example: writable, and neither read nor a mesh of the job, nor
+// where that goes.
 [[nodiscard]] Result<void> check_other_file(const std::filesystem::path& file, const ConversionJob& job);
 
-// The meshes' files, standard output apart.
-[[nodiscard]] Result<void> check_mesh_files(const ConversionJob& job);
+// The files of one of the outputs, or of a piece of it, standard output apart: as check_output_file().
+[[nodiscard]] Result<void> check_mesh_files(const OutputFileJob& output, meshes::MeshFormat format,
+                                            const files::ReadFiles& read);
 
-// A file that is written at the end: writable, and not the input.
-[[nodiscard]] Result<void> check_output_file(const std::filesystem::path& path, const std::string& input);
+// A file that is written at the end: writable, and not read. Fails with ErrorKind::usage and ErrorKind::output.
+[[nodiscard]] Result<void> check_output_file(const std::filesystem::path& path, const files::ReadFiles& read);
 
 }  // namespace isoextract::convert

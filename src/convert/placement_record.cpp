@@ -68,6 +68,19 @@ bool is_known_unit(const std::string& name) {
   return name.empty() || (unit && unit->name == name);
 }
 
+// Far from what numbers can be, so that what is undone stays finite.
+bool can_be_undone(const ResolvedPlacement& record) {
+  constexpr double kMost = 1e30;
+  return record.placement.scale > 1 / kMost && record.placement.scale < kMost && glm::length(record.moved_by) < kMost;
+}
+
+glm::dmat3 turn_of(const Placement& placement) {
+  ResolvedPlacement turned;
+  turned.placement.turn_z_up_to_y_up = placement.turn_z_up_to_y_up;
+  turned.placement.turn_y_up_to_z_up = placement.turn_y_up_to_z_up;
+  return turned.output_from_world().linear;
+}
+
 }  // namespace
 
 ResolvedPlacement usual_placement(bool format_is_y_up, UpAxis up) {
@@ -117,7 +130,8 @@ std::optional<ResolvedPlacement> read_record(std::string_view text) {
                         read_text(json, "unit", placement.unit) && read_text(json, "to_unit", placement.to_unit) &&
                         read_vector(json, "moved_by", moved_by) && read_text(json, "mirrored", mirrored);
   const bool known = (turned.empty() || turned == kZToY || turned == kYToZ) &&
-                     std::ranges::find(kMirrored, mirrored) != kMirrored.end();
+                     std::ranges::find(kMirrored, mirrored) != kMirrored.end() &&
+                     (placement.to_space || mirrored.empty()) && placement.unit.empty() == placement.to_unit.empty();
   if (!readable || !up || !known || !is_known_unit(placement.unit) || !is_known_unit(placement.to_unit)) {
     return std::nullopt;
   }
@@ -127,11 +141,17 @@ std::optional<ResolvedPlacement> read_record(std::string_view text) {
   placement.center = moved_by.has_value();
   record.moved_by = moved_by.value_or(glm::dvec3(0));
   record.signs = {mirrored.starts_with('x') ? -1 : 1, mirrored.ends_with('y') ? -1 : 1};
+  if (!can_be_undone(record)) return std::nullopt;
   return record;
 }
 
-ResolvedPlacement placement_of(const meshes::MeshFile& file, UpAxis up) {
-  return read_record(file.placement).value_or(usual_placement(file.y_up, up));
+ResolvedPlacement placed_like(const ResolvedPlacement& other, bool format_is_y_up) {
+  const Placement usual = usual_placement(format_is_y_up, other.placement.up).placement;
+  ResolvedPlacement placed = other;
+  placed.placement.turn_z_up_to_y_up = usual.turn_z_up_to_y_up;
+  placed.placement.turn_y_up_to_z_up = usual.turn_y_up_to_z_up;
+  placed.moved_by = turn_of(placed.placement) * (glm::inverse(turn_of(other.placement)) * other.moved_by);
+  return placed;
 }
 
 std::string placement_text(const ResolvedPlacement& resolved) {

@@ -9,7 +9,6 @@
 #include "convert/placement.hpp"
 #include "field/affine.hpp"
 #include "mesh/mesh.hpp"
-#include "meshes/mesh_reader.hpp"
 #include "meshes/mesh_writer.hpp"
 
 namespace isoextract::convert {
@@ -17,14 +16,15 @@ namespace isoextract::convert {
 // Where nobody says anything: meshes of a z-up world, turned where their format prescribes another axis.
 [[nodiscard]] ResolvedPlacement usual_placement(bool format_is_y_up, UpAxis up = UpAxis::z);
 
+// Of a mesh that another program made of one that is placed like `other`: as that is, but turned as is usual in its own
+// format.
+[[nodiscard]] ResolvedPlacement placed_like(const ResolvedPlacement& other, bool format_is_y_up);
+
 // Empty where there is nothing to say: the placement is the usual one of the format.
 [[nodiscard]] std::string record_text(const ResolvedPlacement& resolved, meshes::MeshFormat format);
 
 // Nothing where the text is no such record.
 [[nodiscard]] std::optional<ResolvedPlacement> read_record(std::string_view text);
-
-// Of a mesh in a file: what that says or, where it says nothing that can be read, what is usual.
-[[nodiscard]] ResolvedPlacement placement_of(const meshes::MeshFile& file, UpAxis up);
 
 // "voxel coordinates", or what was done to the world's: "turned from z up to y up, scaled by 0.001 (mm to m), moved by
 // (1, 2, 3)"; empty where nothing was done.

@@ -71,7 +71,8 @@ struct AnimationWriter::State {
   [[nodiscard]] Result<void> check_frame(std::int64_t frame) const;
   // Whether the frame was refused.
   [[nodiscard]] Result<std::optional<Error>> add(const std::string& name, std::int64_t frame,
-                                                 std::span<const mesh::Mesh> surfaces, const MeshPacking& packing);
+                                                 std::span<const mesh::Mesh> surfaces, const MeshPacking& packing,
+                                                 const std::string& placement);
   // Of surfaces that can be written, into pieces that refer to them.
   [[nodiscard]] Result<std::vector<GltfPart>> pieces_of(std::span<const mesh::Mesh> surfaces,
                                                         const MeshPacking& packing, Notes& found) const;
@@ -151,7 +152,7 @@ Result<std::vector<GltfPart>> AnimationWriter::State::pieces_of(std::span<const 
 
 Result<std::optional<Error>> AnimationWriter::State::add(const std::string& name, std::int64_t frame,
                                                          std::span<const mesh::Mesh> surfaces,
-                                                         const MeshPacking& packing) {
+                                                         const MeshPacking& packing, const std::string& placement) {
   if (auto usable = check(); !usable) return tl::unexpected(std::move(usable.error()));
   if (auto possible = check_frame(frame); !possible) return std::move(possible.error());
   for (const mesh::Mesh& surface : surfaces) {
@@ -176,7 +177,8 @@ Result<std::optional<Error>> AnimationWriter::State::add(const std::string& name
   const auto pieces = pieces_of(surfaces, packing, found);
   if (!pieces) return pieces.error();
   if (parts.empty()) {
-    parts.push_back({AnimatedGlb(path, largest_file), frame, frame});
+    options.placement = placement;
+    parts.push_back({AnimatedGlb(path, largest_file, placement), frame, frame});
     if (auto opened = parts.back().glb.open(); !opened) return tl::unexpected(std::move(opened.error()));
   }
   // Not before the frame is taken.
@@ -196,7 +198,7 @@ Result<std::optional<Error>> AnimationWriter::State::add(const std::string& name
   const std::uint64_t to_come = frames_at_most > count ? frames_at_most - count : 1;
   auto added = parts.back().glb.add(name, *pieces, time, to_come);
   if (added && !*added) {
-    AnimatedGlb next(animation_part_path(path, parts.size() + 1), largest_file);
+    AnimatedGlb next(animation_part_path(path, parts.size() + 1), largest_file, options.placement);
     added = next.add(name, *pieces, time, to_come);
     if (added && *added) {
       parts.back().glb.show_none(time);
@@ -215,6 +217,9 @@ Result<std::optional<Error>> AnimationWriter::State::add(const std::string& name
       packed.push_back(piece.packed->facts);
     else if (packing.packs())
       packed.emplace_back();
+  }
+  if (placement != options.placement) {
+    tell({"frames are not all moved, scaled or mirrored alike: the file says how the first of them is"});
   }
   tell(std::move(found));
   tell(parts.back().glb.take_notes());
@@ -301,10 +306,10 @@ Result<void> AnimationWriter::check_times(std::span<const std::int64_t> frames) 
 }
 
 Result<void> AnimationWriter::add(const std::string& name, std::int64_t frame, std::span<const mesh::Mesh> surfaces,
-                                  const MeshPacking& packing) {
+                                  const MeshPacking& packing, const std::string& placement) {
   State& state = *state_;
   state.packed.clear();
-  auto added = state.attempt([&] { return state.add(name, frame, surfaces, packing); });
+  auto added = state.attempt([&] { return state.add(name, frame, surfaces, packing, placement); });
   if (!added) return tl::unexpected(std::move(added.error()));
   if (*added) return tl::unexpected(std::move(**added));
   return {};

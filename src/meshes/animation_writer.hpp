@@ -56,14 +56,15 @@ class AnimationWriter {
   // The surfaces of a frame, none of which is needed afterwards. Numbers grow from call to call. `name` is the node's;
   // where there are several surfaces, theirs are those of nodes below it. `packing` is the frame's: options.packing
   // does not count here, and its box must be there where positions are quantised. Frames share a lattice where
-  // mesh_packing.hpp says so.
+  // mesh_packing.hpp says so. Neither does options.placement: the file has that of the first frame, and a note tells
+  // where others differ.
   //
   // A frame that cannot be written is refused with ErrorKind::output, and the rest may go on as if it had not come: one
   // whose numbers would destroy its triangles (write/written_places.hpp), that is larger than a file can be, or that is
   // so far from the first that float32 cannot tell its time from its neighbours'. So is a number that does not grow,
   // with ErrorKind::usage. After any other failure every later call fails alike.
   [[nodiscard]] Result<void> add(const std::string& name, std::int64_t frame, std::span<const mesh::Mesh> surfaces,
-                                 const MeshPacking& packing = {});
+                                 const MeshPacking& packing = {}, const std::string& placement = {});
   [[nodiscard]] Result<void> add(const std::string& name, std::int64_t frame, const mesh::Mesh& surface);
 
   // What packing did to the surfaces of the last frame that was added, one each; nothing where they were not packed.

@@ -197,7 +197,7 @@ MeshFile read_file(const files::InputFile& file, const MeshReadOptions& options)
   result.format = surface.format;
   result.y_up = surface.y_up;
   result.is_ours = surface.is_ours;
-  if (surface.is_ours && surface.placement.size() <= kMaxPlacement) result.placement = surface.placement;
+  if (surface.is_ours) result.placement = surface.placement.substr(0, kMaxPlacement);  // a longer one is none of ours
   for (const std::string& note : surface.notes) result.notes.push_back(fmt::format("{}: {}", file.name(), note));
   return result;
 }
@@ -228,9 +228,16 @@ bool is_signed(const std::filesystem::path& path, const Context& context) {
   if (!file) return false;
   const auto bytes = files::first_bytes(*file, kBeginning);
   if (!bytes) return false;
-  const std::string text = fmt::format("{} ", kProgram);
-  const auto matches = [](std::byte byte, char c) { return byte == static_cast<std::byte>(c); };
-  return std::search(bytes->begin(), bytes->end(), text.begin(), text.end(), matches) != bytes->end();
+  const std::string_view text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
+  const std::string name = fmt::format("{} ", kProgram);
+  for (std::size_t at = text.find(name); at != std::string_view::npos; at = text.find(name, at + 1)) {
+    // The whole header, a comment, a glTF's JSON, or a Draco file's entry, which has its length before it.
+    const std::string_view before = text.substr(0, at);
+    const std::string_view near = before.substr(before.size() - std::min<std::size_t>(before.size(), 16));
+    const bool is_entry = near.find("generator") != std::string_view::npos;
+    if (before.empty() || before == "# " || before.ends_with("\ncomment ") || is_entry) return true;
+  }
+  return false;
 }
 
 std::vector<std::string> data_file_names(const std::filesystem::path& gltf, const Context& context) {

@@ -54,7 +54,8 @@ struct MeshWriteOptions {
   // whose corners have normals of their own, writes that place once; the other formats need a vertex for each normal.
   bool copies_for_normals = false;
   // Where the mesh is, for whoever reads it again: a JSON object in one line of ASCII, or nothing. PLY and OBJ keep it
-  // as a comment, glTF in the extras of its asset, DRC in its metadata; STL cannot.
+  // as a comment, glTF in the extras of its asset, DRC in its metadata, binary STL in its header of 80 bytes, which may
+  // have room only to say that there is one; STL as text cannot.
   std::string placement = {};
 };
 

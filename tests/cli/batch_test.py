@@ -235,6 +235,27 @@ class BatchTest(ProgramTest):
                 self.four_frames(iso, "--shard", shard, "--resume")
         self.assertIn("4 frames of 2 shards, all there", self.convert("merge", "out").err)
 
+    def test_records_hold_until_their_frame_is_begun_anew(self):
+        self.write_frames((1, 2, 3, 4))
+        batch = ("-o", "out/m_{}.ply", "--jobs", "1")
+        self.batch(*batch)
+        self.assertIn("4 kept", self.batch(*batch, "--no-clobber").err)
+        self.assertIn("0 of 4 frames done, 4 kept", self.batch(*batch, "--resume").err)
+        sound = (self.folder / "in_001.raw").read_bytes()
+        (self.folder / "in_001.raw").write_bytes(sound[:100])
+        self.batch(*batch, "--fail-fast", code=5)
+        (self.folder / "in_001.raw").write_bytes(sound)
+        self.assertIn("1 of 4 frames done, 3 kept", self.batch(*batch, "--resume").err)
+
+    def test_a_frame_that_fails_when_it_is_done_anew_is_missing(self):
+        self.write_frames((1, 2, 3, 4))
+        for shard in ("1/2", "2/2"):
+            self.batch("-o", "out/m_{}.ply", "--shard", shard)
+        self.convert("merge", "out")
+        (self.folder / "in_001.raw").write_bytes(b"short")
+        self.batch("-o", "out/m_{}.ply", "--shard", "1/2", "--resume", code=5)
+        self.assert_fails(2, self.run_program("merge", "out"), "expected 4 frames, found 3")
+
     def test_another_batch_in_the_folder_costs_no_work(self):
         self.four_frames("0.4")
         self.four_frames("0.5")

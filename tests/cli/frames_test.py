@@ -208,6 +208,57 @@ class FramesTest(ProgramTest):
             report = json.loads(self.convert("compare", name, other, "--json").text)
             self.assertEqual((report["hausdorff"], report["a"]["undone"], report["b"]["undone"]), ([0, 0], None, None))
 
+    def test_meshes_that_other_programs_made_of_ours_in_another_format(self):
+        for up in ("y", "z"):
+            placed = (*self.raw(), "--unit", "mm", "--to-unit", "in", "--up", up, "--center")
+            self.convert(*placed, "-o", "a.obj")
+            self.convert(*placed, "-o", "a.gltf")
+            text = (self.folder / "a.gltf").read_text()
+            (self.folder / "b.gltf").write_text(text.replace("isoextract 0", "somebody 0").replace("placement", "nothing"))
+            report = json.loads(self.convert("compare", "a.obj", "b.gltf", "--json").text)
+            self.assertLess(report["hausdorff"][1], 1e-5)
+            self.assertAlmostEqual(report["b"]["volume"], report["a"]["volume"], delta=1e-4 * report["a"]["volume"])
+
+    def test_stl_says_what_fits_into_its_header(self):
+        self.convert(*self.raw(), "--scale", 3.7, "-o", "a.obj")
+        self.convert(*self.raw(), "--scale", 3.7, "-o", "a.stl")
+        report = json.loads(self.convert("compare", "a.obj", "a.stl", "--json").text)
+        self.assertLess(report["hausdorff"][1], 1e-5)
+        self.assertIsNone(report["b"]["undone"])
+        self.convert(*self.raw(), "-o", "plain.stl")
+        report = json.loads(self.convert("compare", "plain.stl", "a.stl", "--json").text)
+        self.assertLess(report["hausdorff"][1], 1e-5)
+        self.assertEqual(len((self.folder / "a.stl").read_bytes()), len((self.folder / "plain.stl").read_bytes()))
+        self.convert(*self.raw(), "--unit", "mm", "--to-unit", "in", "--up-out", "y", "--center", "-o", "a.stl")
+        run = self.convert("compare", "plain.stl", "a.stl")
+        self.assertIn("a.stl: what it says of its placement cannot be read", run.err)
+
+    def test_animations_say_it_too(self):
+        self.write("f1.raw", spike())
+        self.write("f2.raw", spike())
+        frames = ("f{}.raw", *self.raw()[1:], "--scale", 3.7)
+        self.convert(*frames, "--animate", "-o", "a.glb")
+        self.convert(*self.raw(), "-o", "plain.ply")
+        self.assertIn(b'"placement":{"scale":3.7', (self.folder / "a.glb").read_bytes())
+        report = json.loads(self.convert("compare", "plain.ply", "a.glb", "--json").text)
+        self.assertLess(report["hausdorff"][1], 1e-5)
+
+    def test_voxels_and_the_world_are_not_compared_without_a_word(self):
+        self.convert(*self.raw(), "--space", "index", "-o", "a.ply")
+        self.convert(*self.raw(), "-o", "b.ply")
+        run = self.convert("compare", "a.ply", "b.ply")
+        self.assertIn("a.ply is in voxel coordinates, and b.ply is in those of the world", run.err)
+
+    def test_pictures_of_meshes_stand_as_these_say(self):
+        for name, *options in (("a.ply",), ("b.glb", "--up", "y"), ("c.ply", "--up", "y", "--scale", 2), ("d.ply", "--space", "index")):
+            self.convert(*self.raw(), *options, "-o", name)
+        self.convert("render", "a.ply", "--up", "y", "-o", "y.png", "--json", "y.json")
+        for name in ("b.glb", "c.ply"):
+            self.convert("render", name, "-o", "o.png", "--json", "o.json")
+            self.assertEqual((self.folder / "o.png").read_bytes(), (self.folder / "y.png").read_bytes())
+        run = self.convert("render", self.raw()[0], *self.raw()[1:7], "--origin", "10,20,30", "d.ply", "-o", "d.png")
+        self.assertIn("d.ply: it is in voxel coordinates, and the volume is drawn in those of the world", run.err)
+
     def test_voxel_coordinates_say_so(self):
         for name in ("a.glb", "a.ply"):
             self.convert(*self.raw(), "--space", "index", "-o", name)
@@ -222,7 +273,9 @@ class FramesTest(ProgramTest):
         self.assertIn('"scale":2', good)
         for bad in ("{", "[]", '{"up":"x"}', '{"up":"z","scale":0}', '{"up":"z","scale":-2}', '{"up":"z","scale":1e999}',
                     '{"up":"z","scale":"2"}', '{"up":"z","moved_by":[1,2]}', '{"up":"z","moved_by":[1,2,"3"]}',
-                    '{"up":"z","turned":"over"}', '{"up":"z","mirrored":"z"}', '{"up":"z","unit":"furlong"}', "{}"):
+                    '{"up":"z","turned":"over"}', '{"up":"z","mirrored":"z"}', '{"up":"z","unit":"furlong"}', "{}",
+                    '{"up":"z","unit":"mm"}', '{"up":"z","mirrored":"x"}', '{"up":"z","scale":1e-60}',
+                    '{"up":"z","moved_by":[1e308,0,0]}'):
             text = "\n".join("# placement " + bad if line.startswith("# placement") else line
                              for line in good.split("\n"))
             (self.folder / "a.obj").write_text(text)

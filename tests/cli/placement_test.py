@@ -73,7 +73,9 @@ class PlacementTest(ProgramTest):
             same = (self.folder / name).read_bytes()
             for entry in (b"comment placement", b"# placement"):  # which says what the unit is
                 same = b"\n".join(line for line in same.split(b"\n") if not line.startswith(entry))
-            self.assertEqual(same, (self.folder / ("plain." + name)).read_bytes())
+            plain = (self.folder / ("plain." + name)).read_bytes()
+            header = 80 if name.endswith("stl") else 0
+            self.assertEqual(same[header:], plain[header:])
 
     def test_any_unit_into_any(self):
         for name in ("out.stl", "out.glb"):

@@ -1,7 +1,7 @@
 # Whole command lines: stdout, stderr, exit codes, and what was written.
 foreach(name
     animate attributes batch batch_faults iso particles particle_limits particle_sequences config startup usage
-    surface placement frames output interrupted streams inputs lost_input plugin openvdb fields memory info grids compare
+    surface placement frames output overwrite interrupted streams inputs lost_input plugin openvdb fields memory info grids compare
     simplify compression resolution error bench documents report simulate jet stability far verify verify_edits gpu readme render
     render_gpu voxels pictures pieces piece_sequences check normals labels arrays)
   add_test(NAME cli.${name}

@@ -8,6 +8,8 @@ namespace isoextract::meshes {
 
 // The first word of a comment, or the key of an entry.
 inline constexpr std::string_view kPlacementEntry = "placement";
+// In place of a placement that a file has no room for: it is none that can be read.
+inline constexpr std::string_view kPlacementElsewhere = "elsewhere";
 inline constexpr std::size_t kMaxPlacement = 2000;  // bytes
 
 }  // namespace isoextract::meshes

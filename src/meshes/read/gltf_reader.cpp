@@ -67,9 +67,7 @@ std::string placement_of(const json& asset) {
   const auto extras = asset.find("extras");
   if (extras == asset.end() || !extras->is_object()) return {};
   const auto placement = extras->find(kPlacementEntry);
-  return placement == extras->end() || !placement->is_object()
-             ? std::string()
-             : placement->dump(-1, ' ', true, json::error_handler_t::replace);
+  return placement == extras->end() ? std::string() : placement->dump(-1, ' ', true, json::error_handler_t::replace);
 }
 
 class ModelReader {

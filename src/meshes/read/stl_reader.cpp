@@ -6,12 +6,14 @@
 
 #include <fmt/format.h>
 
+#include "meshes/detail/placement_entry.hpp"
 #include "meshes/read/mesh_format_readers.hpp"
 
 namespace isoextract::meshes {
 namespace {
 
-constexpr std::size_t kPreambleBytes = 80 + sizeof(std::uint32_t);
+constexpr std::size_t kHeaderBytes = 80;
+constexpr std::size_t kPreambleBytes = kHeaderBytes + sizeof(std::uint32_t);
 constexpr std::size_t kRecordBytes = 4 * sizeof(glm::vec3) + sizeof(std::uint16_t);
 
 // `normals` are one a triangle, where they were asked for.
@@ -64,7 +66,13 @@ FileSurface read_binary(const MeshSource& source) {
     if (source.with_normals) std::memcpy(&normals[t], record, sizeof(glm::vec3));
   }
   FileSurface surface = weld(corners, std::move(normals), source, "STL, binary");
-  surface.is_ours = is_signature(source.text());
+  const std::string_view header = source.text().substr(0, kHeaderBytes);
+  surface.is_ours = is_signature(header);
+  const std::string entry = fmt::format(" {} ", kPlacementEntry);
+  if (const std::size_t at = header.find(entry); at != std::string_view::npos) {
+    surface.placement = header.substr(at + entry.size());
+    surface.placement.resize(std::min(surface.placement.find('\0'), surface.placement.size()));
+  }
   if (const std::uint64_t more = source.content.size() - binary_size(count); more > 0) {
     surface.notes.push_back(fmt::format("{} bytes after its last triangle were left out", more));
   }

@@ -30,7 +30,8 @@ namespace isoextract::meshes {
 class AnimatedGlb {
  public:
   // Of at most `largest` bytes.
-  AnimatedGlb(std::filesystem::path path, std::uint64_t largest) : path_(std::move(path)), largest_(largest) {}
+  AnimatedGlb(std::filesystem::path path, std::uint64_t largest, std::string placement)
+      : path_(std::move(path)), largest_(largest), model_(std::move(placement)) {}
 
   // Opens the file, once; the calls below do so too.
   [[nodiscard]] Result<void> open();

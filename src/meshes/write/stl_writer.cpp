@@ -9,6 +9,7 @@
 #include "base/version.hpp"
 #include "files/record_stream.hpp"
 #include "mesh/metrics.hpp"
+#include "meshes/detail/placement_entry.hpp"
 #include "meshes/write/mesh_encoding.hpp"
 #include "meshes/write/mesh_format_writers.hpp"
 
@@ -32,11 +33,20 @@ std::string precision_note(const mesh::Mesh& mesh) {
       farthest, step);
 }
 
-template <class Position>
-Result<void> write_binary(const mesh::Mesh& mesh, Position position, files::OutputFile& file) {
+// Readers would take one that starts with "solid" for text; the program's name is another word.
+std::array<char, kHeaderBytes> binary_header(const std::string& placement) {
+  std::string text(generator());
+  if (!placement.empty()) text += fmt::format(" {} ", kPlacementEntry);
+  text += text.size() + placement.size() <= kHeaderBytes ? std::string_view(placement) : kPlacementElsewhere;
   std::array<char, kHeaderBytes> header{};
-  // Readers would take a header that starts with "solid" for text; the program's name is another one.
-  put_text(header.data(), generator().substr(0, kHeaderBytes));
+  put_text(header.data(), text);
+  return header;
+}
+
+template <class Position>
+Result<void> write_binary(const mesh::Mesh& mesh, Position position, const std::string& placement,
+                          files::OutputFile& file) {
+  const std::array<char, kHeaderBytes> header = binary_header(placement);
   const auto count = static_cast<std::uint32_t>(mesh.triangles.size());
   auto written = file.write(std::as_bytes(std::span(header)));
   if (written) written = file.write(std::as_bytes(std::span(&count, 1)));
@@ -99,7 +109,7 @@ Result<void> write_stl(const mesh::Mesh& mesh, const MeshWriteOptions& options, 
   }
   if (mesh.origin != glm::dvec3(0)) notes.push_back(precision_note(mesh));
   return visit_positions(mesh, [&](auto position) {
-    return options.ascii ? write_ascii(mesh, position, file) : write_binary(mesh, position, file);
+    return options.ascii ? write_ascii(mesh, position, file) : write_binary(mesh, position, options.placement, file);
   });
 }
 

@@ -81,13 +81,30 @@ TEST(Manifest, ARecordComesBackAsItWas) {
   EXPECT_EQ(why_again(record, batch.frames[0]), "");
 }
 
-TEST(Manifest, WithoutResumeNothingIsKept) {
+TEST(Manifest, ARecordHoldsUntilItsFrameIsBegunAnew) {
   const TempFolder folder;
   const BatchJob batch = three_frames(folder);
-  const FrameRecord record = convert_frame(batch.frames[0]);
-  ASSERT_TRUE(must_open(folder, batch, false).add(record));
-  EXPECT_EQ(must_open(folder, batch, false).find(record.job), nullptr);
-  EXPECT_EQ(must_open(folder, batch, true).find(record.job), nullptr);
+  const FrameRecord first = convert_frame(batch.frames[0]);
+  const FrameRecord second = convert_frame(batch.frames[1]);
+  {
+    Manifest manifest = must_open(folder, batch, false);
+    ASSERT_TRUE(manifest.add(first));
+    ASSERT_TRUE(manifest.add(second));
+  }
+  {
+    Manifest manifest = must_open(folder, batch, false);
+    EXPECT_EQ(manifest.find(first.job), nullptr) << "nothing was to be resumed";
+    ASSERT_TRUE(manifest.begin(first.job));
+  }
+  {
+    Manifest manifest = must_open(folder, batch, true);
+    EXPECT_EQ(manifest.find(first.job), nullptr);
+    ASSERT_NE(manifest.find(second.job), nullptr) << "it was not started";
+    ASSERT_TRUE(manifest.begin(second.job));
+    EXPECT_EQ(manifest.find(second.job), nullptr);
+    ASSERT_TRUE(manifest.add(second));
+  }
+  EXPECT_EQ(*must_open(folder, batch, true).find(second.job), second);
 }
 
 TEST(Manifest, NamesWhateverBytesTheyHaveComeBack) {
@@ -205,10 +222,7 @@ TEST(Manifest, AnotherBatchDoneAnewLeavesTheRecordsOfTheFirst) {
     ASSERT_TRUE(manifest.add(convert_frame(other.frames[1])));
   }
   EXPECT_NE(must_open(folder, batch, true).find(record.job), nullptr);
-  must_open(folder, batch, false);
-  const Manifest again = must_open(folder, other, true);
-  EXPECT_EQ(again.find(record.job), nullptr);
-  EXPECT_NE(again.find(convert::hash_of(other.frames[1].job)), nullptr);
+  EXPECT_NE(must_open(folder, other, true).find(convert::hash_of(other.frames[1].job)), nullptr);
 }
 
 TEST(Manifest, AShardsIsOfOneBatch) {
