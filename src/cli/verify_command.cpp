@@ -230,6 +230,9 @@ Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages, const
     }
     VerifyPlan placed = plan;
     const auto record = plan.is_placed ? std::nullopt : convert::read_record(file->placement);
+    if (!record && !plan.is_placed && !file->placement.empty()) {
+      notes.note(fmt::format("{}: what it says of its placement cannot be read, and is left aside", *plan.mesh));
+    }
     if (record) {
       const std::string text = convert::placement_text(*record);
       notes.note(fmt::format("{}: it says that it was placed otherwise than usual, and the surface is placed so: {}",

@@ -188,6 +188,7 @@ class Conversion {
       if (auto written = finish(own, std::span(&iso, 1)); !written) return written;
     }
     if (!into_files) return {};
+    if (pieces->empty()) return leave_out(file.written.job, std::span(&iso, 1));
     const auto removed = remove_old_pieces(file.written.job, pieces->size() + 1, job_.format, read(), context_);
     if (!removed) return tl::unexpected(removed.error());
     if (!removed->empty()) {

@@ -37,9 +37,9 @@ class SurfaceStages {
     // Of particles all attributes have the same reach.
     if (!records->empty() && records->front().out_of_reach > 0) {
       events_.note(
-          fmt::format("{} iso {}: {} of {} vertices have the attributes of the nearest particle, as none is "
+          fmt::format("{} {}: {} of {} vertices have the attributes of the nearest particle, as none is "
                       "near enough to be interpolated",
-                      source_.label, surface.iso, records->front().out_of_reach, surface.mesh.positions.size()));
+                      source_.label, text_of(surface), records->front().out_of_reach, surface.mesh.positions.size()));
     }
     events_.carried({surface.iso, surface.mesh.positions.size(), std::move(*records), watch.elapsed()});
     return {};
@@ -52,13 +52,13 @@ class SurfaceStages {
     if (!record) return tl::unexpected(std::move(record.error()));
     events_.picked(*record);
     if (record->facts.without_volume > 0) {
-      events_.note(fmt::format("{} iso {}: {} open components have no volume, and stay", source_.label, surface.iso,
+      events_.note(fmt::format("{} {}: {} open components have no volume, and stay", source_.label, text_of(surface),
                                record->facts.without_volume));
     }
     if (was_empty || !surface.mesh.triangles.empty() || job_.empty != EmptyPolicy::error) return {};
     return tl::unexpected(Error{ErrorKind::input,
-                                fmt::format("{}: none of the {} components at iso {} is as large as asked for",
-                                            source_.label, record->facts.before.components, surface.iso),
+                                fmt::format("{}: none of the {} components at {} is as large as asked for",
+                                            source_.label, record->facts.before.components, text_of(surface)),
                                 Remedy::allow_empty, Reason::no_surface});
   }
 
@@ -77,7 +77,7 @@ class SurfaceStages {
     if (!simplified) return tl::unexpected(std::move(simplified.error()));
     events_.simplified(*simplified);
     for (const std::string& text : notes_of(*simplified)) {
-      events_.note(fmt::format("{} iso {}: {}", source_.label, surface.iso, text));
+      events_.note(fmt::format("{} {}: {}", source_.label, text_of(surface), text));
     }
     return {};
   }
@@ -94,8 +94,8 @@ class SurfaceStages {
     if (!record) return tl::unexpected(std::move(record.error()));
     record->iso = surface.iso;
     if (record->not_numbers > 0) {
-      events_.note(fmt::format("{} iso {}: {} of {} vertices are grey, as '{}' is no number there", source_.label,
-                               surface.iso, record->not_numbers, surface.mesh.positions.size(),
+      events_.note(fmt::format("{} {}: {} of {} vertices are grey, as '{}' is no number there", source_.label,
+                               text_of(surface), record->not_numbers, surface.mesh.positions.size(),
                                printable(record->attribute)));
     }
     events_.coloured(*record);
@@ -127,6 +127,11 @@ class SurfaceStages {
   }
 
  private:
+  [[nodiscard]] std::string text_of(const Surface& surface) const {
+    const bool is_label = !source_.isos.empty() && source_.isos.front().asked.is_label();
+    return fmt::format("{} {}", is_label ? "label" : "iso", surface.iso);
+  }
+
   // The samples whose outermost the caps go through, where there are caps.
   [[nodiscard]] std::optional<field::IndexBox> capped_box() const {
     if (!job_.surface.cap) return std::nullopt;

@@ -8,10 +8,10 @@
 
 namespace isoextract::files {
 
-void ReadFiles::add(const std::filesystem::path& file, std::string what) {
+void ReadFiles::add(const std::filesystem::path& file, const std::string& what) {
   struct stat status {};
   const std::filesystem::path path = is_standard_input(file.string()) ? "/dev/stdin" : file;
-  if (::stat(path.c_str(), &status) == 0) files_.try_emplace({status.st_dev, status.st_ino}, std::move(what));
+  if (::stat(path.c_str(), &status) == 0) files_.try_emplace({status.st_dev, status.st_ino}, what);
 }
 
 Result<void> ReadFiles::check(const std::filesystem::path& written) const {

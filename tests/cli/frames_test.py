@@ -232,6 +232,9 @@ class FramesTest(ProgramTest):
         self.convert(*self.raw(), "--unit", "mm", "--to-unit", "in", "--up-out", "y", "--center", "-o", "a.stl")
         run = self.convert("compare", "plain.stl", "a.stl")
         self.assertIn("a.stl: what it says of its placement cannot be read", run.err)
+        run = self.run_program("verify", *self.raw(), "a.stl")
+        self.assertIn("a.stl: what it says of its placement cannot be read", run.err)
+        self.assertEqual(run.code, 6)
 
     def test_animations_say_it_too(self):
         self.write("f1.raw", spike())

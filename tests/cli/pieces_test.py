@@ -68,6 +68,9 @@ class PiecesTest(ProgramTest):
         run = self.run_program("balls.raw", *RAW, "--drop-components", "999999", "-o", "none.ply")
         self.assert_fails(2, run, "none of the 4 components at iso 0 is as large as asked for", "--empty skip")
         self.convert("balls.raw", *RAW, "--drop-components", "999999", "--empty", "skip", "-o", "none.ply")
+        run = self.convert("balls.raw", *RAW, "--drop-components", "999999", "--empty", "write", "--split-components", "-o",
+                           "none_{piece}.ply")
+        self.assertIn("none_{piece}.ply was not written", run.err)
         self.assertNotIn("none.ply", self.files())
 
     def test_a_mesh_a_piece(self):
