@@ -113,18 +113,26 @@ FrameFigures figures_of(const Json& json) {
   return figures;
 }
 
+// The same surface may be in a second output.
+std::uint64_t triangles_written(const convert::Outcome& outcome, double iso) {
+  std::uint64_t triangles = 0;
+  const auto first = std::ranges::find(outcome.written, iso, &convert::WrittenSurface::iso);
+  for (auto surface = first; surface != outcome.written.end(); ++surface) {
+    if (surface->iso == iso && surface->output == first->output) triangles += surface->triangles;
+  }
+  return triangles;
+}
+
 // What is known of the meshes that a surface was written as: several where its pieces are meshes of their own.
 void add_meshes(const convert::Outcome& outcome, SurfaceFigures& surface) {
   const auto first = std::ranges::find(outcome.meshes, surface.iso, &convert::MeshRecord::iso);
   if (first == outcome.meshes.end()) return;
-  surface.triangles = 0;  // of what was extracted, before it was changed
   double volume = 0;
   // The same surface may be in a second file, and pieces with names of their own may each have a file.
   std::unordered_map<std::string_view, std::string_view> file_of_name;
   for (const convert::MeshRecord& mesh : outcome.meshes) {
     if (mesh.iso != surface.iso) continue;
     if (file_of_name.try_emplace(mesh.name, mesh.file).first->second != mesh.file) continue;
-    surface.triangles += mesh.triangles;
     surface.vertices = surface.vertices.value_or(0) + mesh.vertices;
     surface.components = surface.components.value_or(0) + mesh.topology.components;
     surface.closed = surface.closed.value_or(true) && mesh.topology.is_closed_oriented_manifold();
@@ -139,7 +147,7 @@ void add_meshes(const convert::Outcome& outcome, SurfaceFigures& surface) {
 FrameFigures figures_of(const convert::Outcome& outcome) {
   FrameFigures figures;
   for (const convert::ExtractionRecord& extraction : outcome.extractions) {
-    SurfaceFigures surface{extraction.iso, {}, extraction.triangles, {}, {}, {}, {}, {}};
+    SurfaceFigures surface{extraction.iso, {}, triangles_written(outcome, extraction.iso), {}, {}, {}, {}, {}};
     if (!extraction.asked.is_number()) surface.asked = text_of(extraction.asked);
     add_meshes(outcome, surface);
     figures.surfaces.push_back(surface);

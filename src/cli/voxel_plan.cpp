@@ -62,6 +62,15 @@ Result<void> plan_voxels(const ConvertFlags& flags, std::vector<std::string>& no
                     : flags.triangles ? "--triangles"
                                       : "--smooth"));
   }
+  if (flags.edits.smooth && flags.t_junctions) {
+    return refuse_usage("--smooth does not go with --t-junctions: corners in the middle of edges would leave them",
+                        "leave --t-junctions out");
+  }
+  if (flags.edits.smooth && surface.method == extract::Method::voxels && !flags.no_merge) {
+    // Of triangles as long as the mesh, smoothing leaves nothing.
+    surface.voxel_faces = extract::VoxelFaces::plain;
+    notes.emplace_back("--smooth moves the faces of voxels one by one: they are not merged");
+  }
   if (!flags.no_merge && !flags.t_junctions) return {};
   if (flags.no_merge && flags.t_junctions) {
     return refuse_usage("--no-merge and --t-junctions exclude each other: faces by themselves have no T-junctions");

@@ -72,6 +72,7 @@ class Conversion {
     for (const OutputFileJob& output : job_.outputs) {
       if (auto done = job_.field_file ? write_samples(output) : write(output, isos.first(output.isos.size())); !done)
         return done;
+      ++output_;
       isos = isos.subspan(output.isos.size());
     }
     if (sink_ != nullptr && sink_->wants_source()) sink_->take_source(std::move(source_));
@@ -363,6 +364,7 @@ class Conversion {
     context_.progress().begin("writing", 0);
     const Stopwatch watch;
     file.written.isos.push_back(surface.iso);
+    outcome_.written.push_back({surface.iso, output_, surface.mesh.triangles.size()});
     file.written.triangles += surface.mesh.triangles.size();
     file.written.vertices += surface.mesh.positions.size();
     Result<void> added;
@@ -461,6 +463,7 @@ class Conversion {
   Source source_;
   std::optional<extract::LabelVoxels> labels_;  // where those are what is asked for
   LabelLooks looks_;                            // likewise
+  std::size_t output_ = 0;                      // of the job's, which is at hand
   StageTime recording_;                         // of the file at hand, what reports ask for
   bool open_ = false;                           // the surface at hand may have a border
   std::optional<mesh::Bounds> cut_away_;        // of that surface, where cuts left nothing of it

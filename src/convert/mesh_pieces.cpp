@@ -74,9 +74,11 @@ Result<PieceRecord> drop_pieces(mesh::Mesh& mesh, double iso, const PieceChoice&
 }
 
 Result<std::vector<mesh::Mesh>> split_mesh(mesh::Mesh mesh, bool into_files, const Context& context) {
+  const std::string name = mesh.name;
   auto pieces = edit::split_pieces(std::move(mesh), into_files ? kMostPieceFiles : kMostPieceMeshes, context);
   if (!pieces) return pieces;
   for (std::size_t i = 0; i < pieces->size(); ++i) (*pieces)[i].name += fmt::format(" piece {}", i + 1);
+  if (pieces->empty() && !into_files) pieces->emplace_back().name = name;
   return pieces;
 }
 

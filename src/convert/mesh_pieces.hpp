@@ -25,7 +25,8 @@ struct PieceRecord {
 [[nodiscard]] Result<PieceRecord> drop_pieces(mesh::Mesh& mesh, double iso, const PieceChoice& choice,
                                               const field::Affine& output_from_index, const Context& context);
 
-// The pieces as meshes, called "NAME piece 1" and so on. Fails as edit::split_pieces() does.
+// The pieces as meshes, called "NAME piece 1" and so on; of an empty mesh that alone, and nothing into files. Fails as
+// edit::split_pieces() does.
 [[nodiscard]] Result<std::vector<mesh::Mesh>> split_mesh(mesh::Mesh mesh, bool into_files, const Context& context);
 
 // The name of the file of a piece, counted from 1; `pattern` has kPieceWord in it.

@@ -90,6 +90,13 @@ struct MeshRecord {
                                            std::optional<MeshError> error);
 
 // What a conversion did, or how far it came before it failed.
+// What of a surface went to one of the outputs, after all that changes it; pieces in files of their own are one each.
+struct WrittenSurface {
+  double iso = 0;
+  std::size_t output = 0;  // of the job's
+  std::uint64_t triangles = 0;
+};
+
 struct Outcome {
   std::string backend;  // "cpu" or "gpu"; if it could not be opened, what was asked for; empty if that was not tried
   std::string device;   // the processor's or the GPU's name; empty if it could not be opened
@@ -114,6 +121,7 @@ struct Outcome {
   std::vector<ColourRecord> colours;
   std::vector<MeshPackingRecord> packings;
   std::vector<MeshRecord> meshes;
+  std::vector<WrittenSurface> written;
   std::vector<meshes::WrittenFile> files;
   std::vector<std::string> notes;
   std::optional<Error> error;  // why the conversion failed

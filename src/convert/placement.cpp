@@ -162,7 +162,7 @@ Result<void> take_region(const field::ScalarField& field, const field::Box& roi,
   const Space space = placed.placement.placement.space;
   const bool oblique = space == Space::world && !is_axis_aligned(field.index_to_world);
   placed.cut_at_box = oblique && !closed;
-  auto region = samples_in_box(field, roi, space, placed.cut_at_box);
+  auto region = samples_in_box(field, roi, space, oblique);
   if (!region) return tl::unexpected(std::move(region.error()));
   placed.region = *region;
   if (!oblique) return {};

@@ -171,7 +171,7 @@ std::string placement_text(const ResolvedPlacement& resolved) {
   }
   if (placement.center) {
     const glm::dvec3& by = resolved.moved_by;
-    parts.push_back(fmt::format("moved by ({:.6g}, {:.6g}, {:.6g})", by.x, by.y, by.z));
+    parts.push_back(fmt::format("moved by ({:.12g}, {:.12g}, {:.12g})", by.x, by.y, by.z));
   }
   return fmt::format("{}", fmt::join(parts, ", "));
 }

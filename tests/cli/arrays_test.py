@@ -217,6 +217,15 @@ class ArraysTest(ProgramTest):
         capped = self.convert(*arguments, "--cap", "-o", "b.ply")
         self.assertIn("a surface is closed along samples", capped.err)
         self.assertEqual(read_ply((self.folder / "b.ply").read_bytes()).open_edges(), 0)
+        # The samples cover the box: cut at its planes, it is all there.
+        planes = [(-1 if side else 1, axis, box[axis + 3 * side]) for axis in range(3) for side in range(2)]
+        clips = [option for sign, axis, at in planes for option in
+                 ("--clip", ",".join(str(sign if k == axis else 0) for k in range(3)) + f",{sign * at}")]
+        volumes = []
+        for region in ((), ("--roi", roi)):
+            self.convert(*arguments[:-2], *region, "--cap", *clips, "-o", "c.ply")
+            volumes.append(read_ply((self.folder / "c.ply").read_bytes()).volume())
+        self.assertAlmostEqual(volumes[0], volumes[1], delta=1e-4 * volumes[0])
 
     def test_parts_that_the_mesh_lost_are_told(self):
         run = self.convert(SPHERE, "--iso", "0", "--error", "-o", "a.ply", "--report", "r.json")

@@ -256,6 +256,16 @@ class BatchTest(ProgramTest):
         self.batch("-o", "out/m_{}.ply", "--shard", "1/2", "--resume", code=5)
         self.assert_fails(2, self.run_program("merge", "out"), "expected 4 frames, found 3")
 
+    def test_tables_count_what_was_written(self):
+        self.write_frames((1, 2))
+        changed = ("-o", "out/m_{}.ply", "--simplify", "0.5", "--largest")
+        self.batch(*changed)
+        self.batch(*changed, "--resume", "--table", "t.csv")
+        counts = [read_ply((self.folder / f"out/m_{number}.ply").read_bytes()) for number in (1, 2)]
+        self.assertEqual([int(row["triangles"]) for row in self.table("t.csv")], [len(mesh.triangles) for mesh in counts])
+        self.batch("-o", "out/m_{}.ply", "--clip", "1,0,0,99", "--empty", "skip", "--table", "t.csv")
+        self.assertEqual([row["triangles"] for row in self.table("t.csv")], ["0", "0"])
+
     def test_another_batch_in_the_folder_costs_no_work(self):
         self.four_frames("0.4")
         self.four_frames("0.5")

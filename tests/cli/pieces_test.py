@@ -71,6 +71,8 @@ class PiecesTest(ProgramTest):
         run = self.convert("balls.raw", *RAW, "--drop-components", "999999", "--empty", "write", "--split-components", "-o",
                            "none_{piece}.ply")
         self.assertIn("none_{piece}.ply was not written", run.err)
+        self.convert("balls.raw", *RAW, "--drop-components", "999999", "--empty", "write", "--split-components", "-o", "none.glb")
+        self.assertIn("none.glb", self.files())
         self.assertNotIn("none.ply", self.files())
 
     def test_a_mesh_a_piece(self):

@@ -32,6 +32,16 @@ class VoxelsTest(ProgramTest):
         self.assertAlmostEqual(mesh.volume(), 115)
         self.assertEqual(mesh.bounds(), ([-0.5, -0.5, -0.5], [69.5, 8.5, 8.5]))
 
+    def test_smoothing_keeps_the_size(self):
+        run = self.convert("demo:sphere?size=24", "--iso", "0", *VOXELS, "--smooth", "10", "-o", "a.ply")
+        self.assertIn("they are not merged", run.err)
+        self.convert("demo:sphere?size=24", "--iso", "0", *VOXELS, "-o", "b.ply")
+        smooth, whole = (read_ply((self.folder / name).read_bytes()).volume() for name in ("a.ply", "b.ply"))
+        self.assertAlmostEqual(smooth, whole, delta=0.03 * whole)
+        self.convert("verify", "demo:sphere?size=24", "--iso", "0", *VOXELS, "--smooth", "10", "a.ply")
+        run = self.run_program("demo:sphere?size=24", "--iso", "0", *VOXELS, "--smooth", "1", "--t-junctions", "-o", "a.ply")
+        self.assert_fails(1, run, "--smooth does not go with --t-junctions")
+
     def test_spacing_origin_and_turns_place_boxes(self):
         mesh = self.ply(*self.labels, "--iso", "0", "--spacing", "0.5,2,3", "--origin", "10,20,30")
         self.assertAlmostEqual(mesh.volume(), 3 * 115)
