@@ -214,33 +214,41 @@ Result<void> write_tables(const BatchPlan& plan, const std::vector<batch::FrameR
   return files::write_file(*plan.flags.plot, *picture);
 }
 
-// Before the work: what is written besides the frames takes the place of none of their files.
-Result<void> check_besides(const BatchPlan& plan) {
+// The files that are written besides the frames'.
+std::vector<std::string> files_besides(const BatchPlan& plan) {
   const PagesPlan& pages = plan.common.pages;
+  std::vector<std::string> files;
   for (const auto& file : {plan.flags.table, plan.flags.plot, pages.html, pages.contact_sheet}) {
-    if (!file) continue;
-    files::ReadFiles used;
-    if (plan.flags.iso_table) used.add(*plan.flags.iso_table, "has the iso values");
+    if (file) files.push_back(*file);
+  }
+  return files;
+}
+
+// What all frames read, where something might be written over it that is not of the same frame: names of pieces are
+// known late, and a .bin may be of both.
+std::optional<files::ReadFiles> read_files_of(const BatchPlan& plan) {
+  const convert::ConversionJob& job = plan.common.job;
+  const bool by_frames = job.pieces.split || job.format == meshes::MeshFormat::gltf;
+  if (!by_frames && std::ranges::none_of(files_besides(plan), is_there)) return std::nullopt;
+  files::ReadFiles read;
+  if (plan.flags.iso_table) read.add(*plan.flags.iso_table, "has the iso values");
+  for (const batch::FrameJob& frame : plan.batch.frames) convert::add_read_files(read, frame.job);
+  return read;
+}
+
+// Before the work: what is written besides the frames takes the place of none of their files.
+Result<void> check_besides(const BatchPlan& plan, const std::optional<files::ReadFiles>& read) {
+  for (const std::string& file : files_besides(plan)) {
     for (const batch::FrameJob& frame : plan.batch.frames) {
-      if (is_there(*file)) convert::add_read_files(used, frame.job);
       for (const fs::path& mesh : files_of(frame.job)) {
-        if (!files::same_place(mesh, *file)) continue;
-        return fail(ErrorKind::usage, fmt::format("{}: this is the mesh of a frame as well", *file),
+        if (!files::same_place(mesh, file)) continue;
+        return fail(ErrorKind::usage, fmt::format("{}: this is the mesh of a frame as well", file),
                     Remedy::other_output_name);
       }
     }
-    if (auto checked = convert::check_output_file(*file, used); !checked) return checked;
+    if (auto checked = convert::check_output_file(file, read.value_or(files::ReadFiles())); !checked) return checked;
   }
   return {};
-}
-
-// Where a frame might write over the samples of another: names of pieces are known late, and a .bin may be of both.
-std::optional<files::ReadFiles> read_by_others(const BatchPlan& plan) {
-  const convert::ConversionJob& job = plan.common.job;
-  if (!job.pieces.split && job.format != meshes::MeshFormat::gltf) return std::nullopt;
-  files::ReadFiles read;
-  for (const batch::FrameJob& frame : plan.batch.frames) convert::add_read_files(read, frame.job);
-  return read;
 }
 
 // What would be done, on stdout.
@@ -349,7 +357,8 @@ Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& 
   }
   if (auto limited = limit_threads(plan.common.threads); !limited) return limited;
   if (auto made = make_folders(plan); !made) return made;
-  if (auto checked = check_besides(plan); !checked) return checked;
+  const std::optional<files::ReadFiles> read = read_files_of(plan);
+  if (auto checked = check_besides(plan, read); !checked) return checked;
   const Context context{plan.common.memory};
   std::optional<batch::Animation> animation;
   if (plan.batch.animation) {
@@ -372,7 +381,6 @@ Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& 
   FrameKeeper keeper(plan, arguments, *manifest, animation ? &*animation : nullptr, progress, page);
   const std::vector<std::size_t> which = keep_what_is_done(plan, *manifest, keeper);
   const std::size_t kept = plan.frames.size() - which.size();
-  const std::optional<files::ReadFiles> read = read_by_others(plan);
   const batch::SchedulerOptions options{
       .jobs = plan.jobs,
       .threads = plan.common.threads.value_or(tbb::this_task_arena::max_concurrency()),
