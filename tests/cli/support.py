@@ -6,7 +6,9 @@ import functools
 import os
 import pathlib
 import platform
+import resource
 import shutil
+import signal
 import struct
 import subprocess
 import sys
@@ -25,6 +27,25 @@ DATA = pathlib.Path(os.environ.get("ISOEXTRACT_DATA", SOURCE / ".." / "shared" /
 SPHERE = "demo:sphere?size=24"
 # EGL's loader finds no driver, as on a machine that has none.
 NO_GPU = dict(os.environ, __EGL_VENDOR_LIBRARY_FILENAMES="/nowhere/vendor.json")
+
+
+# Of one run. A busy machine makes a run wait, which takes no processor time; one that waits for HANGING_SECONDS hangs.
+PROCESSOR_SECONDS = 240
+HANGING_SECONDS = 1200
+
+
+def run_limited(command, preexec_fn=None, **options):
+    """subprocess.run(), whose command ends by SIGXCPU once it has used PROCESSOR_SECONDS."""
+
+    def limit():
+        resource.setrlimit(resource.RLIMIT_CPU, (PROCESSOR_SECONDS, PROCESSOR_SECONDS + 5))
+        if preexec_fn is not None:
+            preexec_fn()
+
+    finished = subprocess.run(command, timeout=HANGING_SECONDS, check=False, preexec_fn=limit, **options)
+    if finished.returncode in (-signal.SIGXCPU, -signal.SIGKILL):
+        raise AssertionError(f"more than {PROCESSOR_SECONDS} s of processor time: {command}")
+    return finished
 
 
 class Run:
@@ -53,7 +74,7 @@ class ProgramTest(unittest.TestCase):
         options.setdefault("stdout", subprocess.PIPE)
         options.setdefault("stderr", subprocess.PIPE)
         command = [PROGRAM, *(str(argument) for argument in arguments)]
-        return Run(subprocess.run(command, timeout=120, check=False, **options))
+        return Run(run_limited(command, **options))
 
     def convert(self, *arguments, **options):
         """A conversion that must succeed."""
