@@ -13,6 +13,7 @@
 
 #include <tbb/task_arena.h>
 
+#include "base/no_memory.hpp"
 #include "base/stopwatch.hpp"
 #include "batch/detail/frame_queue.hpp"
 
@@ -167,7 +168,7 @@ class Scheduler {
       }
       return {};
     } catch (const std::bad_alloc&) {
-      return fail(ErrorKind::output, "not enough memory to write the frame", Remedy::extract_part);
+      return tl::unexpected(no_memory(ErrorKind::output, "not enough memory to write the frame", Remedy::extract_part));
     }
   }
 

@@ -9,7 +9,7 @@ std::string words_of(const Hint& hint) {
   switch (hint.remedy) {
     case Remedy::none: break;
     case Remedy::raise_memory_limit: return "raise it with --memory-limit SIZE if the machine has the memory";
-    case Remedy::extract_part: return "extract it in parts with --roi";
+    case Remedy::extract_part: return (text.empty() ? "" : text + ", or ") + "extract it in parts with --roi";
     case Remedy::widen_region: return "give --roi a larger box, or leave it out";
     case Remedy::choose_grid: return "choose one of them with --grid NAME" + text;
     case Remedy::choose_grid_number: return "choose one of them with --grid NAME[k]" + text;

@@ -7,6 +7,7 @@
 #include <tbb/task_arena.h>
 
 #include "base/machine.hpp"
+#include "base/no_memory.hpp"
 
 namespace isoextract::cli {
 Result<void> limit_threads(const std::optional<int>& threads) {
@@ -22,7 +23,8 @@ Result<void> limit_threads(const std::optional<int>& threads) {
   const int could = others.count + 1;
   return fail(ErrorKind::unavailable,
               fmt::format("cannot start {} threads, no more than {}: {}", wanted, could, others.refusal),
-              fmt::format("use no more with --threads {}, or raise the limit (ulimit -u)", could));
+              fmt::format("use no more with --threads {}, or raise the limit (ulimit {})", could,
+                          address_space_limit() ? "-v: a thread's stack takes address space, too" : "-u"));
 }
 
 }  // namespace isoextract::cli

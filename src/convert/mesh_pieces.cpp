@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "base/no_memory.hpp"
+
 namespace isoextract::convert {
 namespace {
 
@@ -95,7 +97,8 @@ Result<ComponentTable> component_table(const mesh::Mesh& mesh, const Context& co
   try {
     return measure_table(mesh, context);
   } catch (const std::bad_alloc&) {
-    return fail(ErrorKind::input, mesh.name + ": the components of its surface need more memory than there is");
+    return tl::unexpected(
+        no_memory(ErrorKind::input, mesh.name + ": the components of its surface need more memory than there is"));
   }
 }
 

@@ -13,6 +13,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
+#include "base/no_memory.hpp"
 #include "edit/detail/collapse_state.hpp"
 #include "edit/detail/distance_proof.hpp"
 #include "edit/detail/edge_collapse.hpp"
@@ -427,7 +428,7 @@ Result<SimplifiedMesh> simplify_within(mesh::Mesh mesh, const SimplifyOptions& o
   try {
     return simplified(std::move(mesh), options, context);
   } catch (const std::bad_alloc&) {
-    return fail(ErrorKind::input, what + " need more memory than there is", Remedy::extract_part);
+    return tl::unexpected(no_memory(ErrorKind::input, what + " need more memory than there is", Remedy::extract_part));
   }
 }
 

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "base/no_memory.hpp"
 #include "edit/detail/shell_nesting.hpp"
 #include "mesh/adjacency.hpp"
 #include "mesh/component_facts.hpp"
@@ -270,8 +271,8 @@ auto with_memory(const std::string& name, const Work& work) -> decltype(work()) 
   try {
     return work();
   } catch (const std::bad_alloc&) {
-    return fail(ErrorKind::input, name + ": the pieces of its surface need more memory than there is",
-                Remedy::extract_part);
+    return tl::unexpected(no_memory(
+        ErrorKind::input, name + ": the pieces of its surface need more memory than there is", Remedy::extract_part));
   }
 }
 

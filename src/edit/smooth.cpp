@@ -13,6 +13,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
+#include "base/no_memory.hpp"
 #include "mesh/adjacency.hpp"
 #include "mesh/metrics.hpp"
 
@@ -276,7 +277,7 @@ Result<SmoothFacts> smooth(mesh::Mesh& mesh, const SmoothOptions& options, const
   try {
     return smooth_mesh(mesh, options, context);
   } catch (const std::bad_alloc&) {
-    return fail(ErrorKind::input, what + " needs more memory than there is", Remedy::extract_part);
+    return tl::unexpected(no_memory(ErrorKind::input, what + " needs more memory than there is", Remedy::extract_part));
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "base/no_memory.hpp"
 #include "extract/mesh_assembly.hpp"
 
 namespace isoextract::extract {
@@ -24,7 +25,8 @@ Result<Extraction> Extractor::extract(const field::ScalarField& field, const Ext
     if (result) result->mesh.name = field.name;
     return result;
   } catch (const std::bad_alloc&) {
-    return fail(ErrorKind::input, field.source + ": not enough memory for the surface", Remedy::extract_part);
+    return tl::unexpected(
+        no_memory(ErrorKind::input, field.source + ": not enough memory for the surface", Remedy::extract_part));
   } catch (const std::length_error&) {
     return fail(ErrorKind::input, field.source + ": the surface is larger than memory can be", Remedy::extract_part);
   }

@@ -9,6 +9,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include "base/no_memory.hpp"
 #include "mesh/adjacency.hpp"
 
 namespace isoextract::mesh {
@@ -94,7 +95,7 @@ Result<std::vector<ComponentFacts>> measure_components(const Mesh& mesh, const C
   try {
     return measure(mesh, components, to_metric, *topology);
   } catch (const std::bad_alloc&) {
-    return fail(ErrorKind::input, what + " need more memory than there is");
+    return tl::unexpected(no_memory(ErrorKind::input, what + " need more memory than there is"));
   }
 }
 

@@ -17,6 +17,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
+#include "base/no_memory.hpp"
 #include "mesh/adjacency.hpp"
 
 namespace isoextract::mesh {
@@ -404,7 +405,8 @@ Result<std::uint64_t> shade_by_triangles(Mesh& mesh, const ShadingOptions& optio
   try {
     return Shading(mesh, options, source, context).run();
   } catch (const std::bad_alloc&) {
-    return fail(ErrorKind::input, fmt::format("{}: normals: there is not enough memory", source), Remedy::extract_part);
+    return tl::unexpected(no_memory(ErrorKind::input, fmt::format("{}: normals: there is not enough memory", source),
+                                    Remedy::extract_part));
   }
 }
 

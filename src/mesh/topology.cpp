@@ -12,6 +12,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include "base/no_memory.hpp"
 #include "mesh/adjacency.hpp"
 
 namespace isoextract::mesh {
@@ -254,7 +255,7 @@ Result<Topology> measure_topology(const Mesh& mesh, const Context& context) {
     if (!memory) return tl::unexpected(memory.error());
     return measure(mesh, ranges);
   } catch (const std::bad_alloc&) {
-    return fail(ErrorKind::input, what + " need more memory than there is");
+    return tl::unexpected(no_memory(ErrorKind::input, what + " need more memory than there is"));
   }
 }
 
@@ -267,7 +268,7 @@ Result<std::vector<Topology>> measure_topology(const Mesh& mesh, const Component
     if (!memory) return tl::unexpected(memory.error());
     return measure(mesh, ranges, components);
   } catch (const std::bad_alloc&) {
-    return fail(ErrorKind::input, what + " need more memory than there is");
+    return tl::unexpected(no_memory(ErrorKind::input, what + " need more memory than there is"));
   }
 }
 

@@ -9,6 +9,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include "base/no_memory.hpp"
 #include "mesh/adjacency.hpp"
 
 namespace isoextract::mesh {
@@ -68,7 +69,8 @@ Result<void> make_one_vertex_a_fan(Mesh& mesh, const std::string& source, const 
   try {
     return part_fans(mesh, source);
   } catch (const std::bad_alloc&) {
-    return fail(ErrorKind::input, fmt::format("{} need more memory than there is", what), Remedy::extract_part);
+    return tl::unexpected(
+        no_memory(ErrorKind::input, fmt::format("{} need more memory than there is", what), Remedy::extract_part));
   }
 }
 

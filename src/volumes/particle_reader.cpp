@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "base/ascii.hpp"
+#include "base/no_memory.hpp"
 #include "base/printable.hpp"
 #include "files/file_bytes.hpp"
 #include "volumes/particles/particle_columns.hpp"
@@ -102,7 +103,7 @@ auto with_input(const std::string& input, const Context& context, F&& work)
   } catch (const DamagedParticles& damaged) {
     return fail(ErrorKind::input, fmt::format("{}: {}", name, damaged.what()), damaged.hint);
   } catch (const std::bad_alloc&) {
-    return fail(ErrorKind::input, name + ": not enough memory to read it");
+    return tl::unexpected(no_memory(ErrorKind::input, name + ": not enough memory to read it"));
   } catch (const std::exception& error) {
     return fail(ErrorKind::input, fmt::format("{}: {}", name, error.what()));
   }

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "base/no_memory.hpp"
 #include "field/no_data.hpp"
 #include "files/file_bytes.hpp"
 #include "volumes/detail/grid_choice.hpp"
@@ -78,7 +79,8 @@ auto with_format(const std::string& input, const ReadOptions& options, const Con
     }
     return work(*detected);
   } catch (const std::bad_alloc&) {
-    return fail(ErrorKind::input, files::shown_input_name(input) + ": not enough memory to read it");
+    return tl::unexpected(
+        no_memory(ErrorKind::input, files::shown_input_name(input) + ": not enough memory to read it"));
   } catch (const std::exception& error) {
     return fail(ErrorKind::input, fmt::format("{}: {}", files::shown_input_name(input), error.what()));
   }
@@ -92,7 +94,8 @@ Result<bool> is_surely_volume(const std::string& input, const ReadOptions& optio
   try {
     return has_volume_content(input, context);
   } catch (const std::bad_alloc&) {
-    return fail(ErrorKind::input, files::shown_input_name(input) + ": not enough memory to read it");
+    return tl::unexpected(
+        no_memory(ErrorKind::input, files::shown_input_name(input) + ": not enough memory to read it"));
   } catch (const std::exception& error) {
     return fail(ErrorKind::input, fmt::format("{}: {}", files::shown_input_name(input), error.what()));
   }

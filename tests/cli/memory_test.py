@@ -5,6 +5,7 @@ import itertools
 import json
 import multiprocessing
 import random
+import resource
 import struct
 
 from support import DATA, ProgramTest, main, needs_data
@@ -63,7 +64,7 @@ class MemoryTest(ProgramTest):
 
     def test_label_maps(self):
         # Layers of three labels, and noise in every eighth, so that there is much of all that a net has.
-        size, noise = 128, random.Random(1)
+        size, noise = 96, random.Random(1)
         layers = [noise.randbytes(size * size).translate(bytes(n % 4 for n in range(256))) if z % 8 == 0
                   else bytes((x // 3 + y // 2 + z) % 4 for y in range(size) for x in range(size)) for z in range(size)]
         (self.folder / "map.raw").write_bytes(b"".join(layers))
@@ -123,7 +124,28 @@ class MemoryTest(ProgramTest):
         self.check(GYROID, "--iso", "0", "--quantize", "--meshopt", "--optimize-order", "-o", "a.glb")
 
     def test_the_error(self):
-        self.check(GYROID, "--iso", "0", "--error", "-o", "a.ply")
+        self.check("demo:gyroid?size=128", "--iso", "0", "--error", "-o", "a.ply")
+
+    def test_a_limited_address_space(self):
+        """Where the system refuses memory, the message names the limit that it has set, and not the budget's."""
+        with (self.folder / "map.raw").open("wb") as file:
+            file.truncate(4 * 400**3)
+        limit = 200 * MIB
+
+        def limit_address_space():
+            resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
+
+        told = r"the address space of the process is limited to 200 MiB\n  hint: raise that limit \(ulimit -v unlimited; "
+        run = self.run_program("map.raw", "--dims", "400,400,400", "--dtype", "f32", "--iso", "0.5", "-o", "a.ply",
+                               preexec_fn=limit_address_space)
+        self.assert_fails(2, run, "map.raw: no memory for 256000000 bytes of samples, neither as a mapping of the file (mmap) "
+                          "nor as a copy: ")
+        self.assertRegex(run.err, told)
+        run = self.run_program("demo:gyroid?size=400", "--iso", "0", "-o", "a.ply", preexec_fn=limit_address_space)
+        self.assertEqual(run.code, 2, run.err)
+        self.assertRegex(run.err, told)
+        self.assertNotIn("--memory-limit", run.err)
+        self.assertEqual(self.files(), ["map.raw"])
 
     def test_the_gpu(self):
         self.check("demo:gyroid?size=128", "--iso", "0", "--backend", "gpu", "--gpu-memory", "64M", "-o", "a.ply",

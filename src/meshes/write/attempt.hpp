@@ -12,6 +12,7 @@
 
 #include "base/context.hpp"
 #include "base/error.hpp"
+#include "base/no_memory.hpp"
 
 namespace isoextract::meshes {
 
@@ -26,8 +27,8 @@ template <class Step>
     if (!done) failure = done.error();
     return done;
   } catch (const std::bad_alloc&) {
-    failure =
-        Error{ErrorKind::output, fmt::format("{}: not enough memory to write it", path.string()), Remedy::extract_part};
+    failure = no_memory(ErrorKind::output, fmt::format("{}: not enough memory to write it", path.string()),
+                        Remedy::extract_part);
   } catch (const std::exception& error) {  // a library's own
     failure = Error{ErrorKind::output, fmt::format("{}: cannot write: {}", path.string(), error.what()), {}};
   }

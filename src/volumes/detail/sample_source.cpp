@@ -16,6 +16,7 @@
 #include <tbb/parallel_for.h>
 
 #include "base/checked.hpp"
+#include "base/no_memory.hpp"
 #include "files/file_bytes.hpp"
 #include "volumes/detail/gzip_stream.hpp"
 
@@ -205,12 +206,22 @@ Result<void> check_packed(const files::InputFile& file, const SamplePiece& piece
   return {};
 }
 
+// Whether the samples lie in the file as memory has them.
+bool is_mappable(const SampleSource& source) {
+  const SamplePiece& piece = source.pieces.front();
+  return source.pieces.size() == 1 && !piece.packed() && !source.swap_bytes && source.stride == 1 &&
+         piece.offset % source.sample_size == 0;
+}
+
 Result<Buffer<std::byte>> allocate(std::uint64_t bytes, const SampleSource& source) {
   try {
     return Buffer<std::byte>(bytes);
   } catch (const std::bad_alloc&) {
-    return fail(ErrorKind::input, fmt::format("{}: no memory for {} bytes of samples",
-                                              source.pieces.front().path.string(), source.bytes));
+    return tl::unexpected(
+        no_memory(ErrorKind::input,
+                  fmt::format("{}: no memory for {} bytes of samples{}",
+                              files::shown_input_name(source.pieces.front().path), source.bytes,
+                              is_mappable(source) ? ", neither as a mapping of the file (mmap) nor as a copy" : "")));
   }
 }
 
@@ -269,9 +280,8 @@ Result<std::uint64_t> check_source(const SampleSource& source, const std::string
 }
 
 std::optional<files::MappedFile> map_samples(const SampleSource& source, const Context& context) {
+  if (!is_mappable(source)) return std::nullopt;
   const SamplePiece& piece = source.pieces.front();
-  const bool as_wanted = source.pieces.size() == 1 && !piece.packed() && !source.swap_bytes && source.stride == 1;
-  if (!as_wanted || piece.offset % source.sample_size != 0) return std::nullopt;
   const auto file = files::InputFile::open(piece.path, context);
   if (!file) return std::nullopt;
   auto mapped = files::MappedFile::map(*file, piece.offset, source.bytes);

@@ -1,4 +1,5 @@
 #include "base/printable.hpp"
+#include "base/printable_json.hpp"
 
 #include <array>
 #include <utility>
@@ -63,6 +64,19 @@ TEST(Printable, LongTextsAreCutBetweenCharacters) {
   EXPECT_EQ(printable("\n\n\n", 2), R"(\n\n...)");
   const std::array bytes{std::byte{0x89}, std::byte{'P'}, std::byte{'N'}, std::byte{'G'}};
   EXPECT_EQ(printable(bytes, 3), R"(\x89PN...)");
+}
+
+TEST(Printable, JsonKeepsItsStringsAndShowsNothing) {
+  const std::pair<std::string_view, std::string_view> cases[] = {
+      {"{\"a\": \"\\n b\"}\n", "{\"a\": \"\\n b\"}\n"},
+      {"[\"\x7f\"]", "[\"\\u007f\"]"},
+      {"[\"\xc2\x9b\x7f\xc2\xa0\xe2\x80\xae\xe2\x82\xac\xe2\x81\xa7\"]",
+       "[\"\\u009b\\u007f\xc2\xa0\\u202e\xe2\x82\xac\\u2067\"]"},
+      {"[\"\xe2\x80\xa8\xe2\x80\xa9\"]", "[\"\\u2028\\u2029\"]"},
+      {"[\"\xc2", "[\"\xc2"},
+      {"", ""},
+  };
+  for (const auto& [json, shown] : cases) EXPECT_EQ(printable_json(std::string(json)), shown);
 }
 
 }  // namespace

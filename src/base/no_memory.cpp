@@ -1,0 +1,25 @@
+#include "base/no_memory.hpp"
+
+#include <sys/resource.h>
+
+#include <fmt/format.h>
+
+#include "base/byte_size.hpp"
+
+namespace isoextract {
+
+std::optional<std::uint64_t> address_space_limit() {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return std::nullopt;
+  return limit.rlim_cur;
+}
+
+Error no_memory(ErrorKind kind, std::string message, Hint hint) {
+  const auto limit = address_space_limit();
+  if (!limit) return {kind, std::move(message), std::move(hint)};
+  return {kind, fmt::format("{}: the address space of the process is limited to {}", message, format_byte_size(*limit)),
+          Hint(Remedy::extract_part,
+               "raise that limit (ulimit -v unlimited; in a batch job, its limit of virtual memory)")};
+}
+
+}  // namespace isoextract
