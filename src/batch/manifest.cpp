@@ -37,7 +37,7 @@ tl::unexpected<Error> output_error(const fs::path& path, std::string_view action
 
 // JSON that need not be UTF-8 where arguments are not: what is not becomes U+FFFD.
 std::string line_of(const Json& json) {
-  const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  const std::string text = convert::json_line(json);
   return fmt::format("{} {}\n", files::content_hash(text), text);
 }
 

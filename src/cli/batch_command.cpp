@@ -29,6 +29,7 @@
 #include "cli/pages_plan.hpp"
 #include "cli/report_file.hpp"
 #include "cli/threads.hpp"
+#include "cli/up_axis_note.hpp"
 #include "convert/output_checks.hpp"
 #include "files/output_file.hpp"
 #include "files/read_files.hpp"
@@ -281,7 +282,7 @@ Result<void> print_plan(const BatchPlan& plan, const Messages& messages) {
                         plan.batch.animation->frames_per_second);
   }
   text += fmt::format("jobs: {} at a time\n", plan.jobs);
-  text += fmt::format("manifest: {}\n", (plan.folder / batch::manifest_name(plan.shard)).string());
+  text += fmt::format("manifest: {}\n", printable((plan.folder / batch::manifest_name(plan.shard)).string()));
   if (!plan.frames.empty()) {
     const std::size_t sample = largest > 0 ? largest_frame : plan.frames.front();
     const auto memory = estimated_memory(plan.batch.frames[sample].job, plan.common.memory);
@@ -353,7 +354,7 @@ void tell_animation(const batch::AnimationJob& animation, const meshes::MeshWrit
 Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& arguments, const Messages& messages) {
   if (plan.flags.dry_run) return print_plan(plan, messages);
   if (plan.flags.plot || (plan.common.pages.html && plan.frames.size() > 1)) {
-    if (auto there = check_gnuplot(); !there) return there;
+    if (auto there = check_gnuplot(plan.flags.plot ? "--plot" : "--html"); !there) return there;
   }
   if (auto limited = limit_threads(plan.common.threads); !limited) return limited;
   if (auto made = make_folders(plan); !made) return made;
@@ -381,11 +382,18 @@ Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& 
   FrameKeeper keeper(plan, arguments, *manifest, animation ? &*animation : nullptr, progress, page);
   const std::vector<std::size_t> which = keep_what_is_done(plan, *manifest, keeper);
   const std::size_t kept = plan.frames.size() - which.size();
+  const auto note_of_field = [&](const field::ScalarField& field) -> std::optional<std::string> {
+    if (!plan.common.if_on_side) return std::nullopt;
+    auto note = up_axis_note(field, plan.common.job.source.placement.up, *plan.common.if_on_side);
+    if (note) progress.note_once(*note);
+    return note;
+  };
   const batch::SchedulerOptions options{
       .jobs = plan.jobs,
       .threads = plan.common.threads.value_or(tbb::this_task_arena::max_concurrency()),
       .fail_fast = plan.flags.fail_fast,
       .extras = {.mesh_facts = plan.flags.table || plan.flags.plot || plan.report || plan.common.pages.html,
+                 .note_of_field = note_of_field,
                  .read = read ? &*read : nullptr}};
   const batch::BatchCounts counts =
       batch::run(plan.batch, which, options, context, keeper, animation ? &*animation : nullptr);

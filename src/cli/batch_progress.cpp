@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -38,7 +39,7 @@ BatchProgress::BatchProgress(ProgressStyle style, const Messages& messages, std:
 }
 
 void BatchProgress::line(const convert::Json& event) {
-  const std::string text = event.dump(-1, ' ', false, convert::Json::error_handler_t::replace) + "\n";
+  const std::string text = convert::json_line(event) + "\n";
   std::fwrite(text.data(), 1, text.size(), stderr);
   std::fflush(stderr);
 }
@@ -54,6 +55,12 @@ void BatchProgress::failed(std::int64_t frame, const Error& error) {
 void BatchProgress::detail(const std::string& text) {
   const std::lock_guard lock(mutex_);
   bar_->above([&] { messages_.detail(text); });
+}
+
+void BatchProgress::note_once(const std::string& text) {
+  const std::lock_guard lock(mutex_);
+  if (std::exchange(noted_, true) || style_ == ProgressStyle::json) return;
+  bar_->above([&] { messages_.note(text); });
 }
 
 void BatchProgress::over(const batch::FrameRow& row) {

@@ -25,6 +25,8 @@ class BatchProgress {
 
   void failed(std::int64_t frame, const Error& error);
   void detail(const std::string& text);
+  // Tells the first note that it is called with; other frames have the same.
+  void note_once(const std::string& text);
   // A frame that is over, however it ended.
   void over(const batch::FrameRow& row);
   // What there was in all. Call once, last.
@@ -39,6 +41,7 @@ class BatchProgress {
   const Messages& messages_;
   std::uint64_t frames_;
   std::uint64_t over_ = 0;
+  bool noted_ = false;
   Stopwatch watch_;
   Progress progress_;
   std::mutex mutex_;

@@ -62,7 +62,7 @@ class Bench {
       }
       files.push_back(*file);
     }
-    return plan_.plot ? check_gnuplot() : Result<void>();
+    return plan_.plot ? check_gnuplot("--plot") : Result<void>();
   }
 
   Result<void> measure_gpu_threads() const {

@@ -8,6 +8,7 @@
 
 #include "base/byte_size.hpp"
 #include "base/machine.hpp"
+#include "base/printable.hpp"
 #include "base/version.hpp"
 
 namespace isoextract::cli {
@@ -171,7 +172,7 @@ std::string aligned_table(const std::vector<std::vector<std::string>>& rows, std
 }
 
 std::string bench_table(const measure::BenchResult& result, int repeats) {
-  std::string text = fmt::format("{} at iso {}\n", result.input, result.iso);
+  std::string text = fmt::format("{} at iso {}\n", printable(result.input), result.iso);
   text += fmt::format("Truth: {}.\n", result.truth);
   text += fmt::format("Times: extraction alone, median of {} (least .. most), {}.\n\n", repeats, cpu_name());
   std::vector<std::vector<std::string>> rows{
@@ -191,7 +192,7 @@ std::string bench_table(const measure::BenchResult& result, int repeats) {
                     row.on_front ? "*" : ""});
   }
   text += aligned_table(rows, 2);
-  for (const std::string& note : result.notes) text += fmt::format("Note: {}.\n", note);
+  for (const std::string& note : result.notes) text += fmt::format("Note: {}.\n", printable(note));
   if (const std::uint64_t points = unmeasured_points(result); points > 0) {
     text += fmt::format("Not in this: up to {} points of a mesh without a surface to measure to.\n", points);
   }

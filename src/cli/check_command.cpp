@@ -14,6 +14,7 @@
 #include "cli/mistaken_files.hpp"
 #include "cli/progress_bar.hpp"
 #include "convert/placement_record.hpp"
+#include "files/file_bytes.hpp"
 #include "files/output_file.hpp"
 #include "meshes/mesh_reader.hpp"
 
@@ -69,7 +70,7 @@ Result<void> check_parts(const CheckPlan& plan, const meshes::MeshFile& file, co
 
 Result<CheckReport> make_report(const CheckPlan& plan, const Messages& messages, const Context& context) {
   CheckReport report;
-  report.file = plan.mesh;
+  report.file = files::shown_input_name(plan.mesh);
   report.welded = plan.weld;
   report.required = plan.required;
   ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
@@ -79,7 +80,7 @@ Result<CheckReport> make_report(const CheckPlan& plan, const Messages& messages,
   bar.above([&] {
     for (const std::string& note : file->notes) messages.note(note);
   });
-  file->mesh.name = plan.mesh;
+  file->mesh.name = report.file;
   report.format = file->format;
   report.is_gltf = file->y_up;  // which alone prescribes that, and metres
   const auto record = convert::read_record(file->placement);

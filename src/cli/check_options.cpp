@@ -9,7 +9,6 @@
 #include "cli/plan_parts.hpp"
 #include "cli/shared_options.hpp"
 #include "convert/output_checks.hpp"
-#include "files/file_bytes.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -37,7 +36,7 @@ void declare_check(CLI::App& app, CheckFlags& flags) {
   const Group input(app, "Input");
   input.values<std::string>(
       "FILE", "FILE", flags.meshes, parse_text,
-      "The mesh: .glb, .gltf, .ply, .obj, .stl or .drc. Corners without connectivity, as in stl, are "
+      "The mesh: .glb, .gltf, .ply, .obj, .stl or .drc, or - for stdin. Corners without connectivity, as in stl, are "
       "welded where their coordinates are equal. Of a glTF file with several meshes each is checked, and then all of "
       "them as one.");
   input.flag("--weld", flags.weld,
@@ -86,9 +85,6 @@ Result<CheckPlan> plan_check(const CheckFlags& flags) {
     return refuse_usage(fmt::format("check takes one mesh, found {}{}{}", flags.meshes.size(),
                                     flags.meshes.empty() ? "" : ": ", fmt::join(flags.meshes, ", ")),
                         "isoextract check MESH");
-  }
-  if (files::is_standard_input(flags.meshes.front())) {
-    return refuse_usage("the mesh to check cannot be read from stdin", "give the path of a file");
   }
   if (flags.report) {
     files::ReadFiles read;

@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "cli/foreign_words.hpp"
+#include "cli/values.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -36,8 +37,9 @@ Result<void> check_short_option(const CLI::App& command, const std::string& argu
     if (!takes_value(*option) && has_equals) return fail(ErrorKind::usage, fmt::format("{} takes no value", name));
     if (takes_value(*option) && has_equals) {
       const std::string value = argument.substr(at + 2);
-      return fail(ErrorKind::usage, fmt::format("{}: {} takes no '='", argument, name),
-                  fmt::format("write {} {} or {}={}", name, value, option->get_name(), value));
+      return fail(
+          ErrorKind::usage, fmt::format("{}: {} takes no '='", argument, name),
+          fmt::format("write {} {} or {}={}", name, shell_quoted(value), option->get_name(), shell_quoted(value)));
     }
     if (takes_value(*option)) return {};
   }
@@ -154,7 +156,7 @@ Result<void> take_remaining(CommandLine& line, const CLI::App& command) {
                                       : fmt::format("{} is an option of convert; {}", name, help_hint(command));
     }
     return fail(ErrorKind::usage, fmt::format("unknown option '{}' for '{}'", name, full_name(command)),
-                is_file          ? fmt::format("the file of that name is written ./{}", word)
+                is_file          ? fmt::format("the file of that name is written {}", shell_quoted("./" + word))
                 : !meant.empty() ? meant
                 : !near.empty()  ? fmt::format("did you mean '{}'?", near)
                                  : help_hint(command));

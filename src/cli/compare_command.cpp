@@ -9,6 +9,7 @@
 #include "base/byte_size.hpp"
 #include "base/context.hpp"
 #include "base/machine.hpp"
+#include "base/printable.hpp"
 #include "base/stopwatch.hpp"
 #include "cli/attribute_text.hpp"
 #include "cli/layout.hpp"
@@ -119,7 +120,7 @@ std::string closed_text(const mesh::Topology& topology) {
 }
 
 void add_side(NamedLines& lines, const Side& side) {
-  lines.plain(side.path);
+  lines.plain(printable(side.path));
   lines.add("format", side.file.format);
   if (side.undone) lines.add("undone", *side.undone);
   lines.add("vertices", fmt::format("{}", side.file.mesh.positions.size()));
@@ -237,10 +238,10 @@ Result<void> check_distance(const ComparePlan& plan, const std::array<Side, 2>& 
   const bool surely = distance.hausdorff_lower > *plan.max_distance;
   const auto turned =
       std::ranges::find_if(sides, [](const Side& side) { return side.undone && side.file.placement.empty(); });
-  const std::string hint =
-      turned == sides.end()
-          ? ""
-          : fmt::format("{} was turned from y up to z up; --up y leaves it as it is in its file", turned->path);
+  const std::string hint = turned == sides.end()
+                               ? ""
+                               : fmt::format("{} was turned from y up to z up; --up y leaves it as it is in its file",
+                                             printable(turned->path));
   return fail(ErrorKind::verification,
               fmt::format("{} and {}: their Hausdorff distance is {} {:.6g}, and --max-distance is {}", plan.meshes[0],
                           plan.meshes[1], surely ? "at least" : "not known to be below",

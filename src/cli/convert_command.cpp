@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <exception>
+#include <functional>
 #include <map>
+#include <optional>
 #include <type_traits>
 #include <utility>
 
@@ -27,6 +29,7 @@
 #include "cli/report_file.hpp"
 #include "cli/simplify_text.hpp"
 #include "cli/threads.hpp"
+#include "cli/up_axis_note.hpp"
 #include "cli/verification_text.hpp"
 #include "convert/conversion.hpp"
 #include "convert/field_label.hpp"
@@ -50,8 +53,8 @@ std::string describe(const convert::ResolvedPlacement& placed) {
 
 // What would have been done besides, had it been asked for.
 std::string_view option_for(const convert::WorkFact& fact) {
-  if (fact.what == "error") return "; --error measures it";
-  if (fact.what == "caps") return "; --cap makes them";
+  if (fact.what == convert::WorkTopic::error) return "; --error measures it";
+  if (fact.what == convert::WorkTopic::caps) return "; --cap makes them";
   return "";
 }
 
@@ -117,7 +120,7 @@ class Narrator final : public convert::Events {
 
   void filtered(const convert::WorkFact& fact, const StageTime& time) override {
     tell_stage(fmt::format("{}: filtered in {}", label_, times_text(time)));
-    edited_.push_back(fmt::format("{}: {}", fact.done, fact.text));
+    edited_.push_back(fmt::format("{}: {}", word_of(fact.done), fact.text));
   }
 
   void resolved(const std::vector<convert::ResolvedIso>& /*isos*/, const std::optional<StageTime>& time) override {
@@ -126,7 +129,7 @@ class Narrator final : public convert::Events {
 
   void resampled(const field::ScalarField& /*grid*/, const convert::WorkFact& fact, const StageTime& time) override {
     tell_stage(fmt::format("{}: resampled in {}", label_, times_text(time)));
-    edited_.push_back(fmt::format("{}: {}", fact.done, fact.text));
+    edited_.push_back(fmt::format("{}: {}", word_of(fact.done), fact.text));
   }
 
   void placed(const convert::PlacedField& placed) override { placed_ = placed.placement; }
@@ -252,7 +255,8 @@ class Narrator final : public convert::Events {
 
   void explain(const convert::WorkFact& fact) {
     if (!plan_.explain) return;
-    bar_.above([&] { messages_.explanation(fmt::format("  {}: {}{}", fact.done, fact.text, option_for(fact))); });
+    bar_.above(
+        [&] { messages_.explanation(fmt::format("  {}: {}{}", word_of(fact.done), fact.text, option_for(fact))); });
   }
 
   void tell_error(const convert::MeshError& error) const {
@@ -333,6 +337,13 @@ Result<void> report_no_plan(const ConvertFlags& flags, const std::vector<std::st
   return write_report(*flags.report, nullptr, failed(error), arguments, 0);
 }
 
+std::function<std::optional<std::string>(const field::ScalarField&)> note_of_up_axis(const ConvertPlan& plan) {
+  if (!plan.if_on_side) return nullptr;
+  return [&plan](const field::ScalarField& field) {
+    return up_axis_note(field, plan.job.source.placement.up, *plan.if_on_side);
+  };
+}
+
 convert::Outcome convert_as_planned(const ConvertPlan& plan, const Messages& messages) {
   convert::Outcome outcome;
   const Result<void> begun = attempt([&]() -> Result<void> {
@@ -341,7 +352,7 @@ convert::Outcome convert_as_planned(const ConvertPlan& plan, const Messages& mes
     const Context context{plan.memory};
     ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
     Narrator narrator(plan, messages, bar);
-    outcome = convert::run(plan.job, context, narrator, {plan.report || plan.pages.html});
+    outcome = convert::run(plan.job, context, narrator, {plan.report || plan.pages.html, note_of_up_axis(plan)});
     return {};
   });
   return begun ? outcome : failed(begun.error());

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/printable.hpp"
 #include "batch/output_names.hpp"
 #include "cli/edit_plan.hpp"
 #include "cli/field_plan.hpp"
@@ -101,9 +102,21 @@ Result<std::vector<convert::OutputFileJob>> plan_outputs(const ConvertFlags& fla
     return refuse_usage(fmt::format("one {} file holds one surface, and {} {} were given", format.name,
                                     flags.isos.size(), flags.labels ? "labels" : "iso values"),
                         fmt::format("write one file each with -o {}_{{iso}}.{}, or all into a glb",
-                                    batch::stem_of(flags.input.inputs.front()), format.name));
+                                    printable(batch::stem_of(flags.input.inputs.front())), format.name));
   }
   return std::vector<convert::OutputFileJob>{{path, flags.isos}};
+}
+
+// What a volume with y up comes to, if the output depends on that axis and no option says which one it is.
+std::optional<std::string> if_on_side(const ConvertFlags& flags, const convert::ConversionJob& job) {
+  const convert::Placement& placement = job.source.placement;
+  if (flags.placement.up || placement.space == convert::Space::index) return std::nullopt;
+  if (job.picture_file) return "the picture shows it on its side";
+  if (placement.turn_z_up_to_y_up) return "the mesh lies on its side";
+  if (flags.html || flags.contact_sheet) {
+    return fmt::format("{} shows it on its side", flags.html ? "--html" : "--contact-sheet");
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -160,7 +173,8 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string
   if (!packing) return tl::unexpected(packing.error());
   job.packing = *packing;
 
-  auto placement = as_field ? convert::Placement() : plan_placement(flags.placement, *format, plan.notes);
+  auto placement = as_field ? convert::Placement()
+                            : plan_placement(flags.placement, *format, flags.html || flags.contact_sheet, plan.notes);
   if (!placement) return tl::unexpected(placement.error());
   job.source.placement = std::move(*placement);
   if (job.picture_file) {
@@ -191,6 +205,7 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string
   auto pages = plan_pages(flags, job);
   if (!pages) return tl::unexpected(pages.error());
   plan.pages = std::move(*pages);
+  plan.if_on_side = if_on_side(flags, job);
   return plan;
 }
 

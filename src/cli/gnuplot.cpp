@@ -117,11 +117,11 @@ std::string first_line(const std::string& text) {
 
 }  // namespace
 
-Result<void> check_gnuplot() {
+Result<void> check_gnuplot(std::string_view option) {
   const Finished finished = run("exit\n");
   if (ended_well(finished)) return {};
   return fail(ErrorKind::unavailable,
-              fmt::format("--plot needs gnuplot, which {}",
+              fmt::format("{} needs gnuplot, which {}", option,
                           finished.error == ENOENT ? "is not installed"
                           : finished.error != 0    ? fmt::format("cannot be run: {}", std::strerror(finished.error))
                                                    : fmt::format("does not work: {}", first_line(finished.err))),
@@ -131,7 +131,8 @@ Result<void> check_gnuplot() {
 Result<std::string> run_gnuplot(const std::string& script) {
   Finished finished = run(script);
   if (ended_well(finished) && !finished.out.empty()) return std::move(finished.out);
-  return fail(ErrorKind::unavailable, fmt::format("gnuplot made no picture: {}", first_line(finished.err)), kHint);
+  return fail(ErrorKind::unavailable, fmt::format("gnuplot made no picture: {}", first_line(finished.err)),
+              finished.error != 0 ? kHint : "please report it with the command");
 }
 
 std::string gnuplot_quoted(std::string_view text) {

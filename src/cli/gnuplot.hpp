@@ -9,8 +9,8 @@
 
 namespace isoextract::cli {
 
-// Fails with ErrorKind::unavailable where there is no gnuplot to run; the hint names its package.
-[[nodiscard]] Result<void> check_gnuplot();
+// Fails with ErrorKind::unavailable where there is no gnuplot to run for `option`; the hint names its package.
+[[nodiscard]] Result<void> check_gnuplot(std::string_view option);
 
 // What `script` writes to its standard output, without the user's settings. Fails with ErrorKind::unavailable, and
 // gnuplot's own words, if it does not end well or writes nothing.

@@ -19,11 +19,18 @@ namespace {
 constexpr std::string_view kStyle =
     "body{font:15px/1.5 system-ui,sans-serif;color:#1c2430;background:#fff;max-width:70rem;margin:2rem auto;padding:0 "
     "1rem}h1{font-size:1.5rem}h2{font-size:1.15rem;margin-top:2rem}code,pre{font:13px/1.4 ui-monospace,monospace}"
-    "pre{background:#f2f4f7;padding:.7rem;overflow-x:auto}table{border-collapse:collapse;font-size:13px}"
-    "th,td{border-bottom:1px solid #d8dde5;padding:.25rem .7rem;text-align:right}th:first-child,td:first-child,"
-    "td.words,th.words{text-align:left}figure{display:inline-block;margin:.3rem;text-align:center}"
+    "pre{background:#f2f4f7;padding:.7rem;white-space:pre-wrap;overflow-wrap:anywhere}"
+    "table{border-collapse:collapse;font-size:13px}"
+    "th,td{border-bottom:1px solid #d8dde5;padding:.25rem .5rem;text-align:right;vertical-align:top}"
+    "th:first-child,td:first-child{text-align:left}td.words,th.words{text-align:left}"
+    "td.words:not(:first-child){overflow-wrap:anywhere;min-width:6rem}"
+    "figure{display:inline-block;margin:.3rem;text-align:center}"
     "img{max-width:100%;border:1px solid #d8dde5}figcaption{font-size:12px;color:#56606e}.failed{color:#a61b1b}"
     ".scroll{overflow-x:auto}svg{max-width:100%;height:auto}";
+
+// Where the window is too narrow for a table, it is moved by itself.
+constexpr std::string_view kTable = "<div class=\"scroll\"><table>\n";
+constexpr std::string_view kTableEnd = "</table></div>\n";
 
 std::string escaped(std::string_view text) {
   std::string html;
@@ -73,7 +80,7 @@ std::string count_text(const std::optional<std::uint64_t>& value) { return value
 std::string frames_section(std::span<const batch::FrameRow> rows) {
   const std::array<std::string, 12> heads{"frame",    "input", "output", "status",     "iso",     "triangles",
                                           "vertices", "area",  "volume", "components", "seconds", "bytes"};
-  std::string html = "<h2>Frames</h2>\n<div class=\"scroll\"><table>\n<thead>" + row_of(heads, "th", 4) + "</thead>\n";
+  std::string html = "<h2>Frames</h2>\n" + std::string(kTable) + "<thead>" + row_of(heads, "th", 4) + "</thead>\n";
   for (const batch::FrameRow& row : rows) {
     const std::string status = row.error.empty() ? std::string(word_of(row.status))
                                                  : fmt::format("<span class=\"failed\">{}: {}</span>",
@@ -93,7 +100,7 @@ std::string frames_section(std::span<const batch::FrameRow> rows) {
           "td", 4);
     }
   }
-  return html + "</table></div>\n";
+  return html + std::string(kTableEnd);
 }
 
 }  // namespace
@@ -105,7 +112,7 @@ void HtmlPage::add(std::int64_t frame, const convert::Outcome& outcome) {
     errors_.push_back({frame, mesh.iso, found.rms.world, found.max.world, found.max.voxels});
   }
   const auto take = [&](const convert::WorkFact& fact) {
-    LeftOut& all = left_out_[{fact.what, fact.done}];
+    LeftOut& all = left_out_[{std::string(word_of(fact.what)), std::string(word_of(fact.done))}];
     all.count += fact.count.value_or(0);
     all.total += fact.total.value_or(0);
     if (++all.times == 1) all.first = fact.text;
@@ -114,7 +121,8 @@ void HtmlPage::add(std::int64_t frame, const convert::Outcome& outcome) {
   for (const convert::ExtractionRecord& extraction : outcome.extractions) {
     for (const convert::WorkFact& fact : extraction.work) take(fact);
   }
-  for (const convert::StageRecord& stage : outcome.stages) stages_[stage.stage] += stage.time.wall_seconds;
+  for (const convert::StageRecord& stage : outcome.stages)
+    stages_[std::string(word_of(stage.stage))] += stage.time.wall_seconds;
   if (!outcome.device.empty()) devices_.insert(fmt::format("{} ({})", outcome.device, outcome.backend));
   for (const std::string& note : outcome.notes) notes_.emplace_back(frame, note);
 }
@@ -137,7 +145,7 @@ std::string HtmlPage::error_section() const {
     return "<h2>Error</h2>\n<p>It was not measured; <code>--error</code> measures the distance of each mesh from its "
            "isosurface.</p>\n";
   }
-  std::string html = "<h2>Error</h2>\n<p>Distances of the meshes from their isosurfaces.</p>\n<table>\n" +
+  std::string html = "<h2>Error</h2>\n<p>Distances of the meshes from their isosurfaces.</p>\n" + std::string(kTable) +
                      row_of(std::array<std::string, 5>{"frame", "iso", "rms", "largest", "largest, voxels"}, "th", 1);
   for (const MeasuredError& error : errors_) {
     html += row_of(std::array<std::string, 5>{fmt::format("{}", error.frame), fmt::format("{:.6g}", error.iso),
@@ -145,17 +153,17 @@ std::string HtmlPage::error_section() const {
                                               fmt::format("{:.3g}", error.voxels)},
                    "td", 1);
   }
-  return html + "</table>\n";
+  return html + std::string(kTableEnd);
 }
 
 std::string HtmlPage::stage_section() const {
   if (stages_.empty()) return {};
-  std::string html = "<h2>Time by stage</h2>\n<table>\n" +
+  std::string html = "<h2>Time by stage</h2>\n" + std::string(kTable) +
                      row_of(std::array<std::string, 2>{"stage", "seconds, of all frames"}, "th", 1);
   for (const auto& [stage, seconds] : stages_) {
     html += row_of(std::array<std::string, 2>{escaped(stage), fmt::format("{:.4f}", seconds)}, "td", 1);
   }
-  return html + "</table>\n";
+  return html + std::string(kTableEnd);
 }
 
 Result<std::string> HtmlPage::text(std::span<const batch::FrameRow> rows, const MeshPictures& pictures,

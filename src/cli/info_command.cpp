@@ -7,7 +7,6 @@
 
 #include "base/byte_size.hpp"
 #include "base/machine.hpp"
-#include "base/printable.hpp"
 #include "base/stopwatch.hpp"
 #include "batch/output_names.hpp"
 #include "cli/info_report.hpp"
@@ -28,13 +27,15 @@ struct Described {
   std::optional<volumes::ComponentChoice> component;
 };
 
-std::string example_command(const InfoPlan& plan, const std::string& input, const Described& described, double iso) {
+std::string example_command(const InfoPlan& plan, const std::string& input, const Described& described, double iso,
+                            std::string_view creator) {
   std::string arguments;
   for (const std::string& argument : plan.input_arguments) arguments += " " + argument;
   if (!plan.read.volume && described.volume) arguments += fmt::format(" --volume {}", *described.volume);
   if (!plan.read.component && described.component) {
     arguments += fmt::format(" --component {}", described.component->number.value_or(0));
   }
+  if (const auto up = convert::up_axis_of(creator)) arguments += fmt::format(" --up {}", word_of(*up));
   return fmt::format("isoextract {}{} --iso {} -o {}", shell_quoted(input), arguments, iso,
                      shell_quoted(batch::stem_of(input) + ".glb"));
 }
@@ -55,8 +56,7 @@ FieldReport report_of(const InfoPlan& plan, const std::string& input, const Desc
   report.bytes = estimated_bytes(report.size);
   report.fits_one_mesh = fits_one_mesh(report.field);
   if (separates && report.fits_one_mesh) {
-    report.command = example_command(plan, input, described, report.suggestion.iso);
-    if (printable(report.command) != report.command) report.command.clear();  // as it is shown it names no file
+    report.command = example_command(plan, input, described, report.suggestion.iso, report.field.creator);
   }
   return report;
 }

@@ -48,7 +48,7 @@ void add_creator(NamedLines& lines, std::string_view creator) {
   if (creator.empty()) return;
   const auto up = convert::up_axis_of(creator);
   lines.add("creator", fmt::format("{}{}", printable(std::string(creator), kMaxName),
-                                   up ? fmt::format("; {0} is up there, which --up {0} tells", word_of(*up)) : ""));
+                                   up ? fmt::format("; {0} points up in it: add --up {0}", word_of(*up)) : ""));
 }
 
 void add_grids(NamedLines& lines, const InputReport& report) {

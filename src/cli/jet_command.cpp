@@ -84,11 +84,10 @@ class JetRun {
 
   // All frames on one grid, which only the same radius for all gives.
   void tell_how_to_convert(double radius) const {
-    messages_.summary(
-        fmt::format("to be converted with: isoextract {} --particles weight --iso {} --radius {:.12g} --animate "
-                    "--fps {} -o jet.glb",
-                    shell_quoted(printable(plan_.pattern)), points::method_info(points::Method::weight).iso, radius,
-                    plan_.jet.fps));
+    messages_.summary(fmt::format(
+        "to be converted with: isoextract {} --particles weight --iso {} --radius {:.12g} --animate "
+        "--fps {} -o jet.glb",
+        shell_quoted(plan_.pattern), points::method_info(points::Method::weight).iso, radius, plan_.jet.fps));
   }
 
   const JetPlan& plan_;

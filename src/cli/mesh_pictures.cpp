@@ -7,6 +7,7 @@
 #include "mesh/metrics.hpp"
 #include "meshes/mesh_reader.hpp"
 #include "render/contact_sheet.hpp"
+#include "render/picture_text.hpp"
 #include "render/renderer.hpp"
 #include "render/surface_normals.hpp"
 
@@ -48,7 +49,12 @@ Result<render::Picture> MeshPictures::draw(std::size_t n, const Context& context
   const auto renderer = render::make_cpu_renderer();
   auto drawn = render::draw_preview(surfaces, options, *renderer, context);
   if (!drawn) return tl::unexpected(std::move(drawn.error()));
-  return std::move(drawn->picture);
+  render::Picture& picture = drawn->picture;
+  const int dot = std::max(1, picture.height / 120);
+  const glm::ivec2 size = render::text_size(meshes_[n].why_none, dot);
+  render::draw_text(picture, {(picture.width - size.x) / 2, (picture.height - size.y) / 2}, meshes_[n].why_none, dot,
+                    render::kInk);
+  return std::move(picture);
 }
 
 std::vector<WrittenMesh> some_of(std::vector<WrittenMesh> meshes, std::size_t most) {

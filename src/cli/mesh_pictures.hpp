@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/context.hpp"
@@ -17,6 +18,7 @@ namespace isoextract::cli {
 struct WrittenMesh {
   std::string label;               // "12"
   std::vector<std::string> files;  // of one frame; each is read when it is drawn
+  std::string_view why_none = {};  // where there are no files, shown in their place: "failed"
 };
 
 class MeshPictures {

@@ -7,6 +7,7 @@
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include "base/no_memory.hpp"
 #include "base/printable.hpp"
 #include "cli/remedies.hpp"
 #include "files/output_file.hpp"
@@ -58,7 +59,7 @@ Error error_of_exception() {
   try {
     throw;
   } catch (const std::bad_alloc&) {
-    return {ErrorKind::input, "not enough memory", "convert a part with --roi"};
+    return no_memory(ErrorKind::input, "not enough memory", Remedy::extract_part);
   } catch (const std::exception& error) {
     return {ErrorKind::input, fmt::format("unexpected: {}", error.what()), ""};
   }

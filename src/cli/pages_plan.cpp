@@ -26,7 +26,13 @@ std::vector<WrittenMesh> meshes_of(std::span<const batch::FrameRow> rows) {
     for (const std::string& file : row.outputs) {
       if (extension_of(file) != ".bin") mesh.files.push_back(file);
     }
-    if (!mesh.files.empty()) meshes.push_back(std::move(mesh));
+    if (mesh.files.empty()) {
+      if (rows.size() == 1) continue;
+      mesh.why_none = row.status == batch::FrameStatus::done || row.status == batch::FrameStatus::kept
+                          ? "no surface"
+                          : word_of(row.status);
+    }
+    meshes.push_back(std::move(mesh));
   }
   return meshes;
 }

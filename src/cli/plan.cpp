@@ -76,7 +76,7 @@ std::string extension_of(const std::string& path) {
   return lower_case(std::filesystem::path(path).extension().string());
 }
 
-Result<convert::Placement> plan_placement(const PlacementFlags& flags, meshes::MeshFormat format,
+Result<convert::Placement> plan_placement(const PlacementFlags& flags, meshes::MeshFormat format, bool draws_mesh,
                                           std::vector<std::string>& notes) {
   convert::Placement placement;
   placement.space = flags.space.value_or(convert::Space::world);
@@ -105,7 +105,7 @@ Result<convert::Placement> plan_placement(const PlacementFlags& flags, meshes::M
   const convert::UpAxis up_out = flags.up_out.value_or(is_gltf(format) ? convert::UpAxis::y : placement.up);
   placement.turn_z_up_to_y_up = placement.up == convert::UpAxis::z && up_out == convert::UpAxis::y;
   placement.turn_y_up_to_z_up = placement.up == convert::UpAxis::y && up_out == convert::UpAxis::z;
-  if (flags.up && !flags.up_out && !is_gltf(format)) {
+  if (flags.up && !flags.up_out && !is_gltf(format) && !draws_mesh) {
     notes.push_back(
         fmt::format("--up changes nothing: {} prescribes no up axis and keeps the input's axes; --up-out "
                     "turns them",

@@ -34,7 +34,8 @@ struct ConvertPlan {
   bool explain = false;
   std::optional<std::string> report;  // the path of the JSON report
   PagesPlan pages;
-  std::vector<std::string> notes;  // what was asked for and changes nothing, one sentence each
+  std::optional<std::string> if_on_side;  // what is wrong with the output where another axis is up than the default
+  std::vector<std::string> notes;         // what was asked for and changes nothing, one sentence each
 };
 
 struct InfoPlan {

@@ -48,8 +48,9 @@ template <class Format, class ByPath>
 [[nodiscard]] Result<void> plan_resolution(const SurfaceFlags& flags, convert::SourceOptions& source);
 // Where no --nan is given: who says which samples are no data wants no error for them.
 [[nodiscard]] extract::NanPolicy usual_nan(const InputFlags& input);
+// `draws_mesh`: pages or contact sheets show the mesh with its up axis, whatever its format.
 [[nodiscard]] Result<convert::Placement> plan_placement(const PlacementFlags& flags, meshes::MeshFormat format,
-                                                        std::vector<std::string>& notes);
+                                                        bool draws_mesh, std::vector<std::string>& notes);
 // Some, and each once.
 [[nodiscard]] Result<void> check_isos(const std::vector<convert::IsoChoice>& isos, const std::string& input);
 

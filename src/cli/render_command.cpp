@@ -159,9 +159,10 @@ class Pictures {
     const render::RenderStatistics& statistics = rendered->statistics;
     const std::string name = files::shown_output_name(picture.output);
     bar.above([&] {
-      messages_.summary(fmt::format("{} -> {}: {} x {} pixels; drawn in {:.2f} s",
-                                    picture.input ? files::shown_input_name(*picture.input) : plan_.meshes.front(),
-                                    name, rendered->picture.width, rendered->picture.height, drawing.wall_seconds));
+      messages_.summary(fmt::format(
+          "{} -> {}: {} x {} pixels; drawn in {:.2f} s",
+          picture.input ? files::shown_input_name(*picture.input) : files::shown_input_name(plan_.meshes.front()), name,
+          rendered->picture.width, rendered->picture.height, drawing.wall_seconds));
       messages_.detail(fmt::format(
           "{}: {} rays, {} samples, {} left out in empty bricks ({} of {} bricks), {} behind what hides them; {} "
           "fragments of surfaces; read in {:.2f} s, written in {:.2f} s; {}; peak memory {}",

@@ -16,24 +16,30 @@
 #include "cli/particle_plan.hpp"
 #include "cli/plan.hpp"
 #include "cli/plan_parts.hpp"
+#include "convert/picture_file.hpp"
 #include "convert/surface_edits.hpp"
 #include "files/file_bytes.hpp"
+#include "meshes/mesh_reader.hpp"
 
 namespace isoextract::cli {
 namespace {
 
 constexpr int kMostTurns = 100000;
 
-// What INPUT... stands for: by their names, as a volume's extension is no mesh's.
+// What INPUT... stands for: by their names, as a volume's extension is no mesh's; standard input by its content.
 struct Inputs {
   std::vector<std::string> volumes;
   std::vector<std::string> meshes;
 };
 
-Inputs sorted_inputs(const RenderFlags& flags) {
+Inputs sorted_inputs(const RenderFlags& flags, const MemoryBudget& memory) {
   Inputs inputs;
+  const bool is_raw = flags.input.dims && flags.input.inputs.size() == 1;
+  const bool may_be_mesh = !flags.particles.method && !flags.input.format && !is_raw;
   for (const std::string& input : flags.input.inputs) {
-    (meshes::mesh_format_by_path(input) ? inputs.meshes : inputs.volumes).push_back(input);
+    const bool is_mesh = meshes::mesh_format_by_path(input) ||
+                         (may_be_mesh && files::is_standard_input(input) && meshes::holds_mesh(input, Context(memory)));
+    (is_mesh ? inputs.meshes : inputs.volumes).push_back(input);
   }
   // PLY and others may hold particles as well, where options say so.
   if (inputs.volumes.empty() && (flags.particles.method || flags.input.format))
@@ -176,8 +182,9 @@ std::optional<PictureFile> picture_file_of(const std::string& path) {
 Result<RenderPlan> plan_render(const RenderFlags& flags) {
   if (flags.input.inputs.empty())
     return refuse_usage("no INPUT was given", "isoextract render INPUT [MESH...] -o FILE.png");
-  const Inputs inputs = sorted_inputs(flags);
   RenderPlan plan;
+  plan.memory = plan_memory(flags.input.memory_limit);
+  const Inputs inputs = sorted_inputs(flags, plan.memory);
   auto read = plan_read(flags.input);
   if (!read) return tl::unexpected(std::move(read.error()));
   plan.job.source.read = std::move(*read);
@@ -190,7 +197,6 @@ Result<RenderPlan> plan_render(const RenderFlags& flags) {
   plan.job.source.filters = flags.surface.filters;
   plan.job.source.blurs = flags.surface.blurs;
   plan.job.surface = plan_surface(flags.surface, flags.input);
-  plan.memory = plan_memory(flags.input.memory_limit);
   plan.isos = flags.isos;
   if (!plan.isos.empty()) {
     if (auto checked = check_isos(plan.isos, flags.input.inputs.front()); !checked) {
@@ -233,7 +239,7 @@ Result<RenderPlan> plan_render(const RenderFlags& flags) {
   plan.unit_length = flags.unit_length;
   plan.camera = flags.camera.value_or(plan.camera);
   if (flags.field_of_view) plan.fovy = *flags.field_of_view * std::numbers::pi / 180;
-  if (flags.up == convert::UpAxis::y) plan.up = render::UpAxis::y;
+  if (flags.up) plan.up = convert::shown_up(*flags.up);
   plan.options.size = flags.size.value_or(plan.options.size);
   plan.options.samples_per_voxel = flags.samples.value_or(plan.options.samples_per_voxel);
   plan.options.early_termination = flags.termination != 0.0;

@@ -1,5 +1,5 @@
 // From the options of `isoextract render` to what is drawn. Folders are read where inputs are frames; no file is
-// opened.
+// opened but standard input, of which only the content says whether it is a mesh.
 #pragma once
 
 #include <array>

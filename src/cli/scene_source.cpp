@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "cli/up_axis_note.hpp"
 #include "convert/conversion.hpp"
 #include "convert/mesh_sink.hpp"
 #include "convert/picture_file.hpp"
@@ -55,12 +56,14 @@ Result<PlacedMesh> read_mesh(const std::string& path, const RenderPlan& plan, co
   for (const std::string& note : file->notes) events.note(note);
   const auto record = convert::read_record(file->placement);
   if (!record && !file->placement.empty()) {
-    events.note(fmt::format("{}: what it says of its placement cannot be read, and is left aside", path));
+    events.note(fmt::format("{}: what it says of its placement cannot be read, and is left aside",
+                            files::shown_input_name(path)));
   }
   const bool in_voxels = record && record->placement.space == convert::Space::index;
   const bool has_volume = plan.pictures.front().input.has_value();
   if (in_voxels && has_volume && plan.job.source.placement.space == convert::Space::world) {
-    events.note(fmt::format("{}: it is in voxel coordinates, and the volume is drawn in those of the world", path));
+    events.note(fmt::format("{}: it is in voxel coordinates, and the volume is drawn in those of the world",
+                            files::shown_input_name(path)));
   }
   const bool y_up = plan.up == render::UpAxis::y;
   const auto usual = convert::usual_placement(file->y_up, y_up ? convert::UpAxis::y : convert::UpAxis::z);
@@ -149,10 +152,16 @@ Result<void> SceneSource::read_volume(const std::string& input, const std::strin
   surfaces_.clear();
   convert::ConversionJob job = plan_->job;
   job.source.input = input;
+  const auto note_of_field = [&](const field::ScalarField& field) -> std::optional<std::string> {
+    if (plan_->up || told_up_axis_) return std::nullopt;
+    auto note = up_axis_note(field, convert::UpAxis::z, "the picture shows it on its side");
+    told_up_axis_ = note.has_value();
+    return note;
+  };
   if (!plan_->isos.empty()) {
     KeptSurfaces kept(plan_->draws_volume);
     job.outputs = {{output, plan_->isos}};
-    convert::Outcome outcome = convert::run(job, context, events, {}, nullptr, &kept);
+    convert::Outcome outcome = convert::run(job, context, events, {.note_of_field = note_of_field}, nullptr, &kept);
     if (outcome.error) return tl::unexpected(std::move(*outcome.error));
     surfaces_ = std::move(kept.meshes);
     source_ = std::move(kept.source);
@@ -160,6 +169,7 @@ Result<void> SceneSource::read_volume(const std::string& input, const std::strin
     auto source = convert::open_source(job.source, {}, context, events);
     if (!source) return tl::unexpected(std::move(source.error()));
     source_ = std::move(*source);
+    if (const auto note = note_of_field(source_->field)) events.note(*note);
   }
   if (plan_->shading == render::Shading::smooth) {
     for (mesh::Mesh& mesh : surfaces_) {

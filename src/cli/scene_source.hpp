@@ -50,6 +50,7 @@ class SceneSource {
   std::vector<mesh::Mesh> surfaces_;
   std::optional<render::TransferFunction> transfer_;
   double unit_length_ = 1;
+  bool told_up_axis_ = false;  // of a volume before
 };
 
 }  // namespace isoextract::cli

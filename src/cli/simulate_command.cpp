@@ -144,7 +144,7 @@ class WaterRun {
     if (s != glm::dvec3(1.0)) options += fmt::format(" --spacing {},{},{}", s.x, s.y, s.z);
     options += fmt::format(" --origin {},{},{}", 0.5 * s.x, 0.5 * s.y, 0.5 * s.z);
     messages_.summary(fmt::format("to be read with: isoextract {} --iso 0.5{}",
-                                  shell_quoted(printable(frames.back().files.back().string())), options));
+                                  shell_quoted(frames.back().files.back().string()), options));
   }
 
   const WaterPlan& plan_;

@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "base/byte_size.hpp"
+#include "base/printable.hpp"
 #include "simulate/terrain.hpp"
 
 namespace isoextract::cli {
@@ -427,9 +428,32 @@ std::string nearest_name(std::string_view text, const std::vector<std::string>& 
   return best;
 }
 
+namespace {
+
+// $'...', which shells read as the same bytes, with octal escapes.
+std::string ansi_quoted(std::string_view text) {
+  std::string quoted = "$'";
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (c == '\n') {
+      quoted += "\\n";
+    } else if (c == '\\' || c == '\'') {
+      quoted += fmt::format("\\{}", c);
+    } else if (byte < 0x20 || byte >= 0x7f) {
+      quoted += fmt::format("\\{:03o}", byte);
+    } else {
+      quoted += c;
+    }
+  }
+  return quoted + "'";
+}
+
+}  // namespace
+
 std::string shell_quoted(std::string_view text) {
   constexpr std::string_view kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./,:@%";
   if (!text.empty() && text.find_first_not_of(kPlain) == std::string_view::npos) return std::string(text);
+  if (printable(text) != text) return ansi_quoted(text);
   std::string quoted = "'";
   for (const char c : text) {
     if (c == '\'') {

@@ -71,7 +71,8 @@ using VolumeChoice = std::variant<std::int64_t, AllVolumes>;
 // The candidate that `text` is most likely a slip of: it starts with `text`, or differs by few letters. Empty if none.
 [[nodiscard]] std::string nearest_name(std::string_view text, const std::vector<std::string>& candidates);
 
-// As one word of a POSIX shell: quoted only where that is needed.
+// Returns `text` as one word of a POSIX shell, quoted only where that is needed. The word is printable: other
+// characters become escapes, as in $'a\nb'.
 [[nodiscard]] std::string shell_quoted(std::string_view text);
 
 }  // namespace isoextract::cli

@@ -145,7 +145,7 @@ std::string distance_text(const measure::MeshMatch& match) {
 
 std::string match_table(const std::string& path, const MadeAnew& anew, const measure::MeshMatch& match) {
   NamedLines lines;
-  lines.plain(fmt::format("{} and {}", path, anew.surface));
+  lines.plain(fmt::format("{} and {}", printable(path), anew.surface));
   lines.add("made anew", fmt::format("by {}: {}", anew.backend, fmt::join(anew.stages, ", ")));
   const auto counts = [&](std::string_view name, const std::array<std::uint64_t, 2>& total,
                           const std::array<std::uint64_t, 2>& only, std::string_view what) {

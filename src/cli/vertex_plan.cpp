@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/printable.hpp"
 #include "batch/frame_pattern.hpp"
 #include "cli/output_folders.hpp"
 #include "cli/plan_parts.hpp"
@@ -40,7 +41,7 @@ Result<void> check_name_of_map(std::string_view text, convert::Colormap map) {
   const std::string word(text.substr(colon + 1));
   if (parse_range(word)) {
     return fail(ErrorKind::usage, fmt::format("expected MIN,MAX once, behind the colour map, found {} before it", word),
-                fmt::format("as in {}:{}:{}", text.substr(0, colon), word_of(map), word));
+                fmt::format("as in {}:{}:{}", printable(text.substr(0, colon)), word_of(map), printable(word)));
   }
   const std::string near = nearest_name(word, colormap_names());
   return fail(ErrorKind::usage,

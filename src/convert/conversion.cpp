@@ -14,6 +14,7 @@
 #include <tbb/task_arena.h>
 
 #include "base/machine.hpp"
+#include "base/no_memory.hpp"
 #include "base/stopwatch.hpp"
 #include "convert/detail/recorder.hpp"
 #include "convert/field_file.hpp"
@@ -67,6 +68,8 @@ class Conversion {
     auto source = open_source(job_.source, use, context_, events_);
     if (!source) return tl::unexpected(std::move(source.error()));
     source_ = std::move(*source);
+    const auto& note_of = extras_.note_of_field;
+    if (const auto text = note_of ? note_of(source_.field) : std::nullopt) events_.note(*text);
     if (auto found = find_labels(); !found) return found;
     std::span<const ResolvedIso> isos = source_.isos;
     for (const OutputFileJob& output : job_.outputs) {
@@ -199,11 +202,6 @@ class Conversion {
     return {};
   }
 
-  [[nodiscard]] static std::string first_and_last(const std::vector<std::string>& names) {
-    return names.size() < 3 ? fmt::format("{}", fmt::join(names, " and "))
-                            : fmt::format("{} to {}", names.front(), names.back());
-  }
-
   [[nodiscard]] meshes::MeshWriteOptions write_options() const {
     return {job_.format,
             job_.normals == Normals::flat,
@@ -333,7 +331,7 @@ class Conversion {
     }
     const Stopwatch watch;
     const field::FieldStatistics statistics = field::measure_statistics(source_.field);
-    outcome_.stages.push_back({"statistics", std::nullopt, watch.elapsed()});
+    outcome_.stages.push_back({StageName::statistics, std::nullopt, watch.elapsed()});
     if (statistics.samples == 0) {
       // Active voxels of the background's value are not stored.
       const bool all_alike = statistics.nan == 0 && statistics.infinite == 0;
@@ -482,8 +480,9 @@ Outcome run(const ConversionJob& job, const Context& context, Events& events, co
   try {
     done = Conversion(job, context, outcome, events, extras, kept, sink).run();
   } catch (const std::bad_alloc&) {
-    done = fail(ErrorKind::input, fmt::format("{}: not enough memory", files::shown_input_name(job.source.input)),
-                Remedy::extract_part);
+    done = tl::unexpected(no_memory(ErrorKind::input,
+                                    fmt::format("{}: not enough memory", files::shown_input_name(job.source.input)),
+                                    Remedy::extract_part));
   } catch (const std::exception& error) {
     done = fail(ErrorKind::input,
                 fmt::format("{}: unexpected: {}", files::shown_input_name(job.source.input), error.what()));

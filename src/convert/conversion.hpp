@@ -2,6 +2,10 @@
 // it is given to keep, so that conversions can run side by side, each with a Context of its own.
 #pragma once
 
+#include <functional>
+#include <optional>
+#include <string>
+
 #include "base/context.hpp"
 #include "convert/conversion_job.hpp"
 #include "convert/events.hpp"
@@ -15,6 +19,9 @@ namespace isoextract::convert {
 struct OutcomeExtras {
   bool mesh_facts =
       false;  // Outcome::meshes: components, open edges, sizes; longer than the extraction, see reports.md
+  // Returns a note about the field that is read, in words that only the caller has; null: there is none. Every thread
+  // that converts may call it.
+  std::function<std::optional<std::string>(const field::ScalarField&)> note_of_field = nullptr;
   // What is not to be overwritten, the job's own inputs among it; null: those alone.
   const files::ReadFiles* read = nullptr;
 };

@@ -74,7 +74,7 @@ Result<void> write_field(const Source& source, const ConversionJob& job, const O
   WrittenField written{output, samples_text(field), as_half, *bytes, {}, watch.elapsed()};
   if (as_half ? !fits_half(field) : !fits_float(field)) {
     written.work.push_back(
-        {"samples", "rounded", std::nullopt, std::nullopt,
+        {WorkTopic::samples, WorkDone::rounded, std::nullopt, std::nullopt,
          fmt::format("values of {}{} to {}", field::sample_type_name(field.type()),
                      field.scale.is_identity() ? "" : " with a scale", as_half ? "16-bit floats" : "32-bit floats")});
   }

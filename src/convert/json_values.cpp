@@ -1,5 +1,7 @@
 #include "convert/json_values.hpp"
 
+#include "base/printable_json.hpp"
+
 namespace isoextract::convert {
 namespace {
 
@@ -72,7 +74,11 @@ Json json_of(const mesh::Topology& topology, const mesh::MeshSize& size) {
 }
 
 std::string json_text(const Json& document) {
-  return document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return printable_json(document.dump(2, ' ', false, Json::error_handler_t::replace)) + "\n";
+}
+
+std::string json_line(const Json& document) {
+  return printable_json(document.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
 }  // namespace isoextract::convert

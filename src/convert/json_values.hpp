@@ -35,7 +35,9 @@ template <class T>
 [[nodiscard]] Json json_of(const mesh::Topology& topology, const mesh::MeshSize& size);
 
 // A document as text. Names of files and grids may be in any encoding, JSON is UTF-8: every other byte becomes U+FFFD.
-// Numbers that are not finite become null.
+// Numbers that are not finite become null. A terminal that shows the text obeys nothing in it (printable_json()).
 [[nodiscard]] std::string json_text(const Json& document);
+// The same as one line without its end.
+[[nodiscard]] std::string json_line(const Json& document);
 
 }  // namespace isoextract::convert

@@ -33,7 +33,7 @@ Result<void> filter_field(const std::vector<FilterStep>& steps, const std::strin
     const std::string rounded =
         before == field.type() ? "" : fmt::format(", as {}", field::sample_type_name(field.type()));
     events.filtered(
-        {"filter", "filtered", samples.active_voxels, std::nullopt,
+        {WorkTopic::filter, WorkDone::filtered, samples.active_voxels, std::nullopt,
          fmt::format("the level set by {}{}: {} active voxels", text_of(step), rounded, samples.active_voxels)},
         watch.elapsed());
     if (auto go_on = context.check(); !go_on) return go_on;

@@ -124,7 +124,7 @@ Result<void> fit_normals(mesh::Mesh& mesh, const ConversionJob& job, const Sourc
   const auto copies = mesh::shade_by_triangles(mesh, options, source.label, context);
   if (!copies) return tl::unexpected(copies.error());
   events.shaded(iso,
-                {"normal_copies", "copied", *copies, before,
+                {WorkTopic::normal_copies, WorkDone::copied, *copies, before,
                  fmt::format("{} of {} vertices, for another normal on each side of a crease", *copies, before)},
                 watch.elapsed());
   return {};

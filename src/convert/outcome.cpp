@@ -83,14 +83,14 @@ Json json_of(const PlacedField& placed) {
 }
 
 Json json_of(const StageRecord& stage) {
-  Json json{{"stage", stage.stage}};
+  Json json{{"stage", word_of(stage.stage)}};
   if (stage.iso) json["iso"] = *stage.iso;
   json.update(json_of(stage.time));
   return json;
 }
 
 Json json_of(const WorkFact& fact) {
-  Json json{{"what", fact.what}, {"done", fact.done}};
+  Json json{{"what", word_of(fact.what)}, {"done", word_of(fact.done)}};
   if (fact.count) json["count"] = *fact.count;
   if (fact.total) json["total"] = *fact.total;
   json["text"] = fact.text;

@@ -5,12 +5,14 @@
 // optional member, a line in report_of, and an optional property of the schema.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "base/stopwatch.hpp"
+#include "base/words.hpp"
 #include "convert/attribute_source.hpp"
 #include "convert/conversion_job.hpp"
 #include "convert/iso_values.hpp"
@@ -51,10 +53,56 @@ struct InputFacts {
 
 [[nodiscard]] InputFacts input_facts(const std::string& path, const field::ScalarField& field);
 
+// The words are those of the report.
+enum class StageName {
+  open,
+  read,
+  particles_to_field,
+  read_attributes,
+  filter,
+  resample,
+  statistics,
+  classify,
+  compile,
+  upload,
+  count,
+  emit,
+  verify,
+  attributes,
+  pieces,
+  smooth,
+  simplify,
+  normals,
+  error,
+  mesh_facts,
+  write,
+};
+constexpr auto words_of(StageName /*type*/) {
+  return std::array{Word{StageName::open, "open"},
+                    Word{StageName::read, "read"},
+                    Word{StageName::particles_to_field, "particles to field"},
+                    Word{StageName::read_attributes, "read attributes"},
+                    Word{StageName::filter, "filter"},
+                    Word{StageName::resample, "resample"},
+                    Word{StageName::statistics, "statistics"},
+                    Word{StageName::classify, "classify"},
+                    Word{StageName::compile, "compile"},
+                    Word{StageName::upload, "upload"},
+                    Word{StageName::count, "count"},
+                    Word{StageName::emit, "emit"},
+                    Word{StageName::verify, "verify"},
+                    Word{StageName::attributes, "attributes"},
+                    Word{StageName::pieces, "pieces"},
+                    Word{StageName::smooth, "smooth"},
+                    Word{StageName::simplify, "simplify"},
+                    Word{StageName::normals, "normals"},
+                    Word{StageName::error, "error"},
+                    Word{StageName::mesh_facts, "mesh facts"},
+                    Word{StageName::write, "write"}};
+}
+
 struct StageRecord {
-  std::string stage;  // "open", "read", "particles to field", "read attributes", "filter", "resample", "classify",
-                      // "compile", "upload", "count", "emit", "verify", "attributes", "pieces", "smooth", "simplify",
-                      // "normals", "error", "mesh facts", "statistics", "write"
+  StageName stage = StageName::open;
   std::optional<double> iso;  // where the stage belongs to one surface
   StageTime time;
 };

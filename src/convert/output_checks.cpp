@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "convert/mesh_pieces.hpp"
 #include "convert/particle_source.hpp"
@@ -57,6 +58,7 @@ void add_read_files(files::ReadFiles& read, const ConversionJob& job) {
 
 void add_read_mesh(files::ReadFiles& read, const std::string& path, const Context& context) {
   read.add(path, "is the input");
+  if (files::is_standard_input(path)) return;  // data files lie beside a file
   const fs::path folder = fs::path(path).parent_path();
   for (const std::string& data : meshes::data_file_names(path, context)) {
     read.add(folder / data, fmt::format("holds the data of {}", path));
@@ -92,6 +94,11 @@ Result<void> check_other_file(const fs::path& file, const ConversionJob& job) {
   files::ReadFiles read;
   add_read_files(read, job);
   return check_output_file(file, read);
+}
+
+std::string first_and_last(const std::vector<std::string>& names) {
+  return names.size() < 3 ? fmt::format("{}", fmt::join(names, " and "))
+                          : fmt::format("{} to {}", names.front(), names.back());
 }
 
 Result<std::vector<std::string>> remove_old_meshes(const OutputFileJob& output, meshes::MeshFormat format,

@@ -27,6 +27,9 @@ namespace isoextract::convert {
                                                                  meshes::MeshFormat format,
                                                                  const files::ReadFiles& read, const Context& context);
 
+// "a and b", or "a to z" of more than two names, of which there is at least one.
+[[nodiscard]] std::string first_and_last(const std::vector<std::string>& names);
+
 // The input, those that hold its samples or attributes apart, and the job's others. What cannot be told of an input is
 // an error when it is read.
 void add_read_files(files::ReadFiles& read, const ConversionJob& job);

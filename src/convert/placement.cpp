@@ -206,12 +206,6 @@ Result<PlacedField> place_field(const field::ScalarField& field, const Placement
                             resolved.placement.scale),
                 Remedy::choose_scale);
   }
-  if (placement.turn_z_up_to_y_up && up_axis_of(field.creator) == UpAxis::y) {
-    placed.notes.push_back(
-        fmt::format("{}: {} made it, where y points up, and the mesh is turned as if z did: it stays upright where y "
-                    "is said to be up",
-                    field_label(field), printable(field.creator, kMaxShownUnit)));
-  }
   if (roi) {
     if (auto taken = take_region(field, *roi, closed, placed); !taken) return tl::unexpected(std::move(taken.error()));
   }

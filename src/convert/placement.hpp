@@ -96,9 +96,9 @@ struct PlacedField {
 };
 
 // Where the samples' axes are oblique to the box, surfaces are cut at it, unless they are closed there, which is done
-// along samples: then the box is that of the samples. A note tells of a field whose creator has another axis up than
-// it is turned by. Fails with ErrorKind::usage where an anatomical space or a unit is asked for and the file does not
-// say which one its world is, where the scale leads out of the range of numbers, and as samples_in_box does.
+// along samples: then the box is that of the samples. Fails with ErrorKind::usage where an anatomical space or a unit
+// is asked for and the file does not say which one its world is, where the scale leads out of the range of numbers, and
+// as samples_in_box does.
 [[nodiscard]] Result<PlacedField> place_field(const field::ScalarField& field, const Placement& placement,
                                               const std::optional<field::Box>& roi, bool closed);
 

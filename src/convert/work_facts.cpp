@@ -12,7 +12,7 @@ WorkFact bricks_left_out(const extract::ExtractStats& stats) {
   const std::uint64_t count = stats.bricks - stats.bricks_visited;
   const double percent =
       stats.bricks == 0 ? 0.0 : 100.0 * static_cast<double>(count) / static_cast<double>(stats.bricks);
-  return {"bricks", "left out", count, stats.bricks,
+  return {WorkTopic::bricks, WorkDone::left_out, count, stats.bricks,
           fmt::format("{} of {} bricks ({}), which the iso value does not cross ({:.1f} %)", count, stats.bricks,
                       stats.brick, percent)};
 }
@@ -27,13 +27,13 @@ std::string dense_text(const field::DenseSamples& samples) {
 std::vector<WorkFact> reading_facts(const field::ScalarField& field) {
   std::vector<WorkFact> facts;
   if (field.grids > 1) {
-    facts.push_back({"grids", "left out", field.grids - 1, field.grids,
+    facts.push_back({WorkTopic::grids, WorkDone::left_out, field.grids - 1, field.grids,
                      fmt::format("the other {} grids of the file, which were not read", field.grids - 1)});
   }
   const auto* dense = std::get_if<field::DenseSamples>(&field.samples);
   if (dense != nullptr && dense->file_backed) {
     const std::uint64_t bytes = dense->count() * field::sample_size(dense->type);
-    facts.push_back({"samples", "mapped", dense->count(), dense->count(),
+    facts.push_back({WorkTopic::samples, WorkDone::mapped, dense->count(), dense->count(),
                      fmt::format("{} samples, {}, which stay in the file and are not copied", dense->count(),
                                  format_byte_size(bytes))});
   }
@@ -43,7 +43,7 @@ std::vector<WorkFact> reading_facts(const field::ScalarField& field) {
 WorkFact attribute_fact(const VolumeAttribute& attribute) {
   const field::ScalarField& first = attribute.components.front();
   const auto* dense = std::get_if<field::DenseSamples>(&first.samples);
-  return {"attributes", "read", attribute.components.size(), std::nullopt,
+  return {WorkTopic::attributes, WorkDone::read, attribute.components.size(), std::nullopt,
           fmt::format("the attribute '{}' from {}: {}{}", printable(attribute.choice.name), first.name,
                       attribute.components.size() > 1 ? fmt::format("{} times ", attribute.components.size()) : "",
                       dense != nullptr ? dense_text(*dense)
@@ -56,20 +56,20 @@ std::vector<WorkFact> particle_facts(const points::FieldFigures& figures) {
   const std::string radius = !figures.radius_attribute.empty() ? ", the median of theirs"
                              : figures.radius_suggested        ? ", half the median distance to the nearest one"
                                                                : "";
-  facts.push_back({"particles", "made into a field", figures.particles, all,
+  facts.push_back({WorkTopic::particles, WorkDone::made_into_a_field, figures.particles, all,
                    fmt::format("{} particles of radius {:.6g}{}, by samples {:.6g} apart in {} bricks (8x8x8)",
                                figures.particles, figures.radius, radius, figures.spacing, figures.bricks_stored)});
   if (figures.particles_dropped > 0) {
-    facts.push_back({"particles_not_finite", "left out", figures.particles_dropped, all,
+    facts.push_back({WorkTopic::particles_not_finite, WorkDone::left_out, figures.particles_dropped, all,
                      fmt::format("{} of {} particles, at places that are no numbers", figures.particles_dropped, all)});
   }
   if (figures.particles_too_small > 0) {
-    facts.push_back({"particles_too_small", "left out", figures.particles_too_small, all,
+    facts.push_back({WorkTopic::particles_too_small, WorkDone::left_out, figures.particles_too_small, all,
                      fmt::format("{} of {} particles, of less radius than {} samples", figures.particles_too_small, all,
                                  points::kLeastSphere)});
   }
   if (figures.bricks_inside > 0 || figures.particles_left_out > 0) {
-    facts.push_back({"particles_inside", "left out", figures.particles_left_out, figures.particles,
+    facts.push_back({WorkTopic::particles_inside, WorkDone::left_out, figures.particles_left_out, figures.particles,
                      fmt::format("{} of {} particles, interior ones; {} bricks, which are inside as a whole",
                                  figures.particles_left_out, figures.particles, figures.bricks_inside)});
   }
@@ -80,10 +80,11 @@ WorkFact resolution_fact(const field::ScalarField& data, const field::ScalarFiel
   const auto& made = std::get<field::DenseSamples>(grid.samples);
   const auto* dense = std::get_if<field::DenseSamples>(&data.samples);
   if (dense != nullptr && dense->data == made.data) {
-    return {"resolution", "left out", std::nullopt, std::nullopt, "resampling: the data have that resolution"};
+    return {WorkTopic::resolution, WorkDone::left_out, std::nullopt, std::nullopt,
+            "resampling: the data have that resolution"};
   }
   const std::string before = dense != nullptr ? dense_text(*dense) : std::string("sparse samples");
-  return {"resolution", "resampled", made.count(), std::nullopt,
+  return {WorkTopic::resolution, WorkDone::resampled, made.count(), std::nullopt,
           fmt::format("{} to {}, {}", before, dense_text(made),
                       format_byte_size(made.count() * field::sample_size(made.type)))};
 }
@@ -92,53 +93,54 @@ std::vector<WorkFact> extraction_facts(const extract::ExtractStats& stats, const
                                        const AskedFor& asked) {
   std::vector<WorkFact> facts{bricks_left_out(stats)};
   if (stats.places_visited > 0) {
-    facts.push_back({"places", "visited", stats.places_visited, std::nullopt,
+    facts.push_back({WorkTopic::places, WorkDone::visited, stats.places_visited, std::nullopt,
                      fmt::format("{} places beside stored bricks", stats.places_visited)});
   }
-  facts.push_back({"samples", "compared", stats.samples_classified, std::nullopt,
+  facts.push_back({WorkTopic::samples, WorkDone::compared, stats.samples_classified, std::nullopt,
                    fmt::format("{} samples, each once, with the iso value", stats.samples_classified)});
   if (stats.device) {
     const extract::DeviceStats& device = *stats.device;
-    facts.push_back({"uploads", "uploaded", device.samples_uploaded, stats.samples_classified,
+    facts.push_back({WorkTopic::uploads, WorkDone::uploaded, device.samples_uploaded, stats.samples_classified,
                      fmt::format("{} samples of {}: those of bricks that the surface passes, and around them",
                                  device.samples_uploaded, stats.samples_classified)});
     if (const std::uint64_t bricks = device.bricks_uploaded + device.bricks_kept; bricks > 0) {
-      facts.push_back({"resident", "left out", device.bricks_kept, bricks,
+      facts.push_back({WorkTopic::resident, WorkDone::left_out, device.bricks_kept, bricks,
                        fmt::format("uploads of {} of {} bricks (8x8x8 samples), which are on the device since an "
                                    "extraction before; {} changed or are new there",
                                    device.bricks_kept, bricks, device.bricks_uploaded)});
     }
     facts.push_back(
-        {"decisions", "taken by the processor", device.cells_decided, std::nullopt,
+        {WorkTopic::decisions, WorkDone::taken_by_the_processor, device.cells_decided, std::nullopt,
          fmt::format("{} ambiguous cells, which need more digits than a shader has", device.cells_decided)});
   }
   if (stats.nan_samples > 0 && options.nan == extract::NanPolicy::hole) {
-    facts.push_back({"nan_samples", "left as holes", stats.nan_samples, std::nullopt,
+    facts.push_back({WorkTopic::nan_samples, WorkDone::left_as_holes, stats.nan_samples, std::nullopt,
                      fmt::format("{} samples that are not numbers", stats.nan_samples)});
-    facts.push_back({"hole_cells", "left out", stats.hole_cells, std::nullopt,
+    facts.push_back({WorkTopic::hole_cells, WorkDone::left_out, stats.hole_cells, std::nullopt,
                      fmt::format("{} cells that touch such a sample, and the inside", stats.hole_cells)});
   } else if (stats.nan_samples > 0) {
-    facts.push_back({"nan_samples", "taken as outside", stats.nan_samples, std::nullopt,
+    facts.push_back({WorkTopic::nan_samples, WorkDone::taken_as_outside, stats.nan_samples, std::nullopt,
                      fmt::format("{} samples that are not numbers", stats.nan_samples)});
   }
   if (options.region) {
     const glm::i64vec3 dims = options.region->dims();
     facts.push_back(
-        {"roi", "left out", std::nullopt, std::nullopt,
+        {WorkTopic::roi, WorkDone::left_out, std::nullopt, std::nullopt,
          fmt::format("what the region does not hold; it holds {} x {} x {} samples", dims.x, dims.y, dims.z)});
   }
   if (!options.smooth_normals && !asked.triangle_normals) {
-    facts.push_back({"normals", "left out", std::nullopt, std::nullopt, "normals, which nobody asked for"});
+    facts.push_back(
+        {WorkTopic::normals, WorkDone::left_out, std::nullopt, std::nullopt, "normals, which nobody asked for"});
   }
   if (!asked.error) {
-    facts.push_back({"error", "left out", std::nullopt, std::nullopt, "the error of the mesh"});
+    facts.push_back({WorkTopic::error, WorkDone::left_out, std::nullopt, std::nullopt, "the error of the mesh"});
   }
   if (options.method == extract::Method::voxels && options.voxel_faces == extract::VoxelFaces::rectangles) {
-    facts.push_back({"border_vertices", "left out", std::nullopt, std::nullopt,
+    facts.push_back({WorkTopic::border_vertices, WorkDone::left_out, std::nullopt, std::nullopt,
                      "vertices of rectangles within the sides of others, where the mesh is not closed edge by edge"});
   }
   if (!options.cap && stats.inside_at_border) {
-    facts.push_back({"caps", "left out", std::nullopt, std::nullopt,
+    facts.push_back({WorkTopic::caps, WorkDone::left_out, std::nullopt, std::nullopt,
                      stats.meets_border ? "caps where the surface leaves the data"
                                         : "caps around the data, all of whose border is inside"});
   }

@@ -2,20 +2,108 @@
 // the report lists them.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "base/words.hpp"
 #include "convert/attribute_source.hpp"
 #include "extract/extractor.hpp"
 #include "points/particle_field.hpp"
 
 namespace isoextract::convert {
 
+// The words are for programs that read the report: docs/report.schema.json lists them.
+enum class WorkTopic {
+  grids,
+  resolution,
+  bricks,
+  places,
+  samples,
+  attributes,
+  particles,
+  particles_not_finite,
+  particles_too_small,
+  particles_inside,
+  filter,
+  blur,
+  nan_samples,
+  hole_cells,
+  uploads,
+  resident,
+  decisions,
+  roi,
+  normals,
+  normal_copies,
+  error,
+  border_vertices,
+  caps,
+};
+constexpr auto words_of(WorkTopic /*type*/) {
+  return std::array{Word{WorkTopic::grids, "grids"},
+                    Word{WorkTopic::resolution, "resolution"},
+                    Word{WorkTopic::bricks, "bricks"},
+                    Word{WorkTopic::places, "places"},
+                    Word{WorkTopic::samples, "samples"},
+                    Word{WorkTopic::attributes, "attributes"},
+                    Word{WorkTopic::particles, "particles"},
+                    Word{WorkTopic::particles_not_finite, "particles_not_finite"},
+                    Word{WorkTopic::particles_too_small, "particles_too_small"},
+                    Word{WorkTopic::particles_inside, "particles_inside"},
+                    Word{WorkTopic::filter, "filter"},
+                    Word{WorkTopic::blur, "blur"},
+                    Word{WorkTopic::nan_samples, "nan_samples"},
+                    Word{WorkTopic::hole_cells, "hole_cells"},
+                    Word{WorkTopic::uploads, "uploads"},
+                    Word{WorkTopic::resident, "resident"},
+                    Word{WorkTopic::decisions, "decisions"},
+                    Word{WorkTopic::roi, "roi"},
+                    Word{WorkTopic::normals, "normals"},
+                    Word{WorkTopic::normal_copies, "normal_copies"},
+                    Word{WorkTopic::error, "error"},
+                    Word{WorkTopic::border_vertices, "border_vertices"},
+                    Word{WorkTopic::caps, "caps"}};
+}
+enum class WorkDone {
+  left_out,
+  read,
+  made_into_a_field,
+  filtered,
+  blurred,
+  resampled,
+  visited,
+  compared,
+  taken_as_outside,
+  left_as_holes,
+  uploaded,
+  taken_by_the_processor,
+  mapped,
+  copied,
+  rounded,
+};
+constexpr auto words_of(WorkDone /*type*/) {
+  return std::array{Word{WorkDone::left_out, "left out"},
+                    Word{WorkDone::read, "read"},
+                    Word{WorkDone::made_into_a_field, "made into a field"},
+                    Word{WorkDone::filtered, "filtered"},
+                    Word{WorkDone::blurred, "blurred"},
+                    Word{WorkDone::resampled, "resampled"},
+                    Word{WorkDone::visited, "visited"},
+                    Word{WorkDone::compared, "compared"},
+                    Word{WorkDone::taken_as_outside, "taken as outside"},
+                    Word{WorkDone::left_as_holes, "left as holes"},
+                    Word{WorkDone::uploaded, "uploaded"},
+                    Word{WorkDone::taken_by_the_processor, "taken by the processor"},
+                    Word{WorkDone::mapped, "mapped"},
+                    Word{WorkDone::copied, "copied"},
+                    Word{WorkDone::rounded, "rounded"}};
+}
+
 struct WorkFact {
-  std::string what;                    // "bricks", "grids", "normals", ...: for programs that read the report
-  std::string done;                    // "left out", "resampled", "visited", "compared", "taken as outside", ...
+  WorkTopic what = WorkTopic::bricks;
+  WorkDone done = WorkDone::left_out;
   std::optional<std::uint64_t> count;  // how many, where that is a number
   std::optional<std::uint64_t> total;  // out of how many
   std::string text;                    // the rest of the sentence: "12 of 64 bricks (...), which ..."

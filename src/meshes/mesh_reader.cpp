@@ -1,6 +1,7 @@
 #include "meshes/mesh_reader.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <charconv>
 #include <cmath>
@@ -14,6 +15,7 @@
 
 #include "base/checked.hpp"
 #include "base/hash.hpp"
+#include "base/no_memory.hpp"
 #include "mesh/local_origin.hpp"
 #include "meshes/detail/json_tree.hpp"
 #include "meshes/detail/placement_entry.hpp"
@@ -25,11 +27,43 @@ namespace {
 
 using Reader = FileSurface (*)(const MeshSource&);
 
-Reader reader_of(const MeshSource& source) {
-  const std::string_view text = source.text();
+// By the mark that content begins with; null where there is none.
+Reader reader_by_mark(std::string_view text) {
   if (text.starts_with("glTF")) return read_glb;
   if (text.starts_with("DRACO")) return read_drc;
   if (text.starts_with("ply\n") || text.starts_with("ply\r")) return read_ply;
+  return nullptr;
+}
+
+bool is_obj_text(std::string_view text) {
+  constexpr std::array<std::string_view, 8> kKeywords{"v", "vn", "vt", "o", "g", "s", "mtllib", "usemtl"};
+  TextScanner lines(text);
+  while (lines.next_line()) {
+    const std::string_view word = lines.word();
+    if (!word.empty() && !word.starts_with('#')) return std::ranges::find(kKeywords, word) != kKeywords.end();
+  }
+  return false;
+}
+
+// By what content without a mark begins with, for files whose name says nothing, such as standard input. `size` is that
+// of the whole file.
+Reader reader_by_beginning(std::string_view text, std::uint64_t size) {
+  constexpr std::size_t kStlHeader = 80;
+  constexpr std::uint64_t kStlTriangle = 50;
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  if (first != std::string_view::npos && text[first] == '{') return read_gltf;
+  std::uint32_t triangles = 0;
+  if (text.size() >= kStlHeader + sizeof(triangles)) {
+    std::memcpy(&triangles, text.data() + kStlHeader, sizeof(triangles));
+    if (size == kStlHeader + sizeof(triangles) + kStlTriangle * triangles) return read_stl;
+  }
+  if (text.starts_with("solid")) return read_stl;
+  return is_obj_text(text) ? read_obj : nullptr;
+}
+
+Reader reader_of(const MeshSource& source) {
+  const std::string_view text = source.text();
+  if (const Reader marked = reader_by_mark(text)) return marked;
   const auto by_extension = mesh_format_by_path(source.file.path());
   if (by_extension) {
     switch (*by_extension) {
@@ -40,6 +74,8 @@ Reader reader_of(const MeshSource& source) {
       case MeshFormat::gltf: return read_gltf;
       case MeshFormat::drc: return read_drc;
     }
+  } else if (const Reader found = reader_by_beginning(text, text.size())) {
+    return found;
   }
   throw DamagedMesh(
       fmt::format("expected a mesh (.glb, .gltf, .ply, .obj, .stl or .drc), found a file that starts with '{}'",
@@ -193,7 +229,8 @@ MeshFile read_file(const files::InputFile& file, const MeshReadOptions& options)
   if (!memory) throw DamagedMesh(memory.error().message, memory.error().hint);
   result.mesh.memory = std::move(*memory);
   result.normals = normals_of(surface);
-  result.mesh.name = file.path().filename().string();
+  const bool from_stdin = files::is_standard_input(file.path());
+  result.mesh.name = from_stdin ? file.name() : file.path().filename().string();
   result.format = surface.format;
   result.y_up = surface.y_up;
   result.is_ours = surface.is_ours;
@@ -205,6 +242,7 @@ MeshFile read_file(const files::InputFile& file, const MeshReadOptions& options)
 }  // namespace
 
 Result<MeshFile> read_mesh(const std::filesystem::path& path, const Context& context, const MeshReadOptions& options) {
+  const std::string name = files::shown_input_name(path);
   try {
     const auto file = files::InputFile::open(path, context);
     if (!file) return tl::unexpected(file.error());
@@ -213,13 +251,22 @@ Result<MeshFile> read_mesh(const std::filesystem::path& path, const Context& con
     return tl::unexpected(cancelled.error);
   } catch (const DamagedMesh& damage) {
     const std::string_view text = damage.what();
-    const bool named = text.starts_with(path.string());
-    return fail(ErrorKind::input, named ? std::string(text) : fmt::format("{}: {}", path.string(), text), damage.hint);
+    const bool named = text.starts_with(name);
+    return fail(ErrorKind::input, named ? std::string(text) : fmt::format("{}: {}", name, text), damage.hint);
   } catch (const std::bad_alloc&) {
-    return fail(ErrorKind::input, fmt::format("{}: not enough memory to read it", path.string()));
+    return tl::unexpected(no_memory(ErrorKind::input, fmt::format("{}: not enough memory to read it", name)));
   } catch (const std::exception& error) {
-    return fail(ErrorKind::input, fmt::format("{}: cannot be read: {}", path.string(), error.what()));
+    return fail(ErrorKind::input, fmt::format("{}: cannot be read: {}", name, error.what()));
   }
+}
+
+bool holds_mesh(const std::filesystem::path& path, const Context& context) {
+  constexpr std::size_t kBeginning = 4096;
+  const auto file = files::InputFile::open(path, context);
+  if (!file) return false;
+  std::string text(static_cast<std::size_t>(std::min<std::uint64_t>(file->size(), kBeginning)), '\0');
+  if (!file->read_at(0, std::as_writable_bytes(std::span(text)))) return false;
+  return reader_by_mark(text) != nullptr || reader_by_beginning(text, file->size()) != nullptr;
 }
 
 bool is_signed(const std::filesystem::path& path, const Context& context) {

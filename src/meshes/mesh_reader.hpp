@@ -64,16 +64,20 @@ struct MeshFile {
   std::vector<std::string> notes;  // what was left out, one sentence each; each starts with the file's name
 };
 
-// The format is found by content first, and by extension for OBJ, which has no mark. STL, and glTF without indices, are
-// triangles without connectivity (so is Draco's where no two triangles share a vertex): corners are welded where their
-// coordinates are equal (-0 is 0), whatever their attributes: those of the first corner are kept, and a note counts the
-// others.
+// The format is found by content first, and by extension for those without a mark (OBJ, STL, glTF as text); where the
+// name has no extension of a mesh, as that of standard input, by their first line too. STL, and glTF without indices,
+// are triangles without connectivity (so is Draco's where no two triangles share a vertex): corners are welded where
+// their coordinates are equal (-0 is 0), whatever their attributes: those of the first corner are kept, and a note
+// counts the others.
 //
 // Fails with ErrorKind::input: a file that cannot be read, is damaged, has coordinates that are not finite, indices of
 // vertices that are not there, or needs more memory than is left; or glTF that requires an extension which may change
 // its triangles and is not read. The mesh keeps its part reserved. A file without triangles is no error.
 [[nodiscard]] Result<MeshFile> read_mesh(const std::filesystem::path& path, const Context& context = Context(),
                                          const MeshReadOptions& options = {});
+
+// Returns whether the file begins as a mesh of one of the formats does, whatever its name is. PLY may hold particles.
+[[nodiscard]] bool holds_mesh(const std::filesystem::path& path, const Context& context = Context());
 
 // Whether the file's beginning says that isoextract wrote it, without reading the mesh. STL as text never does, nor
 // does what cannot be read.

@@ -4,6 +4,7 @@ import json
 import math
 import re
 import struct
+import subprocess
 import sys
 
 from support import INSTALL, SOURCE, SPHERE, ProgramTest, main, read_ply
@@ -49,6 +50,34 @@ class CheckTest(ProgramTest):
             self.assertEqual(report["unit"], "m" if extension in ("glb", "gltf") else None)
             self.assertTrue(all(one["met"] for one in report["required"]))
             self.assertEqual(len(report["required"]), 9)
+
+    def test_a_mesh_from_stdin(self):
+        """Its content says which format it is, from a pipe as from a file; the figures are those of the file."""
+        for extension, *options in (("glb",), ("ply",), ("ply", "--ascii"), ("obj",), ("stl",), ("stl", "--ascii"), ("drc",)):
+            name = f"sphere.{extension}"
+            self.convert(SPHERE, "--iso", 0, "-o", name, *options)
+            expected = {**self.json(name), "file": "standard input"}
+            with (self.folder / name).open("rb") as file:
+                self.assertEqual(json.loads(self.convert("check", "-", "--json", stdin=file).text), expected, name)
+            with subprocess.Popen(["cat", self.folder / name], stdout=subprocess.PIPE) as pipe:
+                run = self.convert("check", "-", "--report", "r.json", stdin=pipe.stdout)
+            self.assertTrue(run.text.startswith("standard input\n"), run.text)
+            self.assertEqual(json.loads((self.folder / "r.json").read_text()), expected)
+        (self.folder / "faces.obj").write_text("# by hand\n\no one\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+        with (self.folder / "faces.obj").open("rb") as file:
+            self.assert_fails_after_report(self.run_program("check", "-", "--require", "closed", stdin=file))
+        for content, part in ((b"1 2 3\n", "standard input: expected a mesh (.glb"), (b"", "standard input: it is empty"),
+                              (b'{"asset": {"version": "2.0"}, "buffers": [{"uri": "a.bin", "byteLength": 4}], "bufferViews": '
+                               b'[{"buffer": 0, "byteLength": 4}], "accessors": [{"bufferView": 0, "componentType": 5126, "count": '
+                               b'1, "type": "SCALAR"}], "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "nodes": '
+                               b'[{"mesh": 0}], "scenes": [{"nodes": [0]}]}', "standard input: names the data file 'a.bin', which")):
+            (self.folder / "in").write_bytes(content)
+            with (self.folder / "in").open("rb") as file:
+                self.assert_fails(2, self.run_program("check", "-", stdin=file), part)
+
+    def assert_fails_after_report(self, run):
+        self.assertEqual(run.code, 6, run.err)
+        self.assertIn("isoextract: error: standard input: it is not closed", run.err)
 
     def test_normals_in_every_format(self):
         """Of facets, of vertices, and of corners whose vertices were welded."""
@@ -105,7 +134,6 @@ class CheckTest(ProgramTest):
         self.write_obj("cube.obj", CUBE, FACES)
         self.assert_fails(1, self.run_program("check"), "check takes one mesh, found 0")
         self.assert_fails(1, self.run_program("check", "a.ply", "b.ply"), "found 2: a.ply, b.ply")
-        self.assert_fails(1, self.run_program("check", "-"), "stdin")
         self.assert_fails(1, self.run_program("check", "cube.obj", "--require", "close"), "expected some of closed, ", "'closed'?")
         self.assert_fails(1, self.run_program("check", "cube.obj", "--require", ""), "found ''")
         self.assert_fails(1, self.run_program("check", "cube.obj", "--report", "cube.obj"), "cube.obj")

@@ -4,7 +4,7 @@ import gzip
 import json
 import struct
 
-from support import DATA, ProgramTest, main, needs_data, read_glb, read_ply
+from support import DATA, SPHERE, ProgramTest, main, needs_data, read_glb, read_ply
 
 DIMS = (3, 4, 5)
 SPIKE = (1, 2, 3)
@@ -296,15 +296,72 @@ class FramesTest(ProgramTest):
 class CreatorTest(ProgramTest):
     """Houdini's volumes are y up, and say who made them."""
 
+    ADVICE = r"note: {}\.vdb\[density\]: Houdini/SOP_OpenVDB_Write made it, where y points up, and z is taken: {}; add --up y\n"
+
+    def setUp(self):
+        super().setUp()
+        for name in ("smoke.vdb", "f_1.vdb", "f_2.vdb"):
+            (self.folder / name).symlink_to(DATA / "vdb" / "smoke.vdb")
+
+    def advice(self, consequence, name="smoke"):
+        return self.ADVICE.format(name, consequence)
+
     @needs_data("vdb/smoke.vdb")
-    def test_houdini(self):
-        smoke = DATA / "vdb" / "smoke.vdb"
-        self.assertIn("creator       Houdini/SOP_OpenVDB_Write; y is up there, which --up y tells",
-                      self.convert("info", smoke).text)
-        run = self.convert(smoke, "--iso", 2, "-o", "smoke.glb")
-        self.assertIn("made it, where y points up, and the mesh is turned as if z did", run.err)
-        for options in (("--up", "y", "-o", "smoke.glb"), ("-o", "smoke.ply"), ("--space", "index", "-o", "smoke.glb")):
-            self.assertNotIn("where y points up", self.convert(smoke, "--iso", 2, *options).err)
+    def test_info_names_the_option_and_suggests_it(self):
+        text = self.convert("info", "smoke.vdb").text
+        self.assertIn("creator       Houdini/SOP_OpenVDB_Write; y points up in it: add --up y\n", text)
+        self.assertRegex(text, r"\n  isoextract smoke\.vdb --up y --iso \S+ -o smoke\.glb\n")
+        suggested = json.loads(self.convert("info", "smoke.vdb", "--json").text)[0]["field"]["suggestion"]["command"]
+        self.assertIn(" --up y ", suggested)
+        run = self.convert(*suggested.split()[1:])
+        self.assertNotIn("--up", run.err)
+        self.assertNotIn("--up", self.convert("info", SPHERE).text)
+
+    @needs_data("vdb/smoke.vdb")
+    def test_meshes_and_pictures_that_lie_on_their_side_are_told(self):
+        coarse = ("smoke.vdb", "--iso", 2, "--resolution", 32)
+        for consequence, *options in (("the mesh lies on its side", "-o", "a.glb"),
+                                      ("the mesh lies on its side", "-o", "a.ply", "--up-out", "y"),
+                                      ("the picture shows it on its side", "-o", "a.png", "--size", "64x48"),
+                                      ("--html shows it on its side", "-o", "a.ply", "--html", "a.html"),
+                                      ("--contact-sheet shows it on its side", "-o", "b.ply", "--contact-sheet", "b.png")):
+            with self.subTest(options=options):
+                run = self.convert(*coarse, *options, "--report", "r.json")
+                self.assertRegex(run.err, self.advice(consequence))
+                self.assertEqual(sum("add --up y" in note for note in json.loads((self.folder / "r.json").read_text())["notes"]), 1)
+                upright = self.convert(*coarse, *options, "--up", "y")
+                self.assertNotIn("--up", upright.err)
+                self.assertNotIn("made it", self.convert(*coarse, *options, "--up", "z").err)
+        self.convert(*coarse, "-o", "a.ply", "--html", "a.html")
+        self.assertIn("add --up y", (self.folder / "a.html").read_text())
+        for options in (("-o", "a.ply"), ("--space", "index", "-o", "a.glb")):
+            self.assertNotIn("made it", self.convert(*coarse, *options).err)
+
+    @needs_data("vdb/smoke.vdb")
+    def test_a_batch_tells_it_once(self):
+        run = self.convert("f_{}.vdb", "--iso", 2, "--resolution", 32, "-o", "f_{}.glb", "--jobs", 2)
+        self.assertRegex(run.err, self.advice("the mesh lies on its side", "f_[12]"))
+        self.assertEqual(run.err.count("add --up y"), 1)
+        quiet = self.convert("f_{}.vdb", "--iso", 2, "--resolution", 32, "--up", "y", "-o", "f_{}.glb")
+        self.assertNotIn("--up", quiet.err)
+
+    @needs_data("vdb/smoke.vdb")
+    def test_render(self):
+        small = ("--size", "48x32", "--backend", "cpu", "-o", "a.png")
+        for options in ((), ("--iso", 2, "--tf", "none"), ("--iso", 2)):
+            run = self.convert("render", "smoke.vdb", *options, *small)
+            self.assertRegex(run.err, self.advice("the picture shows it on its side"))
+            self.assertNotIn("--up", self.convert("render", "smoke.vdb", *options, *small, "--up", "y").err)
+        run = self.convert("render", "f_{}.vdb", "--size", "48x32", "--backend", "cpu", "-o", "p_{}.png")
+        self.assertEqual(run.err.count("add --up y"), 1)
+
+    def test_render_draws_meshes_with_the_axis_that_is_asked_for(self):
+        self.convert("demo:torus?size=24", "--iso", 0, "--up", "y", "-o", "y.glb")
+        cameras = []
+        for options in ((), ("--up", "y"), ("--up", "z")):
+            self.convert("render", "y.glb", *options, "--size", "32x32", "-o", "a.png", "--json", "a.json")
+            cameras.append(json.loads((self.folder / "a.json").read_text())["pictures"][0]["camera"]["up"])
+        self.assertEqual([max(range(3), key=lambda axis: up[axis]) for up in cameras], [1, 1, 2])
 
 
 if __name__ == "__main__":

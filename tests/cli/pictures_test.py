@@ -176,6 +176,18 @@ class PageTest(PicturesTest):
         self.assertEqual(len(triangles), 3)
         self.assertEqual(triangles, sorted(triangles))
 
+    def test_long_names_are_not_cut(self):
+        name = "an/" * 3 + "input_with_a_long_name_" * 6 + ".raw"
+        (self.folder / "an/an/an").mkdir(parents=True)
+        self.write_raw("a.raw", (8, 8, 8), lambda x, y, z: x - 2.5).rename(self.folder / name)
+        self.convert(name, "--dims", "8x8x8", "--dtype", "f32", "--iso", "0", "-o", "out.ply", "--html", "page.html")
+        text = (self.folder / "page.html").read_text()
+        self.assertIn(name, text)
+        for rule in ("pre{[^}]*white-space:pre-wrap", r"td.words:not\(:first-child\){overflow-wrap:anywhere"):
+            self.assertRegex(text, rule)
+        for table in re.finditer("<table", text):
+            self.assertTrue(text[:table.start()].rstrip().endswith('<div class="scroll">'), text[table.start() - 60:table.start()])
+
     @needs_program("gnuplot")
     def test_frames_that_failed_are_on_the_page(self):
         arguments = self.frames(3)
@@ -183,8 +195,81 @@ class PageTest(PicturesTest):
         run = self.run_program(*arguments, "-o", "m_{:02}.glb", "--html", "page.html")
         self.assertEqual(run.code, 5, run.err)
         page = self.page("page.html")
-        self.assertEqual(len(page.images), 2)
+        self.assertEqual(len(page.images), 3)  # that of the frame that failed says so
         self.assertIn("failed: ", page.words)
+        text = (self.folder / "page.html").read_text()
+        self.assertEqual(len(re.findall(r"<svg.*?>failed</text>", text, re.DOTALL)), 1)  # in the key of the plot
+        self.convert_failing(*arguments, "-o", "n_{:02}.ply", "--contact-sheet", "all.png")
+        self.assertGreater(self.ink(self.png("all.png"), 1), 100)  # words where the mesh would be
+
+    def convert_failing(self, *arguments):
+        run = self.run_program(*arguments)
+        self.assertEqual(run.code, 5, run.err)
+        return run
+
+    def ink(self, sheet, n):
+        """Dark pixels in the middle of the n-th picture of a sheet."""
+        columns = sheet.width // 324
+        x0, y0 = 4 + n % columns * 324 + 60, 4 + n // columns * ((sheet.height - 4) // -(-3 // columns)) + 100
+        return sum(max(sheet.pixel(x0 + x, y0 + y)) < 60 for y in range(40) for x in range(200))
+
+    def open_frames(self, count):
+        """Planes, which leave the data: no mesh is closed."""
+        for frame in range(count):
+            self.write_raw(f"p_{frame}.raw", (8, 8, 8), lambda x, y, z, frame=frame: x - 2.5 - 0.5 * frame)
+        return "p_{}.raw", "--dims", "8x8x8", "--dtype", "f32"
+
+    @needs_program("gnuplot")
+    def test_figures_that_no_frame_has(self):
+        frames = self.open_frames(3)
+        nothing = ">no surface is closed: none has a volume<"
+        for name in ("page.html", "plot.svg"):
+            option = "--html" if name == "page.html" else "--plot"
+            with self.subTest(option):
+                self.convert(*frames, "--iso", "0", "-o", "m_{}.ply", option, name)
+                self.assertEqual((self.folder / name).read_text().count(nothing), 1)
+                skipped = self.convert(*frames, "--iso", "99", "--empty", "skip", "-o", "m_{}.ply", option, name)
+                self.assertNotIn("gnuplot", skipped.err)
+                for words in (">no frame has a surface<", nothing):
+                    self.assertIn(words, (self.folder / name).read_text())
+                failed = self.convert_failing(*frames, "--iso", "99", "-o", "m_{}.ply", option, name)
+                self.assertNotIn("gnuplot", failed.err)
+                self.assertIn(">no frame has a surface<", (self.folder / name).read_text())
+                self.assertIn(">failed<", (self.folder / name).read_text())
+        self.convert(*frames, "--iso", "0", "-o", "m_{}.ply", "--plot", "plot.png")
+        self.assertGreater(self.png("plot.png").width, 800)
+
+    def svg_texts(self, name):
+        """Place, size and content of the words of a picture by gnuplot."""
+        text = (self.folder / name).read_text()
+        found = re.findall(r'<g transform="translate\(([\d.]+),([\d.]+)\)(?: rotate\(([-\d.]+)\))?"[^>]*font-size="([\d.]+)"'
+                           r'[^>]*text-anchor="(\w+)"[^>]*>\s*<text>(.*?)</text>', text, re.DOTALL)
+        words = []
+        for x, y, turn, size, anchor, content in found:
+            content = re.sub(r"<.*?>", "", content)
+            width, height = 0.6 * float(size) * len(content), float(size)
+            x, y = float(x), float(y)
+            if turn and float(turn) != 0:
+                words.append((content, x - height, y - width / 2, x, y + width / 2))
+            else:
+                left = {"start": x, "middle": x - width / 2, "end": x - width}[anchor]
+                words.append((content, left, y - height, left + width, y))
+        return words
+
+    @needs_program("gnuplot")
+    def test_words_of_plots_do_not_overlap(self):
+        for frame in range(12):
+            self.write_raw(f"q_{frame}.raw", (12, 12, 12), lambda x, y, z, frame=frame: 30000 *
+                           (5.7 - 0.1 * frame - ((x - 5.5)**2 + (y - 5.5)**2 + (z - 5.5)**2)**0.5))
+        self.convert("q_{}.raw", "--dims", "12x12x12", "--dtype", "f32", "--spacing", "1000,1000,1000", "--iso", "0", "--iso",
+                     "30000", "--iso", "60000.5", "-o", "m_{}.glb", "--plot", "plot.svg")
+        words = self.svg_texts("plot.svg")
+        self.assertGreater(len(words), 20)
+        self.assertEqual(sum(content == "iso 60000.5" for content, *_ in words), 1)
+        for i, (first, *a) in enumerate(words):
+            for second, *b in words[:i]:
+                apart = a[2] <= b[0] or b[2] <= a[0] or a[3] <= b[1] or b[3] <= a[1]
+                self.assertTrue(apart, f"{first} at {a} and {second} at {b}")
 
     def test_names_of_the_page_are_checked(self):
         shutil.copy(self.write_raw("a.raw", (4, 4, 4), lambda x, y, z: x), self.folder / "b.raw")

@@ -63,6 +63,26 @@ class RenderTest(ProgramTest):
         both = self.picture(SPHERE, "sphere.ply", "--opacity", "0.5", "--shading", "flat")
         self.assertEqual(both.shape, (32, 48, 4))
 
+    def test_stdin_is_a_mesh_or_a_volume(self):
+        for extension in ("glb", "ply", "obj", "stl", "drc"):
+            name = f"ball.{extension}"
+            self.convert(SPHERE, "--iso", 0, "-o", name)
+            self.picture(name)
+            expected = (self.folder / "out.png").read_bytes()
+            with (self.folder / name).open("rb") as file:
+                run = self.convert("render", "-", *SMALL, "-o", "piped.png", stdin=file)
+            self.assertIn("standard input -> piped.png: ", run.err)
+            self.assertEqual((self.folder / "piped.png").read_bytes(), expected, name)
+        volume = self.write_raw("v.raw", (12, 12, 12), lambda x, y, z: x - 5.5)
+        described = ("--dims", "12,12,12", "--dtype", "f32")
+        self.picture("v.raw", *described, name="v.png")
+        with volume.open("rb") as file:
+            self.convert("render", "-", *described, *SMALL, "-o", "piped.png", stdin=file)
+        self.assertEqual((self.folder / "piped.png").read_bytes(), (self.folder / "v.png").read_bytes())
+        with (self.folder / "ball.glb").open("rb") as file:
+            self.convert("render", "v.raw", "-", *described, *SMALL, "-o", "both.png", stdin=file)
+        self.assertNotEqual((self.folder / "both.png").read_bytes(), (self.folder / "v.png").read_bytes())
+
     def test_colours_and_opacity_of_surfaces(self):
         options = ("--tf", "none", "--iso", "-0.2", "--iso", "0.2", "--color-by", "iso")
         seen = self.picture("demo:sphere?size=24", *options)

@@ -10,41 +10,41 @@ void Recorder::note(const std::string& text) {
 void Recorder::opened(const extract::Extractor& extractor, const StageTime& time) {
   outcome_.backend = extractor.name();
   outcome_.device = extractor.device();
-  if (outcome_.backend == word_of(Backend::gpu)) outcome_.stages.push_back({"open", std::nullopt, time});
+  if (outcome_.backend == word_of(Backend::gpu)) outcome_.stages.push_back({StageName::open, std::nullopt, time});
   listener_.opened(extractor, time);
 }
 
 void Recorder::read(const std::string& input, const field::ScalarField& field, const StageTime& time) {
-  outcome_.stages.push_back({"read", std::nullopt, time});
+  outcome_.stages.push_back({StageName::read, std::nullopt, time});
   outcome_.input = input_facts(input, field);
   listener_.read(input, field, time);
 }
 
 void Recorder::made_field(const ParticleRecord& record) {
-  outcome_.stages.push_back({"particles to field", std::nullopt, record.time});
+  outcome_.stages.push_back({StageName::particles_to_field, std::nullopt, record.time});
   outcome_.particles = record;
   listener_.made_field(record);
 }
 
 void Recorder::filtered(const WorkFact& fact, const StageTime& time) {
-  outcome_.stages.push_back({"filter", std::nullopt, time});
+  outcome_.stages.push_back({StageName::filter, std::nullopt, time});
   outcome_.work.push_back(fact);
   listener_.filtered(fact, time);
 }
 
 void Recorder::resolved(const std::vector<ResolvedIso>& isos, const std::optional<StageTime>& time) {
-  if (time) outcome_.stages.push_back({"statistics", std::nullopt, *time});
+  if (time) outcome_.stages.push_back({StageName::statistics, std::nullopt, *time});
   outcome_.isos = isos;
   listener_.resolved(isos, time);
 }
 
 void Recorder::read_attributes(const StageTime& time) {
-  outcome_.stages.push_back({"read attributes", std::nullopt, time});
+  outcome_.stages.push_back({StageName::read_attributes, std::nullopt, time});
   listener_.read_attributes(time);
 }
 
 void Recorder::resampled(const field::ScalarField& grid, const WorkFact& fact, const StageTime& time) {
-  outcome_.stages.push_back({"resample", std::nullopt, time});
+  outcome_.stages.push_back({StageName::resample, std::nullopt, time});
   outcome_.work.push_back(fact);
   listener_.resampled(grid, fact, time);
 }
@@ -61,44 +61,44 @@ void Recorder::placed(const PlacedField& placed) {
 
 void Recorder::extracted(const ExtractedSurface& surface) {
   const extract::ExtractStats& stats = surface.stats;
-  outcome_.stages.push_back({"classify", surface.iso, stats.classify});
+  outcome_.stages.push_back({StageName::classify, surface.iso, stats.classify});
   if (stats.device) {
-    outcome_.stages.push_back({"compile", surface.iso, stats.device->compile});
-    outcome_.stages.push_back({"upload", surface.iso, stats.device->upload});
+    outcome_.stages.push_back({StageName::compile, surface.iso, stats.device->compile});
+    outcome_.stages.push_back({StageName::upload, surface.iso, stats.device->upload});
     outcome_.bytes_uploaded += stats.device->bytes_uploaded;
   }
-  outcome_.stages.push_back({"count", surface.iso, stats.count});
-  outcome_.stages.push_back({"emit", surface.iso, stats.emit});
+  outcome_.stages.push_back({StageName::count, surface.iso, stats.count});
+  outcome_.stages.push_back({StageName::emit, surface.iso, stats.emit});
   outcome_.extractions.push_back({surface.iso, surface.asked, surface.triangles, surface.work});
   listener_.extracted(surface);
 }
 
 void Recorder::verified(const VerificationRecord& record) {
-  outcome_.stages.push_back({"verify", record.iso, record.time});
+  outcome_.stages.push_back({StageName::verify, record.iso, record.time});
   outcome_.verifications.push_back(record);
   listener_.verified(record);
 }
 
 void Recorder::carried(const CarriedAttributes& attributes) {
-  outcome_.stages.push_back({"attributes", attributes.iso, attributes.time});
+  outcome_.stages.push_back({StageName::attributes, attributes.iso, attributes.time});
   outcome_.attributes.insert(outcome_.attributes.end(), attributes.attributes.begin(), attributes.attributes.end());
   listener_.carried(attributes);
 }
 
 void Recorder::picked(const PieceRecord& record) {
-  outcome_.stages.push_back({"pieces", record.iso, record.facts.time});
+  outcome_.stages.push_back({StageName::pieces, record.iso, record.facts.time});
   outcome_.pieces.push_back(record);
   listener_.picked(record);
 }
 
 void Recorder::smoothed(const SmoothRecord& record) {
-  outcome_.stages.push_back({"smooth", record.iso, record.facts.time});
+  outcome_.stages.push_back({StageName::smooth, record.iso, record.facts.time});
   outcome_.smoothings.push_back(record);
   listener_.smoothed(record);
 }
 
 void Recorder::simplified(const MeshSimplification& simplification) {
-  outcome_.stages.push_back({"simplify", simplification.iso, simplification.facts.time});
+  outcome_.stages.push_back({StageName::simplify, simplification.iso, simplification.facts.time});
   outcome_.simplifications.push_back(simplification);
   listener_.simplified(simplification);
 }
@@ -109,13 +109,13 @@ void Recorder::coloured(const ColourRecord& record) {
 }
 
 void Recorder::shaded(double iso, const WorkFact& fact, const StageTime& time) {
-  outcome_.stages.push_back({"normals", iso, time});
+  outcome_.stages.push_back({StageName::normals, iso, time});
   outcome_.work.push_back(fact);
   listener_.shaded(iso, fact, time);
 }
 
 void Recorder::measured(const MeshError& error, const StageTime& time) {
-  outcome_.stages.push_back({"error", error.iso, time});
+  outcome_.stages.push_back({StageName::error, error.iso, time});
   listener_.measured(error, time);
 }
 
@@ -125,20 +125,20 @@ void Recorder::packed(const MeshPackingRecord& record) {
 }
 
 void Recorder::written(const WrittenOutput& output) {
-  if (!output.isos.empty()) outcome_.stages.push_back({"write", std::nullopt, output.time});
+  if (!output.isos.empty()) outcome_.stages.push_back({StageName::write, std::nullopt, output.time});
   outcome_.files.insert(outcome_.files.end(), output.files.begin(), output.files.end());
   listener_.written(output);
 }
 
 void Recorder::wrote_field(const WrittenField& field) {
-  outcome_.stages.push_back({"write", std::nullopt, field.time});
+  outcome_.stages.push_back({StageName::write, std::nullopt, field.time});
   outcome_.work.insert(outcome_.work.end(), field.work.begin(), field.work.end());
   outcome_.files.push_back({field.job.path, field.bytes});
   listener_.wrote_field(field);
 }
 
 void Recorder::recorded(const std::vector<MeshRecord>& meshes, const StageTime& time) {
-  outcome_.stages.push_back({"mesh facts", std::nullopt, time});
+  outcome_.stages.push_back({StageName::mesh_facts, std::nullopt, time});
   outcome_.meshes.insert(outcome_.meshes.end(), meshes.begin(), meshes.end());
   listener_.recorded(meshes, time);
 }

@@ -92,8 +92,8 @@ Result<KeptInput> KeptInput::take(int descriptor, const Context& context) {
   struct stat status {};
   if (::fstat(descriptor, &status) != 0) return cannot_read(errno);
   if (::isatty(descriptor) == 1) {
-    return fail(ErrorKind::usage, fmt::format("{} is a terminal, from which no volume comes", kStandardInputName),
-                "pipe a volume into it, or give the path of a file");
+    return fail(ErrorKind::usage, fmt::format("{}: expected a pipe or a file, found a terminal", kStandardInputName),
+                "pipe a file into it, or give the path of a file");
   }
   // Only from its start: what somebody has read already is not meant.
   if (S_ISREG(status.st_mode) && ::lseek(descriptor, 0, SEEK_CUR) == 0) {

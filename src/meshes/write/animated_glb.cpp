@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "base/printable_json.hpp"
 #include "meshes/write/glb_container.hpp"
 
 namespace isoextract::meshes {
@@ -68,7 +69,7 @@ Result<bool> AnimatedGlb::add(const std::string& name, std::span<const GltfPart>
   bool fits = false;
   std::uint64_t json_of_frame = 0;
   model.take([&](const nlohmann::json& document) {
-    json_of_frame = document.dump().size();
+    json_of_frame = printable_json(document.dump()).size();
     fits = bytes_with(json_.bytes() + json_of_frame, model.binary_bytes(), keys_.size() + 1) <= largest_;
     if (fits) json_.add(document);
   });

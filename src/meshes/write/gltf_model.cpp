@@ -9,6 +9,7 @@
 #include <tbb/parallel_reduce.h>
 #include <nlohmann/json.hpp>
 
+#include "base/printable_json.hpp"
 #include "base/version.hpp"
 #include "meshes/detail/json_tree.hpp"
 #include "meshes/detail/placement_entry.hpp"
@@ -159,7 +160,7 @@ std::string GltfModel::json(const std::string& uri, int indent, Notes& notes) {
   }
   describe_packed_views(document);
   if (const nlohmann::json unpacked = unpacked_buffer(); !unpacked.is_null()) document["buffers"].push_back(unpacked);
-  return document.dump(indent);
+  return printable_json(document.dump(indent));
 }
 
 int GltfModel::material(const GltfPart& part) {

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "base/printable_json.hpp"
+
 namespace isoextract::meshes {
 namespace {
 
@@ -17,12 +19,12 @@ void JsonLists::add(const nlohmann::json& document) {
     if (!value.is_array()) {
       const auto [other, is_new] = others_.try_emplace(name);
       if (!is_new) continue;
-      other->second = value.dump();
+      other->second = printable_json(value.dump());
       bytes_ += bytes_around(name) + other->second.size();
       continue;
     }
     for (const nlohmann::json& entry : value) {
-      const std::string text = entry.dump();
+      const std::string text = printable_json(entry.dump());
       const auto list = lists_.find(name);
       const bool is_there =
           entry.is_string() && list != lists_.end() && list->second.text.find(text) != std::string::npos;

@@ -261,7 +261,7 @@ TEST_F(ConversionTest, CapsAreLeftOutWhereThereIsSomethingToCap) {
     ConversionJob one = job(input, 0, "a.ply");
     one.surface.cap = cap;
     const std::vector<WorkFact> work = run(one).extractions.at(0).work;
-    return std::ranges::any_of(work, [](const WorkFact& fact) { return fact.what == "caps"; });
+    return std::ranges::any_of(work, [](const WorkFact& fact) { return fact.what == WorkTopic::caps; });
   };
   EXPECT_FALSE(tells_of_caps("demo:sphere?size=16", false));
   EXPECT_TRUE(tells_of_caps("demo:gyroid?size=16", false));
@@ -292,7 +292,7 @@ TEST_F(ConversionTest, RecordsEverySurfaceOfAFile) {
   const Outcome outcome = run(several(meshes::MeshFormat::obj, {0, 0.5}));
   ASSERT_EQ(outcome.meshes.size(), 2U);
   std::vector<std::string> stages;
-  for (const StageRecord& stage : outcome.stages) stages.push_back(stage.stage);
+  for (const StageRecord& stage : outcome.stages) stages.emplace_back(word_of(stage.stage));
   const std::vector<std::string> once{"classify", "count", "emit"};
   std::vector<std::string> expected{"read"};
   for (int surface = 0; surface < 2; ++surface) expected.insert(expected.end(), once.begin(), once.end());

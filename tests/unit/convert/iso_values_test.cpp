@@ -169,7 +169,7 @@ TEST_F(IsoConversionTest, NumbersAskNothing) {
   const Outcome outcome = run({0, 0.5});
   ASSERT_TRUE(outcome.done());
   EXPECT_TRUE(outcome.isos.empty());
-  for (const StageRecord& stage : outcome.stages) EXPECT_NE(stage.stage, "statistics");
+  for (const StageRecord& stage : outcome.stages) EXPECT_NE(stage.stage, StageName::statistics);
 }
 
 }  // namespace

@@ -1,0 +1,24 @@
+#include "cli/up_axis_note.hpp"
+
+#include <fmt/format.h>
+
+#include "base/printable.hpp"
+#include "convert/field_label.hpp"
+
+namespace isoextract::cli {
+namespace {
+
+constexpr std::size_t kMaxShownCreator = 40;  // bytes
+
+}  // namespace
+
+std::optional<std::string> up_axis_note(const field::ScalarField& field, convert::UpAxis up,
+                                        std::string_view consequence) {
+  const auto made_with = convert::up_axis_of(field.creator);
+  if (!made_with || *made_with == up) return std::nullopt;
+  return fmt::format("{}: {} made it, where {} points up, and {} is taken: {}; add --up {}",
+                     convert::field_label(field), printable(field.creator, kMaxShownCreator), word_of(*made_with),
+                     word_of(up), consequence, word_of(*made_with));
+}
+
+}  // namespace isoextract::cli

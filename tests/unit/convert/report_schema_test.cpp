@@ -1,0 +1,161 @@
+// The schemas in docs list the words of the code's enums: all of them, and no others.
+#include <fstream>
+#include <map>
+#include <set>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "convert/outcome.hpp"
+#include "measure/mesh_requirement.hpp"
+#include "measure/shells.hpp"
+
+namespace isoextract::convert {
+namespace {
+
+using Words = std::set<Json>;
+
+template <class E>
+Words words(std::initializer_list<Json> others = {}) {
+  Words all(others);
+  for (const auto& entry : words_of(E{})) all.insert(entry.word);
+  return all;
+}
+
+Words kinds_of_errors() {
+  Words all;
+  // A frame's own report never says that frames failed.
+  for (const ErrorKind kind : {ErrorKind::usage, ErrorKind::input, ErrorKind::unavailable, ErrorKind::output,
+                               ErrorKind::verification, ErrorKind::cancelled}) {
+    all.insert(json_of(Error{kind, "", {}})["kind"]);
+  }
+  return all;
+}
+
+Words reasons_of_errors() {
+  Words all;
+  for (const Reason reason : {Reason::other, Reason::empty_grid, Reason::no_surface}) {
+    all.insert(json_of(Error{ErrorKind::input, "", {}, reason})["reason"]);
+  }
+  return all;
+}
+
+Words kind_names() { return {kind_name(field::FieldKind::level_set), kind_name(field::FieldKind::density)}; }
+
+Words units() {
+  Words all{nullptr};
+  for (const LengthUnit& unit : length_units()) all.insert(unit.name);
+  return all;
+}
+
+const std::map<std::string, Words>& words_of_report() {
+  static const std::map<std::string, Words> all{
+      {"/properties/status", {"done", "failed"}},
+      {"/properties/error/properties/kind", kinds_of_errors()},
+      {"/properties/error/properties/exit_code", {1, 2, 3, 4, 6, 130}},
+      {"/properties/error/properties/reason", reasons_of_errors()},
+      {"/properties/options/properties/axis_order", words<volumes::AxisOrder>({nullptr})},
+      {"/properties/options/properties/raw/properties/dtype", words<field::SampleType>()},
+      {"/properties/options/properties/raw/properties/endian", {"little", "big"}},
+      {"/properties/options/properties/inside", words<field::FieldKind>({nullptr})},
+      {"/properties/options/properties/particles/properties/method", words<points::Method>()},
+      {"/properties/options/properties/particles/properties/deposit", words<points::Deposit>()},
+      {"/properties/options/properties/particles/properties/not_finite", words<points::BadParticles>()},
+      {"/properties/options/properties/backend", words<Backend>()},
+      {"/properties/options/properties/method", words<extract::Method>()},
+      {"/properties/options/properties/voxel_faces", words<extract::VoxelFaces>()},
+      {"/properties/options/properties/normals", words<Normals>()},
+      {"/properties/options/properties/nan", words<extract::NanPolicy>()},
+      {"/properties/options/properties/empty", words<EmptyPolicy>()},
+      {"/properties/options/properties/blurs/items/properties/kind", words<BlurKind>()},
+      {"/properties/options/properties/pieces/properties/least/properties/measure", words<edit::PieceMeasure>()},
+      {"/properties/options/properties/smooth/properties/method", words<edit::SmoothMethod>()},
+      {"/properties/options/properties/filters/items/properties/filter", words<volumes::LevelSetFilter>()},
+      {"/properties/options/properties/kernel", words<field::ResampleKernel>()},
+      {"/properties/options/properties/space", words<Space>()},
+      {"/properties/options/properties/up", words<UpAxis>()},
+      {"/properties/options/properties/to_space", words<AnatomicalSpace>({nullptr})},
+      {"/properties/options/properties/format", words<meshes::MeshFormat>({"vdb", "png"})},
+      {"/properties/options/properties/compression", words<meshes::Compression>()},
+      {"/properties/options/properties/error", words<field::Interpolation>({nullptr})},
+      {"/properties/device/properties/backend", words<Backend>()},
+      {"/properties/input/properties/sample_type", words<field::SampleType>()},
+      {"/properties/input/properties/kind", kind_names()},
+      {"/properties/input/properties/inside", words<field::FieldKind>()},
+      {"/properties/particles/properties/method", words<points::Method>()},
+      {"/properties/stages/items/properties/stage", words<StageName>()},
+      {"/properties/verification/items/properties/backends/items", {"cpu", "gpu"}},
+      {"/properties/smoothings/items/properties/method", words<edit::SmoothMethod>()},
+      {"/properties/simplifications/items/properties/asked/properties/unit", {"voxel", "world"}},
+      {"/properties/packings/items/properties/compression", words<meshes::Compression>()},
+      {"/$defs/colormap", words<Colormap>()},
+      {"/$defs/error/properties/interpolant", words<field::Interpolation>()},
+      {"/$defs/work/items/properties/what", words<WorkTopic>()},
+      {"/$defs/work/items/properties/done", words<WorkDone>()},
+  };
+  return all;
+}
+
+const std::map<std::string, Words>& words_of_info() {
+  static const std::map<std::string, Words> all{
+      {"/items/properties/grids/items/properties/kind",
+       {kind_name(field::FieldKind::level_set), kind_name(field::FieldKind::density), nullptr}},
+      {"/items/properties/particles/properties/method", words<points::Method>()},
+      {"/items/properties/field/properties/kind", kind_names()},
+      {"/items/properties/field/properties/inside", words<field::FieldKind>()},
+      {"/items/properties/field/properties/type", words<field::SampleType>()},
+  };
+  return all;
+}
+
+const std::map<std::string, Words>& words_of_check() {
+  static const std::map<std::string, Words> all{
+      {"/properties/unit", units()},
+      {"/properties/required/items/properties/requirement", words<measure::Requirement>()},
+      {"/properties/findings/items/properties/who", {"slicer", "engine"}},
+      {"/$defs/shell", words<measure::Shell>()},
+  };
+  return all;
+}
+
+void find_enums(const Json& schema, const std::string& at, std::map<std::string, Words>& found) {
+  if (schema.is_object()) {
+    for (const auto& [key, value] : schema.items()) {
+      if (key == "enum" && value.is_array()) {
+        Words& listed = found[at];
+        for (const Json& word : value) EXPECT_TRUE(listed.insert(word).second) << at << " lists " << word << " twice";
+      } else {
+        find_enums(value, at + "/" + key, found);
+      }
+    }
+  } else if (schema.is_array()) {
+    for (std::size_t i = 0; i < schema.size(); ++i) find_enums(schema[i], at + "/" + std::to_string(i), found);
+  }
+}
+
+std::string text_of(const Words& all) { return Json(std::vector<Json>(all.begin(), all.end())).dump(); }
+
+void expect_words(const std::string& schema, const std::map<std::string, Words>& of_code) {
+  std::ifstream file(std::string(ISOEXTRACT_SOURCE_DIR) + "/docs/" + schema);
+  ASSERT_TRUE(file.good()) << schema;
+  std::map<std::string, Words> listed;
+  find_enums(Json::parse(file), "", listed);
+  for (const auto& [at, found] : listed) {
+    const auto known = of_code.find(at);
+    if (known == of_code.end()) {
+      ADD_FAILURE() << schema << ": " << at << " lists words, and this test does not know of which enum";
+    } else {
+      EXPECT_EQ(text_of(found), text_of(known->second)) << schema << ": " << at;
+    }
+  }
+  for (const auto& [at, expected] : of_code) EXPECT_TRUE(listed.contains(at)) << schema << " lists no words at " << at;
+}
+
+TEST(Schemas, ListTheWordsOfTheCode) {
+  expect_words("report.schema.json", words_of_report());
+  expect_words("info.schema.json", words_of_info());
+  expect_words("check.schema.json", words_of_check());
+}
+
+}  // namespace
+}  // namespace isoextract::convert
