@@ -148,8 +148,8 @@ class HostileNamesTest(ProgramTest):
         self.done("bench", raw, *RAW, "--iso", "0", "--repeats", "1", "--csv", f"{NAME}.csv", "--json", f"{NAME}.json",
                   "--backends", "cpu", "--threads", "1")
         self.check_json((self.folder / f"{NAME}.json").read_text())
-        self.done("simulate", "water", "--size", "8x8x8", "--steps", "1", "-o", f"{NAME}_{{}}.nrrd")
-        self.done("simulate", "jet", "--frames", "1", "-o", f"{NAME}_{{}}.ply")
+        self.done("simulate", "water", "--size", "8x8", "--steps", "10", "-o", f"{NAME}_{{}}.nrrd")
+        self.done("simulate", "jet", "--count", "40", "--frames", "2", "-o", f"{NAME}_{{}}.ply")
         missing = f"{NAME}.none"
         for arguments in (("info", missing), ("info", missing, "--json"), ("verify", raw, *RAW, "--iso", "0", missing),
                           ("verify", missing, "--iso", "0", f"{NAME}.ply"), ("verify", f"{NAME}.ply", raw, "--iso", "0"),
