@@ -25,7 +25,17 @@ extern "C" {
 #endif
 
 /* Goes up with every change of this file. A plug-in of another version is refused. */
-#define ISOEXTRACT_PARTICLE_PLUGIN_VERSION 2
+#define ISOEXTRACT_PARTICLE_PLUGIN_VERSION 3
+
+/* What three numbers are, which decides whether they turn with the mesh. */
+typedef enum isoextract_attribute_kind {
+  ISOEXTRACT_KIND_NOT_SAID = 0, /* the name of the quantity decides */
+  ISOEXTRACT_KIND_SCALAR = 1,
+  ISOEXTRACT_KIND_COLOR = 2,
+  ISOEXTRACT_KIND_VECTOR = 3,
+  ISOEXTRACT_KIND_POINT = 4,
+  ISOEXTRACT_KIND_NORMAL = 5
+} isoextract_attribute_kind;
 
 /* What is told of each particle under one name, besides its position. */
 typedef struct isoextract_particle_quantity {
@@ -33,6 +43,7 @@ typedef struct isoextract_particle_quantity {
   const char* type_name; /* what people call its values: "float" */
   uint64_t components;   /* 1 or more */
   int32_t is_numeric;    /* not 0 if its values can be had as numbers */
+  int32_t kind;          /* isoextract_attribute_kind, where the file says it */
 } isoextract_particle_quantity;
 
 /* One frame of a file, opened. Valid until it is closed. */
@@ -47,7 +58,7 @@ typedef struct isoextract_particle_file {
   void* owner;         /* the plug-in's own */
 } isoextract_particle_file;
 
-typedef struct isoextract_particle_plugin_v2 {
+typedef struct isoextract_particle_plugin_v3 {
   uint32_t version; /* ISOEXTRACT_PARTICLE_PLUGIN_VERSION; the first member in every version */
   const char* id;   /* the ID of the file's name */
 
@@ -64,13 +75,13 @@ typedef struct isoextract_particle_plugin_v2 {
 
   /* Why the last call of this thread failed: what was expected and what was found, without the file's name. */
   const char* (*error_text)(void);
-} isoextract_particle_plugin_v2;
+} isoextract_particle_plugin_v3;
 
 /* The one function that a plug-in exports. What it returns lives as long as the process. */
 #if defined(__GNUC__)
 __attribute__((visibility("default")))
 #endif
-const isoextract_particle_plugin_v2*
+const isoextract_particle_plugin_v3*
 isoextract_particle_plugin(void);
 
 #ifdef __cplusplus

@@ -99,8 +99,8 @@ void describe_attributes(Opened& opened) {
     const bool is_numeric =
         array.hasConstantStride() &&
         visit_attribute(opened.types[i], [&](auto, std::uint64_t values) { components = values * array.stride(); });
-    opened.quantities.push_back(
-        {opened.attributes[i].c_str(), opened.types[i].c_str(), components, is_numeric ? 1 : 0});
+    opened.quantities.push_back({opened.attributes[i].c_str(), opened.types[i].c_str(), components, is_numeric ? 1 : 0,
+                                 ISOEXTRACT_KIND_NOT_SAID});
   }
 }
 
@@ -195,9 +195,9 @@ int quantity(const isoextract_particle_file* file, std::size_t number, float* va
 
 const char* error_text() { return problem.c_str(); }
 
-constexpr isoextract_particle_plugin_v2 kPlugin{
+constexpr isoextract_particle_plugin_v3 kPlugin{
     ISOEXTRACT_PARTICLE_PLUGIN_VERSION, "openvdb", open, close, positions, quantity, error_text};
 
 }  // namespace
 
-const isoextract_particle_plugin_v2* isoextract_particle_plugin() { return &kPlugin; }
+const isoextract_particle_plugin_v3* isoextract_particle_plugin() { return &kPlugin; }

@@ -147,6 +147,12 @@ struct Opened {
   std::vector<isoextract_particle_quantity> quantities;
 };
 
+// The file marks one array as its vectors, and one as its normals.
+isoextract_attribute_kind kind_of(vtkPointData* data, vtkAbstractArray* array) {
+  if (array == data->GetNormals()) return ISOEXTRACT_KIND_NORMAL;
+  return array == data->GetVectors() ? ISOEXTRACT_KIND_VECTOR : ISOEXTRACT_KIND_NOT_SAID;
+}
+
 std::unique_ptr<Opened> open_points(const char* path) {
   auto opened = std::make_unique<Opened>();
   opened->points = read_points(path);
@@ -165,8 +171,9 @@ std::unique_ptr<Opened> open_points(const char* path) {
     const std::string& name = opened->names.emplace_back(array->GetName() == nullptr ? "" : array->GetName());
     const std::string& type = opened->names.emplace_back(array->GetDataTypeAsString());
     const bool is_numeric = vtkDataArray::SafeDownCast(array) != nullptr;
-    opened->quantities.push_back(
-        {name.c_str(), type.c_str(), static_cast<std::uint64_t>(array->GetNumberOfComponents()), is_numeric ? 1 : 0});
+    opened->quantities.push_back({name.c_str(), type.c_str(),
+                                  static_cast<std::uint64_t>(array->GetNumberOfComponents()), is_numeric ? 1 : 0,
+                                  kind_of(data, array)});
   }
   return opened;
 }
@@ -231,9 +238,9 @@ int quantity(const isoextract_particle_file* file, std::size_t index, float* val
 
 const char* error_text() { return problem.c_str(); }
 
-constexpr isoextract_particle_plugin_v2 kPlugin{
+constexpr isoextract_particle_plugin_v3 kPlugin{
     ISOEXTRACT_PARTICLE_PLUGIN_VERSION, "vtk", open, close, positions, quantity, error_text};
 
 }  // namespace
 
-const isoextract_particle_plugin_v2* isoextract_particle_plugin() { return &kPlugin; }
+const isoextract_particle_plugin_v3* isoextract_particle_plugin() { return &kPlugin; }

@@ -96,7 +96,8 @@ void bring_into_one_frame(std::array<Side, 2>& sides, const std::optional<conver
   for (Side& side : sides) {
     const field::Affine map = side.placement.output_from_world();
     if (map == field::Affine()) continue;
-    convert::move_mesh(side.file.mesh, map.inverse());
+    const auto kinds = convert::kinds_of(side.file.mesh, side.file.is_ours, side.file.placement);
+    convert::move_mesh(side.file.mesh, map.inverse(), kinds);
     side.undone = convert::placement_text(side.placement);
   }
 }

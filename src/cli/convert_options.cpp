@@ -78,17 +78,20 @@ void declare_convert_surface(CLI::App& app, ConvertFlags& flags) {
 void declare_vertices(CLI::App& app, ConvertFlags& flags) {
   const Group group(app, "Vertices");
   group.values(
-      "--attribute", "NAME[=FROM]", flags.attributes, parse_attribute,
+      "--attribute", "NAME[?][=FROM][:KIND][:KEY=V...]", flags.attributes, parse_attribute,
       "Give the vertices this attribute, interpolated; several times for several. FROM is an attribute of the "
       "particles, or of a volume another grid of the file (velocity[x], or velocity with its components), "
-      "another file, or a grid of one: FILE.vdb[GRID]. Without it, it is called NAME there too. For glb, gltf, "
-      "ply and drc.");
+      "another file, or a grid of one: FILE.vdb[GRID]. Without it, it is called NAME there too. With '?' an input "
+      "that lacks it is converted without it. KIND is scalar, color, vector, point or normal (default: as the file "
+      "says, else by the name: v, velocity, N, Cd, P, ...): vectors, points and normals turn and scale with the mesh. "
+      "KEY is spacing or origin, for a file that states none and has not the input's shape, or nodata, in place of "
+      "--nodata. For glb, gltf, ply and drc.");
   std::vector<std::string_view> maps;
   for (const auto& word : words_of(convert::Colormap{})) maps.push_back(word.word);
   group.value(
-      "--color-by", "NAME[=FROM][:MAP][:MIN,MAX]", flags.colour, parse_colour,
-      fmt::format("Colour the vertices by this attribute, of several components by their length, from MIN to MAX "
-                  "(default: the range over the vertices of each surface). --color-by iso[:MAP][:MIN,MAX] gives "
+      "--color-by", "NAME[?][=FROM][:KEY=V...][:MAP][:MIN,MAX]", flags.colour, parse_colour,
+      fmt::format("Colour the vertices by this attribute, of several components by their length in the input, from MIN "
+                  "to MAX (default: the range over the vertices of each surface). --color-by iso[:MAP][:MIN,MAX] gives "
                   "each surface of a glb or gltf a colour by its iso value, and outer ones let inner ones be "
                   "seen. MAP is one of {} (default: {}).",
                   fmt::join(maps, ", "), maps.front()));

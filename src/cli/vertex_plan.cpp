@@ -11,6 +11,7 @@
 #include "batch/frame_pattern.hpp"
 #include "cli/output_folders.hpp"
 #include "cli/plan_parts.hpp"
+#include "cli/values.hpp"
 #include "convert/attribute_source.hpp"
 #include "field/demo_field.hpp"
 
@@ -31,6 +32,94 @@ std::optional<std::array<double, 2>> parse_range(std::string_view text) {
   const auto numbers = parse_numbers(text);
   if (!numbers || numbers->size() != 2) return std::nullopt;
   return std::array{(*numbers)[0], (*numbers)[1]};
+}
+
+// The settings of an attribute, which stand behind its name as KEY=VALUE.
+constexpr std::array<std::string_view, 3> kSettings{"spacing", "origin", "nodata"};
+
+template <class T>
+Result<void> put_setting(std::string_view key, std::string_view text, Result<T> (*parse)(std::string_view),
+                         std::optional<T>& target) {
+  auto value = parse(text);
+  if (!value) return fail(ErrorKind::usage, fmt::format("{}: {}", key, value.error().message), value.error().hint);
+  if (target) return fail(ErrorKind::usage, fmt::format("{}= was given twice", key));
+  target = *value;
+  return {};
+}
+
+std::vector<std::string> kind_names() {
+  std::vector<std::string> names;
+  for (const auto& word : words_of(AttributeKind{})) names.emplace_back(word.word);
+  return names;
+}
+
+// Whether `word` is a kind, which `choice` then has. What is nearly one is taken for a slip, as names rarely have
+// colons.
+Result<bool> take_kind(std::string_view word, convert::AttributeChoice& choice) {
+  const auto kind = value_of<AttributeKind>(word);
+  if (kind && choice.kind) return fail(ErrorKind::usage, "a kind was given twice");
+  if (kind) choice.kind = kind;
+  if (kind) return true;
+  const std::string near = nearest_name(word, kind_names());
+  if (near.empty()) return false;
+  return fail(ErrorKind::usage,
+              fmt::format("expected a kind ({}) behind the colon, found '{}'", fmt::join(kind_names(), ", "), word),
+              fmt::format("did you mean '{}'?", near));
+}
+
+// Whether `word` is a setting, which `choice` then has.
+Result<bool> take_setting(std::string_view word, convert::AttributeChoice& choice) {
+  const std::size_t equals = word.find('=');
+  if (equals == std::string_view::npos) return false;
+  const std::string_view key = word.substr(0, equals);
+  const std::string_view value = word.substr(equals + 1);
+  Result<void> put;
+  if (key == kSettings[0]) {
+    put = put_setting(key, value, parse_spacing, choice.spacing);
+  } else if (key == kSettings[1]) {
+    put = put_setting(key, value, parse_vector, choice.origin);
+  } else if (key == kSettings[2]) {
+    put = put_setting(key, value, parse_number, choice.no_data);
+  } else {
+    const std::string near = nearest_name(key, {kSettings.begin(), kSettings.end()});
+    if (near.empty()) return false;
+    put = fail(ErrorKind::usage,
+               fmt::format("expected one of {} before '=', found '{}'", fmt::join(kSettings, ", "), key),
+               fmt::format("did you mean '{}'?", near));
+  }
+  if (!put) return tl::unexpected(std::move(put.error()));
+  return true;
+}
+
+// Takes what stands behind the last colons of `text`, as long as take() knows it: take(word) is a Result<bool>.
+template <class F>
+Result<void> take_from_end(std::string_view& text, F&& take) {
+  for (std::size_t colon = text.rfind(':'); colon != std::string_view::npos; colon = text.rfind(':')) {
+    const auto taken = take(text.substr(colon + 1));
+    if (!taken) return tl::unexpected(taken.error());
+    if (!*taken) break;
+    text = text.substr(0, colon);
+  }
+  return {};
+}
+
+// NAME[?][=FROM]
+Result<void> take_name(std::string_view text, convert::AttributeChoice& choice) {
+  const std::size_t equals = text.find('=');
+  std::string_view name = text.substr(0, equals);
+  choice.optional = name.ends_with('?');
+  if (choice.optional) name.remove_suffix(1);
+  choice.name = name;
+  choice.from = equals == std::string_view::npos ? name : text.substr(equals + 1);
+  if (choice.name.empty() || choice.from.empty()) {
+    return fail(ErrorKind::usage, fmt::format("expected NAME or NAME=FROM, found '{}'", text));
+  }
+  if (choice.from.ends_with('?')) {
+    return fail(ErrorKind::usage,
+                fmt::format("expected the '?' of an optional attribute behind its name, found '{}'", text),
+                fmt::format("{}?={}", choice.name, choice.from.substr(0, choice.from.size() - 1)));
+  }
+  return {};
 }
 
 Result<void> check_name_of_map(std::string_view text, convert::Colormap map) {
@@ -73,43 +162,50 @@ Result<void> check_formats(const ConvertFlags& flags, const meshes::MeshFormatIn
 }  // namespace
 
 Result<convert::AttributeChoice> parse_attribute(std::string_view text) {
-  const std::size_t equals = text.find('=');
   convert::AttributeChoice choice;
-  choice.name = text.substr(0, equals);
-  choice.from = equals == std::string_view::npos ? choice.name : text.substr(equals + 1);
-  if (choice.name.empty() || choice.from.empty()) {
-    return fail(ErrorKind::usage, fmt::format("expected NAME or NAME=FROM, found '{}'", text));
-  }
+  const auto set = take_from_end(text, [&](std::string_view word) {
+    return word.find('=') == std::string_view::npos ? take_kind(word, choice) : take_setting(word, choice);
+  });
+  if (!set) return tl::unexpected(set.error());
+  if (auto named = take_name(text, choice); !named) return tl::unexpected(std::move(named.error()));
   return choice;
 }
 
 Result<ColourFlag> parse_colour(std::string_view text) {
   ColourFlag flag;
-  std::string_view rest = text;
+  convert::AttributeChoice choice;
   bool has_map = false;
-  for (std::size_t colon = rest.rfind(':'); colon != std::string_view::npos; colon = rest.rfind(':')) {
-    const std::string_view last = rest.substr(colon + 1);
-    const auto map = value_of<convert::Colormap>(last);
-    const auto range = parse_range(last);
+  const auto take = [&](std::string_view word) -> Result<bool> {
+    const auto map = value_of<convert::Colormap>(word);
+    const auto range = parse_range(word);
     if (map && !has_map) {
       has_map = true;
       flag.map = *map;
-    } else if (range && !flag.range && !has_map) {
-      flag.range = range;
-    } else {
-      break;
+      return true;
     }
-    rest = rest.substr(0, colon);
-  }
+    if (range && !flag.range && !has_map) {
+      flag.range = range;
+      return true;
+    }
+    if (value_of<AttributeKind>(word)) {
+      return fail(ErrorKind::usage, fmt::format("'{}' has no effect: colours go by the values of the input", word),
+                  "give the kind to the attribute, and the attribute's name to its colours");
+    }
+    return take_setting(word, choice);
+  };
+  if (auto taken = take_from_end(text, take); !taken) return tl::unexpected(std::move(taken.error()));
   if (flag.range && !((*flag.range)[0] < (*flag.range)[1])) {
     return fail(ErrorKind::usage,
                 fmt::format("expected MIN below MAX, found {} and {}", (*flag.range)[0], (*flag.range)[1]));
   }
-  if (auto fine = check_name_of_map(rest, flag.map); !fine) return tl::unexpected(std::move(fine.error()));
-  if (rest == kIso) return flag;
-  auto choice = parse_attribute(rest);
-  if (!choice) return tl::unexpected(std::move(choice.error()));
-  flag.attribute = std::move(*choice);
+  if (auto fine = check_name_of_map(text, flag.map); !fine) return tl::unexpected(std::move(fine.error()));
+  if (text == kIso) {
+    if (choice == convert::AttributeChoice()) return flag;
+    return fail(ErrorKind::usage,
+                fmt::format("{} stands for the iso values, which have no {}", kIso, fmt::join(kSettings, ", ")));
+  }
+  if (auto named = take_name(text, choice); !named) return tl::unexpected(std::move(named.error()));
+  flag.attribute = std::move(choice);
   return flag;
 }
 
@@ -146,12 +242,20 @@ Result<void> plan_vertices(const ConvertFlags& flags, std::size_t isos, convert:
   if (same == attributes.end()) {
     wanted.written = false;
     attributes.push_back(std::move(wanted));
-  } else if (wanted.from != wanted.name && wanted.from != same->from) {
-    return refuse_usage(fmt::format("--attribute and --color-by: '{}' is '{}' for one and '{}' for the other",
-                                    wanted.name, same->from, wanted.from),
-                        "give one of them another name");
+    return {};
   }
-  return {};
+  // The name alone is what --attribute says of it.
+  convert::AttributeChoice name_alone;
+  name_alone.name = name_alone.from = wanted.name;
+  if (wanted == name_alone || wanted == *same) return {};
+  if (wanted.from == same->from) {
+    return refuse_usage(
+        fmt::format("--attribute and --color-by: '{}' has other settings for one than for the other", wanted.name),
+        fmt::format("give them to --attribute, and --color-by {} alone", wanted.name));
+  }
+  return refuse_usage(fmt::format("--attribute and --color-by: '{}' is '{}' for one and '{}' for the other",
+                                  wanted.name, same->from, wanted.from),
+                      "give one of them another name");
 }
 
 Result<void> number_attributes(std::vector<convert::AttributeChoice>& attributes, std::int64_t frame) {

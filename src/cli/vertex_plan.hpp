@@ -13,9 +13,11 @@
 
 namespace isoextract::cli {
 
-[[nodiscard]] Result<convert::AttributeChoice> parse_attribute(std::string_view text);  // NAME or NAME=FROM
-[[nodiscard]] Result<ColourFlag> parse_colour(std::string_view text);                   // NAME[=FROM][:MAP][:MIN,MAX]
-[[nodiscard]] Result<std::vector<double>> parse_opacity(std::string_view text);         // A[,B...], above 0, at most 1
+// NAME[?][=FROM], and behind it in any order :KIND, :spacing=SX,SY,SZ, :origin=X,Y,Z and :nodata=V.
+[[nodiscard]] Result<convert::AttributeChoice> parse_attribute(std::string_view text);
+// Likewise without a kind, and with :MAP and then :MIN,MAX among these.
+[[nodiscard]] Result<ColourFlag> parse_colour(std::string_view text);
+[[nodiscard]] Result<std::vector<double>> parse_opacity(std::string_view text);  // A[,B...], above 0, at most 1
 
 // What they say, into the job, whose format is known. Formats that have no place for it are refused. `isos` is how many
 // iso values the first file has.

@@ -1,124 +1,23 @@
 #include "convert/attribute_source.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <span>
-#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-#include "base/ascii.hpp"
 #include "base/printable.hpp"
 #include "base/reserved_buffer.hpp"
 #include "field/point_samples.hpp"
-#include "files/file_bytes.hpp"
+#include "mesh/attribute_map.hpp"
 #include "points/attribute_sampling.hpp"
-#include "volumes/volume_format.hpp"
 #include "volumes/volume_reader.hpp"
 
 namespace isoextract::convert {
 namespace {
-
-constexpr std::array<std::string_view, 3> kAxes{"[x]", "[y]", "[z]"};
-
-bool names_file(const std::string& text) {
-  const std::string lower = lower_case(text);
-  for (const volumes::VolumeFormat* format : volumes::volume_formats()) {
-    const volumes::FormatDescription& about = format->about();
-    if (!about.prefix.empty() && text.starts_with(about.prefix)) return true;
-    for (const std::string& extension : about.extensions) {
-      if (lower.size() > extension.size() && lower.ends_with(extension)) return true;
-    }
-  }
-  std::error_code none;
-  const auto status = std::filesystem::status(text, none);
-  if (std::filesystem::is_directory(status)) return text.find('/') != std::string::npos;
-  return std::filesystem::exists(status);
-}
-
-// How a place is read, and what messages call it.
-struct Reading {
-  std::string input;
-  volumes::ReadOptions read;
-  std::string shown;
-};
-
-Result<Reading> reading_of(const SourceOptions& options, const AttributePlace& place, const Context& context) {
-  Reading reading;
-  if (place.file.empty()) {
-    reading.input = options.input;
-    reading.read = options.read;
-    reading.read.component.reset();  // these two say what the samples of the surface are
-    reading.read.no_data.reset();
-  } else {
-    reading.input = place.file;
-    if (options.read.volume) {
-      const auto several = volumes::count_volumes(place.file, {}, context);
-      if (!several) return tl::unexpected(several.error());
-      if (*several > 1) reading.read.volume = options.read.volume;
-    }
-  }
-  reading.read.grid = place.grid;
-  reading.shown = files::shown_input_name(reading.input);
-  if (place.grid) reading.shown += fmt::format(": {}", printable(*place.grid));
-  return reading;
-}
-
-// The grid of vectors that is meant as a whole; empty where a scalar one is.
-Result<std::string> vector_grid(const Reading& reading, const Context& context) {
-  auto listed = volumes::list_grids(reading.input, reading.read, context);
-  if (!listed) return tl::unexpected(std::move(listed.error()));
-  const auto is_vector = [](const volumes::GridInfo& grid) { return grid.type.starts_with("vec3"); };
-  if (!reading.read.grid) {
-    return listed->size() == 1 && is_vector(listed->front()) ? listed->front().label : std::string();
-  }
-  for (const volumes::GridInfo& grid : *listed) {
-    if (is_vector(grid) && (grid.label == *reading.read.grid || grid.name == *reading.read.grid)) return grid.label;
-  }
-  return std::string();
-}
-
-Result<VolumeAttribute> read_volume_attribute(const SourceOptions& options, const AttributeChoice& choice,
-                                              const field::ScalarField& input, const Context& context) {
-  const AttributePlace place = attribute_place(choice);
-  if (place.file.empty() && input.grids == 0) {
-    return fail(ErrorKind::input,
-                fmt::format("{}: expected a file with grids, of which '{}' would be one, found {}", input.source,
-                            printable(choice.from), input.format),
-                "an attribute can be read from another file");
-  }
-  auto reading = reading_of(options, place, context);
-  if (!reading) return tl::unexpected(std::move(reading.error()));
-  const auto vectors = vector_grid(*reading, context);
-  if (!vectors) return tl::unexpected(vectors.error());
-  VolumeAttribute attribute;
-  attribute.choice = choice;
-  const std::size_t count = vectors->empty() ? 1 : kAxes.size();
-  for (std::size_t c = 0; c < count; ++c) {
-    if (!vectors->empty()) reading->read.grid = *vectors + std::string(kAxes[c]);
-    auto field = volumes::read_volume(reading->input, reading->read, context);
-    if (!field) return tl::unexpected(std::move(field.error()));
-    field->name = reading->shown;
-    attribute.components.push_back(std::move(*field));
-    if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
-  }
-  return attribute;
-}
-
-// Options say what is read of the input. Hints at them mislead where it is about an attribute, which has none.
-Hint hint_of_attribute(Hint hint) {
-  switch (hint.remedy) {
-    case Remedy::choose_grid:
-    case Remedy::choose_grid_number: return "an attribute is one of the file's grids" + hint.text;
-    case Remedy::leave_out_grid: return "leave the name of a grid out: there is one volume in the file";
-    case Remedy::describe_raw: return "attributes are read from files that say what is in them";
-    default: return hint;
-  }
-}
 
 // The vertices in the world of the input.
 Result<std::shared_ptr<ReservedBuffer<glm::dvec3>>> world_positions(const field::Affine& world_from_output,
@@ -150,6 +49,7 @@ void take_attributes(std::vector<mesh::Attribute>&& added, Reservation memory, m
 
 Result<Records> add_of_particles(const ParticleAttributes& source, std::span<const glm::dvec3> places, mesh::Mesh& mesh,
                                  const Context& context) {
+  if (source.attributes.empty()) return Records();
   if (places.empty()) {  // there may be no particles either, and so no radius
     for (std::size_t a = 0; a < source.attributes.size(); ++a) {
       const std::size_t components = source.particles.attributes[source.attributes[a]].components;
@@ -181,8 +81,14 @@ Result<Records> add_of_particles(const ParticleAttributes& source, std::span<con
   return records;
 }
 
-Result<Records> add_of_volumes(const std::vector<VolumeAttribute>& attributes, std::span<const glm::dvec3> places,
-                               mesh::Mesh& mesh, const Context& context) {
+AttributeKind kind_of(const AttributeSource& source, const std::string& name) {
+  const auto found = std::ranges::find(source.kinds, name, &NamedKind::name);
+  return found == source.kinds.end() ? AttributeKind::scalar : found->kind;
+}
+
+Result<Records> add_of_volumes(const AttributeSource& source, std::span<const glm::dvec3> places, mesh::Mesh& mesh,
+                               const Context& context) {
+  const auto& attributes = std::get<std::vector<VolumeAttribute>>(source.from);
   std::size_t components = 0;
   for (const VolumeAttribute& attribute : attributes) components += attribute.components.size();
   auto memory = context.reserve(components * places.size() * sizeof(float), "attributes of vertices");
@@ -205,54 +111,60 @@ Result<Records> add_of_volumes(const std::vector<VolumeAttribute>& attributes, s
       record.outside = std::max(record.outside, counts->outside);
       record.not_finite = std::max(record.not_finite, counts->not_finite);
     }
+    if (!attribute.in_voxels) continue;
+    const field::Affine& world_from_voxels = attribute.components.front().index_to_world;
+    map_attribute(made, kind_of(source, made.name), world_from_voxels.linear, world_from_voxels.offset);
   }
   take_attributes(std::move(added), std::move(*memory), mesh);
   return records;
 }
 
+// Finds the kind of one attribute.
+Result<void> add_kind(const AttributeChoice& choice, std::size_t components, std::optional<AttributeKind> stated,
+                      AttributeSource& source) {
+  const auto kind = find_kind(choice, components, stated);
+  if (!kind) return tl::unexpected(kind.error());
+  source.kinds.push_back({choice.name, kind->value_or(AttributeKind::scalar)});
+  if (*kind || components != 3 || !choice.written || source.output_from_world.linear == glm::dmat3(1)) return {};
+  source.kind_notes.push_back(
+      fmt::format("nothing says what the three components of the attribute '{}' are: they do not turn or scale with "
+                  "the mesh, as those of a vector would",
+                  printable(choice.name)));
+  return {};
+}
+
 }  // namespace
 
-AttributePlace attribute_place(const AttributeChoice& choice) {
-  const std::string& from = choice.from;
-  if (from == choice.name) return {{}, from};
-  if (names_file(from)) return {from, std::nullopt};
-  if (from.ends_with(']')) {
-    for (std::size_t at = from.find('['); at != std::string::npos; at = from.find('[', at + 1)) {
-      const std::string file = from.substr(0, at);
-      if (at > 0 && names_file(file)) return {file, from.substr(at + 1, from.size() - at - 2)};
+Result<void> place_attributes(AttributeSource& source, const field::Affine& world_from_output,
+                              const field::Affine& output_from_world) {
+  source.world_from_output = world_from_output;
+  source.output_from_world = output_from_world;
+  if (const auto* particles = std::get_if<ParticleAttributes>(&source.from)) {
+    for (std::size_t a = 0; a < particles->choices.size(); ++a) {
+      const points::ParticleAttribute& attribute = particles->particles.attributes[particles->attributes[a]];
+      auto added = add_kind(particles->choices[a], attribute.components, attribute.kind, source);
+      if (!added) return added;
     }
+    return {};
   }
-  return {{}, from};
+  for (const VolumeAttribute& attribute : std::get<std::vector<VolumeAttribute>>(source.from)) {
+    auto added = add_kind(attribute.choice, attribute.components.size(), attribute.stated_kind, source);
+    if (!added) return added;
+  }
+  return {};
 }
 
-Result<std::vector<VolumeAttribute>> read_volume_attributes(const SourceOptions& options,
-                                                            const field::ScalarField& input, const Context& context) {
-  std::vector<VolumeAttribute> attributes;
-  for (const AttributeChoice& choice : options.attributes) {
-    auto attribute = read_volume_attribute(options, choice, input, context);
-    if (!attribute) {
-      attribute.error().message =
-          fmt::format("the attribute '{}': {}", printable(choice.name), attribute.error().message);
-      attribute.error().hint = hint_of_attribute(std::move(attribute.error().hint));
-      return tl::unexpected(std::move(attribute.error()));
-    }
-    attributes.push_back(std::move(*attribute));
+std::vector<NamedKind> written_kinds(const AttributeSource& source) {
+  std::vector<NamedKind> kinds = source.kinds;
+  const auto drop = [&](const AttributeChoice& choice) {
+    if (!choice.written) std::erase_if(kinds, [&](const NamedKind& named) { return named.name == choice.name; });
+  };
+  if (const auto* particles = std::get_if<ParticleAttributes>(&source.from)) {
+    std::ranges::for_each(particles->choices, drop);
+  } else {
+    std::ranges::for_each(std::get<std::vector<VolumeAttribute>>(source.from), drop, &VolumeAttribute::choice);
   }
-  return attributes;
-}
-
-Result<std::vector<std::filesystem::path>> attribute_files(const SourceOptions& options, const Context& context) {
-  std::vector<std::filesystem::path> all;
-  for (const AttributeChoice& choice : options.attributes) {
-    const AttributePlace place = attribute_place(choice);
-    if (place.file.empty()) continue;
-    volumes::ReadOptions read;
-    read.grid = place.grid;
-    auto files = volumes::list_input_files(place.file, read, context);
-    if (!files) return files;
-    all.insert(all.end(), files->begin(), files->end());
-  }
-  return all;
+  return kinds;
 }
 
 Result<std::vector<AttributeRecord>> add_attributes(const AttributeSource& source, mesh::Mesh& mesh,
@@ -261,11 +173,15 @@ Result<std::vector<AttributeRecord>> add_attributes(const AttributeSource& sourc
   if (!places) return tl::unexpected(places.error());
   const std::span<const glm::dvec3> at = (*places)->values.span();
   const auto* particles = std::get_if<ParticleAttributes>(&source.from);
-  auto records = particles != nullptr
-                     ? add_of_particles(*particles, at, mesh, context)
-                     : add_of_volumes(std::get<std::vector<VolumeAttribute>>(source.from), at, mesh, context);
+  auto records = particles != nullptr ? add_of_particles(*particles, at, mesh, context)
+                                      : add_of_volumes(source, at, mesh, context);
   if (!records) return records;
-  for (AttributeRecord& record : *records) record.vertices = at.size();
+  for (AttributeRecord& record : *records) {
+    record.vertices = at.size();
+    record.kind = kind_of(source, record.name);
+    record.changed =
+        record.components == 3 && changes_with_mesh(record.kind) && source.output_from_world != field::Affine();
+  }
   return records;
 }
 

@@ -208,7 +208,7 @@ class Conversion {
             job_.ascii,
             mesh_packing(job_.packing, source_),
             copies_vertices(job_),
-            record_text(source_.placement, job_.format)};
+            record_text(source_.placement, job_.format, source_.written_kinds())};
   }
 
   // All labels that are asked for, in one look at the samples.

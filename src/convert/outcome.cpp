@@ -117,6 +117,8 @@ Json json_of(const AttributeRecord& record) {
           {"name", record.name},
           {"source", record.source},
           {"components", record.components},
+          {"kind", word_of(record.kind)},
+          {"changed", record.changed},
           {"vertices", record.vertices},
           {"outside", record.outside},
           {"not_finite", record.not_finite},

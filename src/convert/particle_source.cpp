@@ -89,15 +89,14 @@ Result<std::uint64_t> count_frames(const SourceOptions& options, const Context& 
   return info->frames;
 }
 
-volumes::ParticleReadOptions particle_read_options(const SourceOptions& options) {
+volumes::ParticleReadOptions particle_read_options(const SourceOptions& options, bool missing_is_fine) {
   volumes::ParticleReadOptions read;
   read.format = options.read.format;
   read.frame = options.read.volume;
   read.grid = options.read.grid;
   for (const AttributeChoice& choice : options.attributes) {
-    if (std::ranges::find(read.attributes, choice.from) == read.attributes.end()) {
-      read.attributes.push_back(choice.from);
-    }
+    std::vector<std::string>& names = choice.optional || missing_is_fine ? read.attributes_if_there : read.attributes;
+    if (std::ranges::find(names, choice.from) == names.end()) names.push_back(choice.from);
   }
   read.columns = options.particles.columns;
   const bool are_spheres = points::method_info(options.particles.method).kind == field::FieldKind::level_set;
@@ -120,15 +119,27 @@ points::FieldOptions field_options(const ParticleOptions& options, std::optional
   return field;
 }
 
-Result<std::vector<std::size_t>> find_attributes(const points::ParticleSet& particles,
-                                                 const std::vector<AttributeChoice>& choices) {
-  std::vector<std::size_t> found;
+Result<FoundAttributes> find_attributes(const points::ParticleSet& particles,
+                                        const std::vector<AttributeChoice>& choices, bool missing_is_fine) {
+  FoundAttributes found;
   for (const AttributeChoice& choice : choices) {
+    if (choice.spacing || choice.origin || choice.no_data) {
+      return fail(ErrorKind::usage,
+                  fmt::format("{}: the attribute '{}' was given a spacing, an origin or a value for no data, which "
+                              "volumes have; this is read as particles",
+                              particles.label, printable(choice.name)),
+                  "leave them out");
+    }
     const std::string& name = choice.from;
     const auto at = std::ranges::find(particles.attributes, name, &points::ParticleAttribute::name);
     if (at == particles.attributes.end()) {
-      return fail(ErrorKind::input, fmt::format("{}: expected an attribute '{}', found none of that name",
-                                                particles.label, printable(name)));
+      Error error{
+          ErrorKind::input,
+          fmt::format("{}: expected an attribute '{}', found none of that name", particles.label, printable(name)),
+          {}};
+      if (!choice.optional && !missing_is_fine) return tl::unexpected(std::move(error));
+      found.missing.push_back({choice, std::move(error)});
+      continue;
     }
     if (at->components > mesh::kMaxComponents) {
       return fail(ErrorKind::input,
@@ -136,7 +147,8 @@ Result<std::vector<std::size_t>> find_attributes(const points::ParticleSet& part
                               particles.label, mesh::kMaxComponents, printable(name), at->components),
                   Remedy::fewer_attributes);
     }
-    found.push_back(static_cast<std::size_t>(at - particles.attributes.begin()));
+    found.choices.push_back(choice);
+    found.attributes.push_back(static_cast<std::size_t>(at - particles.attributes.begin()));
   }
   return found;
 }

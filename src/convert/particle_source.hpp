@@ -29,8 +29,9 @@ namespace isoextract::convert {
                                                                            const Context& context = Context());
 [[nodiscard]] Result<std::uint64_t> count_frames(const SourceOptions& options, const Context& context = Context());
 
-// How such an input is read.
-[[nodiscard]] volumes::ParticleReadOptions particle_read_options(const SourceOptions& options);
+// How such an input is read. With `missing_is_fine` its attributes need not be there; optional ones never need.
+[[nodiscard]] volumes::ParticleReadOptions particle_read_options(const SourceOptions& options,
+                                                                 bool missing_is_fine = false);
 // How it becomes a field. `only_iso` is FieldOptions::leave_out_inside.
 [[nodiscard]] points::FieldOptions field_options(const ParticleOptions& options, std::optional<double> only_iso);
 
@@ -53,9 +54,17 @@ struct ParticleAttributes {
   double smoothing_length = 0;
 };
 
-// Fails with ErrorKind::input where an attribute has more components than a vertex can carry, or no name that is asked
-// for is there.
-[[nodiscard]] Result<std::vector<std::size_t>> find_attributes(const points::ParticleSet& particles,
-                                                               const std::vector<AttributeChoice>& choices);
+// Where the attributes are that were chosen.
+struct FoundAttributes {
+  std::vector<AttributeChoice> choices;
+  std::vector<std::size_t> attributes;  // of the particles, one a choice
+  std::vector<MissingAttribute> missing;
+};
+
+// Fails with ErrorKind::input where an attribute has more components than a vertex can carry or is not there, unless it
+// is optional or `missing_is_fine`, and with ErrorKind::usage where a choice is about volumes.
+[[nodiscard]] Result<FoundAttributes> find_attributes(const points::ParticleSet& particles,
+                                                      const std::vector<AttributeChoice>& choices,
+                                                      bool missing_is_fine);
 
 }  // namespace isoextract::convert

@@ -90,11 +90,14 @@ ResolvedPlacement usual_placement(bool format_is_y_up, UpAxis up) {
   return record;
 }
 
-std::string record_text(const ResolvedPlacement& resolved, meshes::MeshFormat format) {
+std::string record_text(const ResolvedPlacement& resolved, meshes::MeshFormat format,
+                        const std::vector<NamedKind>& attributes) {
   const Placement& placement = resolved.placement;
+  const std::string kinds = kinds_text(attributes);
+  const std::string end = kinds.empty() ? "}" : fmt::format(R"(,"attributes":{}}})", kinds);
   // As text: the library's documents lose memory where there is none for one of their members.
-  if (placement.space == Space::index) return fmt::format(R"({{"space":"{}"}})", word_of(Space::index));
-  if (resolved == usual_placement(meshes::is_gltf(format))) return {};
+  if (placement.space == Space::index) return fmt::format(R"({{"space":"{}"{})", word_of(Space::index), end);
+  if (kinds.empty() && resolved == usual_placement(meshes::is_gltf(format))) return {};
   std::string text = fmt::format(R"({{"up":"{}")", word_of(placement.up));
   if (const std::string_view turned = turn_text(placement); !turned.empty()) {
     text += fmt::format(R"(,"turned":"{}")", turned);
@@ -109,7 +112,7 @@ std::string record_text(const ResolvedPlacement& resolved, meshes::MeshFormat fo
     const glm::dvec3& by = resolved.moved_by;
     text += fmt::format(R"(,"moved_by":[{},{},{}])", by.x, by.y, by.z);
   }
-  return text + "}";
+  return text + end;
 }
 
 std::optional<ResolvedPlacement> read_record(std::string_view text) {
@@ -176,11 +179,12 @@ std::string placement_text(const ResolvedPlacement& resolved) {
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-void move_mesh(mesh::Mesh& mesh, const field::Affine& map) {
+void move_mesh(mesh::Mesh& mesh, const field::Affine& map, const std::vector<NamedKind>& attributes) {
   if (map == field::Affine()) return;
   mesh.origin = map(mesh.origin);
   tbb::parallel_for(std::size_t{0}, mesh.positions.size(),
                     [&](std::size_t v) { mesh.positions[v] = glm::vec3(map.linear * glm::dvec3(mesh.positions[v])); });
+  change_attributes(mesh, attributes, map);
   if (map.determinant() > 0) return;
   for (glm::uvec3& triangle : mesh.triangles) std::swap(triangle.y, triangle.z);
 }

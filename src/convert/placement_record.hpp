@@ -5,7 +5,9 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "convert/attribute_kinds.hpp"
 #include "convert/placement.hpp"
 #include "field/affine.hpp"
 #include "mesh/mesh.hpp"
@@ -20,8 +22,10 @@ namespace isoextract::convert {
 // format.
 [[nodiscard]] ResolvedPlacement placed_like(const ResolvedPlacement& other, bool format_is_y_up);
 
-// Empty where there is nothing to say: the placement is the usual one of the format.
-[[nodiscard]] std::string record_text(const ResolvedPlacement& resolved, meshes::MeshFormat format);
+// Empty where there is nothing to say: the placement is the usual one of the format, and none of the attributes changes
+// with it.
+[[nodiscard]] std::string record_text(const ResolvedPlacement& resolved, meshes::MeshFormat format,
+                                      const std::vector<NamedKind>& attributes = {});
 
 // Nothing where the text is no such record.
 [[nodiscard]] std::optional<ResolvedPlacement> read_record(std::string_view text);
@@ -30,8 +34,8 @@ namespace isoextract::convert {
 // (1, 2, 3)"; empty where nothing was done.
 [[nodiscard]] std::string placement_text(const ResolvedPlacement& resolved);
 
-// Puts the vertices of a mesh without normals where `map` says, and winds its triangles the other way round where that
-// mirrors. Turns by right angles round nothing.
-void move_mesh(mesh::Mesh& mesh, const field::Affine& map);
+// Puts the vertices of a mesh without normals where `map` says, changes its attributes by their kinds, and winds its
+// triangles the other way round where that mirrors. Turns by right angles round nothing.
+void move_mesh(mesh::Mesh& mesh, const field::Affine& map, const std::vector<NamedKind>& attributes = {});
 
 }  // namespace isoextract::convert

@@ -72,15 +72,26 @@ Result<void> read_volume_field(const SourceOptions& options, const SourceUse& us
   tell_isos(watch.elapsed(), events, source);
   if (options.attributes.empty()) return {};
   const Stopwatch reading;
-  auto attributes = read_volume_attributes(options, source.field, context);
+  auto attributes = read_volume_attributes(options, source.field, use.empty_is_fine, context);
   if (!attributes) return tl::unexpected(std::move(attributes.error()));
   events.read_attributes(reading.elapsed());
-  for (const VolumeAttribute& attribute : *attributes) {
-    for (const std::string& text : attribute.components.front().notes) events.note(text);
+  for (const VolumeAttribute& attribute : attributes->found) {
+    for (const std::string& text : attribute.notes) events.note(text);
     events.worked(attribute_fact(attribute));
   }
-  source.attributes = AttributeSource{std::move(*attributes), {}};
+  source.attributes.emplace();
+  source.attributes->from = std::move(attributes->found);
+  source.attributes->missing = std::move(attributes->missing);
   return {};
+}
+
+// Of optional attributes; others are no fault where there is no surface.
+void tell_missing(const std::vector<MissingAttribute>& missing, const std::string& label, Events& events) {
+  for (const MissingAttribute& attribute : missing) {
+    if (!attribute.choice.optional) continue;
+    events.note(fmt::format("{}: converted without the optional attribute '{}': {}", label,
+                            printable(attribute.choice.name), attribute.error.message));
+  }
 }
 
 // The name of a file without what comes after the point that begins its extension, and without .gz.
@@ -97,12 +108,12 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
   if (!isos) return tl::unexpected(std::move(isos.error()));
   source.isos = std::move(*isos);
   Stopwatch watch;
-  auto file = volumes::read_particles(options.input, particle_read_options(options), context);
+  auto file = volumes::read_particles(options.input, particle_read_options(options, use.empty_is_fine), context);
   if (!file) return tl::unexpected(std::move(file.error()));
   const StageTime reading = watch.elapsed();
   for (const std::string& text : file->notes) events.note(text);
   if (auto go_on = context.check(); !go_on) return go_on;
-  auto found = find_attributes(file->particles, options.attributes);
+  auto found = find_attributes(file->particles, options.attributes, use.empty_is_fine);
   if (!found) return tl::unexpected(std::move(found.error()));
   watch.restart();
   auto made = make_particle_field(file->particles, options.particles, use.only_iso, context);
@@ -125,11 +136,12 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
   for (const WorkFact& fact : particle_facts(figures)) events.worked(fact);
   source.field = std::move(made->field);
   tell_isos(std::nullopt, events, source);
-  if (!found->empty()) {
-    source.attributes =
-        AttributeSource{ParticleAttributes{std::move(file->particles), options.attributes, std::move(*found),
-                                           figures.radius, options.particles.smoothing_length},
-                        {}};
+  if (!options.attributes.empty()) {
+    source.attributes.emplace();
+    source.attributes->from =
+        ParticleAttributes{std::move(file->particles), std::move(found->choices), std::move(found->attributes),
+                           figures.radius, options.particles.smoothing_length};
+    source.attributes->missing = std::move(found->missing);
   }
   return context.check();
 }
@@ -156,6 +168,10 @@ void Source::face_outward(double iso) {
                                           : *kind_at_zero;
   field.kind = side;
   if (data) data->kind = side;
+}
+
+std::vector<NamedKind> Source::written_kinds() const {
+  return attributes ? convert::written_kinds(*attributes) : std::vector<NamedKind>();
 }
 
 extract::ExtractOptions Source::extract_options(const SurfaceOptions& surface, double iso) const {
@@ -197,6 +213,7 @@ Result<Source> open_source(const SourceOptions& options, const SourceUse& use, c
                             : read_volume_field(options, use, context, events, source);
   if (!read) return tl::unexpected(std::move(read.error()));
   source.label = field_label(source.field);
+  if (source.attributes) tell_missing(source.attributes->missing, source.label, events);
   const auto* sparse = std::get_if<field::SparseSamples>(&source.field.samples);
   source.empty = sparse != nullptr && sparse->blocks.empty() && sparse->tiles.empty() && sparse->active_voxels == 0;
   if (auto filtered = filter_field(options.filters, source.label, context, events, source.field); !filtered) {
@@ -221,7 +238,15 @@ Result<Source> open_source(const SourceOptions& options, const SourceUse& use, c
   source.clip = half_spaces_of(source.field, source.output_from_index, options.placement.space, options.clip,
                                placed->cut_at_box ? options.roi : std::nullopt);
   if (source.attributes) {
-    source.attributes->world_from_output = source.field.index_to_world.after(source.output_from_index.inverse());
+    const field::Affine& world = source.field.index_to_world;
+    const field::Affine output_from_world = options.placement.space == Space::index
+                                                ? source.output_from_index.after(world.inverse())
+                                                : source.placement.output_from_world();
+    auto set = place_attributes(*source.attributes, world.after(source.output_from_index.inverse()), output_from_world);
+    if (!set) return tl::unexpected(std::move(set.error()));
+    for (const std::string& text : source.attributes->kind_notes) {
+      events.note(fmt::format("{}: {}", source.label, text));
+    }
   }
   return source;
 }

@@ -43,6 +43,9 @@ struct Source {
   // changes unless SourceOptions::away_from_zero asked for it.
   void face_outward(double iso);
 
+  // Of the attributes that the mesh keeps.
+  [[nodiscard]] std::vector<NamedKind> written_kinds() const;
+
   // How a surface of it is extracted.
   [[nodiscard]] extract::ExtractOptions extract_options(const SurfaceOptions& surface, double iso) const;
 };

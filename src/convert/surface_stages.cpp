@@ -1,5 +1,6 @@
 #include "convert/surface_stages.hpp"
 
+#include <algorithm>
 #include <span>
 #include <string>
 #include <utility>
@@ -27,6 +28,12 @@ class SurfaceStages {
   // While every vertex is where the field puts it.
   Result<void> carry_attributes(Surface& surface) {
     if (!source_.attributes) return {};
+    for (const MissingAttribute& missing : source_.attributes->missing) {
+      if (missing.choice.optional) continue;
+      if (!surface.mesh.triangles.empty()) return tl::unexpected(missing.error);
+      events_.note(fmt::format("{} {}: there is no surface, and no attribute '{}' either", source_.label,
+                               text_of(surface), printable(missing.choice.name)));
+    }
     const Stopwatch watch;
     auto records = add_attributes(*source_.attributes, surface.mesh, context_);
     if (!records) return tl::unexpected(std::move(records.error()));
@@ -90,6 +97,10 @@ class SurfaceStages {
       if (auto done = facts.labels->colour(job_, label, surface.mesh, context_); !done) return done;
     }
     if (!job_.colour || !job_.colour->attribute) return {};
+    const auto is_meant = [&](const MissingAttribute& missing) {
+      return missing.choice.name == *job_.colour->attribute;
+    };
+    if (std::ranges::any_of(source_.attributes->missing, is_meant)) return {};  // it was told
     auto record = add_colours(*job_.colour, job_.format, surface.mesh, context_);
     if (!record) return tl::unexpected(std::move(record.error()));
     record->iso = surface.iso;
@@ -106,6 +117,12 @@ class SurfaceStages {
       });
     }
     return {};
+  }
+
+  // When colours, which go by the values of the input, are made.
+  void change_attributes(Surface& surface) {
+    if (!source_.attributes) return;
+    convert::change_attributes(surface.mesh, source_.attributes->kinds, source_.attributes->output_from_world);
   }
 
   Result<void> measure_error(Surface& surface) {
@@ -183,6 +200,7 @@ Result<void> finish_surface(const ConversionJob& job, const Source& source, cons
   if (auto smoothed = stages.smooth(surface); !smoothed) return smoothed;
   if (auto simplified = stages.simplify(surface); !simplified) return simplified;
   if (auto coloured = stages.colour(facts, surface); !coloured) return coloured;
+  stages.change_attributes(surface);
   if (!job.pieces.split) {
     if (auto shaded = shade_surface(job, source, facts.recorded, context, events, surface); !shaded) return shaded;
   }

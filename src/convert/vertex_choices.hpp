@@ -6,6 +6,10 @@
 #include <string>
 #include <vector>
 
+#include <glm/glm.hpp>
+
+#include "base/attribute_kind.hpp"
+#include "base/error.hpp"
 #include "convert/colormap.hpp"
 
 namespace isoextract::convert {
@@ -15,9 +19,22 @@ namespace isoextract::convert {
 struct AttributeChoice {
   std::string name;
   std::string from;
-  bool written = true;  // else it only gives colours
+  bool written = true;                // else it only gives colours
+  bool optional = false;              // an input that lacks it is converted without it
+  std::optional<AttributeKind> kind;  // else as the file says, or by the name (attribute_kinds.hpp)
+  // Of volumes: where the samples are, in place of what the file states, and the value that stands for no data, in
+  // place of the input's.
+  std::optional<glm::dvec3> spacing;
+  std::optional<glm::dvec3> origin;
+  std::optional<double> no_data;
 
   friend bool operator==(const AttributeChoice&, const AttributeChoice&) = default;
+};
+
+// An attribute that the input lacks, and what is to be said where a vertex should have had it.
+struct MissingAttribute {
+  AttributeChoice choice;
+  Error error;
 };
 
 // Colours, by a map from a range of values. Of several components their length counts.

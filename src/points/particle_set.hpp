@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <glm/glm.hpp>
 
+#include "base/attribute_kind.hpp"
 #include "base/buffer.hpp"
 #include "base/memory_budget.hpp"
 
@@ -14,9 +16,10 @@ namespace isoextract::points {
 
 // Values as float32, which is what meshes carry; integers beyond 2^24 and doubles are rounded to it.
 struct ParticleAttribute {
-  std::string name;            // as the file has it
-  std::size_t components = 1;  // values of one particle lie together
-  Buffer<float> values;        // components * particles
+  std::string name;                        // as the file has it
+  std::size_t components = 1;              // values of one particle lie together
+  Buffer<float> values;                    // components * particles
+  std::optional<AttributeKind> kind = {};  // where the file says so
 };
 
 // Structure of arrays, in the order of the file.

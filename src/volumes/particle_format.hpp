@@ -19,7 +19,8 @@ struct ParticleReadOptions {
   std::optional<std::int64_t> frame;    // of a file with several, such as time steps; counted from 0
   bool all_attributes = false;          // every one that is made of numbers; otherwise those that are named here,
   std::vector<std::string> attributes;  // by ParticleQuantity::name, or the name of a column of a table,
-  std::vector<std::string> first_of;    // and the first of these that is there, as one number a particle
+  std::vector<std::string> attributes_if_there = {};  // likewise, but one that is not there is left out,
+  std::vector<std::string> first_of;                  // and the first of these that is there, as one number a particle
   // Which columns are x, y and z: names of columns, or their numbers, counted from 1. For formats with has_columns.
   std::optional<std::array<std::string, 3>> columns;
   std::optional<std::string> grid;  // a set of particles by its name, for formats with has_grids

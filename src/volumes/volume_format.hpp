@@ -17,6 +17,7 @@
 
 #include <glm/glm.hpp>
 
+#include "base/attribute_kind.hpp"
 #include "base/context.hpp"
 #include "base/error.hpp"
 #include "base/words.hpp"
@@ -48,6 +49,18 @@ constexpr auto words_of(AxisOrder /*type*/) {
   return std::array{Word{AxisOrder::zyx, "zyx"}, Word{AxisOrder::xyz, "xyz"}};
 }
 
+// The volume that another one is read beside. A file that states no spacing and no origin lies on its grid where it has
+// its dims, or where `spacing` says.
+struct VolumeBeside {
+  std::string source;  // what messages call it
+  glm::ivec3 dims{0};  // 0 where it is sparse
+  field::Affine index_to_world;
+  std::optional<glm::dvec3> spacing;  // of the file that states none; its origin is then 0,0,0, or `origin`
+  std::optional<glm::dvec3> origin;
+
+  friend bool operator==(const VolumeBeside&, const VolumeBeside&) = default;
+};
+
 // What is to be read, as plain values.
 struct ReadOptions {
   std::optional<std::string> format;         // the id of one; default: by content, then by extension
@@ -58,8 +71,10 @@ struct ReadOptions {
   std::optional<AxisOrder> axis_order;       // of arrays; zyx where nothing is said
   std::optional<glm::dvec3> spacing;         // replaces what the file says; raw and NPY have 1
   std::optional<glm::dvec3> origin;          // world position of index (0, 0, 0); likewise
+  std::optional<VolumeBeside> beside;        // replaces spacing and origin where the file states none
   std::optional<field::FieldKind> kind;      // replaces what the file says
   std::optional<double> no_data;             // dense samples of this value are not a number (field/no_data.hpp)
+  bool no_data_if_dense = false;             // sparse samples are left as they are, where no_data is an error for them
 
   friend bool operator==(const ReadOptions&, const ReadOptions&) = default;
 };
@@ -76,7 +91,9 @@ struct GridInfo {
   std::uint64_t volumes = 1;             // of this box each: time steps, for example; ReadOptions::volume chooses one
   std::uint64_t components = 1;          // numbers a sample; ReadOptions::component chooses one, or their length
   std::string creator;                   // what the file says made it; may be empty
-  std::string frame_problem;             // why the place that the file gives it cannot be used; empty if it can
+  std::optional<AttributeKind> kind_of_vectors;  // of a grid of vectors, where the file says so
+  bool vectors_in_voxels = false;                // likewise: along the axes of the voxels, in voxels
+  std::string frame_problem;                     // why the place that the file gives it cannot be used; empty if it can
 };
 
 // What a format says of itself without looking at a file.

@@ -106,6 +106,12 @@ Result<std::vector<GridInfo>> list_grids(const std::string& input, const ReadOpt
                      [&](const DetectedFormat& detected) { return detected.format->list(input, options, context); });
 }
 
+Result<FormatDescription> format_of(const std::string& input, const ReadOptions& options, const Context& context) {
+  return with_format(input, options, context, [](const DetectedFormat& detected) -> Result<FormatDescription> {
+    return detected.format->about();
+  });
+}
+
 Result<std::uint64_t> count_volumes(const std::string& input, const ReadOptions& options, const Context& context) {
   ReadOptions all = options;
   all.volume.reset();
@@ -136,7 +142,8 @@ Result<field::ScalarField> read_volume(const std::string& input, const ReadOptio
     if (!detected.note.empty()) field->notes.insert(field->notes.begin(), detected.note);
     field->source = files::shown_input_name(input);
     if (options.kind) field->kind = *options.kind;
-    if (!options.no_data) return field;
+    const bool is_sparse = std::holds_alternative<field::SparseSamples>(field->samples);
+    if (!options.no_data || (is_sparse && options.no_data_if_dense)) return field;
     if (auto marked = field::mark_no_data(*field, *options.no_data, context); !marked) {
       field = tl::unexpected(std::move(marked.error()));
     }

@@ -29,6 +29,10 @@ namespace isoextract::volumes {
 [[nodiscard]] Result<std::vector<GridInfo>> list_grids(const std::string& input, const ReadOptions& options,
                                                        const Context& context = Context());
 
+// What the format says of itself that an input would be read as. Reads the beginning of the file.
+[[nodiscard]] Result<FormatDescription> format_of(const std::string& input, const ReadOptions& options,
+                                                  const Context& context = Context());
+
 // How many volumes, such as time steps, read_volume can choose from by ReadOptions::volume: 1 for most files. What
 // `options` choose is not looked at. Never reads samples.
 [[nodiscard]] Result<std::uint64_t> count_volumes(const std::string& input, const ReadOptions& options,

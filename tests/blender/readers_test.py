@@ -4,6 +4,7 @@ import json
 import os
 import pathlib
 import random
+import re
 import shutil
 import struct
 import subprocess
@@ -25,6 +26,7 @@ import mesh_readers  # noqa: E402
 from isosurface_sequence.cache import SurfaceCache  # noqa: E402
 from isosurface_sequence.frames import Sequence, pattern_of, sequences_of  # noqa: E402
 from isosurface_sequence.glb import read_glb  # noqa: E402
+from isosurface_sequence.kinds import kind_by_name  # noqa: E402
 from isosurface_sequence.ply import read_ply  # noqa: E402
 from isosurface_sequence.surface import UnreadableFile  # noqa: E402
 
@@ -124,6 +126,62 @@ class WrittenByIsoextract(FolderTest):
                 except UnreadableFile:
                     refused += 1
             self.assertGreater(refused, 15, name)
+
+
+class AttributesThatTurn(FolderTest):
+    """Vectors, points and normals have Blender's axes, as the positions have."""
+
+    def setUp(self):
+        super().setUp()
+        rows = ["x,y,z,v:0,v:1,v:2,dir:0,dir:1,dir:2"]
+        rows += [f"{i},{j},{k},1,2,3,1,2,3" for i in range(3) for j in range(3) for k in range(3)]
+        self.write("in.csv", "\n".join(rows) + "\n")
+
+    def values(self, name, y_is_up, *arguments):
+        words = ("--radius", "0.6", *(word for a in ("v", "dir", "w=dir:point", "s=v:scalar") for word in ("--attribute", a)))
+        path = self.convert(name, self.folder / "in.csv", *words, *arguments)
+        surface = SurfaceCache(1 << 30).surface(path, y_is_up)
+        return {attribute.name: attribute.values.mean(axis=0).round(5).tolist() for attribute in surface.attributes}
+
+    def test_what_isoextract_turned_is_turned_back(self):
+        """In both formats, whatever the axis that is up in the file."""
+        for name, y_is_up, arguments in (("a.glb", True, ()), ("a.ply", False, ()), ("b.ply", True, ("--up-out", "y"))):
+            self.assertEqual(self.values(name, y_is_up, *arguments),
+                             {"v": [1, 2, 3], "w": [1, 2, 3], "dir": [1, 2, 3], "s": [1, 2, 3]})
+        # As it is in the file, the vector and the point are turned, and what nothing says to be one is not.
+        self.assertEqual(self.values("a.glb", False), {"v": [1, 3, -2], "w": [1, 3, -2], "dir": [1, 2, 3], "s": [1, 2, 3]})
+
+    def test_names_say_it_of_other_programs_files(self):
+        columns = [("_v", "v"), ("_N", "N"), ("_dir", "dir")]
+        values = np.array([[1, 3, -2]] * 3, np.float32)
+        path = self.write("a.glb", triangle_glb(attributes=[(semantic, values, {}) for semantic, _ in columns]))
+        for y_is_up, turned in ((True, [1, 2, 3]), (False, [1, 3, -2])):
+            surface = SurfaceCache(1 << 30).surface(path, y_is_up)
+            self.assertEqual({a.name: a.values[0].tolist() for a in surface.attributes},
+                             {"v": turned, "N": turned, "dir": [1, 3, -2]})
+
+    def test_old_files_of_ours_hold_what_was_not_turned(self):
+        values = np.array([[1, 2, 3]] * 3, np.float32)
+        for extras in ({}, {"extras": {"placement": {"up": "z"}}}, {"extras": {"placement": "damaged"}}):
+            asset = {"version": "2.0", "generator": "isoextract 0.1", **extras}
+            path = self.write("a.glb", triangle_glb(attributes=[("_v", values, {})], asset=asset))
+            (attribute,) = SurfaceCache(1 << 30).surface(path, True).attributes
+            self.assertEqual(attribute.values[0].tolist(), [1, 2, 3])
+
+    def test_the_names_are_those_of_isoextract(self):
+        """kinds.kind_by_name() has the rules of kind_by_name() in C++: the words of its source."""
+        source = (SOURCE / "src/base/attribute_kind.cpp").read_text()
+        tables = {table: re.findall(r'\{"([^"]+)", AttributeKind::(\w+)\}', body)
+                  for table, body in re.findall(r"NamedKind, \d+> (\w+)\{\{(.*?)\}\};", source, re.DOTALL)}
+        self.assertEqual(set(tables), {"kNames", "kBeginnings", "kWords"})
+        for table, pattern in (("kNames", "{}"), ("kBeginnings", "{}_old"), ("kWords", "wind_{}_old")):
+            for name, kind in tables[table]:
+                if name == "x y z":
+                    continue  # the position of particles, which no mesh has
+                found = kind_by_name(pattern.format(name).upper())
+                self.assertEqual(found, None if kind == "color" else kind, name)
+        for name in ("w", "vorticity", "angular_velocity", "dir", "heat", "uv"):
+            self.assertIsNone(kind_by_name(name))
 
 
 def glb(document, binary=b""):

@@ -2,6 +2,7 @@
 
 Read are the translations, rotations and scales of nodes, accessors with gaps between their values (byteStride) and
 those of whole numbers (KHR_mesh_quantization). A node of no size, as animations hide one, shows nothing and is left out.
+Attributes are taken to be in the axes of the scene: nodes do not change them.
 Compressed files are refused with a message that says what to do.
 """
 
@@ -12,6 +13,7 @@ import struct
 
 import numpy as np
 
+from .kinds import PROGRAM, kind_of, kinds_in
 from .surface import Attribute, Surface, UnreadableFile, checked_triangles
 
 COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
@@ -61,6 +63,9 @@ class _Model:
         self.path = os.fspath(path)
         self.document = document
         self.binary = binary
+        asset = document.get("asset", {})
+        is_ours = str(asset.get("generator", "")).startswith(PROGRAM + " ")
+        self.kinds = kinds_in(asset.get("extras", {}).get("placement")) if is_ours else None
 
     def surface(self):
         self._refuse_what_is_not_read()
@@ -139,7 +144,9 @@ class _Model:
             if semantic == "COLOR_0":
                 attributes.append(Attribute("Color", self._colours(accessor), True))
             elif semantic.startswith("_"):
-                attributes.append(Attribute(semantic[1:], self._attribute(accessor)))
+                values = self._attribute(accessor)
+                kind = kind_of(semantic[1:], values.shape[1], self.kinds)
+                attributes.append(Attribute(semantic[1:], values, kind=kind))
         for array in (normals, *(attribute.values for attribute in attributes)):
             if array is not None and len(array) != len(positions):
                 raise UnreadableFile(f"{self.path}: '{name}' has values for {len(array)} of {len(positions)} vertices")
@@ -228,7 +235,7 @@ def _joined(parts):
             if attribute:
                 rows = attribute.values
                 values[start:start + len(rows), :rows.shape[1]] = rows
-        attributes.append(Attribute(name, values, first.is_colour))
+        attributes.append(Attribute(name, values, first.is_colour, first.kind if width == 3 else None))
     return Surface(
         np.concatenate([part.positions_from(origin) for part in parts]),
         np.concatenate([part.triangles + start for part, start in zip(parts, starts)]).astype(np.int32),

@@ -9,6 +9,7 @@ import re
 
 import numpy as np
 
+from .kinds import PROGRAM, kind_of, kinds_in
 from .surface import Attribute, Surface, UnreadableFile, checked_triangles, linear_from_srgb
 
 TYPES = {"char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4", "float": "f4",
@@ -24,10 +25,10 @@ def read_ply(path):
     """The `Surface` of a file, in the axes of the file."""
     try:
         with open(path, "rb") as file:
-            elements, order = _header(path, file)
+            elements, order, kinds = _header(path, file)
             body = file.read()
         columns = _text_columns(elements, body) if order is None else _binary_columns(elements, order, body)
-        return _surface(os.fspath(path), elements, columns)
+        return _surface(os.fspath(path), elements, columns, kinds)
     except OSError as error:
         raise UnreadableFile(f"{path}: {error.strerror or error}") from error
     except (KeyError, IndexError, ValueError, TypeError, OverflowError) as error:
@@ -47,10 +48,11 @@ class _Element:
 
 
 def _header(path, file):
-    """The elements, and the byte order or None for ascii; `file` is then where the data begins."""
+    """The elements, the byte order or None for ascii, and the kinds of attributes, None where isoextract did not write
+    the file; `file` is then where the data begins."""
     if file.readline(16).rstrip() != b"ply":
         raise UnreadableFile(f"{path}: not a PLY file")
-    elements, order = [], ""
+    elements, order, is_ours, kinds = [], "", False, {}
     while True:
         line = file.readline(HEADER_LIMIT)
         words = line.decode("latin-1").split()
@@ -58,6 +60,10 @@ def _header(path, file):
             raise UnreadableFile(f"{path}: the header does not end")
         if words[:1] == ["format"]:
             order = BYTE_ORDERS[words[1]]
+        elif words[:2] == ["comment", PROGRAM]:
+            is_ours = True
+        elif words[:2] == ["comment", "placement"]:
+            kinds = kinds_in(line.decode("latin-1").partition("placement")[2])
         elif words[:1] == ["element"]:
             elements.append(_Element(words[1], int(words[2])))
         elif words[:2] == ["property", "list"]:
@@ -68,7 +74,7 @@ def _header(path, file):
             break
     if order == "":
         raise UnreadableFile(f"{path}: the header names no format")
-    return elements, order
+    return elements, order, kinds if is_ours else None
 
 
 def _binary_columns(elements, order, body):
@@ -171,7 +177,7 @@ def _whole(number):
     return int(number)
 
 
-def _surface(path, elements, columns):
+def _surface(path, elements, columns, kinds):
     vertices, faces = columns.get("vertex", {}), columns.get("face", {})
     types = {name: kind for element in elements if element.name == "vertex" for name, kind, _ in element.properties}
     if any(name not in vertices for name in PLACES):
@@ -189,7 +195,7 @@ def _surface(path, elements, columns):
         origin,
         normals,
         flat=normals is None and all(name in faces for name in NORMALS),
-        attributes=_attributes(vertices, types),
+        attributes=_attributes(vertices, types, kinds),
     )
 
 
@@ -216,7 +222,7 @@ def _fans(corners):
     return np.array(triangles, dtype=np.int64).reshape(-1, 3)
 
 
-def _attributes(vertices, types):
+def _attributes(vertices, types, kinds):
     attributes = []
     left = {name: vertices[name] for name in vertices
             if name not in (*PLACES, *NORMALS) and isinstance(vertices[name], np.ndarray) and vertices[name].ndim == 1}
@@ -235,7 +241,8 @@ def _attributes(vertices, types):
         if names == [stem] or names != [f"{stem}_{i}" for i in range(len(names))] or len(names) == 1:
             attributes += [Attribute(name, _numbers(left[name][:, None])) for name in names]
         else:
-            attributes.append(Attribute(stem, _numbers(np.stack([left[name] for name in names], axis=1))))
+            values = _numbers(np.stack([left[name] for name in names], axis=1))
+            attributes.append(Attribute(stem, values, kind=kind_of(stem, values.shape[1], kinds)))
     return attributes
 
 

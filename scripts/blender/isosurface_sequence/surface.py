@@ -17,6 +17,10 @@ class Attribute:
     name: str
     values: np.ndarray  # vertices x components; float32 or int32, colours as linear float32
     is_colour: bool = False
+    kind: typing.Optional[str] = None  # "vector", "point" or "normal" where the values turn with the mesh
+
+    def turned_from_y_up(self):
+        return dataclasses.replace(self, values=y_up_to_z_up(self.values)) if self.kind else self
 
 
 @dataclasses.dataclass
@@ -51,6 +55,7 @@ class Surface:
             positions=y_up_to_z_up(self.positions),
             origin=y_up_to_z_up(self.origin),
             normals=None if self.normals is None else y_up_to_z_up(self.normals),
+            attributes=[attribute.turned_from_y_up() for attribute in self.attributes],
         )
 
 

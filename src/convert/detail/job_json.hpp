@@ -270,6 +270,11 @@ class JobJson {
       each("name", value.name);
       each("from", value.from);
       each("written", value.written);
+      each("optional", value.optional);
+      each("kind", value.kind);
+      each("spacing", value.spacing);
+      each("origin", value.origin);
+      each("no_data", value.no_data);
     } else if constexpr (std::same_as<Structure, ColourChoice>) {
       each("attribute", value.attribute);
       each("map", value.map);

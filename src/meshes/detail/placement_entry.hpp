@@ -10,6 +10,6 @@ namespace isoextract::meshes {
 inline constexpr std::string_view kPlacementEntry = "placement";
 // In place of a placement that a file has no room for: it is none that can be read.
 inline constexpr std::string_view kPlacementElsewhere = "elsewhere";
-inline constexpr std::size_t kMaxPlacement = 2000;  // bytes
+inline constexpr std::size_t kMaxPlacement = 16000;  // bytes
 
 }  // namespace isoextract::meshes

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "base/error.hpp"
 #include "field/scalar_field.hpp"
@@ -13,9 +14,12 @@ namespace isoextract::volumes {
 struct Frame {
   field::Affine index_to_world;
   std::string problem;  // "axis 2 has no direction"; empty if all is well
+  bool stated = true;   // false: the file states no spacing and no origin, and this is the format's default
+  std::vector<std::string> assumed = {};  // what of it the file does not state; told where it counts
 };
 
-// Sets the field's index_to_world from its file and the options' spacing and origin. Messages name field.source.
+// Sets the field's index_to_world from its file and the options' spacing, origin and beside; its samples are there.
+// Messages name field.source. Fails with ErrorKind::input where nothing states a placement that can be used.
 [[nodiscard]] Result<void> set_frame(field::ScalarField& field, const Frame& frame, const ReadOptions& options);
 
 }  // namespace isoextract::volumes

@@ -157,6 +157,7 @@ Result<DenseFile> npy_volume(const std::string& name, const NpyHeader& header, c
   dense.interleaved = header.fortran_order;
   dense.components_interleaved = !header.fortran_order || is_complex;
   dense.size_is_exact = true;
+  dense.frame.stated = false;
   return dense;
 }
 

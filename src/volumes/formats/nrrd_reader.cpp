@@ -172,7 +172,7 @@ Result<NrrdAxes> find_axes(const std::string& file, const ParsedNrrd& parsed, st
 }
 
 // Direction vectors in a named space.
-Frame oriented_frame(const ParsedNrrd& parsed, const std::array<unsigned, 3>& axes, std::vector<std::string>& notes) {
+Frame oriented_frame(const ParsedNrrd& parsed, const std::array<unsigned, 3>& axes) {
   const Nrrd& nrrd = *parsed.nrrd;
   Frame frame;
   if (nrrd.spaceDim != 3) {
@@ -187,7 +187,7 @@ Frame oriented_frame(const ParsedNrrd& parsed, const std::array<unsigned, 3>& ax
     } else if (!parsed.has(nrrdField_space_directions) && std::isfinite(spacing)) {
       frame.index_to_world.linear[i][i] = spacing;
     } else if (!parsed.has(nrrdField_space_directions) && !parsed.has(nrrdField_spacings)) {
-      if (i == 0) notes.emplace_back(kSpacingAssumed);
+      if (i == 0) frame.assumed.emplace_back(kSpacingAssumed);
     } else {
       frame.problem = fmt::format("axis {} has no direction in space", axis);
     }
@@ -195,17 +195,18 @@ Frame oriented_frame(const ParsedNrrd& parsed, const std::array<unsigned, 3>& ax
   if (std::isfinite(nrrd.spaceOrigin[0])) {
     frame.index_to_world.offset = {nrrd.spaceOrigin[0], nrrd.spaceOrigin[1], nrrd.spaceOrigin[2]};
   } else {
-    notes.emplace_back("the header has no space origin: 0,0,0 is assumed");
+    frame.assumed.emplace_back("the header has no space origin: 0,0,0 is assumed");
+    frame.stated = parsed.has(nrrdField_space_directions) || parsed.has(nrrdField_spacings);
   }
   return frame;
 }
 
 // Spacings, mins and maxs per axis. A cell-centred axis begins half a spacing before its first sample; cells are what
 // teem and its users assume where the header does not say.
-Frame axis_aligned_frame(const ParsedNrrd& parsed, const std::array<unsigned, 3>& axes,
-                         std::vector<std::string>& notes) {
+Frame axis_aligned_frame(const ParsedNrrd& parsed, const std::array<unsigned, 3>& axes) {
   Frame frame;
   bool any_spacing = false;
+  bool any_min = false;
   for (int i = 0; i < 3; ++i) {
     const NrrdAxisInfo& axis = parsed.nrrd->axis[axes[static_cast<std::size_t>(i)]];
     const bool node = axis.center == nrrdCenterNode;
@@ -223,9 +224,12 @@ Frame axis_aligned_frame(const ParsedNrrd& parsed, const std::array<unsigned, 3>
       any_spacing = true;
     }
     frame.index_to_world.linear[i][i] = spacing;
-    if (std::isfinite(axis.min)) frame.index_to_world.offset[i] = axis.min + (node ? 0 : spacing / 2);
+    if (!std::isfinite(axis.min)) continue;
+    any_min = true;
+    frame.index_to_world.offset[i] = axis.min + (node ? 0 : spacing / 2);
   }
-  if (!any_spacing) notes.emplace_back(kSpacingAssumed);
+  frame.stated = any_spacing || any_min;
+  if (!any_spacing) frame.assumed.emplace_back(kSpacingAssumed);
   return frame;
 }
 
@@ -369,8 +373,7 @@ Result<DenseFile> open_nrrd(const files::InputFile& file) {
   dense.endian = parsed->state->endian == airEndianBig ? std::endian::big : std::endian::little;
   if (nrrd.space != nrrdSpaceUnknown) dense.world_space = ::airEnumStr(nrrdSpace, nrrd.space);
   dense.length_unit = length_unit_of(nrrd, axes);
-  dense.frame =
-      nrrd.spaceDim > 0 ? oriented_frame(*parsed, axes, dense.notes) : axis_aligned_frame(*parsed, axes, dense.notes);
+  dense.frame = nrrd.spaceDim > 0 ? oriented_frame(*parsed, axes) : axis_aligned_frame(*parsed, axes);
   auto pieces = locate_samples(file, *text, *parsed, sample_bytes(*dims, *type) * parts);
   if (!pieces) return tl::unexpected(pieces.error());
   dense.pieces = std::move(*pieces);

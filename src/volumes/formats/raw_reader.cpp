@@ -55,6 +55,7 @@ Result<DenseFile> open_raw(const files::InputFile& file, const RawLayout& layout
   dense.x_slowest = order == AxisOrder::xyz;
   dense.pieces = {{file.path(), layout.skip}};
   dense.size_is_exact = true;
+  dense.frame.stated = false;
   return dense;
 }
 

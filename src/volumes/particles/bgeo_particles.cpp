@@ -74,7 +74,10 @@ void read_bgeo_attribute(ContentReader& content, BgeoFile& bgeo) {
     content.skip(4 * size, "the default of an attribute");
   }
   const bool is_whole = type == kInteger || type == kIndex;
-  add_tuple(bgeo.table, name, type == kIndex ? "text" : is_whole ? "i32" : "f32", size, type != kIndex);
+  // Houdini takes vectors for normals by the name N alone.
+  const std::optional<AttributeKind> kind =
+      type != kVector ? std::nullopt : std::optional(name == "N" ? AttributeKind::normal : AttributeKind::vector);
+  add_tuple(bgeo.table, name, type == kIndex ? "text" : is_whole ? "i32" : "f32", size, type != kIndex, kind);
   for (std::size_t i = 0; i < size; ++i) {
     bgeo.layout.fields.push_back({is_whole ? NumberType::i32 : NumberType::f32, bgeo.layout.bytes, std::endian::big});
     bgeo.layout.bytes += 4;

@@ -23,6 +23,7 @@ struct HoudiniAttribute {
   std::string type;  // "numeric", "string", ...
   std::uint64_t size = 0;
   std::string storage;
+  std::string type_info;  // "vector", "normal", "color", "point", ...; may be empty
 };
 
 struct HoudiniFile {
@@ -209,6 +210,28 @@ void read_attribute_numbers(HoudiniJson& json, const JsonToken& first, const Att
   if (!found) json.expected("the values of an attribute");
 }
 
+// The value of "options": names, and maps of a type and a value each.
+void read_attribute_options(HoudiniJson& json, const JsonToken& first, HoudiniAttribute& attribute) {
+  each_pair(json, first, [&](const std::string& name, const JsonToken& value) {
+    if (name != "type" || value.kind != JsonToken::Kind::begin) {
+      json.skip_value(value);
+      return;
+    }
+    each_pair(json, value, [&](const std::string& key, const JsonToken& text) {
+      if (key == "value" && text.kind == JsonToken::Kind::text) attribute.type_info = text.text;
+      json.skip_value(text);
+    });
+  });
+}
+
+std::optional<AttributeKind> kind_of(const HoudiniAttribute& attribute) {
+  if (attribute.type_info == "vector") return AttributeKind::vector;
+  if (attribute.type_info == "normal") return AttributeKind::normal;
+  if (attribute.type_info == "point") return AttributeKind::point;
+  if (attribute.type_info == "color") return AttributeKind::color;
+  return std::nullopt;
+}
+
 // One attribute of points. Where `sinks` are given its numbers go there, its first component to `first_column`.
 HoudiniAttribute read_attribute(HoudiniJson& json, const JsonToken& first, std::uint64_t points,
                                 std::span<const ColumnSink> sinks, std::size_t first_column) {
@@ -217,7 +240,11 @@ HoudiniAttribute read_attribute(HoudiniJson& json, const JsonToken& first, std::
   each_pair(json, json.next(), [&](const std::string& name, const JsonToken& value) {
     if (name == "name" && value.kind == JsonToken::Kind::text) attribute.name = value.text;
     if (name == "type" && value.kind == JsonToken::Kind::text) attribute.type = value.text;
-    json.skip_value(value);
+    if (name == "options" && value.kind == JsonToken::Kind::begin) {
+      read_attribute_options(json, value, attribute);
+    } else {
+      json.skip_value(value);
+    }
   });
   each_pair(json, json.next(), [&](const std::string& name, const JsonToken& value) {
     if (name == "size") attribute.size = whole_of(json, value, "the size of an attribute", kMostComponents);
@@ -289,7 +316,7 @@ ParticleTable houdini_table(const HoudiniFile& file) {
       table.position = {first, first + 1, first + 2};
     }
     const std::string type = numeric ? attribute.storage : attribute.type == "string" ? "text" : attribute.type;
-    add_tuple(table, attribute.name, printable(type, 40), columns_of(attribute), numeric);
+    add_tuple(table, attribute.name, printable(type, 40), columns_of(attribute), numeric, kind_of(attribute));
   }
   make_group_names_unique(table);
   if (!table.position) throw DamagedParticles("expected the attribute P of points, found none");

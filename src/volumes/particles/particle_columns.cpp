@@ -99,14 +99,23 @@ std::array<std::size_t, 3> find_position(const ParticleTable& table, const Parti
   return position;
 }
 
-ColumnGroup named_attribute(const ParticleTable& table, const std::array<std::size_t, 3>& position,
-                            const std::string& name) {
+std::optional<ColumnGroup> find_attribute(const ParticleTable& table, const std::string& name) {
   for (const ColumnGroup& group : table.groups) {
     if (group.name == name) return group;
   }
-  if (const auto column = find_column(table, name)) return {name, {*column}};
-  throw DamagedParticles(fmt::format("there is no attribute '{}'", printable(name, 80)),
-                         attribute_list(table, position));
+  if (const auto column = find_column(table, name)) return ColumnGroup{name, {*column}};
+  return std::nullopt;
+}
+
+// Throws where it is not made of numbers.
+void add_attribute(const ParticleTable& table, const ColumnGroup& attribute, ColumnChoice& choice) {
+  const ParticleColumn& first = table.columns[attribute.columns.front()];
+  if (!first.numeric) {
+    throw DamagedParticles(fmt::format("expected numbers as '{}', found {}", printable(attribute.name, 80), first.type),
+                           "of numbers " + attribute_list(table, choice.position));
+  }
+  if (std::ranges::count(choice.attributes, attribute.name, &ColumnGroup::name) > 0) return;
+  choice.attributes.push_back(attribute);
 }
 
 // "vx" -> "v" and 0; "Points:2" -> "Points" and 2. An empty stem is one of x, y and z alone.
@@ -139,8 +148,8 @@ std::optional<Component> component_of(std::string_view name) {
 }  // namespace
 
 void add_tuple(ParticleTable& table, const std::string& name, const std::string& type, std::size_t components,
-               bool numeric) {
-  ColumnGroup group{name, {}};
+               bool numeric, std::optional<AttributeKind> kind) {
+  ColumnGroup group{name, {}, kind};
   for (std::size_t i = 0; i < components; ++i) {
     group.columns.push_back(table.columns.size());
     table.columns.push_back({components == 1 ? name : fmt::format("{}:{}", name, i), {}, type, numeric});
@@ -212,14 +221,15 @@ ColumnChoice choose_columns(const ParticleTable& table, const ParticleReadOption
     }
   }
   for (const std::string& name : options.attributes) {
-    ColumnGroup attribute = named_attribute(table, choice.position, name);
-    if (!columns[attribute.columns.front()].numeric) {
-      throw DamagedParticles(fmt::format("expected numbers as '{}', found {}", printable(name, 80),
-                                         columns[attribute.columns.front()].type),
-                             "of numbers " + attribute_list(table, choice.position));
+    const auto attribute = find_attribute(table, name);
+    if (!attribute) {
+      throw DamagedParticles(fmt::format("there is no attribute '{}'", printable(name, 80)),
+                             attribute_list(table, choice.position));
     }
-    if (std::ranges::count(choice.attributes, attribute.name, &ColumnGroup::name) > 0) continue;
-    choice.attributes.push_back(std::move(attribute));
+    add_attribute(table, *attribute, choice);
+  }
+  for (const std::string& name : options.attributes_if_there) {
+    if (const auto attribute = find_attribute(table, name)) add_attribute(table, *attribute, choice);
   }
   for (const std::string& name : options.first_of) {
     const auto found = std::ranges::find(table.groups, name, &ColumnGroup::name);
@@ -269,7 +279,8 @@ points::ParticleSet make_particles(const Context& context, const std::string& la
   set.label = label;
   set.positions = Buffer<glm::dvec3>(count);
   for (const ColumnGroup& group : choice.attributes) {
-    set.attributes.push_back({group.name, group.columns.size(), Buffer<float>(count * group.columns.size())});
+    set.attributes.push_back(
+        {group.name, group.columns.size(), Buffer<float>(count * group.columns.size()), group.kind});
   }
   return set;
 }

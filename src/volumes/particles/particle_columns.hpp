@@ -32,6 +32,7 @@ struct ParticleColumn {
 struct ColumnGroup {
   std::string name;
   std::vector<std::size_t> columns;
+  std::optional<AttributeKind> kind = {};  // where the file says so
 };
 
 struct ParticleTable {
@@ -43,7 +44,7 @@ struct ParticleTable {
 
 // Adds a column for each component, and the group of them.
 void add_tuple(ParticleTable& table, const std::string& name, const std::string& type, std::size_t components,
-               bool numeric = true);
+               bool numeric = true, std::optional<AttributeKind> kind = {});
 // Makes the groups of columns that only have names: those that follow each other and are named NAME:0, NAME:1, ... or
 // NAMEx, NAMEy, NAMEz belong together, with one of ": _ . -" or a space between or nothing, or the number in brackets.
 // NAME is the group's, "x y z" the one of the columns x, y and z.

@@ -16,12 +16,23 @@
 namespace isoextract::volumes {
 namespace {
 
-using Plugin = isoextract_particle_plugin_v2;
+using Plugin = isoextract_particle_plugin_v3;
 
 const PluginKind kParticlePlugins{"isoextract-particles-", "isoextract_particle_plugin",
                                   ISOEXTRACT_PARTICLE_PLUGIN_VERSION};
 
 std::string plain_text(const char* text, std::size_t most) { return text == nullptr ? "" : printable(text, most); }
+
+std::optional<AttributeKind> kind_of(std::int32_t kind) {
+  switch (kind) {
+    case ISOEXTRACT_KIND_SCALAR: return AttributeKind::scalar;
+    case ISOEXTRACT_KIND_COLOR: return AttributeKind::color;
+    case ISOEXTRACT_KIND_VECTOR: return AttributeKind::vector;
+    case ISOEXTRACT_KIND_POINT: return AttributeKind::point;
+    case ISOEXTRACT_KIND_NORMAL: return AttributeKind::normal;
+    default: return std::nullopt;
+  }
+}
 
 class PluginParticles : public ParticleFormat {
  public:
@@ -141,7 +152,7 @@ class PluginParticles : public ParticleFormat {
       for (std::size_t i = 0; i < file_.quantity_count; ++i) {
         const isoextract_particle_quantity& quantity = file_.quantities[i];
         add_tuple(table_, quantity.name == nullptr ? "" : quantity.name, plain_text(quantity.type_name, 80),
-                  static_cast<std::size_t>(quantity.components), quantity.is_numeric != 0);
+                  static_cast<std::size_t>(quantity.components), quantity.is_numeric != 0, kind_of(quantity.kind));
       }
       make_group_names_unique(table_);
     }

@@ -54,6 +54,8 @@ void read_grid_metadata(VdbCursor& cursor, VdbGridRecord& grid) {
   read_metadata(cursor, [&](const std::string& name, const std::string& type, const std::string& bytes) {
     if (name == "class" && type == "string") grid.grid_class = bytes;
     if (is_creator(name, type)) grid.creator = bytes;
+    if (name == "vector_type" && type == "string") grid.vector_type = bytes;
+    if (name == "is_local_space" && type == "bool") grid.in_local_space = bytes == std::string(1, '\1');
     if (name == "is_saved_as_half_float" && type == "bool") grid.half = bytes == std::string(1, '\1');
     if (name == "file_bbox_min" && type == "vec3i") box_min = value_of<glm::ivec3>(bytes);
     if (name == "file_bbox_max" && type == "vec3i") box_max = value_of<glm::ivec3>(bytes);

@@ -22,6 +22,8 @@ struct VdbGridRecord {
   bool half = false;                    // floats are stored as half
   std::string grid_class;               // "level set", "fog volume", ...; may be empty
   std::string creator;                  // what made it, where the grid or the file says so
+  std::string vector_type;              // of vectors: "contravariant relative", ...; may be empty
+  bool in_local_space = false;          // likewise: they are in the axes of the voxels, not in those of the world
   std::optional<std::uint64_t> voxels;  // active ones, where the file says so
   std::optional<field::IndexBox> box;   // of the active voxels, likewise
   std::uint32_t compression = 0;

@@ -118,6 +118,14 @@ class VoxelCounter {
   std::unordered_map<std::uint64_t, std::optional<VoxelCount>> counts_;  // by the place of the owner's transform
 };
 
+// OpenVDB's "invariant" is what a grid says that was never told, and gradients, its "covariant", are no kind.
+std::optional<AttributeKind> kind_of_vectors(std::string_view vector_type) {
+  if (vector_type == "contravariant relative") return AttributeKind::vector;
+  if (vector_type == "contravariant absolute") return AttributeKind::point;
+  if (vector_type == "covariant normalize") return AttributeKind::normal;
+  return std::nullopt;
+}
+
 std::vector<GridInfo> describe_grids(VdbCursor& cursor, const files::InputFile& file, const VdbHeader& header) {
   VoxelCounter counter(cursor, file, header);
   std::vector<GridInfo> grids;
@@ -131,6 +139,8 @@ std::vector<GridInfo> describe_grids(VdbCursor& cursor, const files::InputFile& 
     if (record.grid_class == kLevelSetClass) info.kind = field::FieldKind::level_set;
     if (record.grid_class == kFogClass) info.kind = field::FieldKind::density;
     info.creator = printable(record.creator, 200);
+    info.kind_of_vectors = kind_of_vectors(record.vector_type);
+    info.vectors_in_voxels = record.in_local_space;
     info.frame_problem = printable(record.frame_problem, 300);
     if (count) {
       info.box = count->box;

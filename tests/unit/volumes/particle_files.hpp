@@ -217,7 +217,8 @@ inline std::string houdini_geometry(std::endian endian = std::endian::little, st
       .end();
   h.text("rawpagedata").numbers<float>('\x19', {1, 2, 4, 5, 3, 6, 7, 8, 9.5F}).end().end().end();
   // velocity, one tuple after the other
-  h.begin().begin().ref(2).ref(3).ref(4).text("v").end().begin().ref(5).whole(3).ref(6).ref(7);
+  h.begin().begin().ref(2).ref(3).ref(4).text("v").text("options").raw("{").text("type").raw("{");
+  h.text("type").text("string").text("value").text("normal").raw("}}").end().begin().ref(5).whole(3).ref(6).ref(7);
   h.ref(8).begin().ref(5).whole(3).ref(6).ref(7).text("tuples").begin();
   for (int i = 0; i < 3; ++i) {
     const auto f = static_cast<float>(3 * i);

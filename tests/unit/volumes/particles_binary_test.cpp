@@ -7,6 +7,15 @@ namespace {
 const std::vector<glm::dvec3> kThree{{1, 2, 3}, {4, 5, 6}, {7, 8, 9.5}};
 const std::vector<float> kVelocities{-0.0F, 0.5F, 0.25F, -3, 0.5F, 3.25F, -6, 0.5F, 6.25F};
 
+// What the file says of an attribute.
+std::optional<AttributeKind> kind_of(const points::ParticleSet& particles, const std::string& name) {
+  for (const points::ParticleAttribute& attribute : particles.attributes) {
+    if (attribute.name == name) return attribute.kind;
+  }
+  ADD_FAILURE() << "no attribute " << name;
+  return std::nullopt;
+}
+
 TEST(ParticlesPly, BinaryAndText) {
   const std::string text_body = "1 2 3 200 0 0.5 0.25\n4 5 6 201 -3 0.5 3.25\n7 8 9.5 202 -6 0.5 6.25\n";
   const ParticleInput little{"a.ply", ply_header("binary_little_endian") + ply_body(std::endian::little)};
@@ -101,6 +110,8 @@ TEST(ParticlesBgeo, OldOnes) {
     const volumes::ParticleInfo info = must_inform(input);
     EXPECT_EQ(info.format, "bgeo");
     EXPECT_EQ(quantities_of(info), (std::vector<std::string>{"id:1 i32", "(tag:1 text)", "velocity:3 f32"}));
+    EXPECT_EQ(kind_of(file.particles, "velocity"), AttributeKind::vector);
+    EXPECT_EQ(kind_of(file.particles, "id"), std::nullopt);
   }
 }
 
@@ -139,6 +150,8 @@ TEST(ParticlesBgeo, NewOnes) {
     EXPECT_EQ(file.particles.attributes.size(), 3U);
     expect_attribute(file.particles, "heat", 1, {5, 5, 6});
     expect_attribute(file.particles, "v", 3, kVelocities);
+    EXPECT_EQ(kind_of(file.particles, "v"), AttributeKind::normal);  // whatever it is called
+    EXPECT_EQ(kind_of(file.particles, "heat"), std::nullopt);
     expect_attribute(file.particles, "id", 1, {70, 71, 72});
     ASSERT_EQ(file.notes.size(), 2U);
     expect_in(file.notes[0], "'tag'");

@@ -1,0 +1,94 @@
+#include "convert/attribute_kinds.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/ascii.hpp"
+#include "base/printable.hpp"
+#include "convert/json_values.hpp"
+#include "mesh/attribute_map.hpp"
+
+namespace isoextract::convert {
+namespace {
+
+constexpr const char* kEntry = "attributes";  // of a placement
+
+// Writers replace what their formats cannot have in names.
+std::string plain_name(std::string_view name) {
+  std::string plain(name);
+  std::ranges::replace_if(
+      plain, [](char c) { return !is_letter(c) && !is_digit(c); }, '_');
+  return plain;
+}
+
+// The kinds in the placement of a file of ours.
+std::vector<NamedKind> kinds_in(std::string_view placement) {
+  std::vector<NamedKind> kinds;
+  const Json json = Json::parse(placement, nullptr, false);
+  if (!json.is_object() || !json.contains(kEntry) || !json[kEntry].is_object()) return kinds;
+  for (const auto& [name, word] : json[kEntry].items()) {
+    const auto kind = word.is_string() ? value_of<AttributeKind>(word.get<std::string>()) : std::nullopt;
+    if (kind) kinds.push_back({name, *kind});
+  }
+  return kinds;
+}
+
+}  // namespace
+
+Result<std::optional<AttributeKind>> find_kind(const AttributeChoice& choice, std::size_t components,
+                                               std::optional<AttributeKind> stated) {
+  if (choice.kind && changes_with_mesh(*choice.kind) && components != 3) {
+    return fail(ErrorKind::usage,
+                fmt::format("the attribute '{}': expected three components of a {}, found {}", printable(choice.name),
+                            word_of(*choice.kind), components),
+                "leave the kind out");
+  }
+  if (choice.kind) return choice.kind;
+  if (components < 3) return AttributeKind::scalar;
+  auto kind = stated ? stated : kind_by_name(choice.name);
+  if (!kind) {
+    std::string_view from = choice.from;  // "fire.vdb[velocity]"
+    const std::size_t open = from.rfind('[');
+    if (from.ends_with(']') && open != std::string_view::npos) from = from.substr(open + 1, from.size() - open - 2);
+    kind = kind_by_name(from);
+  }
+  if (kind && changes_with_mesh(*kind) && components != 3) return AttributeKind::scalar;
+  return kind;
+}
+
+std::string kinds_text(const std::vector<NamedKind>& kinds) {
+  // As text, like the rest of a placement (placement_record.cpp).
+  std::string text;
+  for (const NamedKind& named : kinds) {
+    if (!changes_with_mesh(named.kind)) continue;
+    text += fmt::format(R"({}"{}":"{}")", text.empty() ? "{" : ",", plain_name(named.name), word_of(named.kind));
+  }
+  return text.empty() ? text : text + "}";
+}
+
+std::vector<NamedKind> kinds_of(const mesh::Mesh& mesh, bool is_ours, std::string_view placement) {
+  const std::vector<NamedKind> stated = kinds_in(placement);
+  std::vector<NamedKind> kinds;
+  for (const mesh::Attribute& attribute : mesh.attributes) {
+    const auto found = std::ranges::find(stated, plain_name(attribute.name), &NamedKind::name);
+    const auto kind = !is_ours                ? kind_by_name(attribute.name)
+                      : found != stated.end() ? std::optional(found->kind)
+                                              : std::nullopt;
+    if (kind && mesh::changes_with_mesh(attribute, *kind)) kinds.push_back({attribute.name, *kind});
+  }
+  return kinds;
+}
+
+void change_attributes(mesh::Mesh& mesh, const std::vector<NamedKind>& kinds, const field::Affine& map) {
+  for (mesh::Attribute& attribute : mesh.attributes) {
+    const auto found = std::ranges::find(kinds, attribute.name, &NamedKind::name);
+    if (found == kinds.end() || attribute.role != mesh::AttributeRole::other) continue;
+    // Interpolated normals are shorter than 1, wherever the mesh goes.
+    if (map == field::Affine() && found->kind != AttributeKind::normal) continue;
+    map_attribute(attribute, found->kind, map.linear, map.offset);
+  }
+}
+
+}  // namespace isoextract::convert

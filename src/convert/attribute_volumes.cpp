@@ -1,0 +1,226 @@
+#include "convert/attribute_volumes.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/ascii.hpp"
+#include "base/printable.hpp"
+#include "field/demo_field.hpp"
+#include "files/file_bytes.hpp"
+#include "volumes/volume_format.hpp"
+#include "volumes/volume_reader.hpp"
+
+namespace isoextract::convert {
+namespace {
+
+constexpr std::array<std::string_view, 3> kAxes{"[x]", "[y]", "[z]"};
+
+bool names_file(const std::string& text) {
+  const std::string lower = lower_case(text);
+  for (const volumes::VolumeFormat* format : volumes::volume_formats()) {
+    const volumes::FormatDescription& about = format->about();
+    if (!about.prefix.empty() && text.starts_with(about.prefix)) return true;
+    for (const std::string& extension : about.extensions) {
+      if (lower.size() > extension.size() && lower.ends_with(extension)) return true;
+    }
+  }
+  std::error_code none;
+  const auto status = std::filesystem::status(text, none);
+  if (std::filesystem::is_directory(status)) return text.find('/') != std::string::npos;
+  return std::filesystem::exists(status);
+}
+
+// Whether `file` is the path of a file that is not there.
+bool lacks_file(const std::string& file) {
+  std::error_code none;
+  return !file.empty() && !file.starts_with(field::kDemoPrefix) && !std::filesystem::exists(file, none);
+}
+
+bool is_input_file(const std::string& file, const std::string& input) {
+  std::error_code none;
+  return file.empty() || file == input || std::filesystem::equivalent(file, input, none);
+}
+
+// Whether the file has no such grid, nor one of vectors of which that would be a part. False where it cannot be read.
+bool lacks_grid(const SourceOptions& options, const AttributePlace& place, const Context& context) {
+  if (!place.grid) return false;
+  const bool of_input = is_input_file(place.file, options.input);
+  const auto listed = volumes::list_grids(of_input ? options.input : place.file,
+                                          of_input ? options.read : volumes::ReadOptions(), context);
+  const std::string whole = place.grid->substr(0, place.grid->rfind('['));
+  const auto is_meant = [&](const volumes::GridInfo& grid) {
+    return grid.label == *place.grid || grid.name == *place.grid || grid.label == whole || grid.name == whole;
+  };
+  return listed && std::ranges::none_of(*listed, is_meant);
+}
+
+// How a place is read, and what messages call it.
+struct Reading {
+  std::string input;
+  volumes::ReadOptions read;
+  std::string shown;
+};
+
+volumes::VolumeBeside beside(const field::ScalarField& input, const AttributeChoice& choice) {
+  volumes::VolumeBeside other;
+  other.source = input.source;
+  if (const auto* dense = std::get_if<field::DenseSamples>(&input.samples)) other.dims = dense->dims;
+  other.index_to_world = input.index_to_world;
+  other.spacing = choice.spacing;
+  other.origin = choice.origin;
+  return other;
+}
+
+Result<Reading> reading_of(const SourceOptions& options, const AttributeChoice& choice, const AttributePlace& place,
+                           const field::ScalarField& input, const Context& context) {
+  Reading reading;
+  if (is_input_file(place.file, options.input)) {
+    reading.input = options.input;
+    reading.read = options.read;
+    reading.read.component.reset();  // says what the samples of the surface are
+  } else {
+    reading.input = place.file;
+    const auto format = volumes::format_of(place.file, {}, context);
+    if (!format) return tl::unexpected(format.error());
+    if (format->has_axis_order) reading.read.axis_order = options.read.axis_order;
+    if (options.read.volume) {
+      const auto several = volumes::count_volumes(place.file, reading.read, context);
+      if (!several) return tl::unexpected(several.error());
+      if (*several > 1) reading.read.volume = options.read.volume;
+    }
+  }
+  reading.read.grid = place.grid;
+  if (choice.spacing) reading.read.spacing = choice.spacing;
+  if (choice.origin) reading.read.origin = choice.origin;
+  reading.read.beside = beside(input, choice);
+  reading.read.no_data = choice.no_data ? choice.no_data : options.read.no_data;
+  reading.read.no_data_if_dense = true;
+  reading.shown = files::shown_input_name(reading.input);
+  if (place.grid) reading.shown += fmt::format(": {}", printable(*place.grid));
+  return reading;
+}
+
+// A placement of its own beside an input of the same shape may be meant, or the input's may have been corrected.
+void note_other_place(const field::ScalarField& input, VolumeAttribute& attribute) {
+  const field::ScalarField& field = attribute.components.front();
+  const auto* dense = std::get_if<field::DenseSamples>(&field.samples);
+  const auto* of_input = std::get_if<field::DenseSamples>(&input.samples);
+  if (dense == nullptr || of_input == nullptr || dense->dims != of_input->dims) return;
+  if (attribute.choice.spacing || attribute.choice.origin || field.index_to_world == input.index_to_world) return;
+  attribute.notes.push_back(
+      fmt::format("{} has the shape of {} and states another placement, which was kept", field.source, input.source));
+}
+
+// The grid of vectors that is meant as a whole; nothing where a scalar one is.
+Result<std::optional<volumes::GridInfo>> vector_grid(const Reading& reading, const Context& context) {
+  auto listed = volumes::list_grids(reading.input, reading.read, context);
+  if (!listed) return tl::unexpected(std::move(listed.error()));
+  const auto is_vector = [](const volumes::GridInfo& grid) { return grid.type.starts_with("vec3"); };
+  const std::optional<std::string>& wanted = reading.read.grid;
+  if (!wanted && listed->size() != 1) return std::nullopt;
+  for (volumes::GridInfo& grid : *listed) {
+    if (is_vector(grid) && (!wanted || grid.label == *wanted || grid.name == *wanted)) return std::move(grid);
+  }
+  return std::nullopt;
+}
+
+Result<VolumeAttribute> read_volume_attribute(const SourceOptions& options, const AttributeChoice& choice,
+                                              const field::ScalarField& input, const Context& context) {
+  const AttributePlace place = attribute_place(choice);
+  if (place.file.empty() && input.grids == 0) {
+    return fail(ErrorKind::input,
+                fmt::format("{}: expected a file with grids, of which '{}' would be one, found {}", input.source,
+                            printable(choice.from), input.format),
+                "an attribute can be read from another file");
+  }
+  auto reading = reading_of(options, choice, place, input, context);
+  if (!reading) return tl::unexpected(std::move(reading.error()));
+  const auto vectors = vector_grid(*reading, context);
+  if (!vectors) return tl::unexpected(vectors.error());
+  VolumeAttribute attribute;
+  attribute.choice = choice;
+  const std::optional<volumes::GridInfo>& whole = *vectors;
+  const std::size_t count = whole ? kAxes.size() : 1;
+  if (whole) {
+    attribute.stated_kind = whole->kind_of_vectors;
+    attribute.in_voxels = whole->vectors_in_voxels;
+  }
+  for (std::size_t c = 0; c < count; ++c) {
+    if (whole) reading->read.grid = whole->label + std::string(kAxes[c]);
+    auto field = volumes::read_volume(reading->input, reading->read, context);
+    if (!field) return tl::unexpected(std::move(field.error()));
+    field->name = reading->shown;
+    attribute.components.push_back(std::move(*field));
+    if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
+  }
+  attribute.notes = attribute.components.front().notes;
+  note_other_place(input, attribute);
+  return attribute;
+}
+
+// Options say what is read of the input. Hints at them mislead where it is about an attribute, which has its own.
+Hint hint_of_attribute(Hint hint) {
+  switch (hint.remedy) {
+    case Remedy::choose_grid:
+    case Remedy::choose_grid_number: return "an attribute is one of the file's grids" + hint.text;
+    case Remedy::leave_out_grid: return "leave the name of a grid out: there is one volume in the file";
+    case Remedy::place_by_hand: return "state its place behind its name: NAME=FILE:spacing=SX,SY,SZ:origin=X,Y,Z";
+    case Remedy::describe_raw: return "attributes are read from files that say what is in them";
+    default: return hint;
+  }
+}
+
+}  // namespace
+
+AttributePlace attribute_place(const AttributeChoice& choice) {
+  const std::string& from = choice.from;
+  if (from == choice.name) return {{}, from};
+  if (names_file(from)) return {from, std::nullopt};
+  if (from.ends_with(']')) {
+    for (std::size_t at = from.find('['); at != std::string::npos; at = from.find('[', at + 1)) {
+      const std::string file = from.substr(0, at);
+      if (at > 0 && names_file(file)) return {file, from.substr(at + 1, from.size() - at - 2)};
+    }
+  }
+  return {{}, from};
+}
+
+Result<VolumeAttributes> read_volume_attributes(const SourceOptions& options, const field::ScalarField& input,
+                                                bool missing_is_fine, const Context& context) {
+  VolumeAttributes attributes;
+  for (const AttributeChoice& choice : options.attributes) {
+    auto attribute = read_volume_attribute(options, choice, input, context);
+    if (attribute) {
+      attributes.found.push_back(std::move(*attribute));
+      continue;
+    }
+    Error& error = attribute.error();
+    error.message = fmt::format("the attribute '{}': {}", printable(choice.name), error.message);
+    error.hint = hint_of_attribute(std::move(error.hint));
+    const AttributePlace place = attribute_place(choice);
+    const bool is_missing = lacks_file(place.file) || lacks_grid(options, place, context);
+    if (!is_missing || !(missing_is_fine || choice.optional)) return tl::unexpected(std::move(error));
+    attributes.missing.push_back({choice, std::move(error)});
+  }
+  return attributes;
+}
+
+Result<std::vector<std::filesystem::path>> attribute_files(const SourceOptions& options, const Context& context) {
+  std::vector<std::filesystem::path> all;
+  for (const AttributeChoice& choice : options.attributes) {
+    const AttributePlace place = attribute_place(choice);
+    if (place.file.empty() || lacks_file(place.file)) continue;
+    volumes::ReadOptions read;
+    read.grid = place.grid;
+    auto files = volumes::list_input_files(place.file, read, context);
+    if (!files) return files;
+    all.insert(all.end(), files->begin(), files->end());
+  }
+  return all;
+}
+
+}  // namespace isoextract::convert

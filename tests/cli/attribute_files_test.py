@@ -1,0 +1,298 @@
+"""Attributes from other files: where their samples are, which are no data, and what becomes of those that are missing."""
+
+import json
+import math
+import pathlib
+import struct
+import unittest
+import zipfile
+
+from support import PROGRAM, ProgramTest, main
+
+DIMS = (9, 8, 7)
+PLUGIN = pathlib.Path(PROGRAM).parent / "plugins" / "isoextract-volume-openvdb.so"
+
+
+def ball(i, j, k):
+    return 3.3 - math.dist((i, j, k), (4, 3.6, 3.1))
+
+
+def linear(i, j, k):
+    """What `linear.npy` holds, by index: linear interpolation finds it again everywhere."""
+    return 0.25 + 2 * i - 3 * j + 0.5 * k
+
+
+def npy(value_at, dims=DIMS, order="zyx", fortran=False):
+    """A NumPy array of floats, indexed [z, y, x] or [x, y, z], in C order or in Fortran's."""
+    shape = dims if order == "xyz" else dims[::-1]
+    head = f"{{'descr': '<f4', 'fortran_order': {fortran}, 'shape': {tuple(shape)}, }}".encode()
+    head += b" " * (-(len(head) + 11) % 64) + b"\n"
+    x_is_fastest = (order == "zyx") != fortran
+    walk = ([(i, j, k) for k in range(dims[2]) for j in range(dims[1]) for i in range(dims[0])] if x_is_fastest else
+            [(i, j, k) for i in range(dims[0]) for j in range(dims[1]) for k in range(dims[2])])
+    values = [value_at(*index) for index in walk]
+    return b"\x93NUMPY\1\0" + struct.pack("<H", len(head)) + head + struct.pack(f"<{len(values)}f", *values)
+
+
+def nrrd(value_at, *fields, dims=DIMS):
+    head = ["NRRD0004", "type: float", "dimension: 3", "sizes: {} {} {}".format(*dims), "encoding: raw", "endian: little",
+            *fields, "", ""]
+    values = [value_at(i, j, k) for k in range(dims[2]) for j in range(dims[1]) for i in range(dims[0])]
+    return "\n".join(head).encode() + struct.pack(f"<{len(values)}f", *values)
+
+
+def columns(path):
+    """The vertices of a PLY file of text, by the names of their properties."""
+    head, body = path.read_text().split("end_header\n")
+    names = [line.split()[-1] for line in head.split("element face")[0].splitlines() if line.startswith("property")]
+    count = int(head.split("element vertex ")[1].split()[0])
+    rows = [line.split() for line in body.splitlines()[:count]]
+    return {name: [float(row[i]) for row in rows] for i, name in enumerate(names)}
+
+
+class FilesTest(ProgramTest):
+    def write(self, name, data):
+        (self.folder / name).write_bytes(data)
+
+    def ply(self, *arguments, iso="0.5"):
+        self.done = self.convert(*arguments, "--iso", iso, "--ascii", "-o", "out.ply")
+        return columns(self.folder / "out.ply")
+
+    def assert_linear(self, found, index_of, name="a"):
+        """The attribute is linear() of the indices that the places come of."""
+        self.assertGreater(len(found[name]), 100)
+        for *place, value in zip(found["x"], found["y"], found["z"], found[name]):
+            wanted = linear(*index_of(place))
+            self.assertAlmostEqual(value, wanted, delta=1e-4 * (1 + abs(wanted)))
+
+
+class PlacementTest(FilesTest):
+    """A file that states no placement lies on the grid of the input, where it has its shape."""
+
+    def setUp(self):
+        super().setUp()
+        self.write("ball.npy", npy(ball))
+        self.write("linear.npy", npy(linear))
+
+    def test_the_same_array_has_the_iso_value_everywhere(self):
+        for more in ((), ("--spacing", "0.1"), ("--origin", "5,-3,8"), ("--spacing", "0.1,0.2,0.3", "--origin", "1,2,3")):
+            with self.subTest(more=more):
+                for value in self.ply("ball.npy", *more, "--attribute", "a=ball.npy")["a"]:
+                    self.assertAlmostEqual(value, 0.5, delta=1e-5)
+        self.write("x_first.npy", npy(ball, order="xyz"))
+        self.write("other.npy", npy(linear, order="xyz"))
+        order = ("x_first.npy", "--axis-order", "xyz", "--spacing", "0.1,0.2,0.3")
+        for value in self.ply(*order, "--attribute", "a=x_first.npy")["a"]:
+            self.assertAlmostEqual(value, 0.5, delta=1e-5)
+        self.assert_linear(self.ply(*order, "--attribute", "a=other.npy"),
+                           lambda p: (p[0] / 0.1, p[1] / 0.2, p[2] / 0.3))
+
+    def test_wherever_the_mesh_is_put(self):
+        """Spacing (0.1, 0.2, 0.3) and origin (1, 2, 3), and then what each option does to the world."""
+        def index_of(p):
+            return [(c - o) / s for c, o, s in zip(p, (1, 2, 3), (0.1, 0.2, 0.3))]
+
+        undone = {(): lambda p: p, ("--roi", "1,2,3,1.4,3.4,4.8"): lambda p: p, ("--resolution", "15"): lambda p: p,
+                  ("--voxel-size", "0.15"): lambda p: p, ("--up-out", "y"): lambda p: [p[0], -p[2], p[1]],
+                  ("--scale", "2"): lambda p: [c / 2 for c in p], ("--unit", "mm", "--to-unit", "m"): lambda p: [1000 * c for c in p],
+                  ("--simplify", "0.1"): lambda p: p}
+        place = ("ball.npy", "--spacing", "0.1,0.2,0.3", "--origin", "1,2,3", "--attribute", "a=linear.npy")
+        for more, world_of in undone.items():
+            with self.subTest(more=more):
+                self.assert_linear(self.ply(*place, *more), lambda p: index_of(world_of(p)))
+        self.assert_linear(self.ply(*place, "--space", "index"), lambda p: p)
+        self.assertIn("linear.npy states no spacing and no origin: it was taken to lie on the grid of ball.npy, whose 9 x 8 x 7 "
+                      "samples it has\n", self.done.err)
+
+    def test_mirrored_and_oblique_frames(self):
+        frames = {"(-1,0,0) (0,2,0) (0,0,1)": lambda p: (5 - p[0], p[1] / 2, p[2]),
+                  "(0,1,0) (-1,0,0) (0,0,3)": lambda p: (p[1], 5 - p[0], p[2] / 3)}
+        for directions, index_of in frames.items():
+            self.write("in.nrrd", nrrd(ball, "space: left-posterior-superior", f"space directions: {directions}",
+                                       "space origin: (5,0,0)"))
+            with self.subTest(directions=directions):
+                self.assert_linear(self.ply("in.nrrd", "--attribute", "a=linear.npy"), index_of)
+                self.assert_linear(self.ply("in.nrrd", "--attribute", "a=linear.npy", "--to-space", "ras"),
+                                   lambda p: index_of((-p[0], -p[1], p[2])))
+
+    def test_other_formats_that_state_none(self):
+        with zipfile.ZipFile(self.folder / "both.npz", "w") as archive:
+            archive.writestr("ball.npy", npy(ball))
+            archive.writestr("linear.npy", npy(linear))
+            archive.writestr("small.npy", npy(linear, (5, 5, 5)))
+        self.write("bare.nrrd", nrrd(linear))
+        self.write("fortran.npy", npy(linear, fortran=True))
+        place = ("--spacing", "0.5", "--origin", "1,2,3")
+        for arguments in (("both.npz", "--grid", "ball", "--attribute", "a=linear"), ("ball.npy", "--attribute", "a=both.npz[linear]"),
+                          ("ball.npy", "--attribute", "a=bare.nrrd"), ("ball.npy", "--attribute", "a=fortran.npy")):
+            with self.subTest(arguments=arguments):
+                self.assert_linear(self.ply(*arguments, *place), lambda p: [(c - o) / 0.5 for c, o in zip(p, (1, 2, 3))])
+                self.assertNotIn("is assumed", self.done.err)
+        self.assert_fails(2, self.run_program("both.npz", "--grid", "ball", "--iso", "0.5", "--attribute", "small", "-o", "a.ply"),
+                          "expected the 9 x 8 x 7 samples of both.npz", "found 5 x 5 x 5")
+
+    def test_another_shape_needs_a_placement(self):
+        # linear() again, by samples that are twice as far apart and begin at (-2, -2, -2).
+        self.write("coarse.npy", npy(lambda i, j, k: linear(2 * i - 2, 2 * j - 2, 2 * k - 2), (8, 7, 6)))
+        refused = self.run_program("ball.npy", "--spacing", "0.5", "--iso", "0.5", "--attribute", "a=coarse.npy", "-o", "a.ply")
+        self.assert_fails(2, refused, "the attribute 'a': coarse.npy states no spacing and no origin: expected the 9 x 8 x 7 samples "
+                          "of ball.npy, on whose grid it would lie, found 8 x 7 x 6", "NAME=FILE:spacing=SX,SY,SZ:origin=X,Y,Z")
+        self.assertNotIn("a.ply", self.files())
+        for settings in (":spacing=1:origin=-1,-1,-1", ":origin=-1,-1,-1:spacing=1,1,1"):
+            found = self.ply("ball.npy", "--spacing", "0.5", "--attribute", "a=coarse.npy" + settings)
+            self.assert_linear(found, lambda p: [c / 0.5 for c in p])
+        self.ply("ball.npy", "--spacing", "0.5", "--attribute", "a=coarse.npy:spacing=1")
+        self.assertIn("coarse.npy states no spacing and no origin: its first sample was taken to be at 0,0,0", self.done.err)
+        # Of the shape of the input, the axes are its axes.
+        self.assert_linear(self.ply("ball.npy", "--spacing", "0.5", "--attribute", "a=linear.npy:origin=1,0,0"),
+                           lambda p: ((p[0] - 1) / 0.5 if p[0] > 1 else 0, p[1] / 0.5, p[2] / 0.5))
+
+    def test_a_placement_of_its_own_is_kept(self):
+        self.write("placed.nrrd", nrrd(linear, "space: left-posterior-superior", "space directions: (1,0,0) (0,1,0) (0,0,1)",
+                                       "space origin: (-2,-2,-2)"))
+        found = self.ply("ball.npy", "--spacing", "0.5", "--attribute", "a=placed.nrrd")
+        self.assert_linear(found, lambda p: [c + 2 for c in p])
+        self.assertIn("placed.nrrd has the shape of ball.npy and states another placement, which was kept", self.done.err)
+        # What says where the input is says it of its own samples, too.
+        self.write("in.nrrd", nrrd(ball, "space: left-posterior-superior", "space directions: (1,0,0) (0,1,0) (0,0,1)",
+                                   "space origin: (-2,-2,-2)"))
+        for value in self.ply("in.nrrd", "--spacing", "0.25", "--origin", "1,1,1", "--attribute", "a=in.nrrd")["a"]:
+            self.assertAlmostEqual(value, 0.5, delta=1e-5)
+        self.assert_linear(self.ply("ball.npy", "--attribute", "a=placed.nrrd:spacing=1:origin=0,0,0"), lambda p: p)
+
+    def test_colours(self):
+        found = self.ply("ball.npy", "--spacing", "0.1", "--color-by", "a=linear.npy:gray:-20,20")
+        for *place, red in zip(found["x"], found["y"], found["z"], found["red"]):
+            wanted = (linear(*(c / 0.1 for c in place)) + 20) / 40
+            self.assertAlmostEqual(red, 255 * min(max(wanted, 0), 1), delta=1)
+        self.write("coarse.npy", npy(linear, (5, 5, 5)))
+        self.assert_fails(2, self.run_program("ball.npy", "--iso", "0.5", "--color-by", "a=coarse.npy", "-o", "a.ply"), "5 x 5 x 5")
+        for settings in ("a=coarse.npy:spacing=2:gray", "a=coarse.npy:gray:spacing=2", "a=coarse.npy:spacing=2:origin=0,0,0:gray:0,1"):
+            self.ply("ball.npy", "--color-by", settings)
+
+    def test_sequences(self):
+        for k in (1, 2):
+            self.write(f"ball_{k}.npy", npy(ball))
+            self.write(f"heat_{k}.npy", npy(lambda i, j, l, k=k: linear(i, j, l) + 100 * k))
+        self.convert("ball_{}.npy", "--spacing", "0.1", "--iso", "0.5", "--attribute", "a=heat_{}.npy", "--ascii", "-o", "out_{}.ply")
+        for k in (1, 2):
+            found = columns(self.folder / f"out_{k}.ply")
+            found["a"] = [value - 100 * k for value in found["a"]]
+            self.assert_linear(found, lambda p: [c / 0.1 for c in p])
+
+    @unittest.skipUnless(PLUGIN.exists(), "the plug-ins around OpenVDB were not built")
+    def test_sparse_inputs_have_no_shape(self):
+        self.convert("ball.npy", "-o", "ball.vdb")
+        self.assert_fails(2, self.run_program("ball.vdb", "--iso", "0.5", "--attribute", "a=linear.npy", "-o", "a.ply"),
+                          "ball.vdb is sparse, so that no shape says that it lies on its grid", "found 9 x 8 x 7", ":spacing=")
+        self.assert_linear(self.ply("ball.vdb", "--attribute", "a=linear.npy:spacing=1:origin=0,0,0"), lambda p: p)
+
+    def test_settings_that_are_refused(self):
+        for word, part in (("a=linear.npy:spacing=0", "spacing: expected"), ("a=linear.npy:origin=1", "origin: expected"),
+                           ("a=linear.npy:spaceing=1", "did you mean 'spacing'?"),
+                           ("a=linear.npy:spacing=1:spacing=2", "given twice"), ("a=linear.npy:nodata=x", "nodata: expected")):
+            for option in ("--attribute", "--color-by"):
+                self.assert_fails(1, self.run_program("ball.npy", "--iso", "0.5", option, word, "-o", "a.ply"), option, part)
+        self.assert_fails(1, self.run_program("ball.npy", "--iso", "0.5", "--attribute", "a=linear.npy", "--color-by",
+                                              "a=linear.npy:spacing=1", "-o", "a.ply"), "other settings")
+
+
+class NoDataTest(FilesTest):
+    def test_samples_of_no_data_are_no_values(self):
+        self.write("ball.npy", npy(ball))
+        self.write("heat.npy", npy(lambda i, j, k: -9999 if i > 4 else 7))
+        place = ("ball.npy", "--spacing", "0.5")
+        found = self.ply(*place, "--nodata", "-9999", "--attribute", "a=heat.npy")
+        for x, value in zip(found["x"], found["a"]):
+            self.assertTrue(math.isnan(value) if x / 0.5 > 4 else value == 7, (x, value))
+        self.assertRegex(self.done.err, r"the attribute 'a' is no finite number at \d+ of \d+ vertices")
+        # A value of its own.
+        own = self.ply(*place, "--attribute", "a=heat.npy:nodata=-9999")
+        self.assertEqual([str(value) for value in own["a"]], [str(value) for value in found["a"]])
+        other = self.ply(*place, "--nodata", "-9999", "--attribute", "a=heat.npy:nodata=-1")
+        self.assertLess(min(other["a"]), -1000)
+
+    def test_grids_of_the_same_file(self):
+        with zipfile.ZipFile(self.folder / "both.npz", "w") as archive:
+            archive.writestr("ball.npy", npy(ball))
+            archive.writestr("heat.npy", npy(lambda i, j, k: -9999 if i > 4 else 7))
+        found = self.ply("both.npz", "--grid", "ball", "--nodata", "-9999", "--attribute", "heat")
+        self.assertEqual({value for value in found["heat"] if not math.isnan(value)}, {7})
+        self.assertTrue(any(map(math.isnan, found["heat"])))
+
+    @unittest.skipUnless(PLUGIN.exists(), "the plug-ins around OpenVDB were not built")
+    def test_sparse_files_beside_a_dense_input_have_none(self):
+        self.write("ball.npy", npy(ball))
+        self.convert("ball.npy", "-o", "ball.vdb")
+        self.assertEqual(set(self.ply("ball.npy", "--nodata", "-9999", "--attribute", "a=ball.vdb")), {"x", "y", "z", "a"})
+
+
+class MissingTest(FilesTest):
+    """Grids and files that some frames lack."""
+
+    def archive(self, name, **arrays):
+        with zipfile.ZipFile(self.folder / name, "w") as archive:
+            for key, value_at in arrays.items():
+                archive.writestr(key + ".npy", npy(value_at))
+
+    def setUp(self):
+        super().setUp()
+        self.archive("a_1.npz", d=lambda i, j, k: -5, e=linear)  # empty, and without T
+        self.archive("a_2.npz", d=ball, T=linear)
+
+    def test_an_empty_frame_needs_no_attributes(self):
+        for option in (("--color-by", "T"), ("--attribute", "T"), ("--attribute", "T", "--color-by", "T")):
+            with self.subTest(option=option):
+                run = self.convert("a_{}.npz", "--grid", "d", "--iso", "0.5", "--empty", "skip", *option, "--ascii", "-o", "o_{}.ply")
+                self.assertNotIn("o_1.ply", self.files())
+                self.assertIn("o_2.ply", self.files())
+                self.assertIn("no surface", run.err)
+                (self.folder / "o_2.ply").unlink()
+        self.assert_linear(self.ply("a_2.npz", "--grid", "d", "--empty", "skip", "--attribute", "a=T"), lambda p: p)
+        # An empty mesh is written without it.
+        run = self.convert("a_1.npz", "--grid", "d", "--iso", "0.5", "--empty", "write", "--attribute", "T", "-o", "w.ply")
+        self.assertIn("no attribute 'T' either", run.err)
+        # Files of attributes that are not there are no fault either.
+        self.convert("a_1.npz", "--grid", "d", "--iso", "0.5", "--empty", "skip", "--attribute", "T=none.npy", "-o", "x.ply")
+
+    def test_frames_with_a_surface_still_need_them(self):
+        self.archive("a_1.npz", d=ball, e=linear)
+        for more in ((), ("--empty", "skip")):
+            self.assert_fails(2, self.run_program("a_1.npz", "--grid", "d", "--iso", "0.5", *more, "--attribute", "T", "-o", "o.ply"),
+                              "the attribute 'T': a_1.npz: there is no grid 'T'", "an attribute is one of the file's grids")
+            self.assert_fails(2, self.run_program("a_1.npz", "--grid", "d", "--iso", "0.5", *more, "--attribute", "T=no.npy", "-o",
+                                                  "o.ply"), "the attribute 'T': no.npy", "cannot be read")
+        self.assertNotIn("o.ply", self.files())
+
+    def test_optional_attributes(self):
+        self.archive("a_1.npz", d=ball, e=linear)
+        self.convert("a_{}.npz", "--grid", "d", "--iso", "0.5", "--attribute", "T?", "--color-by", "T?", "--ascii", "-o", "o_{}.ply")
+        self.assertEqual(set(columns(self.folder / "o_1.ply")), {"x", "y", "z"})
+        self.assertEqual(set(columns(self.folder / "o_2.ply")), {"x", "y", "z", "T", "red", "green", "blue"})
+        run = self.convert("a_1.npz", "--grid", "d", "--iso", "0.5", "--attribute", "T?", "--report", "r.json", "-o", "p.ply")
+        self.assertRegex(run.err, r"converted without the optional attribute 'T': .*there is no grid 'T'")
+        self.assertEqual(json.loads((self.folder / "r.json").read_text())["attributes"], [])
+        found = self.ply("a_2.npz", "--grid", "d", "--attribute", "heat?=T", "--attribute", "h?=none.npy", "--attribute", "t?=T")
+        self.assertEqual(found["heat"], found["t"])
+        self.assertNotIn("h", found)
+        # What is there and cannot be read is a fault all the same.
+        self.write("bad.npy", b"\x93NUMPY\1\0damaged")
+        self.assert_fails(2, self.run_program("a_2.npz", "--grid", "d", "--iso", "0.5", "--attribute", "T?=bad.npy", "-o", "o.ply"),
+                          "bad.npy")
+        self.assert_fails(1, self.run_program("a_2.npz", "--grid", "d", "--iso", "0.5", "--attribute", "a=T?", "-o", "o.ply"), "a?=T")
+
+    def test_optional_attributes_of_particles(self):
+        head = "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n"
+        places = [(i, j, k) for i in range(2) for j in range(2) for k in range(2)]
+        self.write("p.ply", (head + "property float t\nend_header\n" + "".join("{} {} {} 5\n".format(*p) for p in places)).encode())
+        self.write("q.ply", (head + "end_header\n" + "".join("{} {} {}\n".format(*p) for p in places)).encode())
+        for name, wanted in (("p.ply", {"t"}), ("q.ply", set())):
+            self.convert(name, "--radius", "0.6", "--attribute", "t?", "--color-by", "t", "--ascii", "-o", "out.ply")
+            self.assertEqual({"t"} & set(columns(self.folder / "out.ply")), wanted)
+        self.assert_fails(2, self.run_program("q.ply", "--radius", "0.6", "--attribute", "t", "-o", "o.ply"), "no attribute 't'")
+        self.assert_fails(2, self.run_program("q.ply", "--radius", "0.6", "--empty", "skip", "--attribute", "t", "-o", "o.ply"), "'t'")
+        self.assert_fails(1, self.run_program("p.ply", "--radius", "0.6", "--attribute", "t:spacing=1", "-o", "o.ply"), "which volumes have")
+
+
+if __name__ == "__main__":
+    main()
