@@ -172,7 +172,7 @@ class AttributesThatTurn(FolderTest):
         """kinds.kind_by_name() has the rules of kind_by_name() in C++: the words of its source."""
         source = (SOURCE / "src/base/attribute_kind.cpp").read_text()
         tables = {table: re.findall(r'\{"([^"]+)", AttributeKind::(\w+)\}', body)
-                  for table, body in re.findall(r"NamedKind, \d+> (\w+)\{\{(.*?)\}\};", source, re.DOTALL)}
+                  for table, body in re.findall(r"NamedKind, \d+> (\w+)\{\s*\{(.*?)\}\};", source, re.DOTALL)}
         self.assertEqual(set(tables), {"kNames", "kBeginnings", "kWords"})
         for table, pattern in (("kNames", "{}"), ("kBeginnings", "{}_old"), ("kWords", "wind_{}_old")):
             for name, kind in tables[table]:

@@ -23,8 +23,11 @@ Result<field::Affine> place_beside(field::ScalarField& field, const VolumeBeside
     return fail(ErrorKind::input, fmt::format("{}: {}, found {}", states_none, expected, dims_text(dims)),
                 "state a placement behind its name: NAME=FILE:spacing=SX,SY,SZ:origin=X,Y,Z");
   }
-  field.notes.push_back(fmt::format("{}: it was taken to lie on the grid of {}, whose {} samples it has{}", states_none,
-                                    other.source, dims_text(dims), other.origin ? ", but for its origin" : ""));
+  if (other.source != field.source) {
+    field.notes.push_back(fmt::format("{}: it was taken to lie on the grid of {}, whose {} samples it has{}",
+                                      states_none, other.source, dims_text(dims),
+                                      other.origin ? ", but for its origin" : ""));
+  }
   return field::Affine{other.index_to_world.linear, other.origin.value_or(other.index_to_world.offset)};
 }
 
