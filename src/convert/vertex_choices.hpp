@@ -19,14 +19,14 @@ namespace isoextract::convert {
 struct AttributeChoice {
   std::string name;
   std::string from;
-  bool written = true;                // else it only gives colours
-  bool optional = false;              // an input that lacks it is converted without it
-  std::optional<AttributeKind> kind;  // else as the file says, or by the name (attribute_kinds.hpp)
+  bool written = true;                     // else it only gives colours
+  bool optional = false;                   // an input that lacks it is converted without it
+  std::optional<AttributeKind> kind = {};  // else as the file says, or by the name (attribute_kinds.hpp)
   // Of volumes: where the samples are, in place of what the file states, and the value that stands for no data, in
   // place of the input's.
-  std::optional<glm::dvec3> spacing;
-  std::optional<glm::dvec3> origin;
-  std::optional<double> no_data;
+  std::optional<glm::dvec3> spacing = {};
+  std::optional<glm::dvec3> origin = {};
+  std::optional<double> no_data = {};
 
   friend bool operator==(const AttributeChoice&, const AttributeChoice&) = default;
 };

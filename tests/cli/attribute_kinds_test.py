@@ -187,6 +187,20 @@ class KindsTest(ProgramTest):
             found = self.values(name, "--attribute", name, "--scale", "2", "--up", "z", "--up-out", "y", source="in.bgeo")
             self.assert_vector(found, wanted)
 
+    @unittest.skipUnless((PLUGINS / "isoextract-particles-vtk.so").exists(), "the plug-in around VTK was not built")
+    def test_what_vtk_files_mark(self):
+        """One array as the vectors of the file, and one as its normals, whatever they are called."""
+        places = [(0.5 * i, 0.5 * j, 0.5 * k) for i in range(4) for j in range(4) for k in range(4)]
+        rows = "\n".join("{} {} {}".format(*place) for place in places)
+        same = "\n".join(["{} {} {}".format(*SPEED)] * len(places))
+        (self.folder / "in.vtk").write_text(
+            f"# vtk DataFile Version 3.0\nparticles\nASCII\nDATASET POLYDATA\nPOINTS {len(places)} float\n{rows}\n"
+            f"POINT_DATA {len(places)}\nVECTORS dir float\n{same}\nNORMALS side float\n{same}\n"
+            f"FIELD more 1\nother 3 {len(places)} float\n{same}\n")
+        turned = times(TO_Y_UP, SPEED, 2)
+        for name, wanted in (("dir", turned), ("side", unit(turned)), ("other", SPEED)):
+            self.assert_vector(self.values(name, "--attribute", name, "--scale", "2", "--up-out", "y", source="in.vtk"), wanted)
+
     def test_animations(self):
         for k in range(2):
             self.write_particles(value=(1.0 + k, 2.0, 3.0))

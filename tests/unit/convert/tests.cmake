@@ -1,4 +1,4 @@
-isoextract_unit_test(convert backends_test.cpp conversion_job_test.cpp conversion_test.cpp iso_values_test.cpp label_table_test.cpp
+isoextract_unit_test(convert attribute_source_test.cpp backends_test.cpp conversion_job_test.cpp conversion_test.cpp iso_values_test.cpp label_table_test.cpp
   report_schema_test.cpp
   verification_test.cpp vertex_colours_test.cpp)
 

@@ -85,6 +85,30 @@ TEST(VdbGridList, WhatIsNotCountedIsNotTakenForEmpty) {
   expect_in(error.hint.text, "float  empty");
 }
 
+TEST(VdbGridList, KindsOfVectorsAreTold) {
+  openvdb::initialize();
+  std::vector<openvdb::GridBase::Ptr> grids;
+  for (const auto type : {openvdb::VEC_INVARIANT, openvdb::VEC_COVARIANT, openvdb::VEC_COVARIANT_NORMALIZE,
+                          openvdb::VEC_CONTRAVARIANT_RELATIVE, openvdb::VEC_CONTRAVARIANT_ABSOLUTE}) {
+    const auto grid = openvdb::Vec3SGrid::create();
+    grid->tree().setValue({1, 2, 3}, openvdb::Vec3s(1, 2, 3));
+    grid->setVectorType(type);
+    grid->setIsInWorldSpace(type != openvdb::VEC_CONTRAVARIANT_RELATIVE);
+    grids.push_back(grid);
+  }
+  grids.push_back(openvdb::Vec3SGrid::create());  // which says nothing
+  const TempFolder folder;
+  write_vdb(folder / "v.vdb", {grids.begin(), grids.end()});
+  const auto listed = volumes::list_grids((folder / "v.vdb").string(), {});
+  ASSERT_TRUE(listed);
+  const std::array<std::optional<AttributeKind>, 6> kinds{
+      std::nullopt, std::nullopt, AttributeKind::normal, AttributeKind::vector, AttributeKind::point, std::nullopt};
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    EXPECT_EQ(listed->at(i).kind_of_vectors, kinds[i]) << i;
+    EXPECT_EQ(listed->at(i).vectors_in_voxels, i == 3) << i;
+  }
+}
+
 TEST(VdbGridList, ATransformThatCannotBeUsedHidesNoOtherGrid) {
   openvdb::initialize();
   const auto bent = one_voxel("bent");

@@ -1,0 +1,81 @@
+#include "convert/attribute_source.hpp"
+
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "support/fields.hpp"
+#include "unit/mesh/shapes.hpp"
+
+namespace isoextract::convert {
+namespace {
+
+// A grid of vectors (1, 2, 3), whose voxels are 2, 4 and 8 long.
+AttributeSource source_of_vectors(AttributeKind kind, bool in_voxels) {
+  VolumeAttribute attribute;
+  attribute.choice.name = "a";
+  attribute.choice.from = "a";
+  attribute.stated_kind = kind;
+  attribute.in_voxels = in_voxels;
+  for (const float value : {1.0F, 2.0F, 3.0F}) {
+    attribute.components.push_back(test::dense_field<float>(glm::ivec3(3), [&](int, int, int) { return value; }));
+    attribute.components.back().index_to_world = field::scaling({2, 4, 8});
+  }
+  AttributeSource source;
+  source.from = std::vector<VolumeAttribute>{std::move(attribute)};
+  return source;
+}
+
+glm::vec3 first_value(const mesh::Mesh& mesh) {
+  glm::vec3 value;
+  std::memcpy(&value, mesh.attributes.front().at(0).data(), sizeof value);
+  return value;
+}
+
+TEST(AttributeSource, BringsVectorsOfVoxelsIntoTheWorldAndThenIntoTheMesh) {
+  struct Case {
+    AttributeKind kind;
+    bool in_voxels;
+    glm::vec3 wanted;
+  };
+  // The mesh is ten times as large as the world, and moved.
+  for (const auto& [kind, in_voxels, wanted] :
+       {Case{AttributeKind::vector, false, {10, 20, 30}}, Case{AttributeKind::vector, true, {20, 80, 240}},
+        Case{AttributeKind::point, true, {21, 81, 241}}, Case{AttributeKind::scalar, true, {1, 2, 3}},
+        Case{AttributeKind::normal, true, glm::normalize(glm::vec3(0.5F, 0.5F, 0.375F))}}) {
+    AttributeSource source = source_of_vectors(kind, in_voxels);
+    const field::Affine output_from_world{field::scaling(glm::dvec3(10)).linear, glm::dvec3(1)};
+    ASSERT_TRUE(place_attributes(source, output_from_world.inverse(), output_from_world));
+    mesh::Mesh mesh = test::tetrahedron();
+    const auto records = add_attributes(source, mesh, Context());
+    ASSERT_TRUE(records);
+    EXPECT_EQ(records->front().kind, kind);
+    EXPECT_EQ(records->front().changed, changes_with_mesh(kind));
+    change_attributes(mesh, source.kinds, source.output_from_world);
+    EXPECT_LT(glm::length(first_value(mesh) - wanted), 1e-6F * glm::length(wanted)) << word_of(kind) << in_voxels;
+  }
+}
+
+TEST(AttributeSource, FindsKinds) {
+  const auto kind = [](std::string name, std::string from, std::size_t components,
+                       std::optional<AttributeKind> stated = {}, std::optional<AttributeKind> chosen = {}) {
+    AttributeChoice choice;
+    choice.name = std::move(name);
+    choice.from = std::move(from);
+    choice.kind = chosen;
+    return find_kind(choice, components, stated).value();
+  };
+  EXPECT_EQ(kind("v", "v", 3), AttributeKind::vector);
+  EXPECT_EQ(kind("x", "fire.vdb[velocity]", 3), AttributeKind::vector);
+  EXPECT_EQ(kind("x", "y", 3), std::nullopt);
+  EXPECT_EQ(kind("v", "v", 1), AttributeKind::scalar);
+  EXPECT_EQ(kind("v", "v", 4), AttributeKind::scalar);
+  EXPECT_EQ(kind("Cd", "Cd", 4), AttributeKind::color);
+  EXPECT_EQ(kind("v", "v", 3, AttributeKind::normal), AttributeKind::normal);
+  EXPECT_EQ(kind("v", "v", 3, AttributeKind::normal, AttributeKind::scalar), AttributeKind::scalar);
+}
+
+}  // namespace
+}  // namespace isoextract::convert
