@@ -8,7 +8,7 @@ const std::vector<glm::dvec3> kThree{{1, 2, 3}, {4, 5, 6}, {7, 8, 9.5}};
 const std::vector<float> kVelocities{-0.0F, 0.5F, 0.25F, -3, 0.5F, 3.25F, -6, 0.5F, 6.25F};
 
 // What the file says of an attribute.
-std::optional<AttributeKind> kind_of(const points::ParticleSet& particles, const std::string& name) {
+std::optional<AttributeKind> stated_kind(const points::ParticleSet& particles, const std::string& name) {
   for (const points::ParticleAttribute& attribute : particles.attributes) {
     if (attribute.name == name) return attribute.kind;
   }
@@ -110,8 +110,8 @@ TEST(ParticlesBgeo, OldOnes) {
     const volumes::ParticleInfo info = must_inform(input);
     EXPECT_EQ(info.format, "bgeo");
     EXPECT_EQ(quantities_of(info), (std::vector<std::string>{"id:1 i32", "(tag:1 text)", "velocity:3 f32"}));
-    EXPECT_EQ(kind_of(file.particles, "velocity"), AttributeKind::vector);
-    EXPECT_EQ(kind_of(file.particles, "id"), std::nullopt);
+    EXPECT_EQ(stated_kind(file.particles, "velocity"), AttributeKind::vector);
+    EXPECT_EQ(stated_kind(file.particles, "id"), std::nullopt);
   }
 }
 
@@ -150,8 +150,8 @@ TEST(ParticlesBgeo, NewOnes) {
     EXPECT_EQ(file.particles.attributes.size(), 3U);
     expect_attribute(file.particles, "heat", 1, {5, 5, 6});
     expect_attribute(file.particles, "v", 3, kVelocities);
-    EXPECT_EQ(kind_of(file.particles, "v"), AttributeKind::normal);  // whatever it is called
-    EXPECT_EQ(kind_of(file.particles, "heat"), std::nullopt);
+    EXPECT_EQ(stated_kind(file.particles, "v"), AttributeKind::normal);  // whatever it is called
+    EXPECT_EQ(stated_kind(file.particles, "heat"), std::nullopt);
     expect_attribute(file.particles, "id", 1, {70, 71, 72});
     ASSERT_EQ(file.notes.size(), 2U);
     expect_in(file.notes[0], "'tag'");
