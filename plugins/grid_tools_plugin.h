@@ -22,7 +22,7 @@ extern "C" {
 #endif
 
 /* Goes up with every change of this file. A plug-in of another version is refused. */
-#define ISOEXTRACT_GRID_TOOLS_PLUGIN_VERSION 2
+#define ISOEXTRACT_GRID_TOOLS_PLUGIN_VERSION 3
 
 /* A grid that goes in: sparse samples, or a full box of them. */
 typedef struct isoextract_grid_input {
@@ -90,7 +90,7 @@ typedef struct isoextract_vdb_job {
   int (*overwrite)(void* sink, uint64_t place, const void* bytes, uint64_t count);
 } isoextract_vdb_job;
 
-typedef struct isoextract_grid_tools_plugin_v2 {
+typedef struct isoextract_grid_tools_plugin_v3 {
   uint32_t version; /* ISOEXTRACT_GRID_TOOLS_PLUGIN_VERSION; the first member in every version */
   const char* id;   /* the ID of the file's name */
 
@@ -106,13 +106,13 @@ typedef struct isoextract_grid_tools_plugin_v2 {
 
   /* Why the last call of this thread failed: what was expected and what was found. */
   const char* (*error_text)(void);
-} isoextract_grid_tools_plugin_v2;
+} isoextract_grid_tools_plugin_v3;
 
 /* The one function that a plug-in exports. What it returns lives as long as the process. */
 #if defined(__GNUC__)
 __attribute__((visibility("default")))
 #endif
-const isoextract_grid_tools_plugin_v2*
+const isoextract_grid_tools_plugin_v3*
 isoextract_grid_tools_plugin(void);
 
 #ifdef __cplusplus

@@ -64,6 +64,10 @@ typedef struct isoextract_plugin_host {
    * counts until it is given back, or until what the call gave out is freed. */
   int (*reserve)(void* self, uint64_t bytes);
   void (*release)(void* self, uint64_t bytes);
+  /* Memory for samples that the call gives out, reserved by the host: aligned to 64 bytes, with any content. Null where
+   * there is none; then the call is to end with a failure. It is the host's, and lives until what the call gave out is
+   * freed. Samples elsewhere are copied where the plug-in runs in a process of its own. */
+  void* (*allocate)(void* self, uint64_t bytes);
   /* Not 0 if the call is to end soon, with a failure. */
   int (*is_cancelled)(void* self);
 } isoextract_plugin_host;

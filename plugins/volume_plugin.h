@@ -29,7 +29,7 @@ extern "C" {
 #endif
 
 /* Goes up with every change of this file. A plug-in of another version is refused. */
-#define ISOEXTRACT_VOLUME_PLUGIN_VERSION 2
+#define ISOEXTRACT_VOLUME_PLUGIN_VERSION 3
 
 /* One grid of a file: a full box of samples, or sparse ones. */
 typedef struct isoextract_volume_grid {
@@ -62,7 +62,7 @@ typedef struct isoextract_volume_samples {
   void* owner;      /* the plug-in's own */
 } isoextract_volume_samples;
 
-typedef struct isoextract_volume_plugin_v2 {
+typedef struct isoextract_volume_plugin_v3 {
   uint32_t version;   /* ISOEXTRACT_VOLUME_PLUGIN_VERSION; the first member in every version */
   const char* id;     /* the ID of the file's name */
   const char* format; /* what reports call the format: "DICOM" */
@@ -82,13 +82,13 @@ typedef struct isoextract_volume_plugin_v2 {
 
   /* Why the last call of this thread failed: what was expected and what was found, without the file's name. */
   const char* (*error_text)(void);
-} isoextract_volume_plugin_v2;
+} isoextract_volume_plugin_v3;
 
 /* The one function that a plug-in exports. What it returns lives as long as the process. */
 #if defined(__GNUC__)
 __attribute__((visibility("default")))
 #endif
-const isoextract_volume_plugin_v2*
+const isoextract_volume_plugin_v3*
 isoextract_volume_plugin(void);
 
 #ifdef __cplusplus

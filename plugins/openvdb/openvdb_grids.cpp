@@ -456,9 +456,9 @@ int write_vdb(const isoextract_vdb_job* job, const isoextract_plugin_host* host)
 
 const char* error_text() { return problem.c_str(); }
 
-constexpr isoextract_grid_tools_plugin_v2 kPlugin{
+constexpr isoextract_grid_tools_plugin_v3 kPlugin{
     ISOEXTRACT_GRID_TOOLS_PLUGIN_VERSION, "openvdb", spheres, filter, free_output, write_vdb, error_text};
 
 }  // namespace
 
-const isoextract_grid_tools_plugin_v2* isoextract_grid_tools_plugin() { return &kPlugin; }
+const isoextract_grid_tools_plugin_v3* isoextract_grid_tools_plugin() { return &kPlugin; }

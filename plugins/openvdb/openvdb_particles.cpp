@@ -1,4 +1,6 @@
 // Particles as OpenVDB's point grids hold them: each at a place relative to its voxel, with attributes by name.
+#include <malloc.h>
+
 #include <memory>
 
 #include <openvdb/io/File.h>
@@ -47,6 +49,19 @@ void put(float*& to, const auto& value) {
     for (int i = 0; i < 3; ++i) *to++ = static_cast<float>(value[i]);
   } else {
     *to++ = static_cast<float>(value);
+  }
+}
+
+// OpenVDB takes as many bytes from a file as it tells of an array, and reads as many as its values need: beyond them
+// there is the memory of others.
+void check_bytes(const points::AttributeArray& array, const std::string& name) {
+  if (array.size() == 0) return;
+  const std::uint64_t values = array.isUniform() ? 1 : std::uint64_t{array.size()} * array.stride();
+  const char* data = array.constDataAsByteArray();
+  const std::size_t there = data == nullptr ? 0 : ::malloc_usable_size(const_cast<char*>(data));
+  if (!array.hasConstantStride() || values > there / array.storageTypeSize()) {
+    throw Problem("the file is damaged: expected " + std::to_string(values) + " values of '" + name +
+                  "' in a leaf, found " + std::to_string(there / array.storageTypeSize()));
   }
 }
 
@@ -123,6 +138,8 @@ std::unique_ptr<Opened> open_points(const char* path, const char* wanted) {
       before = end;
     }
     if (before != places->size()) throw Problem("the file is damaged: points of no voxel");
+    if (places->stride() != 1) throw Problem("the file is damaged: expected one position a point");
+    check_bytes(*places, kPosition);
   }
   describe_attributes(*opened);
   return opened;
@@ -183,6 +200,7 @@ int quantity(const isoextract_particle_file* file, std::size_t number, float* va
                            if (array->stride() * in_value != components) {
                              throw Problem("expected as many values of '" + name + "' at every point");
                            }
+                           check_bytes(*array, name);
                            const points::AttributeHandle<Value> handle(*array);
                            for (auto index = leaf->beginIndexAll(); index; ++index) {
                              for (openvdb::Index i = 0; i < handle.stride(); ++i) put(values, handle.get(*index, i));

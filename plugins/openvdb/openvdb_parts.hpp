@@ -63,6 +63,13 @@ class Reserved {
     host_.release(host_.self, bytes_ - bytes);
     bytes_ = bytes;
   }
+  // Memory of the host's for samples that are given out; reserved by the host, not counted here.
+  [[nodiscard]] void* allocate(std::uint64_t bytes) const {
+    if (bytes == 0) return nullptr;
+    void* memory = host_.allocate(host_.self, bytes);
+    if (memory == nullptr) throw Problem("not enough memory: the samples need " + std::to_string(bytes));
+    return memory;
+  }
   // It belongs to what is given out.
   void keep() { bytes_ = 0; }
 
@@ -97,11 +104,10 @@ inline void put_transform(const openvdb::math::Transform& transform, double* ind
   }
 }
 
-// Sparse samples with their memory.
+// Sparse samples; the values of the blocks lie in the host's memory.
 struct SparseStore {
   std::vector<isoextract_sparse_block> blocks;
   std::vector<isoextract_sparse_tile> tiles;
-  std::vector<std::uint64_t> values;  // of the blocks; words of 8 bytes, so that every type is aligned
   isoextract_sparse_samples samples{};
   std::string note;
 };
@@ -119,15 +125,14 @@ template <class T, class Tree, class Convert>
 void store_tree(const Tree& tree, std::int32_t sample_type, Reserved& memory, SparseStore& store, Convert&& convert) {
   using Leaf = typename Tree::LeafNodeType;
   const std::uint64_t leaf_count = tree.leafCount();
-  memory.take(leaf_count * (kLeafValues * sizeof(T) + sizeof(isoextract_sparse_block) + sizeof(const Leaf*)));
+  memory.take(leaf_count * (sizeof(isoextract_sparse_block) + sizeof(const Leaf*)));
   std::vector<const Leaf*> leaves;
   leaves.reserve(leaf_count);
   for (auto leaf = tree.cbeginLeaf(); leaf; ++leaf) leaves.push_back(&*leaf);
   std::ranges::sort(leaves, [](const Leaf* a, const Leaf* b) { return a->origin() < b->origin(); });
 
-  store.values.resize(leaf_count * kLeafValues * sizeof(T) / sizeof(std::uint64_t));
+  T* values = static_cast<T*>(memory.allocate(leaf_count * kLeafValues * sizeof(T)));
   store.blocks.reserve(leaf_count);
-  T* values = reinterpret_cast<T*>(store.values.data());
   for (const Leaf* leaf : leaves) {
     for (openvdb::Index i = 0; i < kLeafValues; ++i) values[i] = convert(leaf->getValue(i));
     const openvdb::Coord& o = leaf->origin();

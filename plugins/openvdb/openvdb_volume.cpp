@@ -402,9 +402,9 @@ void free_samples(isoextract_volume_samples* samples) { delete static_cast<Spars
 
 const char* error_text() { return problem.c_str(); }
 
-constexpr isoextract_volume_plugin_v2 kPlugin{
+constexpr isoextract_volume_plugin_v3 kPlugin{
     ISOEXTRACT_VOLUME_PLUGIN_VERSION, "openvdb", "OpenVDB", probe, list, free_list, open, free_samples, error_text};
 
 }  // namespace
 
-const isoextract_volume_plugin_v2* isoextract_volume_plugin() { return &kPlugin; }
+const isoextract_volume_plugin_v3* isoextract_volume_plugin() { return &kPlugin; }

@@ -84,6 +84,7 @@ enum class Remedy {
   smaller_cells,         // samples nearer to each other, of particles
   leave_out_filters,     // they are for level sets
   store_floats,          // half floats do not reach so far
+  read_in_process,       // a file that is trusted needs no process of its own for its plug-in
 };
 
 struct Hint {

@@ -156,6 +156,11 @@ Result<Reservation> MemoryBudget::reserve(std::uint64_t bytes, const std::string
 }
 
 std::uint64_t MemoryBudget::limit() const { return account_->top().limit; }
+std::uint64_t MemoryBudget::left() const {
+  detail::MemoryAccount& top = account_->top();
+  const std::scoped_lock lock(top.mutex);
+  return top.limit - std::min(top.limit, std::uint64_t{top.reserved});
+}
 std::uint64_t MemoryBudget::reserved() const { return account_->reserved; }
 std::uint64_t MemoryBudget::peak() const { return account_->peak; }
 

@@ -55,6 +55,7 @@ class MemoryBudget {
   [[nodiscard]] Result<Reservation> reserve(std::uint64_t bytes, const std::string& what) const;
 
   [[nodiscard]] std::uint64_t limit() const;
+  [[nodiscard]] std::uint64_t left() const;      // of the limit, now, by all accounts of it
   [[nodiscard]] std::uint64_t reserved() const;  // now, by this account
   [[nodiscard]] std::uint64_t peak() const;      // the most that it has reserved at a time
 

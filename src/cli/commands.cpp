@@ -38,6 +38,7 @@
 #include "cli/threads.hpp"
 #include "cli/verify_command.hpp"
 #include "files/output_file.hpp"
+#include "volumes/plugin_reader.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -64,7 +65,12 @@ void keep_standard_streams() {
   }
 }
 
+void choose_process(const InputFlags& input) {
+  if (input.in_process) volumes::read_in_process();
+}
+
 int run_info_command(const InfoFlags& flags, const CLI::App& command) {
+  choose_process(flags.input);
   const auto verbosity = plan_verbosity(flags.run);
   if (!verbosity) return report(verbosity.error());
   const auto plan = plan_info(flags, command);
@@ -77,6 +83,7 @@ int run_info_command(const InfoFlags& flags, const CLI::App& command) {
 // Of a command whose options become a plan: all of it is checked before any work.
 template <class Flags, class Plan, class Run>
 int plan_and_run(const Flags& flags, const Plan& plan_of, const Run& run) {
+  if constexpr (requires { flags.input; }) choose_process(flags.input);
   const auto verbosity = plan_verbosity(flags.run);
   if (!verbosity) return report(verbosity.error());
   const auto plan = plan_of(flags);
@@ -86,6 +93,7 @@ int plan_and_run(const Flags& flags, const Plan& plan_of, const Run& run) {
 }
 
 int run_bench_command(const BenchFlags& flags) {
+  choose_process(flags.input);
   const auto verbosity = plan_verbosity(flags.run);
   if (!verbosity) return report(verbosity.error());
   const auto plan = plan_bench(flags);
@@ -106,6 +114,7 @@ int run_stability_command(const StabilityFlags& flags) {
 }
 
 int run_convert_command(const ConvertFlags& flags, const std::vector<std::string>& arguments) {
+  choose_process(flags.input);
   auto done = is_batch(flags) ? run_batch(flags, arguments) : run_convert(flags, arguments);
   if (!done && done.error().kind == ErrorKind::usage && flags.config) {
     done.error().message += fmt::format(" (options come from {}, too)", printable(*flags.config));

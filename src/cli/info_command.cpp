@@ -139,11 +139,9 @@ InputReport look_at(const InfoPlan& plan, const std::string& input, const Messag
   }
   report.grids = std::move(*grids);
   if (!plan.read.grid && !report.grids.empty()) {
-    const auto scalars = std::ranges::count(report.grids, true, &volumes::GridInfo::scalar);
-    if (scalars != 1) return report;
-    // That its place cannot be used is told in the list.
-    const auto only = std::ranges::find(report.grids, true, &volumes::GridInfo::scalar);
-    if (!only->frame_problem.empty() && !plan.read.spacing) return report;
+    const volumes::GridInfo* only = grid_without_choice(report.grids);
+    // Why it cannot be read is told in the list.
+    if (only == nullptr || (!only->is_readable() && !plan.read.spacing)) return report;
   }
   report.volume = plan.read.volume;
   report.component = plan.read.component;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/byte_size.hpp"
 #include "base/printable.hpp"
@@ -40,6 +41,17 @@ std::string several_text(const volumes::GridInfo& grid) {
   return text;
 }
 
+// "; the plug-in for openvdb reads it", or why nobody does.
+std::string reader_text(const volumes::GridInfo& grid) {
+  if (grid.plugin.empty()) {
+    if (!grid.scalar) return "; no surface can be extracted from this type";
+    return grid.frame_problem.empty() ? "" : "; its place cannot be used: " + grid.frame_problem;
+  }
+  if (grid.plugin_is_missing) return fmt::format("; needs the plug-in for {}, which is not there", grid.plugin);
+  return fmt::format("; the plug-in for {} reads it{}", grid.plugin,
+                     grid.parts.empty() ? "" : fmt::format(" as {}", fmt::join(grid.parts, ", ")));
+}
+
 std::string component_text(const volumes::ComponentChoice& choice) {
   return choice.number ? fmt::format("{}", *choice.number) : "the length of all";
 }
@@ -57,12 +69,11 @@ void add_grids(NamedLines& lines, const InputReport& report) {
   std::size_t name_width = 4;
   for (const volumes::GridInfo& grid : report.grids) name_width = std::max(name_width, grid.label.size());
   for (const volumes::GridInfo& grid : report.grids) {
-    lines.plain(fmt::format("    {:<{}}  {:<8}  {:<18}  {}{}{}{}{}", grid.label, name_width, grid.type,
+    lines.plain(fmt::format("    {:<{}}  {:<8}  {:<18}  {}{}{}{}", grid.label, name_width, grid.type,
                             grid.voxels ? dims_text(grid.box) : "unknown size",
                             grid.voxels ? fmt::format("{} active voxels", *grid.voxels) : "voxels not counted",
                             grid.kind ? fmt::format(", {}", convert::kind_name(*grid.kind)) : "", several_text(grid),
-                            grid.scalar ? "" : "; no surface can be extracted from this type",
-                            grid.frame_problem.empty() ? "" : "; its place cannot be used: " + grid.frame_problem));
+                            reader_text(grid)));
   }
   // That of the one that is described stands with the rest of it.
   if (report.field || report.grids.empty()) return;
@@ -177,14 +188,21 @@ void add_advice(NamedLines& lines, const FieldReport& report) {
 }
 
 convert::Json json_of(const volumes::GridInfo& grid) {
-  convert::Json json{{"name", grid.label}, {"type", grid.type}, {"scalar", grid.scalar}};
+  convert::Json json{{"name", grid.label},
+                     {"type", grid.type},
+                     {"scalar", grid.scalar || (!grid.plugin.empty() && !grid.plugin_is_missing)}};
   json["kind"] = grid.kind ? convert::Json(convert::kind_name(*grid.kind)) : nullptr;
   json["box"] = convert::json_of(grid.box);
   json["voxels"] = grid.voxels ? convert::Json(*grid.voxels) : nullptr;
   json["volumes"] = grid.volumes;
   json["components"] = grid.components;
   json["creator"] = grid.creator;
-  json["problem"] = grid.frame_problem.empty() ? convert::Json(nullptr) : convert::Json(grid.frame_problem);
+  const bool has_problem = !grid.frame_problem.empty() && !grid.is_readable();
+  json["problem"] = has_problem ? convert::Json(grid.frame_problem) : convert::Json(nullptr);
+  json["plugin"] = nullptr;
+  if (!grid.plugin.empty()) {
+    json["plugin"] = {{"id", grid.plugin}, {"is_there", !grid.plugin_is_missing}, {"grids", grid.parts}};
+  }
   return json;
 }
 
@@ -235,7 +253,25 @@ convert::Json json_of(const FieldReport& report) {
   return json;
 }
 
+// Whether one of several grids, or of the parts of one, has to be named.
+bool has_choice(std::span<const volumes::GridInfo> grids) {
+  return grid_without_choice(grids) == nullptr && std::ranges::any_of(grids, &volumes::GridInfo::is_readable);
+}
+
 }  // namespace
+
+const volumes::GridInfo* grid_without_choice(std::span<const volumes::GridInfo> grids) {
+  // As read_volume chooses: the only scalar one; where there is none, the only one that a plug-in makes a grid of.
+  const auto scalars = std::ranges::count(grids, true, &volumes::GridInfo::scalar);
+  const volumes::GridInfo* found = nullptr;
+  for (const volumes::GridInfo& grid : grids) {
+    const bool counts = scalars > 0 ? grid.scalar : grid.is_readable();
+    if (!counts) continue;
+    if (found != nullptr || grid.parts.size() > 1) return nullptr;
+    found = &grid;
+  }
+  return found;
+}
 
 bool has_several_volumes(const volumes::GridInfo& grid) { return grid.volumes > 1; }
 bool has_several_components(const volumes::GridInfo& grid) { return grid.components > 1; }
@@ -252,7 +288,7 @@ std::string text_of(const InputReport& report) {
     add_shape(lines, *report.field);
     add_values(lines, *report.field);
     add_advice(lines, *report.field);
-  } else if (std::ranges::count(report.grids, true, &volumes::GridInfo::scalar) > 1) {
+  } else if (has_choice(report.grids)) {
     lines.plain("  --grid NAME chooses one of them");
   }
   return lines.take();

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -37,6 +38,8 @@ struct InputReport {
   std::optional<Error> error;
 };
 
+// The grid that read_volume takes where none is named; null where one has to be, or none can be read.
+[[nodiscard]] const volumes::GridInfo* grid_without_choice(std::span<const volumes::GridInfo> grids);
 [[nodiscard]] bool has_several_volumes(const volumes::GridInfo& grid);
 [[nodiscard]] bool has_several_components(const volumes::GridInfo& grid);
 

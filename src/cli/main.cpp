@@ -1,3 +1,9 @@
-#include "cli/commands.hpp"
+#include <cstddef>
 
-int main(int argc, char** argv) { return isoextract::cli::run(argc, argv); }
+#include "cli/commands.hpp"
+#include "volumes/plugin_reader.hpp"
+
+int main(int argc, char** argv) {
+  if (const auto code = isoextract::volumes::run_as_plugin_reader({argv, static_cast<std::size_t>(argc)})) return *code;
+  return isoextract::cli::run(argc, argv);
+}

@@ -64,6 +64,7 @@ struct InputFlags {
   std::optional<glm::dvec3> origin;
   std::optional<InsideChoice> inside;
   std::optional<std::uint64_t> memory_limit;
+  bool in_process = false;
 };
 
 // How particles become a field.

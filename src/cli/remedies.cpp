@@ -81,6 +81,7 @@ std::string words_of(const Hint& hint) {
       return "leave --filter out: it is for level sets of VDB files, and of --particles spheres and smooth; --blur is "
              "for all";
     case Remedy::store_floats: return "leave --half out";
+    case Remedy::read_in_process: return "if you trust the file, read it with --in-process";
   }
   return text;
 }

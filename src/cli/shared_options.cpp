@@ -101,6 +101,10 @@ void declare_input(CLI::App& app, InputFlags& flags, const std::string& metavar,
                "file says, else above), or away-from-zero for fields of both signs: above a positive iso value, below "
                "a negative one. A value equal to the iso value is outside.");
   group.value("--memory-limit", "SIZE", flags.memory_limit, parse_size, kMemoryLimitText);
+  group.flag("--in-process", flags.in_process,
+             "Read files of plug-ins (VTK, OpenVDB's points and vectors) in the program's own process, not in a child "
+             "process with limits. Only for files that you trust: a damaged one can crash the program, hang it, or "
+             "take more memory than --memory-limit.");
 }
 
 void declare_particles(CLI::App& app, ParticleFlags& flags) {

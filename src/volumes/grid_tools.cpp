@@ -21,7 +21,7 @@
 namespace isoextract::volumes {
 namespace {
 
-using Tools = isoextract_grid_tools_plugin_v2;
+using Tools = isoextract_grid_tools_plugin_v3;
 
 // Looked for each time, which is little beside the work; once loaded it stays.
 Result<const Tools*> grid_tools_for(const std::string& work) {

@@ -94,6 +94,16 @@ struct GridInfo {
   std::optional<AttributeKind> kind_of_vectors;  // of a grid of vectors, where the file says so
   bool vectors_in_voxels = false;                // likewise: along the axes of the voxels, in voxels
   std::string frame_problem;                     // why the place that the file gives it cannot be used; empty if it can
+  // Of a grid that a plug-in reads in place of its format:
+  std::string plugin;              // the plug-in's id; empty if there is none
+  bool plugin_is_missing = false;  // it is in none of the folders
+  std::vector<std::string> parts;  // of vectors: the labels of the scalar grids that are made of them
+
+  // Whether read_volume reads it, or one of its parts, as far as its header tells.
+  [[nodiscard]] bool is_readable() const {
+    if (!plugin.empty()) return !plugin_is_missing;
+    return scalar && frame_problem.empty();
+  }
 };
 
 // What a format says of itself without looking at a file.

@@ -1,5 +1,6 @@
 """Grids of VDB files that plug-ins around OpenVDB read: opened only for them, and said to be missing where they are."""
 
+import json
 import pathlib
 import shutil
 import subprocess
@@ -55,6 +56,47 @@ class OpenVdbTest(ProgramTest):
         ended = run("both.vdb", "--grid", "density", "--radius", "1", "-o", "a.ply")
         self.assertEqual(ended.returncode, 1, ended.stderr)
         self.assertIn("this is a volume", ended.stderr)
+
+    def vectors(self):
+        """Grids whose trees nobody reads here; their headers say what they are."""
+        (self.folder / "vectors.vdb").write_bytes(vdb(grid("velocity", kind="vec3s_5_4_3"), grid("flags", kind="bool_5_4_3"),
+                                                      grid("words", kind="string_5_4_3")))
+        return "vectors.vdb"
+
+    def test_info_says_what_needs_a_missing_plugin(self):
+        alone = self.folder / "alone" / "isoextract"
+        alone.parent.mkdir()
+        shutil.copy(PROGRAM, alone)
+
+        def info(*arguments):
+            run = subprocess.run([alone, "info", *arguments], cwd=self.folder, check=False, capture_output=True, text=True)
+            self.assertEqual(run.returncode, 0, run.stderr)
+            return run.stdout
+
+        for text in (info(self.vectors()), info("bent.vdb")):
+            self.assertIn("needs the plug-in for openvdb, which is not there", text)
+            self.assertNotIn("its place cannot be used", text)
+        listed = json.loads(info("vectors.vdb", "--json"))[0]["grids"]
+        self.assertEqual([entry["scalar"] for entry in listed], [False, False, False])
+        self.assertEqual(listed[0]["plugin"], {"id": "openvdb", "is_there": False,
+                                               "grids": [f"velocity[{part}]" for part in ("x", "y", "z", "length")]})
+        self.assertIsNone(listed[2]["plugin"])
+        self.assertIn("no surface can be extracted from this type", info("vectors.vdb"))  # from strings, for good
+
+    @unittest.skipUnless(PLUGIN.exists(), "the plug-ins around OpenVDB were not built")
+    def test_info_says_what_convert_reads(self):
+        text = self.convert("info", self.vectors()).text
+        self.assertIn("the plug-in for openvdb reads it as velocity[x], velocity[y], velocity[z], velocity[length]", text)
+        self.assertEqual(text.count("no surface can be extracted"), 1)  # from the strings
+        self.assertIn("--grid NAME chooses one", text)
+        text = self.convert("info", "bent.vdb").text
+        self.assertNotIn("no surface can be extracted", text)
+        self.assertNotIn("cannot be used", text)
+        self.assertIn("extents", text)
+        listed = json.loads(self.convert("info", "bent.vdb", "--json").text)[0]
+        self.assertTrue(listed["grids"][0]["scalar"])
+        self.assertIsNone(listed["grids"][0]["problem"])
+        self.assertEqual(listed["field"]["format"], "OpenVDB")
 
     @unittest.skipUnless(PLUGIN.exists(), "the plug-ins around OpenVDB were not built")
     def test_a_frustum_becomes_a_mesh(self):

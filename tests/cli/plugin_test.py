@@ -53,7 +53,7 @@ class PluginTest(ProgramTest):
     def test_one_of_another_version(self):
         (self.folder / "ball.newer").write_text(ball(3))
         run = self.with_plugins("ball.newer", "--iso", "0", "-o", "ball.ply")
-        self.assert_fails(3, run, "ball.newer", "isoextract-volume-newer.so", "version 3", "expected 2", "install")
+        self.assert_fails(3, run, "ball.newer", "isoextract-volume-newer.so", "version 4", "expected 3", "install")
         self.assertEqual(self.files(), ["ball.newer", "ball.tvol"])
 
     def test_a_table_without_its_plugin(self):

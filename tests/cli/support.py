@@ -102,16 +102,35 @@ class ProgramTest(unittest.TestCase):
         return path
 
 
-# openat by machine: the number of the system call.
+# Numbers of system calls by machine.
 OPENAT = {"x86_64": 257, "aarch64": 56}
+MEMFD_CREATE = {"x86_64": 319, "aarch64": 279}
+PRCTL = {"x86_64": 157, "aarch64": 167}
 TMPFILE_BIT = os.O_TMPFILE & ~os.O_DIRECTORY
+LOAD, JUMP_EQUAL, JUMP_SET, GIVE = 0x20, 0x15, 0x45, 0x06
+ERROR, ALLOW = 0x00050000, 0x7FFF0000
 
 
 def forbid_unnamed_files():
     """From now on this process finds no file system with unnamed files (O_TMPFILE): a filter of its system calls."""
-    load, jump_equal, jump_set, give = 0x20, 0x15, 0x45, 0x06
-    rules = [(load, 0, 0, 0), (jump_equal, 0, 3, OPENAT[platform.machine()]), (load, 0, 0, 32), (jump_set, 0, 1, TMPFILE_BIT),
-             (give, 0, 0, 0x00050000 | errno.EOPNOTSUPP), (give, 0, 0, 0x7FFF0000)]
+    filter_system_calls([(LOAD, 0, 0, 0), (JUMP_EQUAL, 0, 3, OPENAT[platform.machine()]), (LOAD, 0, 0, 32),
+                         (JUMP_SET, 0, 1, TMPFILE_BIT), (GIVE, 0, 0, ERROR | errno.EOPNOTSUPP), (GIVE, 0, 0, ALLOW)])
+
+
+def forbid_shared_memory():
+    """From now on this process and its children find no memfd_create."""
+    filter_system_calls([(LOAD, 0, 0, 0), (JUMP_EQUAL, 0, 1, MEMFD_CREATE[platform.machine()]),
+                         (GIVE, 0, 0, ERROR | errno.ENOSYS), (GIVE, 0, 0, ALLOW)])
+
+
+def forbid_filters():
+    """From now on this process and its children find a kernel without seccomp."""
+    set_seccomp = 22
+    filter_system_calls([(LOAD, 0, 0, 0), (JUMP_EQUAL, 0, 3, PRCTL[platform.machine()]), (LOAD, 0, 0, 16),
+                         (JUMP_EQUAL, 0, 1, set_seccomp), (GIVE, 0, 0, ERROR | errno.EINVAL), (GIVE, 0, 0, ALLOW)])
+
+
+def filter_system_calls(rules):
     code = ctypes.create_string_buffer(b"".join(struct.pack("=HBBI", *rule) for rule in rules))
     program = ctypes.create_string_buffer(struct.pack("@HP", len(rules), ctypes.addressof(code)))
     prctl = ctypes.CDLL(None, use_errno=True).prctl

@@ -5,7 +5,7 @@ foreach(name
     animate attributes attribute_files attribute_kinds batch batch_faults iso particles particle_limits particle_sequences config startup usage
     surface placement frames output overwrite interrupted streams inputs lost_input plugin openvdb fields memory info grids compare
     support hostile_names simplify compression resolution error bench documents report simulate jet stability far verify verify_edits gpu readme render
-    render_gpu voxels pictures pieces piece_sequences check normals labels arrays)
+    render_gpu voxels child damaged_libraries pictures pieces piece_sequences check normals labels arrays)
   add_test(NAME cli.${name}
     COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_CURRENT_SOURCE_DIR}/cli/${name}_test.py)
   set_tests_properties(cli.${name} PROPERTIES
@@ -13,7 +13,7 @@ foreach(name
     TIMEOUT ${hanging_seconds})
 endforeach()
 # Its plug-ins are those of tests/plugins.
-set_property(TEST cli.plugin APPEND PROPERTY ENVIRONMENT "ISOEXTRACT_TEST_PLUGINS=${test_plugins}")
+set_property(TEST cli.plugin cli.child APPEND PROPERTY ENVIRONMENT "ISOEXTRACT_TEST_PLUGINS=${test_plugins}")
 
 # Sanitizers want to be the first library of a process, which is not what the portable folder is about; nor is what is
 # installed.

@@ -14,7 +14,8 @@ MAY_INCLUDE = {
     "mesh": ["base"],
     "files": ["base"],
     "gl": ["base"],
-    "volumes": ["field", "points", "files"],
+    "sandbox": ["base"],
+    "volumes": ["field", "points", "files", "sandbox"],
     "meshes": ["mesh", "files"],
     "extract": ["field", "mesh"],
     "gpu": ["gl", "extract"],
@@ -32,13 +33,14 @@ LINE_LIMIT = 500
 # What only some places may use: pattern, the rooms or files that may, what to do instead.
 RESERVED = [
     (r"#\s*include\s*[<\"](GL|GLES\d?|EGL|epoxy)/", ["gl", "gpu", "render"], "GL and EGL belong to gl, gpu and render"),
-    (r"\b(_|quick_|std::)?exit\s*\(|\bstd::(abort|terminate)\b|\babort\s*\(", ["cli"], "return an Error instead"),
+    (r"\b(_|quick_|std::)?exit\s*\(|\bstd::(abort|terminate)\b|\babort\s*\(", ["cli", "sandbox/detail/server.cpp"],
+     "return an Error instead"),
     (r"\bargv\b", ["cli"], "only cli reads the command line"),
     (r"\bstd::w?(cout|cerr|clog)\b|\b(stdout|stderr)\b", ["cli"], "only cli speaks; return text or an Error"),
     (r"\b(v?[fd]?w?printf|puts|fputs|putw?char|perror|psignal)\s*\(", ["cli"], "only cli speaks"),
     (r"\b(std|fmt)::v?print(ln)?\b|\bwrite\s*\(\s*[12]\s*,", ["cli"], "only cli speaks"),
     (r"#\s*include\s*<spdlog/", ["cli"], "only cli speaks"),
-    (r"\bSTDOUT_FILENO\b", ["cli", "files/output_file.cpp"], "write through OutputFile"),
+    (r"\bSTDOUT_FILENO\b", ["cli", "files/output_file.cpp", "sandbox/worker.cpp", "sandbox/detail/server.cpp"], "write through OutputFile"),
 ]
 
 # An option's name at the start of a word of a text: "--iso", but no "a--b".

@@ -2,11 +2,14 @@
 set(test_plugins ${PROJECT_BINARY_DIR}/test-plugins)
 isoextract_volume_plugin(text TITLE "volumes as text" EXTENSIONS .tvol .textvol FOLDER ${test_plugins}
   SOURCES ${CMAKE_CURRENT_SOURCE_DIR}/plugins/text_volume.cpp)
-target_compile_definitions(isoextract_volume_text PRIVATE TEXT_VOLUME_VERSION=2 TEXT_VOLUME_ID="text")
+target_compile_definitions(isoextract_volume_text PRIVATE TEXT_VOLUME_VERSION=3 TEXT_VOLUME_ID="text")
 isoextract_volume_plugin(newer TITLE "volumes of another version" EXTENSIONS .newer FOLDER ${test_plugins}
   SOURCES ${CMAKE_CURRENT_SOURCE_DIR}/plugins/text_volume.cpp)
-target_compile_definitions(isoextract_volume_newer PRIVATE TEXT_VOLUME_VERSION=3 TEXT_VOLUME_ID="newer")
-add_dependencies(test_volumes isoextract_volume_text isoextract_volume_newer)
+target_compile_definitions(isoextract_volume_newer PRIVATE TEXT_VOLUME_VERSION=4 TEXT_VOLUME_ID="newer")
+isoextract_volume_plugin(hostile TITLE "volumes that do harm" EXTENSIONS .hostile FOLDER ${test_plugins}
+  SOURCES ${CMAKE_CURRENT_SOURCE_DIR}/plugins/hostile_volume.cpp)
+target_include_directories(isoextract_volume_hostile PRIVATE ${PROJECT_SOURCE_DIR}/src)
+add_dependencies(test_volumes isoextract_volume_text isoextract_volume_newer isoextract_volume_hostile)
 set_source_files_properties(unit/volumes/plugin_host_test.cpp PROPERTIES
   COMPILE_DEFINITIONS TEST_PLUGINS="${test_plugins}")
 

@@ -77,9 +77,9 @@ void free_samples(isoextract_volume_samples* samples) { delete static_cast<TextV
 
 const char* error_text() { return problem.c_str(); }
 
-constexpr isoextract_volume_plugin_v2 kPlugin{TEXT_VOLUME_VERSION, TEXT_VOLUME_ID, "text",       probe,     list,
+constexpr isoextract_volume_plugin_v3 kPlugin{TEXT_VOLUME_VERSION, TEXT_VOLUME_ID, "text",       probe,     list,
                                               free_list,           open,           free_samples, error_text};
 
 }  // namespace
 
-const isoextract_volume_plugin_v2* isoextract_volume_plugin() { return &kPlugin; }
+const isoextract_volume_plugin_v3* isoextract_volume_plugin() { return &kPlugin; }

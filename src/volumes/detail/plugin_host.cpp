@@ -11,46 +11,19 @@
 #include "volumes/detail/file_start.hpp"
 #include "volumes/detail/grid_choice.hpp"
 #include "volumes/detail/plugin_samples.hpp"
+#include "volumes/detail/plugin_visit.hpp"
 
 namespace isoextract::volumes {
-namespace {
-
-namespace fs = std::filesystem;
-using Plugin = isoextract_volume_plugin_v2;
 
 const PluginKind kVolumePlugins{"isoextract-volume-", "isoextract_volume_plugin", ISOEXTRACT_VOLUME_PLUGIN_VERSION};
 
-std::string text_of(const char* text) { return text == nullptr ? std::string() : std::string(text); }
+namespace {
 
-// A list or samples of a plug-in, given back in the end.
-template <class T>
-class Given {
- public:
-  using Free = void (*)(T*);
-  explicit Given(Free free) : free_(free) {}
-  Given(const Given&) = delete;
-  Given& operator=(const Given&) = delete;
-  ~Given() {
-    if (is_given) free_(&value);
-  }
-
-  T value{};
-  bool is_given = false;
-
- private:
-  Free free_;
-};
-
-using GivenList = Given<isoextract_volume_list>;
-
-// Samples of a plug-in, and what is reserved for them.
+namespace fs = std::filesystem;
+// Samples of a plug-in, and what is reserved for a full box of them.
 struct PluginSamples {
-  PluginSamples(Given<isoextract_volume_samples>::Free free, const Context& context, std::string what)
-      : memory(context, std::move(what)), samples(free) {}
-
-  Reservation box_memory;  // of a full box
-  PluginMemory memory;     // of what the plug-in asks for
-  Given<isoextract_volume_samples> samples;
+  Reservation box_memory;
+  VisitedSamples visited;
 };
 
 class PluginFormat final : public VolumeFormat {
@@ -60,11 +33,9 @@ class PluginFormat final : public VolumeFormat {
 
   [[nodiscard]] Result<std::vector<GridInfo>> list(const std::string& input, const ReadOptions& /*options*/,
                                                    const Context& context) const override {
-    const auto plugin = plugin_for(input, context);
-    if (!plugin) return tl::unexpected(plugin.error());
-    GivenList list((*plugin)->free_list);
-    if (auto listed = fill_list(**plugin, input, list); !listed) return tl::unexpected(listed.error());
-    return describe(input, list.value);
+    const auto visit = visit_file(input, context);
+    if (!visit) return tl::unexpected(visit.error());
+    return describe(input, (*visit)->list());
   }
 
   [[nodiscard]] Result<std::vector<fs::path>> files(const std::string& input, const ReadOptions& /*options*/,
@@ -74,76 +45,56 @@ class PluginFormat final : public VolumeFormat {
 
   [[nodiscard]] Result<field::ScalarField> open(const std::string& input, const ReadOptions& options,
                                                 const Context& context) const override {
-    const auto plugin = plugin_for(input, context);
-    if (!plugin) return tl::unexpected(plugin.error());
     context.progress().begin("reading", 0);
-    GivenList list((*plugin)->free_list);
-    if (auto listed = fill_list(**plugin, input, list); !listed) return tl::unexpected(listed.error());
-    const auto grids = describe(input, list.value);
+    const auto visit = visit_file(input, context);
+    if (!visit) return tl::unexpected(visit.error());
+    const isoextract_volume_list& list = (*visit)->list();
+    const auto grids = describe(input, list);
     if (!grids) return tl::unexpected(grids.error());
     const auto chosen = choose_grid(input, *grids, options.grid);
     if (!chosen) return tl::unexpected(chosen.error());
 
-    const isoextract_volume_grid& grid = list.value.grids[*chosen];
+    const isoextract_volume_grid& grid = list.grids[*chosen];
     field::ScalarField field;
     field.source = input;
-    field.name = text_of(grid.name);
+    field.name = plugin_text(grid.name);
     if (grids->size() > 1 || !field.name.empty()) {
       field.grids = grids->size();
       field.grid = (*grids)[*chosen].label;
     } else {
       field.name = stem_of(input);
     }
-    field.format = text_of((*plugin)->format);
-    field.world_space = text_of(grid.world_space);
+    field.format = (*visit)->format();
+    field.world_space = plugin_text(grid.world_space);
     if (grid.kind == ISOEXTRACT_LEVEL_SET) field.kind = field::FieldKind::level_set;
-    if (auto read = read_samples(**plugin, input, *chosen, grid, context, field); !read) {
-      return tl::unexpected(read.error());
-    }
+    if (auto read = read_samples(**visit, input, *chosen, context, field); !read) return tl::unexpected(read.error());
     if (auto placed = set_frame(field, {affine_of(grid.index_to_world), {}}, options); !placed)
       return tl::unexpected(placed.error());
     return field;
   }
 
  private:
-  // The plug-in, opened, if it takes the file.
-  Result<const Plugin*> plugin_for(const std::string& input, const Context& context) const {
+  // The plug-in's list of a file that it takes.
+  Result<std::unique_ptr<VolumeVisit>> visit_file(const std::string& input, const Context& context) const {
     if (files::is_standard_input(input)) {
       return fail(ErrorKind::input,
                   fmt::format("{}: plug-ins, such as the one for {}, read files by their paths",
                               files::kStandardInputName, about().id),
                   "write the data to a file first");
     }
-    const auto opened = library_.opened(input);
-    if (!opened) return tl::unexpected(opened.error());
-    const auto* plugin = static_cast<const Plugin*>(*opened);
     const auto file = files::InputFile::open(input, context);
     if (!file) return tl::unexpected(file.error());
-    // As they lie in the file: first_bytes() would unpack them.
-    std::vector<std::byte> start(static_cast<std::size_t>(std::min<std::uint64_t>(file->size(), kStartBytes)));
-    if (auto read = file->read_at(0, start); !read) return tl::unexpected(read.error());
-    if (plugin->probe(reinterpret_cast<const unsigned char*>(start.data()), start.size(), input.c_str()) == 0) {
-      return fail(ErrorKind::input, fmt::format("{}: not a file of the format {}; it starts with '{}'", input,
-                                                about().id, printable(start, 16)));
+    auto visit = visit_volume(library_, about().id, *file);
+    if (!visit) return visit;
+    if ((*visit)->list().grids == nullptr && (*visit)->list().count > 0) {
+      return refused(input, "a list of grids that is not there");
     }
-    return plugin;
-  }
-
-  Error failed(const Plugin& plugin, const std::string& input) const {
-    const std::string text = text_of(plugin.error_text());
-    return {ErrorKind::input, fmt::format("{}: {}", input, text.empty() ? "cannot be read" : text), {}};
+    return visit;
   }
 
   // What is wrong with what the plug-in gives, not with the file.
   tl::unexpected<Error> refused(const std::string& input, const std::string& what) const {
     return fail(ErrorKind::input, fmt::format("{}: the plug-in for {} gives {}", input, about().id, what));
-  }
-
-  Result<void> fill_list(const Plugin& plugin, const std::string& input, GivenList& list) const {
-    if (plugin.list(input.c_str(), &list.value) != 0) return tl::unexpected(failed(plugin, input));
-    list.is_given = true;
-    if (list.value.grids == nullptr && list.value.count > 0) return refused(input, "a list of grids that is not there");
-    return {};
   }
 
   Result<std::vector<GridInfo>> describe(const std::string& input, const isoextract_volume_list& list) const {
@@ -152,7 +103,7 @@ class PluginFormat final : public VolumeFormat {
       const isoextract_volume_grid& grid = list.grids[i];
       const auto type = sample_type_of(grid.sample_type);
       GridInfo info;
-      info.name = text_of(grid.name);
+      info.name = plugin_text(grid.name);
       if (type && grid.is_sparse != 0) {
         info.scalar = true;
         if (grid.has_counts != 0) {
@@ -168,7 +119,7 @@ class PluginFormat final : public VolumeFormat {
         return refused(input, fmt::format("samples of an unknown type ({})", grid.sample_type));
       }
       if (type) info.kind = grid.kind == ISOEXTRACT_LEVEL_SET ? field::FieldKind::level_set : field::FieldKind::density;
-      info.type = printable(text_of(grid.type_name), 80);
+      info.type = printable(plugin_text(grid.type_name), 80);
       grids.push_back(std::move(info));
     }
     label_grids(grids);
@@ -176,11 +127,10 @@ class PluginFormat final : public VolumeFormat {
   }
 
   // Those of a scalar grid; the sizes of a full box were checked.
-  Result<void> read_samples(const Plugin& plugin, const std::string& input, std::size_t index,
-                            const isoextract_volume_grid& grid, const Context& context,
+  Result<void> read_samples(VolumeVisit& visit, const std::string& input, std::size_t index, const Context& context,
                             field::ScalarField& field) const {
-    const auto owner = std::make_shared<PluginSamples>(
-        plugin.free_samples, context, input + ": what the plug-in for " + about().id + " takes to read it");
+    const isoextract_volume_grid& grid = visit.list().grids[index];
+    const auto owner = std::make_shared<PluginSamples>();
     field::DenseSamples dense;
     if (grid.is_sparse == 0) {
       dense.type = *sample_type_of(grid.sample_type);
@@ -190,18 +140,20 @@ class PluginFormat final : public VolumeFormat {
       if (!memory) return tl::unexpected(memory.error());
       owner->box_memory = std::move(*memory);
     }
-    if (plugin.open(input.c_str(), index, &owner->memory.host(), &owner->samples.value) != 0) {
-      return tl::unexpected(owner->memory.failure_or(failed(plugin, input)));
+    auto visited = visit.open(index, owner->box_memory.bytes());
+    if (!visited) return tl::unexpected(visited.error());
+    owner->visited = std::move(*visited);
+    const isoextract_volume_samples& samples = *owner->visited.samples;
+    if (const std::string note = printable(plugin_text(samples.note), 300); !note.empty()) field.notes.push_back(note);
+    if (const std::string printed = visit.printed(); !printed.empty()) {
+      field.notes.push_back(fmt::format("the plug-in for {} printed: {}", about().id, printed));
     }
-    owner->samples.is_given = true;
-    const isoextract_volume_samples& samples = owner->samples.value;
-    if (const std::string note = printable(text_of(samples.note), 300); !note.empty()) field.notes.push_back(note);
     return grid.is_sparse != 0 ? put_sparse(input, grid, owner, field) : put_box(input, std::move(dense), owner, field);
   }
 
   Result<void> put_sparse(const std::string& input, const isoextract_volume_grid& grid,
                           const std::shared_ptr<PluginSamples>& owner, field::ScalarField& field) const {
-    const isoextract_sparse_samples* given = owner->samples.value.sparse;
+    const isoextract_sparse_samples* given = owner->visited.samples->sparse;
     if (given == nullptr) return refused(input, "no samples, expected sparse ones");
     if (given->sample_type != grid.sample_type) return refused(input, "samples of another type than it has told");
     auto sparse = sparse_samples_of(*given, owner);
@@ -212,7 +164,7 @@ class PluginFormat final : public VolumeFormat {
 
   Result<void> put_box(const std::string& input, field::DenseSamples dense, const std::shared_ptr<PluginSamples>& owner,
                        field::ScalarField& field) const {
-    const isoextract_volume_samples& samples = owner->samples.value;
+    const isoextract_volume_samples& samples = *owner->visited.samples;
     const std::uint64_t expected = sample_bytes(dense.dims, dense.type);
     const std::string what = describe_samples(dense.dims, dense.type);
     if (samples.data == nullptr) return refused(input, fmt::format("no samples, expected {}", what));

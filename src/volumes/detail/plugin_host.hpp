@@ -14,6 +14,8 @@ namespace isoextract::volumes {
 // not read itself.
 inline constexpr const char* kOpenVdbPlugin = "openvdb";
 
+extern const PluginKind kVolumePlugins;
+
 // One format, which is the description's id, without a look at tables.
 [[nodiscard]] std::unique_ptr<const VolumeFormat> make_plugin_format(FormatDescription about, PluginFolders folders);
 

@@ -91,43 +91,74 @@ std::vector<PluginTable> find_plugin_tables(const PluginFolders& folders, const 
 PluginLibrary::PluginLibrary(PluginKind kind, std::string id, PluginFolders folders)
     : kind_(std::move(kind)), id_(std::move(id)), folders_(std::move(folders)) {}
 
+Result<std::string> PluginLibrary::found(const std::string& input) const {
+  const std::string name = fmt::format("{}{}.so", kind_.name_start, id_);
+  std::vector<std::string> looked;
+  for (const fs::path& folder : folders_) {
+    std::error_code none;
+    if (fs::exists(folder / name, none)) return (folder / name).string();
+    looked.push_back(folder.string());
+  }
+  return fail(ErrorKind::unavailable,
+              fmt::format("{}: {} by the plug-in {}, which is in none of: {}", input,
+                          kind_.is_format ? fmt::format("the format {} is read", id_) : "this is done", name,
+                          fmt::join(looked, ", ")),
+              "install it, or name the folder it is in with the environment variable ISOEXTRACT_PLUGINS");
+}
+
+namespace {
+
+tl::unexpected<Error> refuse(const std::string& input, const std::string& path, const std::string& why) {
+  return fail(ErrorKind::unavailable, fmt::format("{}: the plug-in {} {}", input, path, why),
+              "install the plug-in that belongs to this version of isoextract");
+}
+
+}  // namespace
+
 Result<const void*> PluginLibrary::opened(const std::string& input) const {
   const std::scoped_lock lock(mutex_);
   if (plugin_ != nullptr) return plugin_;
-  const std::string name = fmt::format("{}{}.so", kind_.name_start, id_);
-  std::optional<fs::path> found;
-  for (const fs::path& folder : folders_) {
-    std::error_code none;
-    if (!found && fs::exists(folder / name, none)) found = folder / name;
-  }
-  if (!found) {
-    std::vector<std::string> looked;
-    for (const fs::path& folder : folders_) looked.push_back(folder.string());
-    return fail(ErrorKind::unavailable,
-                fmt::format("{}: {} by the plug-in {}, which is in none of: {}", input,
-                            kind_.is_format ? fmt::format("the format {} is read", id_) : "this is done", name,
-                            fmt::join(looked, ", ")),
-                "install it, or name the folder it is in with the environment variable ISOEXTRACT_PLUGINS");
-  }
-  const auto refuse = [&](const std::string& why) {
-    return fail(ErrorKind::unavailable, fmt::format("{}: the plug-in {} {}", input, found->string(), why),
-                "install the plug-in that belongs to this version of isoextract");
-  };
-  // Not closed again: what it gave may outlive the format, and libraries seldom like it.
-  void* library = ::dlopen(found->c_str(), RTLD_NOW | RTLD_LOCAL);
-  if (library == nullptr) return refuse(fmt::format("cannot be opened: {}", ::dlerror()));
-  const auto get = reinterpret_cast<const void* (*)()>(::dlsym(library, kind_.function.c_str()));
-  const void* plugin = get == nullptr ? nullptr : get();
-  if (plugin == nullptr)
-    return refuse(fmt::format("is none: it has no function {}, or that gives nothing", kind_.function));
-  const auto* head = static_cast<const PluginHead*>(plugin);
-  if (head->version != kind_.version) {
-    return refuse(fmt::format("has version {} of the interface, expected {}", head->version, kind_.version));
-  }
-  const std::string id = head->id == nullptr ? "" : head->id;
-  if (id != id_) return refuse(fmt::format("calls itself {}", printable(id, 80)));
-  plugin_ = plugin;
+  const auto path = found(input);
+  if (!path) return tl::unexpected(path.error());
+  const auto plugin = open_plugin(kind_, id_, *path);
+  if (!plugin) return refuse(input, *path, plugin.error());
+  plugin_ = *plugin;
   return plugin_;
+}
+
+Result<sandbox::Workers::Started> PluginLibrary::start_worker(const std::string& input, const sandbox::Limits& limits,
+                                                              const Context& context) const {
+  const auto path = found(input);
+  if (!path) return tl::unexpected(path.error());
+  {
+    const std::scoped_lock lock(mutex_);
+    if (workers_ == nullptr) {
+      workers_ = std::make_unique<sandbox::Workers>(std::vector<std::string>{kind_.function, id_, *path});
+    }
+  }
+  auto started = workers_->start(limits, context);
+  if (!started) return refuse(input, *path, printable(started.error(), 400));
+  return std::move(*started);
+}
+
+tl::expected<const void*, std::string> open_plugin(const PluginKind& kind, const std::string& id,
+                                                   const std::string& path) {
+  const auto wrong = [](std::string why) { return tl::unexpected<std::string>(std::move(why)); };
+  // Not closed again: what it gave may outlive the format, and libraries seldom like it.
+  void* library = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (library == nullptr) return wrong(fmt::format("cannot be opened: {}", ::dlerror()));
+  const auto get = reinterpret_cast<const void* (*)()>(::dlsym(library, kind.function.c_str()));
+  const void* plugin = get == nullptr ? nullptr : get();
+  if (plugin == nullptr) {
+    return wrong(fmt::format("is none: it has no function {}, or that gives nothing", kind.function));
+  }
+  const auto* head = static_cast<const PluginHead*>(plugin);
+  if (head->version != kind.version) {
+    return wrong(fmt::format("has version {} of the interface, expected {}", head->version, kind.version));
+  }
+  const std::string own_id = head->id == nullptr ? "" : head->id;
+  if (own_id != id) return wrong(fmt::format("calls itself {}", printable(own_id, 80)));
+  return plugin;
 }
 
 }  // namespace isoextract::volumes

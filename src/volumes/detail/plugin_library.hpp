@@ -1,14 +1,19 @@
 // Plug-ins as shared objects: which there are is known from tables beside them; one is opened when it is asked for, and
-// stays open.
+// stays open: in this process, or in one whose workers read files with it.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <vector>
 
+#include <tl/expected.hpp>
+
+#include "base/context.hpp"
 #include "base/error.hpp"
+#include "sandbox/worker.hpp"
 
 namespace isoextract::volumes {
 
@@ -35,21 +40,38 @@ struct PluginKind {
   bool is_format = true;  // it reads one; else it is for work that messages name
 };
 
+// Opens a plug-in's file in this process. Fails with what is wrong with it: "has version 1 of the interface, expected
+// 2".
+[[nodiscard]] tl::expected<const void*, std::string> open_plugin(const PluginKind& kind, const std::string& id,
+                                                                 const std::string& path);
+
 // The shared object of one plug-in.
 class PluginLibrary {
  public:
   PluginLibrary(PluginKind kind, std::string id, PluginFolders folders);
 
-  // What its function gives, whose version and id are as they should be. `input` starts the message of a failure, which
-  // is ErrorKind::unavailable: it is in none of the folders, cannot be opened, or is of another version.
+  // Whether a file of its name is in one of the folders.
+  [[nodiscard]] bool is_there() const { return found({}).has_value(); }
+
+  // What its function gives, whose version and id are as they should be, in this process. `input` starts the message of
+  // a failure, which is ErrorKind::unavailable: it is in none of the folders, cannot be opened, or is of another
+  // version.
   [[nodiscard]] Result<const void*> opened(const std::string& input) const;
 
+  // A worker that reads `input` with it (plugin_worker.hpp); its greeting is what the plug-in calls its format. Fails
+  // in the same ways, and where no process can be started.
+  [[nodiscard]] Result<sandbox::Workers::Started> start_worker(const std::string& input, const sandbox::Limits& limits,
+                                                               const Context& context) const;
+
  private:
+  [[nodiscard]] Result<std::string> found(const std::string& input) const;
+
   PluginKind kind_;
   std::string id_;
   PluginFolders folders_;
   mutable std::mutex mutex_;
   mutable const void* plugin_ = nullptr;
+  mutable std::unique_ptr<sandbox::Workers> workers_;
 };
 
 }  // namespace isoextract::volumes

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <new>
 #include <tuple>
 #include <utility>
 
@@ -67,6 +68,7 @@ PluginMemory::PluginMemory(const Context& context, std::string what)
       host_{this,
             [](void* self, std::uint64_t bytes) { return static_cast<PluginMemory*>(self)->reserve(bytes) ? 0 : 1; },
             [](void* self, std::uint64_t bytes) { static_cast<PluginMemory*>(self)->release(bytes); },
+            [](void* self, std::uint64_t bytes) { return static_cast<PluginMemory*>(self)->allocate(bytes); },
             [](void* self) { return static_cast<const PluginMemory*>(self)->context_.cancelled() ? 1 : 0; }} {}
 
 bool PluginMemory::reserve(std::uint64_t bytes) {
@@ -78,6 +80,28 @@ bool PluginMemory::reserve(std::uint64_t bytes) {
     refusal_ = std::move(part.error());
   }
   return !refusal_;
+}
+
+bool PluginMemory::hold(std::uint64_t bytes) {
+  const std::scoped_lock lock(mutex_);
+  auto part = context_.reserve(bytes, what_);
+  if (part) {
+    held_.push_back(std::move(*part));
+  } else {
+    refusal_ = std::move(part.error());
+  }
+  return !refusal_;
+}
+
+void* PluginMemory::allocate(std::uint64_t bytes) {
+  if (!hold(bytes)) return nullptr;
+  const std::scoped_lock lock(mutex_);
+  try {
+    blocks_.emplace_back(static_cast<std::size_t>(bytes));
+  } catch (const std::bad_alloc&) {
+    return nullptr;
+  }
+  return blocks_.back().data();
 }
 
 void PluginMemory::release(std::uint64_t bytes) {

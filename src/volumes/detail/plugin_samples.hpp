@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include <plugin_samples.h>
+#include "base/buffer.hpp"
 #include "base/context.hpp"
 #include "base/error.hpp"
 #include "field/affine.hpp"
@@ -20,6 +22,9 @@ namespace isoextract::volumes {
 // Nothing for ISOEXTRACT_NOT_SCALAR and what is not known.
 [[nodiscard]] std::optional<field::SampleType> sample_type_of(std::int32_t type);
 [[nodiscard]] std::int32_t plugin_type_of(field::SampleType type);
+
+// A text of a plug-in, which may be null.
+[[nodiscard]] inline std::string plugin_text(const char* text) { return text == nullptr ? "" : text; }
 
 // Three rows of four, as plug-ins have them.
 [[nodiscard]] field::Affine affine_of(const double* index_to_world);
@@ -36,11 +41,15 @@ class PluginMemory {
 
   [[nodiscard]] const isoextract_plugin_host& host() const { return host_; }
 
+  // Reserves `bytes` for as long as this lives; release() does not give them back. False where there are not enough.
+  [[nodiscard]] bool hold(std::uint64_t bytes);
+
   // Why the call has failed where that is no fault of the plug-in's or of what it read: `otherwise` if it is.
   [[nodiscard]] Error failure_or(Error otherwise) const;
 
  private:
   bool reserve(std::uint64_t bytes);
+  void* allocate(std::uint64_t bytes);
   void release(std::uint64_t bytes);
 
   Context context_;
@@ -48,6 +57,8 @@ class PluginMemory {
   isoextract_plugin_host host_;
   mutable std::mutex mutex_;
   std::vector<Reservation> parts_;
+  std::vector<Reservation> held_;
+  std::vector<Buffer<std::byte>> blocks_;
   std::optional<Error> refusal_;
 };
 

@@ -10,16 +10,16 @@
 #include "base/printable.hpp"
 #include "volumes/detail/file_start.hpp"
 #include "volumes/detail/plugin_host.hpp"
+#include "volumes/detail/plugin_visit.hpp"
 #include "volumes/particles/particle_columns.hpp"
 #include "volumes/vdb/vdb_header.hpp"
 
 namespace isoextract::volumes {
-namespace {
-
-using Plugin = isoextract_particle_plugin_v3;
 
 const PluginKind kParticlePlugins{"isoextract-particles-", "isoextract_particle_plugin",
                                   ISOEXTRACT_PARTICLE_PLUGIN_VERSION};
+
+namespace {
 
 std::string plain_text(const char* text, std::size_t most) { return text == nullptr ? "" : printable(text, most); }
 
@@ -61,6 +61,7 @@ class PluginParticles : public ParticleFormat {
     if (result.particles.size() > 0) opened.fill(result.particles, choice);
     result.length_unit = plain_text(opened.value().length_unit, 80);
     result.notes = choice.notes;
+    if (std::string printed = opened.finish(); !printed.empty()) result.notes.push_back(std::move(printed));
     return result;
   }
 
@@ -69,42 +70,30 @@ class PluginParticles : public ParticleFormat {
   class OpenedFile {
    public:
     OpenedFile(const PluginParticles& format, const files::InputFile& file, const ParticleReadOptions& options)
-        : name_(file.name()), id_(format.about().id) {
+        : id_(format.about().id) {
       if (files::is_standard_input(file.path())) {
         throw DamagedParticles(fmt::format("plug-ins, such as the one for {}, read files by their paths", id_),
                                "write the data to a file first");
       }
-      plugin_ = static_cast<const Plugin*>(must(format.library_.opened(name_)));
-      const std::string what = name_ + ": what the plug-in takes to read it";
+      const std::string what = file.name() + ": what the plug-in takes to read it";
       // How much that is shows afterwards; until then the file's own size, twice.
       memory_ = must(
           file.context().reserve(checked_product(file.size(), std::uint64_t{2}).value_or(~std::uint64_t{0}), what));
       file.context().progress().begin("reading", 0);
-      const char* grid = options.grid ? options.grid->c_str() : nullptr;
-      if (plugin_->open(file.path().c_str(), grid, wanted_frame(options), &file_) != 0) failed();
-      is_open_ = true;
-      try {
-        memory_.release();
-        memory_ = must(file.context().reserve(file_.held_bytes, what));
-        check(options);
-        make_table();
-      } catch (...) {
-        plugin_->close(&file_);
-        throw;
-      }
-    }
-    OpenedFile(const OpenedFile&) = delete;
-    OpenedFile& operator=(const OpenedFile&) = delete;
-    ~OpenedFile() {
-      if (is_open_) plugin_->close(&file_);
+      const WantedParticles wanted{wanted_frame(options), options.grid ? &*options.grid : nullptr};
+      visit_ = must(visit_particles(format.library_, id_, file, wanted));
+      memory_.release();
+      memory_ = must(file.context().reserve(value().held_bytes, what));
+      check(options);
+      make_table();
     }
 
-    [[nodiscard]] const isoextract_particle_file& value() const { return file_; }
+    [[nodiscard]] const isoextract_particle_file& value() const { return visit_->file(); }
     [[nodiscard]] const ParticleTable& table() const { return table_; }
 
     void fill(points::ParticleSet& set, const ColumnChoice& choice) const {
       static_assert(sizeof(glm::dvec3) == 3 * sizeof(double));
-      if (plugin_->positions(&file_, &set.positions[0].x) != 0) failed();
+      must(visit_->positions({&set.positions[0].x, 3 * set.positions.size()}));
       for (std::size_t a = 0; a < choice.attributes.size(); ++a) {
         const std::size_t first = choice.attributes[a].columns.front();
         const auto group = std::ranges::find_if(
@@ -113,34 +102,37 @@ class PluginParticles : public ParticleFormat {
           throw DamagedParticles(fmt::format("expected the name of a whole attribute, found '{}'",
                                              printable(table_.columns[first].name, 80)));
         }
-        float* values = set.attributes[a].values.data();
+        const std::span<float> values = set.attributes[a].values.span();
         if (group == table_.groups.begin()) {  // the position, of which plug-ins do not know as an attribute
+          float* to = values.data();
           for (const glm::dvec3& p : set.positions) {
-            for (int axis = 0; axis < 3; ++axis) *values++ = static_cast<float>(p[axis]);
+            for (int axis = 0; axis < 3; ++axis) *to++ = static_cast<float>(p[axis]);
           }
           continue;
         }
-        const auto index = static_cast<std::size_t>(group - table_.groups.begin()) - 1;
-        if (plugin_->quantity(&file_, index, values) != 0) failed();
+        must(visit_->quantity(static_cast<std::size_t>(group - table_.groups.begin()) - 1, values));
       }
     }
 
-   private:
-    [[noreturn]] void failed() const {
-      const std::string text = plain_text(plugin_->error_text(), 400);
-      throw DamagedParticles(text.empty() ? "cannot be read" : text);
+    // After all that was asked for: what the plug-in has printed, as a note; may be empty.
+    [[nodiscard]] std::string finish() const {
+      must(visit_->finish());
+      const std::string printed = visit_->printed();
+      return printed.empty() ? printed : fmt::format("the plug-in for {} printed: {}", id_, printed);
     }
 
+   private:
     void check(const ParticleReadOptions& options) const {
       const auto refused = [&](std::string_view what) {
         throw DamagedParticles(fmt::format("the plug-in for {} gives {}", id_, what));
       };
-      if (file_.quantities == nullptr && file_.quantity_count > 0) refused("a list of attributes that is not there");
-      if (file_.frames == 0) refused("a file without frames");
-      if (wanted_frame(options) >= file_.frames) refuse_frame(options, file_.frames);
+      const isoextract_particle_file& opened = value();
+      if (opened.quantities == nullptr && opened.quantity_count > 0) refused("a list of attributes that is not there");
+      if (opened.frames == 0) refused("a file without frames");
+      if (wanted_frame(options) >= opened.frames) refuse_frame(options, opened.frames);
       std::uint64_t columns = 3;
-      for (std::size_t i = 0; i < file_.quantity_count; ++i) {
-        const std::uint64_t components = file_.quantities[i].components;
+      for (std::size_t i = 0; i < opened.quantity_count; ++i) {
+        const std::uint64_t components = opened.quantities[i].components;
         if (components == 0 || components > kMostColumns - columns) refused("an attribute of that many components");
         columns += components;
       }
@@ -149,20 +141,17 @@ class PluginParticles : public ParticleFormat {
     void make_table() {
       add_tuple(table_, "position", "number", 3);
       table_.position = {0, 1, 2};
-      for (std::size_t i = 0; i < file_.quantity_count; ++i) {
-        const isoextract_particle_quantity& quantity = file_.quantities[i];
+      for (std::size_t i = 0; i < value().quantity_count; ++i) {
+        const isoextract_particle_quantity& quantity = value().quantities[i];
         add_tuple(table_, quantity.name == nullptr ? "" : quantity.name, plain_text(quantity.type_name, 80),
                   static_cast<std::size_t>(quantity.components), quantity.is_numeric != 0, kind_of(quantity.kind));
       }
       make_group_names_unique(table_);
     }
 
-    std::string name_;
     std::string id_;
-    const Plugin* plugin_ = nullptr;
     Reservation memory_;
-    isoextract_particle_file file_{};
-    bool is_open_ = false;
+    std::unique_ptr<ParticleVisit> visit_;
     ParticleTable table_;
   };
 

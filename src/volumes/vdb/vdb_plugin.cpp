@@ -9,6 +9,7 @@
 #include "base/printable.hpp"
 #include "files/file_bytes.hpp"
 #include "volumes/detail/grid_choice.hpp"
+#include "volumes/detail/plugin_host.hpp"
 #include "volumes/vdb/vdb_skip.hpp"
 #include "volumes/vdb/vdb_transform.hpp"
 
@@ -43,11 +44,24 @@ void check_tree_ends(VdbCursor& cursor, const VdbGridRecord& record) {
 
 }  // namespace
 
+void mark_plugin_grids(const VdbHeader& header, std::span<GridInfo> grids, bool is_missing) {
+  for (std::size_t i = 0; i < grids.size(); ++i) {
+    const VdbGridRecord& record = header.grids[i];
+    GridInfo& grid = grids[i];
+    const bool is_bent = grid.scalar && record.in_frustum;
+    if (!is_bent && !is_left_to_plugin(record)) continue;
+    grid.plugin = kOpenVdbPlugin;
+    grid.plugin_is_missing = is_missing;
+    if (!record.value_type.starts_with("vec3")) continue;
+    for (const std::string_view part : kVectorParts) grid.parts.push_back(fmt::format("{}{}", grid.label, part));
+  }
+}
+
 std::optional<PluginGrid> grid_for_plugin(VdbCursor& cursor, const VdbHeader& header, std::span<const GridInfo> grids,
                                           const ReadOptions& options) {
   if (const auto chosen = choose_grid({}, grids, options.grid)) {
     const VdbGridRecord& record = header.grids[*chosen];
-    if (!record.in_frustum || options.spacing) return std::nullopt;
+    if (grids[*chosen].plugin.empty() || options.spacing) return std::nullopt;
     check_tree_ends(cursor, record);
     return PluginGrid{grids[*chosen].label, fmt::format("'{}' lies in a frustum", grids[*chosen].label)};
   }
@@ -56,7 +70,7 @@ std::optional<PluginGrid> grid_for_plugin(VdbCursor& cursor, const VdbHeader& he
   std::optional<PluginGrid> found;
   for (std::size_t i = 0; i < grids.size(); ++i) {
     const VdbGridRecord& record = header.grids[i];
-    if (!is_left_to_plugin(record)) continue;
+    if (grids[i].plugin.empty()) continue;
     const std::string wanted = options.grid.value_or("");
     if (options.grid && !is_called(grids[i], wanted) && !is_called(grids[i], without_part(wanted))) continue;
     check_tree_ends(cursor, record);

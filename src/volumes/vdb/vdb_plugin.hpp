@@ -14,6 +14,10 @@
 
 namespace isoextract::volumes {
 
+// Notes in the list of grids which ones are left to the plug-in: the one place that decides it. `is_missing`: the
+// plug-in is.
+void mark_plugin_grids(const VdbHeader& header, std::span<GridInfo> grids, bool is_missing);
+
 struct PluginGrid {
   std::optional<std::string> grid;  // which one the plug-in is to read; none where it is the only one
   std::string reason;               // "'velocity' holds vec3s"

@@ -126,7 +126,8 @@ std::optional<AttributeKind> kind_of_vectors(std::string_view vector_type) {
   return std::nullopt;
 }
 
-std::vector<GridInfo> describe_grids(VdbCursor& cursor, const files::InputFile& file, const VdbHeader& header) {
+std::vector<GridInfo> describe_grids(VdbCursor& cursor, const files::InputFile& file, const VdbHeader& header,
+                                     bool plugin_is_missing) {
   VoxelCounter counter(cursor, file, header);
   std::vector<GridInfo> grids;
   for (const VdbGridRecord& record : header.grids) {
@@ -149,6 +150,7 @@ std::vector<GridInfo> describe_grids(VdbCursor& cursor, const files::InputFile& 
     grids.push_back(std::move(info));
   }
   label_grids(grids);
+  mark_plugin_grids(header, grids, plugin_is_missing);
   return grids;
 }
 
@@ -194,11 +196,11 @@ auto with_messages(const files::InputFile& file, F&& work) -> decltype(work()) {
   }
 }
 
-Result<std::vector<GridInfo>> list_vdb_grids(const files::InputFile& file) {
+Result<std::vector<GridInfo>> list_vdb_grids(const files::InputFile& file, bool plugin_is_missing) {
   return with_messages(file, [&]() -> Result<std::vector<GridInfo>> {
     VdbCursor cursor(file);
     const VdbHeader header = read_vdb_header(cursor);
-    return describe_grids(cursor, file, header);
+    return describe_grids(cursor, file, header, plugin_is_missing);
   });
 }
 
@@ -208,7 +210,7 @@ Result<field::ScalarField> read_vdb(const std::string& input, const files::Input
     file.context().progress().begin("reading", 0);
     VdbCursor cursor(file);
     const VdbHeader header = read_vdb_header(cursor);
-    const std::vector<GridInfo> grids = describe_grids(cursor, file, header);
+    const std::vector<GridInfo> grids = describe_grids(cursor, file, header, false);
     if (const auto wanted = grid_for_plugin(cursor, header, grids, options)) {
       auto field = read_by_plugin(plugin, input, *wanted, options, file.context());
       const auto same = field ? std::ranges::find(grids, field->grid, &GridInfo::label) : grids.end();
@@ -242,6 +244,7 @@ class VdbFormat final : public VolumeFormat {
                       .extensions = {".vdb"},
                       .prefix = {},
                       .has_grids = true}),
+        plugin_is_there_(PluginLibrary(kVolumePlugins, kOpenVdbPlugin, folders).is_there()),
         plugin_(make_plugin_format({.id = kOpenVdbPlugin, .title = about().title, .has_grids = true},
                                    std::move(folders))) {}
 
@@ -253,7 +256,7 @@ class VdbFormat final : public VolumeFormat {
                                                    const Context& context) const override {
     const auto file = files::InputFile::open(input, context);
     if (!file) return tl::unexpected(file.error());
-    return list_vdb_grids(*file);
+    return list_vdb_grids(*file, !plugin_is_there_);
   }
 
   [[nodiscard]] Result<std::vector<std::filesystem::path>> files(const std::string& input,
@@ -270,6 +273,7 @@ class VdbFormat final : public VolumeFormat {
   }
 
  private:
+  bool plugin_is_there_;
   std::unique_ptr<const VolumeFormat> plugin_;
 };
 

@@ -1,4 +1,7 @@
 // Volumes and points by the plug-ins around OpenVDB, where they were built, and what is said where they are missing.
+#include <array>
+#include <cstring>
+#include <random>
 #include <set>
 
 #include <openvdb/points/PointConversion.h>
@@ -308,6 +311,70 @@ TEST(OpenVdbPoints, AnAttributeOfFewerPointsIsDamage) {
   ASSERT_FALSE(read);
   expect_in(read.error().message, "the file is damaged: expected a value of 'heat' for each point");
   EXPECT_TRUE(try_points(folder / "p.vdb"));
+}
+
+// Where the file tells of an array of `bytes_per_point` for each of some points of a leaf: the places of the numbers of
+// bytes, which count six more.
+std::vector<std::size_t> places_of_arrays(const std::string& file, std::uint64_t bytes_per_point) {
+  std::vector<std::size_t> places;
+  for (std::size_t at = 0; at + 14 <= file.size(); ++at) {
+    std::uint64_t bytes = 0;
+    std::uint32_t points = 0;
+    std::memcpy(&bytes, &file[at], sizeof(bytes));
+    std::memcpy(&points, &file[at + 10], sizeof(points));
+    if (points > 2 && points < 1000 && bytes == bytes_per_point * points + 6 && file[at + 8] == 8) places.push_back(at);
+  }
+  return places;
+}
+
+TEST(OpenVdbPoints, AnArrayOfFewerBytesThanItsPointsNeedIsDamage) {
+  NEEDS_OPENVDB_PLUGIN();
+  const TempFolder folder;
+  write_vdb(folder / "p.vdb", {point_grid("drops", some_places(), 0.5)});
+  std::string file = read_bytes(folder / "p.vdb");
+  const auto arrays = places_of_arrays(file, 12);  // positions and velocities
+  ASSERT_GE(arrays.size(), 2U);
+  // What one array lacks the next one has, so that all of them together are as large as they were.
+  const auto add = [&](std::size_t at, std::int64_t more) {
+    std::int64_t bytes = 0;
+    std::memcpy(&bytes, &file[at], sizeof(bytes));
+    bytes += more;
+    std::memcpy(&file[at], &bytes, sizeof(bytes));
+  };
+  add(arrays[0], -24);
+  add(arrays[1], 24);
+  write_bytes(folder / "p.vdb", file);
+  const auto read = try_points(folder / "p.vdb", with_all());
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().kind, ErrorKind::input);
+  expect_in(read.error().message, "the file is damaged: expected ");
+}
+
+TEST(OpenVdbPoints, DamagedFilesEndNothing) {
+  NEEDS_OPENVDB_PLUGIN();
+  const TempFolder folder;
+  write_vdb(folder / "p.vdb", {point_grid("drops", some_places(), 0.5)});
+  const std::string whole = read_bytes(folder / "p.vdb");
+  std::minstd_rand random(1);
+  const auto below = [&](std::size_t end) { return static_cast<std::size_t>(random()) % end; };
+  constexpr std::array<std::uint32_t, 5> kWords{0, ~0U, 0x7fffffff, 0x80000000, 1};
+  int refused = 0;
+  for (int i = 0; i < 200; ++i) {
+    std::string damaged = whole;
+    for (std::size_t times = 1 + below(3); times > 0; --times) {
+      if (below(2) == 0) {
+        damaged[below(damaged.size())] ^= static_cast<char>(1U << below(8));
+      } else {
+        std::memcpy(&damaged[below(damaged.size() - 4)], &kWords.at(below(kWords.size())), 4);
+      }
+    }
+    write_bytes(folder / "d.vdb", damaged);
+    const auto read = try_points(folder / "d.vdb", with_all());
+    if (read) continue;
+    ++refused;
+    EXPECT_EQ(read.error().kind, ErrorKind::input) << i << ": " << read.error().message;
+  }
+  EXPECT_GT(refused, 10);
 }
 
 TEST(OpenVdbPoints, FilesOfPointsAloneAreParticles) {

@@ -75,7 +75,7 @@ TEST(PluginHost, MemoryIsReservedBeforeItReads) {
 TEST(PluginHost, OneOfAnotherVersionIsRefused) {
   const Error error = refused("textvolume\nv 1 1 1\n1\n", text_format("newer"));
   EXPECT_EQ(error.kind, ErrorKind::unavailable);
-  expect_in(error.message, "has version 3 of the interface, expected 2");
+  expect_in(error.message, "has version 4 of the interface, expected 3");
 }
 
 TEST(PluginHost, OneThatIsNotThereSaysWhereItWasLookedFor) {

@@ -2,7 +2,7 @@ include(${PROJECT_SOURCE_DIR}/cmake/OpenVDB.cmake)
 
 isoextract_unit_test(volumes
   array_reader_test.cpp component_reader_test.cpp npz_reader_test.cpp mapped_samples_test.cpp nifti_reader_test.cpp npy_reader_test.cpp nrrd_reader_test.cpp particle_writer_test.cpp particles_binary_test.cpp
-  particles_damage_test.cpp particles_real_test.cpp particles_text_test.cpp particles_vtk_test.cpp plugin_host_test.cpp raw_reader_test.cpp
+  main.cpp particles_damage_test.cpp particles_real_test.cpp particles_text_test.cpp particles_vtk_test.cpp plugin_host_test.cpp raw_reader_test.cpp
   real_files_reader_test.cpp volume_choice_test.cpp volume_reader_test.cpp volume_writer_test.cpp)
 # Together these files take the compiler very much longer than one by one.
 set_target_properties(test_volumes PROPERTIES UNITY_BUILD OFF)

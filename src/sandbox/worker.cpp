@@ -1,0 +1,261 @@
+#include "sandbox/worker.hpp"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstring>
+#include <limits>
+#include <span>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "sandbox/detail/server.hpp"
+#include "sandbox/program.hpp"
+
+namespace isoextract::sandbox {
+namespace {
+
+constexpr std::size_t kMostOutput = 4096;
+constexpr int kSliceMilliseconds = 50;  // after which the context is asked again
+
+bool socket_pair(int type, std::array<Descriptor, 2>& sockets) {
+  std::array<int, 2> numbers{-1, -1};
+  if (::socketpair(AF_UNIX, type | SOCK_CLOEXEC, 0, numbers.data()) != 0) return false;
+  sockets = {Descriptor(numbers[0]), Descriptor(numbers[1])};
+  return true;
+}
+
+bool pipe_pair(std::array<Descriptor, 2>& ends) {
+  std::array<int, 2> numbers{-1, -1};
+  if (::pipe2(numbers.data(), O_CLOEXEC) != 0) return false;
+  ends = {Descriptor(numbers[0]), Descriptor(numbers[1])};
+  ::fcntl(numbers[0], F_SETFL, O_NONBLOCK);
+  return true;
+}
+
+std::string last_error() { return std::strerror(errno); }  // NOLINT(concurrency-mt-unsafe): glibc's is safe
+
+}  // namespace
+
+Worker::Worker(Descriptor socket, Descriptor status, Descriptor output, std::uint64_t seconds, Context context)
+    : socket_(std::move(socket)),
+      status_(std::move(status)),
+      printed_(std::move(output)),
+      microseconds_left_(static_cast<std::int64_t>(std::min<std::uint64_t>(seconds, 1U << 30U)) * 1'000'000),
+      context_(std::move(context)) {}
+
+Worker::~Worker() {
+  if (ending_) return;
+  end_it(Ending::Reason::cancelled);
+  finish();
+}
+
+void Worker::send(const MessageWriter& message, int descriptor) {
+  if (!send_message(socket_.get(), message, descriptor, false)) socket_.close();
+}
+
+std::optional<MessageReader> Worker::receive() {
+  for (;;) {
+    const bool is_open = read_socket();
+    if (auto message = take_message()) return message;
+    // One that has closed its socket before it was done ends, or is ended.
+    if (!is_open || ending_) break;
+    wait_a_little(true);
+  }
+  finish();
+  return std::nullopt;
+}
+
+bool Worker::receive_bytes(std::span<std::byte> to) {
+  const std::size_t kept = std::min(received_.size(), to.size());
+  std::copy_n(received_.begin(), kept, to.begin());
+  received_.erase(received_.begin(), received_.begin() + static_cast<std::ptrdiff_t>(kept));
+  to = to.subspan(kept);
+  while (!to.empty() && socket_.is_open()) {
+    const ssize_t got = ::recv(socket_.get(), to.data(), to.size(), MSG_DONTWAIT);
+    if (got > 0) {
+      to = to.subspan(static_cast<std::size_t>(got));
+    } else if (got < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR)) {
+      if (ending_) break;
+      wait_a_little(true);
+    } else {
+      break;
+    }
+  }
+  if (!to.empty()) finish();
+  return to.empty();
+}
+
+const Ending& Worker::finish() {
+  socket_.close();
+  while (!ending_) wait_a_little(false);
+  read_output();
+  return *ending_;
+}
+
+// Until something comes, or a moment has passed. Time in which this process was stopped does not count.
+void Worker::wait_a_little(bool for_messages) {
+  std::array<pollfd, 3> awaited{pollfd{status_.get(), POLLIN, 0}, pollfd{printed_.get(), POLLIN, 0},
+                                pollfd{for_messages ? socket_.get() : -1, POLLIN, 0}};
+  const auto before = std::chrono::steady_clock::now();
+  ::poll(awaited.data(), awaited.size(), kSliceMilliseconds);
+  const auto passed =
+      std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() - before).count();
+  microseconds_left_ -= std::min<std::int64_t>(passed, 1000 * kSliceMilliseconds);
+  if (awaited[1].revents != 0) read_output();
+  if (awaited[0].revents != 0) read_status();
+  if (ending_ || wanted_end_) return;
+  if (context_.cancelled()) end_it(Ending::Reason::cancelled);
+  if (microseconds_left_ <= 0) end_it(Ending::Reason::too_long);
+}
+
+void Worker::end_it(Ending::Reason reason) {
+  wanted_end_ = reason;
+  constexpr std::byte kEnd{1};
+  if (::send(status_.get(), &kEnd, 1, MSG_NOSIGNAL | MSG_DONTWAIT) != 1) ending_ = Ending{.reason = reason};
+}
+
+void Worker::read_output() {
+  std::array<char, 4096> part{};
+  for (ssize_t got = 0; printed_.is_open() && (got = ::read(printed_.get(), part.data(), part.size())) != -1;) {
+    if (got == 0) printed_.close();
+    const auto room = kMostOutput - std::min(output_.size(), kMostOutput);
+    output_.append(part.data(), std::min(static_cast<std::size_t>(got), room));
+  }
+}
+
+// What is there; false where no more can come.
+bool Worker::read_socket() {
+  std::array<std::byte, 16384> part{};
+  while (socket_.is_open() && received_.size() < kMostMessageBytes) {
+    const ssize_t got = ::recv(socket_.get(), part.data(), part.size(), MSG_DONTWAIT);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) return true;
+    if (got <= 0) return false;
+    received_.insert(received_.end(), part.begin(), part.begin() + got);
+  }
+  return socket_.is_open();
+}
+
+std::optional<MessageReader> Worker::take_message() {
+  std::uint64_t length = 0;
+  if (received_.size() < sizeof(length)) return std::nullopt;
+  std::memcpy(&length, received_.data(), sizeof(length));
+  if (length > kMostMessageBytes) {  // no message of ours
+    socket_.close();
+    end_it(Ending::Reason::done);
+    return std::nullopt;
+  }
+  if (length > received_.size() - sizeof(length)) return std::nullopt;
+  const auto begin = received_.begin() + sizeof(length);
+  const auto end = begin + static_cast<std::ptrdiff_t>(length);
+  MessageReader message(std::vector<std::byte>(begin, end));
+  received_.erase(received_.begin(), end);
+  return message;
+}
+
+void Worker::read_status() {
+  detail::WorkerStatus status;
+  const ssize_t got = ::recv(status_.get(), &status, sizeof(status), MSG_DONTWAIT);
+  if (got < 0 && (errno == EINTR || errno == EAGAIN || errno == EWOULDBLOCK)) return;
+  Ending ending;
+  if (got == sizeof(status) && status.wait_status != -1) {
+    ending.lacked_memory = status.lacked_memory != 0;
+    ending.reason = Ending::Reason::done;
+    if (WIFSIGNALED(status.wait_status)) {
+      ending.reason = Ending::Reason::signal;
+      ending.signal = WTERMSIG(status.wait_status);
+      if (ending.signal == SIGXCPU) ending.reason = Ending::Reason::too_long;
+    }
+  }
+  if (wanted_end_) ending.reason = *wanted_end_;
+  ending_ = ending;
+}
+
+Workers::~Workers() { end_server(); }
+
+void Workers::end_server() {
+  control_.close();
+  if (server_ > 0) {
+    while (::waitpid(server_, nullptr, 0) < 0 && errno == EINTR) {
+    }
+  }
+  server_ = -1;
+}
+
+tl::expected<void, std::string> Workers::start_server() {
+  std::array<Descriptor, 2> control;
+  if (!socket_pair(SOCK_STREAM, control)) return tl::unexpected("cannot be started: " + last_error());
+  const std::vector<std::string> words = words_to_start(words_);
+  std::vector<char*> arguments;
+  for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));  // NOLINT: posix_spawn's
+  arguments.push_back(nullptr);
+
+  posix_spawn_file_actions_t files;
+  posix_spawn_file_actions_init(&files);
+  posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_adddup2(&files, STDOUT_FILENO, STDERR_FILENO);
+  posix_spawn_file_actions_adddup2(&files, control[1].get(), detail::kControlSocket);
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  sigset_t none;
+  sigemptyset(&none);
+  posix_spawnattr_setsigmask(&attributes, &none);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
+  const int failed = ::posix_spawn(&server_, "/proc/self/exe", &files, &attributes, arguments.data(), environ);
+  posix_spawnattr_destroy(&attributes);
+  posix_spawn_file_actions_destroy(&files);
+  if (failed != 0) {
+    server_ = -1;
+    errno = failed;
+    return tl::unexpected("cannot be started: " + last_error());
+  }
+  control[1].close();
+  control_ = std::move(control[0]);
+  return {};
+}
+
+tl::expected<Workers::Started, std::string> Workers::start(const Limits& limits, const Context& context) {
+  std::array<Descriptor, 2> socket;
+  std::array<Descriptor, 2> status;
+  std::array<Descriptor, 2> output;
+  if (!socket_pair(SOCK_STREAM, socket) || !socket_pair(SOCK_SEQPACKET, status) || !pipe_pair(output)) {
+    return tl::unexpected("cannot be started: " + last_error());
+  }
+  const std::array along{socket[1].get(), status[1].get(), output[1].get()};
+  const std::scoped_lock lock(mutex_);
+  // One that has ended since it was last asked, as the system may have ended it, is started anew.
+  if (!control_.is_open() || !send_descriptors(control_.get(), along)) {
+    end_server();
+    if (auto started = start_server(); !started) return tl::unexpected(started.error());
+    auto greeting = receive_message(control_.get());
+    if (!greeting) {
+      end_server();
+      return tl::unexpected<std::string>("ends the process that loads it");
+    }
+    const bool can_work = greeting->message.number() == 1;
+    greeting_ = greeting->message.text();
+    if (!can_work || !send_descriptors(control_.get(), along)) {
+      end_server();
+      return tl::unexpected(greeting_);
+    }
+  }
+  Started started{std::make_unique<Worker>(std::move(socket[0]), std::move(status[0]), std::move(output[0]),
+                                           limits.seconds, context),
+                  greeting_};
+  started.worker->send(MessageWriter().number(limits.memory).number(limits.seconds).number(limits.threads));
+  return started;
+}
+
+}  // namespace isoextract::sandbox

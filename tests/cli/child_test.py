@@ -1,0 +1,206 @@
+"""Files that plug-ins read are read in child processes: whatever a file makes of its reader is an error of that file, and
+nothing is left behind."""
+
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import time
+
+from support import PROGRAM, ProgramTest, main
+
+PLUGINS = pathlib.Path(os.environ["ISOEXTRACT_TEST_PLUGINS"])
+ISO = ("--iso", "0.5", "--cap")
+CHILD = b"@child-process"
+
+
+def processes_in(folder):
+    """The numbers of child processes of isoextract whose working folder this is."""
+    found = []
+    for process in pathlib.Path("/proc").iterdir():
+        try:
+            if process.name.isdigit() and CHILD in (process / "cmdline").read_bytes().split(b"\0"):
+                if os.readlink(process / "cwd") == str(folder):
+                    found.append(int(process.name))
+        except OSError:
+            continue  # it has ended meanwhile
+    return found
+
+
+def wait_until(condition, seconds=20):
+    end = time.monotonic() + seconds
+    while not condition() and time.monotonic() < end:
+        time.sleep(0.02)
+    return condition()
+
+
+class ChildTest(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.environment = dict(os.environ, ISOEXTRACT_PLUGINS=str(PLUGINS))
+
+    def file(self, deed, stage="open", name="a.hostile"):
+        (self.folder / name).write_text(f"hostile {stage} {deed}\n")
+        return name
+
+    def run_hostile(self, deed, *arguments, stage="open", seconds=None):
+        if seconds is not None:
+            self.environment["ISOEXTRACT_PLUGIN_SECONDS"] = str(seconds)
+        name = self.file(deed, stage)
+        return self.run_program(name, *ISO, "-o", "a.ply", *arguments, env=self.environment)
+
+    def assert_nothing_left(self, *files):
+        self.assertEqual(self.files(), sorted(files))
+        self.assertTrue(wait_until(lambda: not processes_in(self.folder)), processes_in(self.folder))
+
+    def test_a_good_file_is_read_as_in_the_own_process(self):
+        for deed in ("nothing", "sparse"):
+            for way in ((), ("--in-process",)):
+                run = self.run_hostile(deed, *way)
+                self.assertEqual(run.code, 0, run.err)
+                mesh = (self.folder / "a.ply").read_bytes()
+                if way:
+                    self.assertEqual(mesh, apart)
+                apart = mesh
+        self.assert_nothing_left("a.hostile", "a.ply")
+
+    def test_what_ends_the_reader_is_an_error_of_the_file(self):
+        for stage in ("list", "open"):
+            for deed, what in (("crash", r"crashed \(signal 11\)"), ("abort", r"crashed \(signal 6\)"),
+                               ("exit", "ended without an answer")):
+                with self.subTest(stage=stage, deed=deed):
+                    run = self.run_hostile(deed, stage=stage)
+                    self.assert_fails(2, run, "a.hostile: ", "the file is damaged")
+                    self.assertRegex(run.err, what)
+                    self.assert_nothing_left("a.hostile")
+        self.assert_fails(2, self.run_program("info", self.file("crash"), env=self.environment), "a.hostile: ", "crashed")
+
+    def test_in_process_is_in_the_program_itself(self):
+        self.assertEqual(self.run_hostile("crash", "--in-process").code, -signal.SIGSEGV)
+
+    def test_what_never_ends_is_ended(self):
+        for deed in ("wait", "spin", "chatter"):
+            with self.subTest(deed):
+                run = self.run_hostile(deed, seconds=1)
+                self.assert_fails(2, run, "a.hostile: ", "was stopped after 1 s", "ISOEXTRACT_PLUGIN_SECONDS")
+                self.assert_nothing_left("a.hostile")
+        self.assert_fails(2, self.run_hostile("lie-length"), "a.hostile: ", "ended without an answer")
+
+    def test_the_time_is_a_number(self):
+        self.assert_fails(1, self.run_hostile("nothing", seconds="soon"), "ISOEXTRACT_PLUGIN_SECONDS", "'soon'")
+
+    def test_memory_ends_at_the_limit(self):
+        run = self.run_hostile("allocate", "--memory-limit", "64M")
+        self.assert_fails(2, run, "a.hostile: ", "memory", "--memory-limit")
+        self.assert_nothing_left("a.hostile")
+        self.assert_fails(2, self.run_hostile("huge", "--memory-limit", "64M"), "2000x2000x2000", "--memory-limit")
+        self.assert_fails(2, self.run_hostile("greed", "--memory-limit", "64M"), "a.hostile: ", "--memory-limit")
+
+    def test_what_it_prints_is_a_note(self):
+        run = self.run_hostile("print")
+        self.assertEqual(run.code, 0, run.err)
+        self.assertIn("note: ", run.err)
+        self.assertIn("the plug-in for hostile printed: WARN: something\\x1b[31m is odd", run.err)
+        self.assertNotIn("\x1b", run.err)
+        self.assertEqual(run.out, b"")
+        quiet = self.run_hostile("print", "-q")
+        self.assertEqual((quiet.code, quiet.err, quiet.out), (0, "", b""))
+        lines = self.run_hostile("print", "--progress", "json")
+        for line in lines.err.splitlines():
+            self.assertFalse(line.startswith("WARN"), line)
+        self.assertEqual(self.run_hostile("print-much", "-q").err, "")
+
+    def test_the_world_is_out_of_reach(self):
+        run = self.run_hostile("world")
+        self.assertEqual(run.code, 0, run.err)
+        self.assertIn("could do nothing", run.err)
+        self.assert_nothing_left("a.hostile", "a.ply")
+
+    def test_lies_are_refused(self):
+        for deed in ("lie-blocks", "lie-places", "sparse-unsorted"):
+            with self.subTest(deed):
+                self.assert_fails(2, self.run_hostile(deed), "a.hostile: the plug-in for hostile gives ")
+        self.assert_fails(2, self.run_hostile("lie-list", stage="list"), "gives no list of grids")
+        self.assertEqual(self.run_hostile("name").code, 0)
+
+    def test_the_batch_goes_on(self):
+        for number, deed in enumerate(("nothing", "crash", "nothing", "abort", "nothing")):
+            self.file(deed, name=f"f_{number}.hostile")
+        for jobs in ("1", "2"):
+            run = self.run_program("f_{}.hostile", *ISO, "-o", "m_{}.ply", "--jobs", jobs, env=self.environment)
+            self.assertEqual(run.code, 5, run.err)
+            self.assertIn("f_1.hostile: ", run.err)
+            self.assertIn("f_3.hostile: ", run.err)
+            meshes = {name for name in self.files() if name.endswith(".ply")}
+            self.assertEqual(meshes, {"m_0.ply", "m_2.ply", "m_4.ply"})
+            self.assertTrue(wait_until(lambda: not processes_in(self.folder)))
+
+    def test_it_ends_with_the_program(self):
+        for end in (signal.SIGINT, signal.SIGTERM, signal.SIGKILL):
+            with self.subTest(end):
+                name = self.file("wait")
+                program = subprocess.Popen([PROGRAM, name, *ISO, "-o", "a.ply"], cwd=self.folder, env=self.environment,
+                                           stdin=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+                self.assertTrue(wait_until(lambda: len(processes_in(self.folder)) == 2), processes_in(self.folder))
+                program.send_signal(end)
+                program.wait(timeout=60)
+                self.assert_nothing_left("a.hostile")
+
+    def test_no_process_is_left_unburied(self):
+        """A program that goes on after its reader has crashed has waited for it: nothing of it is in the list."""
+        for number in range(4):
+            self.file("crash" if number < 3 else "wait", name=f"f_{number}.hostile")
+        program = subprocess.Popen([PROGRAM, "f_{}.hostile", *ISO, "-o", "m_{}.ply", "--jobs", "1"], cwd=self.folder,
+                                   env=self.environment, stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(program.stderr.close)
+        try:
+            for line in program.stderr:
+                if "f_2.hostile" in line and "crashed" in line:
+                    break
+            states = []
+            for process in pathlib.Path("/proc").iterdir():
+                try:
+                    fields = (process / "stat").read_text().rsplit(")", 1)[1].split()
+                except (OSError, IndexError):
+                    continue
+                if int(fields[1]) == program.pid:
+                    states.append(fields[0])
+            self.assertNotIn("Z", states)
+            self.assertEqual(len(states), 1)  # the one that has loaded the plug-in
+        finally:
+            program.kill()
+            program.wait(timeout=60)
+
+    def test_a_program_that_its_loader_starts(self):
+        """As the portable folder's launcher does: /proc/self/exe is the loader then."""
+        loader = next(path for path in ("/lib64/ld-linux-x86-64.so.2", "/lib/ld-linux-aarch64.so.1") if os.path.exists(path))
+        run = subprocess.run([loader, "--library-path", "/nowhere", PROGRAM, self.file("crash"), *ISO, "-o", "a.ply"],
+                             cwd=self.folder, env=self.environment, capture_output=True, text=True, check=False, timeout=120)
+        self.assertEqual(run.returncode, 2, run.stderr)
+        self.assertIn("crashed (signal 11)", run.stderr)
+
+    def run_where(self, missing, *arguments):
+        """The program where the system lacks something: a function of support that takes it away."""
+        code = ("import os, sys; sys.path.insert(0, sys.argv[1]); import support; getattr(support, sys.argv[2])();"
+                "os.execv(sys.argv[3], sys.argv[3:])")
+        return subprocess.run([sys.executable, "-B", "-c", code, str(pathlib.Path(__file__).parent), missing, PROGRAM,
+                               *arguments, *ISO, "-o", "a.ply"], cwd=self.folder, env=self.environment,
+                              capture_output=True, text=True, check=False, timeout=120)
+
+    def test_without_shared_memory_it_says_what_helps(self):
+        refused = self.run_where("forbid_shared_memory", self.file("nothing"))
+        self.assertEqual(refused.returncode, 3, refused.stderr)
+        self.assertIn("memfd_create", refused.stderr)
+        self.assertIn("--in-process", refused.stderr)
+        self.assertEqual(self.run_where("forbid_shared_memory", "a.hostile", "--in-process").returncode, 0)
+
+    def test_a_kernel_without_filters_still_has_the_limits(self):
+        run = self.run_where("forbid_filters", self.file("crash"))
+        self.assertEqual(run.returncode, 2, run.stderr)
+        self.assertIn("crashed (signal 11)", run.stderr)
+        self.assertEqual(self.run_where("forbid_filters", self.file("nothing")).returncode, 0)
+
+
+if __name__ == "__main__":
+    main()
