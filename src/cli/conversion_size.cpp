@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/context.hpp"
+#include "convert/error_memory.hpp"
 #include "convert/source.hpp"
 #include "field/sparse_lookup.hpp"
 #include "field/surface_estimate.hpp"
@@ -78,7 +79,9 @@ Result<std::uint64_t> estimated_memory(const convert::ConversionJob& job, const 
   for (const convert::ResolvedIso& iso : source->isos) {
     // Of labels, about all of them together: what is not 0.
     const ConversionSize size = size_of(source->field, iso.asked.is_label() ? 0.5 : iso.value);
-    most = std::max(most, estimated_bytes(size) + attribute_bytes(*source, size.vertices));
+    std::uint64_t bytes = estimated_bytes(size) + attribute_bytes(*source, size.vertices);
+    if (job.error && !iso.asked.is_label()) bytes += convert::estimated_error_bytes(*source, iso.value);
+    most = std::max(most, bytes);
   }
   return most;
 }

@@ -23,10 +23,8 @@ std::string world_text(const measure::ErrorStatistics& error) {
 std::string unmeasured_text(const measure::ErrorStatistics& error) {
   std::vector<std::string> parts;
   if (error.not_finite > 0) parts.push_back(fmt::format("{} beside samples that are not finite", error.not_finite));
-  if (error.flat > 0) parts.push_back(fmt::format("{} where the gradient is zero", error.flat));
-  if (error.unreached > 0) {
-    parts.push_back(fmt::format("{} with no surface near along the gradient", error.unreached));
-  }
+  if (error.outside > 0) parts.push_back(fmt::format("{} beyond the outermost samples", error.outside));
+  if (error.unreached > 0) parts.push_back(fmt::format("{} with no isosurface to measure to", error.unreached));
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
@@ -56,8 +54,11 @@ std::string analytic_text(const convert::MeshError& error) {
 
 std::string coverage_text(double iso, const measure::SurfaceCoverage& coverage) {
   const measure::ErrorStatistics& distances = coverage.distances;
-  const std::string sizes =
-      distances.points == 0 ? "" : fmt::format("{}; {}; ", sizes_text(distances), world_text(distances));
+  std::string sizes;
+  if (distances.points > 0) {
+    sizes = fmt::format("{}, nowhere more than {:.3g}; {}; ", sizes_text(distances), coverage.max_at_most.voxels,
+                        world_text(distances));
+  }
   return fmt::format("error at iso {} from the surface of the data to the mesh: {}{}", iso, sizes,
                      coverage.lost == 0
                          ? fmt::format("all of its {} components are there", coverage.components)
@@ -74,7 +75,9 @@ std::vector<std::string> error_summary(const convert::MeshError& error) {
                       : fmt::format("error at iso {} against the {} interpolant: {}; {}", error.iso,
                                     word_of(error.field.interpolation), sizes_text(interior), world_text(interior)));
   add_unmeasured(lines, "points", interior);
-  if (error.coverage && error.coverage->components > 0) lines.push_back(coverage_text(error.iso, *error.coverage));
+  if (error.field.coverage && error.field.coverage->components > 0) {
+    lines.push_back(coverage_text(error.iso, *error.field.coverage));
+  }
   if (error.analytic && error.analytic->interior.points > 0) {
     lines.push_back(analytic_text(error));
     add_unmeasured(lines, "points", error.analytic->interior);
@@ -86,8 +89,13 @@ std::vector<std::string> error_details(const convert::MeshError& error) {
   const measure::FieldError& field = error.field;
   std::vector<std::string> lines;
   lines.push_back(fmt::format(
-      "measured: the distance to the isosurface along the gradient, at {} points inside the triangles, by area",
+      "measured: the distance to the nearest point of the isosurface, at {} points inside the triangles, by area",
       field.interior.points));
+  if (field.coverage && field.coverage->distances.points > 0) {
+    lines.push_back(fmt::format(
+        "  and back from {} points of the isosurface, found with cells divided into {} parts along each axis, by area",
+        field.coverage->distances.points, field.parts));
+  }
   if (field.interior.corrected > 0) {
     lines.push_back(
         fmt::format("  of which {} have a gradient so uneven that |f - iso| / |grad f| alone is off by half",
@@ -95,7 +103,8 @@ std::vector<std::string> error_details(const convert::MeshError& error) {
   }
   if (field.cap_triangles > 0) {
     lines.push_back(
-        fmt::format("left out: {} triangles of caps, which are not on the isosurface", field.cap_triangles));
+        fmt::format("left out: {} triangles of caps and beyond the outermost samples, which are not on the isosurface",
+                    field.cap_triangles));
   }
   if (field.vertices.points > 0) {
     lines.push_back(fmt::format("at the {} vertices: {}", field.vertices.points, sizes_text(field.vertices)));

@@ -99,18 +99,35 @@ std::vector<std::string> not_applicable(const std::vector<measure::StabilityRow>
   return reasons;
 }
 
+// "marching cubes: finite vertices, ...": of each method in the rows what is checked, in the order of the methods.
+std::vector<std::string> checked_methods(const std::vector<measure::StabilityRow>& rows) {
+  std::vector<std::string> lines;
+  for (const extract::MethodInfo& method : extract::kMethods) {
+    if (std::ranges::find(rows, method.method, &measure::StabilityRow::method) == rows.end()) continue;
+    const measure::StabilityFindings checked = measure::no_findings(method.traits);
+    std::string line = fmt::format("{}: finite vertices", method.title);
+    if (checked.edges_checked) line += ", each within its own edge of the grid";
+    if (checked.crossings_checked) line += " and at its crossing";
+    line += fmt::format("; triangles with an area, once each; manifold, oriented, closed {}",
+                        method.traits.always_closed ? "everywhere" : "with a cap");
+    lines.push_back(std::move(line));
+  }
+  return lines;
+}
+
 std::string table_text(const std::vector<measure::StabilityRow>& rows) {
-  std::string text = fmt::format("{:<18} {:<6} {:<10} {:>8} {:>9} {:>6} {:>8} {:>8}  {}\n", "case", "method", "backend",
-                                 "vertices", "triangles", "ulps", "voxels", "allowed", "verdict");
+  std::string text = fmt::format("{:<18} {:<12} {:<10} {:>8} {:>9} {:>6} {:>8} {:>8}  {}\n", "case", "method",
+                                 "backend", "vertices", "triangles", "ulps", "voxels", "allowed", "verdict");
   for (const measure::StabilityRow& row : rows) {
     const measure::StabilityFindings& found = row.findings;
     const auto crossing = [&](std::string number) { return found.crossings_checked ? std::move(number) : "-"; };
     text +=
-        fmt::format("{:<18} {:<6} {:<10} {:>8} {:>9} {:>6} {:>8} {:>8}  {}\n", row.name, word_of(row.method),
+        fmt::format("{:<18} {:<12} {:<10} {:>8} {:>9} {:>6} {:>8} {:>8}  {}\n", row.name, word_of(row.method),
                     row.backend, found.vertices, found.triangles, crossing(fmt::format("{:.2f}", found.ulps)),
                     crossing(fmt::format("{:.1e}", found.voxels)), crossing(fmt::format("{:.1e}", row.voxels_allowed)),
                     row.failures.empty() ? "pass" : fmt::format("FAIL: {}", fmt::join(row.failures, "; ")));
   }
+  for (const std::string& line : checked_methods(rows)) text += fmt::format("Checked of {}\n", line);
   for (const std::string& reason : not_applicable(rows)) text += fmt::format("Not applicable: {}\n", reason);
   return text + fmt::format("{} of {} passed\n", rows.size() - count_failed(rows), rows.size());
 }
@@ -144,7 +161,7 @@ Result<std::vector<measure::StabilityRow>> extracted_rows(const std::vector<cons
                                                           const StabilityFlags& flags, const Messages& messages) {
   const auto backends = choose_backends(flags, messages);
   if (!backends) return tl::unexpected(backends.error());
-  const std::vector<extract::MethodInfo> methods = extract::following_methods();
+  const std::span<const extract::MethodInfo> methods = extract::kMethods;
   for (const std::string& missing : measure::missing_methods(*backends, methods)) messages.note(missing);
   std::vector<measure::StabilityRow> rows;
   for (const measure::StabilityCase* test : cases) {

@@ -17,6 +17,7 @@
 #include "base/no_memory.hpp"
 #include "base/stopwatch.hpp"
 #include "convert/detail/recorder.hpp"
+#include "convert/error_memory.hpp"
 #include "convert/field_file.hpp"
 #include "convert/label_looks.hpp"
 #include "convert/mesh_clip.hpp"
@@ -26,7 +27,6 @@
 #include "convert/output_checks.hpp"
 #include "convert/picture_file.hpp"
 #include "convert/placement_record.hpp"
-#include "convert/source.hpp"
 #include "convert/surface_stages.hpp"
 #include "extract/voxels.hpp"
 #include "field/statistics.hpp"
@@ -71,6 +71,7 @@ class Conversion {
     const auto& note_of = extras_.note_of_field;
     if (const auto text = note_of ? note_of(source_.field) : std::nullopt) events_.note(*text);
     if (auto found = find_labels(); !found) return found;
+    if (auto fits = check_error_memory(job_, source_, context_); !fits) return fits;
     std::span<const ResolvedIso> isos = source_.isos;
     for (const OutputFileJob& output : job_.outputs) {
       if (auto done = job_.field_file ? write_samples(output) : write(output, isos.first(output.isos.size())); !done)

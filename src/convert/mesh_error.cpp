@@ -1,6 +1,6 @@
 #include "convert/mesh_error.hpp"
 
-#include <algorithm>
+#include <utility>
 
 namespace isoextract::convert {
 namespace {
@@ -16,7 +16,7 @@ Json json_of(const measure::ErrorStatistics& error) {
     json["worst"] = convert::json_of(error.worst);
   }
   json["not_finite"] = error.not_finite;
-  json["flat"] = error.flat;
+  json["outside"] = error.outside;
   json["unreached"] = error.unreached;
   json["corrected"] = error.corrected;
   return json;
@@ -41,22 +41,14 @@ Json json_of(const measure::AnalyticError& analytic, const std::optional<field::
           {"volume", exact && analytic.volume ? json_of_size(*analytic.volume, exact->volume) : Json(nullptr)}};
 }
 
-Json json_of(const measure::SurfaceCoverage& coverage) {
-  return {{"distances", json_of(coverage.distances)},
-          {"components", coverage.components},
-          {"lost_components", coverage.lost}};
+Json json_of(const measure::SurfaceCoverage& coverage, int parts) {
+  Json json{{"distances", json_of(coverage.distances)},
+            {"parts", parts},
+            {"components", coverage.components},
+            {"lost_components", coverage.lost}};
+  if (coverage.distances.points > 0) json["max_at_most"] = json_of(coverage.max_at_most);
+  return json;
 }
-
-// How far from the surface of the data, in their voxels, the mesh of another grid may be: a coarser one's is off by
-// voxels of its own.
-double reach_from(const field::ScalarField& grid) {
-  double longest = 0;
-  for (int axis = 0; axis < 3; ++axis) longest = std::max(longest, glm::length(grid.index_to_file.linear[axis]));
-  return std::max(1.0, 2 * longest);
-}
-
-// Smoothing moves vertices by a few voxels at the most, where the surface is thin.
-constexpr double kReachOfMoved = 4;
 
 }  // namespace
 
@@ -72,10 +64,13 @@ Result<MeshError> measure_mesh_error(const mesh::Mesh& mesh, const field::Scalar
   if (extracted.cap) options.cuts = clipped;
   options.vertices_on_edges = extract::method_info(extracted.method).traits.vertices_on_edges;
   if (moved) options.vertices_on_edges = false;
-  if (grid != nullptr) options.reach = reach_from(*grid);
-  if (moved) options.reach = std::max(options.reach, kReachOfMoved);
-  error.field = measure::measure_field_error(mesh, field, extracted, options, context);
-  error.analytic = measure::measure_analytic_error(mesh, field, extracted, grid, options.cuts, context);
+  options.clipped = clipped;
+  auto measured = measure::measure_field_error(mesh, field, extracted, options, context);
+  if (!measured) return tl::unexpected(std::move(measured.error()));
+  error.field = std::move(*measured);
+  auto analytic = measure::measure_analytic_error(mesh, field, extracted, grid, options.cuts, context);
+  if (!analytic) return tl::unexpected(std::move(analytic.error()));
+  error.analytic = std::move(*analytic);
   if (error.analytic && field.kind == field::FieldKind::density) {
     const double unit = error.analytic->unit;
     error.exact = field::find_analytic_field(field.name)->size(extracted.iso);
@@ -87,9 +82,6 @@ Result<MeshError> measure_mesh_error(const mesh::Mesh& mesh, const field::Scalar
     error.of_part = true;
     error.exact.reset();
   }
-  auto coverage = measure::measure_surface_coverage(mesh, field, extracted, grid, clipped, context);
-  if (!coverage) return tl::unexpected(std::move(coverage.error()));
-  error.coverage = *coverage;
   return error;
 }
 
@@ -99,7 +91,7 @@ Json json_of(const MeshError& error) {
           {"vertices", json_of(error.field.vertices)},
           {"storage", json_of(error.field.storage)},
           {"cap_triangles", error.field.cap_triangles},
-          {"coverage", error.coverage ? json_of(*error.coverage) : Json(nullptr)},
+          {"coverage", error.field.coverage ? json_of(*error.field.coverage, error.field.parts) : Json(nullptr)},
           {"analytic", error.analytic ? json_of(*error.analytic, error.exact) : Json(nullptr)}};
 }
 

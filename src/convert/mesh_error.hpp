@@ -8,7 +8,6 @@
 #include "convert/json_values.hpp"
 #include "measure/analytic_error.hpp"
 #include "measure/field_error.hpp"
-#include "measure/surface_coverage.hpp"
 
 namespace isoextract::convert {
 
@@ -18,12 +17,11 @@ struct MeshError {
   std::optional<measure::AnalyticError> analytic;  // of demo fields with a formula
   std::optional<field::SurfaceSize> exact;  // likewise, where their size is known, in the mesh's units; not of a part
   bool of_part = false;                     // then: a region or a clip may have left some of it out
-  std::optional<measure::SurfaceCoverage> coverage;  // the other way, where there is anything to compare with
 };
 
-// Of methods that follow the interpolant (MethodTraits). `extracted` is how the mesh was extracted from `field`, or
+// `extracted` is how the mesh was extracted from `field`, or
 // from `grid` if there is one, which was made of it by resample() or by blurring. `clipped` is what of it was kept
-// since. `moved`: vertices are no longer where they were extracted. Fails where measure_surface_coverage() does.
+// since. `moved`: vertices are no longer where they were extracted. Fails as measure_field_error() does.
 [[nodiscard]] Result<MeshError> measure_mesh_error(const mesh::Mesh& mesh, const field::ScalarField& field,
                                                    const extract::ExtractOptions& extracted,
                                                    field::Interpolation interpolation, const field::ScalarField* grid,

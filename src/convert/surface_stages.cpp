@@ -127,8 +127,8 @@ class SurfaceStages {
 
   Result<void> measure_error(Surface& surface) {
     if (!job_.error) return {};
-    if (const std::string reason = extract::why_no_error(extract::method_info(job_.surface.method)); !reason.empty()) {
-      events_.note("the error of the mesh is not measured: " + reason);
+    if (is_label()) {
+      events_.note("the error of the mesh is not measured: labels have no isosurface between the samples");
       return {};
     }
     const Stopwatch watch;
@@ -144,9 +144,10 @@ class SurfaceStages {
   }
 
  private:
+  [[nodiscard]] bool is_label() const { return !source_.isos.empty() && source_.isos.front().asked.is_label(); }
+
   [[nodiscard]] std::string text_of(const Surface& surface) const {
-    const bool is_label = !source_.isos.empty() && source_.isos.front().asked.is_label();
-    return fmt::format("{} {}", is_label ? "label" : "iso", surface.iso);
+    return fmt::format("{} {}", is_label() ? "label" : "iso", surface.iso);
   }
 
   // The samples whose outermost the caps go through, where there are caps.

@@ -32,7 +32,7 @@ std::string why_no_edges(const MethodInfo& method) {
   return fmt::format("{}: the vertices are not on edges of the grid", method.title);
 }
 
-std::string why_no_error(const MethodInfo& method) {
+std::string why_no_crossings(const MethodInfo& method) {
   if (method.traits.follows_interpolant) return "";
   return fmt::format("{}: the surface does not follow the field between its samples", method.title);
 }

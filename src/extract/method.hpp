@@ -135,7 +135,7 @@ constexpr auto words_of(Method /*type*/) {
 // Why a question cannot be put to the surfaces of a method, as a sentence without its full stop that begins with the
 // method's title; empty where it can.
 [[nodiscard]] std::string why_no_edges(const MethodInfo& method);             // no edges to compare vertices by
-[[nodiscard]] std::string why_no_error(const MethodInfo& method);             // no error against the field
+[[nodiscard]] std::string why_no_crossings(const MethodInfo& method);         // no crossings to compare vertices with
 [[nodiscard]] std::string why_no_gradient_normals(const MethodInfo& method);  // no normals from gradients
 [[nodiscard]] std::string why_no_holes(const MethodInfo& method);             // no holes where samples are not numbers
 

@@ -88,13 +88,16 @@ glm::ivec3 Interpolant::cell_of(const glm::dvec3& index) const {
   return glm::clamp(glm::floor(index), low, high);
 }
 
-bool Interpolant::load(const glm::ivec3& cell, std::span<double> values) const {
+bool Interpolant::load(const glm::ivec3& cell, std::span<double> values, SampleRange& range) const {
   const int size = stencil_size(interpolation_);
   const glm::ivec3 first = cell - (size / 2 - 1);
   bool finite = true;
+  range = {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
   const auto put = [&](double stored, int slot) {
     const double value = field_.scale(stored);
     finite = finite && std::isfinite(value);
+    range.low = std::min(range.low, value);
+    range.high = std::max(range.high, value);
     values[static_cast<std::size_t>(slot)] = value;
   };
   visit_sample_type(field_.type(), [&]<class T>(std::type_identity<T>) {
@@ -128,15 +131,26 @@ bool Interpolant::load(const glm::ivec3& cell, std::span<double> values) const {
   return finite;
 }
 
+void Interpolant::Cursor::move_to(const glm::ivec3& cell) {
+  if (loaded_ && cell == cell_) return;
+  cell_ = cell;
+  loaded_ = true;
+  finite_ = interpolant_.load(cell, values_, range_);
+}
+
+std::optional<SampleRange> Interpolant::Cursor::range(const glm::ivec3& cell) {
+  move_to(cell);
+  return finite_ ? std::optional(range_) : std::nullopt;
+}
+
 Interpolated Interpolant::Cursor::operator()(const glm::dvec3& index) {
   const glm::ivec3 cell = interpolant_.cell_of(index);
-  if (!loaded_ || cell != cell_) {
-    cell_ = cell;
-    loaded_ = true;
-    finite_ = interpolant_.load(cell, values_);
-  }
+  return in_cell(cell, index - glm::dvec3(cell));
+}
+
+Interpolated Interpolant::Cursor::in_cell(const glm::ivec3& cell, const glm::dvec3& t) {
+  move_to(cell);
   if (!finite_) return {std::numeric_limits<double>::quiet_NaN(), glm::dvec3(0)};
-  const glm::dvec3 t = index - glm::dvec3(cell);
   std::array<CellWeights, 3> weights;
   if (interpolant_.interpolation_ == Interpolation::trilinear) {
     for (int axis = 0; axis < 3; ++axis) weights[axis] = linear_weights(t[axis]);

@@ -30,6 +30,11 @@ struct Interpolated {
   glm::dvec3 gradient{0.0};  // of those values, per index step
 };
 
+struct SampleRange {
+  double low = 0;
+  double high = 0;
+};
+
 class Interpolant {
  public:
   // `field` must outlive this; dense ones need two samples along each axis.
@@ -42,19 +47,30 @@ class Interpolant {
     explicit Cursor(const Interpolant& interpolant) : interpolant_(interpolant) {}
     [[nodiscard]] Interpolated operator()(const glm::dvec3& index);
 
+    // The polynomial of one cell, at `t` from the lowest sample of the cell. On a face of the cell the value is that of
+    // the cell beyond it, bit for bit.
+    [[nodiscard]] Interpolated in_cell(const glm::ivec3& cell, const glm::dvec3& t);
+
+    // Least and greatest of the samples that the polynomial depends on; nothing where one of them is not finite.
+    [[nodiscard]] std::optional<SampleRange> range(const glm::ivec3& cell);
+
    private:
     static constexpr int kMaxSamples = 4 * 4 * 4;
+
+    void move_to(const glm::ivec3& cell);
 
     const Interpolant& interpolant_;
     glm::ivec3 cell_{0};
     bool loaded_ = false;
     bool finite_ = false;
+    SampleRange range_;
     std::array<double, kMaxSamples> values_{};  // x fastest
   };
 
  private:
-  // Reads the samples around a cell into `values`, those beyond dense data as 0. False if one is not finite.
-  [[nodiscard]] bool load(const glm::ivec3& cell, std::span<double> values) const;
+  // Reads the samples around a cell into `values`, those beyond dense data as 0, which are not in `range`. False if one
+  // is not finite.
+  [[nodiscard]] bool load(const glm::ivec3& cell, std::span<double> values, SampleRange& range) const;
   [[nodiscard]] glm::ivec3 cell_of(const glm::dvec3& index) const;
 
   const ScalarField& field_;

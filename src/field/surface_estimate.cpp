@@ -89,7 +89,57 @@ std::uint64_t places_at(const SparseBlock& block, const SparseSamples& samples, 
   return places + (passes ? 1 : 0);
 }
 
+// Edges from the samples of one row in rising directions whose ends are on different sides. `box` is of dense samples.
+template <class T>
+std::uint64_t count_from_row(const ScalarField& field, const DenseSamples& dense, const IndexBox& box, double iso,
+                             int j, int k) {
+  const glm::i64vec3 dims(dense.dims);
+  const auto* row = static_cast<const T*>(dense.data) + dims.x * (j + dims.y * k);
+  const auto inside = [&](const T* sample) { return is_inside(field, iso, static_cast<double>(*sample)); };
+  std::uint64_t crossings = 0;
+  for (int i = box.min.x; i <= box.max.x; ++i) {
+    const bool here = inside(row + i);
+    crossings += i < box.max.x && inside(row + i + 1) != here ? 1 : 0;
+    crossings += j < box.max.y && inside(row + i + dims.x) != here ? 1 : 0;
+    crossings += k < box.max.z && inside(row + i + dims.x * dims.y) != here ? 1 : 0;
+  }
+  return crossings;
+}
+
+// Of sparse samples: edges within their blocks.
+std::uint64_t count_in_blocks(const ScalarField& field, double iso) {
+  return visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) {
+    return reduce_samples<T>(
+        field.samples, std::uint64_t{0},
+        [&](std::uint64_t& partial, std::span<const T> block) {
+          partial += count_crossings(off_background(block, field, iso, false));
+        },
+        std::plus<>{}, nullptr);
+  });
+}
+
 }  // namespace
+
+std::uint64_t count_vertices(const ScalarField& field, double iso, const std::optional<IndexBox>& box) {
+  const auto* dense = std::get_if<DenseSamples>(&field.samples);
+  if (dense == nullptr) return box ? 0 : count_in_blocks(field, iso);
+  IndexBox samples = field.extents();
+  if (box) samples = {glm::max(samples.min, box->min), glm::min(samples.max, box->max)};
+  if (samples.empty()) return 0;
+  return visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) {
+    return tbb::parallel_deterministic_reduce(
+        tbb::blocked_range<int>(samples.min.z, samples.max.z + 1), std::uint64_t{0},
+        [&](const tbb::blocked_range<int>& planes, std::uint64_t crossings) {
+          for (int k = planes.begin(); k != planes.end(); ++k) {
+            for (int j = samples.min.y; j <= samples.max.y; ++j) {
+              crossings += count_from_row<T>(field, *dense, samples, iso, j, k);
+            }
+          }
+          return crossings;
+        },
+        std::plus<>{});
+  });
+}
 
 std::uint64_t estimate_vertices(const ScalarField& field, double iso) {
   return visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) -> std::uint64_t {
@@ -107,14 +157,8 @@ std::uint64_t estimate_vertices(const ScalarField& field, double iso) {
                      std::plus<>{});
     }
     // A liquid at rest faces one axis alone.
-    const std::uint64_t crossings = reduce_samples<T>(
-        field.samples, std::uint64_t{0},
-        [&](std::uint64_t& partial, std::span<const T> block) {
-          partial += count_crossings(off_background(block, field, iso, false));
-        },
-        std::plus<>{}, nullptr);
     constexpr std::uint64_t kSide = SparseBlock::kSize;
-    return crossings * kSide / (kSide - 1);  // one edge in eight leaves its block
+    return count_in_blocks(field, iso) * kSide / (kSide - 1);  // one edge in eight leaves its block
   });
 }
 

@@ -2,13 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <string>
+#include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+
+#include "field/demo_field.hpp"
 #include "measure/detail/index_mesh.hpp"
 #include "measure/detail/quadrature.hpp"
 #include "measure/detail/reduction.hpp"
+#include "measure/detail/surface_foot.hpp"
 #include "mesh/metrics.hpp"
+#include "mesh/triangle_tree.hpp"
 
 namespace isoextract::measure {
 namespace {
@@ -20,19 +28,96 @@ struct Foot {
   bool found = false;
 };
 
+// Of the samples of a formula, in its units.
+double formula_spacing(const field::ScalarField& field) {
+  return 2.0 / (std::get<field::DenseSamples>(field.samples).dims.x - 1);
+}
+
+// The surface of a formula, in the cube [-1, 1]^3, as triangles.
+class FormulaMesh {
+ public:
+  // Of the samples of the formula, or of more where these are few.
+  static Result<FormulaMesh> make(const field::AnalyticField& formula, const field::ScalarField& field, double iso,
+                                  const Context& context) {
+    constexpr int kCells = 128;
+    const int cells = std::get<field::DenseSamples>(field.samples).dims.x - 1;
+    const int parts = (kCells + cells - 1) / cells;
+    const std::string name = fmt::format("{}{}?size={}", field::kDemoPrefix, formula.name, parts * cells + 1);
+    if (parts <= 1) return of_samples(field, name, iso, context);
+    const auto finer = field::make_demo_field(name, context);
+    if (!finer) return tl::unexpected(finer.error());
+    return of_samples(*finer, name, iso, context);
+  }
+
+  [[nodiscard]] std::optional<glm::dvec3> nearest(const glm::dvec3& p, std::uint32_t& hint) const {
+    if (!tree_) return std::nullopt;
+    const mesh::TriangleTree::Nearest found = tree_->nearest(p - origin_, hint);
+    hint = found.slot;
+    return found.point + origin_;
+  }
+  [[nodiscard]] double spacing() const { return spacing_; }
+
+ private:
+  static Result<FormulaMesh> of_samples(const field::ScalarField& field, const std::string& name, double iso,
+                                        const Context& context) {
+    FormulaMesh made;
+    made.spacing_ = formula_spacing(field);
+    extract::ExtractOptions options;
+    options.iso = iso;
+    options.output_from_index = {glm::dmat3(made.spacing_), glm::dvec3(-1)};
+    auto extraction = extract::make_cpu_extractor()->extract(field, options, context);
+    if (!extraction) return tl::unexpected(std::move(extraction.error()));
+    const mesh::Mesh& mesh = extraction->mesh;
+    if (mesh.triangles.empty()) return made;
+    auto memory =
+        context.reserve(mesh::TriangleTree::bytes(mesh.triangles.size()), name + ": the surface of its formula");
+    if (!memory) return tl::unexpected(std::move(memory.error()));
+    made.memory_ = std::move(*memory);
+    made.origin_ = mesh.origin;
+    made.tree_.emplace(mesh.positions.span(), mesh.triangles.span());
+    return made;
+  }
+
+  Reservation memory_;
+  glm::dvec3 origin_{0.0};
+  double spacing_ = 0;
+  std::optional<mesh::TriangleTree> tree_;
+};
+
 class ClosestPoint {
  public:
-  ClosestPoint(const field::AnalyticField& field, double iso)
-      : field_(field), iso_(iso), closed_form_(field.is_distance && field.size(iso)) {}
+  // `mesh` is null where distances are known in closed form.
+  ClosestPoint(const field::AnalyticField& field, double iso, const FormulaMesh* mesh)
+      : field_(field), iso_(iso), mesh_(mesh) {}
 
-  [[nodiscard]] bool closed_form() const { return closed_form_; }
+  // `hint` is what the last call left there, of a point that is near if possible.
+  [[nodiscard]] Foot operator()(const glm::dvec3& p, std::uint32_t& hint) const {
+    Foot foot = iterate(p, p);
+    if (mesh_ == nullptr) return foot;
+    const auto near = mesh_->nearest(p, hint);
+    if (!near) return foot;
+    take(p, iterate(p, *near), foot);
+    const auto at = [&](const glm::dvec3& q) { return field_.value_and_gradient(q); };
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    SurfaceFoot on_surface(at, iso_, glm::dmat3(1.0), glm::dvec3(-kInfinity), glm::dvec3(kInfinity));
+    const double reach = 2 * mesh_->spacing();
+    if (const auto landed = on_surface.land(*near, reach)) {
+      const glm::dvec3 point = on_surface.approach(p, *landed, reach);
+      take(p, {point, field_.value_and_gradient(point).gradient, true}, foot);
+    }
+    return foot;
+  }
 
-  // From the last guess q to the foot of p on the plane tangent to the level set through q: fixed where q is on the
-  // surface and p - q is normal to it. Converges by the factor |p - q| / radius of curvature a step.
-  [[nodiscard]] Foot operator()(const glm::dvec3& p) const {
+ private:
+  static void take(const glm::dvec3& p, const Foot& other, Foot& foot) {
+    if (other.found && (!foot.found || glm::length(other.point - p) < glm::length(foot.point - p))) foot = other;
+  }
+
+  // From a guess q to the foot of p on the plane tangent to the level set through q: fixed where q is on the surface
+  // and p - q is normal to it. Converges by the factor |p - q| / radius of curvature a step.
+  [[nodiscard]] Foot iterate(const glm::dvec3& p, glm::dvec3 q) const {
     constexpr int kMaxSteps = 50;
     constexpr double kTolerance = 1e-10;
-    glm::dvec3 q = p;
     for (int step = 0; step < kMaxSteps; ++step) {
       const field::Dual here = field_.value_and_gradient(q);
       const double squared = glm::dot(here.gradient, here.gradient);
@@ -41,15 +126,14 @@ class ClosestPoint {
       const glm::dvec3 next = p - here.gradient * (residual / squared);
       const double moved = glm::length(next - q);
       q = next;
-      if (closed_form_ || moved <= kTolerance) return {q, here.gradient, true};
+      if (mesh_ == nullptr || moved <= kTolerance) return {q, here.gradient, true};
     }
     return {};
   }
 
- private:
   const field::AnalyticField& field_;
   double iso_;
-  bool closed_form_;
+  const FormulaMesh* mesh_;
 };
 
 class AngleSums {
@@ -113,13 +197,14 @@ class AnalyticMeasurement {
   // `placed` is `mesh`, in the index space of `field`.
   AnalyticMeasurement(const mesh::Mesh& mesh, const IndexMesh& placed, const field::ScalarField& field,
                       const extract::ExtractOptions& extracted, const field::AnalyticField& formula,
-                      const Context& context)
+                      const FormulaMesh* formula_mesh, const Context& context)
       : mesh_(mesh),
         extracted_(extracted),
         context_(context),
         placed_(placed),
-        closest_(formula, extracted.iso),
-        step_(2.0 / (std::get<field::DenseSamples>(field.samples).dims.x - 1)),
+        closest_(formula, extracted.iso, formula_mesh),
+        closed_form_(formula_mesh == nullptr),
+        step_(formula_spacing(field)),
         unit_(placed_.voxel() / step_),
         // Gradients are covectors; of a similarity the inverse transpose is the map itself, but for its scale.
         normal_map_((field.kind == field::FieldKind::density ? -1.0 : 1.0) / placed_.voxel() *
@@ -127,7 +212,7 @@ class AnalyticMeasurement {
 
   AnalyticError run() {
     AnalyticError result;
-    result.closed_form = closest_.closed_form();
+    result.closed_form = closed_form_;
     result.unit = unit_;
     context_.progress().begin("measuring the true error", mesh_.triangles.size() + mesh_.positions.size());
     const ErrorAccumulator none(placed_.voxel());
@@ -142,11 +227,13 @@ class AnalyticMeasurement {
     const std::vector<std::uint8_t> used = placed_.surface_vertices();
     result.vertices = reduce_in_order(mesh_.positions.size(), none, &context_.progress(),
                                       [&](const PointRange& range, ErrorAccumulator& sums) {
+                                        std::uint32_t hint = 0;
                                         for (std::size_t v = range.begin(); v != range.end(); ++v) {
-                                          if (used[v] != 0) measure_point(placed_.vertex(v), 1, sums);
+                                          if (used[v] != 0) measure_point(placed_.vertex(v), 1, hint, sums);
                                         }
                                       })
                           .result();
+    result.interior.raise_max(result.vertices);
     if (!extracted_.region && (extracted_.cap || result.closed_form)) result.volume = mesh::measure_size(mesh_).volume;
     return result;
   }
@@ -154,9 +241,13 @@ class AnalyticMeasurement {
  private:
   // Adds the distance of a point in index space, and returns the true outward normal at its foot; zero if there is
   // none.
-  glm::dvec3 measure_point(const glm::dvec3& index, double weight, ErrorAccumulator& sums) const {
+  glm::dvec3 measure_point(const glm::dvec3& index, double weight, std::uint32_t& hint, ErrorAccumulator& sums) const {
+    if (placed_.is_outside(index)) {
+      ++sums.counts.outside;
+      return glm::dvec3(0);
+    }
     const glm::dvec3 p = step_ * index - 1.0;
-    const Foot foot = closest_(p);
+    const Foot foot = closest_(p, hint);
     if (!foot.found) {
       ++sums.counts.unreached;
       return glm::dvec3(0);
@@ -167,6 +258,7 @@ class AnalyticMeasurement {
   }
 
   void measure_triangles(const PointRange& range, FormulaSums& sums) const {
+    std::uint32_t hint = 0;
     for (std::size_t t = range.begin(); t != range.end(); ++t) {
       const auto corners = placed_.corners(t);
       if (placed_.is_cap(corners)) {
@@ -177,16 +269,16 @@ class AnalyticMeasurement {
       const glm::dvec3 along = placed_.area_vector(corners);
       const double area = glm::length(along) / 2;
       sums.area += area;
-      for (const TrianglePoint& point : kTrianglePoints) {
-        const glm::dvec3 normal = measure_point(point.in(corners), point.share * area, sums.distance);
-        if (normal == glm::dvec3(0)) continue;
+      for_each_point(corners, kLongestSide, [&](const TrianglePoint& point) {
+        const glm::dvec3 normal = measure_point(point.in(corners), point.share * area, hint, sums.distance);
+        if (normal == glm::dvec3(0)) return;
         if (area > 0) sums.flat.add(along, normal, point.share * area);
-        if (mesh_.normals.empty()) continue;
+        if (mesh_.normals.empty()) return;
         const glm::dvec3 smooth =
             point.in({glm::dvec3(mesh_.normals[triangle.x]), glm::dvec3(mesh_.normals[triangle.y]),
                       glm::dvec3(mesh_.normals[triangle.z])});
         sums.smooth.add(smooth, normal, point.share * area);
-      }
+      });
     }
   }
 
@@ -195,6 +287,7 @@ class AnalyticMeasurement {
   const Context& context_;
   const IndexMesh& placed_;
   ClosestPoint closest_;
+  bool closed_form_;
   double step_;  // of the samples, in the formula's units
   double unit_;
   glm::dmat3 normal_map_;
@@ -202,16 +295,24 @@ class AnalyticMeasurement {
 
 }  // namespace
 
-std::optional<AnalyticError> measure_analytic_error(const mesh::Mesh& mesh, const field::ScalarField& field,
-                                                    const extract::ExtractOptions& extracted,
-                                                    const field::ScalarField* grid,
-                                                    std::span<const mesh::HalfSpace> cuts, const Context& context) {
+Result<std::optional<AnalyticError>> measure_analytic_error(const mesh::Mesh& mesh, const field::ScalarField& field,
+                                                            const extract::ExtractOptions& extracted,
+                                                            const field::ScalarField* grid,
+                                                            std::span<const mesh::HalfSpace> cuts,
+                                                            const Context& context) {
   const field::AnalyticField* formula = field::formula_of(field);
   if (formula == nullptr) return std::nullopt;
   IndexMesh placed(mesh, field, extracted, grid);
   placed.add_capped_cuts(cuts);
   if (!is_similarity(placed.output_from_index().linear)) return std::nullopt;
-  return AnalyticMeasurement(mesh, placed, field, extracted, *formula, context).run();
+  std::optional<FormulaMesh> formula_mesh;
+  if (!formula->is_distance || !formula->size(extracted.iso)) {
+    auto made = FormulaMesh::make(*formula, field, extracted.iso, context);
+    if (!made) return tl::unexpected(std::move(made.error()));
+    formula_mesh = std::move(*made);
+  }
+  return AnalyticMeasurement(mesh, placed, field, extracted, *formula, formula_mesh ? &*formula_mesh : nullptr, context)
+      .run();
 }
 
 }  // namespace isoextract::measure

@@ -4,6 +4,8 @@
 #include <optional>
 #include <span>
 
+#include "base/context.hpp"
+#include "base/error.hpp"
 #include "extract/extractor.hpp"
 #include "field/analytic_field.hpp"
 #include "measure/error_statistics.hpp"
@@ -19,10 +21,11 @@ struct AngleStatistics {
 };
 
 struct AnalyticError {
-  bool closed_form = false;  // distances and normals: in closed form (sphere, torus), or by a closest-point iteration
-                             // that ends when a step is at most 1e-10 of the cube [-1, 1]^3
-  ErrorStatistics interior;  // true distance at seven points inside each triangle, by area; `unreached` counts points
-                             // whose iteration did not end, and `corrected` nothing
+  // Distances and normals: in closed form (sphere, torus), or of the nearest of the points that two iterations come to,
+  // from the point itself and from the nearest point of a mesh of the formula that is as fine as the samples or finer.
+  bool closed_form = false;
+  ErrorStatistics interior;  // true distance at seven points inside each triangle, or each part of a large one, by
+                             // area; the maximum is that of the vertices, too; `unreached`: no iteration ended
   ErrorStatistics vertices;
   AngleStatistics
       smooth_normals;  // interpolated across the triangle, as a renderer does; without points if there are none
@@ -38,12 +41,12 @@ struct AnalyticError {
 // `extracted` is how `mesh` was extracted from `field`, which must be a demo field, or from `grid` if there is one,
 // which resample() made of it. Nothing where there is no formula, or where the placement is more than a turn, a scale
 // and a shift, so that it stretches distances. `cuts` are those that are capped: what lies in their planes is a cap,
-// too. The same answer for any number of threads.
-[[nodiscard]] std::optional<AnalyticError> measure_analytic_error(const mesh::Mesh& mesh,
-                                                                  const field::ScalarField& field,
-                                                                  const extract::ExtractOptions& extracted,
-                                                                  const field::ScalarField* grid = nullptr,
-                                                                  std::span<const mesh::HalfSpace> cuts = {},
-                                                                  const Context& context = Context());
+// too. Memory is reserved; fails where it runs out. The same answer for any number of threads.
+[[nodiscard]] Result<std::optional<AnalyticError>> measure_analytic_error(const mesh::Mesh& mesh,
+                                                                          const field::ScalarField& field,
+                                                                          const extract::ExtractOptions& extracted,
+                                                                          const field::ScalarField* grid = nullptr,
+                                                                          std::span<const mesh::HalfSpace> cuts = {},
+                                                                          const Context& context = Context());
 
 }  // namespace isoextract::measure

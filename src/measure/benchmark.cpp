@@ -174,7 +174,7 @@ tl::unexpected<Error> no_surface(const field::ScalarField& field, double iso, bo
 }
 
 // Fills all errors but the rounding; `number` is that of the contestant whose specimen it is.
-using Judge = std::function<void(const Specimen& specimen, std::size_t number, BenchErrors& errors)>;
+using Judge = std::function<Result<void>(const Specimen& specimen, std::size_t number, BenchErrors& errors)>;
 
 Result<void> judge_level(const field::ScalarField& field, const BenchOptions& options, const Judge& judge,
                          bool in_finer, std::vector<BenchRow>& rows, const Context& context) {
@@ -194,7 +194,7 @@ Result<void> judge_level(const field::ScalarField& field, const BenchOptions& op
     if (open->mesh.triangles.empty()) return no_surface(field, options.iso, in_finer);
     BenchErrors judged;
     judged.rounding = IndexMesh(open->mesh, field, extract).rounding();
-    if (method.traits.follows_interpolant) judge({field, extract, open->mesh, volume}, number, judged);
+    if (auto done = judge({field, extract, open->mesh, volume}, number, judged); !done) return done;
     for (BenchRow& row : rows) {
       if (contestant.is(row)) static_cast<BenchErrors&>(row) = judged;
     }
@@ -267,8 +267,8 @@ void conclude(BenchResult& result, const BenchOptions& options, const field::Sur
     result.notes.push_back(std::move(missing));
   }
   for (const extract::MethodInfo& method : options.methods) {
-    for (const std::string& reason : {extract::why_no_error(method), extract::why_no_gradient_normals(method)}) {
-      if (!reason.empty()) result.notes.push_back("not applicable: " + reason);
+    if (const std::string reason = extract::why_no_gradient_normals(method); !reason.empty()) {
+      result.notes.push_back("not applicable: " + reason);
     }
   }
 }
@@ -379,16 +379,19 @@ Result<BenchResult> bench_demo(std::string_view name, const std::vector<int>& si
   for (const int size : sizes) {
     const auto field = field::make_demo_field(fmt::format("{}?size={}", result.input, size), context);
     if (!field) return tl::unexpected(field.error());
-    const Judge judge = [&](const Specimen& specimen, std::size_t /*number*/, BenchErrors& errors) {
-      const auto error =
+    const Judge judge = [&](const Specimen& specimen, std::size_t /*number*/, BenchErrors& errors) -> Result<void> {
+      const auto measured =
           measure_analytic_error(specimen.mesh, specimen.field, specimen.extracted, nullptr, {}, context);
-      if (!error) return;
+      if (!measured) return tl::unexpected(measured.error());
+      const std::optional<AnalyticError>& error = *measured;
+      if (!error) return {};
       errors.position = error->interior;
       if (specimen.extracted.smooth_normals) errors.smooth_normals = error->smooth_normals;
       errors.flat_normals = error->flat_normals;
       errors.area_error = relative_error(error->area, reference.size.area * error->unit * error->unit);
       errors.volume_error =
           relative_error(specimen.volume, reference.size.volume * error->unit * error->unit * error->unit);
+      return {};
     };
     const bool in_finer = size != sizes.back() && reference.size.area > 0;
     if (auto added = add_level(result, *field, options, judge, in_finer, context); !added)
@@ -425,14 +428,13 @@ Result<BenchResult> bench_field(const field::ScalarField& field, const std::vect
         result.notes.push_back(std::move(dropped));
       }
     }
-    const Judge judge = [&](const Specimen& specimen, std::size_t number, BenchErrors& errors) {
+    const Judge judge = [&](const Specimen& specimen, std::size_t number, BenchErrors& errors) -> Result<void> {
       const FinestSurface& exact = finest[number];
       extract::ExtractOptions of_finest = specimen.extracted;
       of_finest.output_from_index = field.index_to_world;
-      FieldErrorOptions error;
-      error.reach = 2.0 * factor;
-      ErrorStatistics& position =
-          errors.position.emplace(measure_field_error(specimen.mesh, field, of_finest, error, context).interior);
+      const auto measured = measure_field_error(specimen.mesh, field, of_finest, {}, context);
+      if (!measured) return tl::unexpected(measured.error());
+      ErrorStatistics& position = errors.position.emplace(measured->interior);
       for (Length* length : {&position.rms, &position.percentile99, &position.max}) length->voxels /= factor;
       if (factor > 1) {
         if (exact.closed && covers(specimen.field, factor, exact) && is_closed(specimen.mesh)) {
@@ -443,6 +445,7 @@ Result<BenchResult> bench_field(const field::ScalarField& field, const std::vect
           not_comparable.push_back(size);
         }
       }
+      return {};
     };
     if (auto added = add_level(result, coarse ? *coarse : field, options, judge, factor > 1, context); !added) {
       return tl::unexpected(added.error());

@@ -63,8 +63,8 @@ struct BenchDeviceTimes {
   [[nodiscard]] double draw() const { return count + capture; }  // the two passes over the cells
 };
 
-// Of the mesh that one method and backend make of one level, whatever the number of threads. Nothing is measured of
-// surfaces that do not follow the field between its samples, and no smooth normals where the method has none.
+// Of the mesh that one method and backend make of one level, whatever the number of threads. No smooth normals where
+// the method has none.
 struct BenchErrors {
   std::optional<ErrorStatistics> position;  // inside the triangles; in voxels of its resolution and in world units
   double rounding = 0;  // how far float32 moves vertices, in world units; smaller errors are all alike

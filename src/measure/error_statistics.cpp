@@ -43,9 +43,18 @@ void ErrorAccumulator::add(const Length& length, double weight, const glm::dvec3
   world_bins_[bin_of(length.world / world_voxel_)] += weight;
 }
 
+void ErrorStatistics::raise_max(const ErrorStatistics& other) {
+  if (points == 0 || other.points == 0) return;
+  if (other.max.world > max.world) {
+    max.world = other.max.world;
+    worst = other.worst;
+  }
+  max.voxels = std::max(max.voxels, other.max.voxels);
+}
+
 void ErrorAccumulator::merge(const ErrorAccumulator& other) {
   counts.not_finite += other.counts.not_finite;
-  counts.flat += other.counts.flat;
+  counts.outside += other.counts.outside;
   counts.unreached += other.counts.unreached;
   counts.corrected += other.counts.corrected;
   if (other.counts.points == 0) return;

@@ -23,13 +23,15 @@ struct ErrorStatistics {
 
   // What is in none of the figures above, because there is no distance to tell.
   std::uint64_t not_finite = 0;  // beside samples that are NaN or infinite
-  std::uint64_t flat = 0;        // off the surface, where the gradient is zero: no direction leads to it
-  std::uint64_t unreached = 0;   // no surface within reach along the gradient, and none in the cell
+  std::uint64_t outside = 0;     // beyond the outermost samples, where always closed methods put triangles
+  std::uint64_t unreached = 0;   // no surface at all, or none that an iteration came to
 
   // Of `points`: where |f - iso| / |grad f| alone is off by more than half.
   std::uint64_t corrected = 0;
 
-  [[nodiscard]] std::uint64_t unmeasured() const { return not_finite + flat + unreached; }
+  // Takes over the maximum of other points of the same mesh where it is greater; no other figure changes.
+  void raise_max(const ErrorStatistics& other);
+  [[nodiscard]] std::uint64_t unmeasured() const { return not_finite + outside + unreached; }
 };
 
 // Takes distances one by one. The answer depends on the order of merging only in the last digits of rms; merged in a

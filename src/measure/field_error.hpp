@@ -1,36 +1,39 @@
-// How far a mesh is from the isosurface of the data it came from.
+// How far a mesh is from the isosurface of the data it came from, and that from the mesh.
 //
-// At a point p with residual r = f(p) - iso the first-order distance is |r| / |grad f|, with the gradient taken in the
-// mesh's coordinates: a covector, mapped by the inverse transpose of the transform. That number misleads where the
-// gradient changes within it, and most where the gradient is small. So it is only the first guess of a search for the
-// crossing itself, along the gradient's line towards the surface, no further than `reach`, and where that line leaves
-// dense data, along the border from there: beyond it there is no surface. Where that finds nothing, or only something
-// twice as far, the search goes also towards those corners of the point's cell that are on the other side. What is
-// reported is the length of the step to the nearest crossing found, which the true distance cannot exceed. Where there
-// is none, or samples are not finite, there is no distance; such points are counted, not left out in silence.
+// Distances are those to the nearest point. The isosurface is that of an interpolant, which is extracted anew, brick by
+// brick and in parts of cells (detail/subdivided_surface.hpp). From points of the mesh the nearest point of those
+// triangles is looked for, and from there the nearest one of the isosurface itself; a point whose surface may be
+// beyond the bricks around it is measured from that of all data, in whole cells. The other way, points on the
+// isosurface, several in each cell, are measured to the nearest triangle of the mesh.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <span>
 
 #include "base/context.hpp"
+#include "base/error.hpp"
 #include "extract/extractor.hpp"
 #include "field/interpolant.hpp"
 #include "measure/error_statistics.hpp"
+#include "measure/surface_coverage.hpp"
 #include "mesh/half_space.hpp"
 
 namespace isoextract::measure {
 
 struct FieldErrorOptions {
   field::Interpolation interpolation = field::Interpolation::trilinear;  // whose isosurface is the truth
-  double reach = 1;                                                      // voxels of the field
   const field::ScalarField* grid = nullptr;    // that the mesh was extracted from, if resample() made it of the field
   bool vertices_on_edges = true;               // MethodTraits::vertices_on_edges: else there is no `storage` error
   std::span<const mesh::HalfSpace> cuts = {};  // that are capped: triangles in their planes are caps, too
+  std::span<const mesh::HalfSpace> clipped = {};  // what was kept of the mesh: no other part of the isosurface counts
 };
 
 struct FieldError {
   field::Interpolation interpolation = field::Interpolation::trilinear;
-  ErrorStatistics interior;  // at seven points inside each triangle (quadrature.hpp), weighted by area
+  // From the mesh to the isosurface: at seven points inside each triangle, or each part of a large one
+  // (quadrature.hpp), weighted by area. The maximum is that of the vertices, too.
+  ErrorStatistics interior;
   ErrorStatistics vertices;  // at the vertices, each alike
 
   // At vertices on edges along the samples' axes, against the trilinear interpolant, whose crossing there is exact:
@@ -40,14 +43,23 @@ struct FieldError {
   // not on edges.
   ErrorStatistics storage;
 
-  std::uint64_t cap_triangles = 0;  // not measured: they lie in the border of the data or a cut, not on the isosurface
+  // Not measured: they lie in the data boundary or a cut, or beyond the outermost samples, not on the isosurface.
+  std::uint64_t cap_triangles = 0;
+
+  int parts = 0;  // into which cells were divided along each axis
+  // From the isosurface to the mesh. Nothing where a region holds no whole cell of the field.
+  std::optional<SurfaceCoverage> coverage;
 };
 
-// Of methods that follow the interpolant (MethodTraits). `extracted` is how `mesh` was extracted, from `field` or from
-// the grid in `options`: iso value, placement, region and cap are taken from it. The mesh may have fewer triangles
-// since. Voxels are those of `field`. The same answer for any number of threads.
-[[nodiscard]] FieldError measure_field_error(const mesh::Mesh& mesh, const field::ScalarField& field,
-                                             const extract::ExtractOptions& extracted, const FieldErrorOptions& options,
-                                             const Context& context = Context());
+// `extracted` is how `mesh` was extracted, from `field` or from the grid in `options`: iso value, placement, region and
+// cap are taken from it. The mesh may have been changed since. Voxels are those of `field`. Memory is reserved. Fails
+// as an extraction of the field does. The same answer for any number of threads.
+[[nodiscard]] Result<FieldError> measure_field_error(const mesh::Mesh& mesh, const field::ScalarField& field,
+                                                     const extract::ExtractOptions& extracted,
+                                                     const FieldErrorOptions& options,
+                                                     const Context& context = Context());
+
+// What that takes at least beside the mesh, with so many triangles of it and of the isosurface in whole cells.
+[[nodiscard]] std::uint64_t field_error_bytes(std::uint64_t mesh_triangles, std::uint64_t surface_triangles);
 
 }  // namespace isoextract::measure

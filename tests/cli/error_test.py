@@ -80,6 +80,35 @@ class ErrorTest(ProgramTest):
                            "-o", "a.ply")
         self.assertRegex(run.err, r"not in this: \d+ of \d+ points: \d+ beside samples that are not finite")
 
+    def test_the_way_back_is_not_that_of_vertices(self):
+        run = self.convert("demo:random?size=24", "--iso", "0", "--error", "-o", "a.ply", "--explain")
+        back = re.search(r"from the surface of the data to the mesh: rms (\S+), 99 % \S+, max (\S+) voxels, nowhere more than "
+                         r"(\S+); ", run.err)
+        self.assertTrue(back, run.err)
+        rms, most, at_most = map(float, back.groups())
+        self.assertTrue(0.02 < rms < most <= at_most < 1.5, run.err)
+        self.assertRegex(run.err, r"back from \d+ points of the isosurface, found with cells divided into 4 parts")
+
+    def test_a_mesh_far_from_the_data_is_measured(self):
+        """Coarse voxels are more than two voxels of the data away, and no point is left out."""
+        self.convert("demo:sphere?size=65", "--iso", "0", "--resolution", "7", "--error", "-o", "a.ply", "--report", "r.json")
+        error = json.loads((self.folder / "r.json").read_text())["meshes"][0]["error"]
+        self.assertEqual([error["interior"][key] for key in ("not_finite", "outside", "unreached")], [0, 0, 0])
+        self.assertGreater(error["interior"]["max"]["voxels"], 1.5)
+        # From the formula of a sphere that is sampled so finely, the same.
+        truth = error["analytic"]["interior"]
+        self.assertAlmostEqual(error["interior"]["rms"]["voxels"], truth["rms"]["voxels"], delta=0.02 * truth["rms"]["voxels"])
+
+    def test_memory_that_is_not_there_is_refused_before_the_work(self):
+        arguments = ("demo:gyroid?size=128", "--iso", "0", "--error", "-o", "a.ply", "--report", "r.json")
+        report = json.loads(self.convert(*arguments) and (self.folder / "r.json").read_text())
+        (self.folder / "a.ply").unlink()
+        limit = report["reserved_memory_bytes"] // 2
+        run = self.run_program(*arguments, "--memory-limit", str(limit))
+        self.assert_fails(2, run, "demo:gyroid?size=128: the surface at iso 0 and the measuring of its error need at least",
+                          "--memory-limit SIZE")
+        self.assertEqual(json.loads((self.folder / "r.json").read_text())["extractions"], [], "nothing was extracted")
+
     def test_other_values_are_refused(self):
         run = self.run_program(SPHERE, "--iso", "0", "--error=cubic", "-o", "a.ply")
         self.assert_fails(1, run, "--error", "trilinear, tricubic", "cubic")

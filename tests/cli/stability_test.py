@@ -8,28 +8,44 @@ from support import NO_GPU, SOURCE, ProgramTest, main
 class StabilityTest(ProgramTest):
     def test_all_cases_pass_on_every_method(self):
         run = self.run_program("stability", "--json")
-        self.assertEqual((run.code, run.err), (0, ""))
+        self.assertEqual(run.code, 0, run.err)
+        self.assertEqual([line for line in run.err.splitlines() if "gpu does not have" not in line], [])
         report = json.loads(run.text)
         self.assertTrue(report["passed"])
         names = [entry["case"] for entry in json.loads(self.run_program("stability", "--list", "--json").text)]
         self.assertEqual(names.pop(), "water")
         self.assertGreaterEqual(len(names), 30)
         self.assertEqual([(row["case"], row["method"], row["backend"]) for row in report["rows"]],
-                         [(name, method, backend) for name in names for method in ("mc", "mt")
-                          for backend in ("cpu", "gpu")])
+                         [(name, method, backend) for name in names for method in ("mc", "mt", "voxels", "surface-nets")
+                          for backend in ("cpu", "gpu") if backend == "cpu" or method in ("mc", "mt")])
         for row in report["rows"]:
             self.assertEqual((row["passed"], row["failures"]), (True, []))
-            self.assertLessEqual(row["ulps"], row["ulps_allowed"])
-            self.assertLessEqual(row["voxels"], row["voxels_allowed"])
+            if row["method"] in ("mc", "mt"):
+                self.assertLessEqual(row["ulps"], row["ulps_allowed"])
+                self.assertLessEqual(row["voxels"], row["voxels_allowed"])
+            else:
+                self.assertEqual((row["off_edge"], row["ulps"], row["voxels"], row["open_edges"]), (None, None, None, 0))
+                self.assertTrue(any("not on edges of the grid" in why for why in row["not_applicable"]), row)
         self.assertGreater(sum(row["vertices"] > 100 for row in report["rows"]), 80)
 
     def test_the_table_has_a_line_a_run(self):
         run = self.run_program("stability", "--case", "jump", "--case", "float-max", "--backends", "gpu:points")
         self.assertEqual((run.code, run.err), (0, ""))
         lines = run.text.splitlines()
-        self.assertEqual([line.split()[0] for line in lines[1:-1]], ["float-max", "jump"])
-        self.assertTrue(all(line.endswith("pass") and " gpu:points " in line for line in lines[1:-1]), run.text)
-        self.assertEqual(lines[-1], "2 of 2 passed")
+        self.assertEqual([line.split()[0] for line in lines[1:3]], ["float-max", "jump"])
+        self.assertTrue(all(line.endswith("pass") and " gpu:points " in line for line in lines[1:3]), run.text)
+        self.assertEqual(lines[3:], [
+            "Checked of marching cubes: finite vertices, each within its own edge of the grid and at its crossing; triangles "
+            "with an area, once each; manifold, oriented, closed with a cap", "2 of 2 passed"])
+
+    def test_what_holds_for_each_method_is_told(self):
+        text = self.run_program("stability", "--case", "jump", "--backends", "cpu").text
+        self.assertEqual([line.split()[1] for line in text.splitlines()[1:5]], ["mc", "mt", "voxels", "surface-nets"])
+        for method in ("voxels", "surface nets"):
+            self.assertIn(f"Checked of {method}: finite vertices; triangles with an area, once each; manifold, oriented, "
+                          "closed everywhere\n", text)
+            self.assertIn(f"Not applicable: {method}: the vertices are not on edges of the grid\n", text)
+        self.assertTrue(text.endswith("4 of 4 passed\n"), text)
 
     def test_water_is_kept_by_one_rule_and_not_by_the_other(self):
         rows = json.loads(self.run_program("stability", "--case", "water", "--json").text)["water"]
@@ -61,7 +77,7 @@ class StabilityTest(ProgramTest):
     def test_without_a_gpu_the_cpu_is_tested_and_the_rest_is_said(self):
         run = self.run_program("stability", "--case", "jump", "--json", env=NO_GPU)
         self.assertEqual(run.code, 0)
-        self.assertEqual([row["backend"] for row in json.loads(run.text)["rows"]], ["cpu", "cpu"])
+        self.assertEqual([row["backend"] for row in json.loads(run.text)["rows"]], ["cpu"] * 4)
         self.assertIn("note: without gpu, because", run.err)
         self.assert_fails(3, self.run_program("stability", "--case", "jump", "--backends", "cpu,gpu", env=NO_GPU), "EGL")
 

@@ -151,9 +151,10 @@ class VoxelsTest(ProgramTest):
             run = self.convert(*self.labels, *which, "--backend", "auto", "-o", "y.ply", env=NO_GPU)
             self.assertTrue((self.folder / "y.ply").exists())
 
-    def test_the_error_is_not_measured_and_that_is_told(self):
-        run = self.convert(*self.labels, "--iso", "0", "--error", "-o", "x.ply")
-        self.assertIn("the surface does not follow the field", run.err)
+    def test_the_error_is_measured(self):
+        run = self.convert("demo:sphere?size=24", "--method", "voxels", "--iso", "0", "--error", "-o", "x.ply")
+        self.assertRegex(run.err, r"against the trilinear interpolant: rms 0\.[1-4]\d*, ")
+        self.assertRegex(run.err, r"from the surface of the data to the mesh: rms 0\.[1-4]\d*, ")
 
     def test_threads_change_no_byte(self):
         files = set()

@@ -25,19 +25,23 @@ IndexMesh::IndexMesh(const mesh::Mesh& mesh, const field::ScalarField& field, co
   placed.output_from_index = output_from_index_;
   // Half of what keeps vertices off the ends of their edges: closer than that only rounding brings them.
   tolerance_ = extract::output_frame(field, placed, samples, region).margin() / 2;
-  if (!extracted.cap) return;
+  const bool always_closed = extract::method_info(extracted.method).traits.always_closed;
+  if (!extracted.cap && !always_closed) return;
   std::optional<field::IndexBox> cap = extracted.region;
   // Unbounded samples have no other border.
   if (std::holds_alternative<field::DenseSamples>(from.samples)) {
     const field::IndexBox all = from.extents();
     cap = cap ? field::IndexBox{glm::max(all.min, cap->min), glm::min(all.max, cap->max)} : all;
   }
-  if (cap) cap_ = field::image_of(field_from_grid, {glm::dvec3(cap->min), glm::dvec3(cap->max)});
+  if (!cap) return;
+  (always_closed ? closed_around_ : cap_) =
+      field::image_of(field_from_grid, {glm::dvec3(cap->min), glm::dvec3(cap->max)});
 }
 
 std::vector<std::uint8_t> IndexMesh::surface_vertices() const {
-  std::vector<std::uint8_t> used(mesh_.positions.size(), cap_ || !cuts_.empty() ? 0 : 1);
-  if (!cap_ && cuts_.empty()) return used;
+  const bool may_have_caps = cap_ || closed_around_ || !cuts_.empty();
+  std::vector<std::uint8_t> used(mesh_.positions.size(), may_have_caps ? 0 : 1);
+  if (!may_have_caps) return used;
   for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
     if (is_cap(corners(t))) continue;
     for (int corner = 0; corner < 3; ++corner) used[mesh_.triangles[t][corner]] = 1;

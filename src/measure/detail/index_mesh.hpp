@@ -44,9 +44,16 @@ class IndexMesh {
   // Caps lie in the planes of these as well, which are in the mesh's coordinates. They must outlive this.
   void add_capped_cuts(std::span<const mesh::HalfSpace> cuts) { cuts_ = cuts; }
 
-  // All corners in one face of the box that was capped, or in the plane of a capped cut.
+  // Beyond the outermost samples that the mesh is of, where a method that always closes the surface puts some of it.
+  [[nodiscard]] bool is_outside(const glm::dvec3& index) const {
+    return closed_around_ && (glm::any(glm::lessThan(index, closed_around_->min - tolerance_)) ||
+                              glm::any(glm::greaterThan(index, closed_around_->max + tolerance_)));
+  }
+
+  // All corners in one face of the box that was capped, in the plane of a capped cut, or outside.
   [[nodiscard]] bool is_cap(const std::array<glm::dvec3, 3>& corners) const {
     if (is_in_cut(corners)) return true;
+    if (std::ranges::all_of(corners, [&](const glm::dvec3& p) { return is_outside(p); })) return true;
     if (!cap_) return false;
     for (int axis = 0; axis < 3; ++axis) {
       for (const double face : {cap_->min[axis], cap_->max[axis]}) {
@@ -99,6 +106,7 @@ class IndexMesh {
   glm::dvec3 local_offset_;
   double tolerance_;  // voxels
   std::optional<field::Box> cap_;
+  std::optional<field::Box> closed_around_;  // of methods that always close the surface: the outermost samples
   std::span<const mesh::HalfSpace> cuts_;
 };
 

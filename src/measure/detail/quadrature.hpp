@@ -34,4 +34,40 @@ inline constexpr std::array<TrianglePoint, 7> kTrianglePoints = [] {
   return points;
 }();
 
+// What one triangle is measured in without being divided has no longer side, in voxels: all that marching cubes makes.
+inline constexpr double kLongestSide = 1.75;
+
+// A part of a triangle.
+struct TrianglePart {
+  std::array<glm::dvec3, 3> weights{glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0, 0, 1)};  // of its corners
+  double share = 1;
+};
+
+// Calls take(point) for points inside a triangle: kTrianglePoints of each part, halved across their longest sides until
+// no side is longer than `longest`. Shares and weights are those of the whole triangle.
+template <class Take>
+void for_each_point(const std::array<glm::dvec3, 3>& corners, double longest, const Take& take,
+                    const TrianglePart& part = {}) {
+  const auto place = [&](const glm::dvec3& weights) { return TrianglePoint{weights, 1}.in(corners); };
+  std::size_t from = 0;
+  double squared = 0;
+  for (std::size_t side = 0; side < 3; ++side) {
+    const glm::dvec3 along = place(part.weights[(side + 1) % 3]) - place(part.weights[side]);
+    if (glm::dot(along, along) <= squared) continue;
+    from = side;
+    squared = glm::dot(along, along);
+  }
+  if (!(squared > longest * longest)) {
+    for (const TrianglePoint& point : kTrianglePoints)
+      take(TrianglePoint{point.in(part.weights), point.share * part.share});
+    return;
+  }
+  const glm::dvec3& a = part.weights[from];
+  const glm::dvec3& b = part.weights[(from + 1) % 3];
+  const glm::dvec3& c = part.weights[(from + 2) % 3];
+  const glm::dvec3 middle = 0.5 * (a + b);
+  for_each_point(corners, longest, take, {{a, middle, c}, part.share / 2});
+  for_each_point(corners, longest, take, {{middle, b, c}, part.share / 2});
+}
+
 }  // namespace isoextract::measure

@@ -12,13 +12,13 @@ namespace isoextract::measure {
 
 using PointRange = tbb::blocked_range<std::size_t>;
 
-// Runs body(range, sums) over [0, count) in pieces, each into sums that start as a copy of `none`, and merges them with
-// Sums::merge in an order that depends on `count` only.
+// Runs body(range, sums) over [0, count) in pieces of at most `piece`, each into sums that start as a copy of `none`,
+// and merges them with Sums::merge in an order that depends on `count` only.
 template <class Sums, class Body>
-[[nodiscard]] Sums reduce_in_order(std::size_t count, const Sums& none, Progress* progress, const Body& body) {
-  constexpr std::size_t kPiece = 1 << 13;
+[[nodiscard]] Sums reduce_in_order(std::size_t count, const Sums& none, Progress* progress, const Body& body,
+                                   std::size_t piece = 1 << 13) {
   return tbb::parallel_deterministic_reduce(
-      PointRange(0, count, kPiece), none,
+      PointRange(0, count, piece), none,
       [&](const PointRange& range, Sums sums) {
         body(range, sums);
         if (progress != nullptr) progress->advance(range.size());

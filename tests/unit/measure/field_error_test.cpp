@@ -29,6 +29,11 @@ OfField extract_at(const field::ScalarField& field, double iso, extract::Method 
   return result;
 }
 
+FieldError error_of(const mesh::Mesh& mesh, const field::ScalarField& field, const extract::ExtractOptions& options,
+                    const FieldErrorOptions& how) {
+  return measure_field_error(mesh, field, options, how).value();
+}
+
 // A flat field with a plane through it, in a sheared, mirrored, unevenly spaced frame: a mesh that is moved along the
 // plane's normal is off by exactly that. Only the inverse transpose gives the right distance here.
 TEST(FieldError, OfAMovedPlaneIsTheMove) {
@@ -40,12 +45,12 @@ TEST(FieldError, OfAMovedPlaneIsTheMove) {
   field.index_to_world = frame;
   for (const field::Interpolation interpolation : {field::Interpolation::trilinear, field::Interpolation::tricubic}) {
     OfField plane = extract_at(field, 0);
-    const FieldError exact = measure_field_error(plane.mesh, field, plane.options, {interpolation});
+    const FieldError exact = error_of(plane.mesh, field, plane.options, {interpolation});
     EXPECT_EQ(exact.interior.points, 7 * plane.mesh.triangles.size());
     EXPECT_EQ(exact.vertices.points, plane.mesh.positions.size());
     EXPECT_LT(exact.interior.max.world, 2e-6);
     plane.mesh.origin += 0.01 * normal;
-    const FieldError moved = measure_field_error(plane.mesh, field, plane.options, {interpolation});
+    const FieldError moved = error_of(plane.mesh, field, plane.options, {interpolation});
     EXPECT_NEAR(moved.interior.rms.world, 0.01, 2e-6);
     EXPECT_NEAR(moved.interior.max.world, 0.01, 2e-6);
     EXPECT_NEAR(moved.interior.percentile99.world, 0.01, 2e-6);
@@ -59,7 +64,7 @@ TEST(FieldError, OfAMovedPlaneIsTheMove) {
 TEST(FieldError, OfASphereIsTheSagittaOfItsTriangles) {
   const field::ScalarField field = field::make_demo_field("demo:sphere?size=65").value();
   const OfField sphere = extract_at(field, 0);
-  const FieldError error = measure_field_error(sphere.mesh, field, sphere.options, {field::Interpolation::tricubic});
+  const FieldError error = error_of(sphere.mesh, field, sphere.options, {field::Interpolation::tricubic});
   const double voxel = 2.0 / 64;
   EXPECT_NEAR(error.interior.rms.world, error.interior.rms.voxels * voxel, 1e-12);
   EXPECT_LT(error.interior.max.world, 2 * voxel * voxel / (8 * 0.7) * 1.5)
@@ -76,7 +81,7 @@ TEST(FieldError, OfVerticesIsWhatStorageCosts) {
     field.index_to_world.offset += offset;
     for (const extract::Method method : {extract::Method::mc, extract::Method::mt}) {
       const OfField torus = extract_at(field, 0, method);
-      const FieldError error = measure_field_error(torus.mesh, field, torus.options, {});
+      const FieldError error = error_of(torus.mesh, field, torus.options, {});
       EXPECT_LT(error.storage.max.voxels, 40 * 0x1p-20) << "float32 and the margin";
       EXPECT_GT(error.storage.max.voxels, 0);
       if (method == extract::Method::mc) {
@@ -101,13 +106,10 @@ TEST(FieldError, CorrectsTheFirstOrderEstimateAndSaysSo) {
   options.iso = 0.50050;
   const mesh::Mesh mesh =
       test::make_mesh("t", {{0.75F, 0.5F, 0.5F}, {0.75F, 1.5F, 0.5F}, {0.75F, 0.5F, 1.5F}}, {{0, 1, 2}});
-  const FieldError error = measure_field_error(mesh, field, options, {});
+  const FieldError error = error_of(mesh, field, options, {});
   EXPECT_EQ(error.interior.points, 7U);
   EXPECT_EQ(error.interior.corrected, 7U);
   EXPECT_NEAR(error.interior.max.voxels, 0.75, 1e-6);
-  const FieldError short_sighted = measure_field_error(mesh, field, options, {field::Interpolation::trilinear, 0.5});
-  EXPECT_EQ(short_sighted.interior.points, 0U);
-  EXPECT_EQ(short_sighted.interior.unreached, 7U);
 }
 
 // A sample with the very iso value between higher ones is all there is of the surface. No gradient leads to it, but the
@@ -118,7 +120,7 @@ TEST(FieldError, FindsTheSurfaceThatOnlyTouchesASample) {
   });
   const OfField touching = extract_at(field, 60);
   ASSERT_EQ(touching.mesh.triangles.size(), 8U);
-  const FieldError error = measure_field_error(touching.mesh, field, touching.options, {});
+  const FieldError error = error_of(touching.mesh, field, touching.options, {});
   EXPECT_EQ(error.vertices.unmeasured() + error.interior.unmeasured(), 0U);
   EXPECT_LT(error.vertices.max.voxels, 1e-5);
   EXPECT_LT(error.interior.max.voxels, 1e-5);
@@ -132,11 +134,11 @@ TEST(FieldError, EndsAtTheBorderOfTheData) {
   const field::ScalarField beyond = test::dense_field<float>({5, 5, 5}, [](int i, int, int) { return i + 0.25; });
   const field::ScalarField before = test::dense_field<float>({5, 5, 5}, [](int i, int, int) { return i - 4.25; });
   for (const field::Interpolation interpolation : {field::Interpolation::trilinear, field::Interpolation::tricubic}) {
-    const FieldError low = measure_field_error(near_border, beyond, options, {interpolation});
+    const FieldError low = error_of(near_border, beyond, options, {interpolation});
     EXPECT_EQ(low.interior.points + low.vertices.points, 0U);
     EXPECT_EQ(low.interior.unreached, 7U);
     EXPECT_EQ(low.vertices.unreached, 4U);
-    EXPECT_EQ(measure_field_error(near_border, before, options, {interpolation, 8}).vertices.unreached, 4U);
+    EXPECT_EQ(error_of(near_border, before, options, {interpolation}).vertices.unreached, 4U);
   }
 
   // The plane x + z / 2 = 1 meets the border x = 0 at z = 2. The foot of these points on it is outside, so that edge is
@@ -145,7 +147,7 @@ TEST(FieldError, EndsAtTheBorderOfTheData) {
       test::dense_field<double>({5, 5, 5}, [](int i, int, int k) { return i + k / 2.0 - 1; });
   const mesh::Mesh mesh =
       test::make_mesh("t", {{0.05F, 1, 2.3F}, {0.05F, 1.5F, 2.3F}, {0.05F, 1.2F, 2.3F}}, {{0, 1, 2}});
-  const FieldError error = measure_field_error(mesh, plane, options, {});
+  const FieldError error = error_of(mesh, plane, options, {});
   EXPECT_EQ(error.vertices.points, 3U);
   EXPECT_NEAR(error.vertices.max.voxels, std::hypot(0.05, 0.3), 1e-5);
   EXPECT_NEAR(error.vertices.rms.voxels, error.vertices.max.voxels, 1e-5);
@@ -157,15 +159,67 @@ TEST(FieldError, CountsWhatItCannotMeasure) {
   extract::ExtractOptions options;
   options.iso = 0.5;
   const field::ScalarField flat = test::dense_field<float>({3, 3, 3}, [](int, int, int) { return 0; });
-  const FieldError on_flat = measure_field_error(mesh, flat, options, {});
-  EXPECT_EQ(on_flat.interior.flat, 7U);
+  const FieldError on_flat = error_of(mesh, flat, options, {});
+  EXPECT_EQ(on_flat.interior.unreached, 7U) << "there is no isosurface";
   EXPECT_EQ(on_flat.interior.points, 0U);
   const field::ScalarField bad = test::dense_field<float>(
       {3, 3, 3}, [](int i, int, int) { return i == 0 ? std::numeric_limits<float>::quiet_NaN() : 1; });
-  const FieldError beside_nan = measure_field_error(mesh, bad, options, {});
+  const FieldError beside_nan = error_of(mesh, bad, options, {});
   EXPECT_EQ(beside_nan.interior.not_finite, 7U);
   EXPECT_EQ(beside_nan.vertices.not_finite, 3U);
   EXPECT_EQ(beside_nan.interior.unmeasured(), 7U);
+}
+
+// Along the gradient these points are 0.35 voxels from a saddle's surface, and the nearest point of it is in the next cell.
+TEST(FieldError, IsTheDistanceToTheNearestPointAndNotAlongTheGradient) {
+  const field::ScalarField field = test::dense_field<double>(
+      {9, 9, 9}, [](int i, int j, int) { return (i - 4) * (j - 4) - 0.25; });
+  extract::ExtractOptions options;
+  const mesh::Mesh mesh =
+      test::make_mesh("t", {{4.05F, 4.1F, 2}, {4.05F, 4.1F, 3}, {4.1F, 4.05F, 2.5F}}, {{0, 1, 2}});
+  const FieldError error = error_of(mesh, field, options, {});
+  // Of the hyperbola x y = 1/4 to (0.05, 0.1), by a fine search over its points.
+  double nearest = 1;
+  for (int k = 1; k < 100000; ++k) {
+    const double x = k * 2e-5;
+    if (0.25 / x <= 1 && x <= 1) nearest = std::min(nearest, std::hypot(x - 0.05, 0.25 / x - 0.1));
+  }
+  EXPECT_NEAR(error.vertices.max.voxels, nearest, 1e-4);
+}
+
+// Nothing is dropped for being far: a mesh nine voxels from the isosurface is nine voxels from it.
+TEST(FieldError, OfPointsFarOffIsTheirDistance) {
+  const field::ScalarField field =
+      test::dense_field<float>({40, 40, 40}, [](int i, int j, int k) { return 8 - std::hypot(i - 20, j - 20, k - 20); });
+  OfField ball = extract_at(field, 0);
+  for (glm::vec3& p : ball.mesh.positions) p = glm::vec3(20) + (p - glm::vec3(20)) * (17.0F / 8);
+  const FieldError error = error_of(ball.mesh, field, ball.options, {});
+  EXPECT_EQ(error.interior.unmeasured() + error.vertices.unmeasured(), 0U);
+  EXPECT_NEAR(error.vertices.rms.voxels, 9, 0.1);
+  EXPECT_NEAR(error.vertices.max.voxels, 9, 0.2);
+}
+
+// Vertices are off the surface as well as triangles where a method does not put them there: a voxel's corners are.
+TEST(FieldError, OfMethodsThatCloseTheSurfaceEndsAtTheOutermostSamples) {
+  const field::ScalarField plane = test::dense_field<float>({9, 9, 9}, [](int, int, int k) { return 4.25 - k; });
+  OfField boxes = extract_at(plane, 0, extract::Method::voxels);
+  const FieldError error = error_of(boxes.mesh, plane, boxes.options, {});
+  EXPECT_NEAR(error.interior.rms.voxels, 0.25, 1e-6);
+  EXPECT_NEAR(error.interior.max.voxels, 0.25, 1e-6);
+  EXPECT_GT(error.cap_triangles, 0U);
+  ASSERT_TRUE(error.coverage);
+  EXPECT_NEAR(error.coverage->distances.rms.voxels, 0.25, 1e-6);
+}
+
+// The seven points of a triangle of 20 voxels say little of it: it is measured in parts.
+TEST(FieldError, OfLargeTrianglesIsMeasuredInParts) {
+  const field::ScalarField field =
+      test::dense_field<double>({24, 24, 24}, [](int i, int, int k) { return k - 12 - (i == 13 ? 2 : 0); });
+  extract::ExtractOptions options;
+  const mesh::Mesh mesh = test::make_mesh("t", {{1, 1, 12}, {22, 1, 12}, {1, 22, 12}}, {{0, 1, 2}});
+  const FieldError error = error_of(mesh, field, options, {});
+  EXPECT_GT(error.interior.points, 1000U);
+  EXPECT_NEAR(error.interior.max.voxels, 2 / std::sqrt(5.0), 0.1) << "to the flank of the ridge";
 }
 
 TEST(FieldError, LeavesCapsOut) {
@@ -174,8 +228,8 @@ TEST(FieldError, LeavesCapsOut) {
   extract::ExtractOptions capped = open.options;
   capped.cap = true;
   const mesh::Mesh closed = test::extract(field, capped).mesh;
-  const FieldError error = measure_field_error(closed, field, capped, {});
-  const FieldError of_open = measure_field_error(open.mesh, field, open.options, {});
+  const FieldError error = error_of(closed, field, capped, {});
+  const FieldError of_open = error_of(open.mesh, field, open.options, {});
   EXPECT_EQ(error.cap_triangles, closed.triangles.size() - open.mesh.triangles.size());
   EXPECT_EQ(error.interior.points, of_open.interior.points);
   EXPECT_EQ(error.interior.max.world, of_open.interior.max.world);
@@ -189,12 +243,12 @@ TEST(FieldError, IsTheSameForSparseSamplesAndForAnyNumberOfThreads) {
   const OfField of_dense = extract_at(dense, 0);
   const OfField of_sparse = extract_at(sparse, 0);
   for (const field::Interpolation interpolation : {field::Interpolation::trilinear, field::Interpolation::tricubic}) {
-    const FieldError error = measure_field_error(of_dense.mesh, dense, of_dense.options, {interpolation});
-    const FieldError same = measure_field_error(of_sparse.mesh, sparse, of_sparse.options, {interpolation});
+    const FieldError error = error_of(of_dense.mesh, dense, of_dense.options, {interpolation});
+    const FieldError same = error_of(of_sparse.mesh, sparse, of_sparse.options, {interpolation});
     EXPECT_NEAR(error.interior.rms.world, same.interior.rms.world, 1e-12);
     EXPECT_NEAR(error.interior.max.world, same.interior.max.world, 1e-6);
     const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-    const FieldError alone = measure_field_error(of_dense.mesh, dense, of_dense.options, {interpolation});
+    const FieldError alone = error_of(of_dense.mesh, dense, of_dense.options, {interpolation});
     EXPECT_EQ(error.interior.rms.world, alone.interior.rms.world);
     EXPECT_EQ(error.interior.percentile99.voxels, alone.interior.percentile99.voxels);
     EXPECT_EQ(error.interior.worst, alone.interior.worst);

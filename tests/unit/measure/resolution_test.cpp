@@ -36,7 +36,7 @@ Measured measure(const field::ScalarField& data, double iso, const glm::ivec3& r
   result.mesh = test::extract(result.grid, result.options).mesh;
   FieldErrorOptions options;
   options.grid = &result.grid;
-  result.error = measure_field_error(result.mesh, data, result.options, options);
+  result.error = measure_field_error(result.mesh, data, result.options, options).value();
   return result;
 }
 
@@ -66,7 +66,7 @@ TEST(Resolution, VoxelsAreThoseOfTheDataAndNoVertexIsOnTheirEdges) {
   EXPECT_EQ(finer.error.interior.unmeasured(), 0U);
   EXPECT_NEAR(finer.error.interior.rms.world / finer.error.interior.rms.voxels, 2.0 / 32, 1e-9);
   // The grid's voxels are uneven, the data's are not: the formula can be measured against.
-  const auto truth = measure_analytic_error(finer.mesh, data, finer.options, &finer.grid).value();
+  const auto truth = measure_analytic_error(finer.mesh, data, finer.options, &finer.grid).value().value();
   EXPECT_LT(truth.interior.max.voxels, 0.2);
   EXPECT_NEAR(truth.interior.rms.world / truth.interior.rms.voxels, 2.0 / 32, 1e-9);
   EXPECT_GT(truth.volume.value(), 0);
@@ -97,7 +97,7 @@ TEST(Resolution, CapsAreKnown) {
   const mesh::Mesh mesh = test::extract(closed.grid, part).mesh;
   FieldErrorOptions options;
   options.grid = &closed.grid;
-  EXPECT_EQ(measure_field_error(mesh, data, part, options).cap_triangles,
+  EXPECT_EQ(measure_field_error(mesh, data, part, options).value().cap_triangles,
             mesh.triangles.size() - test::extract(closed.grid, open_part).mesh.triangles.size());
 
   field::ScalarField hollow = test::sparse_copy<float>(

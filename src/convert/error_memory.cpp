@@ -1,0 +1,47 @@
+#include "convert/error_memory.hpp"
+
+#include <algorithm>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "base/byte_size.hpp"
+#include "field/surface_estimate.hpp"
+#include "measure/field_error.hpp"
+
+namespace isoextract::convert {
+
+Result<void> check_error_memory(const ConversionJob& job, const Source& source, const Context& context) {
+  if (!job.error || source.empty) return {};
+  // A closed surface has about twice as many triangles as vertices, one of many small components fewer.
+  const auto triangles_of = [](std::uint64_t vertices) { return vertices * 3 / 2; };
+  const bool as_extracted = extract::method_info(job.surface.method).traits.follows_interpolant && !job.simplify &&
+                            !job.pieces.drops() && source.clip.empty();
+  for (const ResolvedIso& iso : source.isos) {
+    if (iso.asked.is_label()) continue;
+    const field::ScalarField& data = source.data ? *source.data : source.field;
+    const std::uint64_t vertices = field::count_vertices(source.field, iso.value, source.region);
+    std::uint64_t surface = vertices;
+    if (source.data) surface = source.region ? 0 : field::count_vertices(data, iso.value, std::nullopt);
+    std::uint64_t bytes = measure::field_error_bytes(as_extracted ? triangles_of(vertices) : 0, triangles_of(surface));
+    if (as_extracted) bytes += vertices * sizeof(glm::vec3) + triangles_of(vertices) * sizeof(glm::uvec3);
+    const std::uint64_t limit = context.memory().limit();
+    const std::uint64_t used = std::min(limit, context.memory().reserved());
+    if (bytes <= limit - used) continue;
+    return fail(
+        ErrorKind::input,
+        fmt::format("{}: the surface at iso {} and the measuring of its error need at least {}, the limit is {}, "
+                    "of which {} are in use",
+                    source.label, iso.value, format_byte_size(bytes), format_byte_size(limit), format_byte_size(used)),
+        Remedy::raise_memory_limit);
+  }
+  return {};
+}
+
+std::uint64_t estimated_error_bytes(const Source& source, double iso) {
+  const std::uint64_t triangles = 2 * field::estimate_vertices(source.field, iso);
+  return measure::field_error_bytes(triangles,
+                                    source.data ? 2 * field::estimate_vertices(*source.data, iso) : triangles);
+}
+
+}  // namespace isoextract::convert

@@ -1,0 +1,153 @@
+// A point of the isosurface near a position, found along the gradient.
+//
+// At a point with residual r = f - iso the first-order distance is |r| / |grad f|, with the gradient taken in the
+// mesh's coordinates: a covector, mapped by the inverse transpose of the transform. It is the first guess of a search
+// for the crossing itself along the gradient's line, no further than a voxel, and where that line leaves dense data,
+// along the data boundary from there. Where that finds nothing, or a point twice as far, the search goes also towards
+// those corners of the cell that are on the other side. What it finds is on the surface, but need not be the nearest
+// point.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "field/interpolant.hpp"
+#include "measure/detail/crossing.hpp"
+
+namespace isoextract::measure {
+
+class GradientSearch {
+ public:
+  struct Found {
+    std::optional<glm::dvec3> step;  // to the surface
+    double guess = 0;                // the first-order distance, in voxels; infinite where the gradient is zero
+  };
+
+  // `rounding`: how far out of the data a point may be, in voxels.
+  GradientSearch(const field::Interpolant& interpolant, const field::ScalarField& field, double rounding,
+                 const glm::dmat3& linear, double iso)
+      : field_(interpolant), linear_(linear), iso_(iso) {
+    if (const auto* dense = std::get_if<field::DenseSamples>(&field.samples)) {
+      last_cell_ = dense->dims - 2;
+      low_ = glm::dvec3(-rounding);
+      high_ = glm::dvec3(dense->dims - 1) + rounding;
+    }
+    const glm::dmat3 inverse = glm::inverse(linear);
+    metric_ = inverse * glm::transpose(inverse);
+  }
+
+  // Nothing where a sample beside the position is not finite.
+  std::optional<Found> operator()(const glm::dvec3& index) {
+    const field::Interpolated here = field_(index);
+    const double residual = here.value - iso_;
+    const double largest = max_abs(here.gradient);
+    if (!std::isfinite(residual) || !std::isfinite(largest)) return std::nullopt;
+    if (residual == 0) return Found{glm::dvec3(0), 0};
+    std::optional<glm::dvec3> found;
+    double guess = kInfinity;  // voxels
+    if (largest > 0) {
+      // The direction in index space of the gradient in the world. The gradient is scaled first: squares of very large
+      // or very small ones leave the range of double.
+      const glm::dvec3 gradient = here.gradient / largest;
+      const glm::dvec3 step = glm::normalize(metric_ * gradient) * (residual > 0 ? -1.0 : 1.0);
+      guess = std::abs(residual / largest / glm::dot(gradient, step));
+      found = search_in_data(index, step, residual, guess);
+    }
+    if (!found || glm::length(*found) > 2 * guess) look_at_corners(index, residual, found);
+    return Found{found, guess};
+  }
+
+ private:
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  static constexpr double kReach = 1;  // voxels
+
+  static double max_abs(const glm::dvec3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+
+  [[nodiscard]] bool in_data(const glm::dvec3& index) const {
+    return glm::all(glm::greaterThanEqual(index, low_)) && glm::all(glm::lessThanEqual(index, high_));
+  }
+
+  // How far along `step` the faces of the data are, the nearest of those that it leads to.
+  [[nodiscard]] double way_out(const glm::dvec3& index, const glm::dvec3& step) const {
+    double nearest = kInfinity;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (step[axis] == 0) continue;
+      nearest = std::min(nearest, ((step[axis] > 0 ? high_ : low_)[axis] - index[axis]) / step[axis]);
+    }
+    return std::max(nearest, 0.0);
+  }
+
+  // Along `step`, and where that leaves the data before the surface, along the face from there.
+  std::optional<glm::dvec3> search_in_data(const glm::dvec3& index, const glm::dvec3& step, double residual,
+                                           double guess) {
+    const double out = way_out(index, step);
+    const bool from_inside = in_data(index);
+    if (const auto distance = search(index, step, residual, guess, kReach, std::min(kReach, out))) {
+      if (from_inside || in_data(index + *distance * step)) return *distance * step;
+      return std::nullopt;
+    }
+    if (!from_inside || out >= kReach) return std::nullopt;
+    const glm::dvec3 border = glm::clamp(index + out * step, low_, high_);
+    glm::dvec3 slide = step;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (step[axis] > 0 ? border[axis] == high_[axis] : border[axis] == low_[axis]) {
+        slide[axis] = 0;
+      }
+    }
+    const double length = glm::length(slide);
+    if (!(length > 0)) return std::nullopt;
+    slide /= length;
+    const double limit = std::min(kReach - out, way_out(border, slide));
+    const auto distance = search(border, slide, residual, guess, kReach, limit);
+    return distance ? std::optional(border + *distance * slide - index) : std::nullopt;
+  }
+
+  // On the way to a corner of the cell that is not on this side there is a crossing. Keeps the nearest.
+  void look_at_corners(const glm::dvec3& index, double residual, std::optional<glm::dvec3>& nearest) {
+    glm::dvec3 cell = glm::floor(index);
+    if (last_cell_) cell = glm::clamp(cell, glm::dvec3(0), glm::dvec3(*last_cell_));
+    for (int corner = 0; corner < 8; ++corner) {
+      const glm::dvec3 way = cell + glm::dvec3(corner & 1, corner >> 1 & 1, corner >> 2 & 1) - index;
+      const double length = glm::length(way);
+      const double value = field_(index + way).value - iso_;
+      if (length == 0 || !std::isfinite(value) || (value != 0 && (value > 0) == (residual > 0))) continue;
+      const auto distance = search(index, way / length, residual, length, length, length);
+      const glm::dvec3 found = way * (distance.value_or(length) / length);
+      if (!in_data(index) && !in_data(index + found)) continue;
+      if (!nearest || glm::length(linear_ * found) < glm::length(linear_ * *nearest)) nearest = found;
+    }
+  }
+
+  // The distance to the first change of sign from `index` along the unit vector `step`: just beyond the guess, or else
+  // an eighth of the reach further, and so on. Nothing if there is none within `limit`, or a sample is not finite.
+  std::optional<double> search(const glm::dvec3& index, const glm::dvec3& step, double residual, double guess,
+                               double reach, double limit) {
+    const auto at = [&](double s) { return field_(index + s * step).value - iso_; };
+    double near = 0;
+    double near_value = residual;
+    double far = std::min({1.25 * guess, reach / 8, limit});
+    for (;;) {
+      const double far_value = at(far);
+      if (!std::isfinite(far_value)) return std::nullopt;
+      if (far_value == 0 || (far_value > 0) != (residual > 0)) {
+        return find_crossing(at, near, near_value, far, far_value, 1e-9 * std::abs(residual));
+      }
+      if (far >= limit) return std::nullopt;
+      near = far;
+      near_value = far_value;
+      far = std::min(far + reach / 8, limit);
+    }
+  }
+
+  field::Interpolant::Cursor field_;
+  glm::dmat3 linear_;
+  glm::dmat3 metric_;  // from gradients in index space to index-space steps along the world's gradient
+  double iso_;
+  std::optional<glm::ivec3> last_cell_;  // dense data only; sparse data have no border
+  glm::dvec3 low_{-kInfinity};
+  glm::dvec3 high_{kInfinity};
+};
+
+}  // namespace isoextract::measure
