@@ -23,7 +23,7 @@ sys.path.insert(0, str(ROOT / "tests" / "support"))
 import mesh_readers  # noqa: E402
 
 METHODS = ("mc", "mt", "voxels", "surface-nets")
-SIZES = (12, 18, 24, 36)
+SIZES = (9, 12, 18, 24)
 LINES = 5  # in each cell along each axis, at least
 ALLOWED = 0.1
 ON_SURFACE = 2e-3
@@ -385,7 +385,7 @@ def main():
     parser.add_argument("--fields", default=",".join(field.name for field in FIELDS))
     parser.add_argument("--sizes", default=",".join(map(str, SIZES)))
     parser.add_argument("--methods", default=",".join(METHODS))
-    parser.add_argument("--points", type=int, default=4000, help="that are measured of each mesh")
+    parser.add_argument("--points", type=int, default=1500, help="that are measured of each mesh")
     parser.add_argument("--json")
     options = parser.parse_args()
     chosen = options.fields.split(",")

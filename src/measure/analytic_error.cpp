@@ -41,7 +41,7 @@ class FormulaMesh {
                                   const Context& context) {
     constexpr int kCells = 128;
     const int cells = std::get<field::DenseSamples>(field.samples).dims.x - 1;
-    const int parts = (kCells + cells - 1) / cells;
+    const int parts = (kCells + cells / 2) / cells;
     const std::string name = fmt::format("{}{}?size={}", field::kDemoPrefix, formula.name, parts * cells + 1);
     if (parts <= 1) return of_samples(field, name, iso, context);
     const auto finer = field::make_demo_field(name, context);
@@ -92,19 +92,19 @@ class ClosestPoint {
 
   // `hint` is what the last call left there, of a point that is near if possible.
   [[nodiscard]] Foot operator()(const glm::dvec3& p, std::uint32_t& hint) const {
-    Foot foot = iterate(p, p);
-    if (mesh_ == nullptr) return foot;
-    const auto near = mesh_->nearest(p, hint);
-    if (!near) return foot;
-    take(p, iterate(p, *near), foot);
+    const auto near = mesh_ != nullptr ? mesh_->nearest(p, hint) : std::nullopt;
+    if (!near) return iterate(p, p);
     const auto at = [&](const glm::dvec3& q) { return field_.value_and_gradient(q); };
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     SurfaceFoot on_surface(at, iso_, glm::dmat3(1.0), glm::dvec3(-kInfinity), glm::dvec3(kInfinity));
     const double reach = 2 * mesh_->spacing();
+    Foot foot;
+    glm::dvec3 start = *near;
     if (const auto landed = on_surface.land(*near, reach)) {
-      const glm::dvec3 point = on_surface.approach(p, *landed, reach);
-      take(p, {point, field_.value_and_gradient(point).gradient, true}, foot);
+      start = on_surface.approach(p, *landed, reach);
+      foot = {start, field_.value_and_gradient(start).gradient, true};
     }
+    take(p, iterate(p, start), foot);
     return foot;
   }
 

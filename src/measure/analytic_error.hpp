@@ -21,8 +21,8 @@ struct AngleStatistics {
 };
 
 struct AnalyticError {
-  // Distances and normals: in closed form (sphere, torus), or of the nearest of the points that two iterations come to,
-  // from the point itself and from the nearest point of a mesh of the formula that is as fine as the samples or finer.
+  // Distances and normals: in closed form (sphere, torus), or of the point that iterations come to from the nearest one
+  // of a mesh of the formula, which is as fine as the samples or finer.
   bool closed_form = false;
   ErrorStatistics interior;  // true distance at seven points inside each triangle, or each part of a large one, by
                              // area; the maximum is that of the vertices, too; `unreached`: no iteration ended

@@ -50,8 +50,8 @@ double shortest_step(const glm::dmat3& linear) {
 
 // Few cells are cut finer: what that costs is little, and what it gives is not.
 int parts_for(std::size_t triangles) {
-  if (triangles <= 200'000) return 4;
-  return triangles <= 2'000'000 ? 3 : 2;
+  if (triangles <= 10'000) return 4;
+  return triangles <= 100'000 ? 3 : 2;
 }
 
 struct FieldSums {
