@@ -143,6 +143,23 @@ std::optional<SampleRange> Interpolant::Cursor::range(const glm::ivec3& cell) {
   return finite_ ? std::optional(range_) : std::nullopt;
 }
 
+std::optional<double> Interpolant::Cursor::greatest_bend(const glm::ivec3& cell) {
+  if (interpolant_.interpolation_ != Interpolation::trilinear) return std::nullopt;
+  move_to(cell);
+  if (!finite_) return std::nullopt;
+  // The mixed derivatives, of which each is linear along the third axis: greatest at one end of it. The others are 0.
+  const auto mixed = [&](std::size_t a, std::size_t b, std::size_t along) {
+    double greatest = 0;
+    for (const std::size_t end : {std::size_t{0}, along}) {
+      greatest =
+          std::max(greatest, std::abs(values_[end] - values_[end + a] - values_[end + b] + values_[end + a + b]));
+    }
+    return greatest;
+  };
+  const glm::dvec3 all(mixed(2, 4, 1), mixed(1, 4, 2), mixed(1, 2, 4));
+  return std::sqrt(2 * glm::dot(all, all));
+}
+
 Interpolated Interpolant::Cursor::operator()(const glm::dvec3& index) {
   const glm::ivec3 cell = interpolant_.cell_of(index);
   return in_cell(cell, index - glm::dvec3(cell));

@@ -40,6 +40,9 @@ class Interpolant {
   // `field` must outlive this; dense ones need two samples along each axis.
   Interpolant(const ScalarField& field, Interpolation interpolation);
 
+  // The lowest sample of the cell whose polynomial a position has.
+  [[nodiscard]] glm::ivec3 cell_of(const glm::dvec3& index) const;
+
   // Looks at one position after the other, in index space. Keeps the samples of the last cell, because neighbours in a
   // sequence mostly share it: one a thread. Beyond dense data the border cell's polynomial goes on.
   class Cursor {
@@ -53,6 +56,10 @@ class Interpolant {
 
     // Least and greatest of the samples that the polynomial depends on; nothing where one of them is not finite.
     [[nodiscard]] std::optional<SampleRange> range(const glm::ivec3& cell);
+
+    // Of a trilinear interpolant in one cell: no second derivative in any direction is greater, per index step squared.
+    // Nothing where a sample is not finite, and for the other interpolants.
+    [[nodiscard]] std::optional<double> greatest_bend(const glm::ivec3& cell);
 
    private:
     static constexpr int kMaxSamples = 4 * 4 * 4;
@@ -71,7 +78,6 @@ class Interpolant {
   // Reads the samples around a cell into `values`, those beyond dense data as 0, which are not in `range`. False if one
   // is not finite.
   [[nodiscard]] bool load(const glm::ivec3& cell, std::span<double> values, SampleRange& range) const;
-  [[nodiscard]] glm::ivec3 cell_of(const glm::dvec3& index) const;
 
   const ScalarField& field_;
   Interpolation interpolation_;

@@ -94,6 +94,7 @@ class FieldMeasurement {
         index_from_step_(glm::inverse(linear_)) {
     placed_.add_capped_cuts(options.cuts);
     if (const auto* dense = std::get_if<field::DenseSamples>(&field.samples)) last_cell_ = dense->dims - 2;
+    shortest_ = shortest_step(linear_);
     const glm::dmat3 rows = glm::transpose(index_from_step_);
     for (int axis = 0; axis < 3; ++axis) width_[axis] = 1 / glm::length(rows[axis]);
     for (int axis = 0; axis < 3; ++axis) diagonal_ += glm::length(linear_[axis]);
@@ -253,7 +254,7 @@ class FieldMeasurement {
   }
 
   [[nodiscard]] GradientSearch search_in(const field::Interpolant& interpolant) const {
-    return {interpolant, field_, placed_.tolerance(), linear_, extracted_.iso};
+    return {interpolant, field_, placed_.tolerance(), linear_, shortest_, extracted_.iso};
   }
 
   // From `index` to the nearest point of the isosurface in the brick's cells, and all others where it may be beyond.
@@ -268,7 +269,8 @@ class FieldMeasurement {
       return;
     }
     std::optional<glm::dvec3> step = first->step;
-    if (!step || glm::length(*step) > kNearEnough) look_in_brick(index, brick, step);
+    const bool done = step && (first->is_nearest || glm::length(*step) <= kNearEnough);
+    if (!done) look_in_brick(index, brick, step);
     if (!step || brick.foot.length(*step) > distance_inside(index, brick.box)) look_everywhere(index, brick, step);
     if (!step) {
       ++into.counts.unreached;
@@ -370,7 +372,7 @@ class FieldMeasurement {
     SurfaceCoverage& coverage = result.coverage.emplace();
     coverage.distances = sums.back.distances.result();
     const double world = std::max(sums.back.at_most, coverage.distances.max.world);
-    coverage.max_at_most = {std::max(world / shortest_step(linear_), coverage.distances.max.voxels), world};
+    coverage.max_at_most = {std::max(world / shortest_, coverage.distances.max.voxels), world};
     return result;
   }
 
@@ -386,6 +388,7 @@ class FieldMeasurement {
   glm::dmat3 index_from_step_;
   std::optional<glm::ivec3> last_cell_;  // of dense data
   glm::dvec3 width_{0.0};                // of a cell between two opposite faces, in the mesh's units
+  double shortest_ = 0;                  // the least length of a step of one voxel, in the mesh's units
   double diagonal_ = 0;                  // no two points of a cell are farther apart
   int parts_ = 0;
 

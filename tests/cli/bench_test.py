@@ -46,6 +46,18 @@ class BenchTest(ProgramTest):
             self.assertIn(f"{order['position']['slope']:.2f} ({order['position']['last']:.2f})", text)
         self.assertIn("in closed form", text)
 
+    def test_every_method_is_measured(self):
+        """Voxels are off by a good part of a voxel, whatever the size of it, and nets by less."""
+        for source in (("demo:sphere", "--sizes", "16,32"), ("demo:metaballs", "--sizes", "16,32")):
+            self.bench(*source, "--methods", "mc,voxels,surface-nets", "--repeats", "1", "--threads", "1", "--csv", "b.csv")
+            rows = list(csv.DictReader(io.StringIO((self.folder / "b.csv").read_text())))
+            self.assertEqual([row["method"] for row in rows], ["mc", "voxels", "surface-nets"] * 2)
+            for row in rows:
+                voxels = float(row["rms_world"]) / (2 / (int(row["size"]) - 1))
+                low, high = {"mc": (0.001, 0.1), "voxels": (0.25, 0.4), "surface-nets": (0.05, 0.3)}[row["method"]]
+                self.assertTrue(low < voxels < high, row)
+                self.assertEqual(row["smooth_normals_degrees"] == "", row["method"] != "mc", row)
+
     def test_the_default_input_is_the_torus(self):
         self.assertTrue(self.bench(*QUICK, "--methods", "mt").startswith("demo:torus at iso 0\n"))
 

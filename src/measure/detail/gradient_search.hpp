@@ -23,12 +23,14 @@ class GradientSearch {
   struct Found {
     std::optional<glm::dvec3> step;  // to the surface
     double guess = 0;                // the first-order distance, in voxels; infinite where the gradient is zero
+    bool is_nearest = false;         // no point of the surface is nearer by more than a fiftieth; not always known
   };
 
   // `rounding`: how far out of the data a point may be, in voxels.
+  // `shortest`: the least length of a step of one voxel in the mesh's coordinates.
   GradientSearch(const field::Interpolant& interpolant, const field::ScalarField& field, double rounding,
-                 const glm::dmat3& linear, double iso)
-      : field_(interpolant), linear_(linear), iso_(iso) {
+                 const glm::dmat3& linear, double shortest, double iso)
+      : interpolant_(interpolant), field_(interpolant), linear_(linear), shortest_(shortest), iso_(iso) {
     if (const auto* dense = std::get_if<field::DenseSamples>(&field.samples)) {
       last_cell_ = dense->dims - 2;
       low_ = glm::dvec3(-rounding);
@@ -36,6 +38,7 @@ class GradientSearch {
     }
     const glm::dmat3 inverse = glm::inverse(linear);
     metric_ = inverse * glm::transpose(inverse);
+    for (int axis = 0; axis < 3; ++axis) width_[axis] = 1 / std::sqrt(metric_[axis][axis]);
   }
 
   // Nothing where a sample beside the position is not finite.
@@ -44,7 +47,7 @@ class GradientSearch {
     const double residual = here.value - iso_;
     const double largest = max_abs(here.gradient);
     if (!std::isfinite(residual) || !std::isfinite(largest)) return std::nullopt;
-    if (residual == 0) return Found{glm::dvec3(0), 0};
+    if (residual == 0) return Found{glm::dvec3(0), 0, true};
     std::optional<glm::dvec3> found;
     double guess = kInfinity;  // voxels
     if (largest > 0) {
@@ -56,7 +59,10 @@ class GradientSearch {
       found = search_in_data(index, step, residual, guess);
     }
     if (!found || glm::length(*found) > 2 * guess) look_at_corners(index, residual, found);
-    return Found{found, guess};
+    constexpr double kNearEnough = 0.98;
+    const double length = found ? glm::length(linear_ * *found) : 0;
+    const bool nearest = found && least_distance(index, here, length) >= kNearEnough * length;
+    return Found{found, guess, nearest};
   }
 
  private:
@@ -67,6 +73,20 @@ class GradientSearch {
 
   [[nodiscard]] bool in_data(const glm::dvec3& index) const {
     return glm::all(glm::greaterThanEqual(index, low_)) && glm::all(glm::lessThanEqual(index, high_));
+  }
+
+  // No point of the surface within `reach` is nearer than that: the residual over the greatest slope there, which is
+  // that here and what second derivatives add. 0 where the other cells within that reach have their say.
+  [[nodiscard]] double least_distance(const glm::dvec3& index, const field::Interpolated& here, double reach) {
+    const glm::ivec3 cell = interpolant_.cell_of(index);
+    const glm::dvec3 t = index - glm::dvec3(cell);
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!(std::min(t[axis], 1 - t[axis]) * width_[axis] > reach)) return 0;
+    }
+    const auto bend = field_.greatest_bend(cell);
+    if (!bend) return 0;
+    const double slope = std::sqrt(glm::dot(here.gradient, metric_ * here.gradient));
+    return std::abs(here.value - iso_) / (slope + *bend * reach / (shortest_ * shortest_));
   }
 
   // How far along `step` the faces of the data are, the nearest of those that it leads to.
@@ -141,9 +161,12 @@ class GradientSearch {
     }
   }
 
+  const field::Interpolant& interpolant_;
   field::Interpolant::Cursor field_;
   glm::dmat3 linear_;
-  glm::dmat3 metric_;  // from gradients in index space to index-space steps along the world's gradient
+  double shortest_;
+  glm::dvec3 width_{0.0};  // of a cell between two opposite faces, in the mesh's coordinates
+  glm::dmat3 metric_;      // from gradients in index space to index-space steps along the world's gradient
   double iso_;
   std::optional<glm::ivec3> last_cell_;  // dense data only; sparse data have no border
   glm::dvec3 low_{-kInfinity};

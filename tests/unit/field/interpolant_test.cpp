@@ -126,5 +126,35 @@ TEST(Interpolant, IsNaNWhereASampleIsNotFinite) {
   EXPECT_EQ(at_cubic({4.5, 4.5, 0.5}).value, 1);
 }
 
+// On a face the polynomials of both cells give the same bits, whatever the values.
+TEST(Interpolant, CellsAgreeOnTheirFaces) {
+  const ScalarField field = test::random_field<std::uint8_t>({5, 5, 5}, 3, 256);
+  for (const Interpolation interpolation : {Interpolation::trilinear, Interpolation::tricubic}) {
+    const Interpolant interpolant(field, interpolation);
+    Interpolant::Cursor one(interpolant);
+    Interpolant::Cursor other(interpolant);
+    for (int step = 0; step <= 10; ++step) {
+      const double t = step / 10.0;
+      EXPECT_EQ(one.in_cell({1, 2, 1}, {1, t, 0.3}).value, other.in_cell({2, 2, 1}, {0, t, 0.3}).value);
+      EXPECT_EQ(one.in_cell({1, 2, 1}, {t, 0.7, 1}).value, other.in_cell({1, 2, 2}, {t, 0.7, 0}).value);
+    }
+  }
+}
+
+TEST(Interpolant, ACellTellsTheRangeOfItsSamplesAndItsBend) {
+  const ScalarField field = test::dense_field<double>({3, 3, 3}, [](int i, int j, int k) {
+    return i == 2 && j == 2 && k == 2 ? std::numeric_limits<double>::quiet_NaN() : 1 + 3 * i * j - 2 * j * k;
+  });
+  const Interpolant interpolant(field, Interpolation::trilinear);
+  Interpolant::Cursor at(interpolant);
+  const auto range = at.range({0, 0, 0});
+  ASSERT_TRUE(range);
+  EXPECT_EQ(range->low, -1);
+  EXPECT_EQ(range->high, 4);
+  EXPECT_NEAR(at.greatest_bend({0, 0, 0}).value(), std::sqrt(2.0 * (9 + 4)), 1e-12);
+  EXPECT_FALSE(at.range({1, 1, 1}));
+  EXPECT_FALSE(at.greatest_bend({1, 1, 1}));
+}
+
 }  // namespace
 }  // namespace isoextract::field

@@ -170,13 +170,13 @@ TEST(FieldError, CountsWhatItCannotMeasure) {
   EXPECT_EQ(beside_nan.interior.unmeasured(), 7U);
 }
 
-// Along the gradient these points are 0.35 voxels from a saddle's surface, and the nearest point of it is in the next cell.
+// Along the gradient these points are 0.35 voxels from a saddle's surface, and the nearest point of it is in the next
+// cell.
 TEST(FieldError, IsTheDistanceToTheNearestPointAndNotAlongTheGradient) {
-  const field::ScalarField field = test::dense_field<double>(
-      {9, 9, 9}, [](int i, int j, int) { return (i - 4) * (j - 4) - 0.25; });
+  const field::ScalarField field =
+      test::dense_field<double>({9, 9, 9}, [](int i, int j, int) { return (i - 4) * (j - 4) - 0.25; });
   extract::ExtractOptions options;
-  const mesh::Mesh mesh =
-      test::make_mesh("t", {{4.05F, 4.1F, 2}, {4.05F, 4.1F, 3}, {4.1F, 4.05F, 2.5F}}, {{0, 1, 2}});
+  const mesh::Mesh mesh = test::make_mesh("t", {{4.05F, 4.1F, 2}, {4.05F, 4.1F, 3}, {4.1F, 4.05F, 2.5F}}, {{0, 1, 2}});
   const FieldError error = error_of(mesh, field, options, {});
   // Of the hyperbola x y = 1/4 to (0.05, 0.1), by a fine search over its points.
   double nearest = 1;
@@ -189,8 +189,8 @@ TEST(FieldError, IsTheDistanceToTheNearestPointAndNotAlongTheGradient) {
 
 // Nothing is dropped for being far: a mesh nine voxels from the isosurface is nine voxels from it.
 TEST(FieldError, OfPointsFarOffIsTheirDistance) {
-  const field::ScalarField field =
-      test::dense_field<float>({40, 40, 40}, [](int i, int j, int k) { return 8 - std::hypot(i - 20, j - 20, k - 20); });
+  const field::ScalarField field = test::dense_field<float>(
+      {40, 40, 40}, [](int i, int j, int k) { return 8 - std::hypot(i - 20, j - 20, k - 20); });
   OfField ball = extract_at(field, 0);
   for (glm::vec3& p : ball.mesh.positions) p = glm::vec3(20) + (p - glm::vec3(20)) * (17.0F / 8);
   const FieldError error = error_of(ball.mesh, field, ball.options, {});

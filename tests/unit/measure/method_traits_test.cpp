@@ -218,7 +218,9 @@ TEST(NotApplicable, BenchMeasuresWhatIsLeftAndSaysWhy) {
       EXPECT_GT(row.median_seconds, 0);
       EXPECT_GT(row.triangles, 0U);
       EXPECT_TRUE(row.position.has_value());
-      if (row.method != extract::Method::mc) EXPECT_FALSE(row.smooth_normals);
+      if (row.method != extract::Method::mc) {
+        EXPECT_FALSE(row.smooth_normals);
+      }
     }
     EXPECT_EQ(std::ranges::count(result.rows, true, &BenchRow::on_front) > 0, true);
     ASSERT_EQ(result.orders.size(), 2U);

@@ -80,9 +80,8 @@ TEST(SurfaceCoverage, IsInVoxelsAndInTheUnitsOfTheMesh) {
 
 // Between the crossings of edges, where the vertices of the mesh are, the surface bulges out of the triangles.
 TEST(SurfaceCoverage, IsMeasuredInsideCells) {
-  const field::ScalarField field = test::dense_field<double>({9, 9, 9}, [](int i, int j, int k) {
-    return (i - 4) * (j - 4) * (k - 4) * 0.5 + (i + j + k - 12) * 0.4 + 0.55;
-  });
+  const field::ScalarField field = test::dense_field<double>(
+      {9, 9, 9}, [](int i, int j, int k) { return (i - 4) * (j - 4) * (k - 4) * 0.5 + (i + j + k - 12) * 0.4 + 0.55; });
   const mesh::Mesh mesh = test::extract(field, options_of(field)).mesh;
   const SurfaceCoverage coverage = coverage_of(mesh, field);
   // By another way: points of the trilinear polynomial in one cell, found along z, to the triangles of the mesh.
