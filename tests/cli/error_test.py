@@ -100,11 +100,11 @@ class ErrorTest(ProgramTest):
         self.assertAlmostEqual(error["interior"]["rms"]["voxels"], truth["rms"]["voxels"], delta=0.02 * truth["rms"]["voxels"])
 
     def test_memory_that_is_not_there_is_refused_before_the_work(self):
-        arguments = ("demo:random?size=32", "--iso", "0", "--error", "-o", "a.ply", "--report", "r.json")
+        arguments = ("demo:random?size=32", "--iso", "0", "--error", "--threads", "1", "-o", "a.ply", "--report", "r.json")
         self.convert(*arguments)
         report = json.loads((self.folder / "r.json").read_text())
         (self.folder / "a.ply").unlink()
-        limit = report["reserved_memory_bytes"] // 2
+        limit = report["reserved_memory_bytes"] // 3
         run = self.run_program(*arguments, "--memory-limit", str(limit))
         self.assert_fails(2, run, "demo:random?size=32: the surface at iso 0 and the measuring of its error need at least",
                           "--memory-limit SIZE")

@@ -50,10 +50,11 @@ class IndexMesh {
                               glm::any(glm::greaterThan(index, closed_around_->max + tolerance_)));
   }
 
-  // All corners in one face of the box that was capped, in the plane of a capped cut, or outside.
+  // All corners in one face of the box that was capped, in the plane of a capped cut, or beyond one face of the
+  // outermost samples.
   [[nodiscard]] bool is_cap(const std::array<glm::dvec3, 3>& corners) const {
     if (is_in_cut(corners)) return true;
-    if (std::ranges::all_of(corners, [&](const glm::dvec3& p) { return is_outside(p); })) return true;
+    if (closed_around_ && is_beyond(corners, *closed_around_)) return true;
     if (!cap_) return false;
     for (int axis = 0; axis < 3; ++axis) {
       for (const double face : {cap_->min[axis], cap_->max[axis]}) {
@@ -93,6 +94,11 @@ class IndexMesh {
   [[nodiscard]] double voxel() const { return std::cbrt(std::abs(output_from_index_.determinant())); }
 
  private:
+  [[nodiscard]] bool is_beyond(const std::array<glm::dvec3, 3>& corners, const field::Box& box) const {
+    const glm::dvec3 low = glm::min(corners[0], glm::min(corners[1], corners[2]));
+    const glm::dvec3 high = glm::max(corners[0], glm::max(corners[1], corners[2]));
+    return glm::any(glm::lessThan(high, box.min - tolerance_)) || glm::any(glm::greaterThan(low, box.max + tolerance_));
+  }
   [[nodiscard]] bool is_in_cut(const std::array<glm::dvec3, 3>& corners) const {
     return std::ranges::any_of(cuts_, [&](const mesh::HalfSpace& cut) {
       return std::ranges::all_of(
