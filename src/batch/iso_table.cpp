@@ -76,11 +76,21 @@ std::optional<T> field_number(std::string_view text) {
   return number;
 }
 
-std::optional<convert::IsoChoice> iso_of(std::string_view text) {
+std::optional<convert::IsoChoice> iso_of(std::string text, char decimal_mark) {
+  const std::size_t comma = text.find(',');
+  if (decimal_mark == ',' && comma != std::string::npos) text[comma] = '.';
   const auto number = field_number<double>(text);
   if (!number) return convert::iso_choice_of(text);
   return std::isfinite(*number) ? std::optional<convert::IsoChoice>(*number) : std::nullopt;
 }
+
+// '.' or ',', or 0 where the field has neither.
+char decimal_mark_of(std::string_view field, char separator) {
+  const std::size_t at = field.find_first_of(separator == ',' ? "." : ".,");
+  return at == std::string_view::npos ? '\0' : field[at];
+}
+
+bool is_separator_line(std::string_view content) { return content.starts_with("sep=") && content.size() <= 5; }
 
 char separator_of(std::string_view header) {
   for (const char separator : {'\t', ';'}) {
@@ -139,10 +149,11 @@ Result<IsoTable> IsoTable::parse(std::string_view text, const std::string& name)
   table.name_ = printable(name);
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   std::optional<TableColumns> columns;
+  char decimal_mark = '\0';
   for (std::size_t number = 1; !text.empty(); ++number) {
     const std::string_view line = take_line(text);
     const std::string_view content = trimmed(line);
-    if (content.empty() || content.front() == '#') continue;
+    if (content.empty() || content.front() == '#' || (!columns && is_separator_line(content))) continue;
     const std::string place = fmt::format("{}:{}", table.name_, number);
     if (!columns) {
       auto header = columns_of(line, place);
@@ -168,12 +179,16 @@ Result<IsoTable> IsoTable::parse(std::string_view text, const std::string& name)
                                                 printable(frame_field, kShownField)));
     }
     const std::string& iso_field = (*fields)[columns->iso];
-    const auto iso = iso_of(iso_field);
+    // A row with the other mark, or with both, may have a thousands separator.
+    const char mark = decimal_mark_of(iso_field, columns->separator);
+    const bool fits = mark == '\0' || decimal_mark == '\0' || mark == decimal_mark;
+    if (mark != '\0') decimal_mark = mark;
+    const auto iso = fits ? iso_of(iso_field, mark) : std::nullopt;
     if (!iso) {
       return fail(ErrorKind::input,
                   fmt::format("{}: expected a finite iso value, auto or a percentile such as p99, found '{}'", place,
                               printable(iso_field, kShownField)),
-                  iso_field.find(',') == std::string::npos ? "" : "decimals have a point");
+                  iso_field.find(',') == std::string::npos ? "" : "decimals have a point, or a comma in all rows");
     }
     table.rows_.push_back({*frame, number, *iso});
   }

@@ -1,7 +1,8 @@
 // Tables as text: a line of names and a line a particle, or the latter alone. Fields are separated by commas,
 // semicolons, tabs, bars or spaces, and may be in quotes (RFC 4180, but a quoted field ends in its line). Lines that
-// start with '#' are comments; of a table without names, the last one before it may hold them, as NumPy's savetxt
-// writes it.
+// start with '#' are comments, and so is "sep=;", which tells spreadsheets the separator; decimals may have commas
+// where fields are not separated by them. Of a table without names, the last comment before it may hold them, as
+// NumPy's savetxt writes it.
 #include <algorithm>
 #include <deque>
 #include <optional>
@@ -27,7 +28,10 @@ std::string_view trimmed(std::string_view text) {
 
 bool is_blank(std::string_view line) { return trimmed(line).empty(); }
 
-bool is_comment(std::string_view line) { return trimmed(line).starts_with('#'); }
+bool is_comment(std::string_view line) {
+  const std::string_view text = trimmed(line);
+  return text.starts_with('#') || (text.starts_with("sep=") && text.size() <= 5);
+}
 
 // Splits lines into fields. Those in quotes that hold a doubled one are kept here, as the line has them otherwise.
 class FieldSplitter {
@@ -108,8 +112,11 @@ struct CsvFile {
 };
 
 // A number among them tells that they are values: a particle taken for names would be lost in silence.
-bool are_names(std::span<const std::string_view> fields) {
-  return std::ranges::none_of(fields, [](std::string_view field) { return number_in(field).has_value(); }) &&
+bool are_names(std::span<const std::string_view> fields, char delimiter) {
+  const auto is_number = [&](std::string_view field) {
+    return delimiter == ',' ? number_in(field).has_value() : DecimalReader().number(field).has_value();
+  };
+  return std::ranges::none_of(fields, is_number) &&
          std::ranges::any_of(fields, [](std::string_view field) { return !field.empty(); });
 }
 
@@ -144,7 +151,8 @@ void name_columns_of_values(CsvFile& csv, const std::string& comment, std::size_
   std::vector<std::string_view> names;
   FieldSplitter splitter(csv.delimiter);
   const std::string_view text = trimmed(comment);
-  if (!text.empty() && splitter.split(text.substr(1), names) && names.size() == count && are_names(names)) {
+  if (!text.empty() && splitter.split(text.substr(1), names) && names.size() == count &&
+      are_names(names, csv.delimiter)) {
     return name_columns(csv, names);
   }
   for (std::size_t i = 0; i < count; ++i) {
@@ -194,21 +202,25 @@ CsvFile survey_csv(const files::InputFile& file) {
   if (fields.size() > kMostColumns) {
     throw DamagedParticles(fmt::format("line {}: expected at most {} columns, found more", first_line, kMostColumns));
   }
-  if (are_names(fields)) {
+  const bool commas = csv.delimiter != ',';
+  if (are_names(fields, csv.delimiter)) {
     csv.rows = lines - 1;
     csv.header_line = first_line;
     name_columns(csv, fields);
-    if (second && splitter.split(*second, fields)) look_for_text(csv.table, fields);
+    if (second && splitter.split(*second, fields)) look_for_text(csv.table, fields, commas);
   } else {
     csv.rows = lines;
     name_columns_of_values(csv, comment, fields.size());
-    look_for_text(csv.table, fields);
+    look_for_text(csv.table, fields, commas);
   }
   group_by_names(csv.table);
   return csv;
 }
 
-void read_csv_rows(ContentReader& content, const CsvFile& csv, std::span<const ColumnSink> sinks) {
+// Returns whether decimals have commas.
+bool read_csv_rows(ContentReader& content, const CsvFile& csv, std::span<const ColumnSink> sinks) {
+  DecimalReader decimals;
+  DecimalReader* const commas = csv.delimiter == ',' ? nullptr : &decimals;
   FieldSplitter splitter(csv.delimiter);
   std::vector<std::string_view> fields;
   const std::size_t columns = csv.table.columns.size();
@@ -227,10 +239,11 @@ void read_csv_rows(ContentReader& content, const CsvFile& csv, std::span<const C
     if (fields.size() != columns && !ends_with_one) {
       content.expected(fmt::format("{} fields, not {}", columns, fields.size()), line);
     }
-    put_row(content, csv.table, fields, static_cast<std::size_t>(row), sinks);
+    put_row(content, csv.table, fields, static_cast<std::size_t>(row), sinks, commas);
     ++row;
   }
   if (row < csv.rows) changed();
+  return decimals.found_commas();
 }
 
 class CsvParticles final : public ParticleFormat {
@@ -257,10 +270,11 @@ class CsvParticles final : public ParticleFormat {
     ParticleFile result;
     result.particles = make_particles(file.context(), file.name(), csv.rows, choice);
     ContentReader content(file);
-    read_csv_rows(content, csv, sinks_of(result.particles, choice));
+    const bool commas = read_csv_rows(content, csv, sinks_of(result.particles, choice));
     result.length_unit = choice.length_unit;
     if (!options.columns) result.notes = csv.notes;
     result.notes.insert(result.notes.end(), choice.notes.begin(), choice.notes.end());
+    if (commas) result.notes.emplace_back("the decimals of the table have commas, not points");
     return result;
   }
 };

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -52,6 +53,19 @@ std::optional<double> number_in(std::string_view word) {
   return std::signbit(wide) ? -size : size;
 }
 
+std::optional<double> DecimalReader::number(std::string_view word) {
+  const std::size_t comma = word.find(',');
+  const bool has_point = word.find('.') != std::string_view::npos;
+  const char mark = comma != std::string_view::npos ? ',' : has_point ? '.' : '\0';
+  if (mark == '\0') return number_in(word);
+  if ((mark_ != '\0' && mark_ != mark) || (mark == ',' && has_point)) return std::nullopt;
+  std::string text(word);
+  if (mark == ',') text[comma] = '.';
+  const auto value = number_in(text);
+  if (value) mark_ = mark;
+  return value;
+}
+
 std::optional<std::uint64_t> whole_number_in(std::string_view word) {
   std::uint64_t value = 0;
   const auto [end, status] = std::from_chars(word.data(), word.data() + word.size(), value);
@@ -86,12 +100,17 @@ void words_of_row(const ContentReader& content, std::string_view line, std::size
 }
 
 void put_row(const ContentReader& content, const ParticleTable& table, std::span<const std::string_view> fields,
-             std::size_t particle, std::span<const ColumnSink> sinks) {
+             std::size_t particle, std::span<const ColumnSink> sinks, DecimalReader* decimals) {
   for (const ColumnSink& sink : sinks) {
     const std::string_view field = fields[sink.column];
-    const auto value = field.empty() ? std::numeric_limits<double>::quiet_NaN() : number_in(field);
+    const auto value = field.empty()         ? std::numeric_limits<double>::quiet_NaN()
+                       : decimals != nullptr ? decimals->number(field)
+                                             : number_in(field);
     if (!value) {
-      content.expected(fmt::format("a number as '{}'", printable(table.columns[sink.column].name, 80)), field);
+      const bool other_mark = decimals != nullptr && DecimalReader().number(field).has_value();
+      content.expected(fmt::format("a number as '{}'{}", printable(table.columns[sink.column].name, 80),
+                                   other_mark ? ", with the decimal mark of those before" : ""),
+                       field);
     }
     sink.put(particle, *value);
   }
@@ -110,9 +129,9 @@ void skip_rows(ContentReader& content, std::uint64_t count) {
   for_each_row(content, count, [](std::uint64_t, std::string_view) {});
 }
 
-void look_for_text(ParticleTable& table, std::span<const std::string_view> fields) {
+void look_for_text(ParticleTable& table, std::span<const std::string_view> fields, bool commas) {
   for (std::size_t i = 0; i < fields.size() && i < table.columns.size(); ++i) {
-    if (fields[i].empty() || number_in(fields[i])) continue;
+    if (fields[i].empty() || number_in(fields[i]) || (commas && DecimalReader().number(fields[i]))) continue;
     table.columns[i].numeric = false;
     table.columns[i].type = "text";
   }
