@@ -46,19 +46,6 @@ std::vector<FrameRun> gaps_between(std::span<const Frame> frames) {
   return gaps;
 }
 
-std::vector<FrameRun> gaps_of(const FrameRange& range, std::span<const Frame> frames) {
-  std::vector<std::int64_t> missing;
-  auto frame = frames.begin();
-  for (const std::int64_t number : range.numbers()) {
-    if (frame != frames.end() && frame->number == number) {
-      ++frame;
-    } else {
-      missing.push_back(number);
-    }
-  }
-  return runs_of(missing);
-}
-
 tl::unexpected<Error> fail_too_many(const std::string& input) {
   return fail(ErrorKind::usage,
               fmt::format("{}: expected at most {} frames, found more", printable(input), kMaxFrames));
@@ -266,6 +253,19 @@ Result<FoundFrames> listed_files(std::span<const std::string> inputs) {
 }
 
 }  // namespace
+
+std::vector<FrameRun> gaps_of(const FrameRange& range, std::span<const Frame> frames) {
+  std::vector<std::int64_t> missing;
+  auto frame = frames.begin();
+  for (const std::int64_t number : range.numbers()) {
+    if (frame != frames.end() && frame->number == number) {
+      ++frame;
+    } else {
+      missing.push_back(number);
+    }
+  }
+  return runs_of(missing);
+}
 
 Result<Frames> find_frames(std::span<const std::string> inputs, const std::optional<FrameRange>& range) {
   if (inputs.empty()) return fail(ErrorKind::usage, "expected an input, found none");

@@ -27,6 +27,9 @@ struct Frames {
   std::vector<std::string> notes;  // what was decided, one sentence each, fit for a terminal
 };
 
+// What of the range is not among the frames, whose numbers rise.
+[[nodiscard]] std::vector<FrameRun> gaps_of(const FrameRange& range, std::span<const Frame> frames);
+
 // `inputs` are one of these:
 //   a pattern     the files that match it (frame_pattern.hpp); a file that has the pattern for a name is that file
 //   demo:NAME     with a pattern in it: one input a number of `range`, which then must be there

@@ -1,8 +1,12 @@
 // Names of files with a number in them: sim_{:04}.vdb, sim_%04d.vdb, sim_####.vdb, shot_{:03}/density.vdb.
 //
-//   {}  %d  {frame}                      the number as it is; when read, with any zeros before it
-//   {:04}  {:4}  {frame:04}  %04d  ####  at least 4 digits, filled with zeros; larger numbers have more
-//   {{  }}  %%  {#}                      the characters { } % # themselves; a single # needs no braces
+//   {}  %d  {frame}  $F  ${F}  #  @     the number as it is; when read, with any zeros before it
+//   {:04}  {:4}  {frame:04}  %04d  %4d  ####  @@@@  $F4  ${F4}
+//                                       at least 4 digits, filled with zeros; larger numbers have more
+//   {{  }}  %%  {#}  {@}  {$}           the characters { } % # @ $ themselves
+//
+// A single # or @ is numbering between dots, dashes, underscores, slashes and the ends of a name (fire.#.vdb), and text
+// elsewhere (take#1.vdb).
 //
 // The width counts digits: frame -1 is "-0001" in {:04}, as Houdini writes it (printf would write "-001"). A number
 // directly after a minus sign is read as negative; in "sim-{:04}.vdb" the sign is part of the name, and 1 is read.

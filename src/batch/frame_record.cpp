@@ -90,9 +90,16 @@ Json json_of(const FrameFigures& figures) {
                         {"components", convert::optional_json(surface.components)},
                         {"closed", convert::optional_json(surface.closed)},
                         {"area", convert::optional_json(surface.area)},
-                        {"volume", convert::optional_json(surface.volume)}});
+                        {"volume", convert::optional_json(surface.volume)},
+                        {"output", bytes_json(surface.output)},
+                        {"bytes", convert::optional_json(surface.bytes)},
+                        {"error_rms", convert::optional_json(surface.error_rms)},
+                        {"error_max", convert::optional_json(surface.error_max)},
+                        {"coverage_rms", convert::optional_json(surface.coverage_rms)},
+                        {"coverage_max", convert::optional_json(surface.coverage_max)}});
   }
   return {{"surfaces", std::move(surfaces)},
+          {"time_step", figures.time_step},
           {"bytes", figures.bytes},
           {"wall_seconds", figures.wall_seconds},
           {"memory", figures.memory}};
@@ -101,26 +108,48 @@ Json json_of(const FrameFigures& figures) {
 FrameFigures figures_of(const Json& json) {
   FrameFigures figures;
   for (const Json& surface : json.at("surfaces")) {
-    figures.surfaces.push_back({surface.at("iso").get<double>(), surface.value("asked", std::string()),
-                                surface.at("triangles").get<std::uint64_t>(),
-                                optional_of<std::uint64_t>(surface, "vertices"),
-                                optional_of<std::uint64_t>(surface, "components"), optional_of<bool>(surface, "closed"),
-                                optional_of<double>(surface, "area"), optional_of<double>(surface, "volume")});
+    figures.surfaces.push_back(
+        {surface.at("iso").get<double>(), surface.value("asked", std::string()),
+         surface.at("triangles").get<std::uint64_t>(), optional_of<std::uint64_t>(surface, "vertices"),
+         optional_of<std::uint64_t>(surface, "components"), optional_of<bool>(surface, "closed"),
+         optional_of<double>(surface, "area"), optional_of<double>(surface, "volume"), bytes_of(surface.at("output")),
+         optional_of<std::uint64_t>(surface, "bytes"), optional_of<double>(surface, "error_rms"),
+         optional_of<double>(surface, "error_max"), optional_of<double>(surface, "coverage_rms"),
+         optional_of<double>(surface, "coverage_max")});
   }
+  figures.time_step = json.at("time_step").get<std::string>();
   figures.bytes = json.at("bytes").get<std::uint64_t>();
   figures.wall_seconds = json.at("wall_seconds").get<double>();
   figures.memory = json.at("memory").get<std::uint64_t>();
   return figures;
 }
 
-// The same surface may be in a second output.
-std::uint64_t triangles_written(const convert::Outcome& outcome, double iso) {
-  std::uint64_t triangles = 0;
-  const auto first = std::ranges::find(outcome.written, iso, &convert::WrittenSurface::iso);
+// What was written of a surface. The same one may be in a second output, which does not count.
+void add_written(const convert::Outcome& outcome, SurfaceFigures& figures) {
+  const auto first = std::ranges::find(outcome.written, figures.iso, &convert::WrittenSurface::iso);
+  std::size_t counted = 0;  // files before this one are in the sum
   for (auto surface = first; surface != outcome.written.end(); ++surface) {
-    if (surface->iso == iso && surface->output == first->output) triangles += surface->triangles;
+    if (surface->iso != figures.iso || surface->output != first->output) continue;
+    figures.triangles += surface->triangles;
+    const std::size_t end = std::min(surface->first_file + surface->files, outcome.files.size());
+    for (std::size_t file = std::max(counted, surface->first_file); file < end; ++file) {
+      if (!figures.bytes) figures.output = outcome.files[file].path;
+      figures.bytes = figures.bytes.value_or(0) + outcome.files[file].bytes;
+    }
+    counted = std::max(counted, end);
   }
-  return triangles;
+}
+
+void add_error(const convert::Outcome& outcome, SurfaceFigures& figures) {
+  const auto error = std::ranges::find(outcome.errors, figures.iso, &convert::MeshError::iso);
+  if (error == outcome.errors.end()) return;
+  const auto take = [](const measure::ErrorStatistics& from, std::optional<double>& rms, std::optional<double>& max) {
+    if (from.points == 0) return;
+    rms = from.rms.voxels;
+    max = from.max.voxels;
+  };
+  take(error->field.interior, figures.error_rms, figures.error_max);
+  if (error->coverage) take(error->coverage->distances, figures.coverage_rms, figures.coverage_max);
 }
 
 // What is known of the meshes that a surface was written as: several where its pieces are meshes of their own.
@@ -147,11 +176,14 @@ void add_meshes(const convert::Outcome& outcome, SurfaceFigures& surface) {
 FrameFigures figures_of(const convert::Outcome& outcome) {
   FrameFigures figures;
   for (const convert::ExtractionRecord& extraction : outcome.extractions) {
-    SurfaceFigures surface{extraction.iso, {}, triangles_written(outcome, extraction.iso), {}, {}, {}, {}, {}};
+    SurfaceFigures& surface = figures.surfaces.emplace_back();
+    surface.iso = extraction.iso;
     if (!extraction.asked.is_number()) surface.asked = text_of(extraction.asked);
+    add_written(outcome, surface);
     add_meshes(outcome, surface);
-    figures.surfaces.push_back(surface);
+    add_error(outcome, surface);
   }
+  if (outcome.particles) figures.time_step = outcome.particles->time_step;
   for (const meshes::WrittenFile& file : outcome.files) figures.bytes += file.bytes;
   figures.wall_seconds = outcome.total.wall_seconds;
   figures.memory = outcome.reserved_memory;

@@ -24,6 +24,14 @@ struct SurfaceFigures {
   std::optional<bool> closed;
   std::optional<double> area;
   std::optional<double> volume;  // of a closed mesh
+  // Where the surface went to files of its frame.
+  std::string output;                  // the first of them
+  std::optional<std::uint64_t> bytes;  // of all of them, with the other surfaces in them
+  // Where the error was measured, in voxels: from the mesh to the surface of the data, and the other way.
+  std::optional<double> error_rms;
+  std::optional<double> error_max;
+  std::optional<double> coverage_rms;
+  std::optional<double> coverage_max;
 
   friend bool operator==(const SurfaceFigures&, const SurfaceFigures&) = default;
 };
@@ -33,6 +41,7 @@ struct FrameFigures {
   std::uint64_t bytes = 0;               // that were written
   double wall_seconds = 0;
   std::uint64_t memory = 0;  // the most that was reserved
+  std::string time_step;     // the number that the input gives the frame; empty where it has none
 
   friend bool operator==(const FrameFigures&, const FrameFigures&) = default;
 };

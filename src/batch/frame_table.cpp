@@ -1,5 +1,6 @@
 #include "batch/frame_table.hpp"
 
+#include <algorithm>
 #include <optional>
 #include <string_view>
 #include <type_traits>
@@ -7,17 +8,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/csv.hpp"
+
 namespace isoextract::batch {
 namespace {
 
 using convert::Json;
-
-std::string quoted(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string cell = "\"";
-  for (const char c : text) cell += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return cell + '"';
-}
 
 template <class T>
 std::string cell(const std::optional<T>& value) {
@@ -26,33 +22,55 @@ std::string cell(const std::optional<T>& value) {
   return fmt::format("{}", *value);
 }
 
-bool has_figures(const FrameRow& row) { return row.status == FrameStatus::done || row.status == FrameStatus::kept; }
+bool has_figures(const FrameRow& row) {
+  return row.status == FrameStatus::done || row.status == FrameStatus::empty || row.status == FrameStatus::kept;
+}
+
+// Of an animation, whose frames have no files of their own, the file that plays them.
+std::string output_of(const FrameRow& row, const SurfaceFigures* surface) {
+  if (surface != nullptr && (!surface->output.empty() || surface->triangles == 0)) return surface->output;
+  return row.outputs.empty() ? std::string() : row.outputs.front();
+}
 
 }  // namespace
+
+bool is_empty(const FrameFigures& figures) {
+  return !figures.surfaces.empty() &&
+         std::ranges::all_of(figures.surfaces, [](const SurfaceFigures& surface) { return surface.triangles == 0; });
+}
 
 std::string table_csv(std::span<const FrameRow> rows) {
   std::string text =
       "frame,input,output,status,iso,asked,triangles,vertices,area,volume,closed,components,seconds,memory,bytes,"
-      "error\r\n";
+      "error,time_step,error_rms,error_max,coverage_rms,coverage_max\r\n";
   for (const FrameRow& row : rows) {
+    const bool known = has_figures(row);
     const auto line = [&](const SurfaceFigures* surface) {
-      std::vector<std::string> cells{fmt::format("{}", row.frame), quoted(row.input),
-                                     row.outputs.empty() ? std::string() : quoted(row.outputs.front()),
-                                     std::string(word_of(row.status))};
-      if (surface != nullptr) {
-        cells.insert(cells.end(), {fmt::format("{}", surface->iso), surface->asked,
-                                   fmt::format("{}", surface->triangles), cell(surface->vertices), cell(surface->area),
-                                   cell(surface->volume), cell(surface->closed), cell(surface->components)});
-      } else {
-        cells.insert(cells.end(), 8, std::string());
-      }
-      if (has_figures(row)) {
-        cells.insert(cells.end(), {fmt::format("{:.6f}", row.figures.wall_seconds),
-                                   fmt::format("{}", row.figures.memory), fmt::format("{}", row.figures.bytes)});
-      } else {
-        cells.insert(cells.end(), 3, std::string());
-      }
-      cells.push_back(quoted(row.error));
+      const SurfaceFigures none;
+      const SurfaceFigures& figures = surface != nullptr ? *surface : none;
+      const std::vector<std::string> cells{
+          fmt::format("{}", row.frame),
+          csv_cell(row.input),
+          csv_cell(output_of(row, surface)),
+          std::string(
+              word_of(surface != nullptr && known && surface->triangles == 0 ? FrameStatus::empty : row.status)),
+          surface != nullptr ? fmt::format("{}", figures.iso) : std::string(),
+          figures.asked,
+          surface != nullptr ? fmt::format("{}", figures.triangles) : std::string(),
+          cell(figures.vertices),
+          cell(figures.area),
+          cell(figures.volume),
+          cell(figures.closed),
+          cell(figures.components),
+          known ? fmt::format("{:.6f}", row.figures.wall_seconds) : std::string(),
+          known ? fmt::format("{}", row.figures.memory) : std::string(),
+          surface != nullptr ? cell(figures.bytes) : cell(known ? std::optional(row.figures.bytes) : std::nullopt),
+          csv_cell(row.error),
+          csv_cell(row.figures.time_step),
+          cell(figures.error_rms),
+          cell(figures.error_max),
+          cell(figures.coverage_rms),
+          cell(figures.coverage_max)};
       text += fmt::format("{}\r\n", fmt::join(cells, ","));
     };
     if (row.figures.surfaces.empty()) line(nullptr);
@@ -73,7 +91,13 @@ Json table_json(std::span<const FrameRow> rows) {
                           {"area", convert::optional_json(surface.area)},
                           {"volume", convert::optional_json(surface.volume)},
                           {"closed", convert::optional_json(surface.closed)},
-                          {"components", convert::optional_json(surface.components)}});
+                          {"components", convert::optional_json(surface.components)},
+                          {"output", surface.output.empty() ? Json(nullptr) : Json(surface.output)},
+                          {"bytes", convert::optional_json(surface.bytes)},
+                          {"error_rms", convert::optional_json(surface.error_rms)},
+                          {"error_max", convert::optional_json(surface.error_max)},
+                          {"coverage_rms", convert::optional_json(surface.coverage_rms)},
+                          {"coverage_max", convert::optional_json(surface.coverage_max)}});
     }
     const bool known = has_figures(row);
     list.push_back({{"frame", row.frame},
@@ -81,6 +105,7 @@ Json table_json(std::span<const FrameRow> rows) {
                     {"outputs", row.outputs},
                     {"status", word_of(row.status)},
                     {"surfaces", std::move(surfaces)},
+                    {"time_step", row.figures.time_step.empty() ? Json(nullptr) : Json(row.figures.time_step)},
                     {"seconds", known ? Json(row.figures.wall_seconds) : Json(nullptr)},
                     {"memory", known ? Json(row.figures.memory) : Json(nullptr)},
                     {"bytes", known ? Json(row.figures.bytes) : Json(nullptr)},

@@ -14,12 +14,13 @@ namespace isoextract::batch {
 
 enum class FrameStatus {
   done,
-  kept,  // from an earlier run
+  empty,  // done, and without a triangle
+  kept,   // from an earlier run
   failed,
   not_started,  // a failure, or somebody, has ended the batch before
 };
 constexpr auto words_of(FrameStatus /*type*/) {
-  return std::array{Word{FrameStatus::done, "done"}, Word{FrameStatus::kept, "kept"},
+  return std::array{Word{FrameStatus::done, "done"}, Word{FrameStatus::empty, "empty"}, Word{FrameStatus::kept, "kept"},
                     Word{FrameStatus::failed, "failed"}, Word{FrameStatus::not_started, "not started"}};
 }
 
@@ -32,10 +33,15 @@ struct FrameRow {
   std::string error;                 // why it failed
 };
 
+// Whether there are surfaces and none has a triangle.
+[[nodiscard]] bool is_empty(const FrameFigures& figures);
+
 // RFC 4180, with a header, one row a surface; a frame without any has one row, whose iso is empty. Columns: frame,
-// input, output (the first of its files), status, iso, asked (auto, p99, ...; empty where that was the number),
-// triangles, vertices, area, volume, closed, components, seconds, memory, bytes, error. Cells of what is not known are
-// empty. Figures of the whole frame stand in each of its rows.
+// input, output (the first file of the surface), status (`empty` for a surface without a triangle), iso, asked (auto,
+// p99, ...; empty where that was the number), triangles, vertices, area, volume, closed, components, seconds, memory,
+// bytes (of the surface's files), error, time_step, and in voxels error_rms, error_max (from the mesh to the surface of
+// the data), coverage_rms, coverage_max (from that to the mesh). Cells of what is not known are empty. Seconds, memory
+// and time step are the frame's and stand in each of its rows.
 [[nodiscard]] std::string table_csv(std::span<const FrameRow> rows);
 
 // A list of the frames, each with the list of its surfaces; what is not known is null.

@@ -126,6 +126,13 @@ std::string manifest_name(const Shard& shard) {
                         : fmt::format("isoextract.{}-of-{}.manifest", shard.number, shard.count);
 }
 
+bool is_manifest_name(std::string_view name) {
+  constexpr std::string_view kStart = "isoextract.";
+  constexpr std::string_view kEnd = ".manifest";
+  return name == manifest_name({}) ||
+         (name.size() > kStart.size() + kEnd.size() && name.starts_with(kStart) && name.ends_with(kEnd));
+}
+
 Result<ManifestContent> read_manifest(const fs::path& path) {
   const auto text = text_of_file(path);
   if (!text) return tl::unexpected(text.error());
@@ -218,7 +225,10 @@ Result<Manifest> Manifest::open(const fs::path& folder, const ManifestHeader& he
   for (const FrameRecord& record : kept) content += line_of(batch::json_of(record));
   if (content != *text) {
     // At once or not at all, whatever ends the run.
-    if (auto written = files::write_file(state->path, content); !written) return tl::unexpected(written.error());
+    if (auto written = files::write_file(state->path, content); !written) {
+      if (text->empty()) ::unlink(state->path.c_str());  // the one that was made above to be locked
+      return tl::unexpected(written.error());
+    }
     state->before = std::exchange(state->file, ::open(state->path.c_str(), O_RDWR | O_APPEND | O_CLOEXEC));
     if (state->file < 0) return output_error(state->path, "open it for writing", errno);
     if (::flock(state->file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return in_use();

@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <unordered_set>
 #include <vector>
 
@@ -43,6 +44,9 @@ struct ManifestContent {
 
 // The file's name in the folder of the outputs: "isoextract.manifest", with the shard's number where there are several.
 [[nodiscard]] std::string manifest_name(const Shard& shard);
+
+// Whether a run keeps its records under such a name: that of the whole batch or of one of its shards.
+[[nodiscard]] bool is_manifest_name(std::string_view name);
 
 class Manifest {
  public:

@@ -1,7 +1,5 @@
 #include "batch/output_names.hpp"
 
-#include <sys/stat.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <map>
@@ -16,10 +14,12 @@
 #include "batch/detail/name_parts.hpp"
 #include "batch/detail/piece_names.hpp"
 #include "batch/frame_pattern.hpp"
+#include "batch/manifest.hpp"
 #include "batch/output_template.hpp"
 #include "convert/output_checks.hpp"
 #include "files/file_bytes.hpp"
 #include "files/output_file.hpp"
+#include "files/place_keys.hpp"
 
 namespace isoextract::batch {
 namespace {
@@ -28,44 +28,80 @@ namespace fs = std::filesystem;
 
 constexpr int kLeastFrameDigits = 4;  // of names that are made here
 
-// Texts that are equal where what is written to two paths would come to one place, as files::same_place() has it, each
-// found once.
-class PlaceKeys {
- public:
-  std::string key(const fs::path& path) {
-    if (path == "-") return "-";
-    struct stat status {};
-    if (::stat(path.c_str(), &status) == 0) return fmt::format("{}:{}", status.st_dev, status.st_ino);
-    return by_name(path);
-  }
-
-  // Of a path whose file need not be there.
-  std::string by_name(const fs::path& path) {
-    return fmt::format("{}/{}", folder(path.parent_path().string()), path.filename().string());
-  }
-
- private:
-  const std::string& folder(const std::string& name) {
-    const auto [known, fresh] = folders_.try_emplace(name);
-    if (fresh) {
-      std::error_code none;
-      const fs::path absolute = fs::absolute(name.empty() ? "." : name, none);
-      fs::path canonical = fs::weakly_canonical(absolute, none);
-      if (none) canonical = absolute.lexically_normal();
-      if (!canonical.has_filename()) canonical = canonical.parent_path();  // a slash at its end
-      known->second = canonical.string();
-    }
-    return known->second;
-  }
-
-  std::unordered_map<std::string, std::string> folders_;
-};
-
 std::string label_of_source(const OutputSource& source) {
+  if (source.alone) return printable(source.input);
   std::string label = fmt::format("frame {} ({}", source.frame, printable(source.input));
   if (!source.grid.empty()) label += fmt::format(", grid {}", printable(source.grid));
   return label + ")";
 }
+
+// Who reads or writes a file: the conversion of a source, or what another file is for.
+struct FileUse {
+  const OutputSource* source = nullptr;
+  const NamedFile* other = nullptr;
+};
+
+std::string reader_text(const FileUse& use) {
+  if (use.source == nullptr) return use.other->what;
+  return use.source->alone ? "is the input" : "is the input of " + label_of_source(*use.source);
+}
+
+std::string mesh_text(const OutputSource& source) {
+  return source.alone ? "the mesh" : "the mesh of " + label_of_source(source);
+}
+
+// All files of a run in one set, by their places.
+class FileUses {
+ public:
+  explicit FileUses(files::PlaceKeys& places) : places_(places) {}
+
+  void add_read(const fs::path& file, const FileUse& use) { readers_.try_emplace(places_.key(file), use); }
+
+  // Fails with ErrorKind::usage where the file is read, is written already, or has the name of a manifest.
+  Result<void> add_written(const fs::path& file, const FileUse& use) {
+    const std::string shown = printable(files::shown_output_name(file));
+    const Hint hint = use.source != nullptr ? Hint(Remedy::other_output_name) : use.other->hint;
+    if (is_manifest_name(file.filename().string())) {
+      return fail(ErrorKind::usage, fmt::format("{}: a batch keeps its record in files of this name", shown), hint);
+    }
+    const std::string key = places_.key(file);
+    if (const auto reader = readers_.find(key); reader != readers_.end()) {
+      return fail(ErrorKind::usage, over_read(shown, use, reader_text(reader->second)), hint);
+    }
+    const auto [writer, fresh] = writers_.try_emplace(key, use);
+    const bool is_lost = !files::same_place(file, file);  // /dev/null
+    return fresh || is_lost ? Result<void>() : twice(shown, writer->second, use);
+  }
+
+ private:
+  static std::string over_read(const std::string& shown, const FileUse& use, const std::string& reader) {
+    constexpr std::string_view kKept = "it is not overwritten";
+    if (use.source == nullptr) {
+      return fmt::format("{}: {} would be written there, and this {}; {}", shown, use.other->what, reader, kKept);
+    }
+    if (use.source->alone) return fmt::format("{}: this {}; {}", shown, reader, kKept);
+    return fmt::format("{}: {} would write it, and it {}; {}", shown, label_of_source(*use.source), reader, kKept);
+  }
+
+  static tl::unexpected<Error> twice(const std::string& shown, const FileUse& first, const FileUse& second) {
+    if (second.source == nullptr) {
+      return fail(ErrorKind::usage,
+                  fmt::format("{}: {} would be written there, and this is {} as well", shown, second.other->what,
+                              first.source != nullptr ? mesh_text(*first.source) : first.other->what),
+                  second.other->hint);
+    }
+    const std::string label = label_of_source(*second.source);
+    return fail(ErrorKind::usage,
+                first.source == second.source
+                    ? fmt::format("{}: two outputs of {} would be this file", shown, label)
+                    : fmt::format("{}: {} and {} would both write it", shown, label_of_source(*first.source), label),
+                Remedy::number_outputs);
+  }
+
+  files::PlaceKeys& places_;
+  std::unordered_map<std::string, FileUse> readers_;
+  std::unordered_map<std::string, FileUse> writers_;
+};
 
 // What tells the names in a folder apart.
 std::string name_in_folder(std::span<const OutputSource> sources, std::string_view extension) {
@@ -140,7 +176,7 @@ OutputFiles files_of(const OutputSource& source, const OutputTemplate& names) {
 
 // Files whose names have a place for the numbers of pieces.
 Result<void> check_piece_files(std::span<const OutputSource> sources, std::span<const OutputFiles> outputs,
-                               meshes::MeshFormat format, PlaceKeys& places) {
+                               meshes::MeshFormat format, const OtherFiles& others, files::PlaceKeys& places) {
   PieceNames names;
   bool any = false;
   for (std::size_t i = 0; i < outputs.size(); ++i) {
@@ -162,24 +198,34 @@ Result<void> check_piece_files(std::span<const OutputSource> sources, std::span<
       }
     }
   }
+  for (std::size_t i = 0; any && i < others.written.size(); ++i) {
+    const auto writer = names.could_be(places.by_name(others.written[i].path));
+    if (!writer) continue;
+    return fail(
+        ErrorKind::usage,
+        fmt::format("{}: a piece of {} may have this name, and {} would be written there",
+                    printable(others.written[i].path), label_of_source(sources[*writer]), others.written[i].what),
+        others.written[i].hint);
+  }
   for (std::size_t i = 0; any && i < sources.size(); ++i) {
     if (!is_file_name(sources[i].input) || files::is_standard_input(sources[i].input)) continue;
     const auto writer = names.could_be(places.by_name(sources[i].input));
     if (!writer) continue;
-    return fail(
-        ErrorKind::usage,
-        fmt::format("{}: a piece of {} may have this name, and it is the input of {}; it is not overwritten",
-                    printable(sources[i].input), label_of_source(sources[*writer]), label_of_source(sources[i])),
-        Remedy::other_output_name);
+    const std::string reader =
+        sources[i].alone ? "this is the input" : "it is the input of " + label_of_source(sources[i]);
+    return fail(ErrorKind::usage,
+                fmt::format("{}: a piece of {} may have this name, and {}; it is not overwritten",
+                            printable(sources[i].input), label_of_source(sources[*writer]), reader),
+                Remedy::other_output_name);
   }
   return {};
 }
 
 }  // namespace
 
-Result<std::vector<OutputFiles>> name_outputs(std::span<const OutputSource> sources,
-                                              const std::optional<std::string>& output, meshes::MeshFormat format,
-                                              std::string_view extension) {
+Result<std::vector<OutputFiles>> unchecked_outputs(std::span<const OutputSource> sources,
+                                                   const std::optional<std::string>& output, meshes::MeshFormat format,
+                                                   std::string_view extension) {
   const auto names =
       template_of(sources, output, extension.empty() ? meshes::mesh_format_info(format).name : extension);
   if (!names) return tl::unexpected(names.error());
@@ -189,44 +235,38 @@ Result<std::vector<OutputFiles>> name_outputs(std::span<const OutputSource> sour
     if (auto checked = check_words(source, *names, format); !checked) return tl::unexpected(checked.error());
     outputs.push_back(files_of(source, *names));
   }
-  if (auto checked = check_outputs(sources, outputs, format); !checked) return tl::unexpected(checked.error());
+  return outputs;
+}
+
+Result<std::vector<OutputFiles>> name_outputs(std::span<const OutputSource> sources,
+                                              const std::optional<std::string>& output, meshes::MeshFormat format,
+                                              std::string_view extension, const OtherFiles& others) {
+  auto outputs = unchecked_outputs(sources, output, format, extension);
+  if (!outputs) return outputs;
+  if (auto checked = check_outputs(sources, *outputs, format, others); !checked) return tl::unexpected(checked.error());
   return outputs;
 }
 
 Result<void> check_outputs(std::span<const OutputSource> sources, std::span<const OutputFiles> outputs,
-                           meshes::MeshFormat format) {
-  PlaceKeys places;
-  std::unordered_map<std::string, const OutputSource*> readers;
+                           meshes::MeshFormat format, const OtherFiles& others) {
+  files::PlaceKeys places;
+  FileUses uses(places);
+  for (const NamedFile& file : others.read) uses.add_read(file.path, {nullptr, &file});
   for (const OutputSource& source : sources) {
-    if (is_file_name(source.input)) readers.try_emplace(places.key(source.input), &source);
+    // Standard input is not standard output.
+    if (is_file_name(source.input) && source.input != "-") uses.add_read(source.input, {&source, nullptr});
   }
-  readers.erase("-");  // standard input is not standard output
-  std::unordered_map<std::string, const OutputSource*> writers;
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     for (const convert::OutputFileJob& output : outputs[i]) {
       for (const fs::path& file : convert::mesh_files(output, format)) {
-        const std::string key = places.key(file);
-        if (const auto reader = readers.find(key); reader != readers.end()) {
-          return fail(ErrorKind::usage,
-                      fmt::format("{}: {} would write it, and it is the input of {}; it is not overwritten",
-                                  printable(files::shown_output_name(file)), label_of_source(sources[i]),
-                                  label_of_source(*reader->second)),
-                      Remedy::other_output_name);
-        }
-        const auto [writer, fresh] = writers.try_emplace(key, &sources[i]);
-        if (fresh) continue;
-        const OutputSource& first = *writer->second;
-        return fail(ErrorKind::usage,
-                    &first == &sources[i]
-                        ? fmt::format("{}: two outputs of {} would be this file",
-                                      printable(files::shown_output_name(file)), label_of_source(first))
-                        : fmt::format("{}: {} and {} would both write it", printable(files::shown_output_name(file)),
-                                      label_of_source(first), label_of_source(sources[i])),
-                    Remedy::number_outputs);
+        if (auto added = uses.add_written(file, {&sources[i], nullptr}); !added) return added;
       }
     }
   }
-  return check_piece_files(sources, outputs, format, places);
+  for (const NamedFile& file : others.written) {
+    if (auto added = uses.add_written(file.path, {nullptr, &file}); !added) return added;
+  }
+  return check_piece_files(sources, outputs, format, others, places);
 }
 
 std::string stem_of(const std::string& input) {

@@ -19,8 +19,23 @@ struct OutputSource {
   std::string input;
   std::string grid;                      // the one that was chosen; empty where none was
   std::vector<convert::IsoChoice> isos;  // each once
+  bool alone = false;                    // the only one of its run: messages name its input and no frame
 
   friend bool operator==(const OutputSource&, const OutputSource&) = default;
+};
+
+// A file that a run reads or writes besides the inputs and outputs of its conversions.
+struct NamedFile {
+  std::string path;
+  std::string what;  // of one that is read what it does ("has the options"), else what it is ("the table")
+  Hint hint = {};    // how one that is written gets another name
+
+  friend bool operator==(const NamedFile&, const NamedFile&) = default;
+};
+
+struct OtherFiles {
+  std::vector<NamedFile> read;
+  std::vector<NamedFile> written;
 };
 
 using OutputFiles = std::vector<convert::OutputFileJob>;  // of one conversion
@@ -39,16 +54,23 @@ using OutputFiles = std::vector<convert::OutputFileJob>;  // of one conversion
 // check_outputs() does. Folders need not exist.
 [[nodiscard]] Result<std::vector<OutputFiles>> name_outputs(std::span<const OutputSource> sources,
                                                             const std::optional<std::string>& output,
-                                                            meshes::MeshFormat format, std::string_view extension = {});
+                                                            meshes::MeshFormat format, std::string_view extension = {},
+                                                            const OtherFiles& others = {});
 
-// Whether every file is written once, and none of them is an input; `outputs` are those of the sources. Compared is the
+// The same names without check_outputs().
+[[nodiscard]] Result<std::vector<OutputFiles>> unchecked_outputs(std::span<const OutputSource> sources,
+                                                                 const std::optional<std::string>& output,
+                                                                 meshes::MeshFormat format, std::string_view extension);
+
+// Whether every file is written once, none of them is read, and none has the name of a manifest; `outputs` are those of
+// the sources, and `others` belong to the same set. Compared is the
 // place on the disk: links and different ways of writing a path make no difference, as far as they exist by now.
 // Files of a format that come in pairs (.gltf and .bin) count both. Fails with ErrorKind::usage; the message names the
 // file and whoever would write it. Names with {piece} in them are refused where some numbers of pieces could make two
 // of them the same, or the name of an input. Data files that an input's header names are convert::check_mesh_files()'s.
 // Takes time as n log n does, and two looks at the disk a file.
 [[nodiscard]] Result<void> check_outputs(std::span<const OutputSource> sources, std::span<const OutputFiles> outputs,
-                                         meshes::MeshFormat format);
+                                         meshes::MeshFormat format, const OtherFiles& others = {});
 
 // What an input is called without its folder and extension: "a" for dir/a.nii.gz, "sphere" for demo:sphere?size=9,
 // "stdin" for standard input.

@@ -53,6 +53,8 @@ std::string OutputTemplate::expand(const OutputWords& words) const {
   return name + end_;
 }
 
+std::string template_of(std::string_view name) { return escaped_name(name); }
+
 std::string safe_in_file_names(std::string_view text) {
   constexpr std::string_view kUnsafe = "/\\:*?\"<>|";
   std::string safe;

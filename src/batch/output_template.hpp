@@ -49,6 +49,9 @@ class OutputTemplate {
   std::string end_;  // after the last word
 };
 
+// A template that expands to this very name.
+[[nodiscard]] std::string template_of(std::string_view name);
+
 // For names that come out of files: _ stands for slashes, backslashes, control characters, what is no UTF-8 or turns
 // the direction of writing, any of : * ? " < > | and dots at the beginning, so that the text is part of one name, of a
 // file that is not hidden and that other systems can have as well.

@@ -22,6 +22,18 @@ std::optional<int> whole(std::string_view text) {
   return number;
 }
 
+// The variables of a job scheduler.
+struct Scheme {
+  const char* number;
+  const char* count;
+  const char* first;  // the least number; nullptr: 0
+  const char* step;
+};
+constexpr std::array kSchemes{
+    Scheme{"SLURM_ARRAY_TASK_ID", "SLURM_ARRAY_TASK_COUNT", "SLURM_ARRAY_TASK_MIN", "SLURM_ARRAY_TASK_STEP"},
+    Scheme{"JOB_COMPLETION_INDEX", "JOB_COMPLETIONS", nullptr, nullptr},
+};
+
 // A variable's number. None where it is not set.
 Result<std::optional<int>> variable(const std::function<const char*(const char*)>& get, const char* name) {
   const char* const text = get(name);
@@ -33,27 +45,18 @@ Result<std::optional<int>> variable(const std::function<const char*(const char*)
 
 }  // namespace
 
-Result<Shard> parse_shard(const std::string& text) {
+Result<ShardChoice> parse_shard(const std::string& text) {
+  if (text == "auto") return ShardChoice();
   const std::size_t slash = std::min(text.find('/'), text.size());
   const std::string_view after = std::string_view(text).substr(std::min(slash + 1, text.size()));
   const Shard shard{whole(std::string_view(text).substr(0, slash)).value_or(0), whole(after).value_or(0)};
   if (shard.number < 1 || shard.count < shard.number) {
-    return fail(ErrorKind::usage, fmt::format("expected a shard K/N with K from 1 to N, found '{}'", text));
+    return fail(ErrorKind::usage, fmt::format("expected auto or a shard K/N with K from 1 to N, found '{}'", text));
   }
-  return shard;
+  return ShardChoice{shard};
 }
 
 Result<std::optional<Shard>> shard_of_environment(const std::function<const char*(const char*)>& get) {
-  struct Scheme {
-    const char* number;
-    const char* count;
-    const char* first;  // the least number; nullptr: 0
-    const char* step;
-  };
-  constexpr std::array kSchemes{
-      Scheme{"SLURM_ARRAY_TASK_ID", "SLURM_ARRAY_TASK_COUNT", "SLURM_ARRAY_TASK_MIN", "SLURM_ARRAY_TASK_STEP"},
-      Scheme{"JOB_COMPLETION_INDEX", "JOB_COMPLETIONS", nullptr, nullptr},
-  };
   for (const Scheme& scheme : kSchemes) {
     std::array<std::optional<int>, 4> found;
     const std::array names{scheme.number, scheme.count, scheme.first, scheme.step};
@@ -80,6 +83,14 @@ Result<std::optional<Shard>> shard_of_environment(const std::function<const char
   return std::nullopt;
 }
 
+std::string scheduler_variable(const std::function<const char*(const char*)>& get) {
+  for (const Scheme& scheme : kSchemes) {
+    const char* const text = get(scheme.number);
+    if (text != nullptr && *text != '\0') return scheme.number;
+  }
+  return {};
+}
+
 std::vector<std::size_t> frames_of(const BatchJob& batch, const Shard& shard) {
   std::vector<std::size_t> frames;
   for (auto i = static_cast<std::size_t>(shard.number - 1); i < batch.frames.size();
@@ -98,7 +109,7 @@ Result<MergedShards> merge_shards(const fs::path& folder) {
   for (fs::directory_iterator entry(folder, error); !error && entry != fs::directory_iterator();
        entry.increment(error)) {
     const std::string name = entry->path().filename().string();
-    if (name.starts_with("isoextract.") && name.ends_with(".manifest") && name != manifest_name({})) {
+    if (is_manifest_name(name) && name != manifest_name({})) {
       paths.push_back(entry->path());
     }
   }

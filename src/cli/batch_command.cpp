@@ -18,6 +18,7 @@
 #include "batch/manifest.hpp"
 #include "batch/output_names.hpp"
 #include "batch/scheduler.hpp"
+#include "cli/batch_files.hpp"
 #include "cli/batch_plan.hpp"
 #include "cli/batch_progress.hpp"
 #include "cli/conversion_size.hpp"
@@ -26,6 +27,7 @@
 #include "cli/html_page.hpp"
 #include "cli/messages.hpp"
 #include "cli/output_folders.hpp"
+#include "cli/output_plan.hpp"
 #include "cli/pages_plan.hpp"
 #include "cli/report_file.hpp"
 #include "cli/threads.hpp"
@@ -39,12 +41,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Result<void> make_folders(const BatchPlan& plan) {
-  std::vector<fs::path> files;
-  for (const std::size_t i : plan.frames) {
-    for (const fs::path& file : files_of(plan.batch.frames[i].job)) files.push_back(file);
-  }
-  return see_to_folders(files, plan.make_folders);
+// The message without the names of the frame's files.
+std::string reason_of(const convert::ConversionJob& job, const Error& error) {
+  std::string text = error.message;
+  const auto leave_out = [&](const std::string& name) {
+    for (std::size_t at = text.find(name); !name.empty() && at != std::string::npos; at = text.find(name, at)) {
+      text.replace(at, name.size(), "*");
+      ++at;
+    }
+  };
+  leave_out(job.source.input);
+  for (const fs::path& file : files_of(job)) leave_out(file.string());
+  return text;
 }
 
 bool keeps_rows(const BatchPlan& plan) { return plan.flags.table || plan.flags.plot || plan.common.pages.any(); }
@@ -52,13 +60,15 @@ bool keeps_rows(const BatchPlan& plan) { return plan.flags.table || plan.flags.p
 // What a batch keeps of its frames while they run, side by side.
 class FrameKeeper final : public batch::FrameEvents {
  public:
-  // `animation` takes the frames, where they have no files of their own.
+  // `animation` takes the frames, where they have no files of their own. `read` is what all frames read, null where no
+  // file that would be written was there before.
   FrameKeeper(const BatchPlan& plan, const std::vector<std::string>& arguments, batch::Manifest& manifest,
-              const batch::Animation* animation, BatchProgress& progress, HtmlPage& page)
+              const batch::Animation* animation, const files::ReadFiles* read, BatchProgress& progress, HtmlPage& page)
       : plan_(plan),
         arguments_(arguments),
         manifest_(manifest),
         animation_(animation),
+        read_(read),
         progress_(progress),
         page_(page),
         rows_(plan.batch.frames.size()),
@@ -109,14 +119,15 @@ class FrameKeeper final : public batch::FrameEvents {
     }
     row.figures = batch::figures_of(outcome);
     for (const meshes::WrittenFile& file : outcome.files) row.outputs.push_back(file.path);
-    row.status = error ? batch::FrameStatus::failed : batch::FrameStatus::done;
+    row.status = error ? batch::FrameStatus::failed : done_or_empty(outcome, row.figures);
     if (plan_.common.pages.html) {
       const std::lock_guard lock(mutex_);
       page_.add(job.number, outcome);
     }
     if (error) {
       row.error = printable(error->message);
-      progress_.failed(job.number, *error);
+      progress_.failed(job.number, *error, reason_of(job.job, *error));
+      if (!outcome.done()) row.error += set_aside(job.job, outcome);
     } else {
       for (const std::string& note : outcome.notes) progress_.detail(fmt::format("frame {}: {}", job.number, note));
       progress_.detail(fmt::format("frame {}: {}: {:.2f} s, {}", job.number, printable(job.job.source.input),
@@ -158,10 +169,37 @@ class FrameKeeper final : public batch::FrameEvents {
     return numbers;
   }
 
+  // The names that meshes of earlier runs have now, of frames that failed.
+  [[nodiscard]] const std::vector<std::string>& set_aside() const { return set_aside_; }
+
   // Why the manifest or the animation could not be written, which ends the batch.
   [[nodiscard]] const std::optional<Error>& unkept() const { return unkept_; }
 
  private:
+  [[nodiscard]] batch::FrameStatus done_or_empty(const convert::Outcome& outcome,
+                                                 const batch::FrameFigures& figures) const {
+    const bool nothing = animation_ == nullptr && figures.surfaces.empty() && outcome.files.empty();
+    return nothing || batch::is_empty(figures) ? batch::FrameStatus::empty : batch::FrameStatus::done;
+  }
+
+  // A mesh of an earlier run must not pass for that of a frame that has failed. What there is to say of it.
+  std::string set_aside(const convert::ConversionJob& job, const convert::Outcome& outcome) {
+    if (animation_ != nullptr || read_ == nullptr) return {};
+    std::string text;
+    for (const convert::OutputFileJob& output : job.outputs) {
+      const auto names =
+          convert::set_aside_old_meshes(output, job.format, *read_, outcome.files, Context(plan_.common.memory));
+      if (!names) {
+        text += fmt::format("; {}", names.error().message);
+        continue;
+      }
+      for (const std::string& name : *names) text += fmt::format("; the old mesh is now {}", printable(name));
+      const std::lock_guard lock(mutex_);
+      set_aside_.insert(set_aside_.end(), names->begin(), names->end());
+    }
+    return text;
+  }
+
   // Where the manifest cannot be written, `kept` becomes false.
   std::optional<Error> record(std::size_t frame, const convert::Outcome& outcome, bool& kept) {
     auto made = batch::record_of(plan_.batch.frames[frame], std::move(inputs_[frame]), outcome);
@@ -181,10 +219,8 @@ class FrameKeeper final : public batch::FrameEvents {
 
   Result<void> report(const batch::FrameJob& frame, const convert::Outcome& outcome) const {
     const convert::SourceOptions& source = frame.job.source;
-    const std::vector<convert::IsoChoice> isos = frame.job.isos();
-    const std::string path =
-        plan_.report->expand({batch::stem_of(source.input), frame.number, source.read.grid.value_or(""),
-                              isos.empty() ? "" : text_of(isos.front())});
+    const std::string path = report_path(
+        *plan_.report, {frame.number, source.input, source.read.grid.value_or(""), frame.job.isos(), false});
     if (auto checked = check_report_file(path, frame.job); !checked) return checked;
     return write_report(path, &frame.job, outcome, arguments_, plan_.common.memory.limit());
   }
@@ -193,13 +229,15 @@ class FrameKeeper final : public batch::FrameEvents {
   const std::vector<std::string>& arguments_;
   batch::Manifest& manifest_;
   const batch::Animation* animation_;
+  const files::ReadFiles* read_;
   BatchProgress& progress_;
   HtmlPage& page_;
   std::vector<batch::FrameRow> rows_;  // by frame; each is touched by the thread that converts it
   std::vector<std::vector<batch::FileRecord>> inputs_;
   std::vector<batch::FrameRecord> records_;  // of an animation, until it is written
   std::vector<char> missing_;                // 1: not converted
-  std::mutex mutex_;                         // of the manifest, the page, and what could not be kept
+  std::mutex mutex_;                         // of the manifest, the page, and all that follows
+  std::vector<std::string> set_aside_;
   std::optional<Error> unkept_;
 };
 
@@ -215,41 +253,20 @@ Result<void> write_tables(const BatchPlan& plan, const std::vector<batch::FrameR
   return files::write_file(*plan.flags.plot, *picture);
 }
 
-// The files that are written besides the frames'.
-std::vector<std::string> files_besides(const BatchPlan& plan) {
-  const PagesPlan& pages = plan.common.pages;
-  std::vector<std::string> files;
-  for (const auto& file : {plan.flags.table, plan.flags.plot, pages.html, pages.contact_sheet}) {
-    if (file) files.push_back(*file);
-  }
-  return files;
+std::uint64_t count_of(std::span<const batch::FrameRun> runs) {
+  std::uint64_t count = 0;
+  for (const batch::FrameRun& run : runs) count += run.count();
+  return count;
 }
 
-// What all frames read, where something might be written over it that is not of the same frame: names of pieces are
-// known late, and a .bin may be of both.
-std::optional<files::ReadFiles> read_files_of(const BatchPlan& plan) {
-  const convert::ConversionJob& job = plan.common.job;
-  const bool by_frames = job.pieces.split || job.format == meshes::MeshFormat::gltf;
-  if (!by_frames && std::ranges::none_of(files_besides(plan), is_there)) return std::nullopt;
-  files::ReadFiles read;
-  if (plan.flags.iso_table) read.add(*plan.flags.iso_table, "has the iso values");
-  for (const batch::FrameJob& frame : plan.batch.frames) convert::add_read_files(read, frame.job);
-  return read;
+std::string missing_text(std::span<const batch::FrameRun> gaps) {
+  const std::uint64_t count = count_of(gaps);
+  return fmt::format("{} frame{} not there: {}", count, count == 1 ? " is" : "s are",
+                     batch::text_of(gaps, kShownFrameRuns));
 }
 
-// Before the work: what is written besides the frames takes the place of none of their files.
-Result<void> check_besides(const BatchPlan& plan, const std::optional<files::ReadFiles>& read) {
-  for (const std::string& file : files_besides(plan)) {
-    for (const batch::FrameJob& frame : plan.batch.frames) {
-      for (const fs::path& mesh : files_of(frame.job)) {
-        if (!files::same_place(mesh, file)) continue;
-        return fail(ErrorKind::usage, fmt::format("{}: this is the mesh of a frame as well", file),
-                    Remedy::other_output_name);
-      }
-    }
-    if (auto checked = convert::check_output_file(file, read.value_or(files::ReadFiles())); !checked) return checked;
-  }
-  return {};
+tl::unexpected<Error> fail_missing(std::span<const batch::FrameRun> gaps) {
+  return fail(ErrorKind::frames, missing_text(gaps), "--missing note makes this no error");
 }
 
 // What would be done, on stdout.
@@ -353,13 +370,14 @@ void tell_animation(const batch::AnimationJob& animation, const meshes::MeshWrit
 
 Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& arguments, const Messages& messages) {
   if (plan.flags.dry_run) return print_plan(plan, messages);
+  if (plan.flags.fail_fast && plan.needs_all && !plan.gaps.empty()) return fail_missing(plan.gaps);
   if (plan.flags.plot || (plan.common.pages.html && plan.frames.size() > 1)) {
     if (auto there = check_gnuplot(plan.flags.plot ? "--plot" : "--html"); !there) return there;
   }
   if (auto limited = limit_threads(plan.common.threads); !limited) return limited;
   if (auto made = make_folders(plan); !made) return made;
-  const std::optional<files::ReadFiles> read = read_files_of(plan);
-  if (auto checked = check_besides(plan, read); !checked) return checked;
+  const auto read = check_batch_files(plan);
+  if (!read) return tl::unexpected(read.error());
   const Context context{plan.common.memory};
   std::optional<batch::Animation> animation;
   if (plan.batch.animation) {
@@ -375,11 +393,13 @@ Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& 
     if (plan.progress != ProgressStyle::json) messages.note(note);
   };
   for (const std::string& note : plan.common.notes) tell(note);
-  if (!plan.gaps.empty()) tell(fmt::format("frames that are not there: {}", batch::text_of(plan.gaps, 20)));
+  if (!plan.gaps.empty())
+    tell(fmt::format("frames that are not there: {}", batch::text_of(plan.gaps, kShownFrameRuns)));
 
   BatchProgress progress(plan.progress, messages, plan.frames.size());
   HtmlPage page;
-  FrameKeeper keeper(plan, arguments, *manifest, animation ? &*animation : nullptr, progress, page);
+  FrameKeeper keeper(plan, arguments, *manifest, animation ? &*animation : nullptr, *read ? &**read : nullptr, progress,
+                     page);
   const std::vector<std::size_t> which = keep_what_is_done(plan, *manifest, keeper);
   const std::size_t kept = plan.frames.size() - which.size();
   const auto note_of_field = [&](const field::ScalarField& field) -> std::optional<std::string> {
@@ -394,7 +414,7 @@ Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& 
       .fail_fast = plan.flags.fail_fast,
       .extras = {.mesh_facts = plan.flags.table || plan.flags.plot || plan.report || plan.common.pages.html,
                  .note_of_field = note_of_field,
-                 .read = read ? &*read : nullptr}};
+                 .read = *read ? &**read : nullptr}};
   const batch::BatchCounts counts =
       batch::run(plan.batch, which, options, context, keeper, animation ? &*animation : nullptr);
   std::optional<Error> unkept = keeper.unkept();
@@ -407,7 +427,15 @@ Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& 
     if (finished) animated = std::move(*finished);
   }
   const std::size_t failed = keeper.count(batch::FrameStatus::failed);
-  progress.end(keeper.count(batch::FrameStatus::done), failed, kept, counts.not_started);
+  const std::uint64_t missing = plan.needs_all ? count_of(plan.gaps) : 0;
+  progress.end(keeper.count(batch::FrameStatus::done) + keeper.count(batch::FrameStatus::empty), failed, kept,
+               counts.not_started, missing);
+  if (const auto& old = keeper.set_aside(); !old.empty()) {
+    tell(fmt::format("{} of an earlier run, of frames that failed, {} renamed: {}{}",
+                     old.size() == 1 ? "a mesh" : fmt::format("{} meshes", old.size()),
+                     old.size() == 1 ? "was" : "were", old.front(),
+                     old.size() == 1 ? "" : fmt::format(" to {}", old.back())));
+  }
   if (animation && plan.progress != ProgressStyle::json) tell_animation(*plan.batch.animation, animated, messages);
   if (plan.flags.table || plan.flags.plot) {
     if (auto written = write_tables(plan, keeper.rows()); !written) return written;
@@ -418,9 +446,10 @@ Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& 
     if (!written) return written;
   }
   if (unkept) return tl::unexpected(*unkept);
-  if (failed == 0 && counts.not_started == 0) return {};
+  if (failed == 0 && counts.not_started == 0) return missing == 0 ? Result<void>() : fail_missing(plan.gaps);
   std::string text = fmt::format("{} of {} frames failed", failed, plan.frames.size());
   if (counts.not_started > 0) text += fmt::format(", and {} were not started", counts.not_started);
+  if (missing > 0) text += fmt::format("; {}", missing_text(plan.gaps));
   return fail(ErrorKind::frames, text, "--resume does what is not done yet, once that is mended");
 }
 

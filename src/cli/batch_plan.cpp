@@ -16,6 +16,7 @@
 #include "cli/edit_plan.hpp"
 #include "cli/field_plan.hpp"
 #include "cli/output_folders.hpp"
+#include "cli/output_plan.hpp"
 #include "cli/particle_plan.hpp"
 #include "cli/picture_plan.hpp"
 #include "cli/plan_parts.hpp"
@@ -60,7 +61,7 @@ Result<std::vector<batch::OutputSource>> sources_of(const ConvertFlags& flags, c
   }
   std::vector<batch::OutputSource> sources;
   for (const batch::Frame& frame : found.frames) {
-    batch::OutputSource source{frame.number, frame.input, flags.input.grid.value_or(""), flags.isos};
+    batch::OutputSource source{frame.number, frame.input, flags.input.grid.value_or(""), flags.isos, false};
     if (table) {
       const auto isos = table->isos_of(frame.number);
       source.isos.assign(isos.begin(), isos.end());
@@ -110,17 +111,14 @@ Result<batch::Frames> volumes_of(const ConvertFlags& flags, const volumes::ReadO
   if (found.frames.empty()) {
     return refuse_usage(fmt::format("--frames: {} has the volumes 0 to {}", inputs.front(), *count - 1));
   }
+  if (flags.batch.frames) found.gaps = batch::gaps_of(*flags.batch.frames, found.frames);
   return found;
 }
 
 Result<void> plan_report(const ConvertFlags& flags, BatchPlan& plan) {
   if (!flags.report) return {};
-  auto name = batch::OutputTemplate::parse(*flags.report);
-  if (!name) return tl::unexpected(name.error());
-  if (name->uses(batch::OutputWord::piece)) {
-    return refuse_usage(fmt::format("--report {}: a report is of a whole frame, not of a piece", *flags.report),
-                        "leave {piece} out of its name");
-  }
+  auto name = plan_report_name(*flags.report);
+  if (!name) return tl::unexpected(std::move(name.error()));
   if (!name->uses(batch::OutputWord::frame)) {
     return refuse_usage(
         fmt::format("--report {}: frames have a report each, and this name has no place for their number",
@@ -163,7 +161,8 @@ Result<void> check_piece_folders(const std::vector<batch::OutputFiles>& outputs)
 // One file for all frames, in place of one for each.
 Result<std::vector<batch::OutputFiles>> plan_animation(const ConvertFlags& flags,
                                                        const std::vector<batch::OutputSource>& sources,
-                                                       meshes::MeshFormat format, batch::BatchJob& job) {
+                                                       meshes::MeshFormat format, const batch::OtherFiles& others,
+                                                       batch::BatchJob& job) {
   const std::string example = "for example -o water.glb";
   if (!flags.output) return refuse_usage("--animate makes one file of all frames, whose name has to be given", example);
   const std::string& output = *flags.output;
@@ -189,21 +188,35 @@ Result<std::vector<batch::OutputFiles>> plan_animation(const ConvertFlags& flags
       batch::AnimationJob{name->expand({}), flags.batch.fps.value_or(batch::AnimationJob().frames_per_second)};
   std::vector<batch::OutputFiles> outputs(sources.size());
   outputs.front() = {{job.animation->path, sources.front().isos}};
-  if (auto checked = batch::check_outputs(sources, outputs, format); !checked) return tl::unexpected(checked.error());
+  if (auto checked = batch::check_outputs(sources, outputs, format, others); !checked)
+    return tl::unexpected(checked.error());
   for (std::size_t i = 1; i < sources.size(); ++i) outputs[i] = {{job.animation->path, sources[i].isos}};
   return outputs;
 }
 
-Result<batch::Shard> plan_shard(const BatchFlags& flags, const char* (*environment)(const char*)) {
-  const auto shard =
-      flags.shard ? Result<std::optional<batch::Shard>>(flags.shard) : batch::shard_of_environment(environment);
-  if (!shard) return tl::unexpected(shard.error());
-  const batch::Shard found = shard->value_or(batch::Shard());
-  if (!flags.animate || found.is_all()) return found;
-  return refuse_usage(fmt::format("--animate needs all frames in one process, and this one is shard {}/{}{}",
-                                  found.number, found.count, flags.shard ? "" : " as its environment says"),
-                      flags.shard ? "convert the shards to files of their own, or use one machine without --shard"
-                                  : "convert the shards to files of their own, or say --shard 1/1 in one of them");
+// `note` gets what the environment says and nobody asked for.
+Result<batch::Shard> plan_shard(const BatchFlags& flags, const char* (*environment)(const char*), std::string& note) {
+  if (!flags.shard) {
+    if (const std::string variable = batch::scheduler_variable(environment); !variable.empty()) {
+      note =
+          fmt::format("{} is set, and all frames are converted: --shard auto converts the part of this task", variable);
+    }
+    return batch::Shard();
+  }
+  batch::Shard shard = flags.shard->shard.value_or(batch::Shard());
+  if (!flags.shard->shard) {
+    const auto found = batch::shard_of_environment(environment);
+    if (!found) return tl::unexpected(found.error());
+    if (!*found) {
+      return refuse_usage("--shard auto: the environment has no SLURM_ARRAY_TASK_ID and no JOB_COMPLETION_INDEX",
+                          "give the part as --shard K/N");
+    }
+    shard = **found;
+  }
+  if (!flags.animate || shard.is_all()) return shard;
+  return refuse_usage(
+      fmt::format("--animate needs all frames in one process, and this one is shard {}/{}", shard.number, shard.count),
+      "convert the shards to files of their own, or use one machine without --shard");
 }
 
 }  // namespace
@@ -212,9 +225,9 @@ bool is_batch(const ConvertFlags& flags) {
   const std::vector<std::string>& inputs = flags.input.inputs;
   const BatchFlags& batch = flags.batch;
   if (inputs.empty()) return false;
-  if (inputs.size() > 1 || wants_all_volumes(flags) || batch.frames || batch.iso_table || batch.animate || batch.fps ||
-      batch.jobs || batch.shard || batch.table || batch.plot || batch.progress || batch.resume || batch.fail_fast ||
-      batch.no_clobber || batch.make_folders || batch.dry_run) {
+  if (inputs.size() > 1 || wants_all_volumes(flags) || batch.frames || batch.missing || batch.iso_table ||
+      batch.animate || batch.fps || batch.jobs || batch.shard || batch.table || batch.plot || batch.progress ||
+      batch.resume || batch.fail_fast || batch.no_clobber || batch.make_folders || batch.dry_run) {
     return true;
   }
   return names_frames(inputs.front());
@@ -264,13 +277,11 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
         "--center: each frame is moved by the middle of its own samples; of sparse volumes and particles, whose box "
         "changes, the frames move against each other, which --roi prevents");
   }
-  const meshes::MeshFormatInfo& format = meshes::mesh_format_info(plan.common.job.format);
-  if (auto fits = check_piece_outputs(flags, flags.output.value_or(""), format); !fits) {
-    return tl::unexpected(fits.error());
-  }
-  auto outputs = flags.batch.animate
-                     ? plan_animation(flags, *sources, plan.common.job.format, plan.batch)
-                     : batch::name_outputs(*sources, flags.output, plan.common.job.format, other_extension(flags));
+  if (auto reported = plan_report(flags, plan); !reported) return tl::unexpected(reported.error());
+  if (auto planned = plan_tables(flags.batch, plan); !planned) return tl::unexpected(planned.error());
+  plan.others = other_files(flags, *sources, plan.report);
+  auto outputs = flags.batch.animate ? plan_animation(flags, *sources, plan.common.job.format, plan.others, plan.batch)
+                                     : plan_outputs(flags, *sources, plan.common.job.format, plan.others);
   if (!outputs) return tl::unexpected(outputs.error());
   if (auto named = check_piece_folders(*outputs); !named) return tl::unexpected(named.error());
   for (std::size_t i = 0; i < sources->size(); ++i) {
@@ -285,12 +296,14 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
     }
   }
   plan.gaps = std::move(found->gaps);
+  plan.needs_all = flags.batch.missing.value_or(flags.batch.frames ? MissingPolicy::error : MissingPolicy::note) ==
+                   MissingPolicy::error;
   plan.folder = common_folder(plan.batch);
-  if (auto reported = plan_report(flags, plan); !reported) return tl::unexpected(reported.error());
-  if (auto planned = plan_tables(flags.batch, plan); !planned) return tl::unexpected(planned.error());
 
-  const auto shard = plan_shard(flags.batch, environment);
+  std::string of_environment;
+  const auto shard = plan_shard(flags.batch, environment, of_environment);
   if (!shard) return tl::unexpected(shard.error());
+  if (!of_environment.empty()) plan.common.notes.push_back(std::move(of_environment));
   plan.shard = *shard;
   plan.frames = batch::frames_of(plan.batch, plan.shard);
 

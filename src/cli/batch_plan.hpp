@@ -11,6 +11,7 @@
 #include "base/error.hpp"
 #include "batch/batch_job.hpp"
 #include "batch/frame_range.hpp"
+#include "batch/output_names.hpp"
 #include "batch/output_template.hpp"
 #include "batch/shard.hpp"
 #include "cli/options.hpp"
@@ -23,6 +24,7 @@ struct BatchPlan {
   batch::BatchJob batch;
   std::vector<std::size_t> frames;    // that are this run's, by index: those of its shard
   std::vector<batch::FrameRun> gaps;  // frames that are not there
+  bool needs_all = false;             // gaps are an error
   std::filesystem::path folder;       // the deepest that all outputs are in; the manifest lies there
   batch::Shard shard;
   BatchFlags flags;  // what was asked for; where they say the same, what follows counts
@@ -31,6 +33,7 @@ struct BatchPlan {
   PictureFormat picture = PictureFormat::svg;
   ProgressStyle progress = ProgressStyle::bar;
   std::optional<batch::OutputTemplate> report;  // a report a frame
+  batch::OtherFiles others;                     // what is read and written besides the frames' inputs and outputs
 };
 
 // Whether the inputs and options ask for frames rather than for one conversion.

@@ -1,5 +1,6 @@
 #include "cli/batch_progress.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <utility>
@@ -7,10 +8,13 @@
 #include <fmt/format.h>
 
 #include "base/printable.hpp"
+#include "batch/frame_range.hpp"
 #include "cli/remedies.hpp"
 
 namespace isoextract::cli {
 namespace {
+
+constexpr std::size_t kToldOfOneReason = 3;
 
 std::string duration_text(double seconds) {
   const auto whole = static_cast<std::uint64_t>(std::llround(seconds));
@@ -33,9 +37,13 @@ BatchProgress::BatchProgress(ProgressStyle style, const Messages& messages, std:
   progress_.begin("frames", frames);
   if (style == ProgressStyle::json) line({{"event", "begin"}, {"frames", frames}});
   const bool wanted = style == ProgressStyle::bar && messages.verbosity() != Verbosity::quiet;
-  bar_.emplace(progress_, wanted, [this] {
-    return fmt::format("{}/{} frames  {}", progress_.done(), frames_, speed_text(progress_.done(), frames_, seconds()));
-  });
+  bar_.emplace(
+      progress_, wanted,
+      [this] {
+        return fmt::format("{}/{} frames  {}", progress_.done(), frames_,
+                           speed_text(progress_.done(), frames_, seconds()));
+      },
+      true);
 }
 
 void BatchProgress::line(const convert::Json& event) {
@@ -44,12 +52,30 @@ void BatchProgress::line(const convert::Json& event) {
   std::fflush(stderr);
 }
 
-void BatchProgress::failed(std::int64_t frame, const Error& error) {
+void BatchProgress::failed(std::int64_t frame, const Error& error, const std::string& reason) {
   const std::lock_guard lock(mutex_);
   if (style_ == ProgressStyle::json) return;  // its line says why
+  Reason& known = reasons_[reason];
+  if (known.told.size() == kToldOfOneReason) {
+    known.untold.push_back(frame);
+    return;
+  }
+  known.told.push_back(frame);
   Error named = error;
   named.message = fmt::format("frame {}: {}", frame, error.message);
   bar_->above([&] { messages_.error(named); });
+}
+
+void BatchProgress::tell_folded() {
+  for (auto& [text, reason] : reasons_) {
+    if (reason.untold.empty()) continue;
+    std::ranges::sort(reason.untold);
+    const std::size_t count = reason.untold.size();
+    messages_.error({ErrorKind::frames,
+                     fmt::format("{} more frame{} failed for the reason of frame {}: {}", count, count == 1 ? "" : "s",
+                                 reason.told.front(), batch::text_of(batch::runs_of(reason.untold), kShownFrameRuns)),
+                     {}});
+  }
 }
 
 void BatchProgress::detail(const std::string& text) {
@@ -73,7 +99,8 @@ void BatchProgress::over(const batch::FrameRow& row) {
   line(event);
 }
 
-void BatchProgress::end(std::uint64_t done, std::uint64_t failed, std::uint64_t kept, std::uint64_t not_started) {
+void BatchProgress::end(std::uint64_t done, std::uint64_t failed, std::uint64_t kept, std::uint64_t not_started,
+                        std::uint64_t missing) {
   const std::lock_guard lock(mutex_);
   bar_.reset();
   if (style_ == ProgressStyle::json) {
@@ -83,13 +110,16 @@ void BatchProgress::end(std::uint64_t done, std::uint64_t failed, std::uint64_t 
           {"failed", failed},
           {"kept", kept},
           {"not_started", not_started},
+          {"missing", missing},
           {"seconds", seconds()}});
     return;
   }
+  tell_folded();
   std::string text = fmt::format("{} of {} frames done", done, frames_);
   if (kept > 0) text += fmt::format(", {} kept from an earlier run", kept);
   if (failed > 0) text += fmt::format(", {} failed", failed);
   if (not_started > 0) text += fmt::format(", {} not started", not_started);
+  if (missing > 0) text += fmt::format(", and {} not there", missing);
   const std::string speed = speed_text(done + failed, done + failed, seconds());
   messages_.summary(fmt::format("{}; {:.2f} s{}{}", text, seconds(), speed.empty() ? "" : ", ", speed));
 }

@@ -1,10 +1,13 @@
-// How far a batch is: a bar for people, lines of JSON for programs. Both on stderr.
+// How far a batch is: a bar on a terminal, a line every half a minute elsewhere, lines of JSON for programs. On stderr.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/progress.hpp"
 #include "base/stopwatch.hpp"
@@ -15,6 +18,9 @@
 
 namespace isoextract::cli {
 
+// Of a list of frames so many runs are shown: 1-4, 7.
+inline constexpr std::size_t kShownFrameRuns = 20;
+
 // "12.3 frames/s, 0:09 left", "4.2 s a frame, 1:02:11 left"
 [[nodiscard]] std::string speed_text(std::uint64_t done, std::uint64_t total, double seconds);
 
@@ -23,19 +29,28 @@ class BatchProgress {
  public:
   BatchProgress(ProgressStyle style, const Messages& messages, std::uint64_t frames);
 
-  void failed(std::int64_t frame, const Error& error);
+  // The first frames that fail for one reason are told, the others by end(). `reason` is the error's message without
+  // what only this frame has, such as the names of its files.
+  void failed(std::int64_t frame, const Error& error, const std::string& reason);
   void detail(const std::string& text);
   // Tells the first note that it is called with; other frames have the same.
   void note_once(const std::string& text);
   // A frame that is over, however it ended.
   void over(const batch::FrameRow& row);
-  // What there was in all. Call once, last.
-  void end(std::uint64_t done, std::uint64_t failed, std::uint64_t kept, std::uint64_t not_started);
+  // What there was in all. Call once, last. Frames that were not there count in none of the others.
+  void end(std::uint64_t done, std::uint64_t failed, std::uint64_t kept, std::uint64_t not_started,
+           std::uint64_t missing);
 
   [[nodiscard]] double seconds() const { return watch_.elapsed().wall_seconds; }
 
  private:
+  struct Reason {
+    std::vector<std::int64_t> told;  // the frames whose error was printed
+    std::vector<std::int64_t> untold;
+  };
+
   void line(const convert::Json& event);
+  void tell_folded();
 
   ProgressStyle style_;
   const Messages& messages_;
@@ -45,7 +60,8 @@ class BatchProgress {
   Stopwatch watch_;
   Progress progress_;
   std::mutex mutex_;
-  std::optional<ProgressBar> bar_;  // after what it reads
+  std::map<std::string, Reason> reasons_;  // why frames failed
+  std::optional<ProgressBar> bar_;         // after what it reads
 };
 
 }  // namespace isoextract::cli

@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "base/byte_size.hpp"
+#include "base/csv.hpp"
 #include "base/machine.hpp"
 #include "base/printable.hpp"
 #include "base/version.hpp"
@@ -120,17 +121,7 @@ convert::Json json_of(const measure::BenchRow& row, const measure::BenchResult& 
           {"on_front", row.on_front}};
 }
 
-std::string csv_cell(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"') quoted += '"';
-    quoted += c;
-  }
-  return quoted + "\"";
-}
-
-std::string csv_cell(const std::optional<double>& value) { return value ? fmt::format("{}", *value) : ""; }
+std::string number_cell(const std::optional<double>& value) { return value ? fmt::format("{}", *value) : ""; }
 
 // Where the time of GPUs went; empty if there is none.
 std::string device_text(const measure::BenchResult& result) {
@@ -210,10 +201,10 @@ std::string bench_csv(const std::vector<measure::BenchResult>& results) {
     for (const measure::BenchRow& row : result.rows) {
       const measure::BenchLevel& level = result.levels[row.level];
       const auto length = [&](const auto& of) {
-        return csv_cell(row.position ? std::optional<double>(of(*row.position)) : std::nullopt);
+        return number_cell(row.position ? std::optional<double>(of(*row.position)) : std::nullopt);
       };
       const auto degrees = [](const std::optional<measure::AngleStatistics>& angles) {
-        return csv_cell(angles ? std::optional(angles->rms_degrees) : std::nullopt);
+        return number_cell(angles ? std::optional(angles->rms_degrees) : std::nullopt);
       };
       text += fmt::format(
           "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_cell(result.input), result.iso,
@@ -223,7 +214,7 @@ std::string bench_csv(const std::vector<measure::BenchResult>& results) {
           length([](const auto& position) { return position.rms.world; }),
           length([](const auto& position) { return position.max.world; }),
           row.position ? fmt::format("{}", row.position->unmeasured()) : "", degrees(row.smooth_normals),
-          degrees(row.flat_normals), csv_cell(row.area_error), csv_cell(row.volume_error), row.on_front ? 1 : 0);
+          degrees(row.flat_normals), number_cell(row.area_error), number_cell(row.volume_error), row.on_front ? 1 : 0);
     }
   }
   return text;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <optional>
@@ -16,10 +17,13 @@
 #include "base/machine.hpp"
 #include "base/printable.hpp"
 #include "base/stopwatch.hpp"
+#include "batch/manifest.hpp"
 #include "cli/edit_text.hpp"
 #include "cli/field_plan.hpp"
 #include "cli/mesh_error_text.hpp"
 #include "cli/messages.hpp"
+#include "cli/output_folders.hpp"
+#include "cli/output_plan.hpp"
 #include "cli/packing_text.hpp"
 #include "cli/pages_plan.hpp"
 #include "cli/picture_plan.hpp"
@@ -36,6 +40,7 @@
 #include "convert/output_checks.hpp"
 #include "convert/placement_record.hpp"
 #include "files/output_file.hpp"
+#include "files/read_files.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -331,10 +336,20 @@ convert::Outcome failed(const Error& error) {
 // The options make no conversion, and the report says so, unless it would overwrite what they name.
 Result<void> report_no_plan(const ConvertFlags& flags, const std::vector<std::string>& arguments, const Error& error) {
   if (!flags.report || flags.report->empty() || *flags.report == "-") return {};
+  const auto name = plan_report_name(*flags.report);
+  // Which frames there are is not known.
+  if (!name || name->uses(batch::OutputWord::frame)) return {};
+  const std::vector<std::string>& inputs = flags.input.inputs;
+  const std::string path =
+      report_path(*name, {1, inputs.empty() ? "" : inputs.front(), flags.input.grid.value_or(""), flags.isos, true});
+  if (batch::is_manifest_name(std::filesystem::path(path).filename().string())) return {};
+  files::ReadFiles read;
+  for (const batch::NamedFile& file : other_files(flags, {}, {}).read) read.add(file.path, file.what);
+  if (auto checked = read.check(path); !checked) return checked;
   for (const convert::ConversionJob& job : plan_files(flags)) {
-    if (auto checked = check_report_file(*flags.report, job); !checked) return checked;
+    if (auto checked = check_report_file(path, job); !checked) return checked;
   }
-  return write_report(*flags.report, nullptr, failed(error), arguments, 0);
+  return write_report(path, nullptr, failed(error), arguments, 0);
 }
 
 std::function<std::optional<std::string>(const field::ScalarField&)> note_of_up_axis(const ConvertPlan& plan) {
@@ -406,6 +421,11 @@ Result<void> run_convert(const ConvertFlags& flags, const std::vector<std::strin
   }
   if (plan->report) {
     if (auto checked = check_report_file(*plan->report, plan->job); !checked) return checked;
+  }
+  if (plan->make_folders) {
+    std::vector<std::filesystem::path> files;
+    for (const convert::OutputFileJob& output : plan->job.outputs) files.emplace_back(output.path);
+    if (auto made = see_to_folders(files, true); !made) return made;
   }
   for (const auto& page : {plan->pages.html, plan->pages.contact_sheet}) {
     if (!page) continue;

@@ -100,14 +100,15 @@ void declare_vertices(CLI::App& app, ConvertFlags& flags) {
               "their order (default: opaque; with --color-by iso from 0.25 for the outermost to 1 for the innermost).");
 }
 
-Result<batch::FrameRange> parse_frames(std::string_view text) { return batch::FrameRange::parse(text); }
-Result<batch::Shard> parse_shard(std::string_view text) { return batch::parse_shard(std::string(text)); }
+Result<batch::ShardChoice> parse_shard(std::string_view text) { return batch::parse_shard(std::string(text)); }
 
 void declare_frames(CLI::App& app, BatchFlags& flags) {
   const Group group(app, "Frames");
-  group.value("--frames", "A-BxS,...", flags.frames, parse_frames,
-              "Frames to convert, such as 1-240, 1-240x2 or 1-10,20 (default: all that match INPUT). Those that are "
-              "not there are told.");
+  declare_frame_range(group, flags.frames,
+                      "Frames to convert, such as 1-240, 1-240x2 or 1-10,20 (default: all that match INPUT).");
+  group.choice("--missing", flags.missing,
+               "What to do where frames are not there: convert the others and exit with 5, or tell of it only "
+               "(default: error for those that --frames names, note for gaps in the numbering).");
   group.value<std::string>(
       "--iso-table", "FILE", flags.iso_table, parse_text,
       "Iso values by frame, in place of --iso and in its words: a CSV file with the columns frame and iso.");
@@ -136,9 +137,9 @@ void declare_frames(CLI::App& app, BatchFlags& flags) {
   group.choice("--progress", flags.progress,
                "How to tell on stderr how far it is: a bar on a terminal, a line of JSON an event, or not at all "
                "(default: bar).");
-  group.value("--shard", "K/N", flags.shard, parse_shard,
-              "Convert every N-th frame from the K-th on, for N machines; 'isoextract merge' joins what they did "
-              "(default: as the variables of a Slurm array or an indexed Kubernetes job say).");
+  group.value("--shard", "K/N|auto", flags.shard, parse_shard,
+              "Convert every N-th frame from the K-th on, for N machines; 'isoextract merge' joins what they did. auto "
+              "takes K and N from the variables of a Slurm array or an indexed Kubernetes job (default: all frames).");
 }
 
 void declare_packing(const Group& group, ConvertFlags& flags) {

@@ -5,9 +5,11 @@
 #include <fmt/ranges.h>
 
 #include "base/printable.hpp"
+#include "batch/find_frames.hpp"
 #include "batch/output_names.hpp"
 #include "cli/edit_plan.hpp"
 #include "cli/field_plan.hpp"
+#include "cli/output_plan.hpp"
 #include "cli/packing_plan.hpp"
 #include "cli/pages_plan.hpp"
 #include "cli/particle_plan.hpp"
@@ -20,8 +22,6 @@
 
 namespace isoextract::cli {
 namespace {
-
-constexpr std::string_view kIsoPattern = "{iso}";
 
 bool is_folder(const std::string& path) {
   std::error_code none;
@@ -53,58 +53,23 @@ Result<convert::Normals> plan_normals(const ConvertFlags& flags, meshes::MeshFor
   return flags.normals.value_or(is_gltf(format) ? convert::Normals::smooth : convert::Normals::none);
 }
 
-std::string with_iso(std::string path, const convert::IsoChoice& iso) {
-  const std::string text = name_part_of(iso);
-  for (std::size_t at = path.find(kIsoPattern); at != std::string::npos; at = path.find(kIsoPattern, at)) {
-    path.replace(at, kIsoPattern.size(), text);
-    at += text.size();
-  }
-  return path;
-}
-
 std::string_view format_name(const ConvertFlags& flags, const meshes::MeshFormatInfo& format) {
   const std::string_view other = other_extension(flags);
   return other.empty() ? format.name : other;
 }
 
-std::string output_path(const ConvertFlags& flags, const std::string& input, const meshes::MeshFormatInfo& format) {
-  return flags.output ? *flags.output : fmt::format("{}.{}", batch::stem_of(input), format_name(flags, format));
-}
-
-Result<std::vector<convert::OutputFileJob>> plan_outputs(const ConvertFlags& flags,
-                                                         const meshes::MeshFormatInfo& format) {
-  const std::string path = output_path(flags, flags.input.inputs.front(), format);
-  if (path.empty()) return refuse_usage("-o needs the name of a file");
+// Of the one conversion: what a batch does not have to ask of its outputs.
+Result<void> check_output_name(const ConvertFlags& flags, const meshes::MeshFormatInfo& format) {
   if (!flags.output && files::is_standard_input(flags.input.inputs.front())) {
-    return refuse_usage("an input from stdin has no name that the mesh could have", "give -o FILE, or -o - for stdout");
-  }
-  if (path == "-" && !format.can_stream && !writes_picture(flags)) {
     return refuse_usage(
-        fmt::format("{} cannot be written to stdout", format.name),
-        format.format == meshes::MeshFormat::gltf ? "it is two files; use --format glb" : "give a file with -o");
+        fmt::format("an input from stdin has no name that the {} could have", writes_field(flags) ? "field" : "mesh"),
+        "give -o FILE, or -o - for stdout");
   }
-  if (auto fits = check_piece_outputs(flags, path, format); !fits) return tl::unexpected(fits.error());
-  if (path.find(kIsoPattern) != std::string::npos) {
-    std::vector<convert::OutputFileJob> jobs;
-    for (const convert::IsoChoice& iso : flags.isos) jobs.push_back({with_iso(path, iso), {iso}});
-    if (path.find(convert::kPieceWord) != std::string::npos) {
-      const batch::OutputSource source{0, flags.input.inputs.front(), {}, flags.isos};
-      auto checked = batch::check_outputs({&source, 1}, {&jobs, 1}, format.format);
-      if (!checked) return tl::unexpected(std::move(checked.error()));
-    }
-    return jobs;
-  }
-  if (has_all_labels(flags) && !format.holds_several_meshes) {
-    return refuse_usage(fmt::format("one {} file holds one surface, and --labels all may give several", format.name),
-                        "write all into a glb, or list labels");
-  }
-  if (flags.isos.size() > 1 && !format.holds_several_meshes) {
-    return refuse_usage(fmt::format("one {} file holds one surface, and {} {} were given", format.name,
-                                    flags.isos.size(), flags.labels ? "labels" : "iso values"),
-                        fmt::format("write one file each with -o {}_{{iso}}.{}, or all into a glb",
-                                    printable(batch::stem_of(flags.input.inputs.front())), format.name));
-  }
-  return std::vector<convert::OutputFileJob>{{path, flags.isos}};
+  const bool is_mesh = other_extension(flags).empty();
+  if (flags.output != "-" || format.can_stream || !is_mesh) return {};
+  return refuse_usage(
+      fmt::format("{} cannot be written to stdout", format.name),
+      format.format == meshes::MeshFormat::gltf ? "it is two files; use --format glb" : "give a file with -o");
 }
 
 // What a volume with y up comes to, if the output depends on that axis and no option says which one it is.
@@ -220,10 +185,23 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& given) {
   if (!plan) return plan;
   if (!note->empty()) plan->notes.push_back(std::move(*note));
   plan->job.source.input = inputs.front();
-  auto outputs = plan->job.field_file ? plan_field_outputs(flags)
-                                      : plan_outputs(flags, meshes::mesh_format_info(plan->job.format));
-  if (!outputs) return tl::unexpected(outputs.error());
-  plan->job.outputs = std::move(*outputs);
+  const meshes::MeshFormatInfo& format = meshes::mesh_format_info(plan->job.format);
+  if (auto fine = check_output_name(flags, format); !fine) return tl::unexpected(std::move(fine.error()));
+  const auto found = batch::find_frames(inputs, std::nullopt);
+  if (!found) return tl::unexpected(found.error());
+  const std::int64_t number = found->frames.front().number;
+  const batch::OutputSource source{number, inputs.front(), flags.input.grid.value_or(""), flags.isos, true};
+  std::optional<batch::OutputTemplate> report;
+  if (plan->report) {
+    auto name = plan_report_name(*plan->report);
+    if (!name) return tl::unexpected(std::move(name.error()));
+    plan->report = report_path(*name, source);
+    report = std::move(*name);
+  }
+  auto outputs = plan_outputs(flags, {&source, 1}, format.format, other_files(flags, {&source, 1}, report));
+  if (!outputs) return tl::unexpected(std::move(outputs.error()));
+  plan->job.outputs = std::move(outputs->front());
+  plan->make_folders = flags.output && flags.output->ends_with('/');
   return plan;
 }
 
@@ -239,9 +217,10 @@ std::vector<convert::ConversionJob> plan_files(const ConvertFlags& flags) {
     job.source.input = input;
     job.source.read = plan_read(flags.input).value_or(volumes::ReadOptions{});
     job.format = format;
-    const std::string path = output_path(flags, input, meshes::mesh_format_info(format));
-    job.outputs.push_back({path, {}});
-    for (const convert::IsoChoice& iso : flags.isos) job.outputs.push_back({with_iso(path, iso), {iso}});
+    const batch::OutputSource source{1, input, flags.input.grid.value_or(""), flags.isos, true};
+    auto named = batch::unchecked_outputs({&source, 1}, flags.output, format, other_extension(flags));
+    if (named) job.outputs = std::move(named->front());
+    if (flags.output) job.outputs.push_back({*flags.output, {}});
   }
   return jobs;
 }

@@ -4,6 +4,7 @@
 
 #include "base/printable.hpp"
 #include "batch/output_names.hpp"
+#include "batch/output_template.hpp"
 #include "cli/plan_parts.hpp"
 #include "cli/voxel_plan.hpp"
 
@@ -44,10 +45,10 @@ Result<void> check_piece_outputs(const ConvertFlags& flags, const std::string& p
   }
   if (!has_word) {
     if (format.holds_several_meshes) return {};
-    return refuse_usage(
-        fmt::format("one {} file holds one mesh, and --split-components may give several", format.name),
-        fmt::format("write one file each with -o {}_{}.{}, or all into a glb",
-                    printable(batch::stem_of(flags.input.inputs.front())), convert::kPieceWord, format.name));
+    return refuse_usage(fmt::format("one {} file holds one mesh, and --split-components may give several", format.name),
+                        fmt::format("write one file each with -o {}_{}.{}, or all into a glb",
+                                    printable(batch::template_of(batch::stem_of(flags.input.inputs.front()))),
+                                    convert::kPieceWord, format.name));
   }
   if (has_all_labels(flags) || (flags.isos.size() > 1 && path.find("{iso}") == std::string::npos)) {
     return refuse_usage(fmt::format("-o {}: pieces of several surfaces would have the same names", path),

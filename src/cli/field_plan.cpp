@@ -8,10 +8,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "batch/output_names.hpp"
 #include "cli/edit_plan.hpp"
 #include "cli/plan_parts.hpp"
-#include "files/file_bytes.hpp"
 
 namespace isoextract::cli {
 namespace {
@@ -87,17 +85,6 @@ Result<void> check_field_options(const ConvertFlags& flags) {
     return refuse_usage(fmt::format("-o {}: a field has no iso value", *flags.output));
   }
   return {};
-}
-
-Result<std::vector<convert::OutputFileJob>> plan_field_outputs(const ConvertFlags& flags) {
-  const std::string& input = flags.input.inputs.front();
-  if (!flags.output && files::is_standard_input(input)) {
-    return refuse_usage("an input from stdin has no name that the field could have",
-                        "give -o FILE, or -o - for stdout");
-  }
-  std::string path = flags.output.value_or(fmt::format("{}.{}", batch::stem_of(input), kFieldFormat));
-  if (path.empty()) return refuse_usage("-o needs the name of a file");
-  return std::vector<convert::OutputFileJob>{{std::move(path), {}}};
 }
 
 Result<void> check_filters(const SurfaceFlags& surface, const ParticleFlags& particles) {

@@ -3,11 +3,9 @@
 
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "base/error.hpp"
 #include "cli/options.hpp"
-#include "convert/conversion_job.hpp"
 
 namespace isoextract::cli {
 
@@ -18,9 +16,6 @@ inline constexpr std::string_view kFieldFormat = "vdb";  // also the extension, 
 
 // Options that are about surfaces and meshes are refused where a field is written, and --half where a mesh is.
 [[nodiscard]] Result<void> check_field_options(const ConvertFlags& flags);
-
-// Where the field of one input goes.
-[[nodiscard]] Result<std::vector<convert::OutputFileJob>> plan_field_outputs(const ConvertFlags& flags);
 
 // Filters need a level set, and the method of particles may be known to make none.
 [[nodiscard]] Result<void> check_filters(const SurfaceFlags& surface, const ParticleFlags& particles);

@@ -8,8 +8,12 @@
 #include "base/byte_size.hpp"
 #include "base/machine.hpp"
 #include "base/stopwatch.hpp"
+#include "batch/find_frames.hpp"
 #include "batch/output_names.hpp"
+#include "batch/output_template.hpp"
+#include "cli/batch_plan.hpp"
 #include "cli/info_report.hpp"
+#include "cli/info_sequence.hpp"
 #include "cli/mistaken_files.hpp"
 #include "cli/progress_bar.hpp"
 #include "convert/particle_source.hpp"
@@ -37,7 +41,7 @@ std::string example_command(const InfoPlan& plan, const std::string& input, cons
   }
   if (const auto up = convert::up_axis_of(creator)) arguments += fmt::format(" --up {}", word_of(*up));
   return fmt::format("isoextract {}{} --iso {} -o {}", shell_quoted(input), arguments, iso,
-                     shell_quoted(batch::stem_of(input) + ".glb"));
+                     shell_quoted(batch::template_of(batch::stem_of(input)) + ".glb"));
 }
 
 // Whether float32 positions hold all of it apart, where the file places it.
@@ -158,40 +162,102 @@ InputReport look_at(const InfoPlan& plan, const std::string& input, const Messag
   return report;
 }
 
+void tell_notes(const InputReport& report, const Messages& messages) {
+  if (report.field) {
+    for (const std::string& note : report.field->field.notes) messages.note(note);
+  }
+  if (report.particles) {
+    for (const std::string& note : report.particles->notes) messages.note(note);
+  }
+}
+
+// Collects what there is to print, and the first failure.
+class InfoPage {
+ public:
+  InfoPage(const InfoPlan& plan, const Messages& messages) : plan_(plan), messages_(messages) {}
+
+  void add_input(const std::string& input) {
+    const Stopwatch watch;
+    const InputReport report = look_at(plan_, input, messages_);
+    take_error(report);
+    tell_notes(report, messages_);
+    tell_time(input, watch);
+    add(report, report.error.has_value());
+  }
+
+  // One frame after the other; of the first that can be read all is told.
+  void add_sequence(const std::string& input) {
+    const Stopwatch watch;
+    auto found = batch::find_frames({&input, 1}, plan_.frames);
+    if (!found) {
+      InputReport report;
+      report.input = input;
+      report.error = std::move(found.error());
+      take_error(report);
+      add(report, true);
+      return;
+    }
+    for (const std::string& note : found->notes) messages_.note(note);
+    SequenceReport sequence{input, {}, std::move(found->gaps), plan_.input_arguments, {}, {}};
+    for (const batch::Frame& frame : found->frames) {
+      const InputReport report = look_at(plan_, frame.input, messages_);
+      take_error(report);
+      sequence.frames.push_back(summary_of(frame.number, report));
+      if (!sequence.first_text.empty() || report.error) continue;
+      tell_notes(report, messages_);
+      sequence.first_text = text_of(report);
+      sequence.first_json = json_of(report);
+    }
+    tell_time(input, watch);
+    add(sequence, sequence.first_text.empty());
+  }
+
+  std::optional<Error> print() {
+    if (plan_.json) text_ = convert::json_text(json_);
+    if (text_.empty()) return failure_;
+    if (auto printed = print_to_stdout(text_); !printed) {
+      messages_.error(printed.error());
+      if (!failure_) failure_ = printed.error();
+    }
+    return failure_;
+  }
+
+ private:
+  void take_error(const InputReport& report) {
+    if (!report.error) return;
+    messages_.error(*report.error);
+    if (!failure_) failure_ = report.error;
+  }
+
+  void tell_time(const std::string& input, const Stopwatch& watch) const {
+    messages_.detail(fmt::format("{}: {:.2f} s, peak memory {}", files::shown_input_name(input),
+                                 watch.elapsed().wall_seconds, format_byte_size(peak_memory())));
+  }
+
+  template <class Report>
+  void add(const Report& report, bool failed) {
+    if (plan_.json) {
+      json_.push_back(json_of(report));
+    } else if (!failed) {
+      text_ += (text_.empty() ? "" : "\n") + text_of(report);
+    }
+  }
+
+  const InfoPlan& plan_;
+  const Messages& messages_;
+  std::optional<Error> failure_;
+  std::string text_;
+  convert::Json json_ = convert::Json::array();
+};
+
 }  // namespace
 
 std::optional<Error> run_info(const InfoPlan& plan, const Messages& messages) {
-  std::optional<Error> failure;
-  std::string text;
-  convert::Json json = convert::Json::array();
+  InfoPage page(plan, messages);
   for (const std::string& input : plan.inputs) {
-    const Stopwatch watch;
-    const InputReport report = look_at(plan, input, messages);
-    if (report.error) {
-      messages.error(*report.error);
-      if (!failure) failure = report.error;
-    }
-    if (report.field) {
-      for (const std::string& note : report.field->field.notes) messages.note(note);
-    }
-    if (report.particles) {
-      for (const std::string& note : report.particles->notes) messages.note(note);
-    }
-    messages.detail(fmt::format("{}: {:.2f} s, peak memory {}", files::shown_input_name(input),
-                                watch.elapsed().wall_seconds, format_byte_size(peak_memory())));
-    if (plan.json) {
-      json.push_back(json_of(report));
-    } else if (!report.error) {
-      text += (text.empty() ? "" : "\n") + text_of(report);
-    }
+    plan.frames || names_frames(input) ? page.add_sequence(input) : page.add_input(input);
   }
-  if (plan.json) text = convert::json_text(json);
-  if (text.empty()) return failure;
-  if (auto printed = print_to_stdout(text); !printed) {
-    messages.error(printed.error());
-    if (!failure) failure = printed.error();
-  }
-  return failure;
+  return page.print();
 }
 
 }  // namespace isoextract::cli

@@ -125,7 +125,10 @@ std::unique_ptr<CommandLine> declare_command_line() {
   declare_convert(*line->convert, line->convert_flags);
 
   line->info = add_command(app, "info", "Show what a volume or particles hold, and suggest an iso value.");
-  declare_input(*line->info, line->info_flags.input, "INPUT...", "The volumes or particles to look at, each");
+  declare_input(*line->info, line->info_flags.input, "INPUT...",
+                "The volumes or particles to look at, or patterns and folders of a sequence, each");
+  declare_frame_range(Group(*line->info, "Input"), line->info_flags.frames,
+                      "Frames of a sequence to look at, such as 1-240x20 (default: all).");
   declare_particles(*line->info, line->info_flags.particles);
   Group(*line->info, "Output")
       .flag("--json", line->info_flags.json, "Report as JSON, an array with one entry an input.");

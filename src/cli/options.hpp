@@ -149,13 +149,22 @@ constexpr auto words_of(ProgressStyle /*type*/) {
 }
 
 // What is about many frames.
+enum class MissingPolicy {
+  error,  // the frames that are there are converted, and the run fails
+  note,
+};
+constexpr auto words_of(MissingPolicy /*type*/) {
+  return std::array{Word{MissingPolicy::error, "error"}, Word{MissingPolicy::note, "note"}};
+}
+
 struct BatchFlags {
   std::optional<batch::FrameRange> frames;
+  std::optional<MissingPolicy> missing;
   std::optional<std::string> iso_table;
   bool animate = false;
   std::optional<double> fps;
   std::optional<int> jobs;
-  std::optional<batch::Shard> shard;
+  std::optional<batch::ShardChoice> shard;
   bool resume = false;
   bool fail_fast = false;
   bool no_clobber = false;
@@ -217,6 +226,7 @@ struct ConvertFlags {
 
 struct InfoFlags {
   InputFlags input;
+  std::optional<batch::FrameRange> frames;
   ParticleFlags particles;
   bool json = false;
   RunFlags run;

@@ -8,6 +8,7 @@
 
 #include "base/ascii.hpp"
 #include "base/printable.hpp"
+#include "batch/frame_pattern.hpp"
 #include "cli/output_folders.hpp"
 #include "cli/particle_plan.hpp"
 #include "cli/plan_parts.hpp"
@@ -16,6 +17,20 @@
 
 namespace isoextract::cli {
 namespace {
+
+// What other programs take for the number of a frame or a tile, in a name that is that of no file: *, <UDIM>, <f4>,
+// $FF, a # within a word. Empty where there is nothing of the kind.
+std::string foreign_numbering(const std::string& input) {
+  if (input.starts_with(field::kDemoPrefix)) return {};
+  const std::size_t at = input.find_first_of("*<#$");
+  if (at == std::string::npos || is_there(input)) return {};
+  const auto pattern = batch::FramePattern::parse(input);
+  if (!pattern || pattern->has_value()) return {};
+  if (input[at] == '*') return "*";
+  const std::size_t end = input[at] == '<' ? input.find('>', at) : input.find_first_of("._-/ ", at);
+  if (input[at] == '<' && end == std::string::npos) return {};
+  return printable(input.substr(at, end == std::string::npos ? end : end - at + (input[at] == '<' ? 1 : 0)));
+}
 
 // Commands that can work through all volumes ask the flags before they come here.
 Result<std::optional<std::int64_t>> plan_one_volume(const InputFlags& flags) {
@@ -149,9 +164,11 @@ Result<void> check_isos(const std::vector<convert::IsoChoice>& isos, const std::
 Result<volumes::ReadOptions> plan_read(const InputFlags& flags) {
   for (const std::string& input : flags.inputs) {
     if (input.empty()) return refuse_usage("INPUT is empty");
-    if (input.find('*') != std::string::npos && !input.starts_with(field::kDemoPrefix) && !is_there(input)) {
-      return refuse_usage(fmt::format("{}: there is no such file, and * is no pattern", printable(input)),
-                          "write {} where the number of a frame is, or let the shell expand it, without quotes");
+    if (const std::string mark = foreign_numbering(input); !mark.empty()) {
+      return refuse_usage(
+          fmt::format("{}: there is no such file, and {} is no pattern", printable(input), mark),
+          "write {} where the number of a frame is, {:04} where it has 4 digits or more, or let the shell "
+          "expand *, without quotes");
     }
   }
   if (std::ranges::count_if(flags.inputs, files::is_standard_input) > 1) {
@@ -221,6 +238,7 @@ Result<InfoPlan> plan_info(const InfoFlags& flags, const CLI::App& command) {
   auto particles = plan_particles(flags.particles, std::nullopt);
   if (!particles) return tl::unexpected(particles.error());
   plan.inputs = flags.input.inputs;
+  plan.frames = flags.frames;
   plan.read = std::move(*read);
   plan.particles = std::move(*particles);
   plan.memory = plan_memory(flags.input.memory_limit);

@@ -33,6 +33,7 @@ struct ConvertPlan {
   Verbosity verbosity = Verbosity::normal;
   bool explain = false;
   std::optional<std::string> report;  // the path of the JSON report
+  bool make_folders = false;          // of the outputs, where they are not there
   PagesPlan pages;
   std::optional<std::string> if_on_side;  // what is wrong with the output where another axis is up than the default
   std::vector<std::string> notes;         // what was asked for and changes nothing, one sentence each
@@ -41,6 +42,7 @@ struct ConvertPlan {
 struct InfoPlan {
   MemoryBudget memory;
   std::vector<std::string> inputs;
+  std::optional<batch::FrameRange> frames;  // of a sequence
   volumes::ReadOptions read;
   convert::ParticleOptions particles;
   std::vector<std::string> input_arguments;  // the input options as they were given, to repeat in an example

@@ -18,6 +18,7 @@ namespace {
 using namespace std::chrono_literals;
 constexpr auto kSilentFor = 1s;
 constexpr auto kRedrawEvery = 100ms;
+constexpr auto kPrintEvery = 30s;
 constexpr std::size_t kBarWidth = 30;
 constexpr std::string_view kEraseLine = "\r\x1b[K";
 
@@ -43,11 +44,12 @@ void write_to_stderr(std::string_view text) {
 
 }  // namespace
 
-ProgressBar::ProgressBar(const Progress& progress, bool wanted, std::function<std::string()> text)
+ProgressBar::ProgressBar(const Progress& progress, bool wanted, std::function<std::string()> text, bool lines)
     : progress_(progress), text_(std::move(text)) {
-  if (!wanted || !stderr_is_terminal()) return;
+  const bool draws = stderr_is_terminal();
+  if (!wanted || (!draws && !lines)) return;
   try {
-    thread_ = std::thread([this] { draw_until_done(); });
+    thread_ = std::thread([this, draws] { draws ? draw_until_done() : print_until_done(); });
   } catch (const std::system_error&) {  // the work does not need it
   }
 }
@@ -70,6 +72,13 @@ void ProgressBar::draw_until_done() {
     drawn_ = true;
   } while (!finished_.wait_for(lock, kRedrawEvery, [this] { return done_; }));
   erase();
+}
+
+void ProgressBar::print_until_done() {
+  std::unique_lock lock(mutex_);
+  while (!finished_.wait_for(lock, kPrintEvery, [this] { return done_; })) {
+    write_to_stderr((text_ ? text_() : progress_.stage()) + "\n");
+  }
 }
 
 void ProgressBar::erase() {

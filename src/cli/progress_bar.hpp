@@ -1,5 +1,5 @@
 // A bar on stderr for work that takes over a second, where stderr is a terminal and a thread can be had to draw it;
-// otherwise nothing at all.
+// otherwise nothing, or a line every half a minute where that is asked for.
 #pragma once
 
 #include <condition_variable>
@@ -16,8 +16,9 @@ namespace isoextract::cli {
 // meanwhile does so within above().
 class ProgressBar {
  public:
-  // `text` says what stands behind the bar, in place of the stage; it is called from the bar's thread.
-  ProgressBar(const Progress& progress, bool wanted, std::function<std::string()> text = {});
+  // `text` says what stands behind the bar, in place of the stage; it is called from the bar's thread. With `lines` it
+  // is printed as lines where stderr is no terminal.
+  ProgressBar(const Progress& progress, bool wanted, std::function<std::string()> text = {}, bool lines = false);
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
@@ -32,6 +33,7 @@ class ProgressBar {
 
  private:
   void draw_until_done();
+  void print_until_done();
   void erase();
 
   const Progress& progress_;

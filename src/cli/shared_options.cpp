@@ -213,6 +213,11 @@ void declare_quiet(CLI::App& app, bool& quiet) {
   run.help_flag();
 }
 
+void declare_frame_range(const Group& group, std::optional<batch::FrameRange>& frames, const std::string& text) {
+  group.value<batch::FrameRange>(
+      "--frames", "A-BxS,...", frames, [](std::string_view range) { return batch::FrameRange::parse(range); }, text);
+}
+
 void declare_placement(CLI::App& app, PlacementFlags& flags) {
   const Group group(app, "Placement");
   group.choice("--space", flags.space,

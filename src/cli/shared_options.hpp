@@ -28,6 +28,8 @@ void declare_input(CLI::App& app, InputFlags& flags, const std::string& metavar,
 void declare_particles(CLI::App& app, ParticleFlags& flags);
 void declare_surface(const Group& group, SurfaceFlags& flags);
 void declare_nan(const Group& group, std::optional<extract::NanPolicy>& policy);
+// `text` says what the frames are taken for.
+void declare_frame_range(const Group& group, std::optional<batch::FrameRange>& frames, const std::string& text);
 void declare_placement(CLI::App& app, PlacementFlags& flags);
 void declare_device(const Group& group, DeviceFlags& flags);
 void declare_backends(const Group& group, std::optional<std::vector<NamedBackend>>& backends,

@@ -363,7 +363,7 @@ class Conversion {
     context_.progress().begin("writing", 0);
     const Stopwatch watch;
     file.written.isos.push_back(surface.iso);
-    outcome_.written.push_back({surface.iso, output_, surface.mesh.triangles.size()});
+    outcome_.written.push_back({surface.iso, output_, surface.mesh.triangles.size(), 0, 0});
     file.written.triangles += surface.mesh.triangles.size();
     file.written.vertices += surface.mesh.positions.size();
     Result<void> added;

@@ -143,6 +143,9 @@ struct WrittenSurface {
   double iso = 0;
   std::size_t output = 0;  // of the job's
   std::uint64_t triangles = 0;
+  // The range of Outcome::files that holds it; empty until they are written.
+  std::size_t first_file = 0;
+  std::size_t files = 0;
 };
 
 struct Outcome {
@@ -163,6 +166,7 @@ struct Outcome {
   std::vector<ExtractionRecord> extractions;
   std::vector<VerificationRecord> verifications;
   std::vector<AttributeRecord> attributes;
+  std::vector<MeshError> errors;  // where they were measured, before the mesh is split into pieces
   std::vector<PieceRecord> pieces;
   std::vector<SmoothRecord> smoothings;
   std::vector<MeshSimplification> simplifications;

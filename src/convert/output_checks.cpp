@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
+#include <functional>
 #include <system_error>
 #include <utility>
 
@@ -36,6 +37,49 @@ bool may_be_piece(const fs::path& file, const OutputFileJob& output, meshes::Mes
     if (number > 0 && piece_path(text, number) == name) return true;
   }
   return false;
+}
+
+// Takes an old file away, and gives its name in a list of those; empty where it stays.
+using TakeFile = std::function<Result<std::string>(const fs::path&)>;
+
+Result<std::string> remove_file(const fs::path& file) {
+  const auto gone = files::remove_old_file(file);
+  if (!gone) return tl::unexpected(gone.error());
+  return *gone ? file.string() : std::string();
+}
+
+Result<std::vector<std::string>> take_meshes(const OutputFileJob& output, meshes::MeshFormat format,
+                                             const Context& context, const TakeFile& take) {
+  std::vector<std::string> taken;
+  std::vector<std::string> data;
+  if (format == meshes::MeshFormat::gltf) data = meshes::data_file_names(output.path, context);
+  for (const fs::path& file : mesh_files(output, format)) {
+    const bool is_data = file != fs::path(output.path);
+    if (is_data && std::ranges::find(data, file.filename().string()) == data.end()) continue;
+    auto name = take(file);
+    if (!name) return tl::unexpected(std::move(name.error()));
+    if (!name->empty()) taken.push_back(std::move(*name));
+  }
+  return taken;
+}
+
+Result<std::vector<std::string>> take_pieces(const OutputFileJob& output, std::size_t first, meshes::MeshFormat format,
+                                             const files::ReadFiles& read, const Context& context,
+                                             const TakeFile& take) {
+  std::vector<std::string> taken;
+  for (std::size_t number = first; number <= kMostPieceFiles; ++number) {
+    const OutputFileJob piece{piece_path(output.path, number), output.isos};
+    std::error_code none;
+    for (const fs::path& file : mesh_files(piece, format)) {
+      if (fs::is_symlink(file, none) || !read.check(file)) return taken;
+    }
+    if (!meshes::is_signed(piece.path, context)) break;
+    auto names = take_meshes(piece, format, context, take);
+    if (!names) return names;
+    if (names->empty()) break;
+    taken.insert(taken.end(), names->begin(), names->end());
+  }
+  return taken;
 }
 
 }  // namespace
@@ -103,36 +147,29 @@ std::string first_and_last(const std::vector<std::string>& names) {
 
 Result<std::vector<std::string>> remove_old_meshes(const OutputFileJob& output, meshes::MeshFormat format,
                                                    const Context& context) {
-  std::vector<std::string> removed;
-  std::vector<std::string> data;
-  if (format == meshes::MeshFormat::gltf) data = meshes::data_file_names(output.path, context);
-  for (const fs::path& file : mesh_files(output, format)) {
-    const bool is_data = file != fs::path(output.path);
-    if (is_data && std::ranges::find(data, file.filename().string()) == data.end()) continue;
-    auto gone = files::remove_old_file(file);
-    if (!gone) return tl::unexpected(std::move(gone.error()));
-    if (*gone) removed.push_back(file.string());
-  }
-  return removed;
+  return take_meshes(output, format, context, remove_file);
 }
 
 Result<std::vector<std::string>> remove_old_pieces(const OutputFileJob& output, std::size_t first,
                                                    meshes::MeshFormat format, const files::ReadFiles& read,
                                                    const Context& context) {
-  std::vector<std::string> removed;
-  for (std::size_t number = first; number <= kMostPieceFiles; ++number) {
-    const OutputFileJob piece{piece_path(output.path, number), output.isos};
-    std::error_code none;
-    for (const fs::path& file : mesh_files(piece, format)) {
-      if (fs::is_symlink(file, none) || !read.check(file)) return removed;
-    }
-    if (!meshes::is_signed(piece.path, context)) break;
-    auto gone = remove_old_meshes(piece, format, context);
-    if (!gone) return gone;
-    if (gone->empty()) break;
-    removed.insert(removed.end(), gone->begin(), gone->end());
-  }
-  return removed;
+  return take_pieces(output, first, format, read, context, remove_file);
+}
+
+Result<std::vector<std::string>> set_aside_old_meshes(const OutputFileJob& output, meshes::MeshFormat format,
+                                                      const files::ReadFiles& read,
+                                                      std::span<const meshes::WrittenFile> spared,
+                                                      const Context& context) {
+  const auto set_aside = [&](const fs::path& file) -> Result<std::string> {
+    const auto is_spared = [&](const meshes::WrittenFile& other) { return files::same_place(other.path, file); };
+    if (!read.check(file) || std::ranges::any_of(spared, is_spared)) return std::string();
+    const auto old = files::set_aside_old_file(file);
+    if (!old) return tl::unexpected(old.error());
+    return *old ? (*old)->string() : std::string();
+  };
+  const bool in_pieces = output.path.find(kPieceWord) != std::string::npos;
+  return in_pieces ? take_pieces(output, 1, format, read, context, set_aside)
+                   : take_meshes(output, format, context, set_aside);
 }
 
 Result<void> check_mesh_files(const OutputFileJob& output, meshes::MeshFormat format, const files::ReadFiles& read) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,15 @@ namespace isoextract::convert {
 
 // "a and b", or "a to z" of more than two names, of which there is at least one.
 [[nodiscard]] std::string first_and_last(const std::vector<std::string>& names);
+
+// Gives the files of an earlier run other names (files::set_aside_old_file) in place of removing them, and lists the
+// new ones: an old mesh must not pass for one of this run. `output` may have kPieceWord in its name. Files that are
+// read and those in `spared` stay.
+[[nodiscard]] Result<std::vector<std::string>> set_aside_old_meshes(const OutputFileJob& output,
+                                                                    meshes::MeshFormat format,
+                                                                    const files::ReadFiles& read,
+                                                                    std::span<const meshes::WrittenFile> spared,
+                                                                    const Context& context);
 
 // The input, those that hold its samples or attributes apart, and the job's others. What cannot be told of an input is
 // an error when it is read.

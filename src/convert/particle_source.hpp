@@ -39,6 +39,7 @@ namespace isoextract::convert {
 struct ParticleRecord {
   std::string format;       // "bgeo"
   std::string length_unit;  // of the positions, where the file says so
+  std::string time_step;    // the number that the file gives this frame; empty where it has none
   points::Method method = points::Method::sph;
   std::optional<double> smoothing_length;  // in radii, of methods that have one
   points::FieldFigures figures;

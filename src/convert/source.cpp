@@ -122,7 +122,8 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
   made->field.length_unit = file->length_unit;
   events.read(options.input, made->field, reading);
   const points::FieldFigures& figures = made->figures;
-  ParticleRecord record{file->format, file->length_unit, options.particles.method, {}, figures, watch.elapsed()};
+  ParticleRecord record{file->format, file->length_unit, file->time_step, options.particles.method,
+                        {},           figures,           watch.elapsed()};
   const bool has_kernels = record.method != points::Method::weight && record.method != points::Method::spheres;
   if (has_kernels) record.smoothing_length = options.particles.smoothing_length;
   events.made_field(record);

@@ -28,6 +28,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kBufferBytes = std::size_t{1} << 20;
 constexpr std::size_t kDirectBytes = std::size_t{1} << 16;  // spans from this size on are not copied
 constexpr mode_t kPermissionBits = S_IRWXU | S_IRWXG | S_IRWXO;
+constexpr int kMostOldFiles = 1000;
 constexpr const char* kAnotherPlace = "choose another place for the file";
 
 Error system_error(const std::string& shown, std::string_view action, int code) {
@@ -64,6 +65,12 @@ bool may_replace(const fs::path& target) { return ::faccessat(AT_FDCWD, target.c
 
 bool status_of(const fs::path& path, struct stat& status) {
   return (path == "-" ? ::fstat(STDOUT_FILENO, &status) : ::stat(path.c_str(), &status)) == 0;
+}
+
+// A regular file that an output of this name would replace.
+bool is_old_file(const fs::path& path) {
+  struct stat old {};
+  return path != "-" && ::stat(path.c_str(), &old) == 0 && S_ISREG(old.st_mode);
 }
 
 std::string descriptor_link(int fd) { return fmt::format("/proc/self/fd/{}", fd); }
@@ -216,11 +223,31 @@ Result<void> OutputFile::State::publish() {
 }
 
 Result<bool> remove_old_file(const fs::path& path) {
-  struct stat old {};
-  if (path == "-" || ::stat(path.c_str(), &old) != 0 || !S_ISREG(old.st_mode)) return false;
+  if (!is_old_file(path)) return false;
   const fs::path target = follow_links(path);
   if (may_replace(target) && ::unlink(target.c_str()) == 0) return true;
   return tl::unexpected<Error>(system_error(path.string(), "remove the old file of that name", errno));
+}
+
+Result<std::optional<fs::path>> set_aside_old_file(const fs::path& path) {
+  if (!is_old_file(path)) return std::nullopt;
+  const fs::path target = follow_links(path);
+  const auto failed = [&](int code) {
+    return tl::unexpected<Error>(system_error(path.string(), "give the old file another name", code));
+  };
+  if (!may_replace(target)) return failed(errno);
+  for (int number = 1; number <= kMostOldFiles; ++number) {
+    fs::path old = target.string() + (number == 1 ? ".old" : fmt::format(".old.{}", number));
+    if (::renameat2(AT_FDCWD, target.c_str(), AT_FDCWD, old.c_str(), RENAME_NOREPLACE) == 0) return old;
+    if (errno == EEXIST) continue;
+    if (errno != EINVAL && errno != ENOSYS) return failed(errno);
+    // A file system without that flag.
+    struct stat taken {};
+    if (::lstat(old.c_str(), &taken) == 0) continue;
+    if (::rename(target.c_str(), old.c_str()) == 0) return old;
+    return failed(errno);
+  }
+  return failed(EEXIST);
 }
 
 bool is_stream(const fs::path& path) {

@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -28,6 +29,10 @@ namespace isoextract::files {
 // Takes away the regular file that an OutputFile of this name would replace, through symbolic links. False where there
 // is none: nothing, a folder, a device or a pipe, standard output. Fails with ErrorKind::output.
 [[nodiscard]] Result<bool> remove_old_file(const std::filesystem::path& path);
+
+// The same, but the file stays under another name: NAME.old or, where that is taken, NAME.old.2 and so on. Nothing
+// where there is none.
+[[nodiscard]] Result<std::optional<std::filesystem::path>> set_aside_old_file(const std::filesystem::path& path);
 
 // Standard output, a pipe or a device: what was written there cannot be taken back.
 [[nodiscard]] bool is_stream(const std::filesystem::path& path);

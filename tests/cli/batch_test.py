@@ -206,7 +206,7 @@ class BatchTest(ProgramTest):
         shards = [*arguments, "-o", "out/{:02}.ply"]
         self.assertEqual(self.run_program(*shards, "--shard", "1/3").code, 0)
         third = dict(os.environ, SLURM_ARRAY_TASK_ID="3", SLURM_ARRAY_TASK_MIN="1", SLURM_ARRAY_TASK_COUNT="3")
-        self.assertEqual(self.run_program(*shards, env=third).code, 0)
+        self.assertEqual(self.run_program(*shards, "--shard", "auto", env=third).code, 0)
         self.assert_fails(2, self.run_program("merge", "out"), "shard 2 of 3 is missing")
         process = subprocess.Popen([PROGRAM, *shards, "--shard", "2/3", "--jobs", "1"], cwd=self.folder,
                                    stderr=subprocess.DEVNULL)

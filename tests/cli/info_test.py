@@ -40,6 +40,56 @@ class InfoTest(ProgramTest):
         for change in ({"new": 1}, {"particles": {}}, {"field": {}}, {"grids": None}, {"error": "none"}):
             self.assertFalse(valid([dict(report, **change)]), change)
 
+    def write_frames(self, numbers):
+        for number in numbers:
+            self.write_raw(f"s_{number:04}.raw", (4, 5, 6), lambda x, y, z, n=number: float(n * x))
+
+    def test_a_sequence(self):
+        self.write_frames((1, 2, 4, 8))
+        text = self.info("s_####.raw", *RAMP[1:], "--spacing", "2,3,4")
+        for part in ("s_####.raw\n", "4: 1-2,4,8", "3,5-7", "0 to 24 over all frames", "the median of the frames' suggestions",
+                     "     4  s_0004.raw  0 to 12  iso", "\ns_0001.raw\n", "Otsu",
+                     "isoextract 's_####.raw' --dims 4,5,6 --dtype f32 --spacing 2,3,4 --iso 3 -o 's_####.glb'"):
+            self.assertIn(part, text)
+        (report,) = self.json("s_####.raw", *RAMP[1:])
+        self.assertEqual((report["count"], report["missing"], report["min"], report["max"]), (4, "3,5-7", 0, 24))
+        self.assertEqual([(frame["frame"], frame["max"]) for frame in report["frames"]], [(1, 3), (2, 6), (4, 12), (8, 24)])
+        suggested = sorted(frame["iso"] for frame in report["frames"])
+        self.assertEqual(report["suggestion"]["iso"], suggested[1])
+        self.assertEqual(report["suggestion"]["frames"], sum(report["suggestion"]["iso"] < frame["max"] for frame in report["frames"]))
+        self.assertEqual(report["first"]["input"], "s_0001.raw")
+        (report,) = self.json("s_{}.raw", *RAMP[1:], "--frames", "2-9x2")
+        self.assertEqual((report["count"], report["missing"]), (3, "6"))
+
+    def test_the_command_for_a_sequence_converts_it(self):
+        self.write_frames((2, 3, 4))
+        (self.folder / "folder").mkdir()
+        for number in (2, 3):
+            header = "{'descr': '<f4', 'fortran_order': True, 'shape': (4, 5, 6), }".ljust(117) + "\n"
+            (self.folder / f"folder/n{number}.npy").write_bytes(
+                b"\x93NUMPY\1\0" + len(header).to_bytes(2, "little") + header.encode() + (self.folder / f"s_000{number}.raw").read_bytes())
+        for words, made in ((("s_$F4.raw", *RAMP[1:]), ["s_0002.glb", "s_0003.glb", "s_0004.glb"]),
+                            (("folder/",), ["folder_0002.glb", "folder_0003.glb"])):
+            (report,) = self.json(*words)
+            command = report["suggestion"]["command"].replace("isoextract", f"'{PROGRAM}'", 1)
+            run = subprocess.run(["bash", "-c", command], cwd=self.folder, capture_output=True, check=False, timeout=60)
+            self.assertEqual(run.returncode, 0, run.stderr)
+            self.assertTrue(set(made) <= {path.name for path in self.folder.iterdir()}, command)
+
+    def test_a_sequence_with_a_frame_that_cannot_be_read(self):
+        self.write_frames((1, 2, 3))
+        (self.folder / "s_0001.raw").write_bytes(b"short")
+        run = self.run_program("info", "s_{:04}.raw", *RAMP[1:])
+        self.assertEqual(run.code, 2)
+        self.assertIn("s_0001.raw: expected 480 bytes", run.err)
+        for part in ("unreadable", "1 of 3 frames", "1  s_0001.raw  cannot be read", "\ns_0002.raw\n"):
+            self.assertIn(part, run.text)
+        run = self.run_program("info", "--json", "s_{:04}.raw", *RAMP[1:])
+        (report,) = json.loads(run.text)
+        jsonschema.Draft202012Validator(SCHEMA).validate([report])
+        self.assertIn("expected 480 bytes", report["frames"][0]["error"]["message"])
+        self.assert_fails(2, self.run_program("info", "t_{:04}.raw", *RAMP[1:]), "t_{:04}.raw: no file has such a name")
+
     def test_text(self):
         text = self.info(*RAMP, "--spacing", "2,3,4", "--origin", "10,20,30")
         for part in ("ramp.raw\n", "4 x 5 x 6", "2, 3, 4", "(10, 20, 30) .. (16, 32, 50)", "0 .. 3, mean 1.5", "f32",

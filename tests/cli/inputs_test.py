@@ -327,7 +327,7 @@ class FoldersTest(ProgramTest):
         run = self.run_program("scan", "--iso", "1", "-o", "a.ply")
         self.assert_fails(2, run, "no file in the folder is named like a volume", "I9: it is a DICOM file",
                           "dcm2niix makes a NIfTI file")
-        self.assert_fails(2, self.run_program("info", "scan"), "found a directory", "name one of the files in it")
+        self.assert_fails(2, self.run_program("info", "scan"), "no file in the folder is named like a volume", "I9: it is a DICOM file")
         run = self.run_program("scan/I*", "--iso", "1", "-o", "a.ply")
         self.assert_fails(1, run, "scan/I*: there is no such file, and * is no pattern", "write {} where the number")
         (self.folder / "notes").mkdir()

@@ -35,11 +35,11 @@ class OutputTest(ProgramTest):
         self.assert_fails(2, run, "8 MiB", "1 MiB", "--memory-limit")
 
     def test_outputs_that_cannot_be_written(self):
-        (self.folder / "folder.glb").mkdir()
-        for name in ("folder.glb", "missing/out.glb", "/proc/out.glb"):
+        (self.folder / "sphere.glb").mkdir()
+        for name in (".", "missing/out.glb", "/proc/out.glb"):  # the first is sphere.glb in the folder, and so is a folder
             run = self.run_program(SPHERE, "--iso", "0", "-o", name)
-            self.assert_fails(4, run, name)
-            self.assertEqual(self.files(), ["folder.glb"])
+            self.assert_fails(4, run, "sphere.glb: expected a file, found a folder" if name == "." else name)
+            self.assertEqual(self.files(), ["sphere.glb"])
 
     def test_an_output_that_cannot_be_written_is_found_before_the_work(self):
         run = self.run_program("missing.vdb", "--iso", "0", "-o", "missing/out.glb")

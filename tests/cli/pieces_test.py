@@ -131,7 +131,7 @@ class PiecesTest(ProgramTest):
         (self.folder / "part_2.ply").write_bytes((self.folder / "balls.raw").read_bytes())
         run = self.run_program("part_2.ply", "--input-format", "raw", *RAW, "--split-components", "-o", "part_{piece}.ply")
         self.assertEqual(run.code, 1, run.err)
-        self.assertIn("part_2.ply: this is the input", run.err)
+        self.assertIn("part_2.ply: a piece of part_2.ply may have this name, and this is the input; it is not overwritten", run.err)
         self.assertNotIn("part_1.ply", self.files())
 
 

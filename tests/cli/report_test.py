@@ -298,7 +298,7 @@ class ReportTest(ProgramTest):
         self.assert_fails(1, self.run_program(*raw, "--report", "./a.raw"), "this is the input", "--report")
         self.assertEqual((self.folder / "a.raw").read_bytes(), before)
         run = self.run_program(*raw, "-o", "x.gltf", "--report", f"../{self.folder.name}/x.bin")
-        self.assert_fails(1, run, "mesh as well as the report", "--report")
+        self.assert_fails(1, run, "the report would be written there, and this is the mesh as well", "--report")
         for name in ("", "-"):
             self.assert_fails(1, self.run_program(*raw, "--report", name), "--report", "file")
         self.assertEqual(self.files(), ["a.raw"])
@@ -315,7 +315,7 @@ class ReportTest(ProgramTest):
         os.mkfifo(self.folder / "pipe")
         os.link(self.folder / "pipe", self.folder / "twin")
         run = self.run_program(*ply[:4], "pipe", "--format", "ply", "--report", "twin")
-        self.assert_fails(1, run, "twin: this is the mesh as well as the report")
+        self.assert_fails(1, run, "twin: the report would be written there, and this is the mesh as well")
         # The mesh in a file, the report to stdout.
         run = self.convert(SPHERE, "--iso", "0", "-o", "a.ply", "--report", "/dev/stdout")
         self.assertEqual(json.loads(run.text)["status"], "done")

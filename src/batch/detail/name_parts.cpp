@@ -23,14 +23,37 @@ std::optional<int> width_of(std::string_view digits) {
   return width;
 }
 
+bool parts_names(std::string_view name, std::size_t at) {
+  return at >= name.size() || std::string_view("._-/").find(name[at]) != std::string_view::npos;
+}
+
+// Of the # or @ that number frames from `at` on; 0 where they are text.
+std::size_t marks_length(std::string_view name, std::size_t at) {
+  const std::size_t end = std::min(name.find_first_not_of(name[at], at), name.size());
+  if (end > at + 1) return end - at;
+  return (at == 0 || parts_names(name, at - 1)) && parts_names(name, end) ? 1 : 0;
+}
+
+// Of the $F, $F4, ${F} or ${F4} that `text` begins with; 0 where it begins with none, as in $FF or $F42.
+std::size_t houdini_length(std::string_view text) {
+  const bool in_braces = text.starts_with("${F");
+  if (!in_braces && !text.starts_with("$F")) return 0;
+  std::size_t end = in_braces ? 3 : 2;
+  if (end < text.size() && is_digit(text[end])) ++end;
+  if (in_braces) return end < text.size() && text[end] == '}' ? end + 1 : 0;
+  const bool goes_on = end < text.size() && (is_digit(text[end]) || is_letter(text[end]));
+  return goes_on ? 0 : end;
+}
+
 class NameScanner {
  public:
   explicit NameScanner(std::string_view name) : name_(name) {}
 
   Result<std::vector<NamePart>> scan() {
     while (at_ < name_.size()) {
-      if (escape("{{", '{') || escape("}}", '}') || escape("%%", '%') || escape("{#}", '#')) continue;
-      const auto taken = name_[at_] == '{' ? braces() : name_[at_] == '%' ? percent() : hashes();
+      if (escape("{{", '{') || escape("}}", '}') || escape("%%", '%')) continue;
+      if (escape("{#}", '#') || escape("{@}", '@') || escape("{$}", '$')) continue;
+      const auto taken = numbering();
       if (!taken) return tl::unexpected(taken.error());
       if (!*taken) add_text(name_[at_++]);
     }
@@ -38,6 +61,17 @@ class NameScanner {
   }
 
  private:
+  Result<bool> numbering() {
+    switch (name_[at_]) {
+      case '{': return braces();
+      case '%': return percent();
+      case '$': return houdini();
+      case '#':
+      case '@': return marks();
+      default: return false;
+    }
+  }
+
   bool escape(std::string_view written, char meant) {
     if (!name_.substr(at_).starts_with(written)) return false;
     add_text(meant);
@@ -90,11 +124,21 @@ class NameScanner {
     return add_number(end + 1 - at_, width_of(name_.substr(at_ + 1, end - at_ - 1)));
   }
 
-  // ##, ###, ... A single one is text: it is common in names.
-  Result<bool> hashes() {
-    const std::size_t end = std::min(name_.find_first_not_of('#', at_), name_.size());
-    if (end < at_ + 2) return false;
-    return add_number(end - at_, static_cast<int>(std::min<std::size_t>(end - at_, kMaxFrameDigits + 1)));
+  // $F, $F4, ${F}, ${F4}, as Houdini has them.
+  Result<bool> houdini() {
+    const std::size_t length = houdini_length(name_.substr(at_));
+    if (length == 0) return false;
+    const std::string_view digits = name_.substr(at_, length);
+    const std::size_t first = std::min(digits.find_first_of("0123456789"), length);
+    return add_number(length, width_of(digits.substr(first, digits.find_last_of("0123456789") + 1 - first)));
+  }
+
+  // ##, ###, @@, ... or a single one between dots, dashes, underscores and the ends of a name. Elsewhere a single one
+  // is text: it is common in names.
+  Result<bool> marks() {
+    const std::size_t length = marks_length(name_, at_);
+    if (length == 0) return false;
+    return add_number(length, length == 1 ? 0 : static_cast<int>(std::min<std::size_t>(length, kMaxFrameDigits + 1)));
   }
 
   static constexpr const char* kBracesHint = "{{ and }} stand for braces";
@@ -115,7 +159,17 @@ std::string escaped_name(std::string_view text) {
       case '{': escaped += "{{"; break;
       case '}': escaped += "}}"; break;
       case '%': escaped += "%%"; break;
-      case '#': escaped += i > 0 && text[i - 1] == '#' ? "{#}" : "#"; break;
+      case '$': escaped += houdini_length(text.substr(i)) > 0 ? "{$}" : "$"; break;
+      case '#':
+      case '@': {
+        const bool repeats = i > 0 && text[i - 1] == c;
+        if (repeats || marks_length(text, i) == 1) {
+          escaped += fmt::format("{{{}}}", c);
+        } else {
+          escaped += c;
+        }
+        break;
+      }
       default: escaped += c;
     }
   }

@@ -116,6 +116,7 @@ void Recorder::shaded(double iso, const WorkFact& fact, const StageTime& time) {
 
 void Recorder::measured(const MeshError& error, const StageTime& time) {
   outcome_.stages.push_back({StageName::error, error.iso, time});
+  outcome_.errors.push_back(error);
   listener_.measured(error, time);
 }
 
@@ -126,6 +127,10 @@ void Recorder::packed(const MeshPackingRecord& record) {
 
 void Recorder::written(const WrittenOutput& output) {
   if (!output.isos.empty()) outcome_.stages.push_back({StageName::write, std::nullopt, output.time});
+  for (; located_ < outcome_.written.size(); ++located_) {
+    outcome_.written[located_].first_file = outcome_.files.size();
+    outcome_.written[located_].files = output.files.size();
+  }
   outcome_.files.insert(outcome_.files.end(), output.files.begin(), output.files.end());
   listener_.written(output);
 }

@@ -37,6 +37,7 @@ class Recorder final : public Events {
  private:
   Outcome& outcome_;
   Events& listener_;
+  std::size_t located_ = 0;  // of Outcome::written: those whose files are known
 };
 
 }  // namespace isoextract::convert

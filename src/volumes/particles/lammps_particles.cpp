@@ -237,6 +237,7 @@ class LammpsParticles final : public ParticleFormat {
     }
     if (frame.is_scaled && choice.position == frame.table.position) unscale(result.particles.positions, frame.box);
     result.length_unit = frame.unit;
+    result.time_step = frame.step;
     result.notes = choice.notes;
     return result;
   }

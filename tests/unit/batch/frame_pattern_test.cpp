@@ -27,22 +27,26 @@ std::string pattern_refusal(const std::string& name) {
 TEST(FramePattern, EveryWayOfNumberingIsRead) {
   const FramePattern four{"sim_", 4, ".vdb"};
   for (const char* name :
-       {"sim_{:04}.vdb", "sim_{:4}.vdb", "sim_{frame:04}.vdb", "sim_%04d.vdb", "sim_%4d.vdb", "sim_####.vdb"}) {
+       {"sim_{:04}.vdb", "sim_{:4}.vdb", "sim_{frame:04}.vdb", "sim_%04d.vdb", "sim_%4d.vdb", "sim_####.vdb",
+        "sim_@@@@.vdb", "sim_$F4.vdb", "sim_${F4}.vdb"}) {
     EXPECT_EQ(parsed_pattern(name), four) << name;
   }
   const FramePattern any{"sim_", 0, ".vdb"};
-  for (const char* name : {"sim_{}.vdb", "sim_{frame}.vdb", "sim_%d.vdb", "sim_{:}.vdb", "sim_{:0}.vdb"}) {
+  for (const char* name : {"sim_{}.vdb", "sim_{frame}.vdb", "sim_%d.vdb", "sim_{:}.vdb", "sim_{:0}.vdb", "sim_#.vdb",
+                           "sim_@.vdb", "sim_$F.vdb", "sim_${F}.vdb"}) {
     EXPECT_EQ(parsed_pattern(name), any) << name;
   }
   EXPECT_EQ(parsed_pattern("shot_{:03}/density.vdb"), FramePattern("shot_", 3, "/density.vdb"));
   EXPECT_EQ(parsed_pattern("demo:waves?size=16&time={}"), FramePattern("demo:waves?size=16&time=", 0, ""));
   EXPECT_EQ(parsed_pattern("##"), FramePattern("", 2, ""));
+  EXPECT_EQ(parsed_pattern("#/a.vdb"), FramePattern("", 0, "/a.vdb"));
 }
 
 TEST(FramePattern, OtherNamesAreNone) {
   for (const char* name :
        {"",   "sim.vdb",   "sim_0001.vdb", "50%.vdb",    "50%",  "%4",      "%x",    "%-4d",   "a{",    "a}",
-        "}{", "{iso}.vdb", "{a b}",        "cube#1.vdb", "{{}}", "{{:04}}", "%%04d", "{#}{#}", "#{#}#", "{1}"}) {
+        "}{", "{iso}.vdb", "{a b}",        "cube#1.vdb", "{{}}", "{{:04}}", "%%04d", "{#}{#}", "#{#}#", "{1}",
+        "a#.vdb", "#1.vdb", "me@home.vdb", "$FF.vdb", "$F42.vdb", "$", "$f4", "${F44}", "{$}F4", "{@}{@}", "x {#}.vdb"}) {
     const auto parsed = FramePattern::parse(name);
     ASSERT_TRUE(parsed) << name << ": " << parsed.error().message;
     EXPECT_FALSE(parsed->has_value()) << name;
@@ -57,7 +61,8 @@ TEST(FramePattern, EscapesAreTheCharacters) {
 
 TEST(FramePattern, ComesBackFromItsText) {
   for (const FramePattern& one :
-       {FramePattern("a%d{x}###", 5, "}{#%%.vdb"), FramePattern("", 0, ""), FramePattern("#", 2, "#")}) {
+       {FramePattern("a%d{x}###", 5, "}{#%%.vdb"), FramePattern("", 0, ""), FramePattern("#", 2, "#"),
+        FramePattern("$F4_@@@.", 1, ".#._${F}@"), FramePattern("a.#.@.", 0, "$FF")}) {
     EXPECT_EQ(parsed_pattern(one.text()), one) << one.text();
   }
 }

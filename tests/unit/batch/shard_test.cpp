@@ -14,8 +14,9 @@ using test::TempFolder;
 using test::write_bytes;
 
 TEST(Shard, IsReadAsItIsWritten) {
-  EXPECT_EQ(parse_shard("2/3").value(), (Shard{2, 3}));
-  EXPECT_EQ(parse_shard("1/1").value(), Shard());
+  EXPECT_EQ(parse_shard("2/3").value(), ShardChoice{(Shard{2, 3})});
+  EXPECT_EQ(parse_shard("1/1").value(), ShardChoice{Shard()});
+  EXPECT_EQ(parse_shard("auto").value(), ShardChoice());
   for (const char* bad : {"", "1", "0/2", "3/2", "1/0", "-1/2", "1/2/3", "a/b", " 1/2", "1/99999999999"}) {
     const auto shard = parse_shard(bad);
     ASSERT_FALSE(shard) << bad;

@@ -1,0 +1,64 @@
+#include "cli/batch_files.hpp"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "cli/output_folders.hpp"
+#include "cli/output_plan.hpp"
+#include "convert/output_checks.hpp"
+
+namespace isoextract::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+files::ReadFiles read_files_of(const BatchPlan& plan) {
+  files::ReadFiles read;
+  for (const batch::NamedFile& file : plan.others.read) read.add(file.path, file.what);
+  const convert::SourceOptions* before = nullptr;
+  for (const batch::FrameJob& frame : plan.batch.frames) {
+    const convert::SourceOptions& source = frame.job.source;
+    // The volumes of one file are many frames.
+    const bool is_known = before != nullptr && before->input == source.input && before->attributes == source.attributes;
+    if (!is_known) convert::add_read_files(read, frame.job);
+    before = &source;
+  }
+  return read;
+}
+
+}  // namespace
+
+Result<void> make_folders(const BatchPlan& plan) {
+  std::vector<fs::path> files;
+  for (const std::size_t i : plan.frames) {
+    for (const fs::path& file : files_of(plan.batch.frames[i].job)) files.push_back(file);
+  }
+  return see_to_folders(files, plan.make_folders);
+}
+
+Result<std::optional<files::ReadFiles>> check_batch_files(const BatchPlan& plan) {
+  std::vector<fs::path> there;  // of all that is written
+  for (const batch::FrameJob& frame : plan.batch.frames) {
+    for (fs::path& file : files_of(frame.job)) {
+      if (is_there(file)) there.push_back(std::move(file));
+    }
+  }
+  for (const batch::NamedFile& file : plan.others.written) {
+    if (is_there(file.path)) there.emplace_back(file.path);
+  }
+  std::optional<files::ReadFiles> read;
+  if (plan.common.job.pieces.split || !there.empty()) read = read_files_of(plan);
+  for (const fs::path& file : there) {
+    if (auto checked = read->check(file); !checked) return tl::unexpected(std::move(checked.error()));
+  }
+  const PagesPlan& pages = plan.common.pages;
+  for (const auto& file : {plan.flags.table, plan.flags.plot, pages.html, pages.contact_sheet}) {
+    if (!file) continue;
+    auto checked = convert::check_output_file(*file, read.value_or(files::ReadFiles()));
+    if (!checked) return tl::unexpected(std::move(checked.error()));
+  }
+  return read;
+}
+
+}  // namespace isoextract::cli

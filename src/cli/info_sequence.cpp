@@ -1,0 +1,159 @@
+#include "cli/info_sequence.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "base/printable.hpp"
+#include "batch/frame_pattern.hpp"
+#include "batch/output_names.hpp"
+#include "batch/output_template.hpp"
+#include "cli/batch_progress.hpp"
+#include "cli/layout.hpp"
+#include "cli/remedies.hpp"
+#include "cli/values.hpp"
+
+namespace isoextract::cli {
+namespace {
+
+constexpr std::size_t kShownFrames = 12;  // with a line of their own, from either end
+
+std::string runs_text(const std::vector<batch::FrameRun>& runs) { return batch::text_of(runs, kShownFrameRuns); }
+
+std::vector<batch::FrameRun> runs_of(const SequenceReport& report) {
+  std::vector<std::int64_t> numbers;
+  for (const FrameSummary& frame : report.frames) numbers.push_back(frame.frame);
+  return batch::runs_of(numbers);
+}
+
+std::size_t failed(const SequenceReport& report) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(report.frames, [](const FrameSummary& frame) { return frame.error.has_value(); }));
+}
+
+// The least and the largest of what the frames have.
+std::optional<std::pair<double, double>> range_of(const SequenceReport& report,
+                                                  std::optional<double> FrameSummary::*low,
+                                                  std::optional<double> FrameSummary::*high) {
+  std::optional<std::pair<double, double>> range;
+  for (const FrameSummary& frame : report.frames) {
+    if (!(frame.*low) || !(frame.*high)) continue;
+    if (!range) range = {*(frame.*low), *(frame.*high)};
+    range->first = std::min(range->first, *(frame.*low));
+    range->second = std::max(range->second, *(frame.*high));
+  }
+  return range;
+}
+
+std::string example_of(const SequenceReport& report, double iso) {
+  const std::string name_of_input = report.input.substr(0, report.input.find_last_not_of('/') + 1);
+  std::string stem = batch::stem_of(name_of_input);
+  if (stem.empty() || stem.front() == '.') stem = "frame";
+  const auto pattern = batch::FramePattern::parse(stem);
+  const std::string name = pattern && pattern->has_value() ? stem : batch::template_of(stem) + "_{:04}";
+  std::string arguments;
+  for (const std::string& argument : report.arguments) arguments += " " + argument;
+  const std::string command = fmt::format("isoextract {}{} --iso {} -o {}", shell_quoted(report.input), arguments, iso,
+                                          shell_quoted(name + ".glb"));
+  return printable(command) == command ? command : std::string();  // else as it is shown it names no file
+}
+
+std::string frame_text(const FrameSummary& frame) {
+  std::string text = fmt::format("{:>6}  {}", frame.frame, printable(frame.input));
+  if (frame.min && frame.max) text += fmt::format("  {:.6g} to {:.6g}", *frame.min, *frame.max);
+  if (frame.iso) text += fmt::format("  iso {:.6g}", *frame.iso);
+  if (frame.error) text += "  cannot be read";
+  return text;
+}
+
+}  // namespace
+
+FrameSummary summary_of(std::int64_t frame, const InputReport& report) {
+  FrameSummary summary;
+  summary.frame = frame;
+  summary.input = report.input;
+  summary.error = report.error;
+  if (!report.field || report.field->statistics.samples == 0) return summary;
+  summary.min = report.field->statistics.min;
+  summary.max = report.field->statistics.max;
+  if (report.field->suggestion.separates) {
+    summary.iso = report.field->suggestion.iso;
+    summary.method = report.field->suggestion.method;
+  }
+  return summary;
+}
+
+std::optional<SequenceIso> iso_of(const SequenceReport& report) {
+  std::vector<double> isos;
+  for (const FrameSummary& frame : report.frames) {
+    if (frame.iso) isos.push_back(*frame.iso);
+  }
+  if (isos.empty()) return std::nullopt;
+  std::ranges::sort(isos);
+  SequenceIso all{isos[(isos.size() - 1) / 2], 0};
+  all.separates = static_cast<std::size_t>(std::ranges::count_if(report.frames, [&](const FrameSummary& frame) {
+    return frame.min && frame.max && *frame.min <= all.iso && all.iso < *frame.max;
+  }));
+  return all;
+}
+
+std::string text_of(const SequenceReport& report) {
+  NamedLines lines;
+  lines.plain(printable(report.input));
+  const std::size_t count = report.frames.size();
+  lines.add("frames", fmt::format("{}: {}", count, runs_text(runs_of(report))));
+  lines.add("missing", report.gaps.empty() ? "none" : runs_text(report.gaps));
+  if (const std::size_t bad = failed(report); bad > 0)
+    lines.add("unreadable", fmt::format("{} of {} frames", bad, count));
+  if (const auto range = range_of(report, &FrameSummary::min, &FrameSummary::max)) {
+    lines.add("range", fmt::format("{:.6g} to {:.6g} over all frames", range->first, range->second));
+  }
+  if (const auto iso = iso_of(report)) {
+    const auto isos = range_of(report, &FrameSummary::iso, &FrameSummary::iso);
+    lines.add("iso",
+              fmt::format("{:.6g}, the median of the frames' suggestions ({:.6g} to {:.6g}); a surface in {} of {} "
+                          "frames",
+                          iso->iso, isos->first, isos->second, iso->separates, count));
+    if (const std::string command = example_of(report, iso->iso); !command.empty()) lines.add("command", command);
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i == kShownFrames && count > 2 * kShownFrames) {
+      lines.plain(fmt::format("    {} more frames", count - 2 * kShownFrames));
+      i = count - kShownFrames;
+    }
+    lines.plain(frame_text(report.frames[i]));
+  }
+  std::string text = lines.take();
+  if (!report.first_text.empty()) text += "\n" + report.first_text;
+  return text;
+}
+
+convert::Json json_of(const SequenceReport& report) {
+  convert::Json frames = convert::Json::array();
+  for (const FrameSummary& frame : report.frames) {
+    convert::Json one{{"frame", frame.frame},
+                      {"input", frame.input},
+                      {"min", convert::optional_json(frame.min)},
+                      {"max", convert::optional_json(frame.max)},
+                      {"iso", convert::optional_json(frame.iso)}};
+    if (frame.error) one["error"] = {{"message", frame.error->message}, {"hint", words_of(frame.error->hint)}};
+    frames.push_back(std::move(one));
+  }
+  const auto range = range_of(report, &FrameSummary::min, &FrameSummary::max);
+  const auto iso = iso_of(report);
+  convert::Json json{{"input", report.input},
+                     {"count", report.frames.size()},
+                     {"missing", batch::text_of(report.gaps)},
+                     {"min", range ? convert::Json(range->first) : convert::Json(nullptr)},
+                     {"max", range ? convert::Json(range->second) : convert::Json(nullptr)},
+                     {"suggestion", nullptr},
+                     {"frames", std::move(frames)},
+                     {"first", report.first_json}};
+  if (iso) {
+    json["suggestion"] = {{"iso", iso->iso}, {"frames", iso->separates}, {"command", example_of(report, iso->iso)}};
+  }
+  return json;
+}
+
+}  // namespace isoextract::cli

@@ -1,0 +1,58 @@
+#include "cli/output_plan.hpp"
+
+#include <fmt/format.h>
+
+#include "cli/edit_plan.hpp"
+#include "cli/picture_plan.hpp"
+#include "cli/plan_parts.hpp"
+
+namespace isoextract::cli {
+
+Result<std::vector<batch::OutputFiles>> plan_outputs(const ConvertFlags& flags,
+                                                     std::span<const batch::OutputSource> sources,
+                                                     meshes::MeshFormat format, const batch::OtherFiles& others) {
+  if (flags.output && flags.output->empty()) return refuse_usage("-o needs the name of a file");
+  auto fits = check_piece_outputs(flags, flags.output.value_or(""), meshes::mesh_format_info(format));
+  if (!fits) return tl::unexpected(std::move(fits.error()));
+  return batch::name_outputs(sources, flags.output, format, other_extension(flags), others);
+}
+
+Result<batch::OutputTemplate> plan_report_name(const std::string& report) {
+  auto name = batch::OutputTemplate::parse(report);
+  if (name && name->uses(batch::OutputWord::piece)) {
+    return refuse_usage(fmt::format("--report {}: a report is of a whole frame, not of a piece", report),
+                        "leave {piece} out of its name");
+  }
+  return name;
+}
+
+std::string report_path(const batch::OutputTemplate& name, const batch::OutputSource& source) {
+  return name.expand({batch::stem_of(source.input), source.frame, source.grid,
+                      source.isos.empty() ? "" : name_part_of(source.isos.front())});
+}
+
+batch::OtherFiles other_files(const ConvertFlags& flags, std::span<const batch::OutputSource> sources,
+                              const std::optional<batch::OutputTemplate>& report) {
+  batch::OtherFiles others;
+  const auto reads = [&](const std::optional<std::string>& path, const char* what) {
+    if (path) others.read.push_back({*path, what, {}});
+  };
+  const auto writes = [&](const std::optional<std::string>& path, const std::string& what, const char* option) {
+    if (path) others.written.push_back({*path, what, fmt::format("choose another name with {}", option)});
+  };
+  reads(flags.config, "has the options");
+  reads(flags.batch.iso_table, "has the iso values");
+  reads(flags.label_names, "has the names of labels");
+  writes(flags.batch.table, "the table", "--table");
+  writes(flags.batch.plot, "the plot", "--plot");
+  writes(flags.html, "the page", "--html");
+  writes(flags.contact_sheet, "the contact sheet", "--contact-sheet");
+  if (!report) return others;
+  for (const batch::OutputSource& source : sources) {
+    writes(report_path(*report, source),
+           source.alone ? "the report" : fmt::format("the report of frame {}", source.frame), "--report");
+  }
+  return others;
+}
+
+}  // namespace isoextract::cli
