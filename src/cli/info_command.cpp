@@ -207,6 +207,10 @@ class InfoPage {
       tell_notes(report, messages_);
       sequence.first_text = text_of(report);
       sequence.first_json = json_of(report);
+      if (!report.field) continue;
+      if (const auto up = convert::up_axis_of(report.field->field.creator)) {
+        sequence.arguments.insert(sequence.arguments.end(), {"--up", std::string(word_of(*up))});
+      }
     }
     tell_time(input, watch);
     add(sequence, sequence.first_text.empty());

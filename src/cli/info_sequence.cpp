@@ -54,9 +54,8 @@ std::string example_of(const SequenceReport& report, double iso) {
   const std::string name = pattern && pattern->has_value() ? stem : batch::template_of(stem) + "_{:04}";
   std::string arguments;
   for (const std::string& argument : report.arguments) arguments += " " + argument;
-  const std::string command = fmt::format("isoextract {}{} --iso {} -o {}", shell_quoted(report.input), arguments, iso,
-                                          shell_quoted(name + ".glb"));
-  return printable(command) == command ? command : std::string();  // else as it is shown it names no file
+  return fmt::format("isoextract {}{} --iso {} -o {}", shell_quoted(report.input), arguments, iso,
+                     shell_quoted(name + ".glb"));
 }
 
 std::string frame_text(const FrameSummary& frame) {
@@ -115,7 +114,7 @@ std::string text_of(const SequenceReport& report) {
               fmt::format("{:.6g}, the median of the frames' suggestions ({:.6g} to {:.6g}); a surface in {} of {} "
                           "frames",
                           iso->iso, isos->first, isos->second, iso->separates, count));
-    if (const std::string command = example_of(report, iso->iso); !command.empty()) lines.add("command", command);
+    lines.add("command", example_of(report, iso->iso));
   }
   for (std::size_t i = 0; i < count; ++i) {
     if (i == kShownFrames && count > 2 * kShownFrames) {
