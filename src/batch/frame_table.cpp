@@ -26,13 +26,12 @@ bool has_figures(const FrameRow& row) {
   return row.status == FrameStatus::done || row.status == FrameStatus::empty || row.status == FrameStatus::kept;
 }
 
-// Of an animation, whose frames have no files of their own, the file that plays them.
+}  // namespace
+
 std::string output_of(const FrameRow& row, const SurfaceFigures* surface) {
   if (surface != nullptr && (!surface->output.empty() || surface->triangles == 0)) return surface->output;
   return row.outputs.empty() ? std::string() : row.outputs.front();
 }
-
-}  // namespace
 
 bool is_empty(const FrameFigures& figures) {
   return !figures.surfaces.empty() &&

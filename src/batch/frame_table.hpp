@@ -33,6 +33,10 @@ struct FrameRow {
   std::string error;                 // why it failed
 };
 
+// The first file of a surface of the row, null where it has none; of an animation, whose frames have no files of their
+// own, the file that plays them.
+[[nodiscard]] std::string output_of(const FrameRow& row, const SurfaceFigures* surface);
+
 // Whether there are surfaces and none has a triangle.
 [[nodiscard]] bool is_empty(const FrameFigures& figures);
 

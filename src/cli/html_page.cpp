@@ -91,13 +91,14 @@ std::string frames_section(std::span<const batch::FrameRow> rows) {
     for (const batch::SurfaceFigures& surface : surfaces) {
       const std::string iso = surface.asked.empty() ? fmt::format("{:.6g}", surface.iso)
                                                     : fmt::format("{:.6g} ({})", surface.iso, escaped(surface.asked));
-      html += row_of(
-          std::array<std::string, 12>{
-              fmt::format("{}", row.frame), escaped(row.input), row.outputs.empty() ? "" : escaped(row.outputs.front()),
-              status, none ? "" : iso, none ? "" : fmt::format("{}", surface.triangles), count_text(surface.vertices),
-              optional_text(surface.area), optional_text(surface.volume), count_text(surface.components),
-              fmt::format("{:.3f}", row.figures.wall_seconds), fmt::format("{}", row.figures.bytes)},
-          "td", 4);
+      html += row_of(std::array<std::string, 12>{fmt::format("{}", row.frame), escaped(row.input),
+                                                 escaped(batch::output_of(row, none ? nullptr : &surface)), status,
+                                                 none ? "" : iso, none ? "" : fmt::format("{}", surface.triangles),
+                                                 count_text(surface.vertices), optional_text(surface.area),
+                                                 optional_text(surface.volume), count_text(surface.components),
+                                                 fmt::format("{:.3f}", row.figures.wall_seconds),
+                                                 fmt::format("{}", surface.bytes.value_or(row.figures.bytes))},
+                     "td", 4);
     }
   }
   return html + std::string(kTableEnd);
