@@ -9,9 +9,9 @@
 // once each, in any order, and others are not looked at. Fields are separated by tabs, semicolons or commas: by the
 // first of these that the header has. They may be quoted ("0.15", with "" for a quote), but not go on over the end of a
 // line. All lines have as many fields as the header. A frame with several iso values has a row for each.
-// An iso value may be auto or a percentile such as p99 as well (convert/iso_choice.hpp). Decimals have a point or, where
-// fields are not separated by commas, a comma in all rows, as spreadsheets write them in some languages. A byte order
-// mark, CR before line ends, blanks around fields and a line "sep=;" before the header are ignored.
+// An iso value may be auto or a percentile such as p99 as well (convert/iso_choice.hpp). Decimals have a point or,
+// where fields are not separated by commas, a comma in all rows, as spreadsheets write them in some languages. A byte
+// order mark, CR before line ends, blanks around fields and a line "sep=;" before the header are ignored.
 #pragma once
 
 #include <cstddef>

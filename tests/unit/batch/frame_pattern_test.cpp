@@ -26,9 +26,8 @@ std::string pattern_refusal(const std::string& name) {
 
 TEST(FramePattern, EveryWayOfNumberingIsRead) {
   const FramePattern four{"sim_", 4, ".vdb"};
-  for (const char* name :
-       {"sim_{:04}.vdb", "sim_{:4}.vdb", "sim_{frame:04}.vdb", "sim_%04d.vdb", "sim_%4d.vdb", "sim_####.vdb",
-        "sim_@@@@.vdb", "sim_$F4.vdb", "sim_${F4}.vdb"}) {
+  for (const char* name : {"sim_{:04}.vdb", "sim_{:4}.vdb", "sim_{frame:04}.vdb", "sim_%04d.vdb", "sim_%4d.vdb",
+                           "sim_####.vdb", "sim_@@@@.vdb", "sim_$F4.vdb", "sim_${F4}.vdb"}) {
     EXPECT_EQ(parsed_pattern(name), four) << name;
   }
   const FramePattern any{"sim_", 0, ".vdb"};
@@ -44,9 +43,10 @@ TEST(FramePattern, EveryWayOfNumberingIsRead) {
 
 TEST(FramePattern, OtherNamesAreNone) {
   for (const char* name :
-       {"",   "sim.vdb",   "sim_0001.vdb", "50%.vdb",    "50%",  "%4",      "%x",    "%-4d",   "a{",    "a}",
-        "}{", "{iso}.vdb", "{a b}",        "cube#1.vdb", "{{}}", "{{:04}}", "%%04d", "{#}{#}", "#{#}#", "{1}",
-        "a#.vdb", "#1.vdb", "me@home.vdb", "$FF.vdb", "$F42.vdb", "$", "$f4", "${F44}", "{$}F4", "{@}{@}", "x {#}.vdb"}) {
+       {"",         "sim.vdb", "sim_0001.vdb", "50%.vdb",   "50%",    "%4",         "%x",          "%-4d",
+        "a{",       "a}",      "}{",           "{iso}.vdb", "{a b}",  "cube#1.vdb", "{{}}",        "{{:04}}",
+        "%%04d",    "{#}{#}",  "#{#}#",        "{1}",       "a#.vdb", "#1.vdb",     "me@home.vdb", "$FF.vdb",
+        "$F42.vdb", "$",       "$f4",          "${F44}",    "{$}F4",  "{@}{@}",     "x {#}.vdb"}) {
     const auto parsed = FramePattern::parse(name);
     ASSERT_TRUE(parsed) << name << ": " << parsed.error().message;
     EXPECT_FALSE(parsed->has_value()) << name;
