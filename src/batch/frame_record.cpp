@@ -149,7 +149,7 @@ void add_error(const convert::Outcome& outcome, SurfaceFigures& figures) {
     max = from.max.voxels;
   };
   take(error->field.interior, figures.error_rms, figures.error_max);
-  if (error->coverage) take(error->coverage->distances, figures.coverage_rms, figures.coverage_max);
+  if (error->field.coverage) take(error->field.coverage->distances, figures.coverage_rms, figures.coverage_max);
 }
 
 // What is known of the meshes that a surface was written as: several where its pieces are meshes of their own.
