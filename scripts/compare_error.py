@@ -118,17 +118,21 @@ class Surface:
 
     def __init__(self, function, iso, lines):
         self.function, self.iso = function, iso
-        self.points = numpy.concatenate([self.on_lines(axis, lines) for axis in range(3)])
+        between = [self.on_lines(axis, lines) for axis in range(3)]
+        self.even = sum(map(len, between))  # the first points: the density of the others is another
+        # Small pieces of the surface pass no line but those through samples.
+        self.points = numpy.concatenate(between + [self.on_lines(axis, 1, True) for axis in range(3)])
         self.spacing = 1 / lines
         self.buckets = Buckets(self.points, numpy.arange(len(self.points)), function.last)
 
     def residual(self, points):
         return self.function.value(points) - self.iso
 
-    def on_lines(self, axis, lines):
+    def on_lines(self, axis, lines, through_samples=False):
         """Where lines along an axis pass iso: off the samples' planes by a half of the lines' distance, from side to side."""
         last = self.function.last
-        across = [(numpy.arange(last[a] * lines) + 0.5) / lines for a in range(3) if a != axis]
+        across = [numpy.arange(last[a] + 1.0) if through_samples else (numpy.arange(last[a] * lines) + 0.5) / lines
+                  for a in range(3) if a != axis]
         along = numpy.linspace(0, last[axis], last[axis] * lines + 1)
         u, v, w = numpy.meshgrid(*across, along, indexing="ij")
         columns = [u, v]
@@ -320,7 +324,7 @@ class Truth:
 
     def to_mesh(self, corners, count, worst):
         """Of the points on lines; their density along a surface is the sum of its normal's components."""
-        points = self.surface.points
+        points = self.surface.points[:self.surface.even]
         points = points[numpy.random.default_rng(2).permutation(len(points))[:count]]
         normal = numpy.abs(self.surface.gradient(points))
         weights = hypot(*normal.T) / numpy.maximum(normal.sum(1), 1e-300)
