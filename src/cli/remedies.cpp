@@ -73,7 +73,7 @@ std::string words_of(const Hint& hint) {
              "--origin "
              "and --inside";
     case Remedy::choose_frame: return "choose one of them with --volume K, or take each of them with --volume all";
-    case Remedy::choose_radius: return "give --radius R, in the units of the file";
+    case Remedy::choose_radius: return "give --radius R, in the units of the file" + text;
     case Remedy::skip_particles: return "use --nan outside to leave such particles out";
     case Remedy::fewer_attributes: return "leave --attribute out for it";
     case Remedy::smaller_cells: return "give a smaller --cell-size or, if it is not theirs, a larger --radius";
