@@ -10,11 +10,11 @@
 #include <fmt/format.h>
 
 #include "base/ascii.hpp"
-#include "base/byte_size.hpp"
 #include "base/printable.hpp"
 #include "batch/frame_pattern.hpp"
 #include "batch/frame_range.hpp"
 #include "files/file_bytes.hpp"
+#include "files/text_file.hpp"
 
 namespace isoextract::batch {
 namespace {
@@ -131,17 +131,9 @@ Result<TableColumns> columns_of(std::string_view header, const std::string& plac
 }  // namespace
 
 Result<IsoTable> IsoTable::read(const std::filesystem::path& path, const Context& context) {
-  const auto file = files::InputFile::open(path, context);
-  if (!file) return tl::unexpected(file.error());
-  if (file->size() > kMaxTableBytes) {
-    return fail(ErrorKind::input, fmt::format("{}: expected a table of at most {}, found {}", printable(file->name()),
-                                              format_byte_size(kMaxTableBytes), format_byte_size(file->size())));
-  }
-  std::string text(file->size(), '\0');
-  if (auto read = file->read_at(0, std::as_writable_bytes(std::span(text))); !read) {
-    return tl::unexpected(read.error());
-  }
-  return parse(text, file->name());
+  const auto text = files::read_text_file(path, "a table", kMaxTableBytes, context);
+  if (!text) return tl::unexpected(text.error());
+  return parse(*text, files::shown_input_name(path));
 }
 
 Result<IsoTable> IsoTable::parse(std::string_view text, const std::string& name) {

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <iterator>
-#include <span>
 #include <string_view>
 #include <system_error>
 #include <unordered_map>
@@ -17,8 +16,8 @@
 #include <fmt/format.h>
 
 #include "base/version.hpp"
-#include "files/file_bytes.hpp"
 #include "files/output_file.hpp"
+#include "files/text_file.hpp"
 
 namespace isoextract::batch {
 namespace {
@@ -28,6 +27,7 @@ using convert::Json;
 
 constexpr int kManifestVersion = 1;
 constexpr std::size_t kHashDigits = 32;
+constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 28;  // a frame takes about a thousand
 constexpr const char* kBegun = "begun_anew";
 
 tl::unexpected<Error> output_error(const fs::path& path, std::string_view action, int code) {
@@ -108,11 +108,7 @@ bool may_be_torn(std::string_view text) {
 }
 
 Result<std::string> text_of_file(const fs::path& path) {
-  const auto file = files::InputFile::open(path);
-  if (!file) return tl::unexpected(file.error());
-  std::string text(file->size(), '\0');
-  if (auto read = file->read_at(0, std::as_writable_bytes(std::span(text))); !read) return tl::unexpected(read.error());
-  return text;
+  return files::read_text_file(path, "the manifest of a batch", kMostBytes);
 }
 
 }  // namespace
@@ -205,7 +201,7 @@ Result<Manifest> Manifest::open(const fs::path& folder, const ManifestHeader& he
   struct stat status {};
   if (::fstat(state->file, &status) != 0) return output_error(state->path, "read it", errno);
   const auto text = status.st_size == 0 ? Result<std::string>("") : text_of_file(state->path);
-  if (!text) return output_error(state->path, "read it", EIO);
+  if (!text) return fail(ErrorKind::output, text.error().message, "choose another folder, or move the file away");
   auto old = content_of(*text);
   if (!old && !may_be_torn(*text)) {
     return fail(ErrorKind::output,

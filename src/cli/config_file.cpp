@@ -1,7 +1,6 @@
 #include "cli/config_file.hpp"
 
 #include <algorithm>
-#include <span>
 #include <string_view>
 #include <utility>
 
@@ -12,11 +11,13 @@
 #include "base/printable.hpp"
 #include "cli/command_line.hpp"
 #include "files/file_bytes.hpp"
+#include "files/text_file.hpp"
 
 namespace isoextract::cli {
 namespace {
 
 constexpr std::string_view kInputKey = "input";
+constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 20;
 
 // An option as words of the command line; of one that is false none.
 struct ConfigOption {
@@ -34,7 +35,7 @@ class ConfigReader {
   ConfigReader(const std::string& path, const CLI::App& command) : path_(path), command_(command) {}
 
   Result<ConfigFile> read() {
-    const auto text = content();
+    const auto text = files::read_text_file(path_, "a file of options", kMostBytes);
     if (!text) return tl::unexpected(text.error());
     try {
       for (const auto& [key, node] : toml::parse(std::string_view(*text), std::string_view(path_))) {
@@ -51,14 +52,6 @@ class ConfigReader {
   [[nodiscard]] tl::unexpected<Error> bad(const toml::node& node, const std::string& what, Hint hint = {}) const {
     return fail(ErrorKind::usage, fmt::format("{}:{}: {}", printable(path_), node.source().begin.line, what),
                 std::move(hint));
-  }
-
-  [[nodiscard]] Result<std::string> content() const {
-    const auto file = files::InputFile::open(path_);
-    if (!file) return tl::unexpected(file.error());
-    std::string text(file->size(), '\0');
-    auto read = file->read_at(0, std::as_writable_bytes(std::span(text)));
-    return read ? Result<std::string>(std::move(text)) : tl::unexpected(read.error());
   }
 
   Result<void> take(const std::string& key, const toml::node& node) {

@@ -1,8 +1,27 @@
 #include "cli/remedies.hpp"
 
+#include <string_view>
+
 #include <fmt/format.h>
 
 namespace isoextract::cli {
+namespace {
+
+// Rooms below name no options: in the text of their hints, "{component N}" stands for "--component N".
+std::string with_options(std::string text) {
+  for (const std::string_view name : {"component", "axis-order"}) {
+    const std::string mark = fmt::format("{{{}", name);
+    for (std::size_t at = text.find(mark); at != std::string::npos; at = text.find(mark, at)) {
+      const std::size_t end = text.find('}', at);
+      if (end == std::string::npos) break;
+      text.erase(end, 1);
+      text.replace(at, 1, "--");
+    }
+  }
+  return text;
+}
+
+}  // namespace
 
 std::string words_of(const Hint& hint) {
   const std::string& text = hint.text;
@@ -14,7 +33,7 @@ std::string words_of(const Hint& hint) {
     case Remedy::choose_grid: return "choose one of them with --grid NAME" + text;
     case Remedy::choose_grid_number: return "choose one of them with --grid NAME[k]" + text;
     case Remedy::leave_out_grid: return "leave --grid out: there is one volume in the file";
-    case Remedy::choose_volume: return "choose one of them with --volume K, K " + text;
+    case Remedy::choose_volume: return "choose one of them with --volume K, K " + with_options(text);
     case Remedy::leave_out_volume: return "leave --volume out: there is one volume in the file";
     case Remedy::describe_raw:
       return "give --dims X,Y,Z and --dtype TYPE (and --endian, --skip, --spacing where they matter)";
@@ -73,7 +92,7 @@ std::string words_of(const Hint& hint) {
              "--origin "
              "and --inside";
     case Remedy::choose_frame: return "choose one of them with --volume K, or take each of them with --volume all";
-    case Remedy::choose_radius: return "give --radius R, in the units of the file";
+    case Remedy::choose_radius: return "give --radius R, in the units of the file" + text;
     case Remedy::skip_particles: return "use --nan outside to leave such particles out";
     case Remedy::fewer_attributes: return "leave --attribute out for it";
     case Remedy::smaller_cells: return "give a smaller --cell-size or, if it is not theirs, a larger --radius";
@@ -83,7 +102,7 @@ std::string words_of(const Hint& hint) {
     case Remedy::store_floats: return "leave --half out";
     case Remedy::read_in_process: return "if you trust the file, read it with --in-process";
   }
-  return text;
+  return with_options(text);
 }
 
 }  // namespace isoextract::cli

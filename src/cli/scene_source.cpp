@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <span>
 #include <utility>
 
 #include <fmt/format.h>
@@ -15,6 +14,7 @@
 #include "convert/placement_record.hpp"
 #include "field/statistics.hpp"
 #include "files/file_bytes.hpp"
+#include "files/text_file.hpp"
 #include "meshes/mesh_reader.hpp"
 #include "render/surface_normals.hpp"
 #include "volumes/volume_reader.hpp"
@@ -92,20 +92,13 @@ std::vector<render::ControlPoint> named_transfer(const RenderPlan& plan, const f
 }
 
 Result<render::TransferFunction> read_transfer(const std::string& path, const Context& context) {
-  const auto file = files::InputFile::open(path, context);
-  if (!file) return tl::unexpected(file.error());
-  if (file->size() > kMostTransferBytes) {
-    return fail(ErrorKind::input, fmt::format("{}: expected a transfer function of at most {} bytes, found {}",
-                                              file->name(), kMostTransferBytes, file->size()));
-  }
-  std::string text(static_cast<std::size_t>(file->size()), '\0');
-  if (auto read = file->read_at(0, std::as_writable_bytes(std::span(text))); !read) {
-    return tl::unexpected(std::move(read.error()));
-  }
-  const auto points = render::parse_transfer_function(text, file->name());
+  const auto text = files::read_text_file(path, "a transfer function", kMostTransferBytes, context);
+  if (!text) return tl::unexpected(text.error());
+  const std::string name = files::shown_input_name(path);
+  const auto points = render::parse_transfer_function(*text, name);
   if (!points) return tl::unexpected(points.error());
   auto transfer = render::TransferFunction::create(*points);
-  if (!transfer) return fail(ErrorKind::input, fmt::format("{}: {}", file->name(), transfer.error().message));
+  if (!transfer) return fail(ErrorKind::input, fmt::format("{}: {}", name, transfer.error().message));
   return transfer;
 }
 

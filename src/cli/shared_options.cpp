@@ -72,7 +72,7 @@ void declare_input(CLI::App& app, InputFlags& flags, const std::string& metavar,
                            "Grid of a VDB file or array of an .npz, as 'isoextract info' lists it: NAME, or NAME[k] "
                            "where names repeat.");
   group.value("--volume", "K|all", flags.volume, parse_volume,
-              "Volume of a NIfTI, NRRD or NPY file that holds several, such as time steps, or frame of a file of "
+              "Volume of a NIfTI, NRRD, NPY or raw file that holds several, such as time steps, or frame of a file of "
               "particles: its number, counted from 0, or each of them. 'isoextract info' tells how many there are.");
   group.value("--component", "K|length", flags.component, parse_component,
               "Of a NIfTI, NRRD or NumPy file with several numbers a sample, such as vectors, colours and complex "

@@ -234,6 +234,7 @@ class Conversion {
     if (!found) return tl::unexpected(std::move(found.error()));
     if (auto whole = volumes::check_not_lost(source_.field); !whole) return whole;
     labels_ = std::move(*found);
+    for (const std::string& note : labels_->notes()) events_.note(note);
     if (!labels_->labels().empty() || job_.empty != EmptyPolicy::error) return {};
     return tl::unexpected(source_.empty ? empty_source()
                                         : Error{ErrorKind::input, source_.label + ": no sample has a label but 0",

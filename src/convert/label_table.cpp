@@ -14,6 +14,7 @@
 #include "base/printable.hpp"
 #include "files/content_hash.hpp"
 #include "files/file_bytes.hpp"
+#include "files/text_file.hpp"
 
 namespace isoextract::convert {
 namespace {
@@ -108,19 +109,9 @@ Result<LabelTable> LabelTable::parse(std::string_view text, const std::string& s
 }
 
 Result<LabelTable> LabelTable::read(const std::string& path, const Context& context) {
-  const auto file = files::InputFile::open(path, context);
-  if (!file) return tl::unexpected(file.error());
-  if (file->size() > kMaxBytes) {
-    return fail(ErrorKind::input, fmt::format("{}: expected a table of labels of at most {} bytes, found {}",
-                                              file->name(), kMaxBytes, file->size()));
-  }
-  auto memory = context.reserve(file->size(), file->name());
-  if (!memory) return tl::unexpected(std::move(memory.error()));
-  std::string text(static_cast<std::size_t>(file->size()), '\0');
-  if (auto read = file->read_at(0, std::as_writable_bytes(std::span(text))); !read) {
-    return tl::unexpected(std::move(read.error()));
-  }
-  return parse(text, file->name());
+  const auto text = files::read_text_file(path, "a table of labels", kMaxBytes, context);
+  if (!text) return tl::unexpected(text.error());
+  return parse(*text, files::shown_input_name(path));
 }
 
 const LabelEntry* LabelTable::find(std::int64_t label) const {

@@ -2,6 +2,7 @@
 // their label.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <string>
@@ -11,6 +12,7 @@
 #include <tbb/parallel_for.h>
 
 #include "extract/dense_input.hpp"
+#include "extract/detail/label_samples.hpp"
 #include "extract/detail/net_points.hpp"
 #include "extract/detail/reserved_list.hpp"
 #include "extract/detail/voxel_input.hpp"
@@ -56,10 +58,12 @@ class LabelFilter {
   std::optional<std::int64_t> around_;
 };
 
-// The labels of one chunk after the other.
+// The labels of one chunk after the other, up to the first sample that is no label.
 class ChunkLabels {
  public:
   explicit ChunkLabels(const LabelFilter& filter) : filter_(filter) {}
+
+  [[nodiscard]] const std::optional<WrongSample>& wrong() const { return wrong_; }
 
   template <class T>
   void add(const SampleRows<T>& samples, const glm::ivec3& origin, ReservedList<LabelPart>& found) {
@@ -69,6 +73,11 @@ class ChunkLabels {
       if (row == nullptr) continue;
       for (int x = samples.begin; x < samples.end;) {
         const T label = row[x];
+        if (!is_label(label)) {
+          const auto place = static_cast<int>(r);
+          wrong_ = {static_cast<double>(label), origin + glm::ivec3(x, place & 7, place >> 3)};
+          return;
+        }
         int end = x + 1;
         while (end < samples.end && row[end] == label) ++end;
         if (ChunkBits* bits = bits_of(static_cast<std::int64_t>(label))) {
@@ -98,6 +107,7 @@ class ChunkLabels {
 
   const LabelFilter& filter_;
   std::vector<LabelPart> parts_;
+  std::optional<WrongSample> wrong_;
 };
 
 // Of sparse samples, put together from blocks, tiles and the background.
@@ -112,7 +122,7 @@ class SparseRows {
       const std::int32_t stored = lookup_.place(origin + glm::ivec3(kBlockSize * place, 0, 0));
       const T* block =
           stored >= 0 ? static_cast<const T*>(samples_.blocks[static_cast<std::size_t>(stored)].values) : nullptr;
-      const T constant = block == nullptr ? static_cast<T>(lookup_.constant_of(stored)) : T{};
+      const T constant = block == nullptr ? sample_from<T>(lookup_.constant_of(stored)) : T{};
       for (int x = 0; x < kBlockSize; ++x) {
         for (int y = 0; y < kBlockSize; ++y) {
           for (int z = 0; z < kBlockSize; ++z) {
@@ -154,20 +164,47 @@ SampleRows<T> dense_rows(const DenseView<T>& view, const glm::ivec3& origin) {
   return rows;
 }
 
+// All digits of a whole number.
+std::string text_of_sample(double value) {
+  constexpr double kMost = 0x1p64;
+  return std::abs(value) <= kMost && value == std::floor(value) ? fmt::format("{:.0f}", value)
+                                                                : fmt::format("{}", value);
+}
+
+tl::unexpected<Error> refuse_sample(const field::ScalarField& field, double value, const std::string& place) {
+  const double most = visit_sample_type(field.type(), []<class T>(std::type_identity<T>) { return most_label<T>(); });
+  return fail(
+      ErrorKind::input,
+      fmt::format("{}: expected the samples of a label map, whole numbers from -{} to {} where they are {}, found "
+                  "{} {}",
+                  field.source, text_of_sample(most), text_of_sample(most), field::sample_type_name(field.type()),
+                  text_of_sample(value), place),
+      std::abs(value) > most ? "write the labels as integers" : "");
+}
+
+// The values that a sparse field has without storing them sample by sample.
+Result<void> check_constants(const field::ScalarField& field, const field::SparseSamples& sparse) {
+  return visit_sample_type(sparse.type, [&]<class T>(std::type_identity<T>) -> Result<void> {
+    const auto is_one = [](double value) { return is_label(sample_from<T>(value)); };
+    if (!is_one(sparse.background)) return refuse_sample(field, sparse.background, "as the background");
+    for (const field::SparseTile& tile : sparse.tiles) {
+      if (is_one(tile.value)) continue;
+      const glm::ivec3& at = tile.origin;
+      return refuse_sample(field, tile.value, fmt::format("in the tile at ({}, {}, {})", at.x, at.y, at.z));
+    }
+    return {};
+  });
+}
+
 Result<void> check_label_map(const field::ScalarField& field, const LabelChoice& choice) {
-  const bool integers =
-      visit_sample_type(field.type(), []<class T>(std::type_identity<T>) { return !field::is_floating_sample<T>; });
-  if (!integers) {
-    return fail(ErrorKind::usage, fmt::format("{}: expected integers as the samples of a label map, found {}",
-                                              field.source, field::sample_type_name(field.type())));
-  }
   if (!field.scale.is_identity()) {
     return fail(ErrorKind::usage,
                 fmt::format("{}: expected samples that are labels as they are stored, found a scale of {} and {}",
                             field.source, field.scale.slope, field.scale.intercept));
   }
   const auto* sparse = std::get_if<field::SparseSamples>(&field.samples);
-  if (sparse == nullptr || choice.all) return {};
+  if (sparse == nullptr) return {};
+  if (auto whole = check_constants(field, *sparse); !whole || choice.all) return whole;
   const auto around = static_cast<std::int64_t>(sparse->background);
   if (std::ranges::find(choice.values, around) == choice.values.end()) return {};
   return fail(ErrorKind::usage,
@@ -182,6 +219,7 @@ struct LabelVoxels::Found {
 
   std::string what;  // for messages
   std::vector<std::int64_t> labels;
+  std::vector<std::string> notes;
   std::optional<LabelFilter> filter;
   std::optional<NetPoints> net;  // of surface nets
   glm::ivec3 base{0};
@@ -191,9 +229,10 @@ struct LabelVoxels::Found {
   std::optional<field::SparseLookup> lookup;
   std::vector<Reservation> memory;
   std::vector<ReservedList<LabelPart>> tasks;
+  std::vector<std::optional<WrongSample>> wrong;                // of each task the first
   std::map<std::int64_t, std::vector<const LabelPart*>> parts;  // in chunk_order()
 
-  // Fills `tasks`: add(labels, n, list) for each of `count` chunks.
+  // Fills `tasks`: add(labels, begin, end, list) for portions of `count` chunks.
   template <class Add>
   void run(std::size_t count, const Context& context, const Add& add) {
     stats.brick = "64x8x8 voxels";
@@ -203,10 +242,13 @@ struct LabelVoxels::Found {
     tasks.clear();
     tasks.reserve(portions);
     for (std::size_t p = 0; p < portions; ++p) tasks.emplace_back(context, what);
+    wrong.assign(portions, std::nullopt);
     context.progress().begin("finding labels", portions);
     tbb::parallel_for(std::size_t{0}, portions, [&](std::size_t p) {
       if (context.cancelled()) return;
-      add(ChunkLabels(*filter), kChunksATask * p, std::min(kChunksATask * (p + 1), count), tasks[p]);
+      ChunkLabels chunk(*filter);
+      add(chunk, kChunksATask * p, std::min(kChunksATask * (p + 1), count), tasks[p]);
+      wrong[p] = chunk.wrong();
       context.progress().advance(1);
     });
   }
@@ -217,14 +259,12 @@ struct LabelVoxels::Found {
     stats.samples_classified = dims.x * dims.y * dims.z;
     base = region.min;
     field::visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) {
-      if constexpr (!field::is_floating_sample<T>) {
-        const DenseView<T> view = part_of(dense_view<T>(samples), region);
-        run(grid.count(), context,
-            [&](ChunkLabels chunk, std::size_t begin, std::size_t end, ReservedList<LabelPart>& list) {
-              for (std::size_t n = begin; n < end; ++n)
-                chunk.add(dense_rows(view, grid.origin(n)), grid.origin(n), list);
-            });
-      }
+      const DenseView<T> view = part_of(dense_view<T>(samples), region);
+      run(grid.count(), context,
+          [&](ChunkLabels& chunk, std::size_t begin, std::size_t end, ReservedList<LabelPart>& list) {
+            for (std::size_t n = begin; n < end && !chunk.wrong(); ++n)
+              chunk.add(dense_rows(view, grid.origin(n)), grid.origin(n), list);
+          });
     });
   }
 
@@ -241,20 +281,25 @@ struct LabelVoxels::Found {
     if (!origins) return tl::unexpected(origins.error());
     stats.samples_classified = samples.blocks.size() * kBlockSize * kBlockSize * kBlockSize;
     field::visit_sample_type(samples.type, [&]<class T>(std::type_identity<T>) {
-      if constexpr (!field::is_floating_sample<T>) {
-        run(origins->size(), context,
-            [&](ChunkLabels chunk, std::size_t begin, std::size_t end, ReservedList<LabelPart>& list) {
-              SparseRows<T> rows(samples, *lookup, region);
-              for (std::size_t n = begin; n < end; ++n) chunk.add(rows.read((*origins)[n]), (*origins)[n], list);
-            });
-      }
+      run(origins->size(), context,
+          [&](ChunkLabels& chunk, std::size_t begin, std::size_t end, ReservedList<LabelPart>& list) {
+            SparseRows<T> rows(samples, *lookup, region);
+            for (std::size_t n = begin; n < end && !chunk.wrong(); ++n)
+              chunk.add(rows.read((*origins)[n]), (*origins)[n], list);
+          });
     });
     return {};
   }
 
   // Puts the parts in order; the labels that were asked for, or all that were found.
-  [[nodiscard]] Result<void> collect(const LabelChoice& choice, const Context& context) {
+  [[nodiscard]] Result<void> collect(const field::ScalarField& field, const LabelChoice& choice,
+                                     const Context& context) {
     if (auto wanted = context.check(); !wanted) return wanted;
+    for (const std::optional<WrongSample>& sample : wrong) {
+      if (!sample) continue;
+      const glm::ivec3 at = base + sample->at;
+      return refuse_sample(field, sample->value, fmt::format("at sample ({}, {}, {})", at.x, at.y, at.z));
+    }
     std::uint64_t count = 0;
     for (const ReservedList<LabelPart>& task : tasks) {
       if (task.error()) return tl::unexpected(*task.error());
@@ -335,15 +380,24 @@ Result<LabelVoxels> LabelVoxels::find(const field::ScalarField& field, const Ext
   } else if (auto done = found->find_sparse(field, *sparse, context); !done) {
     return tl::unexpected(done.error());
   }
-  if (auto done = found->collect(choice, context); !done) return tl::unexpected(done.error());
+  if (auto done = found->collect(field, choice, context); !done) return tl::unexpected(done.error());
   if (nets) {
     if (auto done = found->make_net(options.relaxations, context); !done) return tl::unexpected(done.error());
+  }
+  const bool floats =
+      visit_sample_type(field.type(), []<class T>(std::type_identity<T>) { return field::is_floating_sample<T>; });
+  if (floats) {
+    found->notes.push_back(
+        fmt::format("{}: all of its samples, held as {}, are whole numbers: they are taken as labels", field.source,
+                    field::sample_type_name(field.type())));
   }
   found->stats.classify = watch.elapsed();
   return LabelVoxels(std::move(found));
 }
 
 const std::vector<std::int64_t>& LabelVoxels::labels() const { return found_->labels; }
+
+const std::vector<std::string>& LabelVoxels::notes() const { return found_->notes; }
 
 Result<Extraction> LabelVoxels::extract(const field::ScalarField& field, std::int64_t label,
                                         const ExtractOptions& options, const Context& context) const {

@@ -31,13 +31,17 @@ class LabelVoxels {
  public:
   // Of the region in `options`, whose iso value plays no part; for surface nets with the net of all labels there are,
   // whichever are asked for, so that the choice changes no mesh. What is found is reserved for as long as it lives.
-  // Fails with ErrorKind::usage for samples that are not integers or that a scale makes something else of, and for a
-  // label that a sparse field has all around; with ErrorKind::input where memory runs out; with ErrorKind::cancelled.
+  // Floating-point samples are labels where all of the region are whole numbers, up to which their type has every one.
+  // Fails with ErrorKind::usage where a scale makes something else of the samples, and for a label that a sparse field
+  // has all around; with ErrorKind::input where a sample is no label or memory runs out; with ErrorKind::cancelled.
   [[nodiscard]] static Result<LabelVoxels> find(const field::ScalarField& field, const ExtractOptions& options,
                                                 const LabelChoice& choice, const Context& context = Context());
 
   // Those that were asked for, in their order, found or not; all of them in rising order.
   [[nodiscard]] const std::vector<std::int64_t>& labels() const;
+
+  // Sentences about the samples that a user should know.
+  [[nodiscard]] const std::vector<std::string>& notes() const;
 
   // The surface of one of them; empty where the label was not found. `field` is the one that was looked at, and
   // `options` are the same but for what a mesh is like. By surface nets the borders of two labels are the same

@@ -1,10 +1,12 @@
 #include "files/content_hash.hpp"
 
-#include <sys/stat.h>
-
 #include <algorithm>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <span>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -14,15 +16,38 @@
 
 #include "base/buffer.hpp"
 #include "files/file_bytes.hpp"
+#include "files/file_version.hpp"
 
 namespace isoextract::files {
 namespace {
 
 std::string text_of(const XXH128_hash_t& hash) { return fmt::format("{:016x}{:016x}", hash.high64, hash.low64); }
 
-std::int64_t modified(const struct stat& status) {
-  constexpr std::int64_t kNanoseconds = 1'000'000'000;
-  return status.st_mtim.tv_sec * kNanoseconds + status.st_mtim.tv_nsec;
+// States of the last few files, so that one with thousands of frames is not read for the record of each.
+class KnownStates {
+ public:
+  std::optional<FileState> find(const FileVersion& version) {
+    const std::lock_guard lock(mutex_);
+    const auto found = std::ranges::find(states_, version, &std::pair<FileVersion, FileState>::first);
+    if (found == states_.end()) return std::nullopt;
+    std::rotate(found, found + 1, states_.end());  // the one that was used last goes last
+    return states_.back().second;
+  }
+  void add(const FileVersion& version, const FileState& state) {
+    constexpr std::size_t kMost = 16;
+    const std::lock_guard lock(mutex_);
+    if (states_.size() == kMost) states_.erase(states_.begin());
+    states_.emplace_back(version, state);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::pair<FileVersion, FileState>> states_;
+};
+
+KnownStates& known_states() {
+  static KnownStates known;
+  return known;
 }
 
 }  // namespace
@@ -30,8 +55,12 @@ std::int64_t modified(const struct stat& status) {
 Result<FileState> state_of_file(const std::filesystem::path& path) {
   const auto file = InputFile::open(path);
   if (!file) return tl::unexpected(file.error());
-  struct stat before {};
-  struct stat after {};
+  const auto version = version_of(*file);
+  if (!version) return tl::unexpected(version.error());
+  const bool settled = version->is_settled();
+  if (settled) {
+    if (auto known = known_states().find(*version)) return std::move(*known);
+  }
   constexpr std::uint64_t kPiece = 1 << 20;
   FileState state;
   state.bytes = file->size();
@@ -39,18 +68,15 @@ Result<FileState> state_of_file(const std::filesystem::path& path) {
   if (hash == nullptr) return fail(ErrorKind::input, fmt::format("{}: not enough memory", path.string()));
   XXH3_128bits_reset(hash.get());
   Buffer<std::byte> piece(std::min(kPiece, state.bytes));
-  const bool known = ::fstat(file->descriptor(), &before) == 0;
   for (std::uint64_t at = 0; at < state.bytes; at += piece.size()) {
     const std::span<std::byte> bytes = piece.span().first(std::min<std::uint64_t>(piece.size(), state.bytes - at));
     if (auto read = file->read_at(at, bytes); !read) return tl::unexpected(read.error());
     XXH3_128bits_update(hash.get(), bytes.data(), bytes.size());
   }
-  if (!known || ::fstat(file->descriptor(), &after) != 0 || modified(before) != modified(after) ||
-      after.st_size != before.st_size) {
-    return fail(ErrorKind::input, fmt::format("{}: it changed while it was looked at", path.string()));
-  }
-  state.modified = modified(after);
+  if (auto unchanged = check_unchanged(*file, *version); !unchanged) return tl::unexpected(unchanged.error());
+  state.modified = version->modified;
   state.hash = text_of(XXH3_128bits_digest(hash.get()));
+  if (settled) known_states().add(*version, state);
   return state;
 }
 

@@ -12,6 +12,7 @@
 #include "points/detail/anisotropy.hpp"
 #include "points/detail/field_lengths.hpp"
 #include "points/detail/kernel_bricks.hpp"
+#include "points/detail/near_spots.hpp"
 #include "points/detail/sparse_bricks.hpp"
 #include "points/detail/spot_density.hpp"
 #include "points/detail/weight_bricks.hpp"
@@ -22,6 +23,9 @@ namespace {
 
 constexpr double kBrickSide = field::SparseBlock::kSize;
 constexpr double kInside = 1;  // of tiles: about what the field is within the liquid
+// Particles that one may have within reach on average, so that the work grows with their number and not with its
+// square. Where particles touch, and kernels are as wide as usual, there are 216, with anisotropic kernels 1000.
+constexpr std::uint64_t kMostNear = 32768;
 
 Result<void> check_positive(double value, const char* what) {
   if (std::isfinite(value) && value > 0) return {};
@@ -51,6 +55,24 @@ Result<GridFrame> index_frame(const ParticleSet& particles, const ParticleBounds
                 Hint("positions nearer to 0 would do"));
   }
   return GridFrame{glm::round(centre / (kBrickSide * spacing)) * (kBrickSide * spacing), spacing};
+}
+
+// Fails where the radius is so far above the distance of the particles that nearly all of them meet.
+Result<void> check_crowding(const ParticleSet& particles, const CellGrid& grid, const FieldOptions& options,
+                            const FieldFigures& figures, const Context& context) {
+  const bool is_anisotropic = options.method == Method::anisotropic;
+  const double widening = is_anisotropic ? std::max(1.0, options.anisotropy.neighbourhood) : 1;
+  const std::uint64_t most = kMostNear * grid.size();
+  if (count_near_pairs(grid, widening * figures.support / figures.spacing, most) <= most) return {};
+  const auto statistics = measure_statistics(particles, context);
+  if (!statistics) return tl::unexpected(statistics.error());
+  const std::optional<double> usual = statistics->suggested_radius();
+  return fail(ErrorKind::input,
+              fmt::format("{}: a particle radius of {:.6g}, whose neighbours are up to {:.6g} away, gives each of {} "
+                          "particles more than {} neighbours on average; expected at most that many",
+                          particles.label, figures.radius, widening * figures.support, figures.particles, kMostNear),
+              Hint(Remedy::choose_radius,
+                   usual ? fmt::format(": {:.6g} is half the median distance to the nearest particle", *usual) : ""));
 }
 
 Result<field::SparseSamples> sum_kernels(const CellGrid& grid, double support, const FieldOptions& options,
@@ -141,6 +163,11 @@ Result<ParticleField> make_field(const ParticleSet& particles, const FieldOption
   auto grid = CellGrid::make(positions, *frame, weighs ? 1 : std::max(support, 2.0), CellGrid::Coinciding::merged,
                              context, particles.label);
   if (!grid) return tl::unexpected(grid.error());
+  if (!weighs) {
+    if (auto fine = check_crowding(particles, *grid, options, figures, context); !fine) {
+      return tl::unexpected(fine.error());
+    }
+  }
   BrickCounts counts;
   auto samples = weighs ? fill_bricks(WeightBricks(*grid, options.deposit, options.weight), std::nullopt, kInside,
                                       counts, context, particles.label)

@@ -41,13 +41,13 @@ Result<void> check_options(const std::string& input, const FormatDescription& ab
                 fmt::format("{}: a component is chosen of files that may hold several numbers a sample; this is read "
                             "as {}",
                             input, about.id),
-                "leave the choice of a component out");
+                "leave {component} out");
   }
   if (options.axis_order && !about.has_axis_order) {
     return fail(ErrorKind::usage,
                 fmt::format("{}: the order of axes is for arrays, which do not say theirs; this is read as {}", input,
                             about.id),
-                "leave the order of axes out");
+                "leave {axis-order} out");
   }
   if (about.needs_layout && !options.raw) {
     return fail(ErrorKind::usage, fmt::format("{}: a raw file does not say what is in it", input),

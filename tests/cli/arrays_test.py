@@ -82,6 +82,22 @@ class ArraysTest(ProgramTest):
                           "--component: expected the number of a component, counted from 0, or length")
         self.assert_fails(1, self.run_program(SPHERE, "--component", "0", "--iso", "0"), "read as demo")
 
+    def test_hints_name_their_options(self):
+        """Complex arrays, and arrays whose axes are others than those of a volume."""
+        (self.folder / "z.npy").write_bytes(npy("<c8", (2, 3, 4), bytes(192)))
+        (self.folder / "five.npy").write_bytes(npy("|u1", (2, 3, 3, 3, 2), bytes(108)))
+        (self.folder / "six.npy").write_bytes(npy("|u1", (2, 2, 3, 3, 3, 2), bytes(216)))
+        for name, option in (("z.npy", "--component N, N from 0 to 1: the real and the imaginary part"),
+                             ("z.npy", "--component length"),
+                             ("v.npy", "--volume K, K from 0 to 9; if the last axis, of 3, counts the components of a vector"),
+                             ("v.npy", "one of them with --component N, or --component length"),
+                             ("five.npy", "--component N, N from 0 on, or --component length"),
+                             ("six.npy", "take a part with fewer axes in NumPy first, for example a[0]")):
+            self.assert_fails(2, self.run_program(name, "--iso", "1", "-o", "a.ply"), "hint: ", option)
+        self.assert_fails(2, self.run_program("r.npy", "--component", "1", "--iso", "1"), "leave --component out")
+        self.assert_fails(1, self.run_program(SPHERE, "--component", "0", "--iso", "0"), "leave --component out")
+        self.assert_fails(1, self.run_program(SPHERE, "--axis-order", "xyz", "--iso", "0"), "leave --axis-order out")
+
     def test_axes_in_the_other_order(self):
         nx, ny, nz = DIMS
         values = lengths()

@@ -144,6 +144,35 @@ class BatchTest(ProgramTest):
         run = self.run_program("steps.npy", "--volume", "all", "--frames", "1-9x2", "--iso", "50", "-o", "o/{}.ply", "--mkdir")
         self.assertEqual(sorted(self.content("o")), ["1.ply", "3.ply"], run.err)
 
+    def test_the_volumes_of_a_raw_file_are_frames(self):
+        samples = bytearray(b"head" + bytes(3 * 216))
+        for step in range(3):
+            samples[4 + 216 * step + 86] = 100 + step
+        (self.folder / "steps.raw").write_bytes(bytes(samples))
+        raw = ("steps.raw", "--dims", "6,6,6", "--skip", "4", "--iso", "50")
+        run = self.run_program(*raw, "-o", "a.ply")
+        self.assertEqual(run.code, 2)
+        self.assertIn("steps.raw: there are 3 volumes in the file", run.err)
+        self.assertIn("--volume K, K from 0 to 2", run.err)
+        run = self.run_program(*raw, "--volume", "all", "-o", "out/s_{:02}.ply", "--mkdir")
+        self.assertEqual(run.code, 0, run.err)
+        for step in range(3):
+            (self.folder / "one.raw").write_bytes(bytes(samples[4 + 216 * step:4 + 216 * (step + 1)]))
+            self.convert("one.raw", "--dims", "6,6,6", "--iso", "50", "-o", "one.ply")
+            self.convert(*raw, "--volume", step, "-o", "two.ply")
+            one, two, frame = (read_ply((self.folder / name).read_bytes())
+                               for name in ("one.ply", "two.ply", f"out/s_{step:02}.ply"))
+            self.assertEqual(one.vertices, two.vertices)
+            self.assertEqual(one.vertices, frame.vertices)
+
+    def test_a_manifest_has_a_largest_size(self):
+        self.write_frames(range(1))
+        (self.folder / "out").mkdir()
+        with open(self.folder / "out/isoextract.manifest", "wb") as manifest:
+            manifest.truncate(2 ** 28 + 1)  # no block of it is on the disk
+        run = self.batch("-o", "out/s_{:02}.ply", code=4)
+        self.assertIn("isoextract.manifest: expected the manifest of a batch of at most 256 MiB, found", run.err)
+
     def test_progress_for_programs(self):
         self.write_frames((1, 2))
         (self.folder / "in_002.raw").write_bytes(b"short")

@@ -101,6 +101,9 @@ class ConfigTest(ProgramTest):
             run = self.run_program(SPHERE, "--iso", "0", "-o", "a.ply", "--config", name, "--report", "r.json")
             self.assert_fails(2, run, name)
             self.assertEqual(json.loads((self.folder / "r.json").read_text())["status"], "failed")
+        (self.folder / "long.toml").write_bytes(b"#" * (2 ** 20 + 1))
+        self.assert_fails(2, self.run_program(SPHERE, "--iso", "0", "-o", "a.ply", "--config", "long.toml"),
+                          "long.toml: expected a file of options of at most 1 MiB, found")
         self.assert_fails(1, self.run_program(SPHERE, "--config", "-"), "--config needs the name of a file")
         self.assert_fails(1, self.run_program(SPHERE, "--config"), "--config needs a value")
         self.assert_fails(1, self.run_program(SPHERE, "--config", "a", "--config", "b"), "--config was given 2 times")

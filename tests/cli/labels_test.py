@@ -210,10 +210,50 @@ class LabelsTest(ProgramTest):
         self.assertIn("--no-merge does not go with surface nets", refused("--labels", "1", "--no-merge"))
         self.assertIn("--normals smooth: surface nets", refused("--labels", "1", "--normals", "smooth"))
         self.assertIn("no sample has label 7", refused("--labels", "1,7", code=2))
-        self.assertIn("expected integers as the samples of a label map", self.run_program(
+        self.assertIn("expected the samples of a label map, whole numbers from", self.run_program(
             SPHERE, "--labels", "all", "-o", "x.glb").err)
         self.assertEqual(self.run_program(*self.map, "--labels", "1", "--backend", "gpu", "-o", "x.glb").code, 3)
         self.convert(*self.map, "--labels", "1", "--backend", "auto", "-o", "y.glb", env=NO_GPU)
+
+    def write_npy(self, name, typecode, values):
+        kinds = {"q": "<i8", "Q": "<u8", "f": "<f4", "d": "<f8", "i": "<i4"}
+        header = f"{{'descr': '{kinds[typecode]}', 'fortran_order': False, 'shape': (6, 6, 6), }}\n".encode()
+        (self.folder / name).write_bytes(b"\x93NUMPY\1\0" + len(header).to_bytes(2, "little") + header +
+                                         struct.pack(f"<216{typecode}", *values))
+
+    def test_wide_integers_and_whole_floats_are_labels(self):
+        """Ids as other programs write them: each type gives the mesh of i32, or the id that it cannot hold is named."""
+        def block(label, background=0):
+            return [label if 1 <= n % 6 < 4 and 1 <= n // 6 % 6 < 4 and n // 36 in (2, 3) else background
+                    for n in range(216)]
+
+        def made(name, labels="all"):
+            run = self.convert(name, "--labels", labels, "-o", "out.glb")
+            return read_glb((self.folder / "out.glb").read_bytes()), run.err
+
+        self.write_npy("i32.npy", "i", block(7))
+        expected, _ = made("i32.npy")
+        for typecode in "qQfd":
+            self.write_npy("wide.npy", typecode, block(7))
+            meshes, told = made("wide.npy")
+            self.assertEqual(list(meshes), ["wide label 7"])
+            self.assertEqual(meshes["wide label 7"].triangles, expected["i32 label 7"].triangles)
+            self.assertEqual(meshes["wide label 7"].vertices, expected["i32 label 7"].vertices)
+            held = "f32" if typecode == "f" else "f64"
+            self.assertIn(f"all of its samples, held as {held}, are whole numbers: they are taken as labels", told)
+        for typecode, label in (("q", 2 ** 53), ("q", -2 ** 40), ("Q", 2 ** 53 - 1), ("f", 2 ** 24)):
+            self.write_npy("wide.npy", typecode, block(label))
+            self.assertEqual(list(made("wide.npy")[0]), [f"wide label {label}"])
+            self.assertEqual(list(made("wide.npy", label)[0]), [f"wide label {label}"])
+        for typecode, label, found in (
+                ("q", 2 ** 53 + 1, "exact as doubles, as those up to 2^53 are, found 9007199254740993 at sample (1, 1, 2)"),
+                ("Q", 2 ** 64 - 1, "found 18446744073709551615 at sample (1, 1, 2)"),
+                ("q", 2 ** 60, "found 1152921504606846976 at sample (1, 1, 2)"),
+                ("f", 2 ** 24 + 2, "from -16777216 to 16777216 where they are f32, found 16777218 at sample (1, 1, 2)"),
+                ("f", 7.5, "where they are f32, found 7.5 at sample (1, 1, 2)"),
+                ("d", float("nan"), "found nan at sample (1, 1, 2)")):
+            self.write_npy("wide.npy", typecode, block(label))
+            self.assert_fails(2, self.run_program("wide.npy", "--labels", "all", "-o", "x.glb"), found)
 
     def test_notes_say_what_does_not_apply(self):
         run = self.convert(*self.map, "--labels", "1", "--cap", "--error", "-o", "x.ply")

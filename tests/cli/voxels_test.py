@@ -134,8 +134,8 @@ class VoxelsTest(ProgramTest):
         self.assertIn("--labels and --iso exclude each other", self.refused(*self.labels, "--labels", "1", "--iso", "0"))
         self.assertIn("expected all, or whole numbers", self.refused(*self.labels, "--labels", "1,x"))
         self.assertIn("each label once", self.refused(*self.labels, "--labels", "1,1"))
-        self.assertIn("expected integers as the samples of a label map, found f32",
-                      self.refused(SPHERE, *VOXELS, "--labels", "all"))
+        self.assertIn("whole numbers from -16777216 to 16777216 where they are f32, found ",
+                      self.refused(SPHERE, *VOXELS, "--labels", "all", code=2))
         self.assertIn("--normals smooth: voxels", self.refused(*self.labels, "--iso", "0", "--normals", "smooth"))
         self.assertIn("--nan hole: voxels", self.refused(*self.labels, "--iso", "0", "--nan", "hole"))
         self.assertIn("exclude each other", self.refused(*self.labels, "--iso", "0", "--no-merge", "--t-junctions"))

@@ -1,10 +1,11 @@
-// The libFuzzer target of the readers of particles: the first byte chooses the format, the second what is asked for,
-// and the rest is a whole file.
+// One libFuzzer target a format of particles, and two for the two kinds of BGEO, which differ in how inputs are
+// mutated: the first byte is what is asked for, and the rest is a whole file.
 #include <cstdint>
 #include <cstdlib>
 #include <string>
-#include <vector>
+#include <string_view>
 
+#include "fuzz/fuzz_format.hpp"
 #include "support/temp_folder.hpp"
 #include "volumes/particle_reader.hpp"
 
@@ -25,18 +26,22 @@ volumes::ParticleReadOptions options_of(const volumes::ParticleFormatDescription
   return options;
 }
 
+// The format of the target "particles_ID".
+volumes::ParticleFormatDescription format_of_target() {
+  const std::string_view id = fuzz::kFormat.substr(std::string_view("particles_").size());
+  for (const volumes::ParticleFormatDescription& about : volumes::particle_format_descriptions()) {
+    if (about.id == (id == "houdini" ? "bgeo" : id)) return about;
+  }
+  std::abort();
+}
+
 void read_one(const std::uint8_t* data, std::size_t size) {
-  if (size < 3) return;
+  if (size < 2) return;
   static const test::TempFolder folder;
-  static const std::vector<volumes::ParticleFormatDescription> formats = [] {
-    auto all = volumes::particle_format_descriptions();
-    std::erase_if(all, [](const auto& about) { return !about.from_standard_input; });  // those of plug-ins
-    return all;
-  }();
-  const volumes::ParticleFormatDescription& about = formats[data[0] % formats.size()];
-  const volumes::ParticleReadOptions options = options_of(about, data[1]);
+  static const volumes::ParticleFormatDescription about = format_of_target();
+  const volumes::ParticleReadOptions options = options_of(about, data[0]);
   const std::string input = folder / ("particles" + about.extensions.front());
-  test::write_bytes(input, std::string(reinterpret_cast<const char*>(data) + 2, size - 2));
+  test::write_bytes(input, std::string(reinterpret_cast<const char*>(data) + 1, size - 1));
   const Context context(MemoryBudget(std::uint64_t{8} << 20));
   {
     const auto info = volumes::particle_info(input, options, context);

@@ -220,14 +220,13 @@ void write_vdbs(const fs::path& folder) {
   write_vdb_stream(folder / "stream_blosc", {precise, fog}, openvdb::io::COMPRESS_BLOSC, false);
 }
 
-// The target's first two bytes, then a file.
-void write_particles(const fs::path& folder) {
-  const auto seed = [&](const std::string& name, const std::string& id, const std::string& bytes) {
-    const auto formats = volumes::particle_format_descriptions();
-    const auto format = std::ranges::find(formats, id, &volumes::ParticleFormatDescription::id);
+// A folder for each target; see fuzz_particles.cpp for the first byte.
+void write_particles(const fs::path& root) {
+  const auto seed = [&](const std::string& name, const std::string& target, const std::string& bytes) {
+    const fs::path folder = root / ("particles_" + target);
+    fs::create_directories(folder);
     for (const char bits : {'\1', '\x0e', '\x12'}) {
-      write_bytes(folder / fmt::format("{}_{}", name, static_cast<int>(bits)),
-                  std::string(1, static_cast<char>(format - formats.begin())) + bits + bytes);
+      write_bytes(folder / fmt::format("{}_{}", name, static_cast<int>(bits)), std::string(1, bits) + bytes);
     }
   };
   seed("ply_little", "ply", ply_header("binary_little_endian") + ply_body(std::endian::little));
@@ -242,12 +241,16 @@ void write_particles(const fs::path& folder) {
                        24));
   seed("bgeo_old", "bgeo", bgeo_classic());
   seed("bgeo_gzip", "bgeo", gzip(bgeo_classic()));
-  seed("bgeo_new", "bgeo", houdini_geometry());
-  seed("bgeo_big", "bgeo", houdini_geometry(std::endian::big));
+  seed("bgeo_new", "houdini", houdini_geometry());
+  seed("bgeo_big", "houdini", houdini_geometry(std::endian::big));
   seed("npy_rows", "npy", npy_bytes("'>f4'", "(2, 4)", std::string(32, '\1')));
   seed("npy_columns", "npy", npy_bytes("'<i8'", "(2, 3)", std::string(48, '\1'), true));
   seed("npy_fields", "npy",
        npy_bytes("[('id', '<i2'), ('tag', '|S4'), ('pos', '<f8', (3,))]", "(2,)", std::string(60, '\1')));
+  seed("npy_texts", "npy", npy_bytes("[('x', '|S4'), ('y', '<U1'), ('z', '|V2')]", "(2,)", std::string(20, 'a')));
+  seed("npy_dates", "npy",
+       npy_bytes("[('x', '<f4'), ('y', '<f4'), ('z', '<f4'), ('t', '<M8[ns]'), ('c', '<c8'), ('f', '<f16')]", "(1,)",
+                 std::string(44, '\1')));
   seed("xyz", "xyz", "3\nwater\nO 1 2 3 0.5\nH 4 5 6 1\nH 7 8 9.5 2\n1\n\n1 2 3\n");
   seed("xyz_extended", "xyz", std::string(kExtendedXyz));
   seed("lammps", "lammps", std::string(kLammpsDump));
@@ -401,14 +404,13 @@ void write_gltfs(const fs::path& folder) {
 }
 
 void write_seeds(const fs::path& folder) {
-  const std::array<std::pair<const char*, void (*)(const fs::path&)>, 14> formats{{{"vdb", write_vdbs},
+  const std::array<std::pair<const char*, void (*)(const fs::path&)>, 13> formats{{{"vdb", write_vdbs},
                                                                                    {"nrrd", write_nrrd},
                                                                                    {"nifti", write_nifti},
                                                                                    {"npy", write_npy},
                                                                                    {"npz", write_npz},
                                                                                    {"raw", write_raw},
                                                                                    {"demo", write_demo},
-                                                                                   {"particles", write_particles},
                                                                                    {"ply", write_plys},
                                                                                    {"obj", write_objs},
                                                                                    {"stl", write_stls},
@@ -419,6 +421,7 @@ void write_seeds(const fs::path& folder) {
     fs::create_directories(folder / name);
     write(folder / name);
   }
+  write_particles(folder);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <memory>
 #include <optional>
+#include <type_traits>
 #include <utility>
 
 #include <draco/compression/decode.h>
@@ -19,9 +20,15 @@ namespace {
 constexpr const char* kNameKey = "name";
 constexpr const char* kGeneratorKey = "generator";
 constexpr const char* kPlacementKey = "placement";
-// What the library holds of a triangle and of a vertex while it decodes, beside their attributes: its corner tables.
+// Bounds of what the library holds while it decodes: of a triangle and of a vertex, in its corner table and its maps;
+// of both once more for each connectivity of attributes, whose seams may give each corner a vertex of its own (two maps
+// of vertices that grow by doubling, two that do not, the corners' vertices, the list of seams); of a value of an
+// attribute, beside its numbers, in the map from points and in the sequence of decoding.
 constexpr std::uint64_t kTriangleBytes = 96;
 constexpr std::uint64_t kVertexBytes = 96;
+constexpr std::uint64_t kSeamTriangleBytes = 112;
+constexpr std::uint64_t kSeamVertexBytes = 24;
+constexpr std::uint64_t kValueMapBytes = 12;
 
 std::optional<draco::DataType> draco_type(mesh::ComponentType type) {
   using Type = mesh::ComponentType;
@@ -180,7 +187,14 @@ class BoundedDecoder final : public Decoder {
     std::uint32_t second = 0;
     if (!draco::DecodeVarint(&first, &ahead) || !draco::DecodeVarint(&second, &ahead)) return false;
     // Of one method vertices come first, of the other triangles.
-    take_(std::max(first, second) * (kTriangleBytes + kVertexBytes));
+    const std::uint64_t most = std::max(first, second);
+    std::uint64_t bytes = most * (kTriangleBytes + kVertexBytes);
+    if constexpr (std::is_same_v<Decoder, draco::MeshEdgebreakerDecoder>) {
+      std::uint8_t connectivities = 0;
+      if (!ahead.Decode(&connectivities)) return false;
+      bytes += connectivities * most * (kSeamTriangleBytes + kSeamVertexBytes);
+    }
+    take_(bytes);
     return Decoder::DecodeConnectivity();
   }
 
@@ -188,10 +202,10 @@ class BoundedDecoder final : public Decoder {
     const draco::PointCloud& points = *this->point_cloud();
     for (int a = 0; a < points.num_attributes(); ++a) {
       const draco::PointAttribute& attribute = *points.attribute(a);
-      // Whole numbers, what they become, and the map from points to values.
+      // Whole numbers, and what they become.
       const std::uint64_t value = std::uint64_t{attribute.num_components()} *
                                   (2 * sizeof(std::int32_t) + draco::DataTypeLength(attribute.data_type()));
-      take_(points.num_points() * (value + sizeof(std::uint32_t)));
+      take_(points.num_points() * (value + kValueMapBytes));
     }
     return Decoder::DecodeAllAttributes();
   }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 
 #include <glm/glm.hpp>
 
@@ -22,6 +23,10 @@ struct CellTargets {
   std::size_t size = 0;    // of them
   std::size_t padded = 0;  // the next multiple of 8
 };
+
+// Pairs of a spot and one that for_each_near_batch() gives it, itself included: what its work is. Stops counting soon
+// after `most`. The same for any number of threads up to there.
+[[nodiscard]] std::uint64_t count_near_pairs(const CellGrid& grid, double radius, std::uint64_t most);
 
 // begin(targets), add(targets, batch) for all spots within `radius` of any of them and some more, each weighing its
 // members, and end(targets); for the spots of the cell, 64 at a time. The order depends on the grid alone.

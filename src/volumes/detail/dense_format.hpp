@@ -39,7 +39,8 @@ struct DenseFile {
   std::uint64_t components = 1;  // numbers a sample, at least
   bool components_interleaved = false;  // likewise
   bool component_before_volume = true;  // of two axes on the same side of space, that of the components is the faster
-  std::string other_reading;            // what else the axes could be, for hints; may be empty
+  std::string component_names;          // what they are, in their order; may be empty
+  Hint other_reading;                   // what else the file could be than several volumes; see choose_volume()
   std::vector<SamplePiece> pieces;      // of all volumes and components
   bool size_is_exact = false;           // bytes after the samples are an error, not a note
   std::vector<std::string> notes;

@@ -160,7 +160,7 @@ Result<field::ScalarField> read_dense(const files::InputFile& file, DenseFile de
                                       const ReadOptions& options) {
   const auto volume = choose_volume(file.name(), dense.volumes, options.volume, dense.other_reading);
   if (!volume) return tl::unexpected(volume.error());
-  const auto chosen = choose_component(file.name(), dense.components, options.component);
+  const auto chosen = choose_component(file.name(), dense.components, options.component, dense.component_names);
   if (!chosen) return tl::unexpected(chosen.error());
   std::string what = describe_samples(dense.dims, dense.type);
   if (dense.components > 1) what += fmt::format(" of {} components", dense.components);

@@ -111,10 +111,11 @@ Result<std::size_t> choose_grid(const std::string& file, std::span<const GridInf
 }
 
 Result<std::uint64_t> choose_volume(const std::string& file, std::uint64_t count, std::optional<std::int64_t> wanted,
-                                    const std::string& otherwise) {
+                                    const Hint& otherwise) {
+  const Remedy choose = otherwise.remedy == Remedy::none ? Remedy::choose_volume : otherwise.remedy;
   const Hint hint = count == 1 ? Hint(Remedy::leave_out_volume)
-                               : Hint(Remedy::choose_volume, fmt::format("from 0 to {}{}{}", count - 1,
-                                                                         otherwise.empty() ? "" : "; ", otherwise));
+                               : Hint(choose, fmt::format("from 0 to {}{}{}", count - 1,
+                                                          otherwise.text.empty() ? "" : "; ", otherwise.text));
   if (!wanted) {
     if (count == 1) return 0;
     return fail(ErrorKind::input, fmt::format("{}: there are {} volumes in the file", file, count), hint);
@@ -130,9 +131,12 @@ Result<std::uint64_t> choose_volume(const std::string& file, std::uint64_t count
 }
 
 Result<std::optional<std::uint64_t>> choose_component(const std::string& file, std::uint64_t count,
-                                                      const std::optional<ComponentChoice>& wanted) {
-  const std::string choice =
-      fmt::format("choose one of them by its number, from 0 to {}, or the length of all", count - 1);
+                                                      const std::optional<ComponentChoice>& wanted,
+                                                      const std::string& names) {
+  const std::string choice = fmt::format(
+      "choose one of them with {{component N}}, N from 0 to {}{}{}, or the length of all with {{component "
+      "length}}",
+      count - 1, names.empty() ? "" : ": ", names);
   if (!wanted) {
     if (count == 1) return 0;
     return fail(ErrorKind::input, fmt::format("{}: expected one number a sample, found {} components", file, count),
@@ -141,7 +145,7 @@ Result<std::optional<std::uint64_t>> choose_component(const std::string& file, s
   if (count == 1) {
     if (wanted->number == 0) return 0;
     return fail(ErrorKind::input, fmt::format("{}: expected several numbers a sample, found one", file),
-                "leave the choice of a component out");
+                "leave {component} out");
   }
   if (!wanted->number) return std::nullopt;
   if (std::cmp_less(*wanted->number, 0) || std::cmp_greater_equal(*wanted->number, count)) {

@@ -26,13 +26,15 @@ void label_grids(std::span<GridInfo> grids);
                                               const std::optional<std::string>& wanted);
 
 // The wanted one of `count` volumes, or, where none is asked for, the only one. The hint of a failure says what there
-// is to choose from, and `otherwise`, what else could be meant.
+// is to choose from, and `otherwise`, what else could be meant: its text, or a remedy in place of
+// Remedy::choose_volume.
 [[nodiscard]] Result<std::uint64_t> choose_volume(const std::string& file, std::uint64_t count,
-                                                  std::optional<std::int64_t> wanted,
-                                                  const std::string& otherwise = {});
+                                                  std::optional<std::int64_t> wanted, const Hint& otherwise = {});
 
-// Likewise one of `count` components, or nothing where the length of all of them is asked for.
+// Likewise one of `count` components, or nothing where the length of all of them is asked for. `names` says what they
+// are, in their order, and may be empty.
 [[nodiscard]] Result<std::optional<std::uint64_t>> choose_component(const std::string& file, std::uint64_t count,
-                                                                    const std::optional<ComponentChoice>& wanted);
+                                                                    const std::optional<ComponentChoice>& wanted,
+                                                                    const std::string& names = {});
 
 }  // namespace isoextract::volumes

@@ -72,10 +72,10 @@ Result<NpyAxes> find_axes(const std::string& name, const NpyHeader& header, bool
     return fail(ErrorKind::input,
                 fmt::format("{}: expected an array with {} axes [{}{}], or {} [t, {}{}], found shape ({})", name,
                             wanted, letters, c, wanted + 1, letters, c, fmt::join(header.shape, ", ")),
-                kept <= 2 ? Hint(Remedy::read_as_particles)
-                : kept == 5 && !has_component
-                    ? Hint("where the last axis counts the components of a vector, choose one of them")
-                    : Hint());
+                kept <= 2                     ? Hint(Remedy::read_as_particles)
+                : kept == 5 && !has_component ? Hint("if the last axis counts the components of a vector, choose one "
+                                                     "of them with {component N}, N from 0 on, or {component length}")
+                                              : Hint("take a part with fewer axes in NumPy first, for example a[0]"));
   }
   if (header.shape.size() > kept) {
     notes.push_back(fmt::format("{} leading axes of length 1 were dropped", header.shape.size() - kept));
@@ -137,6 +137,7 @@ Result<DenseFile> npy_volume(const std::string& name, const NpyHeader& header, c
   if (!dims) return tl::unexpected(dims.error());
   dense.volumes = axes->volumes.value_or(1);
   dense.components = axes->components.value_or(type->numbers);
+  if (is_complex) dense.component_names = "the real and the imaginary part";
   const std::uint64_t count = checked_product(dense.volumes, dense.components).value_or(0);
   if (auto fine = check_volume_count(name, *dims, type->type, count); !fine) return tl::unexpected(fine.error());
 
@@ -144,8 +145,10 @@ Result<DenseFile> npy_volume(const std::string& name, const NpyHeader& header, c
   const bool looks_like_vectors = header.shape.back() <= kFewComponents && dense.volumes > kFewComponents &&
                                   std::ranges::min(header.shape) == header.shape.back();
   if (looks_like_vectors && !options.component && !is_complex) {
-    dense.other_reading = fmt::format("choose a component instead if the last axis, of {}, counts those of a vector",
-                                      header.shape.back());
+    dense.other_reading = fmt::format(
+        "if the last axis, of {}, counts the components of a vector, choose one of them with "
+        "{{component N}}, or {{component length}}",
+        header.shape.back());
   }
   dense.format = "NPY";
   dense.type = type->type;

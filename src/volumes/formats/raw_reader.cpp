@@ -8,17 +8,22 @@
 namespace isoextract::volumes {
 namespace {
 
-// What else would make the file fit.
-Hint fitting_layout(const files::InputFile& file, const RawLayout& layout, std::uint64_t expected) {
-  const std::uint64_t found = file.size() - std::min(file.size(), layout.skip);
-  const std::uint64_t count = expected / field::sample_size(layout.type);
+// The types of sample with which `bytes` would be one volume of `count` samples: "u16, i16, f16"; may be none.
+std::string fitting_types(std::uint64_t count, std::uint64_t bytes) {
   std::string types;
   for (const field::SampleType type : {field::SampleType::u8, field::SampleType::i8, field::SampleType::u16,
                                        field::SampleType::i16, field::SampleType::u32, field::SampleType::i32,
                                        field::SampleType::f16, field::SampleType::f32, field::SampleType::f64}) {
-    if (count * field::sample_size(type) == found)
+    if (count * field::sample_size(type) == bytes)
       types += fmt::format("{}{}", types.empty() ? "" : ", ", field::sample_type_name(type));
   }
+  return types;
+}
+
+// What else would make the file fit.
+Hint fitting_layout(const files::InputFile& file, const RawLayout& layout, std::uint64_t expected) {
+  const std::uint64_t found = file.size() - std::min(file.size(), layout.skip);
+  const std::string types = fitting_types(expected / field::sample_size(layout.type), found);
   if (!types.empty()) return {Remedy::retype_raw, types};
   if (file.size() > expected) {
     return {Remedy::skip_in_raw, std::to_string(file.size() - expected)};
@@ -40,14 +45,25 @@ Result<DenseFile> open_raw(const files::InputFile& file, const RawLayout& layout
   if (!dims) return tl::unexpected(dims.error());
   const std::uint64_t expected = sample_bytes(*dims, layout.type);
   const auto total = checked_sum(expected, layout.skip);
-  if (!total || *total != file.size()) {
-    return fail(ErrorKind::input,
-                fmt::format("{}: expected {} bytes ({} after {} bytes to skip), found {}", file.name(),
-                            total ? std::to_string(*total) : "more than 2^64", describe_samples(*dims, layout.type),
-                            layout.skip, file.size()),
-                fitting_layout(file, layout, expected));
+  const std::uint64_t found = file.size() - std::min(file.size(), layout.skip);
+  if (!total || *total > file.size() || found % expected != 0) {
+    return fail(
+        ErrorKind::input,
+        fmt::format("{}: expected {} bytes ({} after {} bytes to skip), or a multiple of the samples for several "
+                    "volumes, found {}",
+                    file.name(), total ? std::to_string(*total) : "more than 2^64",
+                    describe_samples(*dims, layout.type), layout.skip, file.size()),
+        fitting_layout(file, layout, expected));
   }
   DenseFile dense;
+  dense.volumes = found / expected;
+  if (auto fine = check_volume_count(file.name(), *dims, layout.type, dense.volumes); !fine) {
+    return tl::unexpected(fine.error());
+  }
+  if (dense.volumes > 1) {
+    const std::string types = fitting_types(expected / field::sample_size(layout.type), found);
+    if (!types.empty()) dense.other_reading = fmt::format("as one volume, its samples would be {}", types);
+  }
   dense.format = "raw";
   dense.type = layout.type;
   dense.dims = *dims;
@@ -65,6 +81,7 @@ class RawFormat final : public DenseFormat {
       : DenseFormat({.id = "raw",
                      .title = "samples without a header",
                      .extensions = {".raw"},
+                     .has_volumes = true,
                      .has_axis_order = true,
                      .needs_layout = true}) {}
 

@@ -135,7 +135,7 @@ class BgeoParticles final : public ParticleFormat {
   }
 
   [[nodiscard]] ParticleFile read(const files::InputFile& file, const ParticleReadOptions& options) const override {
-    if (is_newer(file)) return read_houdini(file, options);
+    if (is_newer(file)) return read_houdini(file, survey_houdini(file), options);
     ContentReader content(file);
     BgeoFile bgeo = read_bgeo_header(content);
     const ColumnChoice choice = choose_columns(bgeo.table, options);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -14,6 +15,7 @@ namespace isoextract::volumes {
 namespace {
 
 constexpr std::size_t kMostBuffered = 2 * ContentReader::kMostPeeked;
+constexpr std::uint64_t kLeastPiece = std::uint64_t{1} << 16;
 
 }  // namespace
 
@@ -28,7 +30,7 @@ ContentReader::ContentReader(const files::InputFile& file) : file_(file), most_(
     buffered = std::min<std::uint64_t>(buffered, file.size());
   }
   memory_ = must(file.context().reserve(buffered, file.name() + ": a block of the file"));
-  buffer_.resize(static_cast<std::size_t>(buffered));
+  buffer_ = Buffer<std::byte>(static_cast<std::size_t>(buffered));
   file.context().progress().begin("reading", gzip_ ? 0 : file.size());
 }
 
@@ -47,13 +49,14 @@ std::size_t ContentReader::refill() {
     end_ -= begin_;
     begin_ = 0;
   }
-  const auto room = std::span(buffer_).subspan(end_);
+  const auto room = buffer_.span().subspan(end_);
   std::size_t got = 0;
   if (gzip_) {
     got = must(gzip_->inflate(room));
     at_end_ = got < room.size();
   } else {
-    got = static_cast<std::size_t>(std::min<std::uint64_t>(room.size(), file_.size() - taken_));
+    got = static_cast<std::size_t>(std::min({std::uint64_t{room.size()}, file_.size() - taken_, piece_}));
+    piece_ = std::min<std::uint64_t>(2 * std::max(piece_, kLeastPiece), kMostBuffered);
     must(file_.read_at(taken_, room.first(got)));
     taken_ += got;
     at_end_ = taken_ == file_.size();
@@ -66,7 +69,7 @@ std::size_t ContentReader::refill() {
 std::span<const std::byte> ContentReader::peek(std::size_t wanted) {
   while (end_ - begin_ < wanted && refill() > 0) {
   }
-  return std::span(buffer_).subspan(begin_, end_ - begin_);
+  return std::as_const(buffer_).span().subspan(begin_, end_ - begin_);
 }
 
 std::span<const std::byte> ContentReader::take(std::size_t bytes, std::string_view what) {
@@ -91,10 +94,23 @@ void ContentReader::skip(std::uint64_t bytes, std::string_view what) {
   }
 }
 
+void ContentReader::go_to(const LinePlace& place, std::uint64_t expected) {
+  start_ = place.position;
+  taken_ = place.position;
+  begin_ = 0;
+  end_ = 0;
+  at_end_ = taken_ >= file_.size();
+  line_number_ = place.number;
+  line_end_ = place.line_end;
+  // How lines end follows from a whole block.
+  piece_ = place.line_end == 0 ? kMostBuffered
+                               : std::clamp<std::uint64_t>(expected == 0 ? kLeastPiece : expected, 1, kMostBuffered);
+}
+
 std::optional<std::string_view> ContentReader::next_line() {
   std::size_t looked = 0;
   while (true) {
-    const auto rest = std::span(buffer_).subspan(begin_, end_ - begin_);
+    const auto rest = std::as_const(buffer_).span().subspan(begin_, end_ - begin_);
     if (line_end_ == 0 && !rest.empty()) {
       line_end_ = std::memchr(rest.data(), '\n', rest.size()) == nullptr &&
                           std::memchr(rest.data(), '\r', rest.size()) != nullptr

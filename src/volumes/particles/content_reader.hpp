@@ -7,13 +7,20 @@
 #include <optional>
 #include <span>
 #include <string_view>
-#include <vector>
 
+#include "base/buffer.hpp"
 #include "base/memory_budget.hpp"
 #include "files/file_bytes.hpp"
 #include "volumes/detail/gzip_stream.hpp"
 
 namespace isoextract::volumes {
+
+// Where a line begins.
+struct LinePlace {
+  std::uint64_t position = 0;
+  std::uint64_t number = 0;  // of the line before it
+  char line_end = 0;         // how lines end; 0 until that is known
+};
 
 // Throws DamagedParticles and Refused. One reader of a file at a time. Reports bytes of the file as "reading".
 class ContentReader {
@@ -45,6 +52,12 @@ class ContentReader {
   [[nodiscard]] std::optional<std::string_view> peek_line();
   // Of the line that was read last, counted from 1.
   [[nodiscard]] std::uint64_t line_number() const { return line_number_; }
+  // Where the next line begins, and going to where it began in an earlier reader of the same file; not in gzip files.
+  // `expected` bytes, if that many are known, are read at first, so that a short frame does not cost a whole block.
+  [[nodiscard]] LinePlace line_place() const { return {position(), line_number_, line_end_}; }
+  [[nodiscard]] bool can_go_to_lines() const { return !gzip_; }
+  void go_to(const LinePlace& place, std::uint64_t expected);
+
   // Throws: "line 3: expected WHAT, found 'FOUND'".
   [[noreturn]] void expected(std::string_view what, std::string_view found) const;
 
@@ -58,11 +71,12 @@ class ContentReader {
   std::uint64_t start_ = 0;  // where in the content the buffer begins
   std::size_t begin_ = 0;    // of what is left in it
   std::size_t end_ = 0;
+  std::uint64_t piece_ = kMostPeeked * 2;  // bytes that are read at a time, where there is room
   bool at_end_ = false;
   char line_end_ = 0;  // 0 until it is known
   std::uint64_t line_number_ = 0;
   Reservation memory_;
-  std::vector<std::byte> buffer_;
+  Buffer<std::byte> buffer_;
 };
 
 }  // namespace isoextract::volumes

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <unordered_set>
 
 #include <fmt/format.h>
 
@@ -17,30 +19,23 @@ namespace {
 
 constexpr std::uint64_t kMostComponents = 1024;
 constexpr std::uint64_t kMostPage = 65536;  // elements; Houdini has 1024
+constexpr std::size_t kMostNamesOfMap = 256;
 
-struct HoudiniAttribute {
-  std::string name;
-  std::string type;  // "numeric", "string", ...
-  std::uint64_t size = 0;
-  std::string storage;
-  std::string type_info;  // "vector", "normal", "color", "point", ...; may be empty
-};
-
-struct HoudiniFile {
-  std::uint64_t points = 0;
-  std::uint64_t primitives = 0;
-  std::vector<HoudiniAttribute> attributes;  // of points
-  std::vector<std::string> notes;
-};
-
-// Names and values one after the other, in an array or a map: use(name, first token of the value) takes the value.
+// Calls use(name, first token of the value), which takes the value, for each pair of an array or a map. Refuses
+// repeated names: a second "pointcount" would hold for some of the attributes only.
 template <class F>
 void each_pair(HoudiniJson& json, const JsonToken& first, F&& use) {
   if (first.kind != JsonToken::Kind::begin) json.expected("an array of names and values");
+  std::unordered_set<std::string> names;
   while (true) {
     const JsonToken name = json.next();
     if (name.kind == JsonToken::Kind::end) return;
     if (name.kind != JsonToken::Kind::text) json.expected("a name");
+    if (names.size() == kMostNamesOfMap) json.expected(fmt::format("at most {} names in a map", kMostNamesOfMap));
+    if (!names.insert(name.text).second) {
+      throw DamagedParticles(fmt::format("expected each name of a map once, found '{}' again before byte {}",
+                                         printable(name.text, 80), json.content().position()));
+    }
     const JsonToken value = json.next();
     if (value.kind == JsonToken::Kind::end) json.expected("a value behind a name");
     use(name.text, value);
@@ -232,9 +227,32 @@ std::optional<AttributeKind> kind_of(const HoudiniAttribute& attribute) {
   return std::nullopt;
 }
 
-// One attribute of points. Where `sinks` are given its numbers go there, its first component to `first_column`.
+// What the second walk has to find again, and where the numbers of attributes go: sinks are sorted by column.
+struct SecondWalk {
+  const HoudiniFile& first;
+  std::span<const ColumnSink> sinks;
+
+  // The sinks of an attribute whose first component is column `first_column`.
+  [[nodiscard]] std::span<const ColumnSink> sinks_of(std::size_t first_column, std::uint64_t components) const {
+    const auto begin = std::ranges::lower_bound(sinks, first_column, {}, &ColumnSink::column);
+    const auto end = std::ranges::lower_bound(sinks, first_column + components, {}, &ColumnSink::column);
+    return {begin, end};
+  }
+};
+
+void expect_unchanged(bool same, std::string_view what) {
+  if (!same) {
+    throw DamagedParticles(
+        fmt::format("{} changed while the file was read: expected the same in both passes over it", what),
+        "convert it when nothing writes to it");
+  }
+}
+
+// Reads one attribute of points. In the second walk, `expected` is the attribute that the first one found here, and
+// `sinks` take its numbers.
 HoudiniAttribute read_attribute(HoudiniJson& json, const JsonToken& first, std::uint64_t points,
-                                std::span<const ColumnSink> sinks, std::size_t first_column) {
+                                const HoudiniAttribute* expected, std::span<const ColumnSink> sinks,
+                                std::size_t first_column) {
   if (first.kind != JsonToken::Kind::begin) json.expected("an attribute");
   HoudiniAttribute attribute;
   each_pair(json, json.next(), [&](const std::string& name, const JsonToken& value) {
@@ -246,19 +264,23 @@ HoudiniAttribute read_attribute(HoudiniJson& json, const JsonToken& first, std::
       json.skip_value(value);
     }
   });
+  bool has_values = false;
   each_pair(json, json.next(), [&](const std::string& name, const JsonToken& value) {
     if (name == "size") attribute.size = whole_of(json, value, "the size of an attribute", kMostComponents);
     if (name == "storage" && value.kind == JsonToken::Kind::text) attribute.storage = value.text;
-    const auto is_wanted = [&](const ColumnSink& sink) {
-      return sink.column >= first_column && sink.column - first_column < attribute.size;
-    };
-    if (name == "values" && attribute.type == "numeric" && std::ranges::any_of(sinks, is_wanted)) {
-      read_attribute_numbers(json, value, AttributeSinks(points, attribute.size, sinks, first_column));
+    if (name == "values" && !sinks.empty()) {
+      read_attribute_numbers(json, value, AttributeSinks(points, expected->size, sinks, first_column));
+      has_values = true;
     } else {
       json.skip_value(value);
     }
   });
   if (json.next().kind != JsonToken::Kind::end) json.expected("the end of an attribute");
+  if (expected != nullptr) expect_unchanged(attribute == *expected, "an attribute");
+  // Memory of particles is not cleared: what is not read would be whatever it held before.
+  if (!sinks.empty() && !has_values) {
+    json.expected(fmt::format("the values of the attribute '{}'", printable(attribute.name, 80)));
+  }
   return attribute;
 }
 
@@ -267,8 +289,8 @@ std::size_t columns_of(const HoudiniAttribute& attribute) {
   return attribute.type == "numeric" ? std::max<std::size_t>(1, static_cast<std::size_t>(attribute.size)) : 1;
 }
 
-// All of the file; numbers of attributes only where there are sinks for them.
-HoudiniFile walk_houdini(ContentReader& content, std::span<const ColumnSink> sinks) {
+// Walks through the whole file; the first time without `second`, for what is in it.
+HoudiniFile walk_houdini(ContentReader& content, const SecondWalk* second) {
   HoudiniJson json(content);
   HoudiniFile found;
   std::size_t columns = 0;
@@ -277,7 +299,15 @@ HoudiniFile walk_houdini(ContentReader& content, std::span<const ColumnSink> sin
     if (list.kind != JsonToken::Kind::begin) json.expected("a list of attributes");
     if (!has_count) json.expected("the number of points before their attributes");
     for (JsonToken token = json.next(); token.kind != JsonToken::Kind::end; token = json.next()) {
-      found.attributes.push_back(read_attribute(json, token, found.points, sinks, columns));
+      const HoudiniAttribute* expected = nullptr;
+      std::span<const ColumnSink> sinks;
+      if (second != nullptr) {
+        const std::vector<HoudiniAttribute>& before = second->first.attributes;
+        expect_unchanged(found.attributes.size() < before.size(), "the list of attributes");
+        expected = &before[found.attributes.size()];
+        sinks = second->sinks_of(columns, columns_of(*expected));
+      }
+      found.attributes.push_back(read_attribute(json, token, found.points, expected, sinks, columns));
       columns += columns_of(found.attributes.back());
       if (columns > kMostColumns) json.expected("fewer attributes");
     }
@@ -286,6 +316,7 @@ HoudiniFile walk_houdini(ContentReader& content, std::span<const ColumnSink> sin
     constexpr std::uint64_t kMost = std::uint64_t{1} << 48;
     if (name == "pointcount") {
       found.points = whole_of(json, value, "the number of points", kMost);
+      if (second != nullptr) expect_unchanged(found.points == second->first.points, "the number of points");
       has_count = true;
     } else if (name == "primitivecount") {
       found.primitives = whole_of(json, value, "the number of primitives", kMost);
@@ -301,6 +332,9 @@ HoudiniFile walk_houdini(ContentReader& content, std::span<const ColumnSink> sin
       json.skip_value(value);
     }
   });
+  if (second != nullptr) {
+    expect_unchanged(found.attributes.size() == second->first.attributes.size(), "the list of attributes");
+  }
   if (found.primitives > 0) {
     found.notes.push_back(fmt::format("{} primitives were left out, their points were read", found.primitives));
   }
@@ -325,9 +359,16 @@ ParticleTable houdini_table(const HoudiniFile& file) {
 
 }  // namespace
 
-ParticleInfo houdini_info(const files::InputFile& file, const ParticleReadOptions& options) {
+HoudiniFile survey_houdini(const files::InputFile& file) {
+  const files::FileVersion version = must(files::version_of(file));
   ContentReader content(file);
-  const HoudiniFile found = walk_houdini(content, {});
+  HoudiniFile found = walk_houdini(content, nullptr);
+  found.version = version;
+  return found;
+}
+
+ParticleInfo houdini_info(const files::InputFile& file, const ParticleReadOptions& options) {
+  const HoudiniFile found = survey_houdini(file);
   ParticleInfo info;
   info.particles = found.points;
   info.notes = found.notes;
@@ -335,20 +376,21 @@ ParticleInfo houdini_info(const files::InputFile& file, const ParticleReadOption
   return info;
 }
 
-ParticleFile read_houdini(const files::InputFile& file, const ParticleReadOptions& options) {
-  HoudiniFile found;
-  {
-    ContentReader content(file);
-    found = walk_houdini(content, {});
-  }
-  const ColumnChoice choice = choose_columns(houdini_table(found), options);
+ParticleFile read_houdini(const files::InputFile& file, const HoudiniFile& surveyed,
+                          const ParticleReadOptions& options) {
+  const ColumnChoice choice = choose_columns(houdini_table(surveyed), options);
   ContentReader content(file);
   // A page of P is one tuple at least.
-  check_count(content, (found.points + kMostPage - 1) / kMostPage, 3);
+  check_count(content, (surveyed.points + kMostPage - 1) / kMostPage, 3);
   ParticleFile result;
-  result.particles = make_particles(file.context(), file.name(), found.points, choice);
-  if (found.points > 0) walk_houdini(content, sinks_of(result.particles, choice));
-  result.notes = std::move(found.notes);
+  result.particles = make_particles(file.context(), file.name(), surveyed.points, choice);
+  if (surveyed.points > 0) {
+    const std::vector<ColumnSink> sinks = sinks_of(result.particles, choice);
+    const SecondWalk second{surveyed, sinks};
+    walk_houdini(content, &second);
+    must(files::check_unchanged(file, surveyed.version));
+  }
+  result.notes = surveyed.notes;
   result.notes.insert(result.notes.end(), choice.notes.begin(), choice.notes.end());
   return result;
 }

@@ -8,6 +8,7 @@
 
 #include "base/printable.hpp"
 #include "volumes/detail/file_start.hpp"
+#include "volumes/particles/frame_index.hpp"
 #include "volumes/particles/particle_columns.hpp"
 #include "volumes/particles/text_rows.hpp"
 
@@ -167,10 +168,11 @@ bool next_lammps_frame(ContentReader& content, LammpsFrame& frame) {
 }
 
 // To the frame that is wanted; throws where there is none of that number.
-LammpsFrame find_lammps_frame(ContentReader& content, const ParticleReadOptions& options) {
+LammpsFrame find_lammps_frame(ContentReader& content, const FrameIndex& index, const ParticleReadOptions& options) {
   const std::uint64_t wanted = wanted_frame(options);
   LammpsFrame frame;
-  for (std::uint64_t k = 0;; ++k) {
+  for (std::uint64_t k = index.go_to_nearest(content, wanted, frame.units);; ++k) {
+    index.add(k, content, frame.units);
     if (!next_lammps_frame(content, frame)) {
       if (k == 0) throw DamagedParticles("expected 'ITEM: TIMESTEP', found nothing");
       refuse_frame(options, k);
@@ -180,11 +182,14 @@ LammpsFrame find_lammps_frame(ContentReader& content, const ParticleReadOptions&
   }
 }
 
-// How many frames follow.
-std::uint64_t count_lammps_frames(ContentReader& content, LammpsFrame frame) {
-  std::uint64_t count = 0;
-  for (; next_lammps_frame(content, frame); ++count) skip_rows(content, frame.atoms);
-  return count;
+// Goes through the frames from number `next` on, and returns how many there are in all. `frame` is the one before it.
+std::uint64_t count_lammps_frames(ContentReader& content, const FrameIndex& index, std::uint64_t next,
+                                  LammpsFrame frame) {
+  for (;; ++next) {
+    index.add(next, content, frame.units);
+    if (!next_lammps_frame(content, frame)) return next;
+    skip_rows(content, frame.atoms);
+  }
 }
 
 void unscale(Buffer<glm::dvec3>& positions, const LammpsBox& box) {
@@ -211,29 +216,32 @@ class LammpsParticles final : public ParticleFormat {
 
   [[nodiscard]] ParticleInfo info(const files::InputFile& file, const ParticleReadOptions& options) const override {
     ContentReader content(file);
-    const LammpsFrame frame = find_lammps_frame(content, options);
+    const FrameIndex index(file);
+    const LammpsFrame frame = find_lammps_frame(content, index, options);
     ParticleInfo info;
     info.particles = frame.atoms;
     info.frame_name = "time step " + frame.step;
     describe_table(frame.table, options, info);
     info.length_unit = frame.unit;
     skip_rows(content, frame.atoms);
-    info.frames = wanted_frame(options) + 1 + count_lammps_frames(content, frame);
+    info.frames = count_lammps_frames(content, index, wanted_frame(options) + 1, frame);
     return info;
   }
 
   [[nodiscard]] ParticleFile read(const files::InputFile& file, const ParticleReadOptions& options) const override {
     ContentReader content(file);
-    const LammpsFrame frame = find_lammps_frame(content, options);
+    const FrameIndex index(file);
+    const LammpsFrame frame = find_lammps_frame(content, index, options);
     const ColumnChoice choice = choose_columns(frame.table, options);
     check_count(content, frame.atoms, 2 * frame.table.columns.size() - 1);
     ParticleFile result;
     result.particles =
         make_particles(file.context(), fmt::format("{}, time step {}", file.name(), frame.step), frame.atoms, choice);
     read_rows(content, frame.table, frame.atoms, sinks_of(result.particles, choice));
+    index.add(wanted_frame(options) + 1, content, frame.units);
     if (!options.frame) {
-      const std::uint64_t more = count_lammps_frames(content, frame);
-      if (more > 0) refuse_frame(options, more + 1);
+      const std::uint64_t frames = count_lammps_frames(content, index, 1, frame);
+      if (frames > 1) refuse_frame(options, frames);
     }
     if (frame.is_scaled && choice.position == frame.table.position) unscale(result.particles.positions, frame.box);
     result.length_unit = frame.unit;

@@ -16,14 +16,31 @@ namespace {
 
 constexpr std::size_t kMostFieldBytes = 4096;
 
-struct NpyNumber {
-  std::optional<NumberType> type;  // none of what is no number
+// One element of an array or of a field.
+struct NpyElement {
+  std::optional<NumberType> number;  // nothing for a type that is no number, such as a text
   std::endian endian = std::endian::native;
   std::size_t bytes = 0;
 };
 
-// "<f4"; also of what is no number, as long as its size is known.
-std::optional<NpyNumber> npy_number(std::string_view descr) {
+// The bytes of a type that is no number that this program reads, from its letter and size: texts, raw bytes, dates,
+// complex numbers, long doubles. Nothing for any other, and for one without bytes.
+std::size_t npy_bytes_of_other(std::string_view type) {
+  constexpr std::array<std::string_view, 5> kNumbers{"c8", "c16", "c32", "f12", "f16"};
+  const bool is_date = type.starts_with("M8") || type.starts_with("m8");
+  const bool is_unit = type.size() == 2 || (type.size() > 2 && type[2] == '[' && type.back() == ']');
+  if (is_date) return is_unit ? 8 : 0;
+  const bool is_text = std::string_view("SaVU").find(type.front()) != std::string_view::npos;
+  if (!is_text && std::ranges::find(kNumbers, type) == kNumbers.end()) return 0;
+  std::size_t count = 0;
+  const char* const last = type.data() + type.size();
+  const auto [end, status] = std::from_chars(type.data() + 1, last, count);
+  if (status != std::errc{} || end != last || count > kMostFieldBytes) return 0;
+  return type.front() == 'U' ? 4 * count : count;
+}
+
+// Reads "<f4". Nothing for a type outside the closed lists.
+std::optional<NpyElement> npy_element(std::string_view descr) {
   constexpr std::array<std::pair<std::string_view, NumberType>, 12> kTypes{{{"u1", NumberType::u8},
                                                                             {"b1", NumberType::u8},
                                                                             {"i1", NumberType::i8},
@@ -37,26 +54,21 @@ std::optional<NpyNumber> npy_number(std::string_view descr) {
                                                                             {"f4", NumberType::f32},
                                                                             {"f8", NumberType::f64}}};
   if (descr.size() < 3) return std::nullopt;
-  NpyNumber number;
+  NpyElement element;
   switch (descr.front()) {
-    case '<': number.endian = std::endian::little; break;
-    case '>': number.endian = std::endian::big; break;
+    case '<': element.endian = std::endian::little; break;
+    case '>': element.endian = std::endian::big; break;
     case '=':
     case '|': break;
     default: return std::nullopt;
   }
   const std::string_view type = descr.substr(1);
   for (const auto& [name, known] : kTypes) {
-    if (name == type) return NpyNumber{known, number.endian, number_size(known)};
+    if (name == type) return NpyElement{known, element.endian, number_size(known)};
   }
-  // Texts, raw bytes, dates, complex numbers, long doubles.
-  const std::size_t unit = type.front() == 'U' ? 4 : std::string_view("SVaMmcf").find(type.front()) < 7 ? 1 : 0;
-  std::size_t count = 0;
-  const auto [end, status] = std::from_chars(type.data() + 1, type.data() + type.size(), count);
-  const bool has_end = end == type.data() + type.size() || *end == '[';
-  if (unit == 0 || status != std::errc{} || !has_end || count > ContentReader::kMostPeeked) return std::nullopt;
-  number.bytes = unit * count;
-  return number;
+  element.bytes = npy_bytes_of_other(type);
+  if (element.bytes == 0) return std::nullopt;
+  return element;
 }
 
 struct NpyParticleFile {
@@ -80,21 +92,21 @@ bool are_rows(const NpyHeader& header) {
 
 void add_npy_fields(NpyParticleFile& npy) {
   for (const NpyField& field : npy.header.fields) {
-    const auto number = npy_number(field.descr);
-    if (!number) refuse_npy_type(field.descr);
+    const auto element = npy_element(field.descr);
+    if (!element) refuse_npy_type(field.descr);
     std::uint64_t components = 1;
     for (const std::uint64_t size : field.shape) {
       components = checked_product(components, size).value_or(~std::uint64_t{0});
     }
-    if (components > kMostColumns - npy.table.columns.size() || number->bytes > kMostFieldBytes) {
+    if (components > kMostColumns - npy.table.columns.size() || element->bytes > kMostFieldBytes) {
       throw DamagedParticles(fmt::format("expected a smaller field '{}'", printable(field.name, 80)));
     }
-    const bool numeric = number->type.has_value();
-    add_tuple(npy.table, field.name, numeric ? std::string(number_name(*number->type)) : printable(field.descr, 40),
+    const bool numeric = element->number.has_value();
+    add_tuple(npy.table, field.name, numeric ? std::string(number_name(*element->number)) : printable(field.descr, 40),
               static_cast<std::size_t>(components), numeric);
     for (std::uint64_t i = 0; i < components; ++i) {
-      npy.layout.fields.push_back({number->type.value_or(NumberType::u8), npy.layout.bytes, number->endian});
-      npy.layout.bytes += number->bytes;
+      npy.layout.fields.push_back({element->number, npy.layout.bytes, element->endian});
+      npy.layout.bytes += element->bytes;
     }
   }
   make_group_names_unique(npy.table);
@@ -106,13 +118,13 @@ void add_npy_fields(NpyParticleFile& npy) {
 }
 
 void add_npy_columns(NpyParticleFile& npy) {
-  const auto number = npy_number(npy.header.descr);
-  if (!number || !number->type) refuse_npy_type(npy.header.descr);
+  const auto element = npy_element(npy.header.descr);
+  if (!element || !element->number) refuse_npy_type(npy.header.descr);
   const std::size_t count = static_cast<std::size_t>(npy.header.shape[1]);
   for (std::size_t i = 0; i < count; ++i) {
-    add_tuple(npy.table, fmt::format("column {}", i + 1), std::string(number_name(*number->type)), 1);
-    npy.layout.fields.push_back({*number->type, npy.layout.bytes, number->endian});
-    npy.layout.bytes += number->bytes;
+    add_tuple(npy.table, fmt::format("column {}", i + 1), std::string(number_name(*element->number)), 1);
+    npy.layout.fields.push_back({element->number, npy.layout.bytes, element->endian});
+    npy.layout.bytes += element->bytes;
   }
   npy.table.position = {0, 1, 2};
   if (count > 3) npy.notes.push_back(fmt::format("the first three of {} columns were taken as x, y and z", count));
@@ -147,7 +159,7 @@ void read_npy_columns(ContentReader& content, const NpyParticleFile& npy, std::s
     one.fields.resize(column + 1);
     one.fields[column] = npy.layout.fields[column];
     one.fields[column].offset = 0;
-    one.bytes = number_size(one.fields[column].type);
+    one.bytes = npy.layout.bytes / npy.layout.fields.size();  // all columns have one type
     const auto first = std::ranges::lower_bound(sinks, column, {}, &ColumnSink::column);
     const auto last = std::ranges::upper_bound(sinks, column, {}, &ColumnSink::column);
     if (first == last) {
@@ -185,6 +197,7 @@ class NpyParticles final : public ParticleFormat {
   [[nodiscard]] ParticleFile read(const files::InputFile& file, const ParticleReadOptions& options) const override {
     NpyParticleFile npy = open_npy_particles(file);
     const ColumnChoice choice = choose_columns(npy.table, options);
+    check_numbers(npy.table, choice.position, "x, y and z", "say which columns of numbers are x, y and z");
     ContentReader content(file);
     content.skip(npy.header.data_offset, "the header");
     check_count(content, npy.particles, npy.layout.bytes);

@@ -109,11 +109,8 @@ std::optional<ColumnGroup> find_attribute(const ParticleTable& table, const std:
 
 // Throws where it is not made of numbers.
 void add_attribute(const ParticleTable& table, const ColumnGroup& attribute, ColumnChoice& choice) {
-  const ParticleColumn& first = table.columns[attribute.columns.front()];
-  if (!first.numeric) {
-    throw DamagedParticles(fmt::format("expected numbers as '{}', found {}", printable(attribute.name, 80), first.type),
-                           "of numbers " + attribute_list(table, choice.position));
-  }
+  check_numbers(table, attribute.columns, fmt::format("'{}'", printable(attribute.name, 80)),
+                "of numbers " + attribute_list(table, choice.position));
   if (std::ranges::count(choice.attributes, attribute.name, &ColumnGroup::name) > 0) return;
   choice.attributes.push_back(attribute);
 }
@@ -204,6 +201,16 @@ NameAndUnit split_unit(std::string_view header) {
   return {std::string(name), std::string(unit)};
 }
 
+void check_numbers(const ParticleTable& table, std::span<const std::size_t> wanted, std::string_view what,
+                   const Hint& hint) {
+  for (const std::size_t column : wanted) {
+    if (table.columns[column].numeric) continue;
+    throw DamagedParticles(fmt::format("expected numbers as {}, found {} as '{}'", what, table.columns[column].type,
+                                       printable(table.columns[column].name, 80)),
+                           hint);
+  }
+}
+
 ColumnChoice choose_columns(const ParticleTable& table, const ParticleReadOptions& options) {
   ColumnChoice choice;
   choice.position = find_position(table, options);
@@ -285,27 +292,37 @@ points::ParticleSet make_particles(const Context& context, const std::string& la
   return set;
 }
 
+void refuse_particle(std::size_t particle, std::size_t particles) {
+  throw DamagedParticles(fmt::format("expected {} particles, found values of number {}", particles, particle + 1));
+}
+
 std::vector<ColumnSink> sinks_of(points::ParticleSet& set, const ColumnChoice& choice) {
   std::vector<ColumnSink> sinks;
   if (set.size() == 0) return sinks;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    sinks.push_back({choice.position[axis], &set.positions[0][static_cast<glm::length_t>(axis)], nullptr, 3});
+    sinks.push_back(
+        {choice.position[axis], &set.positions[0][static_cast<glm::length_t>(axis)], nullptr, 3, set.size()});
   }
   for (std::size_t a = 0; a < choice.attributes.size(); ++a) {
     const std::vector<std::size_t>& columns = choice.attributes[a].columns;
     for (std::size_t c = 0; c < columns.size(); ++c) {
-      sinks.push_back({columns[c], nullptr, set.attributes[a].values.data() + c, columns.size()});
+      sinks.push_back({columns[c], nullptr, set.attributes[a].values.data() + c, columns.size(), set.size()});
     }
   }
   std::ranges::stable_sort(sinks, {}, &ColumnSink::column);
   return sinks;
 }
 
-void put_records(const RecordLayout& layout, const std::byte* records, std::size_t first, std::size_t count,
+void put_records(const RecordLayout& layout, std::span<const std::byte> records, std::size_t first,
                  std::span<const ColumnSink> sinks) {
+  const std::size_t count = records.size() / layout.bytes;
   for (const ColumnSink& sink : sinks) {
     const RecordLayout::Field& field = layout.fields[sink.column];
-    for_each_number(field.type, field.endian, records + field.offset, layout.bytes, count,
+    if (!field.type || field.offset + number_size(*field.type) > layout.bytes) {
+      throw DamagedParticles(fmt::format("expected a number within a record of {} bytes as column {}, found none",
+                                         layout.bytes, sink.column + 1));
+    }
+    for_each_number(*field.type, field.endian, records.data() + field.offset, layout.bytes, count,
                     [&](std::size_t i, double value) { sink.put(first + i, value); });
   }
 }
@@ -320,8 +337,9 @@ void read_records(ContentReader& content, const RecordLayout& layout, std::uint6
           fmt::format("expected {} particles of {} bytes, found {} before the end of the file at byte {}", count,
                       layout.bytes, done, content.position() + bytes.size()));
     }
-    put_records(layout, bytes.data(), static_cast<std::size_t>(done), static_cast<std::size_t>(at_hand), sinks);
-    content.advance(static_cast<std::size_t>(at_hand) * layout.bytes);
+    const std::size_t whole = static_cast<std::size_t>(at_hand) * layout.bytes;
+    put_records(layout, bytes.first(whole), static_cast<std::size_t>(done), sinks);
+    content.advance(whole);
     done += at_hand;
   }
 }

@@ -67,7 +67,14 @@ struct ColumnChoice {
   std::vector<std::string> notes;
 };
 
-// Throws DamagedParticles where there is no position, or no such column or attribute; the hint lists what there is.
+// Throws DamagedParticles where one of the columns is not made of numbers: "expected numbers as WHAT, found |S4 as
+// 'x'".
+void check_numbers(const ParticleTable& table, std::span<const std::size_t> wanted, std::string_view what,
+                   const Hint& hint);
+
+// Throws DamagedParticles where there is no position, no such column or attribute, or where an attribute is not made of
+// numbers; the hint lists what there is. Columns of a position are not looked at: of a text, the row that is wrong is
+// told when it is read.
 [[nodiscard]] ColumnChoice choose_columns(const ParticleTable& table, const ParticleReadOptions& options);
 
 // What is told of a table besides its position. Of one whose position cannot be found all columns, and a note of why.
@@ -80,14 +87,19 @@ void check_count(const ContentReader& content, std::uint64_t count, std::uint64_
 [[nodiscard]] points::ParticleSet make_particles(const Context& context, const std::string& label, std::uint64_t count,
                                                  const ColumnChoice& choice);
 
+[[noreturn]] void refuse_particle(std::size_t particle, std::size_t particles);
+
 // Where the values of one column go; either doubles or floats is null.
 struct ColumnSink {
   std::size_t column = 0;
   double* doubles = nullptr;
   float* floats = nullptr;
-  std::size_t stride = 1;  // from one particle to the next
+  std::size_t stride = 1;     // from one particle to the next
+  std::size_t particles = 0;  // that there is memory for
 
+  // Throws DamagedParticles beyond the last particle, whatever a reader made of the counts in its file.
   void put(std::size_t particle, double value) const {
+    if (particle >= particles) refuse_particle(particle, particles);
     if (doubles != nullptr) {
       doubles[particle * stride] = value;
     } else {
@@ -101,7 +113,7 @@ struct ColumnSink {
 // Records of one size in a binary file, and where in them the columns are.
 struct RecordLayout {
   struct Field {
-    NumberType type = NumberType::f32;
+    std::optional<NumberType> type;  // nothing for bytes that are no number; no sink may ask for them
     std::size_t offset = 0;
     std::endian endian = std::endian::little;
   };
@@ -109,8 +121,9 @@ struct RecordLayout {
   std::vector<Field> fields;  // of each column
 };
 
-// The values of `count` records, the first of them at particle `first`.
-void put_records(const RecordLayout& layout, const std::byte* records, std::size_t first, std::size_t count,
+// Puts the values of whole records, the first of them at particle `first`. Throws DamagedParticles where a sink asks
+// for a field that is no number or does not lie within its record.
+void put_records(const RecordLayout& layout, std::span<const std::byte> records, std::size_t first,
                  std::span<const ColumnSink> sinks);
 // Those of the next `count` records of the content.
 void read_records(ContentReader& content, const RecordLayout& layout, std::uint64_t count,

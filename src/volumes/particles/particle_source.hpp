@@ -38,9 +38,9 @@ T must(Result<T> result) {
   if constexpr (!std::is_void_v<T>) return std::move(*result);
 }
 
-// Formats live as long as the program, keep nothing of a file between calls and may be used by several threads at once.
-// Options were checked against the description. What is read counts in the context of the file. They throw
-// DamagedParticles, Refused and std::bad_alloc.
+// Formats live as long as the program, keep nothing of a file between calls but places (frame_index.hpp), and may be
+// used by several threads at once. Options were checked against the description. What is read counts in the context of
+// the file. They throw DamagedParticles, Refused and std::bad_alloc.
 class ParticleFormat {
  public:
   explicit ParticleFormat(ParticleFormatDescription about) : about_(std::move(about)) {}

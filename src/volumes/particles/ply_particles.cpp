@@ -243,7 +243,7 @@ void read_ply_records(ContentReader& content, const PlyFile& ply, std::span<cons
   std::vector<std::byte> record;
   for (std::uint64_t v = 0; v < vertex.count; ++v) {
     walk_ply_element(content, ply, vertex, record);
-    put_records(layout, record.data(), static_cast<std::size_t>(v), 1, sinks);
+    put_records(layout, record, static_cast<std::size_t>(v), sinks);
   }
 }
 

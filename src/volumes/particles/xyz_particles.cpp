@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "base/printable.hpp"
+#include "volumes/particles/frame_index.hpp"
 #include "volumes/particles/particle_columns.hpp"
 #include "volumes/particles/text_rows.hpp"
 
@@ -110,10 +111,12 @@ bool next_xyz_frame(ContentReader& content, XyzFrame& frame) {
   return true;
 }
 
-XyzFrame find_xyz_frame(ContentReader& content, const ParticleReadOptions& options) {
+XyzFrame find_xyz_frame(ContentReader& content, const FrameIndex& index, const ParticleReadOptions& options) {
   const std::uint64_t wanted = wanted_frame(options);
   XyzFrame frame;
-  for (std::uint64_t k = 0;; ++k) {
+  std::string nothing;
+  for (std::uint64_t k = index.go_to_nearest(content, wanted, nothing);; ++k) {
+    index.add(k, content, nothing);
     if (!next_xyz_frame(content, frame)) {
       if (k == 0) throw DamagedParticles("expected the number of atoms, found nothing");
       refuse_frame(options, k);
@@ -123,10 +126,13 @@ XyzFrame find_xyz_frame(ContentReader& content, const ParticleReadOptions& optio
   }
 }
 
-std::uint64_t count_xyz_frames(ContentReader& content) {
-  std::uint64_t count = 0;
-  for (XyzFrame frame; next_xyz_frame(content, frame); ++count) skip_rows(content, frame.atoms);
-  return count;
+// Goes through the frames from number `next` on, and returns how many there are in all.
+std::uint64_t count_xyz_frames(ContentReader& content, const FrameIndex& index, std::uint64_t next) {
+  for (XyzFrame frame;; ++next) {
+    index.add(next, content, {});
+    if (!next_xyz_frame(content, frame)) return next;
+    skip_rows(content, frame.atoms);
+  }
 }
 
 class XyzParticles final : public ParticleFormat {
@@ -153,19 +159,21 @@ class XyzParticles final : public ParticleFormat {
 
   [[nodiscard]] ParticleInfo info(const files::InputFile& file, const ParticleReadOptions& options) const override {
     ContentReader content(file);
-    const XyzFrame frame = find_xyz_frame(content, options);
+    const FrameIndex index(file);
+    const XyzFrame frame = find_xyz_frame(content, index, options);
     ParticleInfo info;
     info.particles = frame.atoms;
     info.frame_name = frame.name;
     if (frame.atoms > 0) describe_table(frame.table, options, info);
     skip_rows(content, frame.atoms);
-    info.frames = wanted_frame(options) + 1 + count_xyz_frames(content);
+    info.frames = count_xyz_frames(content, index, wanted_frame(options) + 1);
     return info;
   }
 
   [[nodiscard]] ParticleFile read(const files::InputFile& file, const ParticleReadOptions& options) const override {
     ContentReader content(file);
-    const XyzFrame frame = find_xyz_frame(content, options);
+    const FrameIndex index(file);
+    const XyzFrame frame = find_xyz_frame(content, index, options);
     const ColumnChoice choice = frame.atoms > 0 ? choose_columns(frame.table, options) : ColumnChoice();
     if (frame.atoms > 0) check_count(content, frame.atoms, 2 * frame.table.columns.size() - 1);
     std::string label = file.name();
@@ -173,9 +181,10 @@ class XyzParticles final : public ParticleFormat {
     ParticleFile result;
     result.particles = make_particles(file.context(), label, frame.atoms, choice);
     read_rows(content, frame.table, frame.atoms, sinks_of(result.particles, choice));
+    index.add(wanted_frame(options) + 1, content, {});
     if (!options.frame) {
-      const std::uint64_t more = count_xyz_frames(content);
-      if (more > 0) refuse_frame(options, more + 1);
+      const std::uint64_t frames = count_xyz_frames(content, index, 1);
+      if (frames > 1) refuse_frame(options, frames);
     }
     result.notes = choice.notes;
     return result;

@@ -390,6 +390,18 @@ TEST_F(PackedReader, WhatIsNoDracoStream) {
   expect_error("a.drc", "DRACO", "expected a Draco bit stream");
   expect_error("a.drc", std::string("DRACO\2\1\1\1\0\0", 11), "of version 2.2, found 2.1");
   expect_error("a.drc", std::string("DRACO\2\2\0\0\0\0", 11), "found a point cloud");
+  // Of 200000 triangles: with 200 attributes that have seams, the corner tables alone take 3 GB.
+  const auto edgebreaker = [](char attributes) {
+    const std::string counts("\xA0\x8D\x06\xC0\x9A\x0C", 6);  // 100000 vertices, 200000 triangles
+    return std::string("DRACO\2\2\1\1\0\0\0", 12) + counts + attributes + std::string(8, '\0');
+  };
+  const Context limited(MemoryBudget(std::uint64_t{256} << 20));
+  test::write_bytes(folder_ / "seams.drc", edgebreaker('\xC8'));
+  const auto refused = read_mesh(folder_ / "seams.drc", limited);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().hint.remedy, Remedy::raise_memory_limit) << refused.error().message;
+  EXPECT_EQ(limited.memory().reserved(), 0U);
+  expect_error("a.drc", edgebreaker('\2'), "the Draco bit stream is damaged");
   // Four thousand million triangles.
   expect_error("a.drc", std::string("DRACO\2\2\1\0\0\0\xFF\xFF\xFF\xFF\x0F\xFF\xFF\xFF\xFF\x0F\1", 22), "need");
 }

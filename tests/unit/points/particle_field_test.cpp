@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include "points/detail/near_spots.hpp"
 #include "points/detail/symmetric_eigen.hpp"
 #include "unit/points/particles.hpp"
 
@@ -280,6 +281,47 @@ TEST(ParticleField, TheRadiusIsHalfTheDistanceOfNeighbours) {
   const auto refused = make_field(particles_at(std::vector<glm::dvec3>(5, {1, 2, 3})), options);
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().message.find("5 at one place"), std::string::npos) << refused.error().message;
+}
+
+// The work of kernels: pairs of particles within reach, counted and not timed.
+TEST(ParticleField, WorkGrowsWithTheParticlesAndNotWithItsSquare) {
+  constexpr double kSide = 4;
+  const auto pairs_of = [](const std::vector<glm::dvec3>& positions) {
+    const auto grid = CellGrid::make(positions, GridFrame{}, kSide, CellGrid::Coinciding::merged, Context(), "test");
+    if (!grid) throw std::runtime_error(grid.error().message);
+    return std::pair(count_near_pairs(*grid, kSide, ~std::uint64_t{0}), std::uint64_t{grid->size()});
+  };
+  // Twice the particles at the same distances: about twice the pairs.
+  const auto [loose, loose_spots] = pairs_of(random_positions(4000, 40, 1));
+  std::vector<glm::dvec3> twice = random_positions(4000, 40, 1);
+  for (const glm::dvec3& p : random_positions(4000, 40, 2)) twice.push_back(p + glm::dvec3(40, 0, 0));
+  const auto [looser, looser_spots] = pairs_of(twice);
+  EXPECT_EQ(looser_spots, 2 * loose_spots);
+  EXPECT_GT(looser, 19 * loose / 10);
+  EXPECT_LT(looser, 23 * loose / 10);
+  // All of them in one cell: each meets all.
+  const auto [crowd, spots] = pairs_of(random_positions(5000, 1, 3));
+  EXPECT_EQ(crowd, spots * spots);
+
+  // Such a crowd is refused before its pairs are summed, wherever they are more than the limit a particle.
+  for (const Method method : {Method::sph, Method::anisotropic}) {
+    for (const std::size_t count : {std::size_t{20000}, std::size_t{40000}}) {
+      const ParticleSet particles = particles_at(random_positions(count, 0.5, 4));
+      FieldOptions options;
+      options.method = method;
+      options.radius = 1;
+      const auto made = make_field(particles, options);
+      EXPECT_EQ(made.has_value(), count == 20000) << count;
+      if (made) continue;
+      EXPECT_EQ(made.error().kind, ErrorKind::input);
+      EXPECT_NE(made.error().message.find("test.ply: a particle radius of 1, whose neighbours are up to"),
+                std::string::npos)
+          << made.error().message;
+      EXPECT_NE(made.error().message.find("more than 32768 neighbours on average"), std::string::npos);
+      EXPECT_EQ(made.error().hint.remedy, Remedy::choose_radius);
+      EXPECT_NE(made.error().hint.text.find("is half the median distance to the nearest particle"), std::string::npos);
+    }
+  }
 }
 
 TEST(ParticleField, WhatCannotBeIsRefused) {

@@ -215,7 +215,8 @@ TEST(Components, OfNumpyAreAskedForAndNotGuessed) {
   write_bytes(folder / "v.npy", npy_array("|u1", "(6, 6, 6, 3)", std::string(648, 'x')));
   const Error error = refusal(folder / "v.npy");
   expect_in(error.message, "there are 6 volumes");
-  expect_in(error.hint.text, "choose a component instead if the last axis, of 3,");
+  expect_in(error.hint.text,
+            "if the last axis, of 3, counts the components of a vector, choose one of them with {component N}");
   write_bytes(folder / "v.npy", npy_array("|u1", "(2, 6, 6, 6, 3)", std::string(1296, 'x')));
   expect_in(refusal(folder / "v.npy").hint.text, "choose one of them");
   write_bytes(folder / "v.npy", npy_array("|u1", "(6, 6, 6)", std::string(216, 'x')));

@@ -1,5 +1,9 @@
 // PLY, BGEO and NPY: records, and arrays of numbers.
+#include <chrono>
+#include <filesystem>
+
 #include "unit/volumes/particle_files.hpp"
+#include "volumes/particles/houdini_geometry.hpp"
 
 namespace isoextract::test {
 namespace {
@@ -190,6 +194,102 @@ TEST(ParticlesBgeo, WrongNewOnesAreRefused) {
   }
 }
 
+// A name that comes twice: counts and attributes would hold for a part of the file only.
+TEST(ParticlesBgeo, RepeatedNamesAreRefused) {
+  const std::string good = houdini_geometry();
+  const auto inserted = [&](const std::string& before, const std::string& more) {
+    std::string bytes = good;
+    const std::size_t at = bytes.find(before);
+    if (at == std::string::npos) throw std::runtime_error("no " + before);
+    return bytes.insert(at, more);
+  };
+  const std::string primitives = std::string("\x27\x0a", 2) + "primitives";
+  const auto count = [](std::int32_t value) {
+    return HoudiniBytes().text("pointcount").whole(value).bytes().substr(5);
+  };
+  // The first walk allocates for the last count, and the second one writes with the one before the attributes.
+  expect_in(particle_refusal({"a.bgeo", inserted(primitives, count(0))}, with_all()).message,
+            "expected each name of a map once, found 'pointcount' again before byte");
+  expect_in(particle_refusal({"a.bgeo", inserted(primitives, count(1))}, with_all()).message, "'pointcount' again");
+  const std::string info = std::string("\x27\x04", 2) + "info";
+  expect_in(particle_refusal({"a.bgeo", inserted(info, count(1))}, with_all()).message, "'pointcount' again");
+  const std::string points = HoudiniBytes().text("attributes").begin().end().bytes().substr(5);
+  expect_in(particle_refusal({"a.bgeo", inserted(primitives, points)}).message, "'attributes' again");
+  const std::string paging = HoudiniBytes().text("pagesize").whole(1).bytes().substr(5);
+  expect_in(particle_refusal({"a.bgeo", inserted("\x27\x07packing", paging)}).message, "'pagesize' again");
+  const std::string size = HoudiniBytes().text("size").whole(1).bytes().substr(5);
+  expect_in(particle_refusal({"a.bgeo", inserted("\x27\x08"
+                                                 "defaults",
+                                                 size)})
+                .message,
+            "'size' again");
+}
+
+// P, of three points, with these names and values in its second map.
+std::string position_only(const HoudiniBytes& map) {
+  HoudiniBytes h;
+  h.begin().text("pointcount").whole(3).text("attributes").begin().text("pointattributes").begin().begin();
+  h.begin().text("type").text("numeric").text("name").text("P").end();
+  h.begin().raw(map.bytes().substr(5)).end().end().end().end().end();
+  return h.bytes();
+}
+
+TEST(ParticlesBgeo, AttributesNeedTheirValues) {
+  HoudiniBytes values;
+  values.text("values").begin().text("arrays").numbers<float>('\x19', {1, 4, 7, 2, 5, 8, 3, 6, 9.5F}).end();
+  HoudiniBytes size_last = values;
+  size_last.text("size").whole(3);
+  expect_positions(must_read_particles({"a.bgeo", position_only(size_last)}).particles, kThree);
+  // Positions without values would be whatever the memory held before.
+  expect_in(particle_refusal({"a.bgeo", position_only(HoudiniBytes().text("size").whole(3))}).message,
+            "expected the values of the attribute 'P'");
+}
+
+// A writer may come between the two walks through a file.
+TEST(ParticlesBgeo, FilesThatChangeBetweenTheWalksAreFoundOut) {
+  const TempFolder folder;
+  const std::string path = folder / "a.bgeo";
+  const std::string three = houdini_geometry();
+  const auto read_after = [&](const std::string& changed) {
+    write_bytes(path, three);
+    const auto file = files::InputFile::open(path);
+    if (!file) throw std::runtime_error(file.error().message);
+    const volumes::HoudiniFile surveyed = volumes::survey_houdini(*file);
+    write_bytes(path, changed);
+    std::filesystem::last_write_time(path, std::filesystem::last_write_time(path) + std::chrono::seconds(2));
+    try {
+      static_cast<void>(volumes::read_houdini(*file, surveyed, with_all()));
+    } catch (const volumes::DamagedParticles& damaged) {
+      return std::string(damaged.what());
+    } catch (const volumes::Refused& refused) {
+      return refused.error.message;
+    }
+    return std::string("read");
+  };
+  expect_in(read_after(houdini_geometry(std::endian::little, 4)),
+            "the number of points changed while the file was read");
+  std::string renamed = three;
+  renamed.replace(renamed.find("\x27\2id"), 4, "\x27\2ID");
+  expect_in(read_after(renamed), "an attribute changed while the file was read");
+  // Values alone say nothing of it; the file's time does.
+  expect_in(read_after(three), "a.bgeo: it was written to while it was read");
+}
+
+// Whatever a reader makes of the counts in a file.
+TEST(ParticlesColumns, SinksRefuseParticlesBeyondTheLast) {
+  points::ParticleSet set;
+  set.positions = Buffer<glm::dvec3>(2);
+  set.attributes.push_back({"heat", 1, Buffer<float>(2)});
+  const volumes::ColumnChoice choice{{0, 1, 2}, {{"heat", {3}}}, {}, {}};
+  const std::vector<volumes::ColumnSink> sinks = volumes::sinks_of(set, choice);
+  ASSERT_EQ(sinks.size(), 4U);
+  for (const volumes::ColumnSink& sink : sinks) {
+    EXPECT_NO_THROW(sink.put(1, 0.5));
+    EXPECT_THROW(sink.put(2, 0.5), volumes::DamagedParticles);
+    EXPECT_THROW(sink.put(~std::size_t{0} / 2, 0.5), volumes::DamagedParticles);
+  }
+}
+
 TEST(ParticlesNpy, RowsOfBothOrders) {
   for (const std::endian endian : {std::endian::little, std::endian::big}) {
     std::string rows;
@@ -258,6 +358,48 @@ TEST(ParticlesNpy, StructuredArrays) {
   const volumes::ParticleFile flat = must_read_particles(second, with_attributes({"v"}));
   expect_positions(flat.particles, kThree);
   expect_attribute(flat.particles, "v", 3, kVelocities);
+}
+
+// The bytes of texts, dates and complex numbers were taken for coordinates; types without bytes were read past the end.
+TEST(ParticlesNpy, OnlyNumbersArePositions) {
+  const auto of_type = [](const std::string& type, std::size_t bytes) {
+    return npy_bytes(fmt::format("[('x', '{0}'), ('y', '{0}'), ('z', '{0}')]", type), "(2,)",
+                     std::string(6 * bytes, 'a'));
+  };
+  const std::vector<std::pair<std::string, std::size_t>> others{{"|S4", 4},   {"|V8", 8},     {"<U1", 4}, {"<c8", 8},
+                                                                {"<c16", 16}, {"<M8[ns]", 8}, {"<m8", 8}, {"<f16", 16}};
+  for (const auto& [type, bytes] : others) {
+    SCOPED_TRACE(type);
+    const Error error = particle_refusal({"a.npy", of_type(type, bytes)});
+    expect_in(error.message, fmt::format("expected numbers as x, y and z, found {} as 'x'", type));
+    EXPECT_EQ(must_inform({"a.npy", of_type(type, bytes)}).particles, 2U);
+    volumes::ParticleReadOptions options;
+    options.columns = {"x", "y", "z"};
+    expect_in(particle_refusal({"a.npy", of_type(type, bytes)}, options).message, "expected numbers as x, y and z");
+  }
+  for (const std::string type : {"|V0", "|S0", "<U0", "<f0", "<f1", "<i0", "<i3", "<f5", "<c4", "<c0", "|O",
+                                 "|S9999999", "<M4", "<M8ns", "<m8[", "|S4x", "|S-4", "<q8", "?"}) {
+    SCOPED_TRACE(type);
+    expect_in(particle_refusal({"a.npy", of_type(type, 4)}).message,
+              fmt::format("expected numbers, found the type {}", type));
+    const std::string beside =
+        npy_bytes(fmt::format("[('pos', '<f4', (3,)), ('more', '{}', (3,))]", type), "(2,)", std::string(48, 'a'));
+    expect_in(particle_refusal({"a.npy", beside}).message, fmt::format("expected numbers, found the type {}", type));
+  }
+}
+
+TEST(ParticlesColumns, RecordsHoldTheirFields) {
+  points::ParticleSet set;
+  set.positions = Buffer<glm::dvec3>(1);
+  const std::vector<volumes::ColumnSink> sinks = volumes::sinks_of(set, {{0, 1, 2}, {}, {}, {}});
+  const std::vector<std::byte> record(12);
+  volumes::RecordLayout layout{12, {}};
+  for (std::size_t i = 0; i < 3; ++i) layout.fields.push_back({volumes::NumberType::f32, 4 * i, std::endian::little});
+  EXPECT_NO_THROW(volumes::put_records(layout, record, 0, sinks));
+  layout.fields[2].offset = 9;
+  EXPECT_THROW(volumes::put_records(layout, record, 0, sinks), volumes::DamagedParticles);
+  layout.fields[2] = {std::nullopt, 8, std::endian::little};
+  EXPECT_THROW(volumes::put_records(layout, record, 0, sinks), volumes::DamagedParticles);
 }
 
 TEST(ParticlesNpy, WrongArraysAreRefused) {

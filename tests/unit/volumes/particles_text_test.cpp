@@ -1,5 +1,7 @@
 // Tables, XYZ and dumps of LAMMPS: what their lines hold, and where they are wrong.
+#include <chrono>
 #include <cmath>
+#include <thread>
 
 #include "unit/volumes/particle_files.hpp"
 
@@ -252,6 +254,71 @@ TEST(ParticlesLammps, WrongDumpsAreRefused) {
     SCOPED_TRACE(text);
     expect_in(particle_refusal({"a.dump", text}).message, message);
   }
+}
+
+// Bytes that are read for all frames of a file, one reading a frame.
+std::uint64_t bytes_for_all_frames(const std::string& name, const std::vector<std::string>& frames) {
+  const TempFolder folder;
+  std::string text;
+  for (const std::string& frame : frames) text += frame;
+  write_bytes(folder / name, text);
+  // A file that was just written to may be written to again within the same tick of the clock.
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  std::uint64_t bytes = 0;
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    const Context context;
+    const auto read = volumes::read_particles(folder / name, of_frame(static_cast<std::int64_t>(k)), context);
+    if (!read) throw std::runtime_error(read.error().message);
+    EXPECT_EQ(read->particles.positions[1].x, static_cast<double>(k)) << name;
+    EXPECT_EQ(read->length_unit, name.ends_with("xyz") ? "" : "angstrom");
+    bytes += context.counters().bytes_read;
+  }
+  const auto beyond = volumes::read_particles(folder / name, of_frame(static_cast<std::int64_t>(frames.size())));
+  if (beyond) throw std::runtime_error("read beyond the last frame");
+  expect_in(beyond.error().hint.text, fmt::format("there are {} frames in the file", frames.size()));
+  return bytes;
+}
+
+TEST(ParticlesText, AllFramesOfAFileAreReadInTimeThatGrowsWithIt) {
+  const auto frames_of = [](bool lammps, int count) {
+    std::vector<std::string> frames;
+    for (int k = 0; k < count; ++k) {
+      std::string frame = lammps ? fmt::format("{}ITEM: TIMESTEP\n{}\nITEM: NUMBER OF ATOMS\n60\nITEM: ATOMS x y z\n",
+                                               k == 0 ? "ITEM: UNITS\nmetal\n" : "", k)
+                                 : "60\nframe\n";
+      for (int a = 0; a < 60; ++a) frame += fmt::format("{} {} {}\n", k, a, 0.25 * a);
+      frames.push_back(frame);
+    }
+    return frames;
+  };
+  for (const bool lammps : {false, true}) {
+    const std::string name = lammps ? "a.lammpstrj" : "a.xyz";
+    const std::uint64_t once = bytes_for_all_frames(name, frames_of(lammps, 200));
+    const std::uint64_t twice = bytes_for_all_frames(name, frames_of(lammps, 400));
+    EXPECT_LT(twice, 5 * once / 2) << name << ": " << once << ", " << twice;
+  }
+}
+
+TEST(ParticlesText, FramesThatWereKnownAreNotThoseOfAFileThatChanged) {
+  const TempFolder folder;
+  const std::string path = folder / "a.xyz";
+  const auto write = [&](const std::string& text) {
+    write_bytes(path, text);
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  };
+  const auto x_of = [&](std::int64_t frame) {
+    const auto read = volumes::read_particles(path, of_frame(frame));
+    if (!read) throw std::runtime_error(read.error().message);
+    return read->particles.positions[0].x;
+  };
+  write("1\na\n10 0 0\n1\nb\n20 0 0\n1\nc\n30 0 0\n");
+  EXPECT_EQ(x_of(2), 30);
+  EXPECT_EQ(x_of(1), 20);
+  // As many bytes, with frames of other lengths.
+  write("1\naaa\n1 0 0\n1\n\n220 0 0\n1\nc\n3 0 0\n");
+  EXPECT_EQ(x_of(1), 220);
+  EXPECT_EQ(x_of(2), 3);
+  EXPECT_EQ(x_of(0), 1);
 }
 
 }  // namespace

@@ -37,6 +37,36 @@ TEST(RawReaderSize, NamesWhatIsExpectedWhatIsFoundAndWhatWouldFit) {
   EXPECT_EQ(refusal(folder / "v.raw", raw_options(field::SampleType::u16)).hint, Hint(Remedy::skip_in_raw, "8"));
 }
 
+TEST(RawReaderSize, SeveralVolumesOfOneSize) {
+  const TempFolder folder;
+  const std::string first = ramp_bytes<std::int16_t>();
+  std::string second = first;
+  second[0] = static_cast<char>(second[0] + 1);
+  write_bytes(folder / "v.raw", "head" + first + second);
+  volumes::ReadOptions options = raw_options(field::SampleType::i16, std::endian::little, 4);
+  const auto count = volumes::count_volumes((folder / "v.raw").string(), options);
+  ASSERT_TRUE(count) << count.error().message;
+  EXPECT_EQ(*count, 2U);
+  const Error error = refusal(folder / "v.raw", options);
+  expect_in(error.message, "there are 2 volumes in the file");
+  EXPECT_EQ(error.hint, Hint(Remedy::choose_volume, "from 0 to 1; as one volume, its samples would be u32, i32, f32"));
+  options.volume = 0;
+  expect_ramp<std::int16_t>(must_read(folder / "v.raw", options));
+  options.volume = 1;
+  const double base = dense_value<std::int16_t>(
+      must_read(folder / "v.raw", raw_options(field::SampleType::i16, std::endian::little, 4 + first.size())), 0, 0, 0);
+  EXPECT_EQ(dense_value<std::int16_t>(must_read(folder / "v.raw", options), 0, 0, 0), base);
+  EXPECT_EQ(base, ramp<std::int16_t>(0, 0, 0) + 1);
+  options.volume = 2;
+  expect_in(refusal(folder / "v.raw", options).message, "there is no volume 2; expected one of 2");
+  // The axes of each volume in the other order.
+  options.volume = 1;
+  options.axis_order = volumes::AxisOrder::xyz;
+  EXPECT_EQ(dense_value<std::int16_t>(must_read(folder / "v.raw", options), 0, 0, 0), base);
+  options.raw->skip = 5;
+  expect_in(refusal(folder / "v.raw", options).message, "or a multiple of the samples for several volumes, found 244");
+}
+
 TEST(RawReaderSize, HugeSizesAreAnErrorBeforeMemoryIsTaken) {
   const TempFolder folder;
   write_bytes(folder / "v.raw", "12345678");

@@ -1,0 +1,50 @@
+// Samples as labels: integers are, and floating-point samples that are whole numbers.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <type_traits>
+
+#include <glm/glm.hpp>
+
+#include "field/sample_type.hpp"
+
+namespace isoextract::extract {
+
+// The sample that a field holds as `value`, such as a background.
+template <class T>
+[[nodiscard]] T sample_from(double value) {
+  if constexpr (std::is_same_v<T, field::Half>) {
+    return field::Half(static_cast<float>(value));
+  } else {
+    return static_cast<T>(value);
+  }
+}
+
+// A sample that is no label.
+struct WrongSample {
+  double value = 0;
+  glm::ivec3 at{0};
+};
+
+// The largest label that samples of T have. Beyond 2^digits, floating-point numbers are farther apart than 1: two
+// labels may have become one when the file was written.
+template <class T>
+[[nodiscard]] constexpr double most_label() {
+  if constexpr (std::is_same_v<T, field::Half>) return 0x1p11;
+  if constexpr (std::is_same_v<T, float>) return 0x1p24;
+  return 0x1p53;
+}
+
+template <class T>
+[[nodiscard]] bool is_label(T sample) {
+  if constexpr (field::is_floating_sample<T>) {
+    const auto value = static_cast<double>(sample);
+    return std::abs(value) <= most_label<T>() && value == std::floor(value);
+  } else {
+    return true;
+  }
+}
+
+}  // namespace isoextract::extract

@@ -1,0 +1,49 @@
+#include "files/file_version.hpp"
+
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <system_error>
+
+#include <fmt/format.h>
+
+namespace isoextract::files {
+
+using namespace std::chrono_literals;
+
+namespace {
+
+std::int64_t nanoseconds(const timespec& time) {
+  constexpr std::int64_t kNanoseconds = 1'000'000'000;
+  return time.tv_sec * kNanoseconds + time.tv_nsec;
+}
+
+}  // namespace
+
+bool FileVersion::is_settled() const {
+  const std::int64_t newest = std::max(modified, changed);
+  const std::chrono::nanoseconds tick = newest % 1'000'000'000 == 0 ? 2s : 100ms;
+  return std::chrono::system_clock::now().time_since_epoch() - std::chrono::nanoseconds(newest) > tick;
+}
+
+Result<FileVersion> version_of(const InputFile& file) {
+  struct stat status {};
+  if (::fstat(file.descriptor(), &status) != 0) {
+    return fail(ErrorKind::input,
+                fmt::format("{}: cannot be read: {}", file.name(), std::generic_category().message(errno)));
+  }
+  return FileVersion{status.st_dev, status.st_ino, static_cast<std::uint64_t>(status.st_size),
+                     nanoseconds(status.st_mtim), nanoseconds(status.st_ctim)};
+}
+
+Result<void> check_unchanged(const InputFile& file, const FileVersion& before) {
+  const auto now = version_of(file);
+  if (!now) return tl::unexpected(now.error());
+  if (now->bytes == before.bytes && now->modified == before.modified) return {};
+  return fail(ErrorKind::input, fmt::format("{}: it was written to while it was read", file.name()),
+              "convert it when nothing writes to it");
+}
+
+}  // namespace isoextract::files

@@ -1,0 +1,27 @@
+#include "points/detail/near_spots.hpp"
+
+#include <atomic>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+namespace isoextract::points {
+
+std::uint64_t count_near_pairs(const CellGrid& grid, double radius, std::uint64_t most) {
+  const int rings = static_cast<int>(std::ceil(radius / grid.side()));
+  std::atomic<std::uint64_t> pairs{0};
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, grid.cell_count(), 32), [&](const auto& range) {
+    for (std::size_t c = range.begin(); c != range.end(); ++c) {
+      if (pairs.load(std::memory_order_relaxed) > most) return;
+      const glm::ivec3 at = grid.cell(c).at;
+      std::uint64_t near = 0;
+      grid.for_each_run(at - rings, at + rings, [&](std::size_t from, std::size_t to) {
+        near += grid.cell_end(to - 1) - grid.cell(from).first;
+      });
+      pairs.fetch_add(near * (grid.cell_end(c) - grid.cell(c).first), std::memory_order_relaxed);
+    }
+  });
+  return pairs.load(std::memory_order_relaxed);
+}
+
+}  // namespace isoextract::points

@@ -1,0 +1,64 @@
+// Hashes of files: what they follow, and what is read for them.
+#include <chrono>
+#include <fstream>
+#include <string>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "files/content_hash.hpp"
+#include "support/temp_folder.hpp"
+
+namespace isoextract::files {
+namespace {
+
+// Bytes that this process has read from files so far.
+std::uint64_t bytes_read() {
+  std::ifstream io("/proc/self/io");
+  std::string name;
+  std::uint64_t bytes = 0;
+  while (io >> name >> bytes) {
+    if (name == "rchar:") return bytes;
+  }
+  throw std::runtime_error("expected rchar in /proc/self/io");
+}
+
+void settle() { std::this_thread::sleep_for(std::chrono::milliseconds(200)); }
+
+TEST(ContentHash, OfAFileThatStaysAsItIsIsComputedOnce) {
+  const test::TempFolder folder;
+  const std::string path = folder / "a.xyz";
+  constexpr std::size_t kBytes = 3'000'000;
+  test::write_bytes(path, std::string(kBytes, 'a'));
+  settle();
+  const std::uint64_t before = bytes_read();
+  const auto first = state_of_file(path);
+  const std::uint64_t once = bytes_read() - before;
+  ASSERT_TRUE(first) << first.error().message;
+  EXPECT_GE(once, kBytes);
+  for (int frame = 0; frame < 100; ++frame) EXPECT_EQ(state_of_file(path).value(), *first);
+  EXPECT_LT(bytes_read() - before, once + kBytes);
+}
+
+TEST(ContentHash, FollowsTheFile) {
+  const test::TempFolder folder;
+  const std::string path = folder / "a.xyz";
+  test::write_bytes(path, std::string(1000, 'a'));
+  settle();
+  const FileState first = state_of_file(path).value();
+  const auto time = std::filesystem::last_write_time(path);
+  // As many bytes, and the time of before: the time of the entry tells.
+  test::write_bytes(path, std::string(1000, 'b'));
+  std::filesystem::last_write_time(path, time);
+  const FileState second = state_of_file(path).value();
+  EXPECT_EQ(second.modified, first.modified);
+  EXPECT_NE(second.hash, first.hash);
+  settle();
+  EXPECT_EQ(state_of_file(path).value(), second);
+  test::write_bytes(path, std::string(1000, 'a'));
+  EXPECT_EQ(state_of_file(path).value().hash, first.hash);
+  EXPECT_EQ(content_hash(std::string(1000, 'a')), first.hash);
+}
+
+}  // namespace
+}  // namespace isoextract::files
