@@ -57,6 +57,12 @@ std::string reason_of(const convert::ConversionJob& job, const Error& error) {
 
 bool keeps_rows(const BatchPlan& plan) { return plan.flags.table || plan.flags.plot || plan.common.pages.any(); }
 
+std::string report_path(const BatchPlan& plan, const batch::FrameJob& frame) {
+  const convert::SourceOptions& source = frame.job.source;
+  return report_path(*plan.report,
+                     {frame.number, source.input, source.read.grid.value_or(""), frame.job.isos(), false});
+}
+
 // What a batch keeps of its frames while they run, side by side.
 class FrameKeeper final : public batch::FrameEvents {
  public:
@@ -218,9 +224,7 @@ class FrameKeeper final : public batch::FrameEvents {
   }
 
   Result<void> report(const batch::FrameJob& frame, const convert::Outcome& outcome) const {
-    const convert::SourceOptions& source = frame.job.source;
-    const std::string path = report_path(
-        *plan_.report, {frame.number, source.input, source.read.grid.value_or(""), frame.job.isos(), false});
+    const std::string path = report_path(plan_, frame);
     if (auto checked = check_report_file(path, frame.job); !checked) return checked;
     return write_report(path, &frame.job, outcome, arguments_, plan_.common.memory.limit());
   }
@@ -319,14 +323,18 @@ std::vector<std::size_t> keep_what_is_done(const BatchPlan& plan, const batch::M
   const bool as_one = plan.batch.animation.has_value();
   std::optional<std::vector<batch::FrameRecord>> all;
   if (as_one && plan.flags.resume) all = batch::kept_animation(manifest, plan.batch);
+  const auto lacks_report = [&](std::size_t i) { return !is_there(report_path(plan, plan.batch.frames[i])); };
+  if (plan.report && std::ranges::any_of(plan.frames, lacks_report)) all.reset();
   std::vector<std::size_t> which;
   for (const std::size_t i : plan.frames) {
     const batch::FrameJob& frame = plan.batch.frames[i];
     const batch::FrameRecord* record = all ? &(*all)[i] : nullptr;
     if (!as_one && plan.flags.resume) record = manifest.find(convert::hash_of(frame.job));
+    // What a report says is not kept: a frame without one is done again.
+    const bool has_report = !plan.report || is_there(report_path(plan, frame));
     const bool is_done = plan.flags.no_clobber
                              ? std::ranges::any_of(files_of(frame.job), is_there)
-                             : record != nullptr && (as_one || batch::why_again(*record, frame).empty());
+                             : record != nullptr && has_report && (as_one || batch::why_again(*record, frame).empty());
     if (is_done) {
       keeper.keep(i, record);
     } else {

@@ -75,7 +75,7 @@ Result<std::vector<batch::OutputSource>> sources_of(const ConvertFlags& flags, c
 std::string changing_isos(const ConvertFlags& flags, std::size_t frames) {
   std::vector<std::string> words;
   for (const convert::IsoChoice& iso : flags.isos) {
-    if (iso.is_found()) words.push_back(text_of(iso));
+    if (iso.is_found() && iso != convert::IsoChoice::zero()) words.push_back(text_of(iso));
   }
   if (words.empty() || frames < 2) return {};
   return fmt::format(
@@ -259,14 +259,14 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
       wants_all_volumes(flags) ? volumes_of(flags, *read) : batch::find_frames(flags.input.inputs, flags.batch.frames);
   if (!found) return tl::unexpected(found.error());
   if (!flags.batch.iso_table && !writes_field(flags)) {
-    auto note = take_iso_of_method(one, found->frames.front().input);
+    auto note = take_usual_iso(one, found->frames.front().input);
     if (!note) return tl::unexpected(note.error());
     if (!note->empty()) found->notes.push_back(std::move(*note));
     flags.isos = one.isos;
   }
   auto sources = sources_of(flags, *found);
   if (!sources) return tl::unexpected(sources.error());
-  auto common = plan_conversion(one, sources->front().input, sources->front().isos);
+  auto common = plan_conversion(one, sources->front().isos);
   if (!common) return tl::unexpected(common.error());
   plan.common = std::move(*common);
   if (std::string note = changing_isos(flags, sources->size()); !note.empty()) found->notes.push_back(std::move(note));

@@ -9,6 +9,7 @@
 #include <exception>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -31,6 +32,7 @@
 #include "cli/jet_plan.hpp"
 #include "cli/messages.hpp"
 #include "cli/plan.hpp"
+#include "cli/remedies.hpp"
 #include "cli/render_command.hpp"
 #include "cli/simulate_command.hpp"
 #include "cli/simulate_plan.hpp"
@@ -128,6 +130,11 @@ int run_arguments(const std::vector<std::string>& arguments) {
     fmt::print(stderr, "{}", short_usage(line->app));
     return static_cast<int>(ErrorKind::usage);
   }
+  std::vector<std::string> options;
+  for (const CLI::Option* option : command_of(*line, arguments).get_options()) {
+    for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
+  }
+  set_options_of_hints(std::move(options));
   const auto parsed = parse_command_line(*line, arguments);
   if (!parsed) {
     if (&command_of(*line, arguments) == line->convert) report_unread_words(arguments, parsed.error());

@@ -94,13 +94,29 @@ class ConfigReader {
       return std::vector<std::string>{words.empty() ? name : fmt::format("{}={}", name, words.front())};
     }
     if (!takes_value(option)) return bad(node, fmt::format("{}: expected true or false, found {}", key, kind_of(node)));
+    const bool is_repeatable = option.get_items_expected_max() > 1;
+    const bool has_parts = option.get_type_name().find(',') != std::string::npos;
+    const toml::array* const list = node.as_array();
+    const auto all_of_list = [&](const auto& is) {
+      return list != nullptr && std::all_of(list->begin(), list->end(), is);
+    };
+    if (is_repeatable && has_parts && all_of_list([](const toml::node& one) { return one.is_array(); })) {
+      std::vector<std::string> words;
+      for (const toml::node& one : *list) {
+        auto texts = texts_of(key, one);
+        if (!texts) return texts;
+        words.push_back(fmt::format("{}={}", name, fmt::join(*texts, ",")));
+      }
+      return words;
+    }
     auto texts = texts_of(key, node);
     if (!texts) return tl::unexpected(texts.error());
-    const bool is_repeatable = option.get_items_expected_max() > 1;
-    if (!is_repeatable && node.is_array()) {
-      if (option.get_type_name().find(',') == std::string::npos) {
-        return bad(node, fmt::format("{}: expected one value, found a list of {}", key, texts->size()));
-      }
+    if (!is_repeatable && !has_parts && list != nullptr) {
+      return bad(node, fmt::format("{}: expected one value, found a list of {}", key, texts->size()));
+    }
+    // Numbers are the parts of one value, texts are values.
+    if (has_parts && list != nullptr &&
+        (!is_repeatable || all_of_list([](const toml::node& one) { return one.is_number(); }))) {
       *texts = {fmt::format("{}", fmt::join(*texts, ","))};
     }
     for (std::string& text : *texts) text = fmt::format("{}={}", name, text);

@@ -4,7 +4,6 @@
 #include <exception>
 #include <filesystem>
 #include <functional>
-#include <map>
 #include <optional>
 #include <type_traits>
 #include <utility>
@@ -32,6 +31,7 @@
 #include "cli/remedies.hpp"
 #include "cli/report_file.hpp"
 #include "cli/simplify_text.hpp"
+#include "cli/surface_ends.hpp"
 #include "cli/threads.hpp"
 #include "cli/up_axis_note.hpp"
 #include "cli/verification_text.hpp"
@@ -63,39 +63,6 @@ std::string_view option_for(const convert::WorkFact& fact) {
   return "";
 }
 
-// How a surface ends: known from its extraction, without a look at the mesh.
-struct SurfaceEnd {
-  double iso = 0;
-  bool open = false;  // at the border of the data
-  std::uint64_t hole_cells = 0;
-};
-
-// "closed", or where the surfaces of a file end, and what helps.
-std::string ends_text(const std::vector<SurfaceEnd>& ends, const ConvertPlan& plan) {
-  std::vector<double> open;
-  std::uint64_t hole_cells = 0;
-  for (const SurfaceEnd& end : ends) {
-    if (end.open) open.push_back(end.iso);
-    hole_cells += end.hole_cells;
-  }
-  std::string text;
-  if (!open.empty()) {
-    text = fmt::format("open at the border of the {}", plan.job.source.roi ? "--roi" : "data");
-    if (open.size() < ends.size()) text += fmt::format(" at iso {}", fmt::join(open, ", "));
-    text += " (--cap closes it)";
-  }
-  if (hole_cells > 0) {
-    text += fmt::format("{}without {} cells around samples that are not numbers", text.empty() ? "" : "; ", hole_cells);
-  }
-  if (!text.empty()) return text;
-  if (ends.empty()) return "empty";
-  if (!plan.job.source.clip.empty() && !plan.job.surface.cap) {
-    return "closed but where --clip cut it (--cap closes that)";
-  }
-  const bool rectangles = plan.job.surface.voxel_faces == extract::VoxelFaces::rectangles;
-  return rectangles ? "closed, but not edge by edge (--t-junctions)" : "closed";
-}
-
 // What the number of a surface is.
 std::string_view surface_word(const convert::ConversionJob& job) {
   const std::vector<convert::IsoChoice> isos = job.isos();
@@ -106,7 +73,7 @@ std::string_view surface_word(const convert::ConversionJob& job) {
 class Narrator final : public convert::Events {
  public:
   Narrator(const ConvertPlan& plan, const Messages& messages, ProgressBar& bar)
-      : plan_(plan), messages_(messages), bar_(bar), word_(surface_word(plan.job)) {}
+      : plan_(plan), messages_(messages), bar_(bar), word_(surface_word(plan.job)), ends_(plan.job) {}
 
   void note(const std::string& text) override {
     bar_.above([&] { messages_.note(text); });
@@ -139,12 +106,11 @@ class Narrator final : public convert::Events {
 
   void placed(const convert::PlacedField& placed) override { placed_ = placed.placement; }
 
+  void clipped(double iso, const edit::ClipFacts& facts) override { ends_.clipped(iso, facts); }
+
   void extracted(const convert::ExtractedSurface& surface) override {
     const extract::ExtractStats& stats = surface.stats;
-    ends_.erase(surface.iso);
-    if (surface.triangles > 0) {
-      ends_[surface.iso] = {surface.iso, stats.meets_border && !plan_.job.surface.cap, stats.hole_cells};
-    }
+    ends_.extracted(surface);
     tell_stage(
         fmt::format("{} {} {}: extracted in {}: {:.3f} s to compare samples, {:.3f} s to count, {:.3f} s "
                     "to make the mesh",
@@ -229,7 +195,7 @@ class Narrator final : public convert::Events {
     bar_.above([&] {
       messages_.summary(fmt::format("{} {} {} -> {}: {} triangles, {} vertices, {}; {}; {}; {:.2f} s", label_, word_,
                                     fmt::join(isos, ", "), path, output.triangles, output.vertices,
-                                    format_byte_size(bytes), ends_text(ends_of(isos), plan_), describe(placed_),
+                                    format_byte_size(bytes), ends_.text_of(output), describe(placed_),
                                     watch_.elapsed().wall_seconds));
       for (const std::string& line : edited_) messages_.summary("  " + line);
       for (const std::string& line : colours_) messages_.summary("  " + line);
@@ -270,15 +236,6 @@ class Narrator final : public convert::Events {
     for (const std::string& line : error_details(error)) messages_.explanation("  " + line);
   }
 
-  // Of those that have triangles.
-  [[nodiscard]] std::vector<SurfaceEnd> ends_of(const std::vector<double>& isos) const {
-    std::vector<SurfaceEnd> ends;
-    for (const double iso : isos) {
-      if (const auto found = ends_.find(iso); found != ends_.end()) ends.push_back(found->second);
-    }
-    return ends;
-  }
-
   // What was about the file that is done.
   void forget() {
     verified_.clear();
@@ -296,7 +253,7 @@ class Narrator final : public convert::Events {
   Stopwatch watch_;  // since the start, or since the last file
   std::string label_;
   convert::ResolvedPlacement placed_;
-  std::map<double, SurfaceEnd> ends_;  // by iso: pieces of a surface are written to several files
+  SurfaceEnds ends_;
   std::vector<std::string> verified_;
   std::vector<std::string> edited_;
   std::vector<std::string> colours_;

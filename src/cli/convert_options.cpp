@@ -55,7 +55,8 @@ void declare_backend(const Group& group, ConvertFlags& flags) {
 void declare_convert_surface(CLI::App& app, ConvertFlags& flags) {
   const Group group(app, "Surface");
   group.values("--iso", "V", flags.isos, parse_iso,
-               fmt::format("{} Required but for particles, whose method has one; several times for several surfaces.",
+               fmt::format("{} Several times for several surfaces. (default: 0 of a level set, the usual value of "
+                           "particles; other inputs need one).",
                            kIsoText));
   declare_surface(group, flags.surface);
   declare_labels(group, flags);
@@ -247,8 +248,8 @@ void declare_verify(CLI::App& app, VerifyFlags& flags) {
   declare_particles(app, flags.particles);
   const Group surface(app, "Surface");
   surface.values("--iso", "V", flags.isos, parse_iso,
-                 fmt::format("{} Required but for particles, whose method has one; several times for the several "
-                             "surfaces of a mesh.",
+                 fmt::format("{} Several times for the several surfaces of a mesh. (default: 0 of a level set, the "
+                             "usual value of particles; other inputs need one).",
                              kIsoText));
   declare_surface(surface, flags.surface);
   declare_labels(surface, flags);

@@ -86,14 +86,13 @@ std::optional<std::string> if_on_side(const ConvertFlags& flags, const convert::
 
 }  // namespace
 
-Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string& input,
-                                    const std::vector<convert::IsoChoice>& isos) {
+Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::vector<convert::IsoChoice>& isos) {
   if (flags.report && (flags.report->empty() || *flags.report == "-")) {
     return refuse_usage(fmt::format("--report needs the name of a file, found '{}'", *flags.report));
   }
   if (auto checked = check_field_options(flags); !checked) return tl::unexpected(checked.error());
   const bool as_field = writes_field(flags);
-  if (auto checked = as_field ? Result<void>() : check_isos(isos, input); !checked) {
+  if (auto checked = as_field ? Result<void>() : check_isos(isos); !checked) {
     return tl::unexpected(checked.error());
   }
   if (auto checked = check_filters(flags.surface, flags.particles); !checked) return tl::unexpected(checked.error());
@@ -179,9 +178,9 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& given) {
   if (inputs.empty()) return refuse_usage("no INPUT was given", "isoextract INPUT --iso V -o OUT.glb");
   ConvertFlags flags = given;
   if (auto taken = take_labels(flags); !taken) return tl::unexpected(taken.error());
-  auto note = writes_field(flags) ? std::string() : take_iso_of_method(flags, inputs.front());
+  auto note = writes_field(flags) ? std::string() : take_usual_iso(flags, inputs.front());
   if (!note) return tl::unexpected(note.error());
-  auto plan = plan_conversion(flags, inputs.front(), flags.isos);
+  auto plan = plan_conversion(flags, flags.isos);
   if (!plan) return plan;
   if (!note->empty()) plan->notes.push_back(std::move(*note));
   plan->job.source.input = inputs.front();

@@ -17,7 +17,7 @@ namespace {
 // What is about surfaces, and was given.
 std::vector<std::string_view> surface_options(const ConvertFlags& flags) {
   const SurfaceFlags& surface = flags.surface;
-  const std::array<std::pair<bool, std::string_view>, 35> options{{{flags.labels.has_value(), "--labels"},
+  const std::array<std::pair<bool, std::string_view>, 36> options{{{flags.labels.has_value(), "--labels"},
                                                                    {flags.label_names.has_value(), "--label-names"},
                                                                    {flags.relaxations.has_value(), "--relax"},
                                                                    {flags.no_merge, "--no-merge"},
@@ -29,6 +29,7 @@ std::vector<std::string_view> surface_options(const ConvertFlags& flags) {
                                                                    {flags.simplify.has_value(), "--simplify"},
                                                                    {flags.triangles.has_value(), "--triangles"},
                                                                    {surface.roi.has_value(), "--roi"},
+                                                                   {surface.roi_snap, "--roi-snap"},
                                                                    {!surface.clip.empty(), "--clip"},
                                                                    {surface.cap, "--cap"},
                                                                    {!flags.attributes.empty(), "--attribute"},

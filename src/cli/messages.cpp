@@ -47,7 +47,8 @@ Messages::Messages(Verbosity verbosity)
 
 void Messages::error(const Error& error) const {
   log_->error("isoextract: error: {}", printable(error.message));
-  if (!error.hint.empty()) log_->error("  hint: {}", printable_lines(words_of(error.hint)));
+  const std::string hint = words_of(error.hint);
+  if (!hint.empty()) log_->error("  hint: {}", printable_lines(hint));
 }
 
 void Messages::note(std::string_view text) const { log_->warn("isoextract: note: {}", printable(text)); }

@@ -95,6 +95,7 @@ struct RunFlags {
 struct SurfaceFlags {
   std::optional<extract::Method> method;
   std::optional<field::Box> roi;
+  bool roi_snap = false;
   std::vector<convert::ClipPlane> clip;
   std::optional<glm::ivec3> resolution;
   std::optional<glm::dvec3> voxel_size;

@@ -57,7 +57,7 @@ bool has_attributes(const ConvertFlags& flags) {
   return !flags.attributes.empty() || (flags.colour && flags.colour->attribute);
 }
 
-Result<std::string> take_iso_of_method(ConvertFlags& flags, const std::string& input) {
+Result<std::string> take_usual_iso(ConvertFlags& flags, const std::string& input) {
   if (!flags.isos.empty()) return std::string();
   auto read = plan_read(flags.input);
   if (!read) return tl::unexpected(read.error());
@@ -66,14 +66,18 @@ Result<std::string> take_iso_of_method(ConvertFlags& flags, const std::string& i
   const bool expected = particles->expected;
   const points::MethodInfo& method = points::method_info(particles->method);
   if (!expected) {
-    if (files::is_standard_input(input) && !read->format) return std::string();
+    const auto take_zero = [&] {
+      flags.isos = {convert::IsoChoice::zero()};
+      return std::string();
+    };
+    if (files::is_standard_input(input) && !read->format) return take_zero();
     convert::SourceOptions source;
     source.input = input;
     source.read = std::move(*read);
     source.particles = std::move(*particles);
     const auto of_particles = convert::is_particles(source);
     if (!of_particles && of_particles.error().kind == ErrorKind::usage) return tl::unexpected(of_particles.error());
-    if (!of_particles.value_or(false)) return std::string();  // what cannot be read is told where it is read
+    if (!of_particles.value_or(false)) return take_zero();  // what cannot be read is told where it is read
   }
   flags.isos.emplace_back(method.iso);
   return fmt::format("iso {}, the usual one of {}; --iso V takes another", method.iso, method.title);

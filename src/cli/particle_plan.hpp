@@ -18,10 +18,10 @@ namespace isoextract::cli {
 // Whether vertices are to get attributes, if only for their colours.
 [[nodiscard]] bool has_attributes(const ConvertFlags& flags);
 
-// Where no iso value was given and `input` is of particles: gives the flags that of their method, and returns a note of
-// it. Else nothing is changed and the note is empty; who opens the input tells what is wrong with it. Looks into the
-// file where no option says that it is of particles, but not into standard input, which would have to be kept: that is
-// of particles where the format that it is read as is one of them.
-[[nodiscard]] Result<std::string> take_iso_of_method(ConvertFlags& flags, const std::string& input);
+// Where no iso value was given: gives the flags IsoChoice::zero(), or where `input` is of particles the value of their
+// method, and returns a note of that. Else the note is empty; who opens the input tells what is wrong with it. Looks
+// into the file where no option says that it is of particles, but not into standard input, which would have to be kept:
+// that is of particles where the format that it is read as is one of them.
+[[nodiscard]] Result<std::string> take_usual_iso(ConvertFlags& flags, const std::string& input);
 
 }  // namespace isoextract::cli

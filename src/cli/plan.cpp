@@ -63,7 +63,11 @@ convert::SurfaceOptions plan_surface(const SurfaceFlags& flags, const InputFlags
 }
 
 Result<void> plan_region(const SurfaceFlags& flags, convert::SourceOptions& source) {
+  if (flags.roi_snap && !flags.roi) {
+    return refuse_usage("--roi-snap says where a --roi ends, and none is given", "give --roi X0,Y0,Z0,X1,Y1,Z1");
+  }
   source.roi = flags.roi;
+  source.roi_snap = flags.roi_snap;
   source.clip = flags.clip;
   return {};
 }
@@ -148,12 +152,7 @@ Result<convert::Placement> plan_placement(const PlacementFlags& flags, meshes::M
   return placement;
 }
 
-Result<void> check_isos(const std::vector<convert::IsoChoice>& isos, const std::string& input) {
-  if (isos.empty()) {
-    return refuse_usage("--iso V is missing: the value whose surface is extracted",
-                        fmt::format("'isoextract info {}' shows the values and suggests one, which --iso auto takes",
-                                    shell_quoted(input)));
-  }
+Result<void> check_isos(const std::vector<convert::IsoChoice>& isos) {
   std::vector<convert::IsoChoice> sorted = isos;
   std::sort(sorted.begin(), sorted.end());
   const auto repeated = std::adjacent_find(sorted.begin(), sorted.end());

@@ -94,9 +94,9 @@ struct BenchPlan {
 [[nodiscard]] Result<volumes::ReadOptions> plan_read(const InputFlags& flags);
 // For the commands that have no iso values of their own to turn each surface by.
 [[nodiscard]] Result<void> refuse_two_sides(const InputFlags& flags, std::string_view command);
-// All of it but which files are read and written: the job's input is empty, and it has no outputs. `input` and `isos`
-// are the first that there are, for messages.
-[[nodiscard]] Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::string& input,
+// All of it but which files are read and written: the job's input is empty, and it has no outputs. `isos` are
+// those of the first input.
+[[nodiscard]] Result<ConvertPlan> plan_conversion(const ConvertFlags& flags,
                                                   const std::vector<convert::IsoChoice>& isos);
 // By the extension of a picture's name.
 [[nodiscard]] Result<PictureFormat> picture_format_of(const std::string& path);

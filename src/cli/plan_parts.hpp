@@ -42,7 +42,7 @@ template <class Format, class ByPath>
 // What --memory-limit says.
 [[nodiscard]] MemoryBudget plan_memory(const std::optional<std::uint64_t>& limit);
 [[nodiscard]] convert::SurfaceOptions plan_surface(const SurfaceFlags& flags, const InputFlags& input);
-// What --roi and --clip say.
+// What --roi, --roi-snap and --clip say.
 [[nodiscard]] Result<void> plan_region(const SurfaceFlags& flags, convert::SourceOptions& source);
 // What --resolution, --voxel-size and --kernel say.
 [[nodiscard]] Result<void> plan_resolution(const SurfaceFlags& flags, convert::SourceOptions& source);
@@ -51,7 +51,7 @@ template <class Format, class ByPath>
 // `draws_mesh`: pages or contact sheets show the mesh with its up axis, whatever its format.
 [[nodiscard]] Result<convert::Placement> plan_placement(const PlacementFlags& flags, meshes::MeshFormat format,
                                                         bool draws_mesh, std::vector<std::string>& notes);
-// Some, and each once.
-[[nodiscard]] Result<void> check_isos(const std::vector<convert::IsoChoice>& isos, const std::string& input);
+// Refuses an iso value that is given twice.
+[[nodiscard]] Result<void> check_isos(const std::vector<convert::IsoChoice>& isos);
 
 }  // namespace isoextract::cli

@@ -1,8 +1,12 @@
 #include "cli/remedies.hpp"
 
+#include <algorithm>
+#include <optional>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace isoextract::cli {
 namespace {
@@ -21,9 +25,24 @@ std::string with_options(std::string text) {
   return text;
 }
 
-}  // namespace
+// Of the process, which runs one command.
+std::optional<std::vector<std::string>>& known_options() {
+  static std::optional<std::vector<std::string>> names;
+  return names;
+}
 
-std::string words_of(const Hint& hint) {
+// Whole command lines are of the command that they name.
+bool can_be_done(std::string_view part) {
+  if (!known_options() || part.find("isoextract ") != std::string_view::npos) return true;
+  for (std::size_t at = part.find("--"); at != std::string_view::npos; at = part.find("--", at + 2)) {
+    const std::size_t end = part.find_first_not_of("-abcdefghijklmnopqrstuvwxyz0123456789", at);
+    const std::string_view name = part.substr(at, end == std::string_view::npos ? end : end - at);
+    if (name.size() > 2 && std::ranges::find(*known_options(), name) == known_options()->end()) return false;
+  }
+  return true;
+}
+
+std::string all_words_of(const Hint& hint) {
   const std::string& text = hint.text;
   switch (hint.remedy) {
     case Remedy::none: break;
@@ -103,6 +122,25 @@ std::string words_of(const Hint& hint) {
     case Remedy::read_in_process: return "if you trust the file, read it with --in-process";
   }
   return with_options(text);
+}
+
+}  // namespace
+
+void set_options_of_hints(std::vector<std::string> names) { known_options() = std::move(names); }
+
+std::string words_of(const Hint& hint) {
+  const std::string words = all_words_of(hint);
+  // Words without a code are of the command itself.
+  if (hint.remedy == Remedy::none || can_be_done(words)) return words;
+  constexpr std::string_view kBetween = "; ";
+  std::vector<std::string> parts;
+  for (std::size_t begin = 0; begin <= words.size();) {
+    const std::size_t end = std::min(words.find(kBetween, begin), words.size());
+    std::string part = words.substr(begin, end - begin);
+    if (can_be_done(part)) parts.push_back(std::move(part));
+    begin = end + kBetween.size();
+  }
+  return fmt::format("{}", fmt::join(parts, kBetween));
 }
 
 }  // namespace isoextract::cli

@@ -141,7 +141,8 @@ Result<void> check_useful(const RenderFlags& flags, const Inputs& inputs, const 
   const bool surfaces = !plan.isos.empty();
   const std::array of_surfaces{std::pair{flags.surface.method.has_value(), "--method"},
                                std::pair{flags.surface.cap, "--cap"}, std::pair{flags.colour.has_value(), "--color-by"},
-                               std::pair{flags.surface.roi.has_value(), "--roi"}};
+                               std::pair{flags.surface.roi.has_value(), "--roi"},
+                               std::pair{flags.surface.roi_snap, "--roi-snap"}};
   for (const auto& [given, name] : of_surfaces) {
     if (given && !surfaces)
       return refuse_usage(fmt::format("{} is for surfaces of the volume, and none is asked for", name), "give --iso V");
@@ -198,11 +199,7 @@ Result<RenderPlan> plan_render(const RenderFlags& flags) {
   plan.job.source.blurs = flags.surface.blurs;
   plan.job.surface = plan_surface(flags.surface, flags.input);
   plan.isos = flags.isos;
-  if (!plan.isos.empty()) {
-    if (auto checked = check_isos(plan.isos, flags.input.inputs.front()); !checked) {
-      return tl::unexpected(std::move(checked.error()));
-    }
-  }
+  if (auto checked = check_isos(plan.isos); !checked) return tl::unexpected(std::move(checked.error()));
   plan.meshes = inputs.meshes;
   plan.shading = flags.shading.value_or(plan.shading);
   const bool gradients = extract::method_info(plan.job.surface.method).traits.gradient_normals;

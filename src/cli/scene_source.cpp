@@ -73,13 +73,12 @@ Result<PlacedMesh> read_mesh(const std::string& path, const RenderPlan& plan, co
 
 // The named function over the values that are inside: of a level set those below 0, the least of them most.
 std::vector<render::ControlPoint> named_transfer(const RenderPlan& plan, const field::ScalarField& field,
-                                                 const Context& context) {
+                                                 const field::FieldStatistics& statistics) {
   std::array<double, 2> range{0, 1};
   const bool below = field.kind == field::FieldKind::level_set;
   if (plan.transfer_range) {
     range = *plan.transfer_range;
   } else {
-    const auto statistics = field::measure_statistics(field, &context.progress(), field::WithPercentiles::no);
     range = {statistics.min, below ? std::min(statistics.max, 0.0) : statistics.max};
   }
   // Where all samples are alike nothing is seen.
@@ -128,9 +127,9 @@ Result<SceneSource> SceneSource::open(const RenderPlan& plan, const Context& con
   return source;
 }
 
-Result<void> SceneSource::choose_transfer(const field::ScalarField& field, const Context& context) {
+Result<void> SceneSource::choose_transfer(const field::ScalarField& field, const field::FieldStatistics& statistics) {
   if (!transfer_) {
-    auto transfer = render::TransferFunction::create(named_transfer(*plan_, field, context));
+    auto transfer = render::TransferFunction::create(named_transfer(*plan_, field, statistics));
     if (!transfer) return tl::unexpected(std::move(transfer.error()));
     transfer_ = *transfer;
   }
@@ -169,13 +168,18 @@ Result<void> SceneSource::read_volume(const std::string& input, const std::strin
       if (auto added = render::add_normals(mesh, input, context); !added) return added;
     }
   }
-  return plan_->draws_volume ? place_volume(first, context) : Result<void>();
+  return plan_->draws_volume ? place_volume(first, context, events) : Result<void>();
 }
 
-Result<void> SceneSource::place_volume(bool first, const Context& context) {
+Result<void> SceneSource::place_volume(bool first, const Context& context, convert::Events& events) {
   const auto box = render::box_of_volume(source_->field);
   if (!box) return tl::unexpected(box.error());
-  if (auto chosen = choose_transfer(source_->field, context); !chosen) return chosen;
+  const auto statistics = field::measure_statistics(source_->field, &context.progress(), field::WithPercentiles::no);
+  if (statistics.nan > 0) {
+    events.note(fmt::format("{}: {} of {} samples are not numbers (NaN): nothing is drawn in cells that touch them",
+                            source_->label, statistics.nan, statistics.samples + statistics.nan + statistics.infinite));
+  }
+  if (auto chosen = choose_transfer(source_->field, statistics); !chosen) return chosen;
   if (first) {
     const field::Box world = field::image_of(source_->output_from_index, *box);
     const glm::dvec3 sides = world.max - world.min;

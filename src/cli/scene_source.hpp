@@ -10,6 +10,7 @@
 #include "cli/render_plan.hpp"
 #include "convert/events.hpp"
 #include "convert/source.hpp"
+#include "field/statistics.hpp"
 #include "mesh/mesh.hpp"
 #include "render/scene.hpp"
 
@@ -38,8 +39,8 @@ class SceneSource {
   explicit SceneSource(const RenderPlan& plan) : plan_(&plan) {}
 
   // Of the source; the first one says what a unit of length is.
-  [[nodiscard]] Result<void> place_volume(bool first, const Context& context);
-  [[nodiscard]] Result<void> choose_transfer(const field::ScalarField& field, const Context& context);
+  [[nodiscard]] Result<void> place_volume(bool first, const Context& context, convert::Events& events);
+  [[nodiscard]] Result<void> choose_transfer(const field::ScalarField& field, const field::FieldStatistics& statistics);
   void add_surface(render::Scene& scene, const mesh::Mesh& mesh) const;
 
   const RenderPlan* plan_;

@@ -176,9 +176,10 @@ void declare_backends(const Group& group, std::optional<std::vector<NamedBackend
 void declare_surface(const Group& group, SurfaceFlags& flags) {
   group.choice("--method", flags.method, fmt::format("{} (default: {}).", method_help(), extract::method_ids()[0]));
   group.value("--roi", "X0,Y0,Z0,X1,Y1,Z1", flags.roi, parse_box,
-              "Only the samples in this box, given by its smaller and larger corner in the input's world coordinates "
-              "(with --space index in voxel coordinates). Where the samples' axes are oblique to it, triangles are cut "
-              "at its faces, but with --cap, which closes along samples.");
+              "Only the part of the surface in this box, given by its smaller and larger corner in the input's world "
+              "coordinates (with --space index in voxel coordinates). Triangles are cut at faces that lie between "
+              "samples, and the surface is open there, or closed with --cap. Voxels and surface nets stay whole.");
+  group.flag("--roi-snap", flags.roi_snap, "End the surface at the outermost samples in the --roi, and cut nothing.");
   group.values(
       "--clip", "NX,NY,NZ,D", flags.clip, parse_clip_plane,
       "Keep of the surface what lies on the side of a plane that its normal N points to: NX x + NY y + NZ z >= "

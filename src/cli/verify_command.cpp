@@ -246,7 +246,7 @@ Result<void> verify_mesh(const VerifyPlan& plan, const Messages& messages, const
     }
     if (!made) return tl::unexpected(made.error());
     anew = notes.made_anew(plan.job);
-    const auto matched = measure::match_meshes(file->mesh, *made, plan.float32_world, context);
+    const auto matched = measure::match_meshes(file->mesh, *made, plan.float32_world, context, file->is_quantised);
     if (!matched) return tl::unexpected(matched.error());
     match = *matched;
   }

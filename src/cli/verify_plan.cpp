@@ -81,9 +81,9 @@ Result<VerifyPlan> plan_verify(const VerifyFlags& given) {
   plan.float32_world = format == meshes::MeshFormat::stl || format == meshes::MeshFormat::drc;
 
   if (auto taken = take_labels(flags); !taken) return tl::unexpected(taken.error());
-  auto note = take_iso_of_method(flags, input);
+  auto note = take_usual_iso(flags, input);
   if (!note) return tl::unexpected(note.error());
-  auto conversion = plan_conversion(flags, input, flags.isos);
+  auto conversion = plan_conversion(flags, flags.isos);
   if (!conversion) return tl::unexpected(conversion.error());
   plan.notes = std::move(conversion->notes);
   if (!note->empty()) plan.notes.push_back(std::move(*note));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <exception>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <new>
 #include <span>
@@ -24,12 +25,12 @@
 #include "convert/mesh_normals.hpp"
 #include "convert/mesh_packing.hpp"
 #include "convert/mesh_pieces.hpp"
+#include "convert/no_surface.hpp"
 #include "convert/output_checks.hpp"
 #include "convert/picture_file.hpp"
 #include "convert/placement_record.hpp"
 #include "convert/surface_stages.hpp"
 #include "extract/voxels.hpp"
-#include "field/statistics.hpp"
 #include "files/file_bytes.hpp"
 #include "files/output_file.hpp"
 #include "mesh/metrics.hpp"
@@ -120,7 +121,7 @@ class Conversion {
     if (auto go_on = context_.check(); !go_on) return go_on;
     if (!source_.empty || job_.empty == EmptyPolicy::write)
       return write_field(source_, job_, output, context_, events_);
-    if (job_.empty == EmptyPolicy::error) return tl::unexpected(empty_source());
+    if (job_.empty == EmptyPolicy::error) return tl::unexpected(empty_source(source_));
     const auto removed = remove_old_meshes(output, job_.format, context_);
     if (!removed) return tl::unexpected(removed.error());
     events_.note(fmt::format("{}: {}; {} was not written{}", source_.label, source_.why_empty(),
@@ -166,7 +167,7 @@ class Conversion {
   }
 
   [[nodiscard]] OutputFile open(const OutputFileJob& output) const {
-    return {{output, {}, 0, 0, {}, {}}, meshes::MeshWriter(output.path, write_options(), context_), {}, {}};
+    return {{output, {}, 0, 0, {}, {}, {}}, meshes::MeshWriter(output.path, write_options(), context_), {}, {}};
   }
 
   // As meshes of one file, or each as a file.
@@ -180,7 +181,7 @@ class Conversion {
         return checked;
     }
     for (std::size_t i = 0; i < pieces->size(); ++i) {
-      Surface piece{surface.iso, std::move((*pieces)[i]), {}, {}, {}};
+      Surface piece{surface.iso, std::move((*pieces)[i]), {}, {}, {}, surface.counts_open_edges, {}};
       if (auto shaded = shade_surface(job_, source_, extras_.mesh_facts, context_, events_, piece); !shaded)
         return shaded;
       if (!into_files) {
@@ -236,7 +237,7 @@ class Conversion {
     labels_ = std::move(*found);
     for (const std::string& note : labels_->notes()) events_.note(note);
     if (!labels_->labels().empty() || job_.empty != EmptyPolicy::error) return {};
-    return tl::unexpected(source_.empty ? empty_source()
+    return tl::unexpected(source_.empty ? empty_source(source_)
                                         : Error{ErrorKind::input, source_.label + ": no sample has a label but 0",
                                                 Remedy::allow_empty, Reason::no_surface});
   }
@@ -248,17 +249,19 @@ class Conversion {
     if (!mesh) return tl::unexpected(std::move(mesh.error()));
     if (mesh->triangles.empty() && job_.empty != EmptyPolicy::write) {
       if (job_.empty == EmptyPolicy::error) return tl::unexpected(no_surface(asked));
+      if (cut_away_) lost_.push_back({asked.value, "nothing is where the surface is kept"});
       return std::optional<Surface>();
     }
-    Surface surface{asked.value, std::move(*mesh), {}, {}, {}};
+    Surface surface{asked.value, std::move(*mesh), {}, {}, {}, counts_open_edges_, {}};
     std::vector<double> isos;
     for (const ResolvedIso& iso : labels_ ? each_label(source_.isos, labels_->labels()) : source_.isos)
       isos.push_back(iso.value);
     const SurfaceFacts facts{isos, open_, extras_.mesh_facts, labels_ ? &looks_ : nullptr};
     if (auto made = finish_surface(job_, source_, facts, context_, events_, surface); !made)
       return tl::unexpected(std::move(made.error()));
-    if (surface.mesh.triangles.empty() && job_.empty != EmptyPolicy::write) return std::optional<Surface>();
-    return surface;
+    if (!surface.mesh.triangles.empty() || job_.empty == EmptyPolicy::write) return surface;
+    lost_.push_back({asked.value, "no component is as large as asked for"});
+    return std::optional<Surface>();
   }
 
   [[nodiscard]] const extract::MethodInfo& method() const { return extract::method_info(job_.surface.method); }
@@ -287,9 +290,11 @@ class Conversion {
     }
     std::optional<mesh::Bounds> whole;  // of what there is to cut
     if (!source_.clip.empty() && !extraction->mesh.triangles.empty()) whole = mesh::measure_bounds(extraction->mesh);
-    auto clipped = clip_mesh(extraction->mesh, source_.clip, cut_ends(job_.surface),
+    auto clipped = clip_mesh(extraction->mesh, job_, source_,
                              fmt::format("{} {}", source_.label, surface_text(asked_iso.asked)), context_, events_);
     if (!clipped) return tl::unexpected(std::move(clipped.error()));
+    if (!source_.clip.empty()) events_.clipped(iso, *clipped);
+    counts_open_edges_ = extraction->stats.hole_cells > 0 || (!source_.clip.empty() && !options.cap);
     cut_away_ = extraction->mesh.triangles.empty() ? whole : std::nullopt;
     return std::move(extraction->mesh);
   }
@@ -310,49 +315,11 @@ class Conversion {
     return true;
   }
 
-  [[nodiscard]] Error empty_source() const {
-    return {ErrorKind::input, fmt::format("{}: {}", source_.label, source_.why_empty()), Remedy::allow_empty,
-            Reason::empty_grid};
-  }
-
   Error no_surface(const ResolvedIso& asked) {
-    const double iso = asked.value;
-    if (source_.empty) return empty_source();
-    if (cut_away_) {
-      const field::Affine given_from_output =
-          given_from_index(source_.field, job_.source.placement.space).after(source_.output_from_index.inverse());
-      return {ErrorKind::input,
-              fmt::format("{}: nothing of the surface at {} is where it is kept; it is in {}", source_.label,
-                          surface_text(asked.asked),
-                          box_text(field::image_of(given_from_output, {cut_away_->min, cut_away_->max}))),
-              Remedy::move_cut, Reason::no_surface};
-    }
-    if (labels_) {
-      return {ErrorKind::input, fmt::format("{}: no sample has {}", source_.label, text_of(asked)), Remedy::allow_empty,
-              Reason::no_surface};
-    }
     const Stopwatch watch;
-    const field::FieldStatistics statistics = field::measure_statistics(source_.field);
+    Error error = convert::no_surface(job_, source_, asked, labels_.has_value(), cut_away_);
     outcome_.stages.push_back({StageName::statistics, std::nullopt, watch.elapsed()});
-    if (statistics.samples == 0) {
-      // Active voxels of the background's value are not stored.
-      const bool all_alike = statistics.nan == 0 && statistics.infinite == 0;
-      return {ErrorKind::input,
-              fmt::format("{}: there is no surface: {}", source_.label,
-                          all_alike ? "every voxel has the background's value" : "no sample is a finite number"),
-              Remedy::allow_empty, Reason::no_surface};
-    }
-    const bool region_hides_it = source_.region && statistics.min <= iso && iso <= statistics.max;
-    const field::IsoSuggestion suggestion = field::suggest_iso(source_.field, statistics);
-    const Hint other = suggestion.separates
-                           ? Hint(Remedy::try_iso, fmt::format("{} ({})", suggestion.iso, suggestion.method))
-                           : Hint(Remedy::no_surface_or_skip);
-    return {ErrorKind::input,
-            fmt::format("{}: no surface at iso {}{}{}; the values {}run from {:.6g} to {:.6g}", source_.label,
-                        text_of(asked), source_.region ? " in the region" : "",
-                        job_.source.resamples() ? " on the grid of another resolution" : "",
-                        source_.region ? "of the whole field " : "", statistics.min, statistics.max),
-            region_hides_it ? Hint(Remedy::widen_region_or_skip) : other, Reason::no_surface};
+    return error;
   }
 
   Result<void> add(Surface surface, OutputFile& file) {
@@ -367,6 +334,7 @@ class Conversion {
     outcome_.written.push_back({surface.iso, output_, surface.mesh.triangles.size(), 0, 0});
     file.written.triangles += surface.mesh.triangles.size();
     file.written.vertices += surface.mesh.positions.size();
+    if (surface.open_edges) file.written.open_edges = file.written.open_edges.value_or(0) + *surface.open_edges;
     Result<void> added;
     if (sink_ != nullptr || job_.picture_file) {
       file.held.push_back(std::move(surface.mesh));
@@ -421,7 +389,7 @@ class Conversion {
                  removed->empty() ? ""
                                   : fmt::format("; the old {} {} removed", first_and_last(*removed),
                                                 removed->size() < 3 ? "was" : "were"));
-    events_.written({output, {}, 0, 0, {}, {}});
+    events_.written({output, {}, 0, 0, {}, {}, {}});
     return {};
   }
 
@@ -441,16 +409,28 @@ class Conversion {
 
   void tell_skipped(const OutputFileJob& output, std::span<const ResolvedIso> asked, const std::vector<double>& isos,
                     const std::string& besides) {
-    std::vector<std::string> skipped;
+    std::map<std::string, std::vector<std::string>> skipped;  // by the reason
     for (const ResolvedIso& iso : asked) {
-      if (std::ranges::find(isos, iso.value) == isos.end()) skipped.push_back(text_of(iso));
+      if (std::ranges::find(isos, iso.value) != isos.end()) continue;
+      const auto lost = std::ranges::find(lost_, iso.value, &LostSurface::iso);
+      skipped[lost == lost_.end() ? "no surface" : lost->why].push_back(text_of(iso));
     }
     if (skipped.empty()) return;
+    std::vector<std::string> reasons;
+    for (const auto& [why, texts] : skipped) {
+      reasons.push_back(fmt::format("{} at {}{}", why, labels_ ? "" : "iso ", fmt::join(texts, ", ")));
+    }
     const std::string path = files::shown_output_name(output.path);
-    events_.note(
-        fmt::format("{}: no surface at {}{}; {}{}", source_.label, labels_ ? "" : "iso ", fmt::join(skipped, ", "),
-                    isos.empty() && sink_ == nullptr ? path + " was not written" : path + " is without it", besides));
+    events_.note(fmt::format("{}: {}; {}{}", source_.label, fmt::join(reasons, "; "),
+                             isos.empty() && sink_ == nullptr ? path + " was not written" : path + " is without it",
+                             besides));
   }
+
+  // A surface of which cuts or the choice of components left nothing.
+  struct LostSurface {
+    double iso;
+    std::string why;
+  };
 
   const ConversionJob& job_;
   const Context& context_;
@@ -466,7 +446,9 @@ class Conversion {
   std::size_t output_ = 0;                      // of the job's, which is at hand
   StageTime recording_;                         // of the file at hand, what reports ask for
   bool open_ = false;                           // the surface at hand may have a border
+  bool counts_open_edges_ = false;              // and whether it has one, is to be counted
   std::optional<mesh::Bounds> cut_away_;        // of that surface, where cuts left nothing of it
+  std::vector<LostSurface> lost_;
   std::unique_ptr<extract::Extractor> extractor_;
   std::unique_ptr<extract::Extractor> other_extractor_;  // only to verify
 };

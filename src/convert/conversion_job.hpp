@@ -81,14 +81,6 @@ struct FilterStep {
   friend bool operator==(const FilterStep&, const FilterStep&) = default;
 };
 
-// What of the surfaces is kept: the points p with dot(normal, p) >= offset.
-struct ClipPlane {
-  glm::dvec3 normal{0, 0, 1};  // of any length but 0
-  double offset = 0;
-
-  friend bool operator==(const ClipPlane&, const ClipPlane&) = default;
-};
-
 // What is read, what of it is wanted, and where it goes.
 struct SourceOptions {
   std::string input;          // a path, "-" for standard input, or demo:NAME
@@ -104,6 +96,7 @@ struct SourceOptions {
   bool away_from_zero = false;
   field::ResampleKernel kernel = field::ResampleKernel::linear;  // between the input's samples, for that
   std::optional<field::Box> roi;                                 // in the coordinates of placement.space
+  bool roi_snap = false;                                         // RegionEnds::samples
   std::vector<ClipPlane> clip;                                   // likewise; of the surfaces, not of the samples
   Placement placement;
 

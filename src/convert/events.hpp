@@ -20,6 +20,7 @@
 #include "convert/verification.hpp"
 #include "convert/vertex_colours.hpp"
 #include "convert/work_facts.hpp"
+#include "edit/half_space_clip.hpp"
 #include "extract/extractor.hpp"
 #include "field/scalar_field.hpp"
 
@@ -51,6 +52,7 @@ struct WrittenOutput {
   std::uint64_t vertices = 0;
   std::vector<meshes::WrittenFile> files;
   StageTime time;
+  std::optional<std::uint64_t> open_edges;  // of its meshes, where they were counted: Surface::counts_open_edges
 };
 
 // A file that holds the field itself.
@@ -84,6 +86,7 @@ class Events {
   virtual void worked(const WorkFact&) {}  // of reading
   virtual void placed(const PlacedField&) {}
   virtual void extracted(const ExtractedSurface&) {}
+  virtual void clipped(double /*iso*/, const edit::ClipFacts&) {}  // told where there are planes
   virtual void verified(const VerificationRecord&) {}
   virtual void carried(const CarriedAttributes&) {}  // told before the mesh is simplified
   virtual void picked(const PieceRecord&) {}         // pieces that stay, and then

@@ -9,6 +9,7 @@ namespace isoextract::convert {
 namespace {
 
 constexpr std::string_view kSuggested = "auto";
+constexpr std::string_view kZero = "zero";
 constexpr char kPercentile = 'p';
 constexpr std::string_view kLabel = "label ";
 constexpr std::string_view kAllLabels = "all labels";
@@ -18,6 +19,12 @@ constexpr std::string_view kAllLabels = "all labels";
 IsoChoice IsoChoice::suggested() {
   IsoChoice choice;
   choice.kind = Kind::suggested;
+  return choice;
+}
+
+IsoChoice IsoChoice::zero() {
+  IsoChoice choice;
+  choice.kind = Kind::zero;
   return choice;
 }
 
@@ -45,6 +52,7 @@ std::string text_of(const IsoChoice& choice) {
   switch (choice.kind) {
     case IsoChoice::Kind::number: break;
     case IsoChoice::Kind::suggested: return std::string(kSuggested);
+    case IsoChoice::Kind::zero: return std::string(kZero);
     case IsoChoice::Kind::percentile: return kPercentile + choice.percent.text();
     case IsoChoice::Kind::label: return fmt::format("{}{}", kLabel, choice.number);
     case IsoChoice::Kind::all_labels: return std::string(kAllLabels);
@@ -60,6 +68,7 @@ Json json_of(const IsoChoice& choice) { return choice.is_number() ? Json(choice.
 
 std::optional<IsoChoice> iso_choice_of(std::string_view word) {
   if (word == kSuggested) return IsoChoice::suggested();
+  if (word == kZero) return IsoChoice::zero();
   if (!word.starts_with(kPercentile)) return std::nullopt;
   const auto percent = field::Percent::parse(word.substr(1));
   if (!percent) return std::nullopt;

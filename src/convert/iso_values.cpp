@@ -36,6 +36,17 @@ Result<ResolvedIso> suggested_iso(const IsoChoice& choice, const field::ScalarFi
       Remedy::no_surface_or_skip, Reason::no_surface});
 }
 
+Hint suggested_by_info() { return {Remedy::other_iso, "auto, the value that 'isoextract info' suggests"}; }
+
+Result<ResolvedIso> zero_of(const IsoChoice& choice, const field::ScalarField& field) {
+  if (field.kind == field::FieldKind::level_set) return ResolvedIso{choice, 0, "the zero of the level set"};
+  return fail(
+      ErrorKind::usage,
+      fmt::format("{}: expected a level set, whose surface is at 0, where no iso value is given; found a density",
+                  field_label(field)),
+      suggested_by_info());
+}
+
 }  // namespace
 
 std::string text_of(const ResolvedIso& iso) {
@@ -75,6 +86,10 @@ Result<std::vector<ResolvedIso>> resolve_isos(std::span<const IsoChoice> choices
       auto suggested = suggested_iso(iso.asked, field, empty_is_fine, context);
       if (!suggested) return tl::unexpected(std::move(suggested.error()));
       iso = std::move(*suggested);
+    } else if (iso.asked.kind == IsoChoice::Kind::zero) {
+      auto zero = zero_of(iso.asked, field);
+      if (!zero) return tl::unexpected(std::move(zero.error()));
+      iso = std::move(*zero);
     }
   }
   if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
@@ -97,6 +112,9 @@ Result<std::vector<ResolvedIso>> resolve_isos(std::span<const IsoChoice> choices
     if (choice.is_label()) {
       return fail(ErrorKind::usage,
                   fmt::format("{}: expected a label map, a volume of integers, found particles", label));
+    }
+    if (choice.kind == IsoChoice::Kind::zero && info.kind != field::FieldKind::level_set) {
+      return fail(ErrorKind::usage, fmt::format("{}: no iso value is given", label), suggested_by_info());
     }
     if (choice.is_number()) {
       isos.push_back({choice, choice.number, {}});

@@ -1,11 +1,18 @@
 #include "convert/mesh_pieces.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <new>
 #include <utility>
 
 #include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include "convert/source.hpp"
+#include "mesh/half_space.hpp"
+#include "mesh/metrics.hpp"
 
 #include "base/no_memory.hpp"
 
@@ -57,8 +64,28 @@ Json json_of(const PieceRecord& record) {
           {"time", json_of(record.facts.time)}};
 }
 
-Result<PieceRecord> drop_pieces(mesh::Mesh& mesh, double iso, const PieceChoice& choice,
-                                const field::Affine& output_from_index, const Context& context) {
+Result<edit::Sites> voxel_sites(const mesh::Mesh& mesh, const Source& source, const SurfaceOptions& surface,
+                                const Context& context) {
+  if (surface.method != extract::Method::surface_nets || surface.relaxations == 0) return edit::Sites();
+  const auto memory = context.reserve(mesh.positions.size_bytes(), mesh.name + ": the voxels of its components");
+  if (!memory) return tl::unexpected(memory.error());
+  const double on_plane = 2 * mesh::on_plane_distance(mesh::farthest_coordinate(mesh.positions.span()));
+  const field::Affine index_from_output = source.output_from_index.inverse();
+  edit::Sites sites(mesh.positions.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, sites.size(), 1 << 12), [&](const auto& range) {
+    for (std::size_t v = range.begin(); v != range.end(); ++v) {
+      const glm::dvec3 place = mesh.position(v);
+      const bool is_cut = std::ranges::any_of(
+          source.clip, [&](const mesh::HalfSpace& kept) { return std::abs(kept.depth(place)) <= on_plane; });
+      const glm::dvec3 corner = glm::floor(index_from_output(place)) + 0.5;
+      sites[v] = is_cut ? mesh.positions[v] : glm::vec3(source.output_from_index(corner) - mesh.origin);
+    }
+  });
+  return sites;
+}
+
+Result<PieceRecord> drop_pieces(mesh::Mesh& mesh, double iso, const PieceChoice& choice, const Source& source,
+                                edit::Sites sites, const Context& context) {
   edit::PieceOptions options;
   const bool in_voxels = choice.least && !choice.least->in_world_units;
   if (choice.least) {
@@ -67,9 +94,9 @@ Result<PieceRecord> drop_pieces(mesh::Mesh& mesh, double iso, const PieceChoice&
   }
   options.fill_cavities = choice.fill_cavities;
   options.largest = choice.largest;
-  if (in_voxels) options.to_metric = glm::inverse(output_from_index.linear);
+  if (in_voxels) options.to_metric = glm::inverse(source.output_from_index.linear);
   context.progress().begin("finding pieces", 0);
-  auto kept = edit::keep_pieces(std::move(mesh), options, context);
+  auto kept = edit::keep_pieces(std::move(mesh), options, context, std::move(sites));
   if (!kept) return tl::unexpected(std::move(kept.error()));
   mesh = std::move(kept->mesh);
   return PieceRecord{iso, kept->facts};

@@ -7,12 +7,14 @@
 
 #include "base/context.hpp"
 #include "base/error.hpp"
+#include "convert/conversion_job.hpp"
 #include "convert/json_values.hpp"
 #include "convert/surface_edits.hpp"
-#include "field/affine.hpp"
 #include "mesh/component_facts.hpp"
 
 namespace isoextract::convert {
+
+struct Source;
 
 struct PieceRecord {
   double iso = 0;
@@ -20,10 +22,16 @@ struct PieceRecord {
 };
 [[nodiscard]] Json json_of(const PieceRecord& record);
 
-// `mesh` was placed by `output_from_index`, whose linear part says what a voxel is. It is replaced by what is left.
-// Fails as edit::keep_pieces() does.
+// `mesh` is of `source`, of its positions or `sites`. It is replaced by what is left. Fails as edit::keep_pieces()
+// does.
 [[nodiscard]] Result<PieceRecord> drop_pieces(mesh::Mesh& mesh, double iso, const PieceChoice& choice,
-                                              const field::Affine& output_from_index, const Context& context);
+                                              const Source& source, edit::Sites sites, const Context& context);
+
+// The corners of voxels from which the vertices of surface nets were moved, each within its cell: sides of shells are
+// those of the samples, whatever relaxation made of thin ones. Vertices on planes of source.clip have no such place and
+// keep their own. Nothing (empty) of other methods, whose vertices are where the field puts them.
+[[nodiscard]] Result<edit::Sites> voxel_sites(const mesh::Mesh& mesh, const Source& source,
+                                              const SurfaceOptions& surface, const Context& context);
 
 // The pieces as meshes, called "NAME piece 1" and so on; of an empty mesh that alone, and nothing into files. Fails as
 // edit::split_pieces() does.

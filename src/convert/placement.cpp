@@ -148,8 +148,9 @@ Result<field::IndexBox> samples_in_box(const field::ScalarField& field, const fi
   for (int axis = 0; axis < 3; ++axis) {
     if (samples.max[axis] - samples.min[axis] >= 1) continue;
     return fail(ErrorKind::input,
-                fmt::format("{}: the region {} holds fewer than two samples along {}; the data is at {}", field.source,
-                            box_text(box), "xyz"[axis], box_text(bounds_in(field, space))),
+                fmt::format("{}: the region {} holds {} along {}; the data is at {}", field.source, box_text(box),
+                            covering ? "no cell of the data" : "fewer than two samples", "xyz"[axis],
+                            box_text(bounds_in(field, space))),
                 space == Space::index ? Remedy::region_is_in_voxels : Remedy::region_is_in_world);
   }
   return samples;
@@ -157,30 +158,88 @@ Result<field::IndexBox> samples_in_box(const field::ScalarField& field, const fi
 
 namespace {
 
-// What of the field is in `roi`.
-Result<void> take_region(const field::ScalarField& field, const field::Box& roi, bool closed, PlacedField& placed) {
+// The faces of a box as planes, the two of an axis after each other.
+std::vector<ClipPlane> faces_of(const field::Box& box) {
+  std::vector<ClipPlane> faces;
+  for (int axis = 0; axis < 3; ++axis) {
+    glm::dvec3 normal(0);
+    normal[axis] = 1;
+    faces.push_back({normal, box.min[axis]});
+    faces.push_back({-normal, -box.max[axis]});
+  }
+  return faces;
+}
+
+// Those of the faces of `roi` that lie between the outermost samples of the region, whose axes run along those of the
+// box, and not on one. `kept` becomes the part of the region in the box, in index coordinates.
+std::vector<ClipPlane> faces_between_samples(const field::Affine& given_from_index, const field::Box& roi,
+                                             field::Box& kept) {
+  const field::Box wanted = field::image_of(given_from_index.inverse(), roi);
+  const std::vector<ClipPlane> faces = faces_of(roi);
+  std::vector<ClipPlane> cuts;
+  for (int axis = 0; axis < 3; ++axis) {
+    const glm::dvec3 along = given_from_index.linear[axis];
+    const glm::dvec3 length = glm::abs(along);
+    const int across = length.x >= length.y && length.x >= length.z ? 0 : length.y >= length.z ? 1 : 2;
+    const std::size_t lower = 2 * static_cast<std::size_t>(across) + (along[across] < 0 ? 1 : 0);
+    if (wanted.min[axis] > kept.min[axis] + kVoxelTolerance) {
+      kept.min[axis] = wanted.min[axis];
+      cuts.push_back(faces[lower]);
+    }
+    if (wanted.max[axis] < kept.max[axis] - kVoxelTolerance) {
+      kept.max[axis] = wanted.max[axis];
+      cuts.push_back(faces[lower ^ 1]);
+    }
+  }
+  return cuts;
+}
+
+// Sets the region of `placed`, and where surfaces are cut. Returns the part of the samples that is kept, in index
+// coordinates; of oblique axes all that cover the box.
+Result<field::Box> take_region(const field::ScalarField& field, const field::Box& roi, RegionEnds ends,
+                               PlacedField& placed) {
   const Space space = placed.placement.placement.space;
-  const bool oblique = space == Space::world && !is_axis_aligned(field.index_to_world);
-  placed.cut_at_box = oblique && !closed;
-  auto region = samples_in_box(field, roi, space, oblique);
-  if (!region) return tl::unexpected(std::move(region.error()));
-  placed.region = *region;
-  if (!oblique) return {};
-  const glm::i64vec3 dims = region->dims();
-  placed.notes.push_back(
-      closed ? fmt::format("{}: its axes are oblique, so the region is the {} x {} x {} samples that cover the box: "
-                           "a surface is closed along samples",
-                           field_label(field), dims.x, dims.y, dims.z)
-             : fmt::format("{}: its axes are oblique, so the surface of the {} x {} x {} samples that cover the box "
+  const field::Affine& map = given_from_index(field, space);
+  const bool oblique = !is_axis_aligned(map);
+  const auto covering = samples_in_box(field, roi, space, true);
+  if (!covering) return tl::unexpected(covering.error());
+  const auto box_of = [](const field::IndexBox& box) { return field::Box{glm::dvec3(box.min), glm::dvec3(box.max)}; };
+  placed.region = *covering;
+  field::Box kept = box_of(*covering);
+  const glm::i64vec3 cover = covering->dims();
+  if (oblique) {
+    const bool cuts = ends == RegionEnds::faces;
+    if (cuts) placed.cuts = faces_of(roi);
+    placed.notes.push_back(
+        cuts ? fmt::format("{}: its axes are oblique, so the surface of the {} x {} x {} samples that cover the box "
                            "is cut at it",
-                           field_label(field), dims.x, dims.y, dims.z));
-  return {};
+                           field_label(field), cover.x, cover.y, cover.z)
+             : fmt::format("{}: its axes are oblique, so the region is the {} x {} x {} samples that cover the box: "
+                           "surfaces end at samples",
+                           field_label(field), cover.x, cover.y, cover.z));
+    return kept;
+  }
+  std::vector<ClipPlane> between = faces_between_samples(map, roi, kept);
+  if (ends == RegionEnds::faces) {
+    placed.cuts = std::move(between);
+    return kept;
+  }
+  if (between.empty()) return kept;
+  const auto within = samples_in_box(field, roi, space);
+  if (!within) return tl::unexpected(within.error());
+  placed.region = *within;
+  const glm::i64vec3 dims = within->dims();
+  placed.notes.push_back(
+      fmt::format("{}: the region is the {} x {} x {} samples in the box, whose faces are between samples: surfaces "
+                  "end at samples",
+                  field_label(field), dims.x, dims.y, dims.z));
+  return box_of(*within);
 }
 
 }  // namespace
 
 Result<PlacedField> place_field(const field::ScalarField& field, const Placement& placement,
-                                const std::optional<field::Box>& roi, bool closed) {
+                                const std::optional<field::Box>& roi, RegionEnds ends) {
   if (placement.to_space && !ras_signs(field.world_space)) {
     const std::string found = field.world_space.empty() ? "does not say" : fmt::format("says '{}'", field.world_space);
     return fail(ErrorKind::usage,
@@ -206,12 +265,15 @@ Result<PlacedField> place_field(const field::ScalarField& field, const Placement
                             resolved.placement.scale),
                 Remedy::choose_scale);
   }
+  const field::IndexBox samples = field.extents();
+  field::Box kept{glm::dvec3(samples.min), glm::dvec3(samples.max)};
   if (roi) {
-    if (auto taken = take_region(field, *roi, closed, placed); !taken) return tl::unexpected(std::move(taken.error()));
+    const auto taken = take_region(field, *roi, ends, placed);
+    if (!taken) return tl::unexpected(taken.error());
+    kept = *taken;
   }
-  const field::IndexBox samples = placed.region.value_or(field.extents());
-  if (placement.center && !samples.empty()) {
-    const glm::dvec3 middle = 0.5 * (glm::dvec3(samples.min) + glm::dvec3(samples.max));
+  if (placement.center && (roi || !samples.empty())) {
+    const glm::dvec3 middle = 0.5 * (kept.min + kept.max);
     resolved.moved_by = -placed.output_from_index(middle);
     placed.output_from_index.offset += resolved.moved_by;
   }

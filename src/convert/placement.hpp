@@ -80,9 +80,23 @@ struct ResolvedPlacement {
 // True if every axis of the samples runs along an axis of the world.
 [[nodiscard]] bool is_axis_aligned(const field::Affine& index_to_world);
 
-// The samples of `field` in `box` (world or voxel coordinates, as `space` says), to a millionth of a voxel. Where the
-// samples' axes are oblique, the smallest index box that holds them all; or, `covering` the box, that holds all cells
-// that it touches. Fails with ErrorKind::input if that is less than one cell of the data.
+// Which part of a surface is kept: the points p with dot(normal, p) >= offset.
+struct ClipPlane {
+  glm::dvec3 normal{0, 0, 1};  // of any length but 0
+  double offset = 0;
+
+  friend bool operator==(const ClipPlane&, const ClipPlane&) = default;
+};
+
+// Where the surfaces of a region end.
+enum class RegionEnds {
+  faces,    // at the faces of its box: surfaces are cut there where no sample is on a face
+  samples,  // at samples: the region is the box of those within it; oblique to it, of those that cover it
+};
+
+// The samples of `field` in `box` (world or voxel coordinates, as `space` says), to a millionth of a voxel: the
+// smallest index box that holds them all; or, `covering` the box, that holds all cells that it touches. Fails with
+// ErrorKind::input if that is less than one cell of the data.
 [[nodiscard]] Result<field::IndexBox> samples_in_box(const field::ScalarField& field, const field::Box& box,
                                                      Space space, bool covering = false);
 
@@ -91,16 +105,15 @@ struct PlacedField {
   ResolvedPlacement placement;
   field::Affine output_from_index;
   std::optional<field::IndexBox> region;
-  bool cut_at_box = false;         // the region holds more than the box, and surfaces are to be cut at it
+  std::vector<ClipPlane> cuts;     // faces of the box asked for within the region, where surfaces are to be cut
   std::vector<std::string> notes;  // what of the box asked for could not be taken as it is
 };
 
-// Where the samples' axes are oblique to the box, surfaces are cut at it, unless they are closed there, which is done
-// along samples: then the box is that of the samples. Fails with ErrorKind::usage where an anatomical space or a unit
-// is asked for and the file does not say which one its world is, where the scale leads out of the range of numbers, and
-// as samples_in_box does.
+// A region is a box in the coordinates of Placement::space. A note tells where it ends at samples that are not on its
+// faces. Fails with ErrorKind::usage where an anatomical space or a unit is asked for and the file does not say which
+// one its world is, where the scale leads out of the range of numbers, and as samples_in_box does.
 [[nodiscard]] Result<PlacedField> place_field(const field::ScalarField& field, const Placement& placement,
-                                              const std::optional<field::Box>& roi, bool closed);
+                                              const std::optional<field::Box>& roi, RegionEnds ends);
 
 // "(0, 0, 0) .. (1, 2, 3)"
 [[nodiscard]] std::string box_text(const field::Box& box);

@@ -74,6 +74,13 @@ bool can_be_undone(const ResolvedPlacement& record) {
   return record.placement.scale > 1 / kMost && record.placement.scale < kMost && glm::length(record.moved_by) < kMost;
 }
 
+// Of units that are known, or none.
+double scale_of_units(const Placement& placement) {
+  const auto from = find_length_unit(placement.unit);
+  const auto to = find_length_unit(placement.to_unit);
+  return from && to ? unit_ratio(*from, *to) : 1;
+}
+
 glm::dmat3 turn_of(const Placement& placement) {
   ResolvedPlacement turned;
   turned.placement.turn_z_up_to_y_up = placement.turn_z_up_to_y_up;
@@ -98,21 +105,23 @@ std::string record_text(const ResolvedPlacement& resolved, meshes::MeshFormat fo
   // As text: the library's documents lose memory where there is none for one of their members.
   if (placement.space == Space::index) return fmt::format(R"({{"space":"{}"{})", word_of(Space::index), end);
   if (kinds.empty() && resolved == usual_placement(meshes::is_gltf(format))) return {};
-  std::string text = fmt::format(R"({{"up":"{}")", word_of(placement.up));
-  if (const std::string_view turned = turn_text(placement); !turned.empty()) {
-    text += fmt::format(R"(,"turned":"{}")", turned);
-  }
+  // The header of STL has 80 bytes: what follows from the rest is left out there.
+  const bool is_short = format == meshes::MeshFormat::stl;
+  const std::string_view turned = turn_text(placement);
+  std::string text = is_short && !turned.empty() ? "" : fmt::format(R"("up":"{}")", word_of(placement.up));
+  if (!turned.empty()) text += fmt::format(R"({}"turned":"{}")", text.empty() ? "" : ",", turned);
   if (placement.to_space) {
     text += fmt::format(R"(,"to_space":"{}","mirrored":"{}{}")", word_of(*placement.to_space),
                         resolved.signs.x < 0 ? "x" : "", resolved.signs.y < 0 ? "y" : "");
   }
-  if (placement.scale != 1) text += fmt::format(R"(,"scale":{})", placement.scale);
+  const bool by_units = !placement.unit.empty() && placement.scale == scale_of_units(placement);
+  if (placement.scale != 1 && !(is_short && by_units)) text += fmt::format(R"(,"scale":{})", placement.scale);
   if (!placement.unit.empty()) text += fmt::format(R"(,"unit":"{}","to_unit":"{}")", placement.unit, placement.to_unit);
   if (placement.center) {
     const glm::dvec3& by = resolved.moved_by;
     text += fmt::format(R"(,"moved_by":[{},{},{}])", by.x, by.y, by.z);
   }
-  return text + end;
+  return "{" + text + end;
 }
 
 std::optional<ResolvedPlacement> read_record(std::string_view text) {
@@ -135,9 +144,11 @@ std::optional<ResolvedPlacement> read_record(std::string_view text) {
   const bool known = (turned.empty() || turned == kZToY || turned == kYToZ) &&
                      std::ranges::find(kMirrored, mirrored) != kMirrored.end() &&
                      (placement.to_space || mirrored.empty()) && placement.unit.empty() == placement.to_unit.empty();
+  if (!up && !turned.empty()) up = turned == kZToY ? UpAxis::z : UpAxis::y;
   if (!readable || !up || !known || !is_known_unit(placement.unit) || !is_known_unit(placement.to_unit)) {
     return std::nullopt;
   }
+  if (!json.contains("scale")) placement.scale = scale_of_units(placement);
   placement.up = *up;
   placement.turn_z_up_to_y_up = turned == kZToY;
   placement.turn_y_up_to_z_up = turned == kYToZ;

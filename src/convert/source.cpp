@@ -188,16 +188,14 @@ extract::ExtractOptions Source::extract_options(const SurfaceOptions& surface, d
   return options;
 }
 
-bool closes_regions(const SurfaceOptions& surface) {
-  return surface.cap || extract::method_info(surface.method).traits.always_closed;
-}
-
 SourceUse use_of(const ConversionJob& job) {
   SourceUse use;
   use.keep_data = job.error.has_value();
   use.isos = job.isos();
   use.empty_is_fine = job.empty != EmptyPolicy::error;
-  use.closed = closes_regions(job.surface);
+  // Voxels are whole: a part of one is no surface of the method.
+  if (job.source.roi_snap || extract::method_info(job.surface.method).traits.always_closed)
+    use.region_ends = RegionEnds::samples;
   if (use.isos.size() != 1 || job.error || job.source.resamples()) return use;
   const IsoChoice& only = use.isos.front();
   if (only.is_number()) use.only_iso = only.number;
@@ -229,15 +227,16 @@ Result<Source> open_source(const SourceOptions& options, const SourceUse& use, c
     if (!changed) return tl::unexpected(std::move(changed.error()));
   }
   if (options.away_from_zero) source.kind_at_zero = source.field.kind;
-  auto placed = place_field(source.field, options.placement, options.roi, use.closed);
+  auto placed = place_field(source.field, options.placement, options.roi, use.region_ends);
   if (!placed) return tl::unexpected(std::move(placed.error()));
   events.placed(*placed);
   for (const std::string& text : placed->notes) events.note(text);
   source.placement = placed->placement;
   source.output_from_index = placed->output_from_index;
   source.region = placed->region;
-  source.clip = half_spaces_of(source.field, source.output_from_index, options.placement.space, options.clip,
-                               placed->cut_at_box ? options.roi : std::nullopt);
+  std::vector<ClipPlane> planes = options.clip;
+  planes.insert(planes.end(), placed->cuts.begin(), placed->cuts.end());
+  source.clip = half_spaces_of(source.field, source.output_from_index, options.placement.space, planes);
   if (source.attributes) {
     const field::Affine& world = source.field.index_to_world;
     const field::Affine output_from_world = options.placement.space == Space::index

@@ -56,11 +56,9 @@ struct SourceUse {
   std::optional<double> only_iso;  // nothing is asked of the samples of particles but the surface at this iso value
   std::vector<IsoChoice> isos;     // whose values are asked for
   bool empty_is_fine = false;      // as in resolve_isos()
-  bool closed = false;             // surfaces are closed where a region ends, and so cannot be cut at it
+  RegionEnds region_ends = RegionEnds::faces;
 };
 [[nodiscard]] SourceUse use_of(const ConversionJob& job);
-// SourceUse::closed of such surfaces.
-[[nodiscard]] bool closes_regions(const SurfaceOptions& surface);
 
 // Fails as read_volume(), filter_field(), blur_field(), resample() and place_field() do, and for particles as
 // is_particles(), read_particles(), make_particle_field() and find_attributes() do, as resolve_isos(), and with

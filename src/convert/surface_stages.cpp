@@ -55,7 +55,9 @@ class SurfaceStages {
   Result<void> drop_pieces(Surface& surface) {
     if (!job_.pieces.drops()) return {};
     const bool was_empty = surface.mesh.triangles.empty();
-    auto record = convert::drop_pieces(surface.mesh, surface.iso, job_.pieces, source_.output_from_index, context_);
+    auto sites = voxel_sites(surface.mesh, source_, job_.surface, context_);
+    if (!sites) return tl::unexpected(std::move(sites.error()));
+    auto record = convert::drop_pieces(surface.mesh, surface.iso, job_.pieces, source_, std::move(*sites), context_);
     if (!record) return tl::unexpected(std::move(record.error()));
     events_.picked(*record);
     if (record->facts.without_volume > 0) {
@@ -67,6 +69,14 @@ class SurfaceStages {
                                 fmt::format("{}: none of the {} components at {} is as large as asked for",
                                             source_.label, record->facts.before.components, text_of(surface)),
                                 Remedy::allow_empty, Reason::no_surface});
+  }
+
+  // While shells are where the field puts them: later stages may move them through each other.
+  Result<void> mark_bodies(Surface& surface) {
+    if (!job_.pieces.split && !job_.simplify) return {};
+    auto sites = voxel_sites(surface.mesh, source_, job_.surface, context_);
+    if (!sites) return tl::unexpected(std::move(sites.error()));
+    return edit::mark_bodies(surface.mesh, context_, std::move(*sites));
   }
 
   Result<void> smooth(Surface& surface) {
@@ -83,6 +93,15 @@ class SurfaceStages {
     auto simplified = simplify_mesh(surface.mesh, surface.iso, *job_.simplify, source_.output_from_index, context_);
     if (!simplified) return tl::unexpected(std::move(simplified.error()));
     events_.simplified(*simplified);
+    const auto strays = edit::count_strays(surface.mesh, context_);
+    if (!strays) return tl::unexpected(strays.error());
+    if (!job_.pieces.split) edit::remove_marks(surface.mesh);
+    if (*strays > 0) {
+      events_.note(
+          fmt::format("{} {}: {} cavities are not inside their bodies any more: the surface moved past them; "
+                      "with a smaller distance or more triangles it does not",
+                      source_.label, text_of(surface), *strays));
+    }
     for (const std::string& text : notes_of(*simplified)) {
       events_.note(fmt::format("{} {}: {}", source_.label, text_of(surface), text));
     }
@@ -190,6 +209,12 @@ Result<void> shade_surface(const ConversionJob& job, const Source& source, bool 
     surface.record = std::move(*made);
     surface.recording += watch.elapsed();
   }
+  if (surface.counts_open_edges) {
+    const auto topology = surface.record ? Result<mesh::Topology>(surface.record->topology)
+                                         : mesh::measure_topology(surface.mesh, context);
+    if (!topology) return tl::unexpected(topology.error());
+    surface.open_edges = topology->open_edges;
+  }
   return fit_normals(surface.mesh, job, source, surface.iso, context, events);
 }
 
@@ -198,6 +223,7 @@ Result<void> finish_surface(const ConversionJob& job, const Source& source, cons
   SurfaceStages stages(job, source, context, events);
   if (auto carried = stages.carry_attributes(surface); !carried) return carried;
   if (auto dropped = stages.drop_pieces(surface); !dropped) return dropped;
+  if (auto marked = stages.mark_bodies(surface); !marked) return marked;
   if (auto smoothed = stages.smooth(surface); !smoothed) return smoothed;
   if (auto simplified = stages.simplify(surface); !simplified) return simplified;
   if (auto coloured = stages.colour(facts, surface); !coloured) return coloured;

@@ -19,8 +19,10 @@ struct Surface {
   double iso = 0;
   mesh::Mesh mesh;
   std::optional<MeshError> error;
-  std::optional<MeshRecord> record;  // where one was asked for; of the mesh before vertices were copied
-  StageTime recording;               // what that took
+  std::optional<MeshRecord> record;         // where one was asked for; of the mesh before vertices were copied
+  StageTime recording;                      // what that took
+  bool counts_open_edges = false;           // only a look at the mesh says whether it is closed
+  std::optional<std::uint64_t> open_edges;  // then, before vertices were copied
 };
 
 // What is known of all surfaces, and of the one at hand.

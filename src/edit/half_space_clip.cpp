@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -18,6 +19,8 @@ namespace isoextract::edit {
 namespace {
 
 constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
+
+bool comes_before(const glm::vec3& p, const glm::vec3& q) { return std::tie(p.x, p.y, p.z) < std::tie(q.x, q.y, q.z); }
 
 // An edge by its vertices, the smaller first.
 std::uint64_t key_of(std::uint32_t a, std::uint32_t b) { return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b); }
@@ -141,8 +144,10 @@ class PlaneCut {
   }
 
   void put_crossing(std::uint64_t edge, std::size_t at, mesh::Mesh& result) const {
-    const std::size_t a = edge >> 32;
-    const std::size_t b = edge & kUnused;
+    std::size_t a = edge >> 32;
+    std::size_t b = edge & kUnused;
+    // The order of positions, not of numbers: meshes that share the edge, and both sides of the plane, get one place.
+    if (comes_before(mesh_.positions[b], mesh_.positions[a])) std::swap(a, b);
     const double t = depth_[a] / (depth_[a] - depth_[b]);
     const glm::dvec3 from(mesh_.positions[a]);
     result.positions[at] = glm::vec3(from + t * (glm::dvec3(mesh_.positions[b]) - from));

@@ -32,7 +32,8 @@ struct ClipFacts {
 // are nearer to a plane than a few roundings of a float32 position count as on it and stay where they are; all that is
 // left is within that of the half-spaces. Old vertices stay in their order, new ones follow; triangles stay in their
 // order and wind as before, and normals of new vertices are those between. Nothing changes where nothing is
-// outside. The same for any number of threads. Memory is reserved; fails where it is not there.
+// outside. An edge that two meshes share, or that is cut for both sides of a plane, is cut at the same place, bit for
+// bit. The same for any number of threads. Memory is reserved; fails where it is not there.
 //
 // The mesh is open where it was cut, or capped: then what each plane opens is closed by flat triangles behind all
 // others, which face out of the half-space, before the next plane cuts; triangles in a plane whose outside is on its

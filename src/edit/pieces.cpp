@@ -1,10 +1,14 @@
 #include "edit/pieces.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <limits>
+#include <memory>
 #include <new>
 #include <numeric>
 #include <string>
+#include <string_view>
+#include <unordered_map>
 #include <utility>
 
 #include <fmt/format.h>
@@ -21,7 +25,20 @@ using mesh::ComponentFacts;
 using mesh::Components;
 
 // What the list of components takes, with their nesting and the choice among them.
-constexpr std::uint64_t kComponentBytes = sizeof(ComponentFacts) + 128;
+constexpr std::uint64_t kComponentBytes = sizeof(ComponentFacts) + 192;
+
+// Of a vertex: the component that it was of when mark_bodies() looked at it, and the body around that.
+struct BodyMark {
+  std::uint32_t component;
+  std::uint32_t body;
+};
+constexpr std::string_view kBodyMarks = "bodies of components";
+
+// Null where there are none.
+const mesh::Attribute* find_marks(const mesh::Mesh& mesh) {
+  const auto found = std::ranges::find(mesh.attributes, kBodyMarks, &mesh::Attribute::name);
+  return found == mesh.attributes.end() ? nullptr : std::to_address(found);
+}
 
 // The components of a mesh, measured, and which lies in which.
 struct Shells {
@@ -30,7 +47,9 @@ struct Shells {
   Nesting nesting;
   Reservation memory;
 
-  static Result<Shells> find(const mesh::Mesh& mesh, const glm::dmat3& to_metric, const Context& context) {
+  // With the nesting of `marks`, or where there are none that of the positions.
+  static Result<Shells> find(const mesh::Mesh& mesh, const glm::dmat3& to_metric, const Context& context,
+                             const mesh::Attribute* marks = nullptr) {
     const std::string what = mesh.name + ": the pieces of its surface";
     auto memory = context.reserve(Components::bytes(mesh.positions.size()), what);
     if (!memory) return tl::unexpected(std::move(memory.error()));
@@ -40,8 +59,37 @@ struct Shells {
     memory->take(std::move(*list));
     auto facts = measure_components(mesh, components, to_metric, context);
     if (!facts) return tl::unexpected(std::move(facts.error()));
-    Nesting nesting = find_nesting(mesh, components, *facts);
+    Nesting nesting = marks != nullptr ? marked_nesting(*marks, components, mesh.positions.size())
+                                       : find_nesting(mesh, components, *facts);
     return Shells{std::move(components), std::move(*facts), std::move(nesting), std::move(*memory)};
+  }
+
+  // The same with other positions, which are the mesh's again afterwards.
+  static Result<Shells> find_at(Sites sites, mesh::Mesh& mesh, const glm::dmat3& to_metric, const Context& context) {
+    if (sites.empty()) return find(mesh, to_metric, context);
+    std::swap(mesh.positions, sites);
+    auto shells = find(mesh, to_metric, context);
+    std::swap(mesh.positions, sites);
+    return shells;
+  }
+
+  // Of a component that is not there any more none is the body: what was in it is by itself.
+  static Nesting marked_nesting(const mesh::Attribute& marks, const Components& components, std::size_t vertices) {
+    std::vector<BodyMark> mark_of(components.count());
+    std::unordered_map<std::uint32_t, std::uint32_t> number_of;
+    for (std::size_t v = 0; v < vertices; ++v) {
+      const std::uint32_t component = components.of_vertex(v);
+      if (component == Components::kNone) continue;
+      std::memcpy(&mark_of[component], marks.at(v).data(), sizeof(BodyMark));
+      number_of[mark_of[component].component] = component;
+    }
+    Nesting nesting;
+    nesting.within.assign(mark_of.size(), Nesting::kNone);
+    for (std::uint32_t i = 0; i < mark_of.size(); ++i) {
+      const auto body = number_of.find(mark_of[i].body);
+      nesting.body.push_back(body == number_of.end() ? i : body->second);
+    }
+    return nesting;
   }
 
   [[nodiscard]] std::size_t count() const { return facts.size(); }
@@ -145,9 +193,9 @@ Result<void> take_out(mesh::Mesh& mesh, const Components& components, const std:
   return {};
 }
 
-Result<KeptPieces> keep(mesh::Mesh mesh, const PieceOptions& options, const Context& context) {
+Result<KeptPieces> keep(mesh::Mesh mesh, const PieceOptions& options, const Context& context, Sites sites) {
   const Stopwatch watch;
-  auto shells = Shells::find(mesh, options.to_metric, context);
+  auto shells = Shells::find_at(std::move(sites), mesh, options.to_metric, context);
   if (!shells) return tl::unexpected(std::move(shells.error()));
   const std::vector<bool> stays = choose(*shells, options);
   PieceFacts facts;
@@ -213,9 +261,31 @@ Buffer<T> gathered_from(const Buffer<T>& values, std::size_t width, std::span<co
   return result;
 }
 
+Result<void> mark(mesh::Mesh& mesh, const Context& context, Sites sites) {
+  const auto shells = Shells::find_at(std::move(sites), mesh, glm::dmat3(1.0), context);
+  if (!shells) return tl::unexpected(shells.error());
+  auto memory = context.reserve(mesh.positions.size() * sizeof(BodyMark), mesh.name + ": the bodies of its vertices");
+  if (!memory) return tl::unexpected(std::move(memory.error()));
+  mesh::Attribute marks;
+  marks.name = kBodyMarks;
+  marks.type = mesh::ComponentType::u32;
+  marks.components = 2;
+  marks.values = Buffer<std::byte>(mesh.positions.size() * sizeof(BodyMark));
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    const std::uint32_t component = shells->components.of_vertex(v);
+    const bool used = component != Components::kNone;
+    const BodyMark one{component, used ? shells->nesting.body[component] : component};
+    std::memcpy(marks.values.data() + v * sizeof(BodyMark), &one, sizeof(BodyMark));
+  }
+  mesh.attributes.push_back(std::move(marks));
+  mesh.memory.take(std::move(*memory));
+  return {};
+}
+
 Result<std::vector<mesh::Mesh>> split(mesh::Mesh mesh, std::uint64_t most, const Context& context) {
-  auto shells = Shells::find(mesh, glm::dmat3(1.0), context);
+  auto shells = Shells::find(mesh, glm::dmat3(1.0), context, find_marks(mesh));
   if (!shells) return tl::unexpected(std::move(shells.error()));
+  remove_marks(mesh);
   const auto bodies = bodies_by_area(*shells, std::vector<bool>(shells->count(), true));
   if (bodies.size() > most) {
     return fail(ErrorKind::input, fmt::format("{}: the surface has {} pieces, more than the {} that are split",
@@ -278,9 +348,32 @@ auto with_memory(const std::string& name, const Work& work) -> decltype(work()) 
 
 }  // namespace
 
-Result<KeptPieces> keep_pieces(mesh::Mesh mesh, const PieceOptions& options, const Context& context) {
+Result<KeptPieces> keep_pieces(mesh::Mesh mesh, const PieceOptions& options, const Context& context, Sites sites) {
   const std::string name = mesh.name;
-  return with_memory(name, [&] { return keep(std::move(mesh), options, context); });
+  return with_memory(name, [&] { return keep(std::move(mesh), options, context, std::move(sites)); });
+}
+
+Result<std::uint64_t> count_strays(const mesh::Mesh& mesh, const Context& context) {
+  return with_memory(mesh.name, [&]() -> Result<std::uint64_t> {
+    const mesh::Attribute* marks = find_marks(mesh);
+    if (marks == nullptr) return 0;
+    const auto shells = Shells::find(mesh, glm::dmat3(1.0), context);
+    if (!shells) return tl::unexpected(shells.error());
+    const Nesting marked = Shells::marked_nesting(*marks, shells->components, mesh.positions.size());
+    std::uint64_t strays = 0;
+    for (std::size_t i = 0; i < shells->count(); ++i) {
+      strays += marked.body[i] != i && shells->nesting.body[i] != marked.body[i] ? 1 : 0;
+    }
+    return strays;
+  });
+}
+
+void remove_marks(mesh::Mesh& mesh) {
+  std::erase_if(mesh.attributes, [](const mesh::Attribute& attribute) { return attribute.name == kBodyMarks; });
+}
+
+Result<void> mark_bodies(mesh::Mesh& mesh, const Context& context, Sites sites) {
+  return with_memory(mesh.name, [&] { return mark(mesh, context, std::move(sites)); });
 }
 
 Result<std::vector<mesh::Mesh>> split_pieces(mesh::Mesh mesh, std::uint64_t most, const Context& context) {

@@ -13,6 +13,7 @@
 
 #include <glm/glm.hpp>
 
+#include "base/buffer.hpp"
 #include "base/context.hpp"
 #include "base/error.hpp"
 #include "base/stopwatch.hpp"
@@ -58,15 +59,30 @@ struct KeptPieces {
   PieceFacts facts;
 };
 
+// Positions in place of a mesh's own, one for each vertex, that decide which components are walls of cavities, in which
+// bodies they lie, and how large they are: of a mesh whose vertices were moved off the places where the field puts
+// them. Empty: the mesh's own.
+using Sites = Buffer<glm::vec3>;
+
 // The vertices and triangles of what stays, in their order and with all that belongs to them; where all stays, the
 // mesh. A filled cavity takes what lies in it along. No triangle is changed: what was closed is closed. The same for
 // any number of threads. Fails where the memory for it is not there.
 [[nodiscard]] Result<KeptPieces> keep_pieces(mesh::Mesh mesh, const PieceOptions& options,
-                                             const Context& context = Context());
+                                             const Context& context = Context(), Sites sites = {});
 
-// Each piece as a mesh, the largest area first, with all that belongs to its vertices; none of a mesh without
-// triangles. Names are the mesh's. Fails where the memory is not there for all of them beside the mesh, and where there
-// are more than `most`: nothing is made then.
+// Adds an attribute that holds the body of each vertex, for split_pieces(). Stages that move or leave out vertices, but
+// join no components, may follow: cavities stay with their bodies. Fails where the memory for it is not there.
+[[nodiscard]] Result<void> mark_bodies(mesh::Mesh& mesh, const Context& context = Context(), Sites sites = {});
+
+// How many walls of cavities are not in their marked bodies any more, as later stages moved surfaces past each other.
+[[nodiscard]] Result<std::uint64_t> count_strays(const mesh::Mesh& mesh, const Context& context = Context());
+// Removes that attribute.
+void remove_marks(mesh::Mesh& mesh);
+
+// Each piece as a mesh, the largest area first, with all that belongs to its vertices but that attribute; none of a
+// mesh without triangles. Without the attribute the mesh as it is says which cavity is in which body. Names are the
+// mesh's. Fails where the memory is not there for all of them beside the mesh, and where there are more than `most`:
+// nothing is made then.
 [[nodiscard]] Result<std::vector<mesh::Mesh>> split_pieces(mesh::Mesh mesh, std::uint64_t most,
                                                            const Context& context = Context());
 

@@ -1,6 +1,7 @@
 #include "measure/mesh_match.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <span>
@@ -48,6 +49,23 @@ glm::dvec3 near_enough(const mesh::Mesh& written, const mesh::Mesh& extracted, b
   return allowed;
 }
 
+// The greatest power of two that all world coordinates of a mesh are multiples of; 0 where all are 0.
+double step_of(const mesh::Mesh& mesh) {
+  int least = std::numeric_limits<int>::max();
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    const glm::dvec3 place = mesh.position(v);
+    for (int axis = 0; axis < 3; ++axis) {
+      if (place[axis] == 0) continue;
+      constexpr int kDigits = std::numeric_limits<double>::digits;
+      int exponent = 0;
+      const double mantissa = std::frexp(std::abs(place[axis]), &exponent);
+      const auto digits = static_cast<std::uint64_t>(std::ldexp(mantissa, kDigits));
+      least = std::min(least, exponent - kDigits + std::countr_zero(digits));
+    }
+  }
+  return least == std::numeric_limits<int>::max() ? 0 : std::ldexp(1.0, least);
+}
+
 // Space as boxes, sixteen times as wide as what is near enough: few vertices are near to another box than their own.
 class Cells {
  public:
@@ -82,14 +100,19 @@ class Cells {
 // Vertices by the float32 numbers that their file has, or would have.
 class Places {
  public:
-  Places(const mesh::Mesh& mesh, bool float32_world) : stored_(mesh.positions.span()), origin_(mesh.origin) {
-    if (!float32_world) return;
+  // With a step, rounded to its multiples.
+  Places(const mesh::Mesh& mesh, bool float32_world, double step)
+      : stored_(mesh.positions.span()), origin_(mesh.origin) {
+    if (!float32_world && step == 0) return;
     // Rounded in a pass of its own: where they become double again in the same expression, GCC 12 may leave the
     // rounding out (-ftree-slp-vectorize).
     rounded_ = Buffer<glm::vec3>(mesh.positions.size());
-    tbb::parallel_for(std::size_t{0}, rounded_.size(), [&](std::size_t v) { rounded_[v] = mesh.position(v); });
+    const auto on_lattice = [&](const glm::dvec3& place) { return step * glm::floor(place / step + 0.5); };
+    origin_ = step == 0 ? glm::dvec3(0) : on_lattice(mesh.origin);
+    tbb::parallel_for(std::size_t{0}, rounded_.size(), [&](std::size_t v) {
+      rounded_[v] = step == 0 ? mesh.position(v) : on_lattice(mesh.position(v)) - origin_;
+    });
     stored_ = rounded_.span();
-    origin_ = glm::dvec3(0);
   }
   [[nodiscard]] std::size_t size() const { return stored_.size(); }
   [[nodiscard]] const glm::vec3& stored(std::size_t v) const { return stored_[v]; }
@@ -173,7 +196,7 @@ std::uint64_t matching_bytes(std::uint64_t vertices) {
 }  // namespace
 
 Result<MeshMatch> match_meshes(const mesh::Mesh& written, const mesh::Mesh& extracted, bool float32_world,
-                               const Context& context) {
+                               const Context& context, bool quantised) {
   const std::uint64_t vertices = written.positions.size() + extracted.positions.size();
   const std::uint64_t triangles = written.triangles.size() + extracted.triangles.size();
   const std::uint64_t bytes =
@@ -183,9 +206,10 @@ Result<MeshMatch> match_meshes(const mesh::Mesh& written, const mesh::Mesh& extr
 
   MeshMatch result;
   result.vertices = {written.positions.size(), extracted.positions.size()};
-  result.allowed = near_enough(written, extracted, float32_world);
-  const Places theirs(written, false);
-  const Places ours(extracted, float32_world);
+  const double step = quantised ? step_of(written) : 0;
+  result.allowed = near_enough(written, extracted, float32_world) + step;
+  const Places theirs(written, false, 0);
+  const Places ours(extracted, float32_world, step);
   const Cells cells(result.allowed, extracted.origin, Reach(extracted).local,
                     std::max(written.positions.size(), extracted.positions.size()));
   const mesh::Buckets<PlacedVertex> our_buckets = by_cell(ours, cells);

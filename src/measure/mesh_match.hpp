@@ -12,7 +12,9 @@
 //   backend may have gone to the next float32 number: one spacing of the world coordinates;
 // - the reader makes float32 numbers of coordinates in double, relative to an origin that it chooses: half a spacing of
 //   those, unless the origin is the extraction's own (then the file had the very numbers);
-// - sums in double: a few roundings of the world coordinates.
+// - sums in double: a few roundings of the world coordinates;
+// - where positions were quantised, to multiples of a power of two (meshes/mesh_packing.hpp): the extraction's are
+//   rounded here to the same, and those of another backend may have gone to the next one: one step.
 // The extractors keep vertices of different edges at least four ulps of the local coordinates apart (OutputFrame), so
 // that the nearest one is the right one; only STL far from the origin of the world may hold less than that. Nothing
 // keeps vertices apart that are not on edges (MethodTraits): of two that are nearer than that, one may count as
@@ -45,10 +47,10 @@ struct MeshMatch {
   glm::dvec3 farthest{0.0};  // where that is
 };
 
-// `float32_world`: the file's format has float32 world coordinates only. Fails with ErrorKind::input if matching needs
-// more memory than there is.
+// `float32_world`: the file's format has float32 world coordinates only. `quantised`: its positions were quantised.
+// Fails with ErrorKind::input if matching needs more memory than there is.
 [[nodiscard]] Result<MeshMatch> match_meshes(const mesh::Mesh& written, const mesh::Mesh& extracted, bool float32_world,
-                                             const Context& context = Context());
+                                             const Context& context = Context(), bool quantised = false);
 
 // What differs, a sentence without its full stop each; none if they are the same. `names` are what the meshes are
 // called.

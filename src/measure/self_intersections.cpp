@@ -20,6 +20,7 @@ using TrianglePair = std::array<std::uint32_t, 2>;
 
 // What one thread found.
 struct FoundPairs {
+  std::uint64_t looked_at = 0;
   std::uint64_t pairs = 0;
   std::uint64_t in_one_plane = 0;
   std::uint64_t neighbours = 0;
@@ -48,7 +49,7 @@ class IntersectionSearch {
   // At its peak.
   [[nodiscard]] static std::uint64_t bytes(const mesh::Mesh& mesh) {
     const std::uint64_t triangles = mesh.triangles.size();
-    return VertexPlaces::bytes(mesh.positions.size()) +
+    return VertexPlaces::bytes(mesh.positions.size()) + TriangleStars::bytes(mesh.positions.size()) +
            std::max(distinct_triangle_bytes(triangles),
                     triangles * (2 * sizeof(std::uint32_t) + 1) + TriangleBoxes::bytes(triangles));
   }
@@ -57,7 +58,13 @@ class IntersectionSearch {
     result_.zero_area_triangles = distinct_.zero_area;
     result_.duplicate_triangles = distinct_.duplicates;
     if (distinct_.triangles.empty()) return result_;
-    const TriangleBoxes boxes(mesh_.positions.span(), mesh_.triangles.span(), distinct_.triangles.span());
+    const TriangleStars stars(mesh_.positions.span(), distinct_.triangles.span(),
+                              [&](std::uint32_t triangle) { return places_.of_triangle(mesh_.triangles[triangle]); });
+    const std::uint64_t count = stars.empty() ? 0 : mesh_.triangles.size();
+    const auto memory = context_.reserve(TriangleStars::crowded_bytes(count) + TriangleBoxes::star_bytes(count),
+                                         mesh_.name + ": corners with many triangles");
+    if (!memory) return tl::unexpected(memory.error());
+    const TriangleBoxes boxes(mesh_.positions.span(), mesh_.triangles.span(), distinct_.triangles.span(), &stars);
     met_ = Buffer<std::uint8_t>(mesh_.triangles.size());
     std::fill(met_.begin(), met_.end(), std::uint8_t{0});
     boxes.for_near_pairs(
@@ -91,10 +98,11 @@ class IntersectionSearch {
 
   void look_at(std::uint32_t i, std::uint32_t j) {
     if (context_.cancelled()) stopped_.store(true, std::memory_order_relaxed);
+    FoundPairs& found = found_.local();
+    ++found.looked_at;
     const TriangleOverlap overlap = find_overlap(placed(i), placed(j));
     if (!overlap.meet) return;
     const std::uint64_t pairs = copies_of(i) * copies_of(j);
-    FoundPairs& found = found_.local();
     found.pairs += pairs;
     found.in_one_plane += overlap.in_one_plane ? pairs : 0;
     found.neighbours += overlap.neighbours ? pairs : 0;
@@ -112,12 +120,14 @@ class IntersectionSearch {
   void gather() {
     FoundPairs all;
     for (const FoundPairs& part : found_) {
+      all.looked_at += part.looked_at;
       all.pairs += part.pairs;
       all.in_one_plane += part.in_one_plane;
       all.neighbours += part.neighbours;
       for (const TrianglePair& pair : part.first) all.add_example(pair, options_.examples);
     }
     std::ranges::sort(all.first);
+    result_.looked_at = all.looked_at;
     result_.pairs = all.pairs;
     result_.in_one_plane = all.in_one_plane;
     result_.neighbours = all.neighbours;

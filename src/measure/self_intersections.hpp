@@ -34,6 +34,7 @@ struct SelfIntersections {
   // The first pairs, by their first and then by their second triangle; the first of them comes first.
   std::vector<std::array<std::uint32_t, 2>> examples;
 
+  std::uint64_t looked_at = 0;            // pairs that boxes did not tell apart: what the search costs
   std::uint64_t zero_area_triangles = 0;  // their corners are on one line, exactly
   std::uint64_t duplicate_triangles = 0;  // with the corners of an earlier one, whichever way they wind
 };

@@ -22,9 +22,10 @@ struct Topology {
   std::uint64_t components = 0;
   std::int64_t euler = 0;  // vertices in use - edges + triangles
 
+  // Not of a mesh without triangles, which closes nothing off.
   [[nodiscard]] bool is_closed_oriented_manifold() const {
-    return open_edges == 0 && nonmanifold_edges == 0 && misoriented_edges == 0 && nonmanifold_vertices == 0 &&
-           repeated_index_triangles == 0;
+    return edges > 0 && open_edges == 0 && nonmanifold_edges == 0 && misoriented_edges == 0 &&
+           nonmanifold_vertices == 0 && repeated_index_triangles == 0;
   }
   // Of all components together, for closed meshes: euler = 2 * components - 2 * genus.
   [[nodiscard]] std::int64_t genus() const { return static_cast<std::int64_t>(components) - euler / 2; }

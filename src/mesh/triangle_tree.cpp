@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <vector>
 
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
+#include <tbb/parallel_reduce.h>
 
 #include "mesh/closest_point.hpp"
 
@@ -13,6 +16,8 @@ namespace {
 
 constexpr std::size_t kLeafTriangles = 4;
 constexpr std::size_t kParallelTriangles = 1 << 13;
+constexpr double kAxisOne = 32767;
+constexpr double kSlabRounding = 1e-12;  // of coordinates, more than that of double arithmetic
 
 template <class Box>
 double distance_squared(const Box& box, const glm::dvec3& p) {
@@ -43,6 +48,8 @@ TriangleTree::TriangleTree(std::span<const glm::vec3> positions, std::span<const
                 static_cast<std::uint32_t>(t)};
   });
   build(items.span(), 0, 0, positions, triangles);
+  items = {};
+  if (boxes_are_loose()) make_slabs();
 }
 
 // Orders `items`, those of one node, and fills what belongs to the node and those below it.
@@ -90,6 +97,120 @@ void TriangleTree::build(std::span<Item> items, std::size_t level, std::size_t n
   boxes_[node] = {glm::min(a.min, b.min), glm::max(a.max, b.max)};
 }
 
+double TriangleTree::Slab::along(const glm::dvec3& p) const {
+  return (axis[0] * p.x + axis[1] * p.y + axis[2] * p.z) / kAxisOne;
+}
+
+double TriangleTree::Slab::distance(const glm::dvec3& p) const {
+  const double at = along(p);
+  const double outside = std::max(static_cast<double>(low) - at, at - static_cast<double>(high));
+  const double rounding =
+      kSlabRounding * std::max({std::abs(at), std::abs(static_cast<double>(low)), std::abs(static_cast<double>(high))});
+  return std::max(outside - rounding, 0.0);
+}
+
+// By the surface of the leaves' boxes: those of a surface's patches have a few times its area.
+bool TriangleTree::boxes_are_loose() const {
+  constexpr double kTight = 64;
+  struct Sums {
+    double boxes = 0;
+    double triangles = 0;
+  };
+  const std::size_t first_leaf = (std::size_t{1} << depth_) - 1;
+  const Sums sums = tbb::parallel_deterministic_reduce(
+      tbb::blocked_range<std::size_t>(0, std::size_t{1} << depth_, 1 << 10), Sums{},
+      [&](const auto& leaves, Sums sum) {
+        for (std::size_t leaf = leaves.begin(); leaf != leaves.end(); ++leaf) {
+          const Box& box = boxes_[first_leaf + leaf];
+          const glm::dvec3 size = glm::dvec3(box.max) - glm::dvec3(box.min);
+          sum.boxes += size.x * size.y + size.y * size.z + size.z * size.x;
+        }
+        for (std::size_t t = first_slot(depth_, leaves.begin()); t < first_slot(depth_, leaves.end()); ++t) {
+          const glm::dvec3 a(corners_[t].a);
+          sum.triangles += glm::length(glm::cross(glm::dvec3(corners_[t].b) - a, glm::dvec3(corners_[t].c) - a));
+        }
+        return sum;
+      },
+      [](const Sums& a, const Sums& b) {
+        return Sums{a.boxes + b.boxes, a.triangles + b.triangles};
+      });
+  return depth_ > 0 && sums.boxes > kTight * sums.triangles;
+}
+
+void TriangleTree::make_slabs() {
+  slabs_ = Buffer<std::array<Slab, 2>>((std::size_t{1} << depth_) - 1);
+  for (std::size_t level = 0; level < depth_; ++level) {
+    tbb::parallel_for(std::size_t{0}, std::size_t{1} << level, [&](std::size_t number) {
+      slabs_[(std::size_t{1} << level) - 1 + number] =
+          slabs_of(first_slot(level, number), first_slot(level, number + 1));
+    });
+  }
+}
+
+// Across the greatest triangle, and across the longest side in its plane.
+std::array<TriangleTree::Slab, 2> TriangleTree::slabs_of(std::size_t first, std::size_t last) const {
+  glm::dvec3 normal(0);
+  glm::dvec3 side(0);
+  for (std::size_t t = first; t < last; ++t) {
+    const glm::dvec3 a(corners_[t].a);
+    const glm::dvec3 b(corners_[t].b);
+    const glm::dvec3 c(corners_[t].c);
+    const glm::dvec3 across = glm::cross(b - a, c - a);
+    if (glm::dot(across, across) > glm::dot(normal, normal)) normal = across;
+    for (const glm::dvec3& way : {b - a, c - b, a - c}) {
+      if (glm::dot(way, way) > glm::dot(side, side)) side = way;
+    }
+  }
+  const std::array axes{normal, glm::cross(normal, side)};
+  std::array<Slab, 2> slabs;
+  for (std::size_t i = 0; i < slabs.size(); ++i) {
+    Slab& slab = slabs[i];
+    const double length = glm::length(axes[i]);
+    if (!(length > 0) || !std::isfinite(length)) continue;  // it holds all points then
+    for (int axis = 0; axis < 3; ++axis) {
+      slab.axis[static_cast<std::size_t>(axis)] =
+          static_cast<std::int16_t>(std::lround((kAxisOne - 1) * (axes[i][axis] / length)));
+    }
+    double low = std::numeric_limits<double>::infinity();
+    double high = -low;
+    for (std::size_t t = first; t < last; ++t) {
+      for (const glm::vec3& corner : {corners_[t].a, corners_[t].b, corners_[t].c}) {
+        const double at = slab.along(glm::dvec3(corner));
+        low = std::min(low, at);
+        high = std::max(high, at);
+      }
+    }
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    slab.low = std::nextafter(static_cast<float>(low), -kInfinity);
+    slab.high = std::nextafter(static_cast<float>(high), kInfinity);
+  }
+  return slabs;
+}
+
+double TriangleTree::bound_squared(std::size_t node, const glm::dvec3& p) const {
+  const double by_box = distance_squared(boxes_[node], p);
+  if (node >= slabs_.size()) return by_box;
+  const double across = std::max(slabs_[node][0].distance(p), slabs_[node][1].distance(p));
+  return std::max(by_box, across * across);
+}
+
+std::size_t TriangleTree::leaves_within(const glm::dvec3& p, double squared) const {
+  const std::size_t first_leaf = (std::size_t{1} << depth_) - 1;
+  std::size_t leaves = 0;
+  std::vector<std::size_t> waiting{0};
+  while (!waiting.empty()) {
+    const std::size_t node = waiting.back();
+    waiting.pop_back();
+    if (bound_squared(node, p) > squared) continue;
+    if (node >= first_leaf) {
+      ++leaves;
+    } else {
+      waiting.insert(waiting.end(), {2 * node + 1, 2 * node + 2});
+    }
+  }
+  return leaves;
+}
+
 TriangleTree::Nearest TriangleTree::nearest_in(std::uint32_t slot, const glm::dvec3& p) const {
   const Corners& corners = corners_[slot];
   Nearest found;
@@ -135,8 +256,8 @@ void TriangleTree::search_below(std::size_t node, double node_distance_squared, 
     if (best.distance_squared <= enough_squared) return;
     if (entry.distance_squared < best.distance_squared) {
       if (entry.node < first_leaf) {
-        Entry near{2 * entry.node + 1, distance_squared(boxes_[2 * entry.node + 1], p)};
-        Entry far{2 * entry.node + 2, distance_squared(boxes_[2 * entry.node + 2], p)};
+        Entry near{2 * entry.node + 1, bound_squared(2 * entry.node + 1, p)};
+        Entry far{2 * entry.node + 2, bound_squared(2 * entry.node + 2, p)};
         if (far.distance_squared < near.distance_squared) std::swap(near, far);
         waiting[count++] = far;
         entry = near;
@@ -159,7 +280,7 @@ TriangleTree::Nearest TriangleTree::nearest(const glm::dvec3& p, std::uint32_t h
   search(leaf, p, best);
   while (node > 0 && best.distance_squared > enough_squared) {
     const std::size_t sibling = ((node - 1) ^ 1U) + 1;
-    const double squared = distance_squared(boxes_[sibling], p);
+    const double squared = bound_squared(sibling, p);
     if (squared < best.distance_squared) search_below(sibling, squared, p, enough_squared, best);
     node = (node - 1) / 2;
   }

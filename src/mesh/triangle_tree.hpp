@@ -1,8 +1,12 @@
 // A bounding volume hierarchy over the triangles of a mesh: the closest point of a surface to a point.
 //
 // A complete binary tree, split at the median of the centroids along their longest axis. Its 2^d leaves share the
-// triangles evenly, so a node's triangles follow from its number, and a node stores nothing but its box.
+// triangles evenly, so a node's triangles follow from its number, and a node stores nothing but its box. Where
+// triangles are long and lie across the axes, as around a corner that very many have in common, their boxes all meet:
+// then nodes store two slabs as well, across which their triangles are thin.
 #pragma once
+
+#include <array>
 
 #include <cstdint>
 #include <limits>
@@ -27,7 +31,7 @@ class TriangleTree {
     glm::dvec3 point{0.0};
   };
 
-  // What making the tree takes at most, for a caller to reserve; half of it, once it is made.
+  // What making the tree takes at most, for a caller to reserve; half of it, once it is made without slabs.
   [[nodiscard]] static std::uint64_t bytes(std::uint64_t triangles) {
     return triangles * (sizeof(Corners) + sizeof(Box) + sizeof(glm::vec4) + sizeof(std::uint32_t));
   }
@@ -51,12 +55,24 @@ class TriangleTree {
   // The triangle in a slot, by its number among those that the tree was made of.
   [[nodiscard]] std::uint32_t triangle(std::uint32_t slot) const { return triangles_[slot]; }
   [[nodiscard]] std::size_t size() const { return corners_.size(); }
+  [[nodiscard]] bool has_slabs() const { return !slabs_.empty(); }
+
+  // How many leaves may hold something nearer than that: what the search for a point at this distance costs.
+  [[nodiscard]] std::size_t leaves_within(const glm::dvec3& p, double squared) const;
 
  private:
   struct Box {
     glm::vec3 min, max;
   };
   struct Item;  // a triangle on its way to its slot
+  // The points p with low <= dot(axis, p) <= high, where no axis is longer than 1.
+  struct Slab {
+    std::array<std::int16_t, 3> axis{};  // in parts of kAxisOne
+    float low = 0;
+    float high = 0;
+    [[nodiscard]] double along(const glm::dvec3& p) const;
+    [[nodiscard]] double distance(const glm::dvec3& p) const;
+  };
 
   [[nodiscard]] std::size_t first_slot(std::size_t level, std::size_t number) const {
     return number * corners_.size() >> level;
@@ -66,11 +82,17 @@ class TriangleTree {
   void search_below(std::size_t node, double node_distance_squared, const glm::dvec3& p, double enough_squared,
                     Nearest& best) const;
   void search(std::size_t leaf, const glm::dvec3& p, Nearest& best) const;
+  [[nodiscard]] bool boxes_are_loose() const;
+  void make_slabs();
+  [[nodiscard]] std::array<Slab, 2> slabs_of(std::size_t first, std::size_t last) const;
+  // No point of the node's triangles is nearer.
+  [[nodiscard]] double bound_squared(std::size_t node, const glm::dvec3& p) const;
 
   std::size_t depth_ = 0;
   Buffer<Corners> corners_;
   Buffer<std::uint32_t> triangles_;
-  Buffer<Box> boxes_;  // node k has children 2k + 1 and 2k + 2
+  Buffer<Box> boxes_;                  // node k has children 2k + 1 and 2k + 2
+  Buffer<std::array<Slab, 2>> slabs_;  // of nodes above the leaves; none where boxes are tight
 };
 
 }  // namespace isoextract::mesh

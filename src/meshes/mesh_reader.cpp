@@ -233,6 +233,7 @@ MeshFile read_file(const files::InputFile& file, const MeshReadOptions& options)
   result.mesh.name = from_stdin ? file.name() : file.path().filename().string();
   result.format = surface.format;
   result.y_up = surface.y_up;
+  result.is_quantised = surface.is_quantised;
   result.is_ours = surface.is_ours;
   if (surface.is_ours) result.placement = surface.placement.substr(0, kMaxPlacement);  // a longer one is none of ours
   for (const std::string& note : surface.notes) result.notes.push_back(fmt::format("{}: {}", file.name(), note));

@@ -59,6 +59,7 @@ struct MeshFile {
   std::vector<MeshPart> parts;     // of glTF, one for each place where a mesh stands; none where that is one
   std::string_view format;         // "PLY, text"
   bool y_up = false;               // its format prescribes that y points up; the others do not say what does
+  bool is_quantised = false;       // positions were rounded to be packed: Draco, KHR_mesh_quantization
   bool is_ours = false;            // it says that isoextract wrote it; STL as text does not say who did
   std::string placement;           // where it is ours and has one: MeshWriteOptions::placement, not checked
   std::vector<std::string> notes;  // what was left out, one sentence each; each starts with the file's name

@@ -160,7 +160,7 @@ class ArraysTest(ProgramTest):
         self.assertIn("8 of 16 triangles are left, and none was cut\n", run.err)
 
     def test_the_result_line_does_not_call_what_was_cut_closed(self):
-        for cap, text in (((), "; closed but where --clip cut it (--cap closes that); "), (("--cap",), "; closed; ")):
+        for cap, text in (((), "; open where --clip cut it (--cap closes it); "), (("--cap",), "; closed; ")):
             run = self.convert("demo:sphere?size=20", "--iso", "0", "--clip", "1,0,0,0.1", *cap, "-o", "a.ply")
             self.assertIn(text, run.err)
 
@@ -231,8 +231,9 @@ class ArraysTest(ProgramTest):
         self.assertAlmostEqual(low[1], cy - RADIUS, delta=0.15)
         self.convert("verify", "t.nrrd", "a.ply", *arguments[1:])
         capped = self.convert(*arguments, "--cap", "-o", "b.ply")
-        self.assertIn("a surface is closed along samples", capped.err)
-        self.assertEqual(read_ply((self.folder / "b.ply").read_bytes()).open_edges(), 0)
+        self.assertIn("that cover the box is cut at it", capped.err)
+        whole = read_ply((self.folder / "b.ply").read_bytes())
+        self.assertEqual(whole.open_edges(), 0)
         # The samples cover the box: cut at its planes, it is all there.
         planes = [(-1 if side else 1, axis, box[axis + 3 * side]) for axis in range(3) for side in range(2)]
         clips = [option for sign, axis, at in planes for option in
@@ -242,6 +243,7 @@ class ArraysTest(ProgramTest):
             self.convert(*arguments[:-2], *region, "--cap", *clips, "-o", "c.ply")
             volumes.append(read_ply((self.folder / "c.ply").read_bytes()).volume())
         self.assertAlmostEqual(volumes[0], volumes[1], delta=1e-4 * volumes[0])
+        self.assertAlmostEqual(volumes[0], whole.volume(), delta=1e-4 * volumes[0])
 
     def test_parts_that_the_mesh_lost_are_told(self):
         run = self.convert(SPHERE, "--iso", "0", "--error", "-o", "a.ply", "--report", "r.json")

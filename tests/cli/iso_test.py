@@ -113,6 +113,25 @@ class IsoTest(ProgramTest):
         self.assert_fails(2, self.run_program("a.raw", *DIMS, "--inside", "below", "--iso", "auto", "-o", "b.ply"),
                           "no surface at iso auto (0)", "run from 0 to 1119")
 
+    def test_a_level_set_needs_no_iso_value(self):
+        self.write_raw("ls.raw", (6, 5, 4), lambda x, y, z: x - 2.25)
+        level_set = ("ls.raw", *DIMS, "--inside", "below")
+        run = self.convert(*level_set, "-o", "a.ply")
+        self.assertIn("note: ls.raw: iso zero is 0: the zero of the level set\n", run.err)
+        self.assertEqual(read_ply(self.bytes_of("a.ply")).bounds(), ([2.25, 0, 0], [2.25, 4, 3]))
+        self.convert(*level_set, "--iso", "0", "-o", "b.ply")
+        self.assertEqual(self.bytes_of("a.ply"), self.bytes_of("b.ply"))
+        self.convert("verify", *level_set, "a.ply")
+        # Of the frames of a sequence each; one that is a density is refused.
+        for frame in (1, 2):
+            self.write_raw(f"f{frame}.raw", (6, 5, 4), lambda x, y, z: x - 2.25)
+        run = self.convert("f{}.raw", *DIMS, "--inside", "below", "-o", "out_{}.ply")
+        self.assertEqual(self.bytes_of("out_1.ply"), self.bytes_of("a.ply"))
+        self.assertNotIn("jump", run.err)
+        self.assert_fails(1, self.run_program("ls.raw", *DIMS, "-o", "c.ply"), "ls.raw: expected a level set",
+                          "found a density", "try --iso auto", "isoextract info")
+        self.assertNotIn("c.ply", self.files())
+
     def test_words_that_are_none(self):
         for word in ("Auto", "p", "p101", "p-1", "p1e1", "50%", "p0.0000001", "median", "nan", ""):
             self.assert_fails(1, self.run_program("a.raw", *DIMS, "--iso", word, "-o", "b.ply"),

@@ -324,7 +324,7 @@ class ParticlesTest(ProgramTest):
         self.assert_fails(1, self.run_program("a.csv", "--cell-size", "9", "-o", "a.ply"), "a.csv: expected samples",
                           "give a smaller --cell-size")
         self.assert_fails(1, self.run_program("a.csv", "--particles", "blobs"), "weight, sph, anisotropic")
-        self.assert_fails(1, self.run_program("nothing.csv"), "--iso V is missing")
+        self.assert_fails(2, self.run_program("nothing.csv"), "nothing.csv: ")
         self.assertFalse([name for name in self.files() if name.endswith((".ply", ".stl", ".glb"))])
 
     def test_from_standard_input(self):

@@ -105,7 +105,7 @@ class StreamsTest(ProgramTest):
         raw = ("nan.raw", "--dims", "6,6,6", "--dtype", "f32", "--iso", "2.5", "--nan", "hole", "-o", "out.ply")
         self.assertIn("; open at the border of the data (--cap closes it); without 8 cells around samples that are not "
                       "numbers; ", self.convert(*raw).err)
-        self.assertIn("; without 8 cells around samples", self.convert(*raw, "--cap").err)
+        self.assertIn("; open; without 8 cells around samples", self.convert(*raw, "--cap").err)
 
     def test_explain_tells_of_caps_where_there_is_something_to_cap(self):
         for arguments, told in (((SPHERE, "--iso", "0"), None), ((SPHERE, "--iso", "0", "--cap"), None),

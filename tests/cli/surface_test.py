@@ -63,7 +63,7 @@ class SurfaceTest(ProgramTest):
     def test_roi_outside_the_data(self):
         for roi in ("5,5,5,6,6,6", "0.01,0.01,0.01,0.02,0.02,0.02"):
             run = self.run_program("demo:sphere?size=41", "--iso", "0", "--roi", roi)
-            self.assert_fails(2, run, "--roi", "fewer than two samples", "(-1, -1, -1) .. (1, 1, 1)")
+            self.assert_fails(2, run, "--roi", "holds no cell of the data along x", "(-1, -1, -1) .. (1, 1, 1)")
 
     def test_inside_below_turns_the_surface_over(self):
         self.assertGreater(self.ply(SPHERE, "--iso", "0", "--inside", "above").volume(), 0.5)

@@ -52,9 +52,8 @@ class UsageTest(ProgramTest):
         self.assertIn("unknown option '--cap' for 'info'", self.refused("info", SPHERE, "--cap"))
 
     def test_missing_iso_names_info(self):
-        err = self.refused("my scan.nrrd")
-        self.assertIn("--iso", err)
-        self.assertIn("isoextract info 'my scan.nrrd'", err)
+        err = self.refused("demo:sphere?size=12")
+        self.assertIn("try --iso auto, the value that 'isoextract info' suggests", err)
 
     def test_missing_input(self):
         self.assertIn("no INPUT", self.refused("--iso", "0"))

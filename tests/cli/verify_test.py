@@ -174,7 +174,7 @@ class VerifyTest(ProgramTest):
 
     def test_usage(self):
         self.assert_fails(1, self.run_program("verify"), "no INPUT", "isoextract verify INPUT --iso V [MESH]")
-        self.assert_fails(1, self.run_program("verify", SPHERE), "--iso V is missing")
+        self.assert_fails(1, self.run_program("verify", SPHERE), "try --iso auto")
         self.assert_fails(1, self.run_program("verify", SPHERE, "--iso", "0", "a.xyz"), "a.xyz: expected an extension")
         self.assert_fails(1, self.run_program("verify", SPHERE, "--iso", "0", "a.glb", "b.glb"), "'b.glb'")
         self.assert_fails(1, self.run_program("verify", SPHERE, "--iso", "0", "--iso", "0.0", "a.glb"), "--iso 0", "twice")

@@ -352,6 +352,7 @@ class JobJson {
     each("voxel_size", job.source.voxel_size);
     each("kernel", job.source.kernel);
     each("roi", job.source.roi);
+    each("roi_snap", job.source.roi_snap);
     each("clip", job.source.clip);
     each("space", job.source.placement.space);
     each("up", job.source.placement.up);

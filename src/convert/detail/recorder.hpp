@@ -21,6 +21,7 @@ class Recorder final : public Events {
   void worked(const WorkFact& fact) override;
   void placed(const PlacedField& placed) override;
   void extracted(const ExtractedSurface& surface) override;
+  void clipped(double iso, const edit::ClipFacts& facts) override { listener_.clipped(iso, facts); }
   void verified(const VerificationRecord& record) override;
   void carried(const CarriedAttributes& attributes) override;
   void picked(const PieceRecord& record) override;

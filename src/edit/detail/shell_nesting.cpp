@@ -28,10 +28,7 @@ struct Seen {
   double along = -std::numeric_limits<double>::infinity();
 };
 
-Seen seen(const glm::vec3& position) {
-  const glm::dvec3 p(position);
-  return {glm::dot(p, kAcross), glm::dot(p, kUp), glm::dot(p, kAlong)};
-}
+Seen seen(const glm::dvec3& p) { return {glm::dot(p, kAcross), glm::dot(p, kUp), glm::dot(p, kAlong)}; }
 
 // Twice the area of the triangle abp: exactly the negative of that of bap, so that a point on an edge is in one of the
 // two triangles at least.
@@ -69,9 +66,9 @@ class Rays {
   }
 
   void meet(const glm::uvec3& t, std::size_t triangle, std::span<const glm::vec3> positions) {
-    const Seen a = seen(positions[t.x]);
-    const Seen b = seen(positions[t.y]);
-    const Seen c = seen(positions[t.z]);
+    const Seen a = seen(glm::dvec3(positions[t.x]));
+    const Seen b = seen(glm::dvec3(positions[t.y]));
+    const Seen c = seen(glm::dvec3(positions[t.z]));
     const auto [u_least, u_most] = std::minmax({a.u, b.u, c.u});
     const auto [v_least, v_most] = std::minmax({a.v, b.v, c.v});
     const double from_u = (u_least - least_.u) * per_u_;
@@ -128,6 +125,41 @@ class Rays {
   std::vector<std::uint32_t> sorted_;  // rays by their cells
 };
 
+// Of each component, the middle of the triangle at its farthest vertex that faces most along the rays; the wall of a
+// cavity faces against them there.
+std::vector<Seen> find_starts(const mesh::Mesh& mesh, const Components& components,
+                              std::span<const mesh::ComponentFacts> facts) {
+  std::vector<std::uint32_t> farthest(facts.size(), Components::kNone);
+  std::vector<double> along(facts.size(), -std::numeric_limits<double>::infinity());
+  for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) {
+    const std::uint32_t component = components.of_vertex(v);
+    if (component == Components::kNone) continue;
+    const double at = seen(glm::dvec3(mesh.positions[v])).along;
+    if (!(at > along[component])) continue;
+    along[component] = at;
+    farthest[component] = v;
+  }
+  std::vector<Seen> starts(facts.size());
+  std::vector<double> most(facts.size(), -std::numeric_limits<double>::infinity());
+  for (const glm::uvec3& t : mesh.triangles) {
+    if (mesh::repeats_index(t)) continue;
+    const std::uint32_t component = components.of_vertex(t.x);
+    const std::uint32_t vertex = farthest[component];
+    if (t.x != vertex && t.y != vertex && t.z != vertex) continue;
+    const glm::dvec3 a(mesh.positions[t.x]);
+    const glm::dvec3 b(mesh.positions[t.y]);
+    const glm::dvec3 c(mesh.positions[t.z]);
+    const glm::dvec3 normal = glm::cross(b - a, c - a);
+    const double length = glm::length(normal);
+    const double faces = length > 0 ? glm::dot(normal, kAlong) / length : 0;
+    const double score = facts[component].is_cavity() ? -faces : faces;
+    if (!(score > most[component])) continue;
+    most[component] = score;
+    starts[component] = seen((a + b + c) / 3.0);
+  }
+  return starts;
+}
+
 }  // namespace
 
 Nesting find_nesting(const mesh::Mesh& mesh, const Components& components,
@@ -139,13 +171,7 @@ Nesting find_nesting(const mesh::Mesh& mesh, const Components& components,
   nesting.within.assign(count, Nesting::kNone);
   if (std::ranges::none_of(facts, &mesh::ComponentFacts::is_cavity)) return nesting;
 
-  std::vector<Seen> starts(count);
-  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
-    const std::uint32_t component = components.of_vertex(v);
-    if (component == Components::kNone) continue;
-    const Seen place = seen(mesh.positions[v]);
-    if (place.along > starts[component].along) starts[component] = place;
-  }
+  const std::vector<Seen> starts = find_starts(mesh, components, facts);
   Rays rays(components, starts);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.triangles.size(), 1 << 12), [&](const auto& range) {
     for (std::size_t t = range.begin(); t != range.end(); ++t) {
@@ -153,20 +179,31 @@ Nesting find_nesting(const mesh::Mesh& mesh, const Components& components,
     }
   });
 
-  // What a ray meets reaches farther along than where the ray began, and is known by then.
-  std::vector<std::uint32_t> order(count);
-  std::iota(order.begin(), order.end(), 0U);
-  std::ranges::sort(order, [&](std::uint32_t a, std::uint32_t b) {
-    return starts[a].along != starts[b].along ? starts[a].along > starts[b].along : a < b;
-  });
-  for (const std::uint32_t component : order) {
-    const Hit& hit = rays.hit(component);
-    if (!facts[component].is_closed() || !std::isfinite(hit.along)) continue;
-    const std::uint32_t met = components.of_vertex(mesh.triangles[hit.triangle].x);
-    if (facts[component].is_cavity()) {
-      nesting.body[component] = nesting.body[met];
-    } else {
-      nesting.within[component] = facts[met].is_cavity() ? met : nesting.within[met];
+  // What a shell lies in follows from the shell that its ray meets, which is settled first.
+  enum class State : std::uint8_t { open, waiting, settled };
+  std::vector<State> states(count, State::open);
+  std::vector<std::uint32_t> waiting;
+  for (std::uint32_t first = 0; first < count; ++first) {
+    waiting.assign(1, first);
+    while (!waiting.empty()) {
+      const std::uint32_t component = waiting.back();
+      const Hit& hit = rays.hit(component);
+      const bool meets = facts[component].is_closed() && std::isfinite(hit.along);
+      const std::uint32_t met = meets ? components.of_vertex(mesh.triangles[hit.triangle].x) : component;
+      if (states[component] == State::open && meets && states[met] == State::open) {
+        states[component] = State::waiting;
+        waiting.push_back(met);
+        continue;
+      }
+      waiting.pop_back();
+      if (states[component] == State::settled) continue;
+      states[component] = State::settled;
+      if (!meets) continue;
+      if (facts[component].is_cavity()) {
+        nesting.body[component] = nesting.body[met];
+      } else {
+        nesting.within[component] = facts[met].is_cavity() ? met : nesting.within[met];
+      }
     }
   }
   return nesting;

@@ -1,8 +1,9 @@
 // Which shells lie within which: cavities in bodies, bodies in cavities.
 //
-// From the vertex of a shell that is farthest along a direction, a ray goes on in that direction. All around that
-// vertex but inside the shell is what the shell lies in: air around a body, matter around the wall of a cavity. So is
-// the ray up to the first other shell that it meets, which bounds the same air or the same matter.
+// From a triangle at the vertex of a shell that is farthest along a direction, a ray goes on in that direction. Next to
+// that triangle, outside the shell, is what the shell lies in: air around a body, matter around the wall of a cavity.
+// So is the ray up to the first other shell that it meets, which bounds the same air or the same matter. It does not
+// start at the vertex, where another shell may touch this one.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +26,7 @@ struct Nesting {
   std::vector<std::uint32_t> within;
 };
 
-// `facts` are of `components`, which are the mesh's. Takes some 60 bytes a component; throws std::bad_alloc. The same
+// `facts` are of `components`, which are the mesh's. Takes some 120 bytes a component; throws std::bad_alloc. The same
 // for any number of threads.
 [[nodiscard]] Nesting find_nesting(const mesh::Mesh& mesh, const mesh::Components& components,
                                    std::span<const mesh::ComponentFacts> facts);

@@ -1,7 +1,8 @@
 // A bounding volume hierarchy over triangles that says which of them come near each other or near a box.
 //
 // A complete binary tree, split at the median of the boxes' centres along their longest axis, as mesh::TriangleTree is:
-// its 2^d leaves share the triangles evenly however they lie, and a node stores nothing but its box.
+// its 2^d leaves share the triangles evenly however they lie, and a node stores nothing but its box. Where there are
+// stars, triangles of one star lie side by side in it, and nodes of one star have a box of directions besides.
 #pragma once
 
 #include <algorithm>
@@ -14,30 +15,24 @@
 #include <glm/glm.hpp>
 
 #include "base/buffer.hpp"
+#include "measure/detail/triangle_stars.hpp"
 
 namespace isoextract::measure {
-
-struct FloatBox {
-  glm::vec3 min, max;
-
-  // With their border.
-  [[nodiscard]] bool meets(const FloatBox& other) const {
-    return min.x <= other.max.x && other.min.x <= max.x && min.y <= other.max.y && other.min.y <= max.y &&
-           min.z <= other.max.z && other.min.z <= max.z;
-  }
-};
 
 class TriangleBoxes {
  public:
   // `chosen` are numbers of triangles, at least one; positions are finite. The tree keeps references to positions and
-  // triangles, and a copy of the numbers. The same for any number of threads. Throws std::bad_alloc.
+  // triangles, and a copy of the numbers, and to `stars`, which are of the same triangles. The same for any number of
+  // threads. Throws std::bad_alloc.
   TriangleBoxes(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles,
-                std::span<const std::uint32_t> chosen);
+                std::span<const std::uint32_t> chosen, const TriangleStars* stars = nullptr);
 
   // What making it takes, for a caller to reserve.
   [[nodiscard]] static std::uint64_t bytes(std::uint64_t chosen) {
     return chosen * (sizeof(Item) + sizeof(std::uint32_t) + 2 * sizeof(FloatBox));
   }
+  // What it takes more with stars.
+  [[nodiscard]] static std::uint64_t star_bytes(std::uint64_t chosen) { return 2 * chosen * sizeof(Directions); }
 
   [[nodiscard]] FloatBox box_of(std::uint32_t triangle) const {
     const glm::uvec3& t = triangles_[triangle];
@@ -47,8 +42,9 @@ class TriangleBoxes {
     return {glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c))};
   }
 
-  // Calls visit(i, j) once for each two chosen triangles whose boxes meet, in any order and from several threads, until
-  // `stopped` is true. advance(n) says that n more triangles were met with those of their own part of the tree.
+  // Calls visit(i, j) once for each two chosen triangles that may have more in common than a corner or a side, as their
+  // boxes meet and those of their directions, in any order and from several threads, until `stopped` is true.
+  // advance(n) says that n more triangles were met with those of their own part of the tree.
   template <class Visit, class Advance>
   void for_near_pairs(const std::atomic<bool>& stopped, const Visit& visit, const Advance& advance) const {
     within({0, 0}, stopped, visit, advance);
@@ -65,6 +61,12 @@ class TriangleBoxes {
   struct Item {
     glm::vec3 centre;
     std::uint32_t triangle;
+    std::uint32_t star;
+  };
+  // Of a node or a triangle.
+  struct Directions {
+    std::uint32_t star = TriangleStars::kNone;
+    FloatBox box{};  // in the star's directions
   };
   struct Node {
     std::size_t level;
@@ -83,6 +85,30 @@ class TriangleBoxes {
   [[nodiscard]] bool is_large(const Node& node) const { return (slots_.size() >> node.level) > kParallelTriangles; }
 
   void build(std::span<Item> items, const Node& node);
+  static void add_directions(const Directions& more, Directions& all);
+
+  [[nodiscard]] Directions directions_of(std::uint32_t triangle) const {
+    const std::uint32_t star = stars_->star_of(triangle);
+    if (star == TriangleStars::kNone) return {};
+    return {star, stars_->directions(star, triangles_[triangle])};
+  }
+  // Whether what is in the boxes may have more in common than the middles of stars.
+  [[nodiscard]] bool may_meet(const FloatBox& a, const Directions& of_a, const FloatBox& b,
+                              const Directions& of_b) const {
+    if (of_a.star != TriangleStars::kNone && of_a.star == of_b.star) return of_a.box.meets(of_b.box);
+    if (!a.meets(b)) return false;
+    if (of_a.star != TriangleStars::kNone && !stars_->seen(of_a.star, b).meets(of_a.box)) return false;
+    return of_b.star == TriangleStars::kNone || stars_->seen(of_b.star, a).meets(of_b.box);
+  }
+  [[nodiscard]] bool may_meet(const Node& a, const Node& b) const {
+    if (directions_.empty()) return box(a).meets(box(b));
+    return may_meet(box(a), directions_[a.index()], box(b), directions_[b.index()]);
+  }
+  // Of triangles whose boxes are known.
+  [[nodiscard]] bool may_meet(std::uint32_t i, const FloatBox& of_i, std::uint32_t j, const FloatBox& of_j) const {
+    if (directions_.empty()) return of_i.meets(of_j);
+    return may_meet(of_i, directions_of(i), of_j, directions_of(j));
+  }
 
   template <class Visit, class Advance>
   void within(const Node& node, const std::atomic<bool>& stopped, const Visit& visit, const Advance& advance) const {
@@ -92,7 +118,7 @@ class TriangleBoxes {
       for (std::size_t i = 0; i < slots.size(); ++i) {
         const FloatBox first = box_of(slots[i]);
         for (std::size_t j = i + 1; j < slots.size(); ++j) {
-          if (first.meets(box_of(slots[j]))) visit(slots[i], slots[j]);
+          if (may_meet(slots[i], first, slots[j], box_of(slots[j]))) visit(slots[i], slots[j]);
         }
       }
       return;
@@ -113,7 +139,7 @@ class TriangleBoxes {
   // Of two nodes of one level.
   template <class Visit>
   void between(const Node& a, const Node& b, const std::atomic<bool>& stopped, const Visit& visit) const {
-    if (stopped.load(std::memory_order_relaxed) || !box(a).meets(box(b))) return;
+    if (stopped.load(std::memory_order_relaxed) || !may_meet(a, b)) return;
     if (a.level == depth_) {
       visit_leaves(a, b, visit);
       return;
@@ -137,7 +163,7 @@ class TriangleBoxes {
       const FloatBox first = box_of(i);
       if (!first.meets(box(b))) continue;
       for (std::size_t j = 0; j < others.size(); ++j) {
-        if (first.meets(boxes[j])) visit(i, others[j]);
+        if (may_meet(i, first, others[j], boxes[j])) visit(i, others[j]);
       }
     }
   }
@@ -147,6 +173,8 @@ class TriangleBoxes {
   std::size_t depth_ = 0;
   Buffer<std::uint32_t> slots_;  // numbers of triangles in the order of the tree
   Buffer<FloatBox> boxes_;       // level by level
+  const TriangleStars* stars_;
+  Buffer<Directions> directions_;  // likewise; none without stars
 };
 
 template <class Visit>

@@ -106,6 +106,7 @@ FileSurface read_drc(const MeshSource& source) {
   };
   FileSurface surface;
   surface.format = "Draco";
+  surface.is_quantised = true;
   surface.is_ours = is_signature(unpacked.generator);
   surface.placement = unpacked.placement;
   // Of each vertex of the surface, one of the file's.

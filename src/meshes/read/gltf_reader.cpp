@@ -381,9 +381,10 @@ class ModelReader {
     require_vertex_count(first_vertex + places.count);
     const std::vector<GltfView> views = attribute_views(*attributes, places.count);
     const bool is_indexed = primitive.contains("indices") && !is_soup;
+    const bool is_exact = places.component == kGltfFloat && !primitive.contains("extensions");
+    surface_.is_quantised = surface_.is_quantised || !is_exact;
     if (is_indexed) {
       // Rounded places may coincide where no vertex was copied.
-      const bool is_exact = places.component == kGltfFloat && !primitive.contains("extensions");
       surface_.has_normals = surface_.has_normals || (is_exact && attributes->contains("NORMAL"));
       source_.memory.make_room(surface_.positions, places.count);
       for (std::uint64_t v = 0; v < places.count; ++v) surface_.positions.push_back(places.point(v));

@@ -69,6 +69,7 @@ struct FileSurface {
   std::string placement;  // as MeshWriteOptions has it, whoever wrote it; up to kMaxPlacement of it count
   // Vertices have normals, and places that were not rounded: there may be several vertices at one, for their normals.
   bool has_normals = false;
+  bool is_quantised = false;  // positions were rounded to be packed
   std::vector<std::string> notes;
 };
 

@@ -41,6 +41,7 @@ ConversionJob full_job() {
   job.source.kernel = field::ResampleKernel::bspline;
   job.source.clip = {{{1, -2, 0.5}, 1e-3}, {{0, 0, 1}, -7}};
   job.source.roi = field::Box{{-1, -2, -3}, {1, 2, 3}};
+  job.source.roi_snap = true;
   job.source.placement = {Space::index, UpAxis::y, true, true, 0.001, "mm", "cm", AnatomicalSpace::lps, true};
   job.surface = {extract::Method::mt, extract::NanPolicy::hole, true, extract::VoxelFaces::plain, 3};
   job.normals = Normals::flat;

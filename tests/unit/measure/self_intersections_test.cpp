@@ -1,8 +1,10 @@
 #include "measure/self_intersections.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <random>
 #include <set>
 
@@ -155,6 +157,56 @@ TEST(TriangleOverlapTest, AgreesWithCuttingInRationalNumbers) {
   for (const std::size_t shared : {0U, 1U, 2U}) {
     EXPECT_GT((seen[{shared, false}]), 100) << shared;
     EXPECT_GT((seen[{shared, true}]), 100) << shared;
+  }
+}
+
+// Around one corner, around one side, and others besides, so that all three are stars or pass through them.
+TEST(SelfIntersectionsTest, AgreesWithAllPairsAroundCrowdedPlaces) {
+  for (const int size : {3, 9, 40}) {
+    auto triangles = random_triangles(450, size, 100 + static_cast<unsigned>(size));
+    for (std::size_t i = 0; i < 150; ++i) triangles[i][i % 3] = glm::i64vec3(0);
+    for (std::size_t i = 150; i < 300; ++i) {
+      triangles[i][i % 3] = glm::i64vec3(0, 0, size);
+      triangles[i][(i + 1) % 3] = glm::i64vec3(size, 1, 0);
+    }
+    SelfIntersections expected = by_force(triangles);
+    EXPECT_GT(expected.pairs, 1000U);
+    for (const float scale : {1.0F, 0x1p-140F, 0x1p110F}) {
+      const SelfIntersections found = find(soup(triangles, scale));
+      EXPECT_EQ(found.pairs, expected.pairs) << "size " << size;
+      EXPECT_EQ(found.neighbours, expected.neighbours);
+      EXPECT_EQ(found.zero_area_triangles, expected.zero_area_triangles);
+      EXPECT_EQ(found.duplicate_triangles, expected.duplicate_triangles);
+      EXPECT_LE(found.looked_at, 450U * 449U / 2);
+    }
+  }
+}
+
+// n triangles around one vertex, as a cone, or around one edge.
+mesh::Mesh crowd(unsigned n, char kind) {
+  std::vector<glm::vec3> positions{{0, 0, 1}, {0.1F, 0.2F, -1}};
+  std::vector<glm::uvec3> triangles;
+  for (unsigned i = 0; i < n; ++i) {
+    const double angle = 2 * std::numbers::pi * i / n;
+    positions.emplace_back(std::cos(angle), std::sin(angle), 0.3 * std::cos(angle));
+    const unsigned v = 2 + i;
+    const unsigned next = 2 + (i + 1) % n;
+    triangles.push_back(kind == 'e' ? glm::uvec3(0, 1, v) : glm::uvec3(0, v, next));
+  }
+  return make_mesh("crowd", positions, triangles);
+}
+
+TEST(SelfIntersectionsTest, WorkGrowsWithTheTrianglesAroundOnePlace) {
+  for (const char kind : {'v', 'e'}) {
+    std::array<std::uint64_t, 2> looked_at{};
+    for (const unsigned doubled : {0U, 1U}) {
+      const mesh::Mesh mesh = crowd(5000U << doubled, kind);
+      const SelfIntersections found = find(mesh);
+      EXPECT_EQ(found.pairs, 0U) << kind;
+      looked_at[doubled] = found.looked_at;
+    }
+    EXPECT_LE(looked_at[0], 5000U * 20) << kind;  // of 12 million pairs
+    EXPECT_LE(looked_at[1], looked_at[0] * 5 / 2) << kind;
   }
 }
 
