@@ -57,7 +57,7 @@ std::string reason_of(const convert::ConversionJob& job, const Error& error) {
 
 bool keeps_rows(const BatchPlan& plan) { return plan.flags.table || plan.flags.plot || plan.common.pages.any(); }
 
-std::string report_path(const BatchPlan& plan, const batch::FrameJob& frame) {
+std::string report_path_of(const BatchPlan& plan, const batch::FrameJob& frame) {
   const convert::SourceOptions& source = frame.job.source;
   return report_path(*plan.report,
                      {frame.number, source.input, source.read.grid.value_or(""), frame.job.isos(), false});
@@ -224,7 +224,7 @@ class FrameKeeper final : public batch::FrameEvents {
   }
 
   Result<void> report(const batch::FrameJob& frame, const convert::Outcome& outcome) const {
-    const std::string path = report_path(plan_, frame);
+    const std::string path = report_path_of(plan_, frame);
     if (auto checked = check_report_file(path, frame.job); !checked) return checked;
     return write_report(path, &frame.job, outcome, arguments_, plan_.common.memory.limit());
   }
@@ -323,7 +323,7 @@ std::vector<std::size_t> keep_what_is_done(const BatchPlan& plan, const batch::M
   const bool as_one = plan.batch.animation.has_value();
   std::optional<std::vector<batch::FrameRecord>> all;
   if (as_one && plan.flags.resume) all = batch::kept_animation(manifest, plan.batch);
-  const auto lacks_report = [&](std::size_t i) { return !is_there(report_path(plan, plan.batch.frames[i])); };
+  const auto lacks_report = [&](std::size_t i) { return !is_there(report_path_of(plan, plan.batch.frames[i])); };
   if (plan.report && std::ranges::any_of(plan.frames, lacks_report)) all.reset();
   std::vector<std::size_t> which;
   for (const std::size_t i : plan.frames) {
@@ -331,7 +331,7 @@ std::vector<std::size_t> keep_what_is_done(const BatchPlan& plan, const batch::M
     const batch::FrameRecord* record = all ? &(*all)[i] : nullptr;
     if (!as_one && plan.flags.resume) record = manifest.find(convert::hash_of(frame.job));
     // What a report says is not kept: a frame without one is done again.
-    const bool has_report = !plan.report || is_there(report_path(plan, frame));
+    const bool has_report = !plan.report || is_there(report_path_of(plan, frame));
     const bool is_done = plan.flags.no_clobber
                              ? std::ranges::any_of(files_of(frame.job), is_there)
                              : record != nullptr && has_report && (as_one || batch::why_again(*record, frame).empty());
