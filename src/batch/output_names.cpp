@@ -158,8 +158,10 @@ Result<void> check_words(const OutputSource& source, const OutputTemplate& names
     if (other.holds_several_meshes) others.push_back(other.name);
   }
   return fail(ErrorKind::usage,
-              fmt::format("{}: one {} file holds one surface, found {} {}", label_of_source(source), info.name,
-                          source.isos.size(), source.isos.front().is_label() ? "labels" : "iso values"),
+              fmt::format("{}: one {} file holds one surface, {}", label_of_source(source), info.name,
+                          all_labels ? std::string("and all labels may be several")
+                                     : fmt::format("found {} {}", source.isos.size(),
+                                                   source.isos.front().is_label() ? "labels" : "iso values")),
               {Remedy::one_file_per_surface, fmt::format("{}", fmt::join(others, ", "))});
 }
 

@@ -223,6 +223,12 @@ const CLI::App& command_of(const CommandLine& line, const std::vector<std::strin
   return named ? *line.app.get_subcommand(arguments.front()) : *line.convert;
 }
 
+const CLI::App& innermost_command_of(const CommandLine& line, const std::vector<std::string>& arguments) {
+  const CLI::App& command = command_of(line, arguments);
+  const bool named = arguments.size() > 1 && contains(command_names(command), arguments[1]);
+  return named ? *command.get_subcommand(arguments[1]) : command;
+}
+
 Result<Parsed> parse_command_line(CommandLine& line, std::vector<std::string> arguments) {
   const std::vector<std::string> names = command_names(line.app);
   const std::string first = arguments.front();

@@ -35,6 +35,9 @@ struct Parsed {
 
 // The command that the first of the words, without the program's name, is about: convert where it names none.
 [[nodiscard]] const CLI::App& command_of(const CommandLine& line, const std::vector<std::string>& arguments);
+// Returns the command within that one where it has several, such as `simulate water`, and that one where they name
+// none.
+[[nodiscard]] const CLI::App& innermost_command_of(const CommandLine& line, const std::vector<std::string>& arguments);
 
 // `arguments` are without the program's name and not empty. Where the first is no command and no request for help or
 // version, "convert" stands before it.

@@ -131,7 +131,7 @@ int run_arguments(const std::vector<std::string>& arguments) {
     return static_cast<int>(ErrorKind::usage);
   }
   std::vector<std::string> options;
-  for (const CLI::Option* option : command_of(*line, arguments).get_options()) {
+  for (const CLI::Option* option : innermost_command_of(*line, arguments).get_options()) {
     for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
   }
   set_options_of_hints(std::move(options));

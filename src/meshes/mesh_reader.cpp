@@ -243,7 +243,7 @@ MeshFile read_file(const files::InputFile& file, const MeshReadOptions& options)
 }  // namespace
 
 Result<MeshFile> read_mesh(const std::filesystem::path& path, const Context& context, const MeshReadOptions& options) {
-  const std::string name = files::shown_input_name(path);
+  const auto name = [&] { return files::shown_input_name(path); };  // takes memory: only where a failure is told
   try {
     const auto file = files::InputFile::open(path, context);
     if (!file) return tl::unexpected(file.error());
@@ -252,12 +252,12 @@ Result<MeshFile> read_mesh(const std::filesystem::path& path, const Context& con
     return tl::unexpected(cancelled.error);
   } catch (const DamagedMesh& damage) {
     const std::string_view text = damage.what();
-    const bool named = text.starts_with(name);
-    return fail(ErrorKind::input, named ? std::string(text) : fmt::format("{}: {}", name, text), damage.hint);
+    const bool named = text.starts_with(name());
+    return fail(ErrorKind::input, named ? std::string(text) : fmt::format("{}: {}", name(), text), damage.hint);
   } catch (const std::bad_alloc&) {
-    return tl::unexpected(no_memory(ErrorKind::input, fmt::format("{}: not enough memory to read it", name)));
+    return tl::unexpected(no_memory(ErrorKind::input, fmt::format("{}: not enough memory to read it", name())));
   } catch (const std::exception& error) {
-    return fail(ErrorKind::input, fmt::format("{}: cannot be read: {}", name, error.what()));
+    return fail(ErrorKind::input, fmt::format("{}: cannot be read: {}", name(), error.what()));
   }
 }
 

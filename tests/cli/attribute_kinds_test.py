@@ -55,9 +55,9 @@ class KindsTest(ProgramTest):
             self.assertLess(max(component) - min(component), 1e-5 * (1 + abs(component[0])))
         return [component[0] for component in value]
 
-    def assert_vector(self, found, wanted):
+    def assert_vector(self, found, wanted, delta=2e-6):
         for a, b in zip(found, wanted):
-            self.assertAlmostEqual(a, b, delta=2e-6 * max(1.0, max(map(abs, wanted))))
+            self.assertAlmostEqual(a, b, delta=delta * max(1.0, max(map(abs, wanted))))
 
     def test_a_velocity_turns_from_z_up_to_y_up(self):
         self.write_particles()
@@ -224,7 +224,8 @@ class KindsTest(ProgramTest):
             self.convert(*volume, *plain, *more, "--ascii", "-o", "b.ply")
             found = columns(self.folder / "b.ply")
             for old, new in zip(zip(*(wanted[f"v_{c}"] for c in range(3))), zip(*(found[f"v_{c}"] for c in range(3)))):
-                self.assert_vector(new, times(matrix, old, factor))
+                # Float32 rounds the places of the vertices, 4e-6 at 64, where the velocity grows by 60 a voxel of 0.8.
+                self.assert_vector(new, times(matrix, old, factor), delta=factor * 3e-4)
 
     @unittest.skipUnless((PLUGINS / "isoextract-volume-openvdb.so").exists(), "the plug-ins around OpenVDB were not built")
     @needs_data("vdb/c42_gas_seq/fluid_data_0008.vdb")
@@ -232,7 +233,7 @@ class KindsTest(ProgramTest):
         """A frame of left-anterior-superior axes is mirrored into RAS, and vectors with it."""
         (self.folder / "ball.nrrd").write_bytes(nrrd(lambda i, j, k: 3.3 - math.dist((i, j, k), (4, 3.6, 3.1)),
                                                      "space: left-anterior-superior", "space directions: (1,0,0) (0,1,0) (0,0,1)",
-                                                     "space origin: (0,0,0)"))
+                                                     "space origin: (50,70,15)"))  # in the smoke
         for name, more in (("a.ply", ()), ("b.ply", ("--to-space", "ras"))):
             self.convert("ball.nrrd", "--iso", "0", "--attribute", f"v={GAS}[velocity]", *more, "--ascii", "-o", name)
         first, second = (columns(self.folder / name) for name in ("a.ply", "b.ply"))

@@ -119,7 +119,7 @@ class DocumentsTest(ProgramTest):
                 ("isoextract in.vdb --method=m", ["mc", "mt"]),
                 ("isoextract in.vdb --format g", ["glb", "gltf"]),
                 ("isoextract in.vdb --iso ", []),
-                ("isoextract in.vdb --i", ["--input-format", "--inside", "--iso", "--iso-table"]),
+                ("isoextract in.vdb --i", ["--in-process", "--input-format", "--inside", "--iso", "--iso-table"]),
                 ("isoextract in", ["in.nrrd", "in.vdb", "info"]),
                 ("isoextract info in", ["in.nrrd", "in.vdb"]),
                 ("isoextract info --js", ["--json"]),

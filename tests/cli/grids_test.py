@@ -86,14 +86,17 @@ class GridsTest(ProgramTest):
                           "2 grids are named 'density'", "--grid NAME[k]", "flèche[1]")
 
     def test_info_lists_grids_that_it_cannot_place(self):
-        for transform, reason in ((frustum(), "found NonlinearFrustumMap"),
-                                  (text("SpiralMap") + bytes(40), "found 'SpiralMap'")):
+        for transform, reason, plugin in ((frustum(), "the plug-in for openvdb", "openvdb"),
+                                          (text("SpiralMap") + bytes(40), "found 'SpiralMap'", None)):
             self.write("bent.vdb", grid("bent", VOXELS, transform=transform), grid("velocity", kind="vec3s_5_4_3", meta={}))
             listed = self.convert("info", "bent.vdb").text
             for part in ("bent", "2 active voxels", reason, "velocity", "voxels not counted"):
                 self.assertIn(part, listed)
             bent, velocity = self.grids("bent.vdb")
-            self.assertIn(reason, bent["problem"])
+            if plugin:
+                self.assertEqual((bent["problem"], bent["plugin"]["id"]), (None, plugin))
+            else:
+                self.assertIn(reason, bent["problem"])
             self.assertEqual((bent["voxels"], velocity["voxels"], velocity["problem"]), (2, None, None))
         self.assert_fails(2, self.run_program("bent.vdb", "--iso", "0.5"), reason)
         self.write("flat.vdb", grid("flat", VOXELS, transform=scale(float("inf"))))

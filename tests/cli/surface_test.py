@@ -61,9 +61,10 @@ class SurfaceTest(ProgramTest):
         self.assertAlmostEqual(capped.volume(), SPHERE_VOLUME / 2, delta=0.01)
 
     def test_roi_outside_the_data(self):
-        for roi in ("5,5,5,6,6,6", "0.01,0.01,0.01,0.02,0.02,0.02"):
+        for roi, parts in (("5,5,5,6,6,6", ("holds no cell of the data along x", "(-1, -1, -1) .. (1, 1, 1)")),
+                           ("0.01,0.01,0.01,0.02,0.02,0.02", ("no surface at iso 0 in the region",))):
             run = self.run_program("demo:sphere?size=41", "--iso", "0", "--roi", roi)
-            self.assert_fails(2, run, "--roi", "holds no cell of the data along x", "(-1, -1, -1) .. (1, 1, 1)")
+            self.assert_fails(2, run, "--roi", *parts)
 
     def test_inside_below_turns_the_surface_over(self):
         self.assertGreater(self.ply(SPHERE, "--iso", "0", "--inside", "above").volume(), 0.5)

@@ -122,9 +122,12 @@ TEST(VoxelsSparse, LabelsThatAreAskedFor) {
       LabelVoxels::find(test::sparse_copy<std::int16_t>(field, 0), test::voxel_options(), {false, {0}});
   ASSERT_FALSE(refused);
   EXPECT_NE(refused.error().message.find("label 0 is the background"), std::string::npos);
-  const auto floats = LabelVoxels::find(test::random_field<float>({8, 8, 8}, 1, 3), test::voxel_options(), {true, {}});
-  ASSERT_FALSE(floats);
-  EXPECT_NE(floats.error().message.find("expected integers"), std::string::npos);
+  EXPECT_TRUE(LabelVoxels::find(test::random_field<float>({8, 8, 8}, 1, 3), test::voxel_options(), {true, {}}));
+  const auto halves = LabelVoxels::find(
+      test::dense_field<float>({4, 4, 4}, [](int x, int /*y*/, int /*z*/) { return 0.5F * static_cast<float>(x); }),
+      test::voxel_options(), {true, {}});
+  ASSERT_FALSE(halves);
+  EXPECT_NE(halves.error().message.find("whole numbers"), std::string::npos) << halves.error().message;
 }
 
 }  // namespace

@@ -164,7 +164,7 @@ TEST(Topology, ReservesItsMemory) {
 TEST(Topology, EmptyMesh) {
   const Topology t = measure_topology(Mesh{});
   EXPECT_EQ(t.components, 0U);
-  EXPECT_TRUE(t.is_closed_oriented_manifold());
+  EXPECT_FALSE(t.is_closed_oriented_manifold());
 }
 
 }  // namespace

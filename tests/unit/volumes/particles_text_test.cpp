@@ -88,21 +88,22 @@ TEST(ParticlesCsv, WrongTablesAreRefused) {
   const struct {
     std::string text;
     const char* message;
-  } bad[]{{"x,y,z\n1,2,3\n4,5\n", "line 3: expected 3 fields, not 2, found '4,5'"},
-          {"x,y,z\n1,2,3\n4,5,6,7\n", "line 3: expected 3 fields, not 4"},
-          {"x,y,z\n1,2,3\n4,a5,6\n", "line 3: expected a number as 'y', found 'a5'"},
-          {"x;y;z\n1,5;2;3\n", "line 2: expected a number as 'x', found '1,5'"},
-          {"x,y,z\n1,2,3\n4,\"5,6\n", "line 3: expected fields whose quotes end"},
-          {"x,y,z\n1,2,3\n4,\"5\"6,7\n", "line 3: expected fields whose quotes end"},
-          {"x,y\n1,2\n", "line 1: expected three columns or more"},
-          {"hello\n", "line 1: expected three columns or more"},
-          {"\n\n# nothing\n", "expected a table, found no line of one"},
-          {std::string("x,y,z\n1,\0"
-                       "2,3\n",
-                       12),
-           "found '\\x002'"},
-          {"x,y,z\n" + std::string(3 << 20, '1'), "expected the end of a line within 1048576 bytes"},
-          {"x" + std::string(5000, ',') + "y\n", "expected at most 4096 columns"}};
+  } bad[]{
+      {"x,y,z\n1,2,3\n4,5\n", "line 3: expected 3 fields, not 2, found '4,5'"},
+      {"x,y,z\n1,2,3\n4,5,6,7\n", "line 3: expected 3 fields, not 4"},
+      {"x,y,z\n1,2,3\n4,a5,6\n", "line 3: expected a number as 'y', found 'a5'"},
+      {"x;y;z\n1,5;2.5;3\n", "line 2: expected a number as 'y', with the decimal mark of those before, found '2.5'"},
+      {"x,y,z\n1,2,3\n4,\"5,6\n", "line 3: expected fields whose quotes end"},
+      {"x,y,z\n1,2,3\n4,\"5\"6,7\n", "line 3: expected fields whose quotes end"},
+      {"x,y\n1,2\n", "line 1: expected three columns or more"},
+      {"hello\n", "line 1: expected three columns or more"},
+      {"\n\n# nothing\n", "expected a table, found no line of one"},
+      {std::string("x,y,z\n1,\0"
+                   "2,3\n",
+                   12),
+       "found '\\x002'"},
+      {"x,y,z\n" + std::string(3 << 20, '1'), "expected the end of a line within 1048576 bytes"},
+      {"x" + std::string(5000, ',') + "y\n", "expected at most 4096 columns"}};
   for (const auto& [text, message] : bad) {
     SCOPED_TRACE(text.substr(0, 40));
     const Error error = particle_refusal({"a.csv", text});
