@@ -245,7 +245,7 @@ class FieldMeasurement {
       if (!failed_.exchange(true)) error_ = std::move(made.error());
       return;
     }
-    Brick brick{std::move(*made), {cells.min, cells.max + 1}, std::move(foot), search_in(chosen_)};
+    Brick brick{std::move(*made), {cells.min, cells.max + 1}, foot, search_in(chosen_)};
     tbb::this_task_arena::isolate([&] {
       for (const BrickMember& member : members_of(triangles_, at)) measure_triangle(member.id, brick, sums);
       measure_vertices(at, brick, sums);

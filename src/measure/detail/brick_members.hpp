@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <tuple>
 #include <vector>
 
@@ -37,9 +38,11 @@ template <class BrickOf>
 }
 
 // The members of one brick.
-[[nodiscard]] inline auto members_of(const std::vector<BrickMember>& members, const glm::ivec3& brick) {
+[[nodiscard]] inline std::span<const BrickMember> members_of(const std::vector<BrickMember>& members,
+                                                             const glm::ivec3& brick) {
   const auto key = [](const BrickMember& member) { return std::tuple(member.brick.z, member.brick.y, member.brick.x); };
-  return std::ranges::equal_range(members, std::tuple(brick.z, brick.y, brick.x), {}, key);
+  const std::tuple wanted(brick.z, brick.y, brick.x);
+  return {std::ranges::lower_bound(members, wanted, {}, key), std::ranges::upper_bound(members, wanted, {}, key)};
 }
 
 // A brick, and how many triangles of the isosurface are in it.
