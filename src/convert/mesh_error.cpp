@@ -67,10 +67,10 @@ Result<MeshError> measure_mesh_error(const mesh::Mesh& mesh, const field::Scalar
   options.clipped = clipped;
   auto measured = measure::measure_field_error(mesh, field, extracted, options, context);
   if (!measured) return tl::unexpected(std::move(measured.error()));
-  error.field = std::move(*measured);
+  error.field = *measured;
   auto analytic = measure::measure_analytic_error(mesh, field, extracted, grid, options.cuts, context);
   if (!analytic) return tl::unexpected(std::move(analytic.error()));
-  error.analytic = std::move(*analytic);
+  error.analytic = *analytic;
   if (error.analytic && field.kind == field::FieldKind::density) {
     const double unit = error.analytic->unit;
     error.exact = field::find_analytic_field(field.name)->size(extracted.iso);
