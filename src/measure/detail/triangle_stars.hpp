@@ -42,9 +42,9 @@ class TriangleStars {
       : positions_(positions) {
     const std::vector<std::uint32_t> counts = count_places(chosen, place_of);
     std::vector<Sides> crowded;
-    for (std::size_t i = 0; i < chosen.size(); ++i) {
-      const glm::uvec3 places = place_of(chosen[i]);
-      if (is_crowded(places, counts)) crowded.push_back({places, chosen[i]});
+    for (const std::uint32_t triangle : chosen) {
+      const glm::uvec3 places = place_of(triangle);
+      if (is_crowded(places, counts)) crowded.push_back({places, triangle});
     }
     if (!crowded.empty()) make(crowded, counts, chosen.back() + std::size_t{1});
   }
