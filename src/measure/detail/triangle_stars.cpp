@@ -56,7 +56,8 @@ void TriangleStars::make(const std::vector<Sides>& crowded, const std::vector<st
     std::uint64_t fullest = std::uint64_t{triangle.places[corner]} << 32 | triangle.places[corner];
     std::size_t most = kFewTriangles;
     each_side(triangle, [&](std::uint64_t key) {
-      const std::size_t count = std::ranges::equal_range(sides, key).size();
+      const auto [first, last] = std::equal_range(sides.begin(), sides.end(), key);
+      const auto count = static_cast<std::size_t>(last - first);
       if (count <= most) return;
       most = count;
       fullest = key;
