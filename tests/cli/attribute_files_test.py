@@ -7,6 +7,7 @@ import struct
 import unittest
 import zipfile
 
+from attributes_test import columns
 from support import PROGRAM, ProgramTest, main
 
 DIMS = (9, 8, 7)
@@ -39,15 +40,6 @@ def nrrd(value_at, *fields, dims=DIMS):
             *fields, "", ""]
     values = [value_at(i, j, k) for k in range(dims[2]) for j in range(dims[1]) for i in range(dims[0])]
     return "\n".join(head).encode() + struct.pack(f"<{len(values)}f", *values)
-
-
-def columns(path):
-    """The vertices of a PLY file of text, by the names of their properties."""
-    head, body = path.read_text().split("end_header\n")
-    names = [line.split()[-1] for line in head.split("element face")[0].splitlines() if line.startswith("property")]
-    count = int(head.split("element vertex ")[1].split()[0])
-    rows = [line.split() for line in body.splitlines()[:count]]
-    return {name: [float(row[i]) for row in rows] for i, name in enumerate(names)}
 
 
 class FilesTest(ProgramTest):

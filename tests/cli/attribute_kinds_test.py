@@ -8,8 +8,8 @@ import struct
 import unittest
 
 from support import DATA, PROGRAM, ProgramTest, main, needs_data, read_glb
-from attribute_files_test import columns, nrrd
-from attributes_test import Glb
+from attribute_files_test import nrrd
+from attributes_test import Glb, columns
 
 PLUGINS = pathlib.Path(PROGRAM).parent / "plugins"
 GAS = DATA / "vdb/c42_gas_seq/fluid_data_0008.vdb"
