@@ -125,10 +125,12 @@ std::string MessageReader::text() {
 
 bool send_message(int socket, const MessageWriter& message, int descriptor, bool wait) {
   const std::span<const std::byte> body = message.bytes();
-  std::vector<std::byte> all(sizeof(std::uint64_t) + body.size());
   const std::uint64_t length = body.size();
-  std::memcpy(all.data(), &length, sizeof(length));
-  std::ranges::copy(body, all.begin() + sizeof(length));
+  const auto head = std::as_bytes(std::span(&length, 1));
+  std::vector<std::byte> all;
+  all.reserve(head.size() + body.size());
+  all.insert(all.end(), head.begin(), head.end());
+  all.insert(all.end(), body.begin(), body.end());
   return send_all(socket, all, {&descriptor, descriptor >= 0 ? std::size_t{1} : 0}, wait ? 0 : MSG_DONTWAIT);
 }
 
