@@ -87,6 +87,8 @@ FIELDS = (
 class Trilinear:
     """The interpolant of samples, in index space."""
 
+    beyond = 0
+
     def __init__(self, samples):
         self.samples = samples.astype("f8")
         self.last = numpy.array(samples.shape[::-1]) - 1
@@ -105,6 +107,8 @@ class Trilinear:
 
 class Formula:
     """A formula, in the index space of samples on the cube from -1 to 1."""
+
+    beyond = 1e-6  # voxels
 
     def __init__(self, formula, size):
         self.formula, self.last, self.step = formula, numpy.full(3, size - 1), 2 / (size - 1)
@@ -129,11 +133,13 @@ class Surface:
         return self.function.value(points) - self.iso
 
     def on_lines(self, axis, lines, through_samples=False):
-        """Where lines along an axis pass iso: off the samples' planes by a half of the lines' distance, from side to side."""
+        """Where lines along an axis pass iso: off the samples' planes by a half of the lines' distance, from side to side.
+        Those of a formula end beyond the sides by as little as rounding: where it is iso there, its samples need not be."""
         last = self.function.last
         across = [numpy.arange(last[a] + 1.0) if through_samples else (numpy.arange(last[a] * lines) + 0.5) / lines
                   for a in range(3) if a != axis]
         along = numpy.linspace(0, last[axis], last[axis] * lines + 1)
+        along[[0, -1]] += -self.function.beyond, self.function.beyond
         u, v, w = numpy.meshgrid(*across, along, indexing="ij")
         columns = [u, v]
         columns.insert(axis, w)
@@ -399,7 +405,7 @@ def main():
     with tempfile.TemporaryDirectory(prefix="isoextract-error-") as folder:
         for field in (field for field in FIELDS if field.name in chosen):
             for size in map(int, options.sizes.split(",")):
-                for row in rows_of(options.isoextract, field, size, options.methods.split(","), pathlib.Path(folder),
+                for row in rows_of(str(pathlib.Path(options.isoextract).resolve()), field, size, options.methods.split(","), pathlib.Path(folder),
                                    options.points):
                     direction, method, *figures = row
                     right = is_true(row)

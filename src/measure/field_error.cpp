@@ -254,7 +254,7 @@ class FieldMeasurement {
   }
 
   [[nodiscard]] GradientSearch search_in(const field::Interpolant& interpolant) const {
-    return {interpolant, field_, placed_.tolerance(), linear_, shortest_, extracted_.iso};
+    return {interpolant, field_, linear_, shortest_, extracted_.iso};
   }
 
   // From `index` to the nearest point of the isosurface in the brick's cells, and all others where it may be beyond.

@@ -4,8 +4,8 @@
 // mesh's coordinates: a covector, mapped by the inverse transpose of the transform. It is the first guess of a search
 // for the crossing itself along the gradient's line, no further than a voxel, and where that line leaves dense data,
 // along the data boundary from there. Where that finds nothing, or a point twice as far, the search goes also towards
-// those corners of the cell that are on the other side. What it finds is on the surface, but need not be the nearest
-// point.
+// those corners of the cell that are on the other side. What it finds is on the surface within the data, but need not
+// be the nearest point.
 #pragma once
 
 #include <algorithm>
@@ -26,54 +26,67 @@ class GradientSearch {
     bool is_nearest = false;         // no point of the surface is nearer by more than a fiftieth; not always known
   };
 
-  // `rounding`: how far out of the data a point may be, in voxels.
   // `shortest`: the least length of a step of one voxel in the mesh's coordinates.
-  GradientSearch(const field::Interpolant& interpolant, const field::ScalarField& field, double rounding,
-                 const glm::dmat3& linear, double shortest, double iso)
+  GradientSearch(const field::Interpolant& interpolant, const field::ScalarField& field, const glm::dmat3& linear,
+                 double shortest, double iso)
       : interpolant_(interpolant), field_(interpolant), linear_(linear), shortest_(shortest), iso_(iso) {
     if (const auto* dense = std::get_if<field::DenseSamples>(&field.samples)) {
       last_cell_ = dense->dims - 2;
-      low_ = glm::dvec3(-rounding);
-      high_ = glm::dvec3(dense->dims - 1) + rounding;
+      low_ = glm::dvec3(0);
+      high_ = glm::dvec3(dense->dims - 1);
     }
     const glm::dmat3 inverse = glm::inverse(linear);
     metric_ = inverse * glm::transpose(inverse);
     for (int axis = 0; axis < 3; ++axis) width_[axis] = 1 / std::sqrt(metric_[axis][axis]);
   }
 
-  // Nothing where a sample beside the position is not finite.
-  std::optional<Found> operator()(const glm::dvec3& index) {
-    const field::Interpolated here = field_(index);
-    const double residual = here.value - iso_;
-    const double largest = max_abs(here.gradient);
-    if (!std::isfinite(residual) || !std::isfinite(largest)) return std::nullopt;
-    if (residual == 0) return Found{glm::dvec3(0), 0, true};
-    std::optional<glm::dvec3> found;
-    double guess = kInfinity;  // voxels
-    if (largest > 0) {
-      // The direction in index space of the gradient in the world. The gradient is scaled first: squares of very large
-      // or very small ones leave the range of double.
-      const glm::dvec3 gradient = here.gradient / largest;
-      const glm::dvec3 step = glm::normalize(metric_ * gradient) * (residual > 0 ? -1.0 : 1.0);
-      guess = std::abs(residual / largest / glm::dot(gradient, step));
-      found = search_in_data(index, step, residual, guess);
-    }
-    if (!found || glm::length(*found) > 2 * guess) look_at_corners(index, residual, found);
-    constexpr double kNearEnough = 0.98;
-    const double length = found ? glm::length(linear_ * *found) : 0;
-    const bool nearest = found && least_distance(index, here, length) >= kNearEnough * length;
-    return Found{found, guess, nearest};
+  // The surface ends with the data; the position may be beyond. Nothing where a sample beside it is not finite.
+  std::optional<Found> operator()(const glm::dvec3& position) {
+    const glm::dvec3 index = glm::clamp(position, low_, high_);
+    const glm::dvec3 shift = index - position;
+    std::optional<Found> found = search_from(index);
+    if (!found || shift == glm::dvec3(0)) return found;
+    if (found->step) *found->step += shift;
+    found->guess = first_order(field_(position)).distance;
+    found->is_nearest = false;
+    return found;
   }
 
  private:
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
   static constexpr double kReach = 1;  // voxels
 
-  static double max_abs(const glm::dvec3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+  struct FirstOrder {
+    glm::dvec3 direction{0.0};    // the unit step in index space along the world's gradient, towards the surface
+    double distance = kInfinity;  // in voxels; infinite where the gradient is zero
+  };
 
-  [[nodiscard]] bool in_data(const glm::dvec3& index) const {
-    return glm::all(glm::greaterThanEqual(index, low_)) && glm::all(glm::lessThanEqual(index, high_));
+  [[nodiscard]] FirstOrder first_order(const field::Interpolated& here) const {
+    const double largest = max_abs(here.gradient);
+    if (!(largest > 0)) return {};
+    // The gradient is scaled first: squares of very large or very small ones leave the range of double.
+    const glm::dvec3 gradient = here.gradient / largest;
+    const double residual = here.value - iso_;
+    const glm::dvec3 direction = glm::normalize(metric_ * gradient) * (residual > 0 ? -1.0 : 1.0);
+    return {direction, std::abs(residual / largest / glm::dot(gradient, direction))};
   }
+
+  std::optional<Found> search_from(const glm::dvec3& index) {
+    const field::Interpolated here = field_(index);
+    const double residual = here.value - iso_;
+    if (!std::isfinite(residual) || !std::isfinite(max_abs(here.gradient))) return std::nullopt;
+    if (residual == 0) return Found{glm::dvec3(0), 0, true};
+    std::optional<glm::dvec3> found;
+    const FirstOrder first = first_order(here);
+    if (first.direction != glm::dvec3(0)) found = search_in_data(index, first.direction, residual, first.distance);
+    if (!found || glm::length(*found) > 2 * first.distance) look_at_corners(index, residual, found);
+    constexpr double kNearEnough = 0.98;
+    const double length = found ? glm::length(linear_ * *found) : 0;
+    const bool nearest = found && least_distance(index, here, length) >= kNearEnough * length;
+    return Found{found, first.distance, nearest};
+  }
+
+  static double max_abs(const glm::dvec3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
   // No point of the surface within `reach` is nearer than that: the residual over the greatest slope there, which is
   // that here and what second derivatives add. 0 where the other cells within that reach have their say.
@@ -103,12 +116,10 @@ class GradientSearch {
   std::optional<glm::dvec3> search_in_data(const glm::dvec3& index, const glm::dvec3& step, double residual,
                                            double guess) {
     const double out = way_out(index, step);
-    const bool from_inside = in_data(index);
     if (const auto distance = search(index, step, residual, guess, kReach, std::min(kReach, out))) {
-      if (from_inside || in_data(index + *distance * step)) return *distance * step;
-      return std::nullopt;
+      return *distance * step;
     }
-    if (!from_inside || out >= kReach) return std::nullopt;
+    if (out >= kReach) return std::nullopt;
     const glm::dvec3 border = glm::clamp(index + out * step, low_, high_);
     glm::dvec3 slide = step;
     for (int axis = 0; axis < 3; ++axis) {
@@ -135,7 +146,6 @@ class GradientSearch {
       if (length == 0 || !std::isfinite(value) || (value != 0 && (value > 0) == (residual > 0))) continue;
       const auto distance = search(index, way / length, residual, length, length, length);
       const glm::dvec3 found = way * (distance.value_or(length) / length);
-      if (!in_data(index) && !in_data(index + found)) continue;
       if (!nearest || glm::length(linear_ * found) < glm::length(linear_ * *nearest)) nearest = found;
     }
   }

@@ -78,9 +78,6 @@ class IndexMesh {
     return on_samples >= 2;
   }
 
-  // How far from its place rounding may bring a vertex, in voxels.
-  [[nodiscard]] double tolerance() const { return tolerance_; }
-
   // How far the margin at the ends of edges and float32 rounding together move a vertex at most, in the mesh's
   // coordinates.
   [[nodiscard]] double rounding() const {
@@ -110,7 +107,7 @@ class IndexMesh {
   field::Affine output_from_index_;
   glm::dmat3 index_from_local_;
   glm::dvec3 local_offset_;
-  double tolerance_;  // voxels
+  double tolerance_;  // how far from its place rounding may bring a vertex, in voxels
   std::optional<field::Box> cap_;
   std::optional<field::Box> closed_around_;  // of methods that always close the surface: the outermost samples
   std::span<const mesh::HalfSpace> cuts_;

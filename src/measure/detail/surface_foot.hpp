@@ -34,8 +34,7 @@ class SurfaceFoot {
       const auto here = function_(point);
       const double residual = here.value - iso_;
       if (residual == 0) return point;
-      const double largest =
-          std::max({std::abs(here.gradient.x), std::abs(here.gradient.y), std::abs(here.gradient.z)});
+      const double largest = largest_of(here.gradient);
       if (!std::isfinite(residual) || !(largest > 0)) return std::nullopt;
       // Scaled first: squares of very large or very small gradients leave the range of double.
       const glm::dvec3 gradient = here.gradient / largest;
@@ -46,7 +45,8 @@ class SurfaceFoot {
       point = next;
       if (!(length(point - start) <= reach)) return std::nullopt;
     }
-    return moved <= kAcceptable * reach ? std::optional(point) : std::nullopt;
+    if (moved > kAcceptable * reach || !passes_iso(point, kAcceptable * reach)) return std::nullopt;
+    return point;
   }
 
   // From a point of the surface to another one that is nearer to `p`, as far as that leads; no part of the way is
@@ -58,7 +58,7 @@ class SurfaceFoot {
     double distance = length(p - point);
     for (int step = 0; step < kMaxSteps; ++step) {
       const glm::dvec3 gradient = function_(point).gradient;
-      const double largest = std::max({std::abs(gradient.x), std::abs(gradient.y), std::abs(gradient.z)});
+      const double largest = largest_of(gradient);
       if (!(largest > 0)) break;
       const glm::dvec3 scaled = gradient / largest;
       const glm::dvec3 along = metric_ * scaled;
@@ -84,6 +84,22 @@ class SurfaceFoot {
   Function& function() { return function_; }
 
  private:
+  // Whether the function passes iso at a point where Newton's method ended: on a face of the box that may be beyond it.
+  [[nodiscard]] bool passes_iso(const glm::dvec3& point, double reach) {
+    if (glm::all(glm::greaterThan(point, low_)) && glm::all(glm::lessThan(point, high_))) return true;
+    const auto here = function_(point);
+    const double residual = here.value - iso_;
+    if (residual == 0) return true;
+    const double largest = largest_of(here.gradient);
+    if (!(largest > 0)) return false;
+    const glm::dvec3 along = metric_ * (here.gradient / largest);
+    const glm::dvec3 way = along * (reach / length(along) * (residual > 0 ? -1 : 1));
+    const double beyond = function_(glm::clamp(point + way, low_, high_)).value - iso_;
+    return beyond == 0 || (beyond > 0) != (residual > 0);
+  }
+
+  static double largest_of(const glm::dvec3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+
   Function function_;
   double iso_;
   glm::dmat3 linear_;

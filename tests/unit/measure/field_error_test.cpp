@@ -1,5 +1,6 @@
 #include "measure/field_error.hpp"
 
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -58,6 +59,26 @@ TEST(FieldError, OfAMovedPlaneIsTheMove) {
     EXPECT_NEAR(moved.interior.rms.voxels, glm::length(glm::inverse(frame.linear) * (0.01 * normal)), 2e-5);
     EXPECT_EQ(moved.interior.unmeasured() + moved.interior.corrected, 0U);
   }
+}
+
+// A sample at a corner of the data is iso but for rounding, on the side of its neighbours: marching tetrahedra place a
+// vertex there, and the surface is beyond the data. Within them it passes the diagonal of the cell at its root, found
+// by bisection.
+TEST(FieldError, DoesNotTakeASurfaceBeyondTheDataForOneWithin) {
+  const double beside = 0.75574958324432373;
+  const double across = 0.26083886623382568;
+  const std::array<double, 4> of_corners{1.4695761172230830e-15, beside, across, -1.4847321510314941};
+  const auto value = [&](int i, int j, int k) { return of_corners.at(static_cast<std::size_t>(i + j + k)); };
+  const OfField cell = extract_at(test::dense_field<double>({2, 2, 2}, value), 0, extract::Method::mt);
+  double low = 0.3;
+  double high = 1;
+  const auto on_diagonal = [&](double t) {
+    const double u = 1 - t;
+    return of_corners[0] * u * u * u + 3 * beside * t * u * u + 3 * across * t * t * u + of_corners[3] * t * t * t;
+  };
+  for (int i = 0; i < 50; ++i) (on_diagonal((low + high) / 2) > 0 ? low : high) = (low + high) / 2;
+  const FieldError error = error_of(cell.mesh, test::dense_field<double>({2, 2, 2}, value), cell.options, {});
+  EXPECT_NEAR(error.interior.max.voxels, std::sqrt(3.0) * low, 0.005);
 }
 
 // The greatest distance between a trilinear sphere and its triangles is where and what geometry says.
