@@ -45,8 +45,7 @@ class SurfaceFoot {
       point = next;
       if (!(length(point - start) <= reach)) return std::nullopt;
     }
-    if (moved > kAcceptable * reach || !passes_iso(point, kAcceptable * reach)) return std::nullopt;
-    return point;
+    return moved <= kAcceptable * reach ? std::optional(point) : std::nullopt;
   }
 
   // From a point of the surface to another one that is nearer to `p`, as far as that leads; no part of the way is
@@ -84,20 +83,6 @@ class SurfaceFoot {
   Function& function() { return function_; }
 
  private:
-  // Whether the function passes iso at a point where Newton's method ended: on a face of the box that may be beyond it.
-  [[nodiscard]] bool passes_iso(const glm::dvec3& point, double reach) {
-    if (glm::all(glm::greaterThan(point, low_)) && glm::all(glm::lessThan(point, high_))) return true;
-    const auto here = function_(point);
-    const double residual = here.value - iso_;
-    if (residual == 0) return true;
-    const double largest = largest_of(here.gradient);
-    if (!(largest > 0)) return false;
-    const glm::dvec3 along = metric_ * (here.gradient / largest);
-    const glm::dvec3 way = along * (reach / length(along) * (residual > 0 ? -1 : 1));
-    const double beyond = function_(glm::clamp(point + way, low_, high_)).value - iso_;
-    return beyond == 0 || (beyond > 0) != (residual > 0);
-  }
-
   static double largest_of(const glm::dvec3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
   Function function_;
