@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "measure/shells.hpp"
 #include "mesh/adjacency.hpp"
 #include "mesh/components.hpp"
 
@@ -50,6 +51,7 @@ std::uint64_t wanted(const TriangleCount& count, std::uint64_t there) {
 struct ComponentCount {
   std::uint64_t components = 0;
   std::uint64_t hollows = 0;  // closed and facing inward
+  std::uint64_t outside = 0;  // of these in an even number of closed components: within no body
 };
 
 // Of every simplification: measure_components() looks at edges as well, which takes several times as long. The sum of
@@ -76,11 +78,19 @@ Result<ComponentCount> count_components(const mesh::Mesh& mesh, const Context& c
     sum.area += glm::length(vector);
     sum.volume += glm::dot(a, vector) / 3;
   }
-  ComponentCount count{sums.size(), 0};
-  for (const Sum& sum : sums) {
-    const bool closed = glm::length(sum.vector) < 1e-6 * sum.area;
-    if (closed && sum.volume < -1e-9 * sum.area * std::sqrt(sum.area)) ++count.hollows;
+  ComponentCount count{sums.size(), 0, 0};
+  std::vector<bool> closed(sums.size());
+  std::vector<bool> hollow(sums.size());
+  for (std::size_t c = 0; c < sums.size(); ++c) {
+    const Sum& sum = sums[c];
+    closed[c] = glm::length(sum.vector) < 1e-6 * sum.area;
+    hollow[c] = closed[c] && sum.volume < -1e-9 * sum.area * std::sqrt(sum.area);
+    count.hollows += hollow[c] ? 1 : 0;
   }
+  if (count.hollows == 0) return count;
+  const auto within = measure::count_surrounding_shells(mesh, components, closed, hollow, context);
+  if (!within) return tl::unexpected(within.error());
+  for (std::size_t c = 0; c < sums.size(); ++c) count.outside += hollow[c] && (*within)[c] % 2 == 0 ? 1 : 0;
   return count;
 }
 
@@ -102,6 +112,12 @@ std::vector<std::string> notes_of(const MeshSimplification& simplification) {
         fmt::format("simplification turned {} of {} components inside out, or more: they are thinner than the surface "
                     "may move; with a smaller distance, more triangles, or without the smallest components it does not",
                     simplification.turned, simplification.components));
+  }
+  if (simplification.left_bodies > 0) {
+    notes.push_back(fmt::format(
+        "simplification moved {} out of the body around: the wall between is thinner than the surface may move; with a "
+        "smaller distance, more triangles, or cavities filled it does not",
+        simplification.left_bodies == 1 ? "1 cavity" : fmt::format("{} cavities", simplification.left_bodies)));
   }
   // A closed component has four triangles at least.
   const std::uint64_t asked = simplification.triangles_asked;
@@ -144,6 +160,9 @@ Result<MeshSimplification> simplify_mesh(mesh::Mesh& mesh, double iso, const Sim
   result.facts = simplified->facts;
   result.components = after->components;
   result.turned = std::max(before->hollows, after->hollows) - std::min(before->hollows, after->hollows);
+  // A body that is turned inside out is no cavity.
+  const std::uint64_t known = before->outside + after->hollows - std::min(before->hollows, after->hollows);
+  result.left_bodies = after->outside - std::min(known, after->outside);
   const DistanceRange measured{simplified->facts.measured_lower, simplified->facts.measured_upper};
   if (options.to_metric != glm::dmat3(1.0)) {
     result.voxels = measured;

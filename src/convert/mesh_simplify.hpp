@@ -26,7 +26,8 @@ struct MeshSimplification {
   DistanceRange voxels;
   DistanceRange world;  // in the mesh's units
   std::uint64_t components = 0;
-  std::uint64_t turned = 0;  // of them inside out, which shells thinner than the distance may be: at least so many
+  std::uint64_t turned = 0;       // of them inside out, which shells thinner than the distance may be: at least so many
+  std::uint64_t left_bodies = 0;  // closed components that face inward and lie in no body any more
   edit::Simplification facts;
 };
 

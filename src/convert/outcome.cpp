@@ -150,6 +150,7 @@ Json json_of(const MeshSimplification& record) {
       {"passes", record.facts.passes},
       {"components", record.components},
       {"turned_inside_out", record.turned},
+      {"left_bodies", record.left_bodies},
       {"time", json_of(record.facts.time)}};
 }
 

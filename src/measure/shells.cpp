@@ -19,11 +19,23 @@ namespace {
 
 constexpr double kBoundless = std::numeric_limits<double>::infinity();
 
+// The vertex of each component with the greatest x, the first of equals.
+std::vector<std::uint32_t> rightmost_vertices(const mesh::Mesh& mesh, const mesh::Components& components) {
+  constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+  std::vector<std::uint32_t> rightmost(components.count(), kNone);
+  for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) {
+    const std::uint32_t c = components.of_vertex(v);
+    if (c == mesh::Components::kNone) continue;
+    if (rightmost[c] == kNone || mesh.positions[v].x > mesh.positions[rightmost[c]].x) rightmost[c] = v;
+  }
+  return rightmost;
+}
+
 // In the order of vertices and triangles, so that sums do not depend on threads.
 std::vector<Component> measure_components(const mesh::Mesh& mesh, const mesh::Components& components,
-                                          const MeshBorders& borders, std::vector<std::uint32_t>& rightmost) {
+                                          const MeshBorders& borders) {
   std::vector<Component> result(components.count());
-  rightmost.assign(components.count(), 0);
+  const std::vector<std::uint32_t> apexes = rightmost_vertices(mesh, components);
   for (std::size_t c = 0; c < result.size(); ++c) {
     result[c].edges = borders.components[c];
     result[c].bounds = {glm::dvec3(kBoundless), glm::dvec3(-kBoundless)};
@@ -34,7 +46,6 @@ std::vector<Component> measure_components(const mesh::Mesh& mesh, const mesh::Co
     if (c == mesh::Components::kNone) continue;
     Component& component = result[c];
     const glm::dvec3 place = mesh.position(v);
-    if (component.vertices == 0 || mesh.positions[v].x > mesh.positions[rightmost[c]].x) rightmost[c] = v;
     ++component.vertices;
     component.bounds.min = glm::min(component.bounds.min, place);
     component.bounds.max = glm::max(component.bounds.max, place);
@@ -45,7 +56,7 @@ std::vector<Component> measure_components(const mesh::Mesh& mesh, const mesh::Co
     Component& component = result[number];
     ++component.triangles;
     // Relative to a vertex of the component, where little cancels.
-    const glm::dvec3 apex(mesh.positions[rightmost[number]]);
+    const glm::dvec3 apex(mesh.positions[apexes[number]]);
     const glm::dvec3 a(mesh.positions[t.x]);
     const glm::dvec3 normal = glm::cross(glm::dvec3(mesh.positions[t.y]) - a, glm::dvec3(mesh.positions[t.z]) - a);
     component.area += glm::length(normal) / 2;
@@ -83,61 +94,18 @@ bool is_passed(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, co
   return winding != 0 && mesh::side_of_plane(a, b, c, p) == -winding;
 }
 
-class ShellNesting {
- public:
-  ShellNesting(const mesh::Mesh& mesh, const mesh::Components& components, const std::vector<Component>& all)
-      : mesh_(mesh), components_(components), chosen_(chosen(mesh, components, all)) {}
-
-  [[nodiscard]] static std::uint64_t bytes(std::uint64_t triangles) {
-    return 2 * triangles * sizeof(std::uint32_t) + TriangleBoxes::bytes(triangles);
+Buffer<std::uint32_t> triangles_of(const mesh::Mesh& mesh, const mesh::Components& components,
+                                   const std::vector<bool>& chosen) {
+  Buffer<std::uint32_t> numbers(mesh.triangles.size());
+  std::size_t count = 0;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const glm::uvec3& triangle = mesh.triangles[t];
+    if (!mesh::repeats_index(triangle) && chosen[components.of_vertex(triangle.x)]) numbers[count++] = t;
   }
-
-  // Of each closed component, in how many others its rightmost vertex lies.
-  Result<void> count(const std::vector<std::uint32_t>& rightmost, std::vector<Component>& all, const Context& context) {
-    const TriangleBoxes boxes(mesh_.positions.span(), mesh_.triangles.span(), chosen_.span());
-    context.progress().begin("looking for shells within shells", all.size());
-    tbb::parallel_for(std::uint32_t{0}, static_cast<std::uint32_t>(all.size()), [&](std::uint32_t c) {
-      context.progress().advance(1);
-      if (!all[c].edges.none() || context.cancelled()) return;
-      const glm::vec3 p = mesh_.positions[rightmost[c]];
-      std::vector<std::uint32_t> passed;
-      const FloatBox ray{p, {std::numeric_limits<float>::infinity(), p.y, p.z}};
-      boxes.for_each_near(ray, [&](std::uint32_t t) {
-        const glm::uvec3& triangle = mesh_.triangles[t];
-        const std::uint32_t other = components_.of_vertex(triangle.x);
-        const auto corner = [&](int i) { return glm::dvec3(mesh_.positions[triangle[i]]); };
-        if (other != c && is_passed(corner(0), corner(1), corner(2), glm::dvec3(p))) passed.push_back(other);
-      });
-      std::ranges::sort(passed);
-      for (std::size_t i = 0; i < passed.size();) {
-        std::size_t last = i;
-        while (last < passed.size() && passed[last] == passed[i]) ++last;
-        all[c].within += static_cast<std::uint32_t>((last - i) % 2);
-        i = last;
-      }
-    });
-    return context.check();
-  }
-
- private:
-  static Buffer<std::uint32_t> chosen(const mesh::Mesh& mesh, const mesh::Components& components,
-                                      const std::vector<Component>& all) {
-    Buffer<std::uint32_t> numbers(mesh.triangles.size());
-    std::size_t count = 0;
-    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-      const glm::uvec3& triangle = mesh.triangles[t];
-      if (mesh::repeats_index(triangle) || !all[components.of_vertex(triangle.x)].edges.none()) continue;
-      numbers[count++] = t;
-    }
-    Buffer<std::uint32_t> result(count);
-    std::copy_n(numbers.begin(), count, result.begin());
-    return result;
-  }
-
-  const mesh::Mesh& mesh_;
-  const mesh::Components& components_;
-  Buffer<std::uint32_t> chosen_;  // triangles of closed components
-};
+  Buffer<std::uint32_t> result(count);
+  std::copy_n(numbers.begin(), count, result.begin());
+  return result;
+}
 
 Shell shell_of(const Component& component) {
   if (!component.edges.none()) return Shell::open;
@@ -147,20 +115,61 @@ Shell shell_of(const Component& component) {
 
 }  // namespace
 
+Result<std::vector<std::uint32_t>> count_surrounding_shells(const mesh::Mesh& mesh, const mesh::Components& components,
+                                                            const std::vector<bool>& closed,
+                                                            const std::vector<bool>& asked, const Context& context) {
+  const std::string what = fmt::format("{}: its shells within shells", mesh.name);
+  const std::uint64_t triangles = mesh.triangles.size();
+  const auto memory = context.reserve(2 * components.count() * sizeof(std::uint32_t) +
+                                          2 * triangles * sizeof(std::uint32_t) + TriangleBoxes::bytes(triangles),
+                                      what);
+  if (!memory) return tl::unexpected(memory.error());
+  try {
+    const std::vector<std::uint32_t> rightmost = rightmost_vertices(mesh, components);
+    const Buffer<std::uint32_t> chosen = triangles_of(mesh, components, closed);
+    const TriangleBoxes boxes(mesh.positions.span(), mesh.triangles.span(), chosen.span());
+    std::vector<std::uint32_t> within(components.count(), 0);
+    context.progress().begin("looking for shells within shells", components.count());
+    tbb::parallel_for(std::uint32_t{0}, static_cast<std::uint32_t>(components.count()), [&](std::uint32_t c) {
+      context.progress().advance(1);
+      if (!asked[c] || context.cancelled()) return;
+      const glm::vec3 p = mesh.positions[rightmost[c]];
+      std::vector<std::uint32_t> passed;
+      const FloatBox ray{p, {std::numeric_limits<float>::infinity(), p.y, p.z}};
+      boxes.for_each_near(ray, [&](std::uint32_t t) {
+        const glm::uvec3& triangle = mesh.triangles[t];
+        const std::uint32_t other = components.of_vertex(triangle.x);
+        const auto corner = [&](int i) { return glm::dvec3(mesh.positions[triangle[i]]); };
+        if (other != c && is_passed(corner(0), corner(1), corner(2), glm::dvec3(p))) passed.push_back(other);
+      });
+      std::ranges::sort(passed);
+      for (std::size_t i = 0; i < passed.size();) {
+        std::size_t last = i;
+        while (last < passed.size() && passed[last] == passed[i]) ++last;
+        within[c] += static_cast<std::uint32_t>((last - i) % 2);
+        i = last;
+      }
+    });
+    if (auto wanted = context.check(); !wanted) return tl::unexpected(wanted.error());
+    return within;
+  } catch (const std::bad_alloc&) {
+    return fail(ErrorKind::input, what + " need more memory than there is");
+  }
+}
+
 Result<std::vector<Component>> describe_components(const mesh::Mesh& mesh, const mesh::Components& components,
                                                    const MeshBorders& borders, const Context& context) {
   const std::string what = fmt::format("{}: its components", mesh.name);
-  const auto closed = static_cast<std::size_t>(std::ranges::count_if(borders.components, &EdgeDefects::none));
-  const std::uint64_t nesting = closed < 2 ? 0 : ShellNesting::bytes(mesh.triangles.size());
-  const auto memory = context.reserve(components.count() * (sizeof(Component) + sizeof(std::uint32_t)) + nesting, what);
+  const auto memory = context.reserve(components.count() * (sizeof(Component) + sizeof(std::uint32_t)), what);
   if (!memory) return tl::unexpected(memory.error());
   try {
-    std::vector<std::uint32_t> rightmost;
-    std::vector<Component> all = measure_components(mesh, components, borders, rightmost);
-    if (closed > 1) {
-      if (auto counted = ShellNesting(mesh, components, all).count(rightmost, all, context); !counted) {
-        return tl::unexpected(counted.error());
-      }
+    std::vector<Component> all = measure_components(mesh, components, borders);
+    std::vector<bool> closed(all.size());
+    for (std::size_t c = 0; c < all.size(); ++c) closed[c] = all[c].edges.none();
+    if (std::ranges::count(closed, true) > 1) {
+      const auto within = count_surrounding_shells(mesh, components, closed, closed, context);
+      if (!within) return tl::unexpected(within.error());
+      for (std::size_t c = 0; c < all.size(); ++c) all[c].within = (*within)[c];
     }
     for (Component& component : all) component.shell = shell_of(component);
     return all;

@@ -52,4 +52,12 @@ struct Component {
                                                                  const MeshBorders& borders,
                                                                  const Context& context = Context());
 
+// In how many of the components that are marked as closed each of those marked as `asked` lies, itself not counted; 0
+// for the others. As exact, and fails, as describe_components() does.
+[[nodiscard]] Result<std::vector<std::uint32_t>> count_surrounding_shells(const mesh::Mesh& mesh,
+                                                                          const mesh::Components& components,
+                                                                          const std::vector<bool>& closed,
+                                                                          const std::vector<bool>& asked,
+                                                                          const Context& context = Context());
+
 }  // namespace isoextract::measure

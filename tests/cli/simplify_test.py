@@ -159,6 +159,21 @@ class SimplifyTest(ProgramTest):
         self.assertEqual(record["turned_inside_out"], 0)
         self.assertNotIn("inside out", run.err)
 
+    def test_cavities_that_leave_their_bodies_are_told_of(self):
+        """A ball with a cavity right under its surface at the right: chords of a coarse ball pass to the left of it."""
+
+        def ball(x, y, z):
+            return min(14 - math.dist((x, y, z), (16.2, 16.1, 16)), math.dist((x, y, z), (27.3, 16.1, 16)) - 2)
+
+        self.write_raw("ball.raw", (33, 33, 33), ball)
+        thin = ("ball.raw", "--dims", "33,33,33", "--dtype", "f32", "--iso", "0")
+        for distance, out in (("3", 1), ("0.1", 0)):
+            run, record = self.count(*thin, "--simplify", distance)
+            mesh = json.loads(self.run_program("check", "a.ply", "--json").text)["mesh"]
+            self.assertEqual((mesh["components"], mesh["shells"]["body"], mesh["shells"]["inside out"]), (2, 1, out))
+            self.assertEqual((record["left_bodies"], record["turned_inside_out"]), (out, 0))
+            self.assertEqual("simplification moved 1 cavity out of the body around" in run.err, out == 1, run.err)
+
     def test_components_that_keep_the_number_up_are_told_of(self):
         run, record = self.count(*self.specks(), "--triangles", "10")
         self.assertRegex(run.err, rf"{record['components']} components, each of which stays, take many of the")
