@@ -163,8 +163,10 @@ void add_values(NamedLines& lines, const FieldReport& report) {
     }
     lines.add("percentiles", percentiles[0]);
     lines.add("", percentiles[1]);
+  } else if (statistics.nan + statistics.infinite == 0) {
+    lines.add("values", "none but the background");
   }
-  if (statistics.nan + statistics.infinite > 0 || statistics.samples == 0) {
+  if (statistics.nan + statistics.infinite > 0) {
     lines.add("not finite", fmt::format("{} not a number, {} infinite", statistics.nan, statistics.infinite));
   }
   add_histogram(lines, statistics);

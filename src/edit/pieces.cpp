@@ -96,13 +96,26 @@ struct Shells {
   [[nodiscard]] bool is_body(std::size_t i) const { return nesting.body[i] == i; }
 };
 
-double measured(const ComponentFacts& facts, PieceMeasure measure) {
+// With what the rounding of vertices, which moves each by `rounding` at most, may have taken of it.
+double measured(const ComponentFacts& facts, PieceMeasure measure, double rounding) {
+  const auto triangles = static_cast<double>(facts.triangles);
   switch (measure) {
-    case PieceMeasure::triangles: return static_cast<double>(facts.triangles);
-    case PieceMeasure::area: return facts.area;
+    case PieceMeasure::triangles: return triangles;
+    // The sum of sides is at least that of regular triangles: 4.56 roots of their areas. Longer ones change more.
+    case PieceMeasure::area: return facts.area + 4 * rounding * std::sqrt(triangles * facts.area);
     case PieceMeasure::volume: break;
   }
-  return facts.is_closed() ? std::abs(facts.volume) : std::numeric_limits<double>::infinity();
+  return facts.is_closed() ? std::abs(facts.volume) + facts.area * rounding : std::numeric_limits<double>::infinity();
+}
+
+// How far from its place a vertex may be, in the space that `to_metric` leads to: by its rounding to float32, and by
+// the margin at the ends of edges, which is eight times that.
+double rounding_of(const mesh::Mesh& mesh, const glm::dmat3& to_metric) {
+  constexpr double kMarginAndRounding = 9;
+  float largest = 0;
+  for (const glm::vec3& p : mesh.positions) largest = std::max({largest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+  const double stretch = glm::length(to_metric[0]) + glm::length(to_metric[1]) + glm::length(to_metric[2]);
+  return kMarginAndRounding * stretch * largest * std::numeric_limits<float>::epsilon();
 }
 
 // Bodies by their area, the largest first.
@@ -115,12 +128,12 @@ std::vector<std::uint32_t> bodies_by_area(const Shells& shells, const std::vecto
   return bodies;
 }
 
-std::vector<bool> choose(const Shells& shells, const PieceOptions& options) {
+std::vector<bool> choose(const Shells& shells, const PieceOptions& options, double rounding) {
   const std::size_t count = shells.count();
   std::vector<bool> stays(count, true);
   std::vector<bool> filled(count, false);  // cavities that are, by themselves and not with their body
   for (std::size_t i = 0; i < count; ++i) {
-    const bool small = options.least && measured(shells.facts[i], options.measure) < *options.least;
+    const bool small = options.least && measured(shells.facts[i], options.measure, rounding) < *options.least;
     if (!shells.is_body(i)) {
       filled[i] = small || options.fill_cavities;
     } else if (small) {
@@ -197,7 +210,7 @@ Result<KeptPieces> keep(mesh::Mesh mesh, const PieceOptions& options, const Cont
   const Stopwatch watch;
   auto shells = Shells::find_at(std::move(sites), mesh, options.to_metric, context);
   if (!shells) return tl::unexpected(std::move(shells.error()));
-  const std::vector<bool> stays = choose(*shells, options);
+  const std::vector<bool> stays = choose(*shells, options, rounding_of(mesh, options.to_metric));
   PieceFacts facts;
   facts.before = counts_of(*shells, std::vector<bool>(shells->count(), true));
   facts.after = counts_of(*shells, stays);

@@ -30,8 +30,9 @@ constexpr auto words_of(PieceMeasure /*type*/) {
 
 // What goes, in this order.
 struct PieceOptions {
-  // Components of less, each measured by itself: a body goes with its cavities, a cavity that goes is filled. Open
-  // components have no volume and stay where that is what is measured.
+  // Components of less, each measured by itself: a body goes with its cavities, a cavity that goes is filled. What is
+  // of less by no more than the rounding of its vertices stays. Open components have no volume and stay where that is
+  // what is measured.
   std::optional<double> least;
   PieceMeasure measure = PieceMeasure::triangles;
   bool fill_cavities = false;  // all of them

@@ -291,6 +291,9 @@ IsoSuggestion suggest_iso(const ScalarField& field, const FieldStatistics& stati
     return IsoSuggestion{iso, std::move(method), separates};
   };
   if (const auto known = known_iso(field)) return suggestion(known->iso, known->method);
+  if (statistics.samples == 0 && range.finite > 0 && statistics.nan + statistics.infinite == 0) {
+    return suggestion(range.min, "the only value of a constant field");
+  }
   if (statistics.samples == 0) return suggestion(0, "no finite sample to go by");
   if (statistics.min == statistics.max && range.min < range.max) {
     return suggestion(interpolate(range.min, range.max, 0.5), "halfway between the only value and the background");

@@ -109,7 +109,7 @@ std::uint64_t count_from_row(const ScalarField& field, const DenseSamples& dense
 // Of sparse samples: edges within their blocks.
 std::uint64_t count_in_blocks(const ScalarField& field, double iso) {
   return visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) {
-    return reduce_samples<T>(
+    return reduce_stored<T>(
         field.samples, std::uint64_t{0},
         [&](std::uint64_t& partial, std::span<const T> block) {
           partial += count_crossings(off_background(block, field, iso, false));

@@ -65,6 +65,15 @@ class PiecesTest(ProgramTest):
         for least, left in (("area:0.0130world", 3), ("area:130", 3), ("volume:0.0025world", 1)):
             report = self.balls("--spacing", "0.01", "--drop-components", least)[1]
             self.assertEqual(report["meshes"][0]["components"], left, least)
+        # Bars of exactly three voxels, at many places: rounding decides nothing.
+        self.write_raw("bars.raw", (64, 64, 64), lambda x, y, z: float(x % 4 == y % 4 == 1 and z % 6 > 2 and z < 60))
+        bars = ("bars.raw", "--dims", "64,64,64", "--dtype", "f32", "--iso", "0.5", "-o", "bars.ply")
+        for spacing, method in (("0.7", "voxels"), ("0.9", "voxels"), ("1", "surface-nets"), ("0.9", "surface-nets")):
+            for least in ("volume:3", f"volume:{3 * float(spacing) ** 3:.12g}world", "area:14"):
+                run = self.convert(*bars, "--spacing", spacing, "--method", method, "--drop-components", least)
+                self.assertIn("2560 of 2560 bodies left", run.err, (spacing, method, least))
+            run = self.run_program(*bars, "--spacing", spacing, "--method", method, "--drop-components", "volume:3.01")
+            self.assertIn("none of the 2560 components", run.err)
         run = self.run_program("balls.raw", *RAW, "--drop-components", "999999", "-o", "none.ply")
         self.assert_fails(2, run, "none of the 4 components at iso 0 is as large as asked for", "--empty skip")
         self.convert("balls.raw", *RAW, "--drop-components", "999999", "--empty", "skip", "-o", "none.ply")

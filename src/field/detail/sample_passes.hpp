@@ -1,7 +1,8 @@
-// Walking over all stored samples of a field, dense or sparse, in parallel.
+// Walking over the stored samples of a field, dense or sparse, in parallel.
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -17,10 +18,13 @@
 
 namespace isoextract::field {
 
-// Reduces `body(partial, values)` over all stored samples. Deterministic: always the same tree of joins.
+inline constexpr std::size_t kBlockSamples = std::size_t{SparseBlock::kSize} * SparseBlock::kSize * SparseBlock::kSize;
+
+// Reduces `body(partial, values)` over all stored samples, whole blocks of sparse ones. Deterministic: always the same
+// tree of joins.
 template <class T, class Partial, class Body, class Join>
-[[nodiscard]] Partial reduce_samples(const Samples& samples, const Partial& identity, const Body& body,
-                                     const Join& join, Progress* progress) {
+[[nodiscard]] Partial reduce_stored(const Samples& samples, const Partial& identity, const Body& body, const Join& join,
+                                    Progress* progress) {
   constexpr std::size_t kGrain = 1U << 16U;  // samples a task; fixed, so that sums do not depend on the thread count
   if (const auto* dense = std::get_if<DenseSamples>(&samples)) {
     const std::span<const T> all(static_cast<const T*>(dense->data), dense->count());
@@ -34,7 +38,6 @@ template <class T, class Partial, class Body, class Join>
         },
         join);
   }
-  constexpr std::size_t kBlockSamples = std::size_t{SparseBlock::kSize} * SparseBlock::kSize * SparseBlock::kSize;
   const auto& blocks = std::get<SparseSamples>(samples).blocks;
   if (progress != nullptr) progress->begin("measuring", blocks.size());
   return tbb::parallel_deterministic_reduce(
@@ -49,6 +52,26 @@ template <class T, class Partial, class Body, class Join>
       join);
 }
 
+// The same without the background of sparse samples: how much of that is stored depends on where their blocks begin,
+// and says nothing of the field.
+template <class T, class Partial, class Body, class Join>
+[[nodiscard]] Partial reduce_samples(const Samples& samples, const Partial& identity, const Body& body,
+                                     const Join& join, Progress* progress) {
+  const auto* sparse = std::get_if<SparseSamples>(&samples);
+  if (sparse == nullptr) return reduce_stored<T>(samples, identity, body, join, progress);
+  const double background = sparse->background;
+  const auto without_background = [&](Partial& partial, std::span<const T> block) {
+    std::array<T, kBlockSamples> kept;
+    std::size_t count = 0;
+    for (const T value : block) {
+      kept[count] = value;
+      count += static_cast<double>(value) == background ? 0 : 1;
+    }
+    body(partial, std::span<const T>(kept.data(), count));
+  };
+  return reduce_stored<T>(samples, identity, without_background, join, progress);
+}
+
 inline std::uint64_t tile_voxels(const SparseTile& tile) {
   const auto side = static_cast<std::uint64_t>(tile.size);
   return side * side * side;
@@ -61,8 +84,8 @@ void for_each_tile(const Samples& samples, const Function& function) {
   }
 }
 
-// Runs body(counts, values) over all stored samples, with counts of its own for each thread: vectors of `size` zeros at
-// first. Returns their sums.
+// Runs body(counts, values) over what reduce_samples() does, with counts of its own for each thread: vectors of `size`
+// zeros at first. Returns their sums.
 template <class T, class Body>
 [[nodiscard]] std::vector<std::uint64_t> count_samples(const Samples& samples, std::size_t size, const Body& body,
                                                        Progress* progress) {

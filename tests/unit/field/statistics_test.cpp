@@ -1,6 +1,7 @@
 #include "field/statistics.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -13,6 +14,7 @@
 #include <tbb/global_control.h>
 
 #include "field/demo_field.hpp"
+#include "field/percentiles.hpp"
 
 namespace isoextract::field {
 namespace {
@@ -236,6 +238,34 @@ TEST(Statistics, SparseCountsBlocksAndTilesButNotTheBackground) {
   EXPECT_EQ(statistics.max, 4);
   EXPECT_EQ(statistics.histogram.front(), 512U);
   EXPECT_EQ(statistics.histogram.back(), 1U);
+}
+
+// A row of eight voxels within one block, and across two: what else is stored differs, the field does not.
+TEST(Statistics, DoNotDependOnWhereSparseBlocksBegin) {
+  const auto row_from = [](int start) {
+    auto values = std::make_shared<std::vector<float>>(2 * 512, 0.0F);
+    for (int x = start; x < start + 8; ++x) {
+      (*values)[static_cast<std::size_t>(x / 8 * 512 + x % 8)] = 1.0F + static_cast<float>(x - start);
+    }
+    SparseSamples sparse;
+    sparse.type = SampleType::f32;
+    sparse.blocks = {SparseBlock{glm::ivec3(0), values->data()}};
+    if (start > 0) sparse.blocks.push_back(SparseBlock{glm::ivec3(8, 0, 0), values->data() + 512});
+    sparse.owner = values;
+    ScalarField field;
+    field.samples = sparse;
+    return field;
+  };
+  for (const int start : {0, 3}) {
+    const ScalarField field = row_from(start);
+    const FieldStatistics statistics = measure_statistics(field);
+    EXPECT_EQ(statistics.samples, 8U);
+    EXPECT_EQ(statistics.min, 1);
+    EXPECT_EQ(statistics.mean, 4.5);
+    EXPECT_EQ(statistics.percentiles[3], 4) << "the fourth of eight is half of them";
+    EXPECT_EQ(histogram_sum(statistics), 8U);
+    EXPECT_EQ(measure_percentiles(field, std::array{Percent(25)})->front(), 2);
+  }
 }
 
 TEST(Statistics, TheSameForAnyNumberOfThreads) {
