@@ -9,6 +9,7 @@
 
 #include "base/ascii.hpp"
 #include "base/printable.hpp"
+#include "convert/placement.hpp"
 #include "field/demo_field.hpp"
 #include "files/file_bytes.hpp"
 #include "volumes/volume_format.hpp"
@@ -115,6 +116,24 @@ void note_other_place(const field::ScalarField& input, VolumeAttribute& attribut
       fmt::format("{} has the shape of {} and states another placement, which was kept", field.source, input.source));
 }
 
+// What a file calls its world: "LPS, mm".
+std::string world_text(const field::ScalarField& field) {
+  std::string text = printable(field.world_space, 40);
+  if (field.length_unit.empty()) return text;
+  return fmt::format("{}{}{}", text, text.empty() ? "" : ", ", printable(field.length_unit, 40));
+}
+
+// Files of another patient space or unit meet the input where the patient is.
+void move_to_world_of(const field::ScalarField& input, VolumeAttribute& attribute) {
+  const field::ScalarField& first = attribute.components.front();
+  if (attribute.choice.spacing || attribute.choice.origin || first.source == input.source) return;
+  const auto map = map_between_worlds(first, input);
+  if (!map) return;
+  attribute.notes.push_back(fmt::format("{} states its world as {}: it was taken to that of {}, {}", first.source,
+                                        world_text(first), input.source, world_text(input)));
+  for (field::ScalarField& field : attribute.components) field.index_to_world = map->after(field.index_to_world);
+}
+
 // The grid of vectors that is meant as a whole; nothing where a scalar one is.
 Result<std::optional<volumes::GridInfo>> vector_grid(const Reading& reading, const Context& context) {
   auto listed = volumes::list_grids(reading.input, reading.read, context);
@@ -158,6 +177,7 @@ Result<VolumeAttribute> read_volume_attribute(const SourceOptions& options, cons
     if (auto go_on = context.check(); !go_on) return tl::unexpected(std::move(go_on.error()));
   }
   attribute.notes = attribute.components.front().notes;
+  move_to_world_of(input, attribute);
   note_other_place(input, attribute);
   return attribute;
 }

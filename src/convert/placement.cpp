@@ -117,6 +117,19 @@ const field::Affine& given_from_index(const field::ScalarField& field, Space spa
   return space == Space::index ? field.index_to_file : field.index_to_world;
 }
 
+std::optional<field::Affine> map_between_worlds(const field::ScalarField& from, const field::ScalarField& to) {
+  glm::dvec3 factors(1);
+  if (const auto of_from = ras_signs(from.world_space), of_to = ras_signs(to.world_space); of_from && of_to) {
+    factors = glm::dvec3(*of_from * *of_to, 1);
+  }
+  if (const auto of_from = find_length_unit(from.length_unit), of_to = find_length_unit(to.length_unit);
+      of_from && of_to) {
+    factors *= unit_ratio(*of_from, *of_to);
+  }
+  if (factors == glm::dvec3(1)) return std::nullopt;
+  return field::scaling(factors);
+}
+
 field::Box world_bounds(const field::ScalarField& field) { return bounds_in(field, Space::world); }
 
 bool is_axis_aligned(const field::Affine& index_to_world) {

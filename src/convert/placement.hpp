@@ -74,6 +74,12 @@ struct ResolvedPlacement {
 // To the coordinates that regions and planes are given in.
 [[nodiscard]] const field::Affine& given_from_index(const field::ScalarField& field, Space space);
 
+// From the world of one field to that of another, where both say which patient space they are in (RAS, LAS or LPS), or
+// both state units of length: mirrored axes, other units. Nothing where the worlds are the same or a field does not
+// say.
+[[nodiscard]] std::optional<field::Affine> map_between_worlds(const field::ScalarField& from,
+                                                              const field::ScalarField& to);
+
 // The field's extents in world coordinates.
 [[nodiscard]] field::Box world_bounds(const field::ScalarField& field);
 

@@ -66,6 +66,28 @@ class PlacementTest(FilesTest):
         self.write("ball.npy", npy(ball))
         self.write("linear.npy", npy(linear))
 
+    def test_a_file_of_another_patient_space_or_unit_is_where_the_patient_is(self):
+        """The same samples at the same places of the patient, as LPS in mm, and as RAS in cm with coarser voxels."""
+        scan = ("space: left-posterior-superior", "space directions: (2,0,0) (0,3,0) (0,0,1)", "space origin: (-5,7,11)",
+                'space units: "mm" "mm" "mm"')
+        self.write("scan.nrrd", nrrd(ball, *scan))
+        self.write("same.nrrd", nrrd(linear, *scan))
+        # RAS mirrors x and y: samples of every other index, from the far ends.
+        self.write("dose.nrrd", nrrd(lambda i, j, k: linear(8 - 2 * i, 8 - 2 * j, 2 * k), "space: right-anterior-superior",
+                                     "space directions: (0.4,0,0) (0,0.6,0) (0,0,0.2)", "space origin: (-1.1,-3.1,1.1)",
+                                     'space units: "cm" "cm" "cm"', dims=(5, 5, 4)))
+        index_of = lambda p: ((p[0] + 5) / 2, (p[1] - 7) / 3, p[2] - 11)  # noqa: E731
+        found = self.ply("scan.nrrd", "--attribute", "a=same.nrrd", "--attribute", "b=dose.nrrd")
+        self.assert_linear(found, index_of)
+        self.assert_linear(found, index_of, "b")
+        self.assertIn("dose.nrrd states its world as right-anterior-superior, cm: it was taken to that of scan.nrrd, "
+                      "left-posterior-superior, mm", self.done.err)
+        self.assertNotIn("same.nrrd states its world", self.done.err)
+        # One that does not say is taken as it is.
+        self.write("silent.nrrd", nrrd(linear, "spacings: 2 3 1", "axis mins: -5 7 11"))
+        self.ply("scan.nrrd", "--attribute", "a=silent.nrrd")
+        self.assertNotIn("taken to", self.done.err)
+
     def test_the_same_array_has_the_iso_value_everywhere(self):
         for more in ((), ("--spacing", "0.1"), ("--origin", "5,-3,8"), ("--spacing", "0.1,0.2,0.3", "--origin", "1,2,3")):
             with self.subTest(more=more):
