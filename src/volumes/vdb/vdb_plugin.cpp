@@ -17,6 +17,7 @@ namespace isoextract::volumes {
 namespace {
 
 constexpr std::array<std::string_view, 6> kPluginValues{"bool", "mask", "int64", "vec3s", "vec3d", "vec3i"};
+constexpr std::string_view kStaggeredClass = "staggered";
 constexpr std::array<std::string_view, 4> kVectorParts{"[x]", "[y]", "[z]", "[length]"};
 
 // Trees of the usual shape alone: others have it in their value_type.
@@ -28,6 +29,24 @@ std::string_view without_part(std::string_view name) {
     if (name.ends_with(part)) return name.substr(0, name.size() - part.size());
   }
   return name;
+}
+
+// Of a staggered grid each component is in the middle of its voxels' lower faces along its axis, as OpenVDB's
+// StaggeredBoxSampler has it.
+void place_staggered(const std::string& part, const VdbGridRecord& record, field::ScalarField& field) {
+  const std::string what = fmt::format("the grid '{}' is staggered: ", printable(record.name, 80));
+  const std::string_view axes = "xyz";
+  const std::size_t axis = part.size() == 3 ? axes.find(part[1]) : std::string_view::npos;
+  if (axis == std::string_view::npos) {
+    field.notes.push_back(what + "the lengths are those of three components that lie half a voxel apart");
+  } else if (record.in_frustum) {
+    field.notes.push_back(what + "in a frustum its components were taken in the middle of voxels, half a voxel off");
+  } else {
+    glm::dvec3 shift(0);
+    shift[static_cast<int>(axis)] = -0.5;
+    for (field::Affine* map : {&field.index_to_world, &field.index_to_file}) map->offset += map->linear * shift;
+    field.notes.push_back(what + "its components were taken on the faces of voxels");
+  }
 }
 
 bool is_called(const GridInfo& grid, std::string_view wanted) { return grid.label == wanted || grid.name == wanted; }
@@ -80,7 +99,8 @@ std::optional<PluginGrid> grid_for_plugin(VdbCursor& cursor, const VdbHeader& he
 }
 
 Result<field::ScalarField> read_by_plugin(const VolumeFormat& plugin, const std::string& input,
-                                          const PluginGrid& wanted, const ReadOptions& options,
+                                          const PluginGrid& wanted, const VdbHeader& header,
+                                          std::span<const GridInfo> grids, const ReadOptions& options,
                                           const Context& context) {
   ReadOptions asked = options;
   asked.grid = wanted.grid;
@@ -88,6 +108,16 @@ Result<field::ScalarField> read_by_plugin(const VolumeFormat& plugin, const std:
   const std::string start = input + ": ";
   if (!field && field.error().kind == ErrorKind::unavailable && field.error().message.starts_with(start)) {
     field.error().message.insert(start.size(), fmt::format("the grid {}; ", wanted.reason));
+  }
+  if (!field) return field;
+  for (std::size_t i = 0; i < grids.size(); ++i) {
+    if (grids[i].label == field->grid) field->creator = grids[i].creator;
+    const auto part = std::ranges::find(grids[i].parts, field->grid);
+    if (part == grids[i].parts.end()) continue;
+    field->creator = grids[i].creator;
+    if (header.grids[i].grid_class == kStaggeredClass) {
+      place_staggered(part->substr(grids[i].label.size()), header.grids[i], *field);
+    }
   }
   return field;
 }

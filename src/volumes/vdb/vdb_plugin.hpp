@@ -28,9 +28,11 @@ struct PluginGrid {
 [[nodiscard]] std::optional<PluginGrid> grid_for_plugin(VdbCursor& cursor, const VdbHeader& header,
                                                         std::span<const GridInfo> grids, const ReadOptions& options);
 
-// Reads it. Where the plug-in is missing the error is ErrorKind::unavailable, and says what it is needed for.
+// Reads it: components of staggered grids where they are. Where the plug-in is missing the error is
+// ErrorKind::unavailable, and says what it is needed for.
 [[nodiscard]] Result<field::ScalarField> read_by_plugin(const VolumeFormat& plugin, const std::string& input,
-                                                        const PluginGrid& wanted, const ReadOptions& options,
+                                                        const PluginGrid& wanted, const VdbHeader& header,
+                                                        std::span<const GridInfo> grids, const ReadOptions& options,
                                                         const Context& context);
 
 }  // namespace isoextract::volumes

@@ -212,10 +212,7 @@ Result<field::ScalarField> read_vdb(const std::string& input, const files::Input
     const VdbHeader header = read_vdb_header(cursor);
     const std::vector<GridInfo> grids = describe_grids(cursor, file, header, false);
     if (const auto wanted = grid_for_plugin(cursor, header, grids, options)) {
-      auto field = read_by_plugin(plugin, input, *wanted, options, file.context());
-      const auto same = field ? std::ranges::find(grids, field->grid, &GridInfo::label) : grids.end();
-      if (same != grids.end()) field->creator = same->creator;
-      return field;
+      return read_by_plugin(plugin, input, *wanted, header, grids, options, file.context());
     }
     const auto chosen = choose_grid(file.name(), grids, options.grid);
     if (!chosen) return tl::unexpected(chosen.error());

@@ -5,6 +5,7 @@
 #include <set>
 
 #include <openvdb/points/PointConversion.h>
+#include <openvdb/tools/Interpolation.h>
 
 #include "unit/volumes/particle_files.hpp"
 #include "unit/volumes/vdb_files.hpp"
@@ -198,6 +199,37 @@ TEST(OpenVdbVolume, MemoryIsReservedAndGivenBack) {
     EXPECT_LE(context.memory().reserved(), 2U * 512U + 10000U);
   }
   EXPECT_EQ(context.memory().reserved(), 0U);
+}
+
+// Each component holds its coordinate where OpenVDB's sampler of staggered grids takes it from.
+TEST(OpenVdbVolume, ComponentsOfStaggeredGridsAreOnTheFacesOfVoxels) {
+  NEEDS_OPENVDB_PLUGIN();
+  openvdb::initialize();
+  const auto velocity = openvdb::Vec3SGrid::create();
+  velocity->setName("velocity");
+  velocity->setTransform(openvdb::math::Transform::createLinearTransform(0.5));
+  velocity->setGridClass(openvdb::GRID_STAGGERED);
+  for (int i = 0; i < 4; ++i) {
+    for (int j = 0; j < 4; ++j) {
+      for (int k = 0; k < 4; ++k) {
+        const openvdb::Vec3d faces(i - 0.5, j - 0.5, k - 0.5);
+        velocity->tree().setValue({i, j, k}, openvdb::Vec3f(velocity->indexToWorld(faces)));
+      }
+    }
+  }
+  const openvdb::Vec3f there = openvdb::tools::StaggeredBoxSampler::sample(velocity->tree(), {1.25, 1.5, 1.75});
+  ASSERT_NEAR(there.x(), 0.625, 1e-6) << "as OpenVDB has it";
+  const TempFolder folder;
+  write_vdb(folder / "v.vdb", {velocity});
+  for (int axis = 0; axis < 3; ++axis) {
+    const field::ScalarField part = must_grid(folder / "v.vdb", fmt::format("velocity[{}]", "xyz"[axis]));
+    const auto value = sparse_value<float>(sparse_of(part), {1, 2, 3});
+    EXPECT_NEAR(part.index_to_world({1, 2, 3})[axis], static_cast<double>(value), 1e-6);
+    EXPECT_NEAR(part.index_to_world({1, 2, 3})[(axis + 1) % 3], 0.5 * (1 + (axis + 1) % 3), 1e-6);
+    EXPECT_EQ(part.index_to_file({1, 2, 3})[axis], axis + 0.5);
+    EXPECT_TRUE(has_note(part, "on the faces of voxels"));
+  }
+  EXPECT_TRUE(has_note(must_grid(folder / "v.vdb", "velocity[length]"), "half a voxel apart"));
 }
 
 TEST(OpenVdbVolume, CutFilesAreRefused) {
