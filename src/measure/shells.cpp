@@ -31,6 +31,12 @@ std::vector<std::uint32_t> rightmost_vertices(const mesh::Mesh& mesh, const mesh
   return rightmost;
 }
 
+// Twice the triangle's area, along its normal.
+glm::dvec3 area_vector(const mesh::Mesh& mesh, const glm::uvec3& t) {
+  const glm::dvec3 a(mesh.positions[t.x]);
+  return glm::cross(glm::dvec3(mesh.positions[t.y]) - a, glm::dvec3(mesh.positions[t.z]) - a);
+}
+
 // In the order of vertices and triangles, so that sums do not depend on threads.
 std::vector<Component> measure_components(const mesh::Mesh& mesh, const mesh::Components& components,
                                           const MeshBorders& borders) {
@@ -57,10 +63,9 @@ std::vector<Component> measure_components(const mesh::Mesh& mesh, const mesh::Co
     ++component.triangles;
     // Relative to a vertex of the component, where little cancels.
     const glm::dvec3 apex(mesh.positions[apexes[number]]);
-    const glm::dvec3 a(mesh.positions[t.x]);
-    const glm::dvec3 normal = glm::cross(glm::dvec3(mesh.positions[t.y]) - a, glm::dvec3(mesh.positions[t.z]) - a);
+    const glm::dvec3 normal = area_vector(mesh, t);
     component.area += glm::length(normal) / 2;
-    component.volume += glm::dot(a - apex, normal) / 6;
+    component.volume += glm::dot(glm::dvec3(mesh.positions[t.x]) - apex, normal) / 6;
   }
   for (Component& component : result) {
     const EdgeDefects& edges = component.edges;
@@ -107,6 +112,68 @@ Buffer<std::uint32_t> triangles_of(const mesh::Mesh& mesh, const mesh::Component
   return result;
 }
 
+// Of each component the largest triangle at its given vertex.
+std::vector<std::uint32_t> triangles_at(const std::vector<std::uint32_t>& vertices, const mesh::Mesh& mesh,
+                                        const mesh::Components& components) {
+  std::vector<std::uint32_t> largest(vertices.size(), 0);
+  std::vector<double> areas(vertices.size(), -1);
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const glm::uvec3& triangle = mesh.triangles[t];
+    if (mesh::repeats_index(triangle)) continue;
+    const std::uint32_t c = components.of_vertex(triangle.x);
+    if (triangle.x != vertices[c] && triangle.y != vertices[c] && triangle.z != vertices[c]) continue;
+    const double area = glm::length(area_vector(mesh, triangle));
+    if (!(area > areas[c])) continue;
+    areas[c] = area;
+    largest[c] = t;
+  }
+  return largest;
+}
+
+// A point on the side that the triangle faces away from, nearer to it than to what does not touch it.
+glm::vec3 inside_material(const mesh::Mesh& mesh, std::uint32_t triangle) {
+  constexpr double kDepth = 1e-4;  // of the triangle's size
+  const glm::uvec3& t = mesh.triangles[triangle];
+  const glm::dvec3 a(mesh.positions[t.x]);
+  const glm::dvec3 b(mesh.positions[t.y]);
+  const glm::dvec3 c(mesh.positions[t.z]);
+  const glm::dvec3 vector = area_vector(mesh, t);
+  const double length = glm::length(vector);
+  const glm::dvec3 inward = length > 0 ? vector / -std::sqrt(length) : glm::dvec3(0);
+  return glm::vec3((a + b + c) / 3.0 + kDepth * inward);
+}
+
+// In how many other components of `boxes` a point of component `own` lies. Nothing where it is on one of them.
+std::optional<std::uint32_t> count_around(const glm::vec3& start, std::uint32_t own, const mesh::Mesh& mesh,
+                                          const mesh::Components& components, const TriangleBoxes& boxes) {
+  std::vector<std::uint32_t> passed;
+  bool touches = false;
+  const glm::dvec3 p(start);
+  const FloatBox ray{start, {std::numeric_limits<float>::infinity(), start.y, start.z}};
+  boxes.for_each_near(ray, [&](std::uint32_t t) {
+    const glm::uvec3& triangle = mesh.triangles[t];
+    const std::uint32_t other = components.of_vertex(triangle.x);
+    if (other == own) return;
+    const glm::dvec3 a(mesh.positions[triangle.x]);
+    const glm::dvec3 b(mesh.positions[triangle.y]);
+    const glm::dvec3 c(mesh.positions[triangle.z]);
+    if (is_passed(a, b, c, p)) passed.push_back(other);
+    const bool in_box = glm::all(glm::lessThanEqual(glm::min(a, glm::min(b, c)), p)) &&
+                        glm::all(glm::lessThanEqual(p, glm::max(a, glm::max(b, c))));
+    touches = touches || (in_box && mesh::side_of_plane(a, b, c, p) == 0);
+  });
+  if (touches) return std::nullopt;
+  std::ranges::sort(passed);
+  std::uint32_t count = 0;
+  for (std::size_t i = 0; i < passed.size();) {
+    std::size_t last = i;
+    while (last < passed.size() && passed[last] == passed[i]) ++last;
+    count += static_cast<std::uint32_t>((last - i) % 2);
+    i = last;
+  }
+  return count;
+}
+
 Shell shell_of(const Component& component) {
   if (!component.edges.none()) return Shell::open;
   if (component.within % 2 == 0) return component.volume < 0 ? Shell::inside_out : Shell::body;
@@ -120,7 +187,7 @@ Result<std::vector<std::uint32_t>> count_surrounding_shells(const mesh::Mesh& me
                                                             const std::vector<bool>& asked, const Context& context) {
   const std::string what = fmt::format("{}: its shells within shells", mesh.name);
   const std::uint64_t triangles = mesh.triangles.size();
-  const auto memory = context.reserve(2 * components.count() * sizeof(std::uint32_t) +
+  const auto memory = context.reserve(components.count() * (3 * sizeof(std::uint32_t) + sizeof(double)) +
                                           2 * triangles * sizeof(std::uint32_t) + TriangleBoxes::bytes(triangles),
                                       what);
   if (!memory) return tl::unexpected(memory.error());
@@ -128,27 +195,15 @@ Result<std::vector<std::uint32_t>> count_surrounding_shells(const mesh::Mesh& me
     const std::vector<std::uint32_t> rightmost = rightmost_vertices(mesh, components);
     const Buffer<std::uint32_t> chosen = triangles_of(mesh, components, closed);
     const TriangleBoxes boxes(mesh.positions.span(), mesh.triangles.span(), chosen.span());
+    const std::vector<std::uint32_t> beside = triangles_at(rightmost, mesh, components);
     std::vector<std::uint32_t> within(components.count(), 0);
     context.progress().begin("looking for shells within shells", components.count());
     tbb::parallel_for(std::uint32_t{0}, static_cast<std::uint32_t>(components.count()), [&](std::uint32_t c) {
       context.progress().advance(1);
       if (!asked[c] || context.cancelled()) return;
-      const glm::vec3 p = mesh.positions[rightmost[c]];
-      std::vector<std::uint32_t> passed;
-      const FloatBox ray{p, {std::numeric_limits<float>::infinity(), p.y, p.z}};
-      boxes.for_each_near(ray, [&](std::uint32_t t) {
-        const glm::uvec3& triangle = mesh.triangles[t];
-        const std::uint32_t other = components.of_vertex(triangle.x);
-        const auto corner = [&](int i) { return glm::dvec3(mesh.positions[triangle[i]]); };
-        if (other != c && is_passed(corner(0), corner(1), corner(2), glm::dvec3(p))) passed.push_back(other);
-      });
-      std::ranges::sort(passed);
-      for (std::size_t i = 0; i < passed.size();) {
-        std::size_t last = i;
-        while (last < passed.size() && passed[last] == passed[i]) ++last;
-        within[c] += static_cast<std::uint32_t>((last - i) % 2);
-        i = last;
-      }
+      const auto count = count_around(mesh.positions[rightmost[c]], c, mesh, components, boxes);
+      within[c] =
+          count ? *count : count_around(inside_material(mesh, beside[c]), c, mesh, components, boxes).value_or(0);
     });
     if (auto wanted = context.check(); !wanted) return tl::unexpected(wanted.error());
     return within;

@@ -186,6 +186,22 @@ TEST(MeshCheckTest, ShellsWithinShells) {
   }
 }
 
+// Two halves side by side, and a body that fills the cavity of another: walls that are shared, point by point.
+TEST(MeshCheckTest, ShellsThatShareWallsAreNotWithinEachOther) {
+  const glm::vec3 beside(2, 0, 0);
+  for (const float sign : {-1.0F, 1.0F}) {
+    for (const float size : {1.0F, 0.5F}) {  // the whole wall, and a part of it
+      const glm::vec3 moved = sign * glm::vec3(1 + size, 0, 0);
+      EXPECT_EQ(shells(check(all_of(centred_cube(1), centred_cube(size, false, moved)))),
+                (std::vector{Shell::body, Shell::body}));
+    }
+    EXPECT_EQ(shells(check(all_of(centred_cube(1), centred_cube(1, false, sign * beside), centred_cube(3)))),
+              (std::vector{Shell::nested, Shell::nested, Shell::body}));
+  }
+  EXPECT_EQ(shells(check(all_of(centred_cube(1), centred_cube(1, true), centred_cube(2)))),
+            (std::vector{Shell::body, Shell::hollow, Shell::body}));
+}
+
 // Rays that leave through corners, along sides, and lines that pass a shell behind the ray's start alone.
 TEST(MeshCheckTest, ShellsWithinShellsOfSlantedFaces) {
   const auto octahedron = [](float radius, const glm::vec3& centre = glm::vec3(0)) {
