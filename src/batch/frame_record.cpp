@@ -97,6 +97,7 @@ Json json_of(const FrameFigures& figures) {
                         {"error_max", convert::optional_json(surface.error_max)},
                         {"coverage_rms", convert::optional_json(surface.coverage_rms)},
                         {"coverage_max", convert::optional_json(surface.coverage_max)}});
+    if (!surface.grid.empty()) surfaces.back()["grid"] = bytes_json(surface.grid);
   }
   return {{"surfaces", std::move(surfaces)},
           {"time_step", figures.time_step},
@@ -115,7 +116,8 @@ FrameFigures figures_of(const Json& json) {
          optional_of<double>(surface, "area"), optional_of<double>(surface, "volume"), bytes_of(surface.at("output")),
          optional_of<std::uint64_t>(surface, "bytes"), optional_of<double>(surface, "error_rms"),
          optional_of<double>(surface, "error_max"), optional_of<double>(surface, "coverage_rms"),
-         optional_of<double>(surface, "coverage_max")});
+         optional_of<double>(surface, "coverage_max"),
+         surface.contains("grid") ? bytes_of(surface.at("grid")) : std::string()});
   }
   figures.time_step = json.at("time_step").get<std::string>();
   figures.bytes = json.at("bytes").get<std::uint64_t>();
@@ -124,12 +126,19 @@ FrameFigures figures_of(const Json& json) {
   return figures;
 }
 
+// Whether a record is of the surface.
+template <class Record>
+bool is_of(const Record& record, const SurfaceFigures& surface) {
+  return record.iso == surface.iso && record.grid == surface.grid;
+}
+
 // What was written of a surface. The same one may be in a second output, which does not count.
 void add_written(const convert::Outcome& outcome, SurfaceFigures& figures) {
-  const auto first = std::ranges::find(outcome.written, figures.iso, &convert::WrittenSurface::iso);
+  const auto first =
+      std::ranges::find_if(outcome.written, [&](const auto& written) { return is_of(written, figures); });
   std::size_t counted = 0;  // files before this one are in the sum
   for (auto surface = first; surface != outcome.written.end(); ++surface) {
-    if (surface->iso != figures.iso || surface->output != first->output) continue;
+    if (!is_of(*surface, figures) || surface->output != first->output) continue;
     figures.triangles += surface->triangles;
     const std::size_t end = std::min(surface->first_file + surface->files, outcome.files.size());
     for (std::size_t file = std::max(counted, surface->first_file); file < end; ++file) {
@@ -141,7 +150,7 @@ void add_written(const convert::Outcome& outcome, SurfaceFigures& figures) {
 }
 
 void add_error(const convert::Outcome& outcome, SurfaceFigures& figures) {
-  const auto error = std::ranges::find(outcome.errors, figures.iso, &convert::MeshError::iso);
+  const auto error = std::ranges::find_if(outcome.errors, [&](const auto& found) { return is_of(found, figures); });
   if (error == outcome.errors.end()) return;
   const auto take = [](const measure::ErrorStatistics& from, std::optional<double>& rms, std::optional<double>& max) {
     if (from.points == 0) return;
@@ -154,13 +163,12 @@ void add_error(const convert::Outcome& outcome, SurfaceFigures& figures) {
 
 // What is known of the meshes that a surface was written as: several where its pieces are meshes of their own.
 void add_meshes(const convert::Outcome& outcome, SurfaceFigures& surface) {
-  const auto first = std::ranges::find(outcome.meshes, surface.iso, &convert::MeshRecord::iso);
-  if (first == outcome.meshes.end()) return;
+  if (std::ranges::none_of(outcome.meshes, [&](const auto& mesh) { return is_of(mesh, surface); })) return;
   double volume = 0;
   // The same surface may be in a second file, and pieces with names of their own may each have a file.
   std::unordered_map<std::string_view, std::string_view> file_of_name;
   for (const convert::MeshRecord& mesh : outcome.meshes) {
-    if (mesh.iso != surface.iso) continue;
+    if (!is_of(mesh, surface)) continue;
     if (file_of_name.try_emplace(mesh.name, mesh.file).first->second != mesh.file) continue;
     surface.vertices = surface.vertices.value_or(0) + mesh.vertices;
     surface.components = surface.components.value_or(0) + mesh.topology.components;
@@ -178,6 +186,7 @@ FrameFigures figures_of(const convert::Outcome& outcome) {
   for (const convert::ExtractionRecord& extraction : outcome.extractions) {
     SurfaceFigures& surface = figures.surfaces.emplace_back();
     surface.iso = extraction.iso;
+    surface.grid = extraction.grid;
     if (!extraction.asked.is_number()) surface.asked = text_of(extraction.asked);
     add_written(outcome, surface);
     add_meshes(outcome, surface);

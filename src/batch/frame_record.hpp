@@ -32,6 +32,7 @@ struct SurfaceFigures {
   std::optional<double> error_max;
   std::optional<double> coverage_rms;
   std::optional<double> coverage_max;
+  std::string grid = {};  // whose surface it is, where the conversion has several
 
   friend bool operator==(const SurfaceFigures&, const SurfaceFigures&) = default;
 };

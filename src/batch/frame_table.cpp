@@ -41,7 +41,7 @@ bool is_empty(const FrameFigures& figures) {
 std::string table_csv(std::span<const FrameRow> rows) {
   std::string text =
       "frame,input,output,status,iso,asked,triangles,vertices,area,volume,closed,components,seconds,memory,bytes,"
-      "error,time_step,error_rms,error_max,coverage_rms,coverage_max\r\n";
+      "error,time_step,error_rms,error_max,coverage_rms,coverage_max,grid\r\n";
   for (const FrameRow& row : rows) {
     const bool known = has_figures(row);
     const auto line = [&](const SurfaceFigures* surface) {
@@ -69,7 +69,8 @@ std::string table_csv(std::span<const FrameRow> rows) {
           cell(figures.error_rms),
           cell(figures.error_max),
           cell(figures.coverage_rms),
-          cell(figures.coverage_max)};
+          cell(figures.coverage_max),
+          csv_cell(figures.grid)};
       text += fmt::format("{}\r\n", fmt::join(cells, ","));
     };
     if (row.figures.surfaces.empty()) line(nullptr);
@@ -96,7 +97,8 @@ Json table_json(std::span<const FrameRow> rows) {
                           {"error_rms", convert::optional_json(surface.error_rms)},
                           {"error_max", convert::optional_json(surface.error_max)},
                           {"coverage_rms", convert::optional_json(surface.coverage_rms)},
-                          {"coverage_max", convert::optional_json(surface.coverage_max)}});
+                          {"coverage_max", convert::optional_json(surface.coverage_max)},
+                          {"grid", surface.grid.empty() ? Json(nullptr) : Json(surface.grid)}});
     }
     const bool known = has_figures(row);
     list.push_back({{"frame", row.frame},

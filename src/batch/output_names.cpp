@@ -152,7 +152,14 @@ Result<void> check_words(const OutputSource& source, const OutputTemplate& names
                 fmt::format("{}: which labels there are is known once they are read", label_of_source(source)),
                 "list the labels, or write all into a glb");
   }
-  if ((source.isos.size() < 2 && !all_labels) || info.holds_several_meshes || names.uses(OutputWord::iso)) return {};
+  if (info.holds_several_meshes) return {};
+  if (!source.more_grids.empty() && !names.uses(OutputWord::grid)) {
+    return fail(ErrorKind::usage,
+                fmt::format("{}: one {} file holds one surface, found {} grids", label_of_source(source), info.name,
+                            source.more_grids.size() + 1),
+                "put {grid} into the name to get a file for each, or write all into a glb");
+  }
+  if ((source.isos.size() < 2 && !all_labels) || names.uses(OutputWord::iso)) return {};
   std::vector<std::string_view> others;
   for (const meshes::MeshFormatInfo& other : meshes::mesh_formats()) {
     if (other.holds_several_meshes) others.push_back(other.name);
@@ -166,12 +173,21 @@ Result<void> check_words(const OutputSource& source, const OutputTemplate& names
 }
 
 OutputFiles files_of(const OutputSource& source, const OutputTemplate& names) {
-  OutputWords words{stem_of(source.input), source.frame, source.grid, {}};
-  if (!names.uses(OutputWord::iso)) return {{names.expand(words), source.isos}};
+  const bool by_grid = names.uses(OutputWord::grid) && !source.more_grids.empty();
+  std::vector<std::string> grids{source.grid};
+  if (by_grid) grids.insert(grids.end(), source.more_grids.begin(), source.more_grids.end());
   OutputFiles files;
-  for (const convert::IsoChoice& iso : source.isos) {
-    words.iso = name_part_of(iso);
-    files.push_back({names.expand(words), {iso}});
+  for (const std::string& grid : grids) {
+    const auto only = by_grid ? std::optional(grid) : std::nullopt;
+    OutputWords words{stem_of(source.input), source.frame, grid, {}};
+    if (!names.uses(OutputWord::iso)) {
+      files.push_back({names.expand(words), source.isos, only});
+      continue;
+    }
+    for (const convert::IsoChoice& iso : source.isos) {
+      words.iso = name_part_of(iso);
+      files.push_back({names.expand(words), {iso}, only});
+    }
   }
   return files;
 }

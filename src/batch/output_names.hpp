@@ -17,9 +17,10 @@ namespace isoextract::batch {
 struct OutputSource {
   std::int64_t frame = 0;
   std::string input;
-  std::string grid;                      // the one that was chosen; empty where none was
-  std::vector<convert::IsoChoice> isos;  // each once
-  bool alone = false;                    // the only one of its run: messages name its input and no frame
+  std::string grid;                          // the one that was chosen; empty where none was
+  std::vector<convert::IsoChoice> isos;      // each once
+  bool alone = false;                        // the only one of its run: messages name its input and no frame
+  std::vector<std::string> more_grids = {};  // of the same conversion: a file each where the name has a place for them
 
   friend bool operator==(const OutputSource&, const OutputSource&) = default;
 };

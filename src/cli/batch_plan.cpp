@@ -61,7 +61,8 @@ Result<std::vector<batch::OutputSource>> sources_of(const ConvertFlags& flags, c
   }
   std::vector<batch::OutputSource> sources;
   for (const batch::Frame& frame : found.frames) {
-    batch::OutputSource source{frame.number, frame.input, flags.input.grid.value_or(""), flags.isos, false};
+    batch::OutputSource source{frame.number, frame.input, flags.input.grid().value_or(""), flags.isos, false};
+    source.more_grids = flags.input.more_grids();
     if (table) {
       const auto isos = table->isos_of(frame.number);
       source.isos.assign(isos.begin(), isos.end());

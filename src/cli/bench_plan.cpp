@@ -41,6 +41,7 @@ static Result<BenchPlan> plan_gpu_threads(const BenchFlags& flags, BenchPlan pla
 Result<BenchPlan> plan_bench(const BenchFlags& flags) {
   BenchPlan plan;
   if (auto one_side = refuse_two_sides(flags.input, "bench"); !one_side) return tl::unexpected(one_side.error());
+  if (auto one = refuse_several_grids(flags.input, "bench"); !one) return tl::unexpected(one.error());
   auto read = plan_read(flags.input);
   if (!read) return tl::unexpected(read.error());
   plan.read = std::move(*read);

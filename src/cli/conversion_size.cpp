@@ -4,6 +4,7 @@
 
 #include "base/context.hpp"
 #include "convert/error_memory.hpp"
+#include "convert/several_grids.hpp"
 #include "convert/source.hpp"
 #include "field/sparse_lookup.hpp"
 #include "field/surface_estimate.hpp"
@@ -29,6 +30,31 @@ std::uint64_t attribute_bytes(const convert::Source& source, std::uint64_t verti
   }
   constexpr std::uint64_t kColourBytes = 8;
   return bytes + vertices * (sizeof(glm::dvec3) + components * sizeof(float) + kColourBytes);
+}
+
+// Of the surfaces of one grid.
+Result<std::uint64_t> memory_of_grid(const convert::ConversionJob& job, const std::optional<std::string>& grid,
+                                     const MemoryBudget& memory) {
+  convert::Events unheard;
+  const Context context(memory.part());
+  const auto source =
+      convert::open_source(convert::with_grid(job.source, grid), convert::use_of(job), context, unheard);
+  if (!source) return tl::unexpected(source.error());
+  // To make a field of particles takes more than to keep it.
+  std::uint64_t most = source->of_particles ? kProgramBytes + context.memory().peak() : 0;
+  if (job.field_file) {
+    // The tree that is written, and the samples that it is made of.
+    const ConversionSize size = size_of_samples(source->field);
+    most = std::max(most, kProgramBytes + size.sample_bytes + size.samples * 2 * sizeof(float));
+  }
+  for (const convert::ResolvedIso& iso : source->isos) {
+    // Of labels, about all of them together: what is not 0.
+    const ConversionSize size = size_of(source->field, iso.asked.is_label() ? 0.5 : iso.value);
+    std::uint64_t bytes = estimated_bytes(size) + attribute_bytes(*source, size.vertices);
+    if (job.error && !iso.asked.is_label()) bytes += convert::estimated_error_bytes(*source, iso.value);
+    most = std::max(most, bytes);
+  }
+  return most;
 }
 
 }  // namespace
@@ -65,23 +91,11 @@ std::uint64_t estimated_bytes(const ConversionSize& size) {
 }
 
 Result<std::uint64_t> estimated_memory(const convert::ConversionJob& job, const MemoryBudget& memory) {
-  convert::Events unheard;
-  const Context context(memory.part());
-  const auto source = convert::open_source(job.source, convert::use_of(job), context, unheard);
-  if (!source) return tl::unexpected(source.error());
-  // To make a field of particles takes more than to keep it.
-  std::uint64_t most = source->of_particles ? kProgramBytes + context.memory().peak() : 0;
-  if (job.field_file) {
-    // The tree that is written, and the samples that it is made of.
-    const ConversionSize size = size_of_samples(source->field);
-    most = std::max(most, kProgramBytes + size.sample_bytes + size.samples * 2 * sizeof(float));
-  }
-  for (const convert::ResolvedIso& iso : source->isos) {
-    // Of labels, about all of them together: what is not 0.
-    const ConversionSize size = size_of(source->field, iso.asked.is_label() ? 0.5 : iso.value);
-    std::uint64_t bytes = estimated_bytes(size) + attribute_bytes(*source, size.vertices);
-    if (job.error && !iso.asked.is_label()) bytes += convert::estimated_error_bytes(*source, iso.value);
-    most = std::max(most, bytes);
+  std::uint64_t most = 0;
+  for (const std::optional<std::string>& grid : convert::grids_of(job.source)) {
+    const auto bytes = memory_of_grid(job, grid, memory);
+    if (!bytes) return bytes;
+    most = std::max(most, *bytes);
   }
   return most;
 }

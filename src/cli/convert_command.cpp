@@ -69,6 +69,16 @@ std::string_view surface_word(const convert::ConversionJob& job) {
   return !isos.empty() && isos.front().is_label() ? "label" : "iso";
 }
 
+// Without repeated values, in the order of the first of each.
+template <class T>
+std::vector<T> each_once(const std::vector<T>& values) {
+  std::vector<T> once;
+  for (const T& value : values) {
+    if (std::ranges::find(once, value) == once.end()) once.push_back(value);
+  }
+  return once;
+}
+
 // Says on stderr what a conversion does: notes and summaries as they come, stages where --explain or --verbose asks.
 class Narrator final : public convert::Events {
  public:
@@ -92,7 +102,7 @@ class Narrator final : public convert::Events {
 
   void filtered(const convert::WorkFact& fact, const StageTime& time) override {
     tell_stage(fmt::format("{}: filtered in {}", label_, times_text(time)));
-    edited_.push_back(fmt::format("{}: {}", word_of(fact.done), fact.text));
+    edited_.push_back(of_grid(fmt::format("{}: {}", word_of(fact.done), fact.text)));
   }
 
   void resolved(const std::vector<convert::ResolvedIso>& /*isos*/, const std::optional<StageTime>& time) override {
@@ -101,16 +111,16 @@ class Narrator final : public convert::Events {
 
   void resampled(const field::ScalarField& /*grid*/, const convert::WorkFact& fact, const StageTime& time) override {
     tell_stage(fmt::format("{}: resampled in {}", label_, times_text(time)));
-    edited_.push_back(fmt::format("{}: {}", word_of(fact.done), fact.text));
+    edited_.push_back(of_grid(fmt::format("{}: {}", word_of(fact.done), fact.text)));
   }
 
   void placed(const convert::PlacedField& placed) override { placed_ = placed.placement; }
 
-  void clipped(double iso, const edit::ClipFacts& facts) override { ends_.clipped(iso, facts); }
+  void clipped(double iso, const edit::ClipFacts& facts) override { ends_.clipped(label_, iso, facts); }
 
   void extracted(const convert::ExtractedSurface& surface) override {
     const extract::ExtractStats& stats = surface.stats;
-    ends_.extracted(surface);
+    ends_.extracted(label_, surface);
     tell_stage(
         fmt::format("{} {} {}: extracted in {}: {:.3f} s to compare samples, {:.3f} s to count, {:.3f} s "
                     "to make the mesh",
@@ -131,7 +141,7 @@ class Narrator final : public convert::Events {
     if (record.not_applicable.empty()) {
       tell_stage(fmt::format("{} iso {}: verified in {}", label_, record.iso, times_text(record.time)));
     }
-    verified_.push_back(verification_summary(record));
+    verified_.push_back(of_grid(verification_summary(record)));
   }
 
   void carried(const convert::CarriedAttributes& attributes) override {
@@ -144,19 +154,19 @@ class Narrator final : public convert::Events {
   }
 
   void coloured(const convert::ColourRecord& record) override {
-    colours_.push_back(fmt::format("colours of {} {}: {}, {} from {:.6g} to {:.6g}{}", word_, record.iso,
-                                   printable(record.attribute), word_of(record.map), record.min, record.max,
-                                   record.own_range ? ", the range of its vertices" : ""));
+    colours_.push_back(of_grid(fmt::format("colours of {} {}: {}, {} from {:.6g} to {:.6g}{}", word_, record.iso,
+                                           printable(record.attribute), word_of(record.map), record.min, record.max,
+                                           record.own_range ? ", the range of its vertices" : "")));
   }
 
   void picked(const convert::PieceRecord& record) override {
     tell_stage(fmt::format("{} {} {}: pieces found in {}", label_, word_, record.iso, times_text(record.facts.time)));
-    edited_.push_back(pieces_summary(record, word_));
+    edited_.push_back(of_grid(pieces_summary(record, word_)));
   }
 
   void smoothed(const convert::SmoothRecord& record) override {
     tell_stage(fmt::format("{} {} {}: smoothed in {}", label_, word_, record.iso, times_text(record.facts.time)));
-    edited_.push_back(smoothing_summary(record, word_));
+    edited_.push_back(of_grid(smoothing_summary(record, word_)));
   }
 
   void shaded(double iso, const convert::WorkFact& fact, const StageTime& time) override {
@@ -167,12 +177,13 @@ class Narrator final : public convert::Events {
   void simplified(const convert::MeshSimplification& simplification) override {
     tell_stage(fmt::format("{} {} {}: simplified in {}: {}", label_, word_, simplification.iso,
                            times_text(simplification.facts.time), simplification_details(simplification)));
-    edited_.push_back(simplification_summary(simplification, word_));
+    edited_.push_back(of_grid(simplification_summary(simplification, word_)));
   }
 
   void measured(const convert::MeshError& error, const StageTime& time) override {
     tell_stage(fmt::format("{} iso {}: error measured in {}", label_, error.iso, times_text(time)));
-    errors_.push_back(error);
+    for (const std::string& line : error_summary(error)) errors_.push_back({of_grid(line), false});
+    for (const std::string& line : error_details(error)) errors_.push_back({of_grid(line), true});
   }
 
   void packed(const convert::MeshPackingRecord& record) override {
@@ -188,19 +199,18 @@ class Narrator final : public convert::Events {
     }
     const std::string path = files::shown_output_name(output.job.path);
     tell_stage(fmt::format("{}: written in {}", path, times_text(output.time)));
-    std::vector<double> isos = output.isos;  // of pieces several times the same
-    isos.erase(std::unique(isos.begin(), isos.end()), isos.end());
+    const std::vector<double> isos = each_once(output.isos);  // pieces and grids have the same several times
     std::uint64_t bytes = 0;
     for (const meshes::WrittenFile& file : output.files) bytes += file.bytes;
     bar_.above([&] {
-      messages_.summary(fmt::format("{} {} {} -> {}: {} triangles, {} vertices, {}; {}; {}; {:.2f} s", label_, word_,
-                                    fmt::join(isos, ", "), path, output.triangles, output.vertices,
-                                    format_byte_size(bytes), ends_.text_of(output), describe(placed_),
-                                    watch_.elapsed().wall_seconds));
+      messages_.summary(fmt::format("{} {} {} -> {}: {} triangles, {} vertices, {}; {}; {}; {:.2f} s",
+                                    fmt::join(each_once(output.labels), ", "), word_, fmt::join(isos, ", "), path,
+                                    output.triangles, output.vertices, format_byte_size(bytes), ends_.text_of(output),
+                                    describe(placed_), watch_.elapsed().wall_seconds));
       for (const std::string& line : edited_) messages_.summary("  " + line);
       for (const std::string& line : colours_) messages_.summary("  " + line);
       for (const std::string& line : packed_) messages_.summary("  " + line);
-      for (const convert::MeshError& error : errors_) tell_error(error);
+      for (const ErrorLine& line : errors_) tell_error(line);
       for (const std::string& line : verified_) messages_.summary("  " + line);
     });
     forget();
@@ -230,10 +240,19 @@ class Narrator final : public convert::Events {
         [&] { messages_.explanation(fmt::format("  {}: {}{}", word_of(fact.done), fact.text, option_for(fact))); });
   }
 
-  void tell_error(const convert::MeshError& error) const {
-    for (const std::string& line : error_summary(error)) messages_.summary("  " + line);
-    if (!plan_.explain) return;
-    for (const std::string& line : error_details(error)) messages_.explanation("  " + line);
+  struct ErrorLine {
+    std::string text;
+    bool is_detail;  // for --explain
+  };
+
+  void tell_error(const ErrorLine& line) const {
+    if (!line.is_detail) messages_.summary("  " + line.text);
+    if (line.is_detail && plan_.explain) messages_.explanation("  " + line.text);
+  }
+
+  // Names the grid in a line about a surface, where the file has those of several.
+  [[nodiscard]] std::string of_grid(const std::string& line) const {
+    return plan_.job.source.more_grids.empty() ? line : fmt::format("{}: {}", label_, line);
   }
 
   // What was about the file that is done.
@@ -258,7 +277,7 @@ class Narrator final : public convert::Events {
   std::vector<std::string> edited_;
   std::vector<std::string> colours_;
   std::vector<std::string> packed_;
-  std::vector<convert::MeshError> errors_;
+  std::vector<ErrorLine> errors_;
 };
 
 Result<void> check_stdout(const convert::ConversionJob& job) {
@@ -297,8 +316,8 @@ Result<void> report_no_plan(const ConvertFlags& flags, const std::vector<std::st
   // Which frames there are is not known.
   if (!name || name->uses(batch::OutputWord::frame)) return {};
   const std::vector<std::string>& inputs = flags.input.inputs;
-  const std::string path =
-      report_path(*name, {1, inputs.empty() ? "" : inputs.front(), flags.input.grid.value_or(""), flags.isos, true});
+  const std::string path = report_path(*name, {1, inputs.empty() ? "" : inputs.front(), flags.input.grid().value_or(""),
+                                               flags.isos, true, flags.input.more_grids()});
   if (batch::is_manifest_name(std::filesystem::path(path).filename().string())) return {};
   files::ReadFiles read;
   for (const batch::NamedFile& file : other_files(flags, {}, {}).read) read.add(file.path, file.what);
@@ -311,8 +330,10 @@ Result<void> report_no_plan(const ConvertFlags& flags, const std::vector<std::st
 
 std::function<std::optional<std::string>(const field::ScalarField&)> note_of_up_axis(const ConvertPlan& plan) {
   if (!plan.if_on_side) return nullptr;
-  return [&plan](const field::ScalarField& field) {
-    return up_axis_note(field, plan.job.source.placement.up, *plan.if_on_side);
+  return [&plan, told = false](const field::ScalarField& field) mutable {  // told once, whatever grids there are
+    auto note = told ? std::nullopt : up_axis_note(field, plan.job.source.placement.up, *plan.if_on_side);
+    told = told || note;
+    return note;
   };
 }
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -70,6 +71,35 @@ Result<void> check_output_name(const ConvertFlags& flags, const meshes::MeshForm
   return refuse_usage(
       fmt::format("{} cannot be written to stdout", format.name),
       format.format == meshes::MeshFormat::gltf ? "it is two files; use --format glb" : "give a file with -o");
+}
+
+// Refuses options that do not go with several grids, and says why.
+Result<void> check_grids(const ConvertFlags& flags, const convert::ConversionJob& job) {
+  const std::vector<std::string>& grids = flags.input.grids;
+  for (auto grid = grids.begin(); grid != grids.end(); ++grid) {
+    if (std::find(grids.begin(), grid, *grid) == grid) continue;
+    return refuse_usage(fmt::format("--grid {} was given twice", printable(*grid)), "give each grid once");
+  }
+  if (grids.size() < 2) return {};
+  struct OfOneGrid {
+    bool given;
+    std::string_view why;
+  };
+  const std::array<OfOneGrid, 7> of_one_grid{
+      OfOneGrid{flags.labels.has_value(), "--labels are the values of one label map"},
+      OfOneGrid{job.field_file.has_value(), "a .vdb output holds one grid"},
+      OfOneGrid{flags.placement.center,
+                "--center moves each grid by the middle of its own samples, and so against "
+                "the others"},
+      OfOneGrid{job.source.placement.space == convert::Space::index,
+                "--space index gives each grid coordinates of its own voxels, which are no common place"},
+      OfOneGrid{flags.edits.split, "--split-components numbers the components of one grid"},
+      OfOneGrid{job.packing.packs(), "--draco, --meshopt and --quantize round a file by the voxels of one grid"},
+      OfOneGrid{job.source.particles.expected, "options of particles are for particles, which have no grids"}};
+  const auto* const found = std::ranges::find(of_one_grid, true, &OfOneGrid::given);
+  if (found == of_one_grid.end()) return {};
+  return refuse_usage(fmt::format("{}; expected one --grid, found {}", found->why, grids.size()),
+                      "convert each grid in a run of its own");
 }
 
 // What a volume with y up comes to, if the output depends on that axis and no option says which one it is.
@@ -170,6 +200,8 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::vector
   if (!pages) return tl::unexpected(pages.error());
   plan.pages = std::move(*pages);
   plan.if_on_side = if_on_side(flags, job);
+  if (auto fine = check_grids(flags, job); !fine) return tl::unexpected(fine.error());
+  job.source.more_grids = flags.input.more_grids();
   return plan;
 }
 
@@ -189,7 +221,8 @@ Result<ConvertPlan> plan_convert(const ConvertFlags& given) {
   const auto found = batch::find_frames(inputs, std::nullopt);
   if (!found) return tl::unexpected(found.error());
   const std::int64_t number = found->frames.front().number;
-  const batch::OutputSource source{number, inputs.front(), flags.input.grid.value_or(""), flags.isos, true};
+  const batch::OutputSource source{number,     inputs.front(), flags.input.grid().value_or(""),
+                                   flags.isos, true,           flags.input.more_grids()};
   std::optional<batch::OutputTemplate> report;
   if (plan->report) {
     auto name = plan_report_name(*plan->report);
@@ -216,7 +249,8 @@ std::vector<convert::ConversionJob> plan_files(const ConvertFlags& flags) {
     job.source.input = input;
     job.source.read = plan_read(flags.input).value_or(volumes::ReadOptions{});
     job.format = format;
-    const batch::OutputSource source{1, input, flags.input.grid.value_or(""), flags.isos, true};
+    const batch::OutputSource source{1,          input, flags.input.grid().value_or(""),
+                                     flags.isos, true,  flags.input.more_grids()};
     auto named = batch::unchecked_outputs({&source, 1}, flags.output, format, other_extension(flags));
     if (named) job.outputs = std::move(named->front());
     if (flags.output) job.outputs.push_back({*flags.output, {}});

@@ -65,16 +65,17 @@ std::size_t most_surfaces(std::span<const batch::FrameRow> rows) {
   return most;
 }
 
-// The iso value of the n-th surfaces, if they have one.
+// The grid and the iso value of the n-th surfaces, if they have one.
 std::string title_of(std::span<const batch::FrameRow> rows, std::size_t n) {
-  std::optional<double> iso;
+  std::optional<std::string> title;
   for (const batch::FrameRow& row : rows) {
     if (n >= row.figures.surfaces.size()) continue;
-    const double found = row.figures.surfaces[n].iso;
-    if (iso && *iso != found) return fmt::format("surface {}", n + 1);
-    iso = found;
+    const batch::SurfaceFigures& surface = row.figures.surfaces[n];
+    std::string found = fmt::format("{}{}iso {}", surface.grid, surface.grid.empty() ? "" : " ", surface.iso);
+    if (title && *title != found) return fmt::format("surface {}", n + 1);
+    title = std::move(found);
   }
-  return iso ? fmt::format("iso {}", *iso) : std::string();
+  return title.value_or("");
 }
 
 // 1, 2 or 5 times a power of ten, at most kMostTics of which are in `length`.

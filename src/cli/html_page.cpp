@@ -77,6 +77,11 @@ std::string optional_text(const std::optional<T>& value) {
 
 std::string count_text(const std::optional<std::uint64_t>& value) { return value ? fmt::format("{}", *value) : ""; }
 
+// A cell about an iso value, of a grid where there are several.
+std::string with_grid(const std::string& grid, const std::string& iso) {
+  return grid.empty() ? iso : fmt::format("{} {}", escaped(grid), iso);
+}
+
 std::string frames_section(std::span<const batch::FrameRow> rows) {
   const std::array<std::string, 12> heads{"frame",    "input", "output", "status",     "iso",     "triangles",
                                           "vertices", "area",  "volume", "components", "seconds", "bytes"};
@@ -89,8 +94,9 @@ std::string frames_section(std::span<const batch::FrameRow> rows) {
     const bool none = surfaces.empty();
     if (none) surfaces.emplace_back();
     for (const batch::SurfaceFigures& surface : surfaces) {
-      const std::string iso = surface.asked.empty() ? fmt::format("{:.6g}", surface.iso)
-                                                    : fmt::format("{:.6g} ({})", surface.iso, escaped(surface.asked));
+      const std::string value = surface.asked.empty() ? fmt::format("{:.6g}", surface.iso)
+                                                      : fmt::format("{:.6g} ({})", surface.iso, escaped(surface.asked));
+      const std::string iso = with_grid(surface.grid, value);
       html += row_of(std::array<std::string, 12>{fmt::format("{}", row.frame), escaped(row.input),
                                                  escaped(batch::output_of(row, none ? nullptr : &surface)), status,
                                                  none ? "" : iso, none ? "" : fmt::format("{}", surface.triangles),
@@ -110,7 +116,7 @@ void HtmlPage::add(std::int64_t frame, const convert::Outcome& outcome) {
   for (const convert::MeshRecord& mesh : outcome.meshes) {
     if (!mesh.error || mesh.error->field.interior.points == 0) continue;
     const measure::ErrorStatistics& found = mesh.error->field.interior;
-    errors_.push_back({frame, mesh.iso, found.rms.world, found.max.world, found.max.voxels});
+    errors_.push_back({frame, mesh.grid, mesh.iso, found.rms.world, found.max.world, found.max.voxels});
   }
   const auto take = [&](const convert::WorkFact& fact) {
     LeftOut& all = left_out_[{std::string(word_of(fact.what)), std::string(word_of(fact.done))}];
@@ -149,7 +155,8 @@ std::string HtmlPage::error_section() const {
   std::string html = "<h2>Error</h2>\n<p>Distances of the meshes from their isosurfaces.</p>\n" + std::string(kTable) +
                      row_of(std::array<std::string, 5>{"frame", "iso", "rms", "largest", "largest, voxels"}, "th", 1);
   for (const MeasuredError& error : errors_) {
-    html += row_of(std::array<std::string, 5>{fmt::format("{}", error.frame), fmt::format("{:.6g}", error.iso),
+    html += row_of(std::array<std::string, 5>{fmt::format("{}", error.frame),
+                                              with_grid(error.grid, fmt::format("{:.6g}", error.iso)),
                                               fmt::format("{:.3g}", error.rms), fmt::format("{:.3g}", error.largest),
                                               fmt::format("{:.3g}", error.voxels)},
                    "td", 1);

@@ -33,6 +33,7 @@ class HtmlPage {
  private:
   struct MeasuredError {
     std::int64_t frame = 0;
+    std::string grid;  // where there are several
     double iso = 0;
     double rms = 0;
     double largest = 0;

@@ -50,7 +50,7 @@ constexpr auto words_of(InsideChoice /*type*/) {
 // What was given on the command line: each value checked by itself, no default applied yet.
 struct InputFlags {
   std::vector<std::string> inputs;
-  std::optional<std::string> grid;
+  std::vector<std::string> grids;
   std::optional<VolumeChoice> volume;
   std::optional<volumes::ComponentChoice> component;
   std::optional<std::string> format;
@@ -65,6 +65,14 @@ struct InputFlags {
   std::optional<InsideChoice> inside;
   std::optional<std::uint64_t> memory_limit;
   bool in_process = false;
+
+  // The first of the grids.
+  [[nodiscard]] std::optional<std::string> grid() const {
+    return grids.empty() ? std::nullopt : std::optional(grids.front());
+  }
+  [[nodiscard]] std::vector<std::string> more_grids() const {
+    return {grids.begin() + (grids.empty() ? 0 : 1), grids.end()};
+  }
 };
 
 // How particles become a field.

@@ -178,7 +178,7 @@ Result<volumes::ReadOptions> plan_read(const InputFlags& flags) {
   volumes::ReadOptions read;
   read.volume = *volume;
   read.format = flags.format;
-  read.grid = flags.grid;
+  read.grid = flags.grid();
   read.component = flags.component;
   read.axis_order = flags.axis_order;
   read.no_data = flags.no_data;
@@ -217,6 +217,12 @@ std::vector<NamedBackend> plan_backends(std::vector<NamedBackend> backends, cons
   return backends;
 }
 
+Result<void> refuse_several_grids(const InputFlags& flags, std::string_view command) {
+  if (flags.grids.size() < 2) return {};
+  return refuse_usage(fmt::format("{} takes one --grid, found {}", command, flags.grids.size()),
+                      "run it once for each grid; a conversion takes several");
+}
+
 Result<void> refuse_two_sides(const InputFlags& flags, std::string_view command) {
   if (flags.inside != InsideChoice::away_from_zero) return {};
   return refuse_usage(fmt::format("--inside away-from-zero does not go with {}, whose field has one side", command),
@@ -232,6 +238,7 @@ Result<InfoPlan> plan_info(const InfoFlags& flags, const CLI::App& command) {
   if (flags.input.inputs.empty()) return refuse_usage("no INPUT was given", "isoextract info INPUT");
   InfoPlan plan;
   if (auto one_side = refuse_two_sides(flags.input, "info"); !one_side) return tl::unexpected(one_side.error());
+  if (auto one = refuse_several_grids(flags.input, "info"); !one) return tl::unexpected(one.error());
   auto read = plan_read(flags.input);
   if (!read) return tl::unexpected(read.error());
   auto particles = plan_particles(flags.particles, std::nullopt);

@@ -92,6 +92,8 @@ struct BenchPlan {
 [[nodiscard]] Result<ConvertPlan> plan_convert(const ConvertFlags& flags);
 // --inside away-from-zero is left to who makes a SourceOptions of the flags, or to refuse_two_sides().
 [[nodiscard]] Result<volumes::ReadOptions> plan_read(const InputFlags& flags);
+// For the commands that read one grid.
+[[nodiscard]] Result<void> refuse_several_grids(const InputFlags& flags, std::string_view command);
 // For the commands that have no iso values of their own to turn each surface by.
 [[nodiscard]] Result<void> refuse_two_sides(const InputFlags& flags, std::string_view command);
 // All of it but which files are read and written: the job's input is empty, and it has no outputs. `isos` are

@@ -118,7 +118,7 @@ Result<void> name_pictures(const RenderFlags& flags, const Inputs& inputs, std::
   for (const PicturePlan& picture : pictures) {
     sources.push_back({picture.frame,
                        picture.input.value_or(inputs.meshes.empty() ? "" : inputs.meshes.front()),
-                       flags.input.grid.value_or(""),
+                       flags.input.grid().value_or(""),
                        {}});
   }
   if (flags.output && flags.output->find(convert::kPieceWord) != std::string::npos) {
@@ -186,6 +186,7 @@ Result<RenderPlan> plan_render(const RenderFlags& flags) {
   RenderPlan plan;
   plan.memory = plan_memory(flags.input.memory_limit);
   const Inputs inputs = sorted_inputs(flags, plan.memory);
+  if (auto one = refuse_several_grids(flags.input, "render"); !one) return tl::unexpected(one.error());
   auto read = plan_read(flags.input);
   if (!read) return tl::unexpected(std::move(read.error()));
   plan.job.source.read = std::move(*read);

@@ -68,9 +68,9 @@ void declare_input(CLI::App& app, InputFlags& flags, const std::string& metavar,
       fmt::format("{}: a path, - for stdin, or demo:NAME (see 'isoextract help demo'). A file that is "
                   "named like a command is written ./NAME.",
                   what));
-  group.value<std::string>("--grid", "NAME", flags.grid, parse_text,
-                           "Grid of a VDB file or array of an .npz, as 'isoextract info' lists it: NAME, or NAME[k] "
-                           "where names repeat.");
+  group.values<std::string>("--grid", "NAME", flags.grids, parse_text,
+                            "Grid of a VDB file or array of an .npz, as 'isoextract info' lists it: NAME, or NAME[k] "
+                            "where names repeat. A conversion takes several: each has its own surfaces.");
   group.value("--volume", "K|all", flags.volume, parse_volume,
               "Volume of a NIfTI, NRRD, NPY or raw file that holds several, such as time steps, or frame of a file of "
               "particles: its number, counted from 0, or each of them. 'isoextract info' tells how many there are.");

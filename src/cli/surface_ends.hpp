@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <utility>
 
 #include "convert/conversion_job.hpp"
 #include "convert/events.hpp"
@@ -15,8 +16,9 @@ class SurfaceEnds {
  public:
   explicit SurfaceEnds(const convert::ConversionJob& job) : job_(job) {}
 
-  void extracted(const convert::ExtractedSurface& surface);
-  void clipped(double iso, const edit::ClipFacts& facts);
+  // `label` names the field: WrittenOutput::labels.
+  void extracted(const std::string& label, const convert::ExtractedSurface& surface);
+  void clipped(const std::string& label, double iso, const edit::ClipFacts& facts);
 
   // "closed", or "open" with the places and the option that closes them.
   [[nodiscard]] std::string text_of(const convert::WrittenOutput& output) const;
@@ -30,7 +32,8 @@ class SurfaceEnds {
   };
 
   const convert::ConversionJob& job_;
-  std::map<double, End> ends_;  // by iso value: components of a surface are written to several files
+  // By field and iso value: components of a surface are written to several files.
+  std::map<std::pair<std::string, double>, End> ends_;
 };
 
 }  // namespace isoextract::cli

@@ -57,6 +57,7 @@ Result<void> check_mesh_path(const std::string& path, const ConvertFlags& flags,
 
 Result<VerifyPlan> plan_verify(const VerifyFlags& given) {
   if (given.input.inputs.empty()) return refuse_usage("no INPUT was given", "isoextract verify INPUT --iso V [MESH]");
+  if (auto one = refuse_several_grids(given.input, "verify"); !one) return tl::unexpected(one.error());
   const std::string& input = given.input.inputs.front();
   VerifyPlan plan;
   plan.mesh = given.mesh;

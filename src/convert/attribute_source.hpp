@@ -49,6 +49,7 @@ struct AttributeRecord {
   std::uint64_t outside = 0;       // of dense samples: they have the value at the border
   std::uint64_t not_finite = 0;    // with a value that is no finite number
   std::uint64_t out_of_reach = 0;  // of particles: they have the values of the nearest one
+  std::string grid = {};           // whose surface it is, where the job has several
 };
 
 // Adds the attributes to the vertices of `mesh`, as float32, and tells how it went; `iso` is left to the caller. Fails

@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <exception>
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <new>
 #include <span>
 #include <utility>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
@@ -29,6 +27,8 @@
 #include "convert/output_checks.hpp"
 #include "convert/picture_file.hpp"
 #include "convert/placement_record.hpp"
+#include "convert/several_grids.hpp"
+#include "convert/skipped_surfaces.hpp"
 #include "convert/surface_stages.hpp"
 #include "extract/voxels.hpp"
 #include "files/file_bytes.hpp"
@@ -64,21 +64,10 @@ class Conversion {
         if (auto checked = check_mesh_files(output, job_.format, read()); !checked) return checked;
       }
     }
-    SourceUse use = use_of(job_);
-    if (sink_ != nullptr && sink_->wants_source()) use.only_iso.reset();
-    auto source = open_source(job_.source, use, context_, events_);
-    if (!source) return tl::unexpected(std::move(source.error()));
-    source_ = std::move(*source);
-    const auto& note_of = extras_.note_of_field;
-    if (const auto text = note_of ? note_of(source_.field) : std::nullopt) events_.note(*text);
-    if (auto found = find_labels(); !found) return found;
-    if (auto fits = check_error_memory(job_, source_, context_); !fits) return fits;
-    std::span<const ResolvedIso> isos = source_.isos;
+    if (auto there = check_grids(job_.source, context_); !there) return there;
     for (const OutputFileJob& output : job_.outputs) {
-      if (auto done = job_.field_file ? write_samples(output) : write(output, isos.first(output.isos.size())); !done)
-        return done;
+      if (auto done = write(output); !done) return done;
       ++output_;
-      isos = isos.subspan(output.isos.size());
     }
     if (sink_ != nullptr && sink_->wants_source()) sink_->take_source(std::move(source_));
     return {};
@@ -137,37 +126,73 @@ class Conversion {
     if (!backend.reason.empty()) events_.note("backend: " + backend.reason);
   }
 
-  // One surface is made, written and let go after the other, where the format allows.
-  Result<void> write(const OutputFileJob& output, std::span<const ResolvedIso> asked) {
-    OutputFile file = open(output);
+  // Reads a grid of the input, unless it is the one at hand. A grid that several files need is read for each of them:
+  // one is in memory at a time.
+  Result<void> open_grid(const std::optional<std::string>& grid) {
+    if (opened_ && grid == *opened_) return {};
+    opened_.reset();
+    labels_.reset();
+    lost_.clear();
+    source_ = Source();  // releases its memory before the next grid is read
+    SourceUse use = use_of(job_);
+    use.isos = isos_of(job_, grid);
+    if (sink_ != nullptr && sink_->wants_source()) use.only_iso.reset();
+    if (!job_.source.more_grids.empty()) events_.begin_grid(grid);
+    auto source = open_source(with_grid(job_.source, grid), use, context_, events_);
+    if (!source) return tl::unexpected(std::move(source.error()));
+    source_ = std::move(*source);
+    opened_ = grid;
+    const auto& note_of = extras_.note_of_field;
+    if (const auto text = note_of ? note_of(source_.field) : std::nullopt) events_.note(*text);
+    events_.end_reading();
+    if (auto found = find_labels(); !found) return found;
+    return check_error_memory(job_, source_, context_);
+  }
+
+  // One surface is made, written and let go after the other, where the format allows, and one grid after the other.
+  Result<void> write(const OutputFileJob& output) {
+    std::optional<OutputFile> file;
+    std::vector<SkippedSurfaces> skipped;
     bool in_pieces = false;
-    const std::vector<ResolvedIso> isos = labels_ ? each_label(asked, labels_->labels()) : each_once(asked);
-    if (isos.size() < asked.size()) tell_repeated(output, asked);
-    for (const ResolvedIso& iso : isos) {
-      if (auto go_on = context_.check(); !go_on) return go_on;
-      auto surface = make_surface(iso);
-      if (!surface) return tl::unexpected(std::move(surface.error()));
-      if (!*surface) continue;
-      mesh::Mesh& mesh = (*surface)->mesh;
-      if (labels_) {
-        mesh.name = looks_.name(mesh.name, label_of(iso));
-      } else if (output.isos.size() > 1) {
-        mesh.name = fmt::format("{} {}", mesh.name, surface_text(iso.asked));
+    for (const std::optional<std::string>& grid : grids_of(job_.source, output)) {
+      if (auto opened = open_grid(grid); !opened) return opened;
+      if (job_.field_file) return write_samples(output);
+      if (!file) file.emplace(open(output));
+      const std::size_t before = file->written.isos.size();
+      const auto asked =
+          std::span<const ResolvedIso>(source_.isos).subspan(first_iso_of(job_, output_, grid), output.isos.size());
+      const std::vector<ResolvedIso> isos = labels_ ? each_label(asked, labels_->labels()) : each_once(asked);
+      if (isos.size() < asked.size()) tell_repeated(output, asked);
+      for (const ResolvedIso& iso : isos) {
+        if (auto added = add_surface(iso, *file, in_pieces); !added) return added;
       }
-      if (job_.pieces.split) {
-        in_pieces = true;
-        if (auto added = add_pieces(std::move(**surface), iso, file); !added) return added;
-      } else if (auto added = add(std::move(**surface), file); !added) {
-        return added;
-      }
+      skipped.push_back(skipped_of(isos, std::span<const double>(file->written.isos).subspan(before)));
     }
     // Then each of the pieces has a file, and this one is not there.
-    if (in_pieces && file.written.isos.empty()) return {};
-    return file.written.isos.empty() ? leave_out(output, isos) : finish(file, isos);
+    if (in_pieces && file->written.isos.empty()) return {};
+    return file->written.isos.empty() ? leave_out(output, skipped) : finish(*file, skipped);
+  }
+
+  // Makes the surface at one iso value and adds it to the file, as a whole or in pieces.
+  Result<void> add_surface(const ResolvedIso& iso, OutputFile& file, bool& in_pieces) {
+    if (auto go_on = context_.check(); !go_on) return go_on;
+    auto surface = make_surface(iso);
+    if (!surface) return tl::unexpected(std::move(surface.error()));
+    if (!*surface) return {};
+    mesh::Mesh& mesh = (*surface)->mesh;
+    if (!events_.grid().empty()) mesh.name = events_.grid();
+    if (labels_) {
+      mesh.name = looks_.name(mesh.name, label_of(iso));
+    } else if (file.written.job.isos.size() > 1) {
+      mesh.name = fmt::format("{} {}", mesh.name, surface_text(iso.asked));
+    }
+    if (!job_.pieces.split) return add(std::move(**surface), file);
+    in_pieces = true;
+    return add_pieces(std::move(**surface), iso, file);
   }
 
   [[nodiscard]] OutputFile open(const OutputFileJob& output) const {
-    return {{output, {}, 0, 0, {}, {}, {}}, meshes::MeshWriter(output.path, write_options(), context_), {}, {}};
+    return {{output, {}, {}, 0, 0, {}, {}, {}}, meshes::MeshWriter(output.path, write_options(), context_), {}, {}};
   }
 
   // As meshes of one file, or each as a file.
@@ -191,10 +216,10 @@ class Conversion {
       const OutputFileJob own_job{piece_path(pattern, i + 1), {iso.asked}};
       OutputFile own = open(own_job);
       if (auto added = add(std::move(piece), own); !added) return added;
-      if (auto written = finish(own, std::span(&iso, 1)); !written) return written;
+      if (auto written = finish(own, {}); !written) return written;
     }
     if (!into_files) return {};
-    if (pieces->empty()) return leave_out(file.written.job, std::span(&iso, 1));
+    if (pieces->empty()) return leave_out(file.written.job, {skipped_of({&iso, 1}, {})});
     const auto removed = remove_old_pieces(file.written.job, pieces->size() + 1, job_.format, read(), context_);
     if (!removed) return tl::unexpected(removed.error());
     if (!removed->empty()) {
@@ -327,11 +352,13 @@ class Conversion {
       recording_ += surface.recording;
       file.records.push_back(
           record_as_written(std::move(*surface.record), file.written.job.path, surface.mesh, surface.error));
+      file.records.back().grid = events_.grid();
     }
     context_.progress().begin("writing", 0);
     const Stopwatch watch;
     file.written.isos.push_back(surface.iso);
-    outcome_.written.push_back({surface.iso, output_, surface.mesh.triangles.size(), 0, 0});
+    file.written.labels.push_back(source_.label);
+    outcome_.written.push_back({surface.iso, output_, surface.mesh.triangles.size(), 0, 0, events_.grid()});
     file.written.triangles += surface.mesh.triangles.size();
     file.written.vertices += surface.mesh.positions.size();
     if (surface.open_edges) file.written.open_edges = file.written.open_edges.value_or(0) + *surface.open_edges;
@@ -356,7 +383,7 @@ class Conversion {
     return meshes::MeshWriteResult();
   }
 
-  Result<void> finish(OutputFile& file, std::span<const ResolvedIso> asked) {
+  Result<void> finish(OutputFile& file, const std::vector<SkippedSurfaces>& skipped) {
     context_.progress().begin("writing", 0);
     const Stopwatch watch;
     auto result = complete(file);
@@ -366,7 +393,7 @@ class Conversion {
     file.written.time += watch.elapsed();
     if (extras_.mesh_facts) events_.recorded(file.records, std::exchange(recording_, {}));
     for (const std::string& text : result->notes) events_.note(text);
-    tell_skipped(file.written.job, asked, file.written.isos, "");
+    tell_skipped(file.written.job, skipped, true, "");
     events_.written(file.written);
     return {};
   }
@@ -379,58 +406,39 @@ class Conversion {
     }
   }
 
-  Result<void> leave_out(const OutputFileJob& output, std::span<const ResolvedIso> asked) {
+  Result<void> leave_out(const OutputFileJob& output, const std::vector<SkippedSurfaces>& skipped) {
     const bool in_pieces = job_.pieces.split && output.path.find(kPieceWord) != std::string::npos;
     const auto removed = sink_ != nullptr ? Result<std::vector<std::string>>()
                          : in_pieces      ? remove_old_pieces(output, 1, job_.format, read(), context_)
                                           : remove_old_meshes(output, job_.format, context_);
     if (!removed) return tl::unexpected(removed.error());
-    tell_skipped(output, asked, {},
+    tell_skipped(output, skipped, false,
                  removed->empty() ? ""
                                   : fmt::format("; the old {} {} removed", first_and_last(*removed),
                                                 removed->size() < 3 ? "was" : "were"));
-    events_.written({output, {}, 0, 0, {}, {}, {}});
+    events_.written({output, {}, {}, 0, 0, {}, {}, {}});
     return {};
   }
 
   [[nodiscard]] const files::ReadFiles& read() const { return extras_.read != nullptr ? *extras_.read : own_read_; }
 
-  // Values that were found may be the same, which nobody could know who asked for them.
   void tell_repeated(const OutputFileJob& output, std::span<const ResolvedIso> asked) {
-    for (std::size_t i = 1; i < asked.size(); ++i) {
-      const auto before = asked.first(i);
-      const auto same = std::ranges::find_if(before, [&](const auto& iso) { return is_repeated(iso, asked[i]); });
-      if (same == before.end()) continue;
-      events_.note(fmt::format("{}: iso {} and {} are the same value, {}: {} has one surface for both", source_.label,
-                               text_of(same->asked), text_of(asked[i].asked), asked[i].value,
-                               files::shown_output_name(output.path)));
-    }
-  }
-
-  void tell_skipped(const OutputFileJob& output, std::span<const ResolvedIso> asked, const std::vector<double>& isos,
-                    const std::string& besides) {
-    std::map<std::string, std::vector<std::string>> skipped;  // by the reason
-    for (const ResolvedIso& iso : asked) {
-      if (std::ranges::find(isos, iso.value) != isos.end()) continue;
-      const auto lost = std::ranges::find(lost_, iso.value, &LostSurface::iso);
-      skipped[lost == lost_.end() ? "no surface" : lost->why].push_back(text_of(iso));
-    }
-    if (skipped.empty()) return;
-    std::vector<std::string> reasons;
-    for (const auto& [why, texts] : skipped) {
-      reasons.push_back(fmt::format("{} at {}{}", why, labels_ ? "" : "iso ", fmt::join(texts, ", ")));
-    }
     const std::string path = files::shown_output_name(output.path);
-    events_.note(fmt::format("{}: {}; {}{}", source_.label, fmt::join(reasons, "; "),
-                             isos.empty() && sink_ == nullptr ? path + " was not written" : path + " is without it",
-                             besides));
+    for (const std::string& text : repeated_notes(source_.label, asked, path)) events_.note(text);
   }
 
-  // A surface of which cuts or the choice of components left nothing.
-  struct LostSurface {
-    double iso;
-    std::string why;
-  };
+  [[nodiscard]] SkippedSurfaces skipped_of(std::span<const ResolvedIso> asked, std::span<const double> written) const {
+    return skipped_surfaces(source_.label, asked, written, lost_, labels_.has_value());
+  }
+
+  void tell_skipped(const OutputFileJob& output, const std::vector<SkippedSurfaces>& skipped, bool is_written,
+                    const std::string& besides) {
+    const std::string path = files::shown_output_name(output.path);
+    const std::string what = is_written || sink_ != nullptr ? path + " is without it" : path + " was not written";
+    for (const SkippedSurfaces& grid : skipped) {
+      if (!grid.reasons.empty()) events_.note(note_of(grid, what + besides));
+    }
+  }
 
   const ConversionJob& job_;
   const Context& context_;
@@ -441,6 +449,8 @@ class Conversion {
   MeshSink* sink_;               // null where files are written
   files::ReadFiles own_read_;    // where files are written, and nobody says what is read
   Source source_;
+  // The grid that source_ was read from; its inner value is empty where none was chosen.
+  std::optional<std::optional<std::string>> opened_;
   std::optional<extract::LabelVoxels> labels_;  // where those are what is asked for
   LabelLooks looks_;                            // likewise
   std::size_t output_ = 0;                      // of the job's, which is at hand
@@ -448,7 +458,7 @@ class Conversion {
   bool open_ = false;                           // the surface at hand may have a border
   bool counts_open_edges_ = false;              // and whether it has one, is to be counted
   std::optional<mesh::Bounds> cut_away_;        // of that surface, where cuts left nothing of it
-  std::vector<LostSurface> lost_;
+  std::vector<LostSurface> lost_;               // of the grid at hand
   std::unique_ptr<extract::Extractor> extractor_;
   std::unique_ptr<extract::Extractor> other_extractor_;  // only to verify
 };

@@ -85,6 +85,9 @@ struct FilterStep {
 struct SourceOptions {
   std::string input;          // a path, "-" for standard input, or demo:NAME
   volumes::ReadOptions read;  // of particles its format, and its volume as the number of a frame
+  // Further grids of the input: their surfaces follow those of read.grid. Each has the same iso values, placement and
+  // filters. Of volumes only.
+  std::vector<std::string> more_grids;
   ParticleOptions particles;
   std::vector<FilterStep> filters;          // of what was read or made, one after the other
   std::vector<BlurStep> blurs;              // and then these
@@ -120,6 +123,7 @@ struct SurfaceOptions {
 struct OutputFileJob {
   std::string path;  // "-" is standard output; with kPieceWord in it, each piece of the surface has a file
   std::vector<IsoChoice> isos;
+  std::optional<std::string> grid = {};  // whose surfaces are in it; none: those of all grids
 
   friend bool operator==(const OutputFileJob&, const OutputFileJob&) = default;
 };

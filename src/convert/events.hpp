@@ -47,7 +47,8 @@ struct CarriedAttributes {
 // A file that was written, or that was not because none of its surfaces has triangles (`isos` is empty then).
 struct WrittenOutput {
   const OutputFileJob& job;
-  std::vector<double> isos;  // of the surfaces in it, in the job's order
+  std::vector<double> isos;         // of the surfaces in it, in the job's order
+  std::vector<std::string> labels;  // of their fields: field_label(); one for each of `isos`
   std::uint64_t triangles = 0;
   std::uint64_t vertices = 0;
   std::vector<meshes::WrittenFile> files;

@@ -19,6 +19,7 @@ struct Source;
 struct PieceRecord {
   double iso = 0;
   edit::PieceFacts facts;
+  std::string grid = {};  // whose surface it is, where the job has several
 };
 [[nodiscard]] Json json_of(const PieceRecord& record);
 

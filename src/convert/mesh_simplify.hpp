@@ -29,6 +29,7 @@ struct MeshSimplification {
   std::uint64_t turned = 0;       // of them inside out, which shells thinner than the distance may be: at least so many
   std::uint64_t left_bodies = 0;  // closed components that face inward and lie in no body any more
   edit::Simplification facts;
+  std::string grid = {};  // whose surface it is, where the job has several
 };
 
 // 100000 or 2.5%, as people write it.

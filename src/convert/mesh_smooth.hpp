@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <span>
+#include <string>
 
 #include "base/context.hpp"
 #include "base/error.hpp"
@@ -17,6 +18,7 @@ struct SmoothRecord {
   double iso = 0;
   SmoothChoice asked;
   edit::SmoothFacts facts;
+  std::string grid = {};  // whose surface it is, where the job has several
 
   // By how much of itself the volume changed; 0 where there was none.
   [[nodiscard]] double volume_change() const {

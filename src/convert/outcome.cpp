@@ -182,7 +182,12 @@ Json json_of(const ExtractionRecord& extraction);
 template <class T>
 Json array_of(const std::vector<T>& records) {
   Json array = Json::array();
-  for (const T& record : records) array.push_back(json_of(record));
+  for (const T& record : records) {
+    array.push_back(json_of(record));
+    if constexpr (requires { record.grid; }) {
+      if (!record.grid.empty()) array.back()["grid"] = record.grid;
+    }
+  }
   return array;
 }
 
@@ -268,6 +273,7 @@ Json report_of(const ConversionJob* job, const Outcome& report, const std::vecto
   json["options"] = job != nullptr ? options_of(*job, memory_limit) : Json(nullptr);
   json["device"] = device_of(report);
   json["input"] = report.input ? json_of(*report.input) : Json(nullptr);
+  if (!report.more_grids.empty()) json["more_grids"] = array_of(report.more_grids);
   if (report.particles) json["particles"] = json_of(*report.particles);
   json["output_from_index"] = report.placed ? json_of(report.placed->output_from_index) : Json(nullptr);
   json["region"] = report.placed && report.placed->region ? json_of(*report.placed->region) : Json(nullptr);

@@ -112,6 +112,7 @@ struct ExtractionRecord {
   IsoChoice asked;
   std::uint64_t triangles = 0;
   std::vector<WorkFact> work;
+  std::string grid = {};  // whose surface it is, where the job has several
 };
 
 // Of a mesh that was written.
@@ -127,6 +128,7 @@ struct MeshRecord {
   mesh::Topology topology;
   ComponentTable component_table;
   std::optional<MeshError> error;  // where it was measured
+  std::string grid = {};           // whose surface it is, where the job has several
 };
 
 // Fails where the memory to look at the mesh is not there.
@@ -146,6 +148,7 @@ struct WrittenSurface {
   // The range of Outcome::files that holds it; empty until they are written.
   std::size_t first_file = 0;
   std::size_t files = 0;
+  std::string grid = {};  // where the job has several
 };
 
 struct Outcome {
@@ -153,9 +156,10 @@ struct Outcome {
   std::string device;   // the processor's or the GPU's name; empty if it could not be opened
   int threads = 0;
   std::optional<InputFacts> input;          // absent if it could not be read
+  std::vector<InputFacts> more_grids;       // of the input, where several were asked for: those after the first
   std::optional<ParticleRecord> particles;  // absent for volumes
   std::optional<PlacedField> placed;        // what placed the meshes
-  std::vector<ResolvedIso> isos;            // of all outputs, where some were no numbers
+  std::vector<ResolvedIso> isos;            // of all outputs, where some were no numbers; grid by grid
   std::vector<StageRecord> stages;
   StageTime total;
   std::uint64_t bytes_read = 0;

@@ -23,6 +23,7 @@ struct VerificationRecord {
   measure::ExtractionComparison comparison;
   std::vector<std::string> differences;  // none if it passed
   StageTime time;                        // of the second extraction and the comparison
+  std::string grid = {};                 // whose surface it is, where the job has several
 };
 
 // Why the surfaces of a method by `first` and `second` cannot be compared, likewise: a backend does not have it, or

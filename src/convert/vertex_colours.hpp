@@ -22,6 +22,7 @@ struct ColourRecord {
   double max = 0;
   bool own_range = false;         // of the surface's vertices; else it was given
   std::uint64_t not_numbers = 0;  // vertices that are grey, as their value is NaN
+  std::string grid = {};          // whose surface it is, where the job has several
 };
 
 // Adds colours by the attribute that `choice` names, which the mesh has, as float32. glTF wants linear light, and gets

@@ -6,6 +6,7 @@
 #include <new>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/no_memory.hpp"
 #include "field/no_data.hpp"
@@ -104,6 +105,29 @@ Result<bool> is_surely_volume(const std::string& input, const ReadOptions& optio
 Result<std::vector<GridInfo>> list_grids(const std::string& input, const ReadOptions& options, const Context& context) {
   return with_format(input, options, context,
                      [&](const DetectedFormat& detected) { return detected.format->list(input, options, context); });
+}
+
+Result<std::string> grid_label(const std::string& input, const ReadOptions& options, const Context& context) {
+  const auto grids = list_grids(input, options, context);
+  if (!grids) return tl::unexpected(grids.error());
+  const auto chosen = choose_grid(files::shown_input_name(input), *grids, options.grid);
+  if (chosen) return (*grids)[*chosen].label;
+  // A plug-in reads grids that are not scalar, and parts of vectors.
+  for (const GridInfo& grid : *grids) {
+    if (grid.plugin.empty()) continue;
+    const bool is_part = std::ranges::find(grid.parts, *options.grid) != grid.parts.end();
+    if (!is_part && grid.label != *options.grid && grid.name != *options.grid) continue;
+    if (grid.plugin_is_missing) {
+      return fail(ErrorKind::unavailable,
+                  fmt::format("{}: the grid '{}' holds {}, which the plug-in for {} reads; it is not there",
+                              files::shown_input_name(input), grid.label, grid.type, grid.plugin),
+                  "install it, or name the folder it is in with the environment variable ISOEXTRACT_PLUGINS");
+    }
+    if (is_part || grid.parts.empty()) return *options.grid;
+    return fail(ErrorKind::input, chosen.error().message,
+                Hint(Remedy::choose_grid, fmt::format("\n  {}", fmt::join(grid.parts, "\n  "))));
+  }
+  return tl::unexpected(chosen.error());
 }
 
 Result<FormatDescription> format_of(const std::string& input, const ReadOptions& options, const Context& context) {

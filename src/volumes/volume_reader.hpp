@@ -29,6 +29,11 @@ namespace isoextract::volumes {
 [[nodiscard]] Result<std::vector<GridInfo>> list_grids(const std::string& input, const ReadOptions& options,
                                                        const Context& context = Context());
 
+// The label of the grid that ReadOptions::grid names, which is set; of a grid that a plug-in reads, that name. Fails as
+// read_volume where there is no such grid, or several. Never reads samples.
+[[nodiscard]] Result<std::string> grid_label(const std::string& input, const ReadOptions& options,
+                                             const Context& context = Context());
+
 // What the format says of itself that an input would be read as. Reads the beginning of the file.
 [[nodiscard]] Result<FormatDescription> format_of(const std::string& input, const ReadOptions& options,
                                                   const Context& context = Context());

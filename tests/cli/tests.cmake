@@ -4,7 +4,7 @@ set(hanging_seconds 1500)
 foreach(name
     animate attributes attribute_files attribute_kinds batch batch_faults batch_rules names spreadsheets iso particles particle_limits particle_sequences config startup usage
     surface placement true_error frames output overwrite interrupted streams inputs lost_input plugin openvdb fields memory info grids compare
-    support hostile_names simplify compression resolution error bench documents report simulate jet stability far verify verify_edits gpu readme render
+    support hostile_names several_grids simplify compression resolution error bench documents report simulate jet stability far verify verify_edits gpu readme render
     render_gpu voxels child damaged_libraries pictures pieces piece_sequences check normals labels arrays region told net_sides)
   add_test(NAME cli.${name}
     COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_CURRENT_SOURCE_DIR}/cli/${name}_test.py)

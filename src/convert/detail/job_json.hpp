@@ -325,6 +325,7 @@ class JobJson {
     } else if constexpr (std::same_as<Structure, OutputFileJob>) {
       each("path", value.path);
       each("iso", value.isos);
+      each("grid", value.grid);
     } else {
       visit_job(value, each);
     }
@@ -335,6 +336,7 @@ class JobJson {
     each("input", job.source.input);
     each("input_format", job.source.read.format);
     each("grid", job.source.read.grid);
+    each("more_grids", job.source.more_grids);
     each("volume", job.source.read.volume);
     each("component", job.source.read.component);
     each("raw", job.source.read.raw);

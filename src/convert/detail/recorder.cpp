@@ -1,8 +1,17 @@
 #include "convert/detail/recorder.hpp"
 
+#include <algorithm>
+#include <utility>
+
 namespace isoextract::convert {
 
+void Recorder::begin_grid(const std::optional<std::string>& grid) {
+  again_ = std::ranges::find(begun_, grid) != begun_.end();
+  if (!again_) begun_.push_back(grid);
+}
+
 void Recorder::note(const std::string& text) {
+  if (again_) return;
   outcome_.notes.push_back(text);
   listener_.note(text);
 }
@@ -16,7 +25,12 @@ void Recorder::opened(const extract::Extractor& extractor, const StageTime& time
 
 void Recorder::read(const std::string& input, const field::ScalarField& field, const StageTime& time) {
   outcome_.stages.push_back({StageName::read, std::nullopt, time});
-  outcome_.input = input_facts(input, field);
+  if (!begun_.empty()) grid_ = field.grid.empty() ? field.name : field.grid;
+  if (!again_ && outcome_.input) {
+    outcome_.more_grids.push_back(input_facts(input, field));
+  } else if (!again_) {
+    outcome_.input = input_facts(input, field);
+  }
   listener_.read(input, field, time);
 }
 
@@ -28,13 +42,15 @@ void Recorder::made_field(const ParticleRecord& record) {
 
 void Recorder::filtered(const WorkFact& fact, const StageTime& time) {
   outcome_.stages.push_back({StageName::filter, std::nullopt, time});
+  if (again_) return;
   outcome_.work.push_back(fact);
   listener_.filtered(fact, time);
 }
 
 void Recorder::resolved(const std::vector<ResolvedIso>& isos, const std::optional<StageTime>& time) {
   if (time) outcome_.stages.push_back({StageName::statistics, std::nullopt, *time});
-  outcome_.isos = isos;
+  if (again_) return;
+  outcome_.isos.insert(outcome_.isos.end(), isos.begin(), isos.end());
   listener_.resolved(isos, time);
 }
 
@@ -45,17 +61,19 @@ void Recorder::read_attributes(const StageTime& time) {
 
 void Recorder::resampled(const field::ScalarField& grid, const WorkFact& fact, const StageTime& time) {
   outcome_.stages.push_back({StageName::resample, std::nullopt, time});
+  if (again_) return;
   outcome_.work.push_back(fact);
   listener_.resampled(grid, fact, time);
 }
 
 void Recorder::worked(const WorkFact& fact) {
+  if (again_) return;
   outcome_.work.push_back(fact);
   listener_.worked(fact);
 }
 
 void Recorder::placed(const PlacedField& placed) {
-  outcome_.placed = placed;
+  if (!outcome_.placed) outcome_.placed = placed;
   listener_.placed(placed);
 }
 
@@ -69,42 +87,50 @@ void Recorder::extracted(const ExtractedSurface& surface) {
   }
   outcome_.stages.push_back({StageName::count, surface.iso, stats.count});
   outcome_.stages.push_back({StageName::emit, surface.iso, stats.emit});
-  outcome_.extractions.push_back({surface.iso, surface.asked, surface.triangles, surface.work});
+  outcome_.extractions.push_back({surface.iso, surface.asked, surface.triangles, surface.work, grid_});
   listener_.extracted(surface);
 }
 
 void Recorder::verified(const VerificationRecord& record) {
   outcome_.stages.push_back({StageName::verify, record.iso, record.time});
   outcome_.verifications.push_back(record);
+  outcome_.verifications.back().grid = grid_;
   listener_.verified(record);
 }
 
 void Recorder::carried(const CarriedAttributes& attributes) {
   outcome_.stages.push_back({StageName::attributes, attributes.iso, attributes.time});
-  outcome_.attributes.insert(outcome_.attributes.end(), attributes.attributes.begin(), attributes.attributes.end());
+  for (const AttributeRecord& record : attributes.attributes) {
+    outcome_.attributes.push_back(record);
+    outcome_.attributes.back().grid = grid_;
+  }
   listener_.carried(attributes);
 }
 
 void Recorder::picked(const PieceRecord& record) {
   outcome_.stages.push_back({StageName::pieces, record.iso, record.facts.time});
   outcome_.pieces.push_back(record);
+  outcome_.pieces.back().grid = grid_;
   listener_.picked(record);
 }
 
 void Recorder::smoothed(const SmoothRecord& record) {
   outcome_.stages.push_back({StageName::smooth, record.iso, record.facts.time});
   outcome_.smoothings.push_back(record);
+  outcome_.smoothings.back().grid = grid_;
   listener_.smoothed(record);
 }
 
 void Recorder::simplified(const MeshSimplification& simplification) {
   outcome_.stages.push_back({StageName::simplify, simplification.iso, simplification.facts.time});
   outcome_.simplifications.push_back(simplification);
+  outcome_.simplifications.back().grid = grid_;
   listener_.simplified(simplification);
 }
 
 void Recorder::coloured(const ColourRecord& record) {
   outcome_.colours.push_back(record);
+  outcome_.colours.back().grid = grid_;
   listener_.coloured(record);
 }
 
@@ -117,7 +143,8 @@ void Recorder::shaded(double iso, const WorkFact& fact, const StageTime& time) {
 void Recorder::measured(const MeshError& error, const StageTime& time) {
   outcome_.stages.push_back({StageName::error, error.iso, time});
   outcome_.errors.push_back(error);
-  listener_.measured(error, time);
+  outcome_.errors.back().grid = grid_;
+  listener_.measured(outcome_.errors.back(), time);
 }
 
 void Recorder::packed(const MeshPackingRecord& record) {

@@ -1,6 +1,10 @@
 // Events on their way to whoever listens, written into the outcome.
 #pragma once
 
+#include <optional>
+#include <string>
+#include <vector>
+
 #include "convert/events.hpp"
 #include "convert/outcome.hpp"
 
@@ -35,10 +39,20 @@ class Recorder final : public Events {
   void wrote_field(const WrittenField& field) override;
   void recorded(const std::vector<MeshRecord>& meshes, const StageTime& time) override;
 
+  // Of a job with several grids, before one of them is read: records of surfaces name it from then on. Where it was
+  // read before, only the times of reading it are recorded until end_reading(): all else is told already.
+  void begin_grid(const std::optional<std::string>& grid);
+  void end_reading() { again_ = false; }
+  // The label of that grid; empty where the job has one.
+  [[nodiscard]] const std::string& grid() const { return grid_; }
+
  private:
   Outcome& outcome_;
   Events& listener_;
   std::size_t located_ = 0;  // of Outcome::written: those whose files are known
+  std::vector<std::optional<std::string>> begun_;
+  bool again_ = false;
+  std::string grid_;
 };
 
 }  // namespace isoextract::convert

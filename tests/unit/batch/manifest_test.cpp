@@ -70,6 +70,13 @@ TEST(Manifest, ARecordComesBackAsItWas) {
   EXPECT_EQ(record.inputs.size(), 1U);
   EXPECT_EQ(record.outputs.size(), 1U);
   EXPECT_EQ(record_of(json_of(record)), record);
+  FrameRecord of_grids = record;
+  of_grids.figures.surfaces.at(0).grid =
+      "fl\xff"
+      "ame";
+  EXPECT_EQ(record_of(json_of(of_grids)), of_grids);
+  // Manifests written before conversions had several grids name none.
+  EXPECT_FALSE(json_of(record)["figures"]["surfaces"][0].contains("grid"));
   {
     Manifest manifest = must_open(folder, batch, false);
     ASSERT_TRUE(manifest.add(record));

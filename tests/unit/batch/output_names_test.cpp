@@ -99,6 +99,7 @@ class OutputNames : public testing::Test {
       for (const convert::OutputFileJob& file : files) {
         std::string line = file.path + ":";
         for (const convert::IsoChoice& iso : file.isos) line += " " + text_of(iso);
+        if (file.grid) line += " of " + *file.grid;
         lines.push_back(line);
       }
     }
@@ -125,6 +126,19 @@ TEST_F(OutputNames, IsoInTheNameMakesAFileEach) {
   const auto refused = name_outputs(std::vector{output_source(1, "a.vdb", "", {0.1, 0.2})}, "a.ply", MeshFormat::ply);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().hint.remedy, Remedy::one_file_per_surface);
+}
+
+TEST_F(OutputNames, TheGridInTheNameMakesAFileEach) {
+  OutputSource source = output_source(1, "a.vdb", "density", {0.5, 1});
+  source.more_grids = {"flame"};
+  EXPECT_EQ(named({source}, "{grid}_{iso}.ply", MeshFormat::ply),
+            (Lines{"density_0.5.ply: 0.5 of density", "density_1.ply: 1 of density", "flame_0.5.ply: 0.5 of flame",
+                   "flame_1.ply: 1 of flame"}));
+  EXPECT_EQ(named({source}, "{grid}.glb"), (Lines{"density.glb: 0.5 1 of density", "flame.glb: 0.5 1 of flame"}));
+  EXPECT_EQ(named({source}, "{iso}.glb"), (Lines{"0.5.glb: 0.5", "1.glb: 1"}));
+  const auto refused = name_outputs(std::vector{source}, "{iso}.ply", MeshFormat::ply);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().message, "frame 1 (a.vdb, grid density): one ply file holds one surface, found 2 grids");
 }
 
 TEST_F(OutputNames, AFolderTakesTheNamesOfTheInputs) {

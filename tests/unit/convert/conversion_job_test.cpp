@@ -15,6 +15,7 @@ ConversionJob full_job() {
   job.source.input = "dir/in \xc3\xa4.raw";
   job.source.read.format = "raw";
   job.source.read.grid = "density[1]";
+  job.source.more_grids = {"flame", "heat"};
   job.source.read.volume = 7;
   job.source.read.raw = volumes::RawLayout{{3, 4, 5}, field::SampleType::i16, std::endian::big, 512};
   job.source.read.spacing = glm::dvec3(0.1, 1e-300, 3);
@@ -60,7 +61,7 @@ ConversionJob full_job() {
   job.packing = {meshes::Compression::draco, true, 12, true};
   job.field_file = FieldFileOptions{true};
   job.picture_file = PictureFileOptions{320, 200, {12.5, -40, 3.0}};
-  job.outputs = {{"a.stl", {0.1}},
+  job.outputs = {{"a.stl", {0.1}, "flame"},
                  {"-",
                   {1.0 / 3, -5, IsoChoice::suggested(), IsoChoice::percentile(*field::Percent::parse("99.9")),
                    IsoChoice::label(-7), IsoChoice::all_labels()}}};

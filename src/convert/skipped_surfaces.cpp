@@ -1,0 +1,42 @@
+#include "convert/skipped_surfaces.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace isoextract::convert {
+
+SkippedSurfaces skipped_surfaces(const std::string& label, std::span<const ResolvedIso> asked,
+                                 std::span<const double> written, std::span<const LostSurface> lost, bool are_labels) {
+  SkippedSurfaces skipped{label, are_labels, {}};
+  for (const ResolvedIso& iso : asked) {
+    if (std::ranges::find(written, iso.value) != written.end()) continue;
+    const auto found = std::ranges::find(lost, iso.value, &LostSurface::iso);
+    skipped.reasons[found == lost.end() ? "no surface" : found->why].push_back(text_of(iso));
+  }
+  return skipped;
+}
+
+std::string note_of(const SkippedSurfaces& skipped, const std::string& consequence) {
+  std::vector<std::string> reasons;
+  for (const auto& [why, texts] : skipped.reasons) {
+    reasons.push_back(fmt::format("{} at {}{}", why, skipped.are_labels ? "" : "iso ", fmt::join(texts, ", ")));
+  }
+  return fmt::format("{}: {}; {}", skipped.label, fmt::join(reasons, "; "), consequence);
+}
+
+std::vector<std::string> repeated_notes(const std::string& label, std::span<const ResolvedIso> asked,
+                                        const std::string& path) {
+  std::vector<std::string> notes;
+  for (std::size_t i = 1; i < asked.size(); ++i) {
+    const auto before = asked.first(i);
+    const auto same = std::ranges::find_if(before, [&](const auto& iso) { return is_repeated(iso, asked[i]); });
+    if (same == before.end()) continue;
+    notes.push_back(fmt::format("{}: iso {} and {} are the same value, {}: {} has one surface for both", label,
+                                text_of(same->asked), text_of(asked[i].asked), asked[i].value, path));
+  }
+  return notes;
+}
+
+}  // namespace isoextract::convert
