@@ -94,7 +94,8 @@ Result<void> check_grids(const ConvertFlags& flags, const convert::ConversionJob
       OfOneGrid{job.source.placement.space == convert::Space::index,
                 "--space index gives each grid coordinates of its own voxels, which are no common place"},
       OfOneGrid{flags.edits.split, "--split-components numbers the components of one grid"},
-      OfOneGrid{job.packing.packs(), "--draco, --meshopt and --quantize round a file by the voxels of one grid"},
+      OfOneGrid{job.packing.packs(),
+                "--draco, --meshopt, --quantize and .drc files round positions by the voxels of one grid"},
       OfOneGrid{job.source.particles.expected, "options of particles are for particles, which have no grids"}};
   const auto* const found = std::ranges::find(of_one_grid, true, &OfOneGrid::given);
   if (found == of_one_grid.end()) return {};

@@ -9,6 +9,7 @@ import struct
 import subprocess
 
 from support import PROGRAM, SOURCE, ProgramTest, main
+from vdb_files import grid, vdb
 
 PAGES = ("README.md", "docs/formats.md", "docs/particles.md", "docs/reports.md", "docs/accuracy.md", "docs/gpu.md",
          "docs/sequences.md", "docs/simulate.md", "docs/render.md", "docs/previews.md",
@@ -91,6 +92,8 @@ class ReadmeTest(ProgramTest):
         (self.folder / "bin").mkdir()
         (self.folder / "bin" / "isoextract").symlink_to(PROGRAM)
         (self.folder / "smoke.vdb").symlink_to(SOURCE / "samples" / "metaballs.vdb")
+        hot = {(n % 8, n // 8 % 8, n // 64): 1.0 for n in range(8**3)}
+        (self.folder / "fire.vdb").write_bytes(vdb(grid("density", hot), grid("flame", hot)))
         head = ball((48, 62, 42), 1, 255, "B")
         (self.folder / "head.raw").write_bytes(head)
         for name in ("head.nii.gz", "scan.nii.gz"):
