@@ -32,7 +32,6 @@ std::vector<std::optional<std::string>> grids_of(const SourceOptions& source, co
 SourceOptions with_grid(const SourceOptions& source, const std::optional<std::string>& grid) {
   SourceOptions options = source;
   options.read.grid = grid;
-  options.more_grids.clear();
   return options;
 }
 

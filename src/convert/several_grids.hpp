@@ -18,7 +18,7 @@ namespace isoextract::convert {
 [[nodiscard]] std::vector<std::optional<std::string>> grids_of(const SourceOptions& source,
                                                                const OutputFileJob& output);
 
-// The options that read one of these grids.
+// The options that read one of these grids. SourceOptions::more_grids stays: it says how many others are read.
 [[nodiscard]] SourceOptions with_grid(const SourceOptions& source, const std::optional<std::string>& grid);
 
 // The iso values of a grid, of all outputs that have surfaces of it, and the index of the first one of an output.

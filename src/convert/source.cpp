@@ -64,7 +64,7 @@ Result<void> read_volume_field(const SourceOptions& options, const SourceUse& us
   auto field = read_field(options.input, options.read, context, events);
   if (!field) return tl::unexpected(std::move(field.error()));
   source.field = std::move(*field);
-  for (const WorkFact& fact : reading_facts(source.field)) events.worked(fact);
+  for (const WorkFact& fact : reading_facts(source.field, options.more_grids.size())) events.worked(fact);
   const Stopwatch watch;
   auto isos = resolve_isos(use.isos, source.field, use.empty_is_fine, context);
   if (!isos) return tl::unexpected(std::move(isos.error()));

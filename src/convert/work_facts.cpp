@@ -24,11 +24,12 @@ std::string dense_text(const field::DenseSamples& samples) {
 
 }  // namespace
 
-std::vector<WorkFact> reading_facts(const field::ScalarField& field) {
+std::vector<WorkFact> reading_facts(const field::ScalarField& field, std::size_t more_grids) {
   std::vector<WorkFact> facts;
-  if (field.grids > 1) {
-    facts.push_back({WorkTopic::grids, WorkDone::left_out, field.grids - 1, field.grids,
-                     fmt::format("the other {} grids of the file, which were not read", field.grids - 1)});
+  if (field.grids > 1 + more_grids) {
+    const std::uint64_t others = field.grids - 1 - more_grids;
+    facts.push_back({WorkTopic::grids, WorkDone::left_out, others, field.grids,
+                     fmt::format("the other {} grids of the file, which were not read", others)});
   }
   const auto* dense = std::get_if<field::DenseSamples>(&field.samples);
   if (dense != nullptr && dense->file_backed) {

@@ -109,8 +109,8 @@ struct WorkFact {
   std::string text;                    // the rest of the sentence: "12 of 64 bricks (...), which ..."
 };
 
-// Of reading `field`.
-[[nodiscard]] std::vector<WorkFact> reading_facts(const field::ScalarField& field);
+// Of reading `field`, where the conversion reads `more_grids` others of the file.
+[[nodiscard]] std::vector<WorkFact> reading_facts(const field::ScalarField& field, std::size_t more_grids);
 
 // Of an attribute that was read.
 [[nodiscard]] WorkFact attribute_fact(const VolumeAttribute& attribute);

@@ -63,6 +63,7 @@ class SeveralGridsTest(ProgramTest):
         run = self.convert("fire.vdb", *BOTH, "--iso", 0.5, "--up", "y", "-o", "both.glb", "--report", "r.json")
         self.assert_meshes(self.meshes("both.glb"), {"density": ("density", 0.5), "flame": ("flame", 0.5)}, "--up", "y")
         self.assertIn("fire.vdb[density], fire.vdb[flame] iso 0.5 -> both.glb: ", run.err)
+        self.assertIn("the other 1 grids of the file, which were not read", self.read("r.json").decode())  # heat
         report = self.report()
         self.assertEqual([(one["grid"], one["iso"]) for one in report["extractions"]], [("density", 0.5), ("flame", 0.5)])
         self.assertEqual([(one["grid"], one["name"]) for one in report["meshes"]], [("density", "density"), ("flame", "flame")])
@@ -206,6 +207,8 @@ class SeveralGridsTest(ProgramTest):
         self.assertEqual(self.files(), ["fire.vdb"])
         self.write("f_1.vdb", 5, 3)
         (self.folder / "f_2.vdb").write_bytes(vdb(grid("density", ball(5))))
+        run = self.convert("f_1.vdb", "--jobs", 1, *BOTH, "--iso", 0.5, "-o", "{grid}_{}.glb", "--dry-run")
+        self.assertIn("flame_1.glb", run.text + run.err)
         run = self.run_program("f_{}.vdb", *BOTH, "--iso", 0.5, "-o", "{grid}_{}.glb")
         self.assertEqual(run.code, 5)
         self.assertIn("f_2.vdb: there is no grid 'flame'", run.err)
