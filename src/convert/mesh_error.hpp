@@ -3,7 +3,6 @@
 
 #include <optional>
 #include <span>
-#include <string>
 
 #include "base/context.hpp"
 #include "convert/json_values.hpp"
@@ -18,7 +17,6 @@ struct MeshError {
   std::optional<measure::AnalyticError> analytic;  // of demo fields with a formula
   std::optional<field::SurfaceSize> exact;  // likewise, where their size is known, in the mesh's units; not of a part
   bool of_part = false;                     // then: a region or a clip may have left some of it out
-  std::string grid = {};                    // whose surface it is, where the job has several
 };
 
 // `extracted` is how the mesh was extracted from `field`, or

@@ -115,6 +115,11 @@ struct ExtractionRecord {
   std::string grid = {};  // whose surface it is, where the job has several
 };
 
+// The error of one surface.
+struct MeasuredError : MeshError {
+  std::string grid = {};  // whose surface it is, where the job has several
+};
+
 // Of a mesh that was written.
 struct MeshRecord {
   double iso = 0;
@@ -170,7 +175,7 @@ struct Outcome {
   std::vector<ExtractionRecord> extractions;
   std::vector<VerificationRecord> verifications;
   std::vector<AttributeRecord> attributes;
-  std::vector<MeshError> errors;  // where they were measured, before the mesh is split into pieces
+  std::vector<MeasuredError> errors;  // where they were measured, before the mesh is split into pieces
   std::vector<PieceRecord> pieces;
   std::vector<SmoothRecord> smoothings;
   std::vector<MeshSimplification> simplifications;

@@ -142,9 +142,8 @@ void Recorder::shaded(double iso, const WorkFact& fact, const StageTime& time) {
 
 void Recorder::measured(const MeshError& error, const StageTime& time) {
   outcome_.stages.push_back({StageName::error, error.iso, time});
-  outcome_.errors.push_back(error);
-  outcome_.errors.back().grid = grid_;
-  listener_.measured(outcome_.errors.back(), time);
+  outcome_.errors.push_back({error, grid_});
+  listener_.measured(error, time);
 }
 
 void Recorder::packed(const MeshPackingRecord& record) {
