@@ -150,7 +150,7 @@ Result<void> check_words(const OutputSource& source, const OutputTemplate& names
   if (all_labels && names.uses(OutputWord::iso)) {
     return fail(ErrorKind::usage,
                 fmt::format("{}: which labels there are is known once they are read", label_of_source(source)),
-                "list the labels, or write all into a glb");
+                "list the labels, which 'isoextract info' shows, or write all into a glb");
   }
   if (info.holds_several_meshes) return {};
   if (!source.more_grids.empty() && !names.uses(OutputWord::grid)) {
@@ -160,15 +160,19 @@ Result<void> check_words(const OutputSource& source, const OutputTemplate& names
                 "put {grid} into the name to get a file for each, or write all into a glb");
   }
   if ((source.isos.size() < 2 && !all_labels) || names.uses(OutputWord::iso)) return {};
+  if (all_labels) {
+    return fail(ErrorKind::usage,
+                fmt::format("{}: one {} file holds one surface, and all labels may be several", label_of_source(source),
+                            info.name),
+                "write all into a glb, or list the labels, which 'isoextract info' shows, and put {iso} into the name");
+  }
   std::vector<std::string_view> others;
   for (const meshes::MeshFormatInfo& other : meshes::mesh_formats()) {
     if (other.holds_several_meshes) others.push_back(other.name);
   }
   return fail(ErrorKind::usage,
-              fmt::format("{}: one {} file holds one surface, {}", label_of_source(source), info.name,
-                          all_labels ? std::string("and all labels may be several")
-                                     : fmt::format("found {} {}", source.isos.size(),
-                                                   source.isos.front().is_label() ? "labels" : "iso values")),
+              fmt::format("{}: one {} file holds one surface, found {} {}", label_of_source(source), info.name,
+                          source.isos.size(), source.isos.front().is_label() ? "labels" : "iso values"),
               {Remedy::one_file_per_surface, fmt::format("{}", fmt::join(others, ", "))});
 }
 

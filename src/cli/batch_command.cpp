@@ -22,6 +22,7 @@
 #include "cli/batch_plan.hpp"
 #include "cli/batch_progress.hpp"
 #include "cli/conversion_size.hpp"
+#include "cli/edit_text.hpp"
 #include "cli/frame_plot.hpp"
 #include "cli/gnuplot.hpp"
 #include "cli/html_page.hpp"
@@ -422,6 +423,7 @@ Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& 
       .fail_fast = plan.flags.fail_fast,
       .extras = {.mesh_facts = plan.flags.table || plan.flags.plot || plan.report || plan.common.pages.html,
                  .note_of_field = note_of_field,
+                 .note_of_relaxing = relaxing_note,
                  .read = *read ? &**read : nullptr}};
   const batch::BatchCounts counts =
       batch::run(plan.batch, which, options, context, keeper, animation ? &*animation : nullptr);

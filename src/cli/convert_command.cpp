@@ -345,7 +345,8 @@ convert::Outcome convert_as_planned(const ConvertPlan& plan, const Messages& mes
     const Context context{plan.memory};
     ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
     Narrator narrator(plan, messages, bar);
-    outcome = convert::run(plan.job, context, narrator, {plan.report || plan.pages.html, note_of_up_axis(plan)});
+    outcome = convert::run(plan.job, context, narrator,
+                           {plan.report || plan.pages.html, note_of_up_axis(plan), relaxing_note});
     return {};
   });
   return begun ? outcome : failed(begun.error());

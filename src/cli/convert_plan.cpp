@@ -179,7 +179,6 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::vector
 
   job.surface = plan_surface(flags.surface, flags.input);
   if (auto planned = plan_voxels(flags, plan.notes, job.surface); !planned) return tl::unexpected(planned.error());
-  if (auto planned = plan_labels(flags, job); !planned) return tl::unexpected(planned.error());
   job.verify = flags.verify;
   job.backend = {flags.backend.value_or(convert::Backend::cpu), plan_gpu(flags.device)};
   if (job.backend.backend == convert::Backend::cpu && !job.verify && (flags.device.device || flags.device.gpu_memory)) {
@@ -190,6 +189,7 @@ Result<ConvertPlan> plan_conversion(const ConvertFlags& flags, const std::vector
   job.source.away_from_zero = flags.input.inside == InsideChoice::away_from_zero;
   if (auto taken = plan_region(flags.surface, job.source); !taken) return tl::unexpected(taken.error());
   if (auto taken = plan_resolution(flags.surface, job.source); !taken) return tl::unexpected(taken.error());
+  if (auto planned = plan_labels(flags, job); !planned) return tl::unexpected(planned.error());
   job.source.filters = flags.surface.filters;
   if (flags.simplify || flags.triangles) job.simplify = convert::SimplifyChoice{flags.simplify, flags.triangles};
   if (auto planned = plan_edits(flags, job); !planned) return tl::unexpected(planned.error());

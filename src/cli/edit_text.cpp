@@ -1,10 +1,27 @@
 #include "cli/edit_text.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include <fmt/format.h>
 
 namespace isoextract::cli {
+
+namespace {
+
+// "from 30 to 3.29 (89 % less)"
+std::string text_of(const convert::RelaxedVolume& volume) {
+  const double change = volume.change();
+  return fmt::format("from {:.4g} to {:.4g} ({:.3g} % {})", volume.before, volume.after, 100 * std::abs(change),
+                     change > 0 ? "more" : "less");
+}
+
+bool changed_less(const convert::RelaxedVolume& a, const convert::RelaxedVolume& b) {
+  return std::abs(a.change()) < std::abs(b.change());
+}
+
+}  // namespace
 
 std::string pieces_summary(const convert::PieceRecord& record, std::string_view word) {
   const edit::PieceCounts& before = record.facts.before;
@@ -30,6 +47,32 @@ std::string smoothing_summary(const convert::SmoothRecord& record, std::string_v
   }
   if (facts.wall_vertices > 0) text += fmt::format("; {} vertices of caps stayed in their planes", facts.wall_vertices);
   return text + fmt::format("; {:.2f} s", facts.time.wall_seconds);
+}
+
+std::optional<std::string> relaxing_note(std::span<const convert::RelaxRecord> records) {
+  constexpr double kPercent = 100 * convert::RelaxedVolume::kSmallChange;
+  std::vector<convert::RelaxRecord> changed;
+  std::uint64_t components = 0;
+  std::uint64_t changed_components = 0;
+  for (const convert::RelaxRecord& record : records) {
+    if (record.whole.is_large()) changed.push_back(record);
+    components += record.components;
+    changed_components += record.changed_components;
+  }
+  if (changed_components == 0 && changed.empty()) return std::nullopt;
+  std::string text = "relaxing changed the volume of ";
+  if (!changed.empty()) {
+    const auto worst = std::ranges::max_element(changed, changed_less, &convert::RelaxRecord::whole);
+    text += fmt::format("{} {}", worst->surface, text_of(worst->whole));
+    if (changed.size() > 1) text += fmt::format(", that of {} others by more than {} %", changed.size() - 1, kPercent);
+  }
+  // Of a surface that is one component, or of many that all are, there is no more to tell.
+  if (changed_components > changed.size()) {
+    const auto worst = std::ranges::max_element(records, changed_less, &convert::RelaxRecord::worst_component);
+    text += fmt::format("{}{} of {} components by more than {} %, most in {}, {}", changed.empty() ? "" : ", and of ",
+                        changed_components, components, kPercent, worst->surface, text_of(worst->worst_component));
+  }
+  return text + ": --relax 0 keeps the volumes of the voxels";
 }
 
 }  // namespace isoextract::cli

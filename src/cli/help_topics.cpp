@@ -122,8 +122,9 @@ HelpTopic coordinates_topic() {
         "always does and NRRD may.",
         {}},
        {"--center moves the middle of the samples to the origin, last of all: of the whole volume or of --roi.", {}},
-       {"What of this is asked for stands in the file, but of stl. compare undoes it where two meshes were placed "
-        "otherwise, and glTF's turn as well; of a glTF file of another program its --up says what was up.",
+       {"The file says what of this was asked for; binary stl does so in its header, as far as 80 bytes reach, and stl "
+        "as text does not. compare undoes it where two meshes were placed otherwise, and glTF's turn as well; of a "
+        "glTF file of another program its --up says what was up.",
         {}},
        {"--space index ignores all of this and gives voxel coordinates: the first sample is at (0, 0, 0), its "
         "neighbours at distance 1. With --resolution these are the input's voxels as well, so that the mesh lies "

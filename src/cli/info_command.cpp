@@ -32,13 +32,15 @@ struct Described {
 };
 
 std::string example_command(const InfoPlan& plan, const std::string& input, const Described& described, double iso,
-                            std::string_view creator) {
+                            bool has_nan, std::string_view creator) {
   std::string arguments;
   for (const std::string& argument : plan.input_arguments) arguments += " " + argument;
   if (!plan.read.volume && described.volume) arguments += fmt::format(" --volume {}", *described.volume);
   if (!plan.read.component && described.component) {
     arguments += fmt::format(" --component {}", described.component->number.value_or(0));
   }
+  // Samples that --nodata names are outside without it.
+  if (has_nan && !plan.read.no_data) arguments += " --nan outside";
   if (const auto up = convert::up_axis_of(creator)) arguments += fmt::format(" --up {}", word_of(*up));
   return fmt::format("isoextract {}{} --iso {} -o {}", shell_quoted(input), arguments, iso,
                      shell_quoted(batch::template_of(batch::stem_of(input)) + ".glb"));
@@ -60,7 +62,8 @@ FieldReport report_of(const InfoPlan& plan, const std::string& input, const Desc
   report.bytes = estimated_bytes(report.size);
   report.fits_one_mesh = fits_one_mesh(report.field);
   if (separates && report.fits_one_mesh) {
-    report.command = example_command(plan, input, described, report.suggestion.iso, report.field.creator);
+    report.command =
+        example_command(plan, input, described, report.suggestion.iso, report.statistics.nan > 0, report.field.creator);
   }
   return report;
 }
@@ -199,8 +202,10 @@ class InfoPage {
     }
     for (const std::string& note : found->notes) messages_.note(note);
     SequenceReport sequence{input, {}, std::move(found->gaps), plan_.input_arguments, {}, {}};
+    bool has_nan = false;
     for (const batch::Frame& frame : found->frames) {
       const InputReport report = look_at(plan_, frame.input, messages_);
+      has_nan = has_nan || (report.field && report.field->statistics.nan > 0);
       take_error(report);
       sequence.frames.push_back(summary_of(frame.number, report));
       if (!sequence.first_text.empty() || report.error) continue;
@@ -212,6 +217,7 @@ class InfoPage {
         sequence.arguments.insert(sequence.arguments.end(), {"--up", std::string(word_of(*up))});
       }
     }
+    if (has_nan && !plan_.read.no_data) sequence.arguments.emplace_back("--nan outside");
     tell_time(input, watch);
     add(sequence, sequence.first_text.empty());
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -152,6 +153,25 @@ void add_histogram(NamedLines& lines, const field::FieldStatistics& statistics) 
   }
 }
 
+// Of integers: labels, classes, masks.
+void add_distinct(NamedLines& lines, const field::FieldStatistics& statistics) {
+  constexpr std::size_t kMostShown = 64;
+  constexpr std::size_t kInARow = 4;
+  const std::size_t count = statistics.values.size();
+  if (count == 0) return;
+  const bool shows = count <= kMostShown;
+  lines.add("distinct",
+            fmt::format("{} values{}", count, shows ? ", and how often each occurs" : "; --json lists them"));
+  std::string row;
+  for (std::size_t i = 0; shows && i < count; ++i) {
+    const auto& [value, times] = statistics.values[i];
+    row += fmt::format("{:>12.9g}: {:<12}", value, times);
+    if ((i + 1) % kInARow != 0 && i + 1 != count) continue;
+    row.erase(row.find_last_not_of(' ') + 1);
+    lines.plain("    " + std::exchange(row, {}));
+  }
+}
+
 void add_values(NamedLines& lines, const FieldReport& report) {
   const field::FieldStatistics& statistics = report.statistics;
   if (statistics.samples > 0) {
@@ -169,6 +189,7 @@ void add_values(NamedLines& lines, const FieldReport& report) {
   if (statistics.nan + statistics.infinite > 0) {
     lines.add("not finite", fmt::format("{} not a number, {} infinite", statistics.nan, statistics.infinite));
   }
+  add_distinct(lines, statistics);
   add_histogram(lines, statistics);
 }
 
@@ -219,6 +240,9 @@ convert::Json json_of_values(const FieldReport& report) {
     json["percentiles"][std::to_string(field::FieldStatistics::kPercents[i])] = statistics.percentiles[i];
   }
   json["histogram"] = statistics.histogram;
+  if (statistics.values.empty()) return json;
+  json["distinct"] = convert::Json::array();
+  for (const auto& [value, count] : statistics.values) json["distinct"].push_back({{"value", value}, {"count", count}});
   return json;
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 // Rooms below name no options: in the text of their hints, "{component N}" stands for "--component N".
 std::string with_options(std::string text) {
-  for (const std::string_view name : {"component", "axis-order"}) {
+  for (const std::string_view name : {"component", "axis-order", "nan"}) {
     const std::string mark = fmt::format("{{{}", name);
     for (std::size_t at = text.find(mark); at != std::string::npos; at = text.find(mark, at)) {
       const std::size_t end = text.find('}', at);

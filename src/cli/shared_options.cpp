@@ -189,7 +189,7 @@ void declare_surface(const Group& group, SurfaceFlags& flags) {
               "Extract from a grid of so many samples over the same box, or one number for all axes: means of the "
               "input's samples along axes that get fewer, values between them along those that get more (default: the "
               "input's samples themselves). A sparse grid becomes dense: its active voxels and one of background "
-              "around them. --space index and --roi keep "
+              "around them. Of --labels the nearest samples. --space index and --roi keep "
               "the input's voxel coordinates, --error its voxels; those of --simplify are the grid's.");
   group.value("--voxel-size", "SX,SY,SZ", flags.voxel_size, parse_spacing,
               "In place of --resolution: the edges of that grid's voxels in units of the input's world, or one number "
@@ -197,7 +197,8 @@ void declare_surface(const Group& group, SurfaceFlags& flags) {
   group.choice("--kernel", flags.kernel,
                "What is between the input's samples where that grid is finer: a line from one to the next; a smooth "
                "curve through them (Catmull-Rom); or the cubic B-spline, which is smoother and not through them "
-               "(default: linear).");
+               "(default: linear). nearest takes the nearest sample, also where that grid is coarser: no value is made "
+               "that the input does not have. It is the one kernel of --labels.");
   group.values("--filter", "gaussian|median|mean", flags.filters, parse_filter,
                "Smooth a level set, of a VDB file or of --particles spheres or smooth, before anything else is done "
                "with it: each value is taken from those up to 1 voxel away or, as in gaussian:3, up to 3. Several "

@@ -25,13 +25,28 @@ Result<void> take_labels(ConvertFlags& flags) {
   if (flags.batch.iso_table) return refuse_usage("--labels and --iso-table exclude each other");
   if (has_all_labels(flags) && flags.output && flags.output->find("{iso}") != std::string::npos) {
     return refuse_usage("--labels all does not go with {iso} in -o: which labels there are is known once they are read",
-                        "list the labels, or write all into a glb");
+                        "list the labels, which 'isoextract info' shows, or write all into a glb");
   }
   flags.isos = *flags.labels;
   return {};
 }
 
 Result<void> plan_labels(const ConvertFlags& flags, convert::ConversionJob& job) {
+  if (!flags.labels) return {};
+  if (flags.input.inside) {
+    return refuse_usage("--inside does not go with --labels: inside are the samples of a label, which have no order",
+                        "leave --inside out");
+  }
+  if (flags.input.component && !flags.input.component->number) {
+    return refuse_usage("--component length does not go with --labels: a length of labels is no label",
+                        "choose one component with --component K");
+  }
+  if (flags.surface.kernel.value_or(field::ResampleKernel::nearest) != field::ResampleKernel::nearest) {
+    return refuse_usage(fmt::format("--kernel {} does not go with --labels: between two labels there is none",
+                                    word_of(*flags.surface.kernel)),
+                        "leave --kernel out: samples of another grid are the nearest ones of the label map");
+  }
+  if (job.source.resamples()) job.source.kernel = field::ResampleKernel::nearest;
   if (!flags.label_names) return {};
   const auto table = convert::LabelTable::read(*flags.label_names);
   if (!table) return tl::unexpected(table.error());

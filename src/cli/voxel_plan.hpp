@@ -15,7 +15,8 @@ namespace isoextract::cli {
 // without them.
 [[nodiscard]] Result<void> take_labels(ConvertFlags& flags);
 
-// The table of their names, which is read to see that it is one.
+// Into `job`, whose resolution is planned: labels are never averaged. Refused with options that have no meaning for
+// them. The table of their names is read to see that it is one.
 [[nodiscard]] Result<void> plan_labels(const ConvertFlags& flags, convert::ConversionJob& job);
 
 [[nodiscard]] bool has_all_labels(const ConvertFlags& flags);

@@ -69,6 +69,8 @@ class Conversion {
       if (auto done = write(output); !done) return done;
       ++output_;
     }
+    const auto& note_of_relaxing = extras_.note_of_relaxing;
+    if (const auto text = note_of_relaxing ? note_of_relaxing(outcome_.relaxations) : std::nullopt) events_.note(*text);
     if (sink_ != nullptr && sink_->wants_source()) sink_->take_source(std::move(source_));
     return {};
   }

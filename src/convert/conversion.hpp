@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "base/context.hpp"
@@ -22,6 +23,8 @@ struct OutcomeExtras {
   // Returns a note about the field that is read, in words that only the caller has; null: there is none. Every thread
   // that converts may call it.
   std::function<std::optional<std::string>(const field::ScalarField&)> note_of_field = nullptr;
+  // Returns a note about the volumes of the surface nets that were made; null, or nothing: there is none.
+  std::function<std::optional<std::string>(std::span<const RelaxRecord>)> note_of_relaxing = nullptr;
   // What is not to be overwritten, the job's own inputs among it; null: those alone.
   const files::ReadFiles* read = nullptr;
 };

@@ -116,6 +116,9 @@ struct SurfaceOptions {
   extract::VoxelFaces voxel_faces = extract::VoxelFaces::merged;
   std::uint64_t relaxations = extract::kUsualRelaxations;
 
+  // Whether vertices are moved from the corners of voxels.
+  [[nodiscard]] bool relaxes() const { return method == extract::Method::surface_nets && relaxations > 0; }
+
   friend bool operator==(const SurfaceOptions&, const SurfaceOptions&) = default;
 };
 

@@ -12,6 +12,7 @@
 #include "convert/mesh_error.hpp"
 #include "convert/mesh_packing.hpp"
 #include "convert/mesh_pieces.hpp"
+#include "convert/mesh_relax.hpp"
 #include "convert/mesh_simplify.hpp"
 #include "convert/mesh_smooth.hpp"
 #include "convert/outcome.hpp"
@@ -91,6 +92,7 @@ class Events {
   virtual void verified(const VerificationRecord&) {}
   virtual void carried(const CarriedAttributes&) {}  // told before the mesh is simplified
   virtual void picked(const PieceRecord&) {}         // pieces that stay, and then
+  virtual void relaxed(const RelaxRecord&) {}        // told of surface nets, before they are smoothed
   virtual void smoothed(const SmoothRecord&) {}
   virtual void simplified(const MeshSimplification&) {}
   virtual void coloured(const ColourRecord&) {}                              // and after it

@@ -66,7 +66,7 @@ Json json_of(const PieceRecord& record) {
 
 Result<edit::Sites> voxel_sites(const mesh::Mesh& mesh, const Source& source, const SurfaceOptions& surface,
                                 const Context& context) {
-  if (surface.method != extract::Method::surface_nets || surface.relaxations == 0) return edit::Sites();
+  if (!surface.relaxes()) return edit::Sites();
   const auto memory = context.reserve(mesh.positions.size_bytes(), mesh.name + ": the voxels of its components");
   if (!memory) return tl::unexpected(memory.error());
   const double on_plane = 2 * mesh::on_plane_distance(mesh::farthest_coordinate(mesh.positions.span()));

@@ -20,6 +20,7 @@
 #include "convert/mesh_error.hpp"
 #include "convert/mesh_packing.hpp"
 #include "convert/mesh_pieces.hpp"
+#include "convert/mesh_relax.hpp"
 #include "convert/mesh_simplify.hpp"
 #include "convert/mesh_smooth.hpp"
 #include "convert/particle_source.hpp"
@@ -177,6 +178,7 @@ struct Outcome {
   std::vector<AttributeRecord> attributes;
   std::vector<MeasuredError> errors;  // where they were measured, before the mesh is split into pieces
   std::vector<PieceRecord> pieces;
+  std::vector<RelaxRecord> relaxations;  // of closed surface nets
   std::vector<SmoothRecord> smoothings;
   std::vector<MeshSimplification> simplifications;
   std::vector<ColourRecord> colours;

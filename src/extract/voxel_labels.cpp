@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <utility>
@@ -19,11 +20,22 @@
 #include "extract/detail/voxel_mesh.hpp"
 #include "extract/sparse_blocks.hpp"
 #include "extract/voxels.hpp"
+#include "field/sample_value.hpp"
 
 namespace isoextract::extract {
 namespace {
 
 constexpr std::size_t kChunksATask = 256;
+
+// Samples that are not numbers and have no label.
+template <class T>
+bool is_no_number(T sample) {
+  if constexpr (field::is_floating_sample<T>) {
+    return std::isnan(static_cast<double>(sample));
+  } else {
+    return false;
+  }
+}
 
 // What a chunk holds of one label.
 struct LabelPart {
@@ -61,9 +73,11 @@ class LabelFilter {
 // The labels of one chunk after the other, up to the first sample that is no label.
 class ChunkLabels {
  public:
-  explicit ChunkLabels(const LabelFilter& filter) : filter_(filter) {}
+  ChunkLabels(const LabelFilter& filter, NanPolicy nan) : filter_(filter), nan_(nan) {}
 
   [[nodiscard]] const std::optional<WrongSample>& wrong() const { return wrong_; }
+  // How many samples were taken as outside, because they are not numbers.
+  [[nodiscard]] std::uint64_t nan_samples() const { return nan_samples_; }
 
   template <class T>
   void add(const SampleRows<T>& samples, const glm::ivec3& origin, ReservedList<LabelPart>& found) {
@@ -73,6 +87,11 @@ class ChunkLabels {
       if (row == nullptr) continue;
       for (int x = samples.begin; x < samples.end;) {
         const T label = row[x];
+        if (nan_ == NanPolicy::outside && is_no_number(label)) {
+          ++nan_samples_;
+          ++x;
+          continue;
+        }
         if (!is_label(label)) {
           const auto place = static_cast<int>(r);
           wrong_ = {static_cast<double>(label), origin + glm::ivec3(x, place & 7, place >> 3)};
@@ -106,6 +125,8 @@ class ChunkLabels {
   }
 
   const LabelFilter& filter_;
+  NanPolicy nan_;
+  std::uint64_t nan_samples_ = 0;
   std::vector<LabelPart> parts_;
   std::optional<WrongSample> wrong_;
 };
@@ -122,7 +143,7 @@ class SparseRows {
       const std::int32_t stored = lookup_.place(origin + glm::ivec3(kBlockSize * place, 0, 0));
       const T* block =
           stored >= 0 ? static_cast<const T*>(samples_.blocks[static_cast<std::size_t>(stored)].values) : nullptr;
-      const T constant = block == nullptr ? sample_from<T>(lookup_.constant_of(stored)) : T{};
+      const T constant = block == nullptr ? field::sample_from<T>(lookup_.constant_of(stored)) : T{};
       for (int x = 0; x < kBlockSize; ++x) {
         for (int y = 0; y < kBlockSize; ++y) {
           for (int z = 0; z < kBlockSize; ++z) {
@@ -173,30 +194,47 @@ std::string text_of_sample(double value) {
 
 tl::unexpected<Error> refuse_sample(const field::ScalarField& field, double value, const std::string& place) {
   const double most = visit_sample_type(field.type(), []<class T>(std::type_identity<T>) { return most_label<T>(); });
+  // Integers of 64 bits are held as f64, too.
+  const bool is_double = field.type() == field::SampleType::f64;
+  const bool is_large = std::abs(value) > most;
   return fail(
       ErrorKind::input,
       fmt::format("{}: expected the samples of a label map, whole numbers from -{} to {} where they are {}, found "
                   "{} {}",
-                  field.source, text_of_sample(most), text_of_sample(most), field::sample_type_name(field.type()),
+                  field.source, text_of_sample(most), text_of_sample(most),
+                  is_double ? "f64, or integers of 64 bits" : field::sample_type_name(field.type()),
                   text_of_sample(value), place),
-      std::abs(value) > most ? "write the labels as integers" : "");
+      std::isnan(value)       ? Hint("give {nan outside}: then they are outside, and no label")
+      : is_large && is_double ? Hint("renumber the labels: beyond 2^53 doubles do not tell every id from the next")
+      : is_large              ? Hint("write the labels as integers")
+                              : Hint());
+}
+
+// A label, or taken as outside. The samples that a sparse field has between blocks are numbers of its type.
+bool has_place(const field::SparseSamples& sparse, double value, NanPolicy nan) {
+  if (std::isnan(value)) return nan == NanPolicy::outside;
+  return visit_sample_type(sparse.type,
+                           [&]<class T>(std::type_identity<T>) { return is_label(field::sample_from<T>(value)); });
 }
 
 // The values that a sparse field has without storing them sample by sample.
-Result<void> check_constants(const field::ScalarField& field, const field::SparseSamples& sparse) {
-  return visit_sample_type(sparse.type, [&]<class T>(std::type_identity<T>) -> Result<void> {
-    const auto is_one = [](double value) { return is_label(sample_from<T>(value)); };
-    if (!is_one(sparse.background)) return refuse_sample(field, sparse.background, "as the background");
-    for (const field::SparseTile& tile : sparse.tiles) {
-      if (is_one(tile.value)) continue;
-      const glm::ivec3& at = tile.origin;
-      return refuse_sample(field, tile.value, fmt::format("in the tile at ({}, {}, {})", at.x, at.y, at.z));
-    }
-    return {};
-  });
+Result<void> check_constants(const field::ScalarField& field, const field::SparseSamples& sparse, NanPolicy nan) {
+  if (!has_place(sparse, sparse.background, nan)) return refuse_sample(field, sparse.background, "as the background");
+  for (const field::SparseTile& tile : sparse.tiles) {
+    if (has_place(sparse, tile.value, nan)) continue;
+    const glm::ivec3& at = tile.origin;
+    return refuse_sample(field, tile.value, fmt::format("in the tile at ({}, {}, {})", at.x, at.y, at.z));
+  }
+  return {};
 }
 
-Result<void> check_label_map(const field::ScalarField& field, const LabelChoice& choice) {
+// The label that a sparse field has all around; nothing where it has none.
+std::optional<std::int64_t> label_around(const field::SparseSamples* sparse) {
+  if (sparse == nullptr || std::isnan(sparse->background)) return std::nullopt;
+  return static_cast<std::int64_t>(sparse->background);
+}
+
+Result<void> check_label_map(const field::ScalarField& field, const LabelChoice& choice, NanPolicy nan) {
   if (!field.scale.is_identity()) {
     return fail(ErrorKind::usage,
                 fmt::format("{}: expected samples that are labels as they are stored, found a scale of {} and {}",
@@ -204,11 +242,11 @@ Result<void> check_label_map(const field::ScalarField& field, const LabelChoice&
   }
   const auto* sparse = std::get_if<field::SparseSamples>(&field.samples);
   if (sparse == nullptr) return {};
-  if (auto whole = check_constants(field, *sparse); !whole || choice.all) return whole;
-  const auto around = static_cast<std::int64_t>(sparse->background);
-  if (std::ranges::find(choice.values, around) == choice.values.end()) return {};
+  if (auto whole = check_constants(field, *sparse, nan); !whole || choice.all) return whole;
+  const auto around = label_around(sparse);
+  if (!around || std::ranges::find(choice.values, *around) == choice.values.end()) return {};
   return fail(ErrorKind::usage,
-              fmt::format("{}: label {} is the background of a sparse grid, which has no end", field.source, around));
+              fmt::format("{}: label {} is the background of a sparse grid, which has no end", field.source, *around));
 }
 
 }  // namespace
@@ -221,6 +259,7 @@ struct LabelVoxels::Found {
   std::vector<std::int64_t> labels;
   std::vector<std::string> notes;
   std::optional<LabelFilter> filter;
+  NanPolicy nan = NanPolicy::error;
   std::optional<NetPoints> net;  // of surface nets
   glm::ivec3 base{0};
   field::IndexBox region;
@@ -230,6 +269,7 @@ struct LabelVoxels::Found {
   std::vector<Reservation> memory;
   std::vector<ReservedList<LabelPart>> tasks;
   std::vector<std::optional<WrongSample>> wrong;                // of each task the first
+  std::vector<std::uint64_t> nan_samples;                       // of each task
   std::map<std::int64_t, std::vector<const LabelPart*>> parts;  // in chunk_order()
 
   // Fills `tasks`: add(labels, begin, end, list) for portions of `count` chunks.
@@ -243,12 +283,14 @@ struct LabelVoxels::Found {
     tasks.reserve(portions);
     for (std::size_t p = 0; p < portions; ++p) tasks.emplace_back(context, what);
     wrong.assign(portions, std::nullopt);
+    nan_samples.assign(portions, 0);
     context.progress().begin("finding labels", portions);
     tbb::parallel_for(std::size_t{0}, portions, [&](std::size_t p) {
       if (context.cancelled()) return;
-      ChunkLabels chunk(*filter);
+      ChunkLabels chunk(*filter, nan);
       add(chunk, kChunksATask * p, std::min(kChunksATask * (p + 1), count), tasks[p]);
       wrong[p] = chunk.wrong();
+      nan_samples[p] = chunk.nan_samples();
       context.progress().advance(1);
     });
   }
@@ -266,6 +308,7 @@ struct LabelVoxels::Found {
               chunk.add(dense_rows(view, grid.origin(n)), grid.origin(n), list);
           });
     });
+    stats.nan_samples = std::reduce(nan_samples.begin(), nan_samples.end());
   }
 
   [[nodiscard]] Result<void> find_sparse(const field::ScalarField& field, const field::SparseSamples& samples,
@@ -323,7 +366,9 @@ struct LabelVoxels::Found {
   [[nodiscard]] std::optional<std::int64_t> label_of_tile(const glm::ivec3& origin) const {
     const std::int32_t place = lookup->place(origin);
     if (place >= field::SparseLookup::kBackground || !is_in(region, origin)) return std::nullopt;
-    const auto label = static_cast<std::int64_t>(lookup->constant_of(place));
+    const double constant = lookup->constant_of(place);
+    if (std::isnan(constant)) return std::nullopt;
+    const auto label = static_cast<std::int64_t>(constant);
     return (*filter)(label) ? std::optional(label) : std::nullopt;
   }
 
@@ -352,7 +397,7 @@ struct LabelVoxels::Found {
 
 Result<LabelVoxels> LabelVoxels::find(const field::ScalarField& field, const ExtractOptions& options,
                                       const LabelChoice& choice, const Context& context) {
-  if (auto sound = check_label_map(field, choice); !sound) return tl::unexpected(sound.error());
+  if (auto sound = check_label_map(field, choice, options.nan); !sound) return tl::unexpected(sound.error());
   if (auto sound = check_request(field, options); !sound) return tl::unexpected(sound.error());
   const Stopwatch watch;
   const auto* dense = std::get_if<field::DenseSamples>(&field.samples);
@@ -373,8 +418,8 @@ Result<LabelVoxels> LabelVoxels::find(const field::ScalarField& field, const Ext
   const OutputFrame frame = voxel_frame(field, options, stored, options.region ? region : stored);
   auto found = std::make_shared<Found>(field.source + ": the voxels of its labels", region, frame);
   const bool nets = options.method == Method::surface_nets;
-  found->filter.emplace(
-      choice, nets, sparse != nullptr ? std::optional(static_cast<std::int64_t>(sparse->background)) : std::nullopt);
+  found->filter.emplace(choice, nets, label_around(sparse));
+  found->nan = options.nan;
   if (dense != nullptr) {
     found->find_dense(*dense, context);
   } else if (auto done = found->find_sparse(field, *sparse, context); !done) {
@@ -387,9 +432,9 @@ Result<LabelVoxels> LabelVoxels::find(const field::ScalarField& field, const Ext
   const bool floats =
       visit_sample_type(field.type(), []<class T>(std::type_identity<T>) { return field::is_floating_sample<T>; });
   if (floats) {
-    found->notes.push_back(
-        fmt::format("{}: all of its samples, held as {}, are whole numbers: they are taken as labels", field.source,
-                    field::sample_type_name(field.type())));
+    found->notes.push_back(fmt::format(
+        "{}: all of its samples{}, held as {}, are whole numbers: they are taken as labels", field.source,
+        found->stats.nan_samples > 0 ? " but those that are not numbers" : "", field::sample_type_name(field.type())));
   }
   found->stats.classify = watch.elapsed();
   return LabelVoxels(std::move(found));

@@ -31,7 +31,8 @@ class LabelVoxels {
  public:
   // Of the region in `options`, whose iso value plays no part; for surface nets with the net of all labels there are,
   // whichever are asked for, so that the choice changes no mesh. What is found is reserved for as long as it lives.
-  // Floating-point samples are labels where all of the region are whole numbers, up to which their type has every one.
+  // Floating-point samples are labels where all of the region are whole numbers, up to which their type has every one;
+  // with NanPolicy::outside, NaN has no label.
   // Fails with ErrorKind::usage where a scale makes something else of the samples, and for a label that a sparse field
   // has all around; with ErrorKind::input where a sample is no label or memory runs out; with ErrorKind::cancelled.
   [[nodiscard]] static Result<LabelVoxels> find(const field::ScalarField& field, const ExtractOptions& options,

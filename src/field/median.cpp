@@ -8,6 +8,7 @@
 
 #include "field/blur.hpp"
 #include "field/detail/blurred_samples.hpp"
+#include "field/sample_value.hpp"
 
 namespace isoextract::field {
 namespace {
@@ -65,15 +66,6 @@ Result<Samples> median_dense(const ScalarField& field, const DenseSamples& data,
   return blurred;
 }
 
-// Of a number that was one.
-template <class T>
-T sample_of(double value) {
-  if constexpr (std::is_same_v<T, Half>)
-    return Half(static_cast<float>(value));
-  else
-    return static_cast<T>(value);
-}
-
 template <class T>
 void median_block(int width, const glm::ivec3& dims, const double* values, T* block) {
   std::vector<double> window;
@@ -87,7 +79,7 @@ void median_block(int width, const glm::ivec3& dims, const double* values, T* bl
     for (int y = 0; y < kBlurBlockSide; ++y) {
       for (int z = 0; z < kBlurBlockSide; ++z, ++block) {
         const double here = *value(x + width, y + width, z + width);
-        *block = sample_of<T>(here);
+        *block = sample_from<T>(here);
         if (std::isnan(here)) continue;
         window.clear();
         for (int i = x; i <= x + 2 * width; ++i) {
@@ -96,7 +88,7 @@ void median_block(int width, const glm::ivec3& dims, const double* values, T* bl
                          [](double v) { return !std::isnan(v); });
           }
         }
-        *block = sample_of<T>(median_of(window));
+        *block = sample_from<T>(median_of(window));
       }
     }
   }

@@ -17,6 +17,7 @@
 #include "base/checked.hpp"
 #include "base/reserved_buffer.hpp"
 #include "field/detail/axis_weights.hpp"
+#include "field/sample_value.hpp"
 #include "field/sparse_lookup.hpp"
 
 namespace isoextract::field {
@@ -179,9 +180,9 @@ class RowCache {
 // The weights along x, y and z.
 using Weights = std::array<AxisWeights, 3>;
 
-template <class T>
+template <class T, class Value>
 void fill(const SourceRows<T>& source, const glm::ivec3& old_dims, const glm::ivec3& dims, const Weights& weights,
-          Resampled<T>* values, const Context& context) {
+          Value* values, const Context& context) {
   constexpr int kRows = 64;  // of a new plane, in one go
   const AxisWeights& along_x = weights[0];
   const AxisWeights& along_y = weights[1];
@@ -208,11 +209,11 @@ void fill(const SourceRows<T>& source, const glm::ivec3& old_dims, const glm::iv
       });
     };
     std::vector<double> row(width);
-    Resampled<T>* out = values + static_cast<std::int64_t>(dims.x) * (first + static_cast<std::int64_t>(dims.y) * k);
+    Value* out = values + static_cast<std::int64_t>(dims.x) * (first + static_cast<std::int64_t>(dims.y) * k);
     for (int j = first; j < end; ++j) {
       combine_rows(along_y, along_y.of(j), plane_row, y_sums, row);
       for (int i = 0; i < dims.x; ++i) {
-        *out++ = static_cast<Resampled<T>>(combine_samples(along_x, along_x.of(i), row));
+        *out++ = sample_from<Value>(combine_samples(along_x, along_x.of(i), row));
       }
     }
     context.progress().advance(1);
@@ -267,7 +268,7 @@ Result<void> check_has_steps(const ScalarField& field, std::string_view what) {
                                             what, dims_text(dense->dims)));
 }
 
-template <class T>
+template <class T, class Value>
 Result<ScalarField> resampled(const ScalarField& field, const glm::ivec3& resolution, ResampleKernel kernel,
                               const Context& context) {
   const auto* sparse = std::get_if<SparseSamples>(&field.samples);
@@ -278,7 +279,6 @@ Result<ScalarField> resampled(const ScalarField& field, const glm::ivec3& resolu
   const bool same = sparse == nullptr && old_dims == resolution;
   if (same && kernel != ResampleKernel::bspline) return result;
 
-  using Value = Resampled<T>;
   const glm::u64vec3 counts(resolution);
   const std::uint64_t count = checked_product(counts.x, counts.y, counts.z).value_or(~std::uint64_t{0});
   const std::string size =
@@ -296,7 +296,7 @@ Result<ScalarField> resampled(const ScalarField& field, const glm::ivec3& resolu
   samples.dims = resolution;
   const glm::dvec3 extent(old_dims);
   const bool means = sparse == nullptr || extent.x * extent.y * extent.z <= kMostForMeans;
-  if (!means && glm::any(glm::lessThan(resolution, old_dims))) {
+  if (!means && kernel != ResampleKernel::nearest && glm::any(glm::lessThan(resolution, old_dims))) {
     result.notes.push_back(
         fmt::format("{}: {} voxels are too many for means; the samples of the new grid are values of "
                     "the interpolant at their places",
@@ -329,8 +329,10 @@ Result<ScalarField> resample(const ScalarField& field, const glm::ivec3& resolut
   if (auto checked = check_has_steps(field, "another resolution"); !checked) {
     return tl::unexpected(std::move(checked.error()));
   }
-  return visit_sample_type(
-      field.type(), [&]<class T>(std::type_identity<T>) { return resampled<T>(field, resolution, kernel, context); });
+  return visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) {
+    return kernel == ResampleKernel::nearest ? resampled<T, T>(field, resolution, kernel, context)
+                                             : resampled<T, Resampled<T>>(field, resolution, kernel, context);
+  });
 }
 
 Result<glm::ivec3> resolution_of_voxel_size(const ScalarField& field, const glm::dvec3& voxel_size) {

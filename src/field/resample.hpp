@@ -17,10 +17,11 @@ enum class ResampleKernel {
   linear,   // the line through the two samples beside it
   cubic,    // Catmull and Rom 1974: through the samples, smooth across them; it may overshoot beside steps
   bspline,  // the cubic B-spline with the samples as its coefficients: smoother, not through the samples
+  nearest,  // the nearest sample, of two the lower one; also where the grid becomes coarser: ids are never averaged
 };
 constexpr auto words_of(ResampleKernel /*type*/) {
   return std::array{Word{ResampleKernel::linear, "linear"}, Word{ResampleKernel::cubic, "cubic"},
-                    Word{ResampleKernel::bspline, "bspline"}};
+                    Word{ResampleKernel::bspline, "bspline"}, Word{ResampleKernel::nearest, "nearest"}};
 }
 
 // `field` on a dense grid of `resolution` samples that covers the same box: along each axis its first sample is the
@@ -44,6 +45,8 @@ constexpr auto words_of(ResampleKernel /*type*/) {
 // Only samples that count have a say. But for cubic, a value lies between the least and the greatest of them, also
 // where their difference leaves the range of numbers. NaN among them gives NaN, infinity gives that infinity, and both
 // infinities give NaN; beside such samples all kernels are linear.
+//
+// With ResampleKernel::nearest each new sample is one of the field's and has its type, whatever the resolution.
 //
 // Sparse samples are everywhere, so their box is that of the active voxels and of all stored values that are not the
 // background, with one voxel more on each side: there and beyond all is background. They become dense, and a note says

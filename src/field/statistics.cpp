@@ -166,6 +166,28 @@ Histogram measure_histogram(const ScalarField& field, const Range& range, Progre
   return histogram;
 }
 
+// How far apart integers of 32 bits may be that are counted one by one, as those of 16 bits are.
+constexpr double kCountedWidth = 0x1p16;
+
+// Each value that occurs, of integers whose range is narrow.
+template <class T>
+std::vector<CountedValue> count_values(const ScalarField& field, const Range& range, Progress* progress) {
+  const auto size = static_cast<std::size_t>(range.max - range.min) + 1;
+  const auto place = [&](double value) { return static_cast<std::size_t>(value - range.min); };
+  std::vector<std::uint64_t> counts = count_samples<T>(
+      field.samples, size,
+      [&](std::vector<std::uint64_t>& part, std::span<const T> values) {
+        for (const T value : values) ++part[place(static_cast<double>(value))];
+      },
+      progress);
+  for_each_tile(field.samples, [&](double value, std::uint64_t voxels) { counts[place(value)] += voxels; });
+  std::vector<CountedValue> values;
+  for (std::size_t n = 0; n < size; ++n) {
+    if (counts[n] > 0) values.emplace_back(range.min + static_cast<double>(n), counts[n]);
+  }
+  return values;
+}
+
 double interpolate(double min, double max, double position) { return min * (1 - position) + max * position; }
 
 void describe(const Range& range, const Histogram& histogram, FieldStatistics& statistics) {
@@ -182,7 +204,7 @@ std::array<Percent, FieldStatistics::kPercents.size()> told_percents() {
   return percents;
 }
 
-FieldStatistics statistics_of(std::vector<CountedValue> values) {
+FieldStatistics statistics_of(std::vector<CountedValue> values, bool are_integers) {
   FieldStatistics statistics;
   Range range;
   for (const auto& [value, count] : values) range.add(value, count);
@@ -196,6 +218,7 @@ FieldStatistics statistics_of(std::vector<CountedValue> values) {
   for (const auto& [value, count] : values) histogram.add(position_of(value), count);
   describe(range, histogram, statistics);
   std::ranges::copy(percentiles_of(values, range.finite, told_percents()), statistics.percentiles.begin());
+  if (are_integers && values.size() <= FieldStatistics::kMostValues) statistics.values = std::move(values);
   return statistics;
 }
 
@@ -254,10 +277,16 @@ Range whole_range(const ScalarField& field, const FieldStatistics& statistics) {
 FieldStatistics measure_statistics(const ScalarField& field, Progress* progress, WithPercentiles percentiles) {
   return visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) {
     if constexpr (kCountable<T>) {
-      return statistics_of(Tally<T>(field.samples, progress).values(field.scale));
+      return statistics_of(Tally<T>(field.samples, progress).values(field.scale), std::is_integral_v<T>);
     } else {
       FieldStatistics statistics;
       const Range range = measure_range<T>(field, progress);
+      if constexpr (std::is_integral_v<T>) {
+        const bool is_narrow = range.finite > 0 && range.max - range.min < kCountedWidth;
+        if (is_narrow && field.scale.is_identity()) {
+          return statistics_of(count_values<T>(field, range, progress), true);
+        }
+      }
       statistics.samples = range.finite;
       statistics.nan = range.nan;
       statistics.infinite = range.infinite;

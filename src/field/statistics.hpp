@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/progress.hpp"
@@ -21,6 +22,10 @@ struct FieldStatistics {
   double min = 0;
   double max = 0;
   double mean = 0;
+  // Each value and how often it occurs, in rising order: of integers that have up to 16 bits, or 32 and are stored as
+  // their values and less than 2^16 apart, where there are at most kMostValues of them. Empty of all else.
+  std::vector<std::pair<double, std::uint64_t>> values;
+  static constexpr std::size_t kMostValues = 256;
   std::vector<std::uint64_t> histogram;  // 1024 equal bins over [min, max]; empty if there is no finite sample
 
   // By kPercents: the least of the samples that so many percent of them do not exceed.

@@ -57,6 +57,13 @@ class DocumentsTest(ProgramTest):
             self.assertRegex(formats, rf"\n  {name} ")
         self.assertIn("demo:gyroid", self.text("help", "demo"))
 
+    def test_help_says_where_a_file_has_its_placement(self):
+        """As docs/formats.md does, and as compare reads it: binary STL has it in its header."""
+        coordinates = " ".join(self.text("help", "coordinates").split())
+        self.assertIn("binary stl does so in its header, as far as 80 bytes reach", coordinates)
+        self.convert(SOURCE / "samples" / "metaballs.vdb", "--iso", "0.5", "--scale", "2", "-o", "a.stl")
+        self.assertIn(b"scale", (self.folder / "a.stl").read_bytes()[:80])
+
     def test_question_marks_of_examples_are_quoted(self):
         """A shell may take them for patterns, and zsh ends there."""
         man = self.text("generate", "man").replace("\\(aq", "'")

@@ -126,6 +126,42 @@ class InfoTest(ProgramTest):
         self.assertEqual(report["field"]["values"]["nan"], 1)
         self.assertEqual(report["field"]["values"]["infinite"], 2)
 
+    def test_the_command_of_a_volume_with_nan_works(self):
+        self.write_raw("gap_1.raw", (8, 8, 8), lambda x, y, z: math.nan if x == 0 else float(x + y), "f")
+        self.write_raw("gap_2.raw", (8, 8, 8), lambda x, y, z: math.nan if x == 0 else float(x + y), "f")
+        for words in (("gap_1.raw",), ("gap_{}.raw",), ("gap_1.raw", "--nodata", "9")):
+            (report,) = json.loads(self.convert("info", "--json", *words, "--dims", "8,8,8", "--dtype", "f32").text)
+            suggestion = report["suggestion"] if "{" in words[0] else report["field"]["suggestion"]
+            self.assertEqual("--nan outside" in suggestion["command"], "--nodata" not in words)
+            command = suggestion["command"].replace("isoextract", f"'{PROGRAM}'", 1)
+            run = subprocess.run(["bash", "-c", command], cwd=self.folder, capture_output=True, check=False, timeout=60)
+            self.assertEqual(run.returncode, 0, run.stderr)
+
+    def test_values_of_labels(self):
+        """Each value of integers, where there are few, and how often it occurs."""
+        def label(x, y, z):
+            return 1004 if x == 7 else 8 if x == y else 0
+
+        counts = [(0, 448 - 56), (8, 56), (1004, 64)]
+        for dtype, typecode in (("i16", "h"), ("u16", "H"), ("i32", "i"), ("u32", "I")):
+            self.write_raw("map.raw", (8, 8, 8), label, typecode)
+            (report,) = self.json("map.raw", "--dims", "8,8,8", "--dtype", dtype)
+            values = report["field"]["values"]
+            self.assertEqual([(one["value"], one["count"]) for one in values["distinct"]], counts)
+            self.assertEqual((values["min"], values["max"], values["percentiles"]["50"]), (0, 1004, 0))
+            self.assertEqual(sum(values["histogram"]), 512)
+        text = self.info("map.raw", "--dims", "8,8,8", "--dtype", "u32")
+        self.assertIn("distinct      3 values, and how often each occurs\n", text)
+        self.assertRegex(text, r"\n +0: 392 +8: 56 +1004: 64\n")
+        # Of more values none is listed, nor of numbers that are no integers.
+        self.write_raw("map.raw", (8, 8, 8), lambda x, y, z: x + 8 * y + 64 * z, "H")
+        self.assertNotIn("distinct", self.json("map.raw", "--dims", "8,8,8", "--dtype", "u16")[0]["field"]["values"])
+        self.assertNotIn("distinct", self.json(*RAMP)[0]["field"]["values"])
+        self.write_raw("map.raw", (8, 8, 8), lambda x, y, z: x + 8 * y, "H")
+        self.assertIn("64 values, and", self.info("map.raw", "--dims", "8,8,8", "--dtype", "u16"))
+        self.write_raw("map.raw", (8, 8, 8), lambda x, y, z: x + 8 * y + (64 if z else 0), "H")
+        self.assertIn("128 values; --json lists them", self.info("map.raw", "--dims", "8,8,8", "--dtype", "u16"))
+
     def test_only_nan(self):
         self.write_raw("nan.raw", (4, 5, 6), lambda x, y, z: math.nan)
         text = self.info("nan.raw", *RAMP[1:])

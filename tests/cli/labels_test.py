@@ -5,7 +5,8 @@ import gzip
 import json
 import struct
 
-from support import DATA, NO_GPU, SPHERE, ProgramTest, main, needs_data, read_glb, read_obj, read_stl
+from support import (
+    DATA, NO_GPU, SOURCE, SPHERE, ProgramTest, main, needs_data, read_glb, read_obj, read_ply, read_stl)
 
 ITK_SNAP = '# labels\n1 255 0 0 1 1 1 "Left kidney"\n5 0 255 0 1 1 1 "Tumour"\n6 0 0 255 1 1 1 "not there"\n'
 FREE_SURFER = "#No. Label Name: R G B A\n1  Left-Kidney  0 0 255 0\n5  Tumour  255 255 0 0\n"
@@ -249,11 +250,16 @@ class LabelsTest(ProgramTest):
                 ("q", 2 ** 53 + 1, "exact as doubles, as those up to 2^53 are, found 9007199254740993 at sample (1, 1, 2)"),
                 ("Q", 2 ** 64 - 1, "found 18446744073709551615 at sample (1, 1, 2)"),
                 ("q", 2 ** 60, "found 1152921504606846976 at sample (1, 1, 2)"),
+                ("Q", 2 ** 53 + 2, "f64, or integers of 64 bits, found 9007199254740994 at sample (1, 1, 2)"),
                 ("f", 2 ** 24 + 2, "from -16777216 to 16777216 where they are f32, found 16777218 at sample (1, 1, 2)"),
                 ("f", 7.5, "where they are f32, found 7.5 at sample (1, 1, 2)"),
                 ("d", float("nan"), "found nan at sample (1, 1, 2)")):
             self.write_npy("wide.npy", typecode, block(label))
-            self.assert_fails(2, self.run_program("wide.npy", "--labels", "all", "-o", "x.glb"), found)
+            run = self.run_program("wide.npy", "--labels", "all", "-o", "x.glb")
+            self.assert_fails(2, run, found)
+            if typecode in "qQ":
+                self.assertIn("renumber", run.err)
+                self.assertNotIn("as integers", run.err)
 
     def test_notes_say_what_does_not_apply(self):
         run = self.convert(*self.map, "--labels", "1", "--cap", "--error", "-o", "x.ply")
@@ -274,6 +280,70 @@ class LabelsTest(ProgramTest):
     def test_a_mask_by_its_iso_value(self):
         self.convert(*self.map, "--iso", "0", "--method", "surface-nets", "-o", "m.obj")
         self.assertEqual(read_obj((self.folder / "m.obj").read_bytes()).open_edges(), 0)
+
+    def test_another_grid_has_no_label_that_the_map_does_not_have(self):
+        """Each sample of it is the nearest one: means of ids 8 and 16 would be 12, and other labels."""
+        def label(x, y, z):
+            if not (4 <= x < 12 and 4 <= y < 12):
+                return 0
+            return 8 if 4 <= z < 10 else 16 if 10 <= z < 13 else 0
+
+        for dtype, typecode in (("u8", "B"), ("u16", "H"), ("i32", "i"), ("f32", "f")):
+            self.write_raw("ids.raw", (16, 16, 16), label, typecode)
+            volume = ("ids.raw", "--dims", "16,16,16", "--dtype", dtype)
+            for grid in (("--resolution", "31"), ("--resolution", "9"), ("--voxel-size", "0.5"), ("--voxel-size", "0.4"),
+                         ("--resolution", "31", "--kernel", "nearest")):
+                self.convert(*volume, "--labels", "all", *grid, "-o", "a.glb")
+                self.assertEqual(list(read_glb((self.folder / "a.glb").read_bytes())), ["ids label 8", "ids label 16"])
+        # Samples half as far apart: eight times as many of each label, an eighth as large.
+        self.convert(*volume, "--labels", "8", "--relax", "0", "--resolution", "31", "-o", "a.ply", "--report", "r.json")
+        report = json.loads((self.folder / "r.json").read_text())
+        self.assertEqual(report["options"]["kernel"], "nearest")
+        self.assertAlmostEqual(report["meshes"][0]["volume"], 8 * 8 * 6, delta=1e-3)
+        self.assertEqual(self.run_program("verify", *volume, "--labels", "8", "--relax", "0", "--resolution", "31",
+                                          "a.ply").code, 0)
+
+    def test_sparse_labels_on_another_grid(self):
+        run = self.convert(SOURCE / "samples" / "metaballs.vdb", "--iso", "0.5", "--kernel", "nearest",
+                           "--resolution", "20", "-o", "a.ply")
+        self.assertIn("its sparse samples become", run.err)
+        self.assertEqual(read_ply((self.folder / "a.ply").read_bytes()).open_edges(), 0)
+
+    def test_options_that_mean_nothing_to_labels_are_refused(self):
+        for options, words in ((("--inside", "below"), "--inside does not go with --labels"),
+                               (("--inside", "above"), "--inside does not go with --labels"),
+                               (("--component", "length"), "--component length does not go with --labels"),
+                               (("--blur", "1"), "--blur does not go with --labels"),
+                               (("--resolution", "9", "--kernel", "cubic"), "--kernel cubic does not go with --labels"),
+                               (("--resolution", "9", "--kernel", "linear"), "--kernel linear does not go with")):
+            self.assert_fails(1, self.run_program(*self.map, "--labels", "all", *options, "-o", "x.glb"), words)
+
+    def test_samples_without_data_have_no_label(self):
+        def label(x, y, z, no_data):
+            return no_data if x == 0 else 3 if 4 <= min(x, y, z) and max(x, y, z) < 10 else 0
+
+        def made(*arguments):
+            run = self.convert("gaps.raw", "--dims", "12,12,12", *arguments, "--labels", "all", "-o", "g.glb")
+            return read_glb((self.folder / "g.glb").read_bytes()), run.err
+
+        self.write_raw("gaps.raw", (12, 12, 12), lambda x, y, z: label(x, y, z, 0), "B")
+        expected, _ = made()
+        self.write_raw("gaps.raw", (12, 12, 12), lambda x, y, z: label(x, y, z, float("nan")), "f")
+        nan = ("--dtype", "f32")
+        self.assert_fails(2, self.run_program("gaps.raw", "--dims", "12,12,12", *nan, "--labels", "all", "-o", "x.glb"),
+                          "found nan at sample (0, 0, 0)", "--nan outside")
+        self.assertEqual(made(*nan, "--nan", "outside")[0]["gaps label 3"].vertices, expected["gaps label 3"].vertices)
+        for method in ("surface-nets", "voxels"):
+            meshes, told = made(*nan, "--nan", "outside", "--method", method, "--explain")
+            self.assertEqual(list(meshes), ["gaps label 3"])
+            self.assertIn("samples but those that are not numbers, held as f32, are whole numbers", told)
+            self.assertIn("144 samples that are not numbers", told)
+        for typecode, dtype in (("B", "u8"), ("H", "u16"), ("i", "i32")):
+            self.write_raw("gaps.raw", (12, 12, 12), lambda x, y, z: label(x, y, z, 255), typecode)
+            meshes, told = made("--dtype", dtype, "--nodata", "255")
+            self.assertEqual(list(meshes), ["gaps label 3"])
+            self.assertEqual(meshes["gaps label 3"].vertices, expected["gaps label 3"].vertices)
+            self.assertIn("144 of 1728 samples are 255", told)
 
     def test_threads_change_no_byte(self):
         files = set()

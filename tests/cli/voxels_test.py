@@ -141,7 +141,9 @@ class VoxelsTest(ProgramTest):
         self.assertIn("exclude each other", self.refused(*self.labels, "--iso", "0", "--no-merge", "--t-junctions"))
         for option in ("--no-merge", "--t-junctions"):
             self.assertIn(f"{option} does not go with marching cubes", self.refused(SPHERE, "--iso", "0", option))
-        self.assertIn("one stl file holds one surface, and all labels may be several", self.run_program(*self.labels, "--labels", "all", "-o", "x.stl").err)
+        run = self.run_program(*self.labels, "--labels", "all", "-o", "x.stl")
+        self.assert_fails(1, run, "one stl file holds one surface, and all labels may be several",
+                          "list the labels, which 'isoextract info' shows, and put {iso} into the name")
         self.assertIn("one stl file holds one surface, found 2 labels", self.run_program(*self.labels, "--labels", "1,5", "-o", "x.stl").err)
 
     def test_the_gpu_does_not_have_it(self):

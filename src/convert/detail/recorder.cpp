@@ -114,6 +114,12 @@ void Recorder::picked(const PieceRecord& record) {
   listener_.picked(record);
 }
 
+void Recorder::relaxed(const RelaxRecord& record) {
+  outcome_.relaxations.push_back(record);
+  outcome_.relaxations.back().grid = grid_;
+  listener_.relaxed(record);
+}
+
 void Recorder::smoothed(const SmoothRecord& record) {
   outcome_.stages.push_back({StageName::smooth, record.iso, record.facts.time});
   outcome_.smoothings.push_back(record);

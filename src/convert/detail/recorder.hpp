@@ -29,6 +29,7 @@ class Recorder final : public Events {
   void verified(const VerificationRecord& record) override;
   void carried(const CarriedAttributes& attributes) override;
   void picked(const PieceRecord& record) override;
+  void relaxed(const RelaxRecord& record) override;
   void smoothed(const SmoothRecord& record) override;
   void simplified(const MeshSimplification& simplification) override;
   void coloured(const ColourRecord& record) override;

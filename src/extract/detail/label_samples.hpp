@@ -12,16 +12,6 @@
 
 namespace isoextract::extract {
 
-// The sample that a field holds as `value`, such as a background.
-template <class T>
-[[nodiscard]] T sample_from(double value) {
-  if constexpr (std::is_same_v<T, field::Half>) {
-    return field::Half(static_cast<float>(value));
-  } else {
-    return static_cast<T>(value);
-  }
-}
-
 // A sample that is no label.
 struct WrongSample {
   double value = 0;

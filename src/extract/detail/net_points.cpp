@@ -17,8 +17,8 @@ namespace isoextract::extract {
 namespace {
 
 // How far points move of the way to the mean of their neighbours, and back: what a round takes from the steps between
-// voxels, it leaves to the shape, and volumes keep their size (Taubin: A signal processing approach to fair surface
-// design. 1995). All points move at once.
+// voxels, it leaves to the shape, and wide parts keep their volume (Taubin: A signal processing approach to fair
+// surface design. 1995). All points move at once.
 constexpr float kForward = 0.65F;
 constexpr float kBackward = -0.66F;
 

@@ -2,7 +2,7 @@
 //
 // The net has a point in each cell of the grid whose eight samples have more than one label: the corner of the voxels,
 // in the middle of the cell. Points are joined where the cells share a face that has more than one label. Each point
-// moves towards the mean of those it is joined with, and a little back, so that volumes keep their size (Taubin: A
+// moves towards the mean of those it is joined with, and a little back, so that wide parts keep their volume (Taubin: A
 // signal processing approach to fair surface design. 1995); it stays within its cell (Gibson: Constrained Elastic
 // Surface Nets. 1998). Where three labels or more meet in a face of the cell, a curve in which they meet passes; points
 // on it are moved by their neighbours on it alone, so that it stays a smooth curve, and no border that ends in it pulls

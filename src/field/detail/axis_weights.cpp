@@ -18,6 +18,7 @@ std::array<double, AxisWeights::kMostOfKernel> kernel_weights(ResampleKernel ker
       return {-t * u * u / 2, (2 - t * t * (5 - 3 * t)) / 2, (2 - u * u * (5 - 3 * u)) / 2, -u * t * t / 2};
     case ResampleKernel::bspline:
       return {u * u * u / 6, (4 - t * t * (6 - 3 * t)) / 6, (4 - u * u * (6 - 3 * u)) / 6, t * t * t / 6};
+    case ResampleKernel::nearest:
     case ResampleKernel::linear: break;
   }
   return {0, u, t, 0};
@@ -65,7 +66,8 @@ std::uint64_t AxisWeights::bytes(int old_count, int new_count) {
 }
 
 AxisWeights::AxisWeights(int old_count, int new_count, ResampleKernel kernel, bool means)
-    : mean_(means && new_count < old_count), convex_(mean_ || kernel != ResampleKernel::cubic) {
+    : mean_(means && new_count < old_count && kernel != ResampleKernel::nearest),
+      convex_(mean_ || kernel != ResampleKernel::cubic) {
   entries_.reserve(static_cast<std::size_t>(new_count));
   const std::int64_t steps = new_count - 1;
   const double half_step = static_cast<double>(old_count - 1) / static_cast<double>(steps) / 2;
@@ -113,8 +115,8 @@ void AxisWeights::add_mean(Entry entry, double half_width, int old_count) {
 
 void AxisWeights::add_kernel(Entry entry, ResampleKernel kernel, int old_count) {
   const bool passes_through = kernel != ResampleKernel::bspline;
-  if (passes_through && entry.t == 0) {
-    entry.first = entry.below;
+  if (kernel == ResampleKernel::nearest || (passes_through && entry.t == 0)) {
+    entry.first = entry.t > 0.5 ? entry.below + 1 : entry.below;
     entry.count = 1;
     weights_.push_back(1);
     entries_.push_back(entry);

@@ -60,7 +60,7 @@ Result<void> widen(const files::InputFile& file, const glm::ivec3& dims, std::sp
       fmt::format("{}: expected integers that are exact as doubles, as those up to 2^53 are, found {} at sample "
                   "({}, {}, {})",
                   file.name(), value, bad % nx, bad / nx % ny, bad / nx / ny),
-      "subtract what they have in common first, or divide them");
+      "subtract what they have in common first, or divide them; renumber them where they are ids of labels");
 }
 
 // Mapped where that can be. A mapping needs no memory of its own: the system keeps what is in use of it and drops the

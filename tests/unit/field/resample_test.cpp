@@ -223,6 +223,24 @@ TEST(Resample, BSplineIsSmoothBetweenItsSamplesAndKeepsLines) {
   }
 }
 
+TEST(Resample, NearestSamplesStayAsTheyAre) {
+  const std::vector<double> samples{3, 1, 4, 8, 16};
+  EXPECT_EQ(row_of(samples, 9, ResampleKernel::nearest), (std::vector<double>{3, 3, 1, 1, 4, 4, 8, 8, 16}));
+  EXPECT_EQ(row_of(samples, 13, ResampleKernel::nearest),
+            (std::vector<double>{3, 3, 1, 1, 1, 4, 4, 4, 8, 8, 8, 16, 16}));
+  EXPECT_EQ(row_of(samples, 4, ResampleKernel::nearest), (std::vector<double>{3, 1, 8, 16})) << "no means";
+  const ScalarField ids = test::dense_field<std::int32_t>(
+      {5, 5, 5}, [](int i, int j, int k) { return (i + j + k) % 2 == 0 ? 2'000'000'001 : -7; });
+  for (const glm::ivec3& resolution : {glm::ivec3(9), glm::ivec3(3, 4, 20)}) {
+    const ScalarField other = resampled(ids, resolution, ResampleKernel::nearest);
+    EXPECT_EQ(other.type(), SampleType::i32);
+    for_each_sample(resolution, [&](const glm::ivec3& p) {
+      const double value = sample_at(other, p);
+      EXPECT_TRUE(value == 2'000'000'001 || value == -7) << value;
+    });
+  }
+}
+
 TEST(Resample, KernelsAreLinearBesideWhatIsNotFinite) {
   const std::vector<double> samples{1, 2, 5, test::kNaN, 5, 2, 1, 0};
   for (const ResampleKernel kernel : {ResampleKernel::cubic, ResampleKernel::bspline}) {
