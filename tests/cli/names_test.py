@@ -188,6 +188,26 @@ class NamesTest(ProgramTest):
                 self.assertEqual([ran[0][1], os.path.normpath(ran[0][2])], ["merge", name])
                 self.assert_nothing_was_run(name)
 
+    def test_submit_asks_for_the_memory_of_all_threads_of_a_task(self):
+        environment = self.fakes("sbatch")
+        frames = ("demo:gyroid?size=48&time=0.{:02}", "--frames", "1-2", "--iso", "0", "-o", "f_{}.ply")
+
+        def memory(*options):
+            run = self.run_script("cluster/submit", "2", *options, "--", *frames, environment=environment)
+            self.assertEqual(run.returncode, 0, run.stderr)
+            array = self.calls()[0]
+            self.assertEqual(array[4:4 + len(options)], list(options))
+            return [word for word in array if word.startswith("--mem=")]
+
+        whole = memory("--cpus-per-task=4")
+        self.assertNotEqual(whole, memory())
+        for options in (("-c", "4"), ("--cpus-per-task", "4"), ("-c4",), ("--time", "1:00:00", "-c", "4"), ("-c", "1", "--cpus-per-task=4")):
+            self.assertEqual(memory(*options), whole, options)
+        for options in (("-c", "many"), ("--cpus-per-task=",)):
+            run = self.run_script("cluster/submit", "2", *options, "--", *frames, environment=environment)
+            self.assertEqual(run.returncode, 1, options)
+            self.assertIn("expected a number of processors", run.stderr)
+
     def test_a_task_of_an_array_takes_its_part(self):
         self.write_frames(range(1, 6))
         environment = dict(self.fakes(), SLURM_ARRAY_TASK_ID="2", SLURM_ARRAY_TASK_MIN="1", SLURM_ARRAY_TASK_COUNT="5")

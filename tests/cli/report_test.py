@@ -3,12 +3,14 @@
 import json
 import math
 import os
+import pathlib
 import re
 import struct
 import sys
 import time
+import unittest
 
-from support import DATA, INSTALL, SOURCE, SPHERE, ProgramTest, main, needs_data, read_glb, read_ply
+from support import DATA, INSTALL, PROGRAM, SOURCE, SPHERE, ProgramTest, main, needs_data, read_glb, read_ply
 from vdb_files import grid, vdb
 
 try:
@@ -17,6 +19,7 @@ except ImportError:
     sys.exit(f"{sys.executable} has no module jsonschema: {INSTALL}, as python3-jsonschema, for Debian's own python3")
 
 SCHEMA = json.loads((SOURCE / "docs" / "report.schema.json").read_text())
+PLUGIN = pathlib.Path(PROGRAM).parent / "plugins" / "isoextract-volume-openvdb.so"
 METABALLS = SOURCE / "samples" / "metaballs.vdb"
 
 
@@ -179,6 +182,18 @@ class ReportTest(ProgramTest):
         # Two blocks of eight cells that share one; all have a corner at x > 1 but the four at x = 0.
         self.assertEqual(self.fact(work, "hole_cells")["count"], 8 + 8 - 1 - 4)
         self.assertIn("11 cells", run.err)
+
+    @unittest.skipUnless(PLUGIN.exists(), "the plug-ins around OpenVDB were not built")
+    def test_the_report_of_a_field_has_no_device(self):
+        report, _ = self.report("demo:sphere?size=16", "-o", "x.vdb")
+        self.assertIsNone(report["device"])
+        (self.folder / "p.csv").write_text("x,y,z\n0,0,0\n1,0,0\n")
+        particles, _ = self.report("p.csv", "--radius", "0.7", "-o", "p.vdb")
+        self.assertIsNone(particles["device"])
+        surface, _ = self.report(SPHERE, "--iso", "0")
+        valid = jsonschema.Draft202012Validator(SCHEMA).is_valid
+        self.assertFalse(valid({**surface, "device": None}))
+        self.assertFalse(valid({**report, "device": surface["device"]}))
 
     def test_other_grids_are_left_out(self):
         run = self.run_program("info", "--json", METABALLS)
