@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "batch/frame_pattern.hpp"
+#include "batch/frame_range.hpp"
 #include "convert/mesh_normals.hpp"
 #include "convert/output_checks.hpp"
 #include "files/content_hash.hpp"
@@ -16,6 +17,7 @@ namespace isoextract::batch {
 namespace {
 
 constexpr int kNodeDigits = 4;
+constexpr std::size_t kShownRuns = 20;  // of frames, in a note
 
 // Records of an animation go by other names than those of jobs, which write files of their own.
 std::string key_of(const BatchJob& batch) { return files::content_hash("animation " + hash_of(batch)); }
@@ -34,7 +36,9 @@ meshes::MeshWriteOptions write_options(const BatchJob& batch) {
 Animation::Animation(const BatchJob& batch, const Context& context, std::uint64_t largest_file)
     : batch_(batch),
       writer_(batch.animation->path, write_options(batch), batch.animation->frames_per_second, batch.frames.size(),
-              context, largest_file) {}
+              context, largest_file) {
+  writer_.span(batch.frames.front().number, batch.frames.back().number);
+}
 
 Result<void> Animation::check() const {
   if (auto usable = writer_.check(); !usable) return usable;
@@ -76,6 +80,20 @@ Result<meshes::MeshWriteResult> Animation::finish() {
                                  {fmt::format("no frame has a surface; {} was not written{}", batch_.animation->path,
                                               *removed ? "; the old one was removed" : "")},
                                  {}};
+}
+
+std::string left_out_text(const BatchJob& batch, std::span<const std::int64_t> missing) {
+  std::size_t leading = 0;  // failed before any frame that is there
+  while (leading < missing.size() && missing[leading] == batch.frames[leading].number) ++leading;
+  const auto list = [](std::span<const std::int64_t> frames) { return text_of(runs_of(frames), kShownRuns); };
+  std::string shown = "the frame before is shown in their time";
+  if (leading == missing.size()) {
+    shown = "nothing is shown in their time, as no frame is before them";
+  } else if (leading > 0) {
+    shown = fmt::format("nothing is shown in the time of {}, and the frame before in that of the others",
+                        list(missing.first(leading)));
+  }
+  return fmt::format("{} is without frames that failed: {}; {}", batch.animation->path, list(missing), shown);
 }
 
 Result<void> keep_animation(Manifest& manifest, const BatchJob& batch, std::vector<FrameRecord> frames,

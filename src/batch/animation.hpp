@@ -48,6 +48,10 @@ class Animation final : public FrameReceiver {
   std::optional<Error> lost_;
 };
 
+// Returns a note of the frames that failed, which are `missing` in the animation, in their order: which they are, and
+// what is shown in their time.
+[[nodiscard]] std::string left_out_text(const BatchJob& batch, std::span<const std::int64_t> missing);
+
 // Keeps in the manifest what a whole animation was made of: `frames` are the records of all its frames, in their order.
 // A run that ends within leaves it as if nothing was kept.
 [[nodiscard]] Result<void> keep_animation(Manifest& manifest, const BatchJob& batch, std::vector<FrameRecord> frames,

@@ -101,6 +101,7 @@ Json json_of(const FrameFigures& figures) {
   }
   return {{"surfaces", std::move(surfaces)},
           {"time_step", figures.time_step},
+          {"lacked_attributes", figures.lacked_attributes},
           {"bytes", figures.bytes},
           {"wall_seconds", figures.wall_seconds},
           {"memory", figures.memory}};
@@ -120,6 +121,7 @@ FrameFigures figures_of(const Json& json) {
          surface.contains("grid") ? bytes_of(surface.at("grid")) : std::string()});
   }
   figures.time_step = json.at("time_step").get<std::string>();
+  figures.lacked_attributes = json.value("lacked_attributes", std::vector<std::string>());
   figures.bytes = json.at("bytes").get<std::uint64_t>();
   figures.wall_seconds = json.at("wall_seconds").get<double>();
   figures.memory = json.at("memory").get<std::uint64_t>();
@@ -193,6 +195,7 @@ FrameFigures figures_of(const convert::Outcome& outcome) {
     add_error(outcome, surface);
   }
   if (outcome.particles) figures.time_step = outcome.particles->time_step;
+  figures.lacked_attributes = outcome.lacked_attributes;
   for (const meshes::WrittenFile& file : outcome.files) figures.bytes += file.bytes;
   figures.wall_seconds = outcome.total.wall_seconds;
   figures.memory = outcome.reserved_memory;

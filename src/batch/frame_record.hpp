@@ -41,8 +41,9 @@ struct FrameFigures {
   std::vector<SurfaceFigures> surfaces;  // in the job's order; those that were extracted
   std::uint64_t bytes = 0;               // that were written
   double wall_seconds = 0;
-  std::uint64_t memory = 0;  // the most that was reserved
-  std::string time_step;     // the number that the input gives the frame; empty where it has none
+  std::uint64_t memory = 0;                    // the most that was reserved
+  std::string time_step;                       // the number that the input gives the frame; empty where it has none
+  std::vector<std::string> lacked_attributes;  // optional ones that the input does not have
 
   friend bool operator==(const FrameFigures&, const FrameFigures&) = default;
 };

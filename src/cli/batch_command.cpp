@@ -94,6 +94,7 @@ class FrameKeeper final : public batch::FrameEvents {
     row.status = batch::FrameStatus::kept;
     if (record != nullptr) {
       row.figures = record->figures;
+      for (const std::string& name : row.figures.lacked_attributes) progress_.lacks(row.frame, name);
       for (const batch::FileRecord& file : record->outputs) row.outputs.push_back(file.path);
     }
     progress_.over(row);
@@ -125,6 +126,7 @@ class FrameKeeper final : public batch::FrameEvents {
       kept = kept && !unkept_;
     }
     row.figures = batch::figures_of(outcome);
+    for (const std::string& name : row.figures.lacked_attributes) progress_.lacks(job.number, name);
     for (const meshes::WrittenFile& file : outcome.files) row.outputs.push_back(file.path);
     row.status = error ? batch::FrameStatus::failed : done_or_empty(outcome, row.figures);
     if (plan_.common.pages.html) {
@@ -358,11 +360,7 @@ Result<meshes::MeshWriteResult> finish_animation(const BatchPlan& plan, batch::A
   auto written = animation.finish();
   if (!written) return written;
   keeper.written_to(written->files);
-  if (!missing.empty()) {
-    written->notes.push_back(
-        fmt::format("{} is without frames that failed: {}; the frame before is shown in their time", path,
-                    batch::text_of(batch::runs_of(missing), 20)));
-  }
+  if (!missing.empty()) written->notes.push_back(batch::left_out_text(plan.batch, missing));
   if (failed > 0) return written;
   auto kept = batch::keep_animation(manifest, plan.batch, keeper.take_records(), *written);
   return kept ? std::move(written) : tl::unexpected(kept.error());

@@ -6,6 +6,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,8 @@ class BatchProgress {
   void detail(const std::string& text);
   // Tells the first note that it is called with; other frames have the same.
   void note_once(const std::string& text);
+  // A frame was converted without an optional attribute. end() tells of all such frames at once.
+  void lacks(std::int64_t frame, const std::string& attribute);
   // A frame that is over, however it ended.
   void over(const batch::FrameRow& row);
   // What there was in all. Call once, last. Frames that were not there count in none of the others.
@@ -51,6 +54,7 @@ class BatchProgress {
 
   void line(const convert::Json& event);
   void tell_folded();
+  void tell_lacking();
 
   ProgressStyle style_;
   const Messages& messages_;
@@ -60,8 +64,9 @@ class BatchProgress {
   Stopwatch watch_;
   Progress progress_;
   std::mutex mutex_;
-  std::map<std::string, Reason> reasons_;  // why frames failed
-  std::optional<ProgressBar> bar_;         // after what it reads
+  std::map<std::string, Reason> reasons_;                  // why frames failed
+  std::map<std::string, std::set<std::int64_t>> lacking_;  // frames, by the attribute that they lack
+  std::optional<ProgressBar> bar_;                         // after what it reads
 };
 
 }  // namespace isoextract::cli

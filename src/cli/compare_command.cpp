@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 
 #include <fmt/format.h>
@@ -26,11 +27,14 @@
 namespace isoextract::cli {
 namespace {
 
+constexpr double kRoundings = 2;  // of the coordinates in a file, and of those in the world
+
 struct Side {
   std::string path;
   meshes::MeshFile file;
   convert::ResolvedPlacement placement;  // as the file says, or as is usual in its format
   std::optional<std::string> undone;  // what of it was, to get to the world; nothing where the mesh is as in its file
+  double rounding = 0;                // of its coordinates, where one of the meshes was brought to the world
   mesh::Topology topology;
   mesh::MeshSize size;
   mesh::Bounds bounds;
@@ -55,11 +59,33 @@ Result<void> measure_side(Side& side, const Context& context) {
   return {};
 }
 
+// Places `mine`, which another program wrote, as if it had been made of `other`, which is ours. `up` says which axis
+// points up in that of the two that is not glTF, whatever the record of `other` says of its world. Fails with
+// ErrorKind::usage where `other` was turned to another axis.
+Result<convert::ResolvedPlacement> placement_from(const Side& mine, const Side& other,
+                                                  const std::optional<convert::UpAxis>& up) {
+  if (mine.file.y_up == other.file.y_up) return other.placement;
+  convert::ResolvedPlacement origin = other.placement;
+  convert::Placement& of_origin = origin.placement;
+  if (!mine.file.y_up) return convert::placed_like(origin, up.value_or(of_origin.up));
+  if (up && (of_origin.turn_z_up_to_y_up || of_origin.turn_y_up_to_z_up)) {
+    if (convert::output_up(of_origin) != *up) {
+      return fail(ErrorKind::usage,
+                  fmt::format("{} says that it was {}, and --up {} was given", other.path,
+                              convert::placement_text(other.placement), word_of(*up)),
+                  "leave --up out");
+    }
+  } else if (up) {
+    of_origin.up = *up;
+  }
+  return convert::placed_like(origin, convert::UpAxis::y);
+}
+
 // Meshes that were placed alike are compared as they are, others in the world of what they were made of. Files of ours
 // that say nothing of it were placed as is usual in their format: glTF is turned unless its world is y up, and the
 // others are as the world was. Files of other programs are taken to be made of the mesh that they are compared with.
-void bring_into_one_frame(std::array<Side, 2>& sides, const std::optional<convert::UpAxis>& up,
-                          const Messages& messages) {
+Result<void> bring_into_one_frame(std::array<Side, 2>& sides, const std::optional<convert::UpAxis>& up,
+                                  const Messages& messages) {
   bool asked = false;
   for (Side& side : sides) {
     const auto record = convert::read_record(side.file.placement);
@@ -72,9 +98,10 @@ void bring_into_one_frame(std::array<Side, 2>& sides, const std::optional<conver
   // Other programs keep nothing of what our files say.
   for (std::size_t i = 0; i < 2 && sides[0].file.is_ours != sides[1].file.is_ours; ++i) {
     if (sides[i].file.is_ours) continue;
-    const convert::ResolvedPlacement& other = sides[1 - i].placement;
-    const bool of_one_kind = sides[0].file.y_up == sides[1].file.y_up;
-    sides[i].placement = of_one_kind ? other : convert::placed_like(other, sides[i].file.y_up);
+    auto placement = placement_from(sides[i], sides[1 - i], up);
+    if (!placement) return tl::unexpected(std::move(placement.error()));
+    sides[i].placement = std::move(*placement);
+    asked = asked || sides[i].file.y_up != sides[1 - i].file.y_up;
   }
   if (sides[0].placement.placement.space != sides[1].placement.placement.space) {
     const bool first = sides[0].placement.placement.space == convert::Space::index;
@@ -82,7 +109,7 @@ void bring_into_one_frame(std::array<Side, 2>& sides, const std::optional<conver
         fmt::format("{} is in voxel coordinates, and {} is in those of the world: the distances are between "
                     "the numbers in the files",
                     sides[first ? 0 : 1].path, sides[first ? 1 : 0].path));
-    return;
+    return {};
   }
   const bool alike = sides[0].placement.output_from_world() == sides[1].placement.output_from_world();
   const bool both_usual = sides[0].file.y_up && sides[1].file.y_up && alike;
@@ -92,14 +119,16 @@ void bring_into_one_frame(std::array<Side, 2>& sides, const std::optional<conver
                                                                             : "neither mesh is glTF";
     messages.note(fmt::format("--up changes nothing: {}", why));
   }
-  if (alike) return;
+  if (alike) return {};
   for (Side& side : sides) {
     const field::Affine map = side.placement.output_from_world();
+    side.rounding = measure::coordinate_rounding(side.file.mesh) / std::cbrt(std::abs(map.determinant()));
     if (map == field::Affine()) continue;
     const auto kinds = convert::kinds_of(side.file.mesh, side.file.is_ours, side.file.placement);
     convert::move_mesh(side.file.mesh, map.inverse(), kinds);
     side.undone = convert::placement_text(side.placement);
   }
+  return {};
 }
 
 // "no: 12 open edges, 1 non-manifold vertex", or the genus.
@@ -237,8 +266,9 @@ Result<void> check_distance(const ComparePlan& plan, const std::array<Side, 2>& 
   const bool known = distance.hausdorff_lower <= distance.hausdorff_upper;
   if (!plan.max_distance || (known && distance.hausdorff_upper <= *plan.max_distance)) return {};
   const bool surely = distance.hausdorff_lower > *plan.max_distance;
-  const auto turned =
-      std::ranges::find_if(sides, [](const Side& side) { return side.undone && side.file.placement.empty(); });
+  const auto turned = std::ranges::find_if(sides, [&](const Side& side) {
+    return !plan.up && side.undone && side.file.placement.empty() && side.placement.placement.turn_z_up_to_y_up;
+  });
   const std::string hint = turned == sides.end()
                                ? ""
                                : fmt::format("{} was turned from y up to z up; --up y leaves it as it is in its file",
@@ -267,7 +297,7 @@ Result<void> run_compare(const ComparePlan& plan, const Messages& messages) {
     // What was left out may be why the next step fails.
     for (const std::string& note : sides[i].file.notes) messages.note(note);
   }
-  bring_into_one_frame(sides, plan.up, messages);
+  if (auto placed = bring_into_one_frame(sides, plan.up, messages); !placed) return placed;
   measure::MeshDistance distance;
   {
     const ProgressBar bar(context.progress(), messages.verbosity() != Verbosity::quiet);
@@ -287,7 +317,8 @@ Result<void> run_compare(const ComparePlan& plan, const Messages& messages) {
                               format_byte_size(peak_memory())));
   // glTF's colours are linear light, and those of other formats sRGB.
   const measure::AttributeMatches attributes =
-      measure::match_attributes(sides[0].file.mesh, sides[1].file.mesh, sides[0].file.y_up == sides[1].file.y_up);
+      measure::match_attributes(sides[0].file.mesh, sides[1].file.mesh, sides[0].file.y_up == sides[1].file.y_up,
+                                kRoundings * (sides[0].rounding + sides[1].rounding));
   const std::string text = plan.json ? convert::json_text(comparison_json(sides, distance, attributes))
                                      : text_of(sides, distance, attributes);
   if (auto printed = print_to_stdout(text); !printed) return printed;

@@ -309,7 +309,10 @@ std::string text_of(const InputReport& report) {
   add_volumes(lines, report);
   if (report.particles) {
     add_particles(lines, *report.particles);
-    if (report.field) add_advice(lines, *report.field);
+    if (report.field) {
+      add_creator(lines, report.field->field.creator);
+      add_advice(lines, *report.field);
+    }
   } else if (report.field) {
     add_shape(lines, *report.field);
     add_values(lines, *report.field);

@@ -118,6 +118,7 @@ Result<MeasuredParticles> measure_particles(const convert::SourceOptions& source
   }
   report.field_seconds = making.elapsed().wall_seconds;
   report.figures = made->figures;
+  made->field.creator = file->creator;
   for (const std::string& note : made->field.notes) report.notes.push_back(note);
   if (made->figures.particles > 0) measured.field = std::move(made->field);
   return measured;

@@ -16,9 +16,10 @@ std::optional<std::string> up_axis_note(const field::ScalarField& field, convert
                                         std::string_view consequence) {
   const auto made_with = convert::up_axis_of(field.creator);
   if (!made_with || *made_with == up) return std::nullopt;
-  return fmt::format("{}: {} made it, where {} points up, and {} is taken: {}; add --up {}",
-                     convert::field_label(field), printable(field.creator, kMaxShownCreator), word_of(*made_with),
-                     word_of(up), consequence, word_of(*made_with));
+  const std::string creator = printable(field.creator, kMaxShownCreator);
+  const std::string origin = creator.ends_with("format") ? "it has " + creator : creator + " made it";
+  return fmt::format("{}: {}, where {} points up, and {} is taken: {}; add --up {}", convert::field_label(field),
+                     origin, word_of(*made_with), word_of(up), consequence, word_of(*made_with));
 }
 
 }  // namespace isoextract::cli

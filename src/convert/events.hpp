@@ -83,7 +83,8 @@ class Events {
   // The iso values, where some were no numbers; a note tells of each of these. The time is that of looking at samples,
   // none for particles.
   virtual void resolved(const std::vector<ResolvedIso>&, const std::optional<StageTime>&) {}
-  virtual void read_attributes(const StageTime&) {}  // of a volume
+  virtual void read_attributes(const StageTime&) {}         // of a volume
+  virtual void lacked(const std::string& /*attribute*/) {}  // an optional one; a note tells why
   virtual void resampled(const field::ScalarField& /*grid*/, const WorkFact&, const StageTime&) {}
   virtual void worked(const WorkFact&) {}  // of reading
   virtual void placed(const PlacedField&) {}

@@ -176,7 +176,8 @@ struct Outcome {
   std::vector<ExtractionRecord> extractions;
   std::vector<VerificationRecord> verifications;
   std::vector<AttributeRecord> attributes;
-  std::vector<MeasuredError> errors;  // where they were measured, before the mesh is split into pieces
+  std::vector<std::string> lacked_attributes;  // optional ones that the input does not have
+  std::vector<MeasuredError> errors;           // where they were measured, before the mesh is split into pieces
   std::vector<PieceRecord> pieces;
   std::vector<RelaxRecord> relaxations;  // of closed surface nets
   std::vector<SmoothRecord> smoothings;

@@ -159,11 +159,15 @@ std::optional<ResolvedPlacement> read_record(std::string_view text) {
   return record;
 }
 
-ResolvedPlacement placed_like(const ResolvedPlacement& other, bool format_is_y_up) {
-  const Placement usual = usual_placement(format_is_y_up, other.placement.up).placement;
+UpAxis output_up(const Placement& placement) {
+  if (placement.turn_z_up_to_y_up) return UpAxis::y;
+  return placement.turn_y_up_to_z_up ? UpAxis::z : placement.up;
+}
+
+ResolvedPlacement placed_like(const ResolvedPlacement& other, UpAxis up) {
   ResolvedPlacement placed = other;
-  placed.placement.turn_z_up_to_y_up = usual.turn_z_up_to_y_up;
-  placed.placement.turn_y_up_to_z_up = usual.turn_y_up_to_z_up;
+  placed.placement.turn_z_up_to_y_up = other.placement.up == UpAxis::z && up == UpAxis::y;
+  placed.placement.turn_y_up_to_z_up = other.placement.up == UpAxis::y && up == UpAxis::z;
   placed.moved_by = turn_of(placed.placement) * (glm::inverse(turn_of(other.placement)) * other.moved_by);
   return placed;
 }

@@ -18,9 +18,12 @@ namespace isoextract::convert {
 // Where nobody says anything: meshes of a z-up world, turned where their format prescribes another axis.
 [[nodiscard]] ResolvedPlacement usual_placement(bool format_is_y_up, UpAxis up = UpAxis::z);
 
-// Of a mesh that another program made of one that is placed like `other`: as that is, but turned as is usual in its own
-// format.
-[[nodiscard]] ResolvedPlacement placed_like(const ResolvedPlacement& other, bool format_is_y_up);
+// Returns the axis that points up in the output.
+[[nodiscard]] UpAxis output_up(const Placement& placement);
+
+// Returns the placement of a mesh that another program made of one that is placed like `other`: that one, but turned so
+// that `up` points up in the output.
+[[nodiscard]] ResolvedPlacement placed_like(const ResolvedPlacement& other, UpAxis up);
 
 // Empty where there is nothing to say: the placement is the usual one of the format, and none of the attributes changes
 // with it.

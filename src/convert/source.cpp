@@ -91,6 +91,7 @@ void tell_missing(const std::vector<MissingAttribute>& missing, const std::strin
     if (!attribute.choice.optional) continue;
     events.note(fmt::format("{}: converted without the optional attribute '{}': {}", label,
                             printable(attribute.choice.name), attribute.error.message));
+    events.lacked(attribute.choice.name);
   }
 }
 
@@ -120,6 +121,7 @@ Result<void> read_particle_field(const SourceOptions& options, const SourceUse& 
   if (!made) return tl::unexpected(std::move(made.error()));
   made->field.name = stem_of_file(files::shown_input_name(options.input));
   made->field.length_unit = file->length_unit;
+  made->field.creator = std::move(file->creator);
   events.read(options.input, made->field, reading);
   const points::FieldFigures& figures = made->figures;
   ParticleRecord record{file->format, file->length_unit, file->time_step, options.particles.method,

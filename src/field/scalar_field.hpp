@@ -36,7 +36,7 @@ struct ScalarField {
   std::string format;       // "OpenVDB", "NRRD", ...
   std::string world_space;  // what the file calls its world: "RAS", "left-posterior-superior", ...; may be empty
   std::string length_unit;  // what the file calls the unit of that world: "mm", "microns", ...; may be empty
-  std::string creator;      // what the file says made it: "Houdini/SOP_OpenVDB_Write"; may be empty
+  std::string creator;      // what made it, as the file or its format says: "Houdini/SOP_OpenVDB_Write"; may be empty
   std::size_t grids = 0;    // how many the source has by name, this one among them; 0 where its format names none
   std::string grid;         // where it does: what no other of them is called; printable
   FieldKind kind = FieldKind::density;

@@ -17,10 +17,11 @@ double component_of(const mesh::Attribute& attribute, std::size_t vertex, std::s
   return component_value(at, attribute.type, attribute.normalised || attribute.role == AttributeRole::colour);
 }
 
-bool have_same_vertices(const mesh::Mesh& a, const mesh::Mesh& b) {
+bool have_same_vertices(const mesh::Mesh& a, const mesh::Mesh& b, double tolerance) {
   if (a.positions.size() != b.positions.size()) return false;
   for (std::size_t v = 0; v < a.positions.size(); ++v) {
-    if (a.position(v) != b.position(v)) return false;
+    const glm::dvec3 apart = glm::abs(a.position(v) - b.position(v));
+    if (!glm::all(glm::lessThanEqual(apart, glm::dvec3(tolerance)))) return false;
   }
   return true;
 }
@@ -58,9 +59,23 @@ bool are_one(const mesh::Attribute& a, const mesh::Attribute& b) {
 
 }  // namespace
 
-AttributeMatches match_attributes(const mesh::Mesh& a, const mesh::Mesh& b, bool colours) {
+double coordinate_rounding(const mesh::Mesh& mesh) {
+  bool are_floats = true;
+  glm::dvec3 farthest(0);
+  glm::dvec3 farthest_from_origin(0);
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    const glm::dvec3 place = mesh.position(v);
+    are_floats = are_floats && glm::dvec3(glm::vec3(place)) == place;
+    farthest = glm::max(farthest, glm::abs(place));
+    farthest_from_origin = glm::max(farthest_from_origin, glm::abs(glm::dvec3(mesh.positions[v])));
+  }
+  const glm::dvec3 rounded = are_floats ? farthest : farthest_from_origin;
+  return std::max({rounded.x, rounded.y, rounded.z}) * std::numeric_limits<float>::epsilon();
+}
+
+AttributeMatches match_attributes(const mesh::Mesh& a, const mesh::Mesh& b, bool colours, double tolerance) {
   AttributeMatches matches;
-  matches.same_vertices = have_same_vertices(a, b);
+  matches.same_vertices = have_same_vertices(a, b, tolerance);
   const auto partner = [](const mesh::Attribute& wanted, const mesh::Mesh& other) {
     return std::ranges::find_if(other.attributes, [&](const mesh::Attribute& one) { return are_one(wanted, one); });
   };

@@ -29,12 +29,18 @@ struct AttributeMatch {
 };
 
 struct AttributeMatches {
-  bool same_vertices = false;  // as many at the very same places in the same order
+  bool same_vertices = false;  // as many at the same places in the same order
   std::vector<AttributeMatch> both;
   std::array<std::vector<std::string>, 2> only;
 };
 
-// `colours` says whether numbers of colours mean the same in both; if not their difference is left out.
-[[nodiscard]] AttributeMatches match_attributes(const mesh::Mesh& a, const mesh::Mesh& b, bool colours);
+// Returns how far float32 may have put the vertices of a mesh that was read from their places, along each axis.
+// Coordinates that are all float32 were rounded as they are, others relative to the origin of the mesh.
+[[nodiscard]] double coordinate_rounding(const mesh::Mesh& mesh);
+
+// `colours` says whether numbers of colours mean the same in both; if not their difference is left out. Vertices are at
+// the same place where no coordinate differs by more than `tolerance`.
+[[nodiscard]] AttributeMatches match_attributes(const mesh::Mesh& a, const mesh::Mesh& b, bool colours,
+                                                double tolerance = 0);
 
 }  // namespace isoextract::measure

@@ -38,6 +38,11 @@ struct AnimationPart {
   std::int64_t last = 0;
 };
 
+struct FrameSpan {
+  std::int64_t first = 0;
+  std::int64_t last = 0;
+};
+
 }  // namespace
 
 std::filesystem::path animation_part_path(const std::filesystem::path& path, std::size_t part) {
@@ -59,6 +64,7 @@ struct AnimationWriter::State {
   std::vector<AnimationPart> parts;
   std::optional<std::int64_t> first;
   std::int64_t last = 0;
+  std::optional<FrameSpan> span;
   std::uint64_t count = 0;  // of frames that were added
   std::vector<std::string> notes;
   std::set<std::string> told;  // the same, to be found
@@ -111,7 +117,8 @@ Result<void> AnimationWriter::State::check() const {
 }
 
 float AnimationWriter::State::time_of(std::int64_t frame, int later) const {
-  const std::uint64_t since = static_cast<std::uint64_t>(frame) - static_cast<std::uint64_t>(first.value_or(frame));
+  const std::int64_t start = span ? span->first : first.value_or(frame);
+  const std::uint64_t since = static_cast<std::uint64_t>(frame) - static_cast<std::uint64_t>(start);
   return key_time((static_cast<double>(since) + later) / frames_per_second);
 }
 
@@ -254,7 +261,7 @@ Result<MeshWriteResult> AnimationWriter::State::finish() {
   if (!first) {
     return fail(ErrorKind::output, fmt::format("{}: an animation needs a frame, found none", path.string()));
   }
-  const float end = time_of(last, 1);
+  const float end = time_of(span ? std::max(last, span->last) : last, 1);
   std::vector<files::OutputFile*> files;
   MeshWriteResult result;
   for (AnimationPart& part : parts) {
@@ -287,6 +294,8 @@ AnimationWriter::AnimationWriter(const std::filesystem::path& path, const MeshWr
 AnimationWriter::AnimationWriter(AnimationWriter&&) noexcept = default;
 AnimationWriter& AnimationWriter::operator=(AnimationWriter&&) noexcept = default;
 AnimationWriter::~AnimationWriter() = default;
+
+void AnimationWriter::span(std::int64_t first, std::int64_t last) { state_->span = FrameSpan{first, last}; }
 
 Result<void> AnimationWriter::check() const { return state_->check(); }
 

@@ -23,8 +23,9 @@ inline constexpr std::uint64_t kLargestGlb = 0xFFFFFFFF;
 // The time line. The first frame is at 0 seconds, whatever its number, and frame k at (k - first) / frames_per_second:
 // gaps in the numbering keep their time. A frame is shown until the next one that is there, be it of the next number or
 // after a gap, and the last one for the time of one frame, so that the animation loops evenly. A frame that is there
-// but has no triangles shows nothing in its time. The key of a frame is the largest float32 that is not after its time,
-// so that players see it there, whichever way they round.
+// but has no triangles shows nothing in its time. Frames of span() that are missing keep their time as well: nothing is
+// shown before the first that is there, and the last one is shown until the end. The key of a frame is the largest
+// float32 that is not after its time, so that players see it there, whichever way they round.
 //
 // Programs that do not play show the first frame that has triangles.
 //
@@ -44,6 +45,9 @@ class AnimationWriter {
   AnimationWriter(AnimationWriter&&) noexcept;
   AnimationWriter& operator=(AnimationWriter&&) noexcept;
   ~AnimationWriter();
+
+  // Makes the time line that of the frames from `first` to `last`, whichever of them come. Call before add().
+  void span(std::int64_t first, std::int64_t last);
 
   // Whether there can be such a file, before anything is made for it. Fails with ErrorKind::usage, as add() and
   // finish() then do.

@@ -31,6 +31,7 @@ struct ParticleFile {
   std::string format;              // the id of one
   std::string length_unit;         // of the positions, where the file says so
   std::string time_step = {};      // the number that the file gives this frame; empty where it has none
+  std::string creator = {};        // as ScalarField::creator
   std::vector<std::string> notes;  // what was left out, assumed, or taken otherwise than the file has it
 };
 

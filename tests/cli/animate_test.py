@@ -21,6 +21,7 @@ class Animated:
         self.model, binary = json.loads(data[20:20 + length]), data[28 + length:]
         self.nodes = {node["name"]: node for node in self.model["nodes"]}
         self.shown = {}
+        self.length = 0  # in seconds
 
         def floats(accessor):
             view = self.model["bufferViews"][accessor["bufferView"]]
@@ -31,6 +32,7 @@ class Animated:
         for channel in self.model["animations"][0]["channels"]:
             sampler = self.model["animations"][0]["samplers"][channel["sampler"]]
             times, sizes = (floats(self.model["accessors"][sampler[end]]) for end in ("input", "output"))
+            self.length = max(self.length, *times)
             name = self.model["nodes"][channel["target"]["node"]]["name"]
             hidden = [time for time, size in zip(times, sizes) if size == 0]
             self.shown[name] = (times[sizes.index(1)], max(hidden) if hidden and sizes[-1] == 0 else None)
@@ -178,6 +180,22 @@ class AnimateTest(ProgramTest):
         run = self.animate("-o", "none.glb", code=5)
         self.assertIn("5 of 5 frames failed", run.err)
         self.assertNotIn("none.glb", self.files())
+
+    def test_frames_that_fail_first_and_last_keep_their_time(self):
+        self.write_frames(range(1, 8))
+        for number in (1, 2, 4, 6, 7):
+            (self.folder / f"in_{number:03}.raw").write_bytes(bytes(216))
+        run = self.animate("-o", "w.glb", code=5)
+        self.assertIn("w.glb is without frames that failed: 1-2,4,6-7; nothing is shown in the time of 1-2, and the "
+                      "frame before in that of the others", run.err)
+        played = Animated(self.folder / "w.glb")
+        for found, frame in ((played.shown["w_0003"][0], 2), (played.shown["w_0003"][1], 4), (played.shown["w_0005"][0], 4),
+                             (played.length, 7)):
+            self.assertAlmostEqual(found, frame / 24, places=6)
+        self.assertIsNone(played.shown["w_0005"][1])
+        self.write_frames((4, 6, 7))
+        run = self.animate("-o", "w.glb", code=5)
+        self.assertIn("that failed: 1-2; nothing is shown in their time, as no frame is before them", run.err)
 
     def test_the_bytes_do_not_depend_on_how_it_was_done(self):
         """Nor on memory: with little of it frames are turned away while they wait, and repeated."""

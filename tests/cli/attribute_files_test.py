@@ -1,5 +1,6 @@
 """Attributes from other files: where their samples are, which are no data, and what becomes of those that are missing."""
 
+import csv
 import json
 import math
 import pathlib
@@ -279,7 +280,15 @@ class MissingTest(FilesTest):
 
     def test_optional_attributes(self):
         self.archive("a_1.npz", d=ball, e=linear)
-        self.convert("a_{}.npz", "--grid", "d", "--iso", "0.5", "--attribute", "T?", "--color-by", "T?", "--ascii", "-o", "o_{}.ply")
+        batch = ("a_{}.npz", "--grid", "d", "--iso", "0.5", "--attribute", "T?", "--color-by", "T?", "--ascii", "-o", "o_{}.ply")
+        for more in ((), ("--resume",)):
+            run = self.convert(*batch, "--table", "t.csv", *more)
+            self.assertIn("note: 1 of 2 frames without the optional attribute 'T': 1\n", run.err)
+            with open(self.folder / "t.csv", newline="") as table:
+                self.assertEqual([row["lacked_attributes"] for row in csv.DictReader(table)], ["T", ""])
+        self.convert(*batch, "--table", "t.json")
+        rows = json.loads((self.folder / "t.json").read_text())
+        self.assertEqual([row["lacked_attributes"] for row in rows], [["T"], []])
         self.assertEqual(set(columns(self.folder / "o_1.ply")), {"x", "y", "z"})
         self.assertEqual(set(columns(self.folder / "o_2.ply")), {"x", "y", "z", "T", "red", "green", "blue"})
         run = self.convert("a_1.npz", "--grid", "d", "--iso", "0.5", "--attribute", "T?", "--report", "r.json", "-o", "p.ply")

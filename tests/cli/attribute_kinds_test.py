@@ -138,7 +138,9 @@ class KindsTest(ProgramTest):
         self.write_particles()
         words = [word for name in ("v", "N", "rest", "Cd", "s=dir:scalar") for word in ("--attribute", name)]
         self.convert("in.csv", "--radius", "0.3", *words, "-o", "a.ply")
-        for name, more in (("b.glb", ()), ("c.ply", ("--scale", "2")), ("d.drc", ("--up-out", "y")), ("e.ply", ("--up-out", "y"))):
+        for name, more in (("b.glb", ()), ("c.ply", ("--scale", "2")), ("d.drc", ("--up-out", "y")), ("e.ply", ("--up-out", "y")),
+                           ("f.ply", ("--scale", "0.01")), ("g.glb", ("--unit", "cm")), ("h.ply", ("--center",)),
+                           ("i.glb", ("--unit", "in", "--to-unit", "mm", "--center"))):
             self.convert("in.csv", "--radius", "0.3", *words, *more, "-o", name)
             found = json.loads(self.convert("compare", "a.ply", name, "--json").text)["attributes"]
             self.assertEqual({match["name"] for match in found["both"]}, {"v", "N", "rest", "Cd", "s"})

@@ -64,6 +64,60 @@ class CompareTest(ProgramTest):
         self.assertEqual([report[side]["undone"] for side in "ab"], [None, None])
         self.assert_fails(1, self.run_program("compare", "a.glb", "b.obj", "--up", "x"), "expected one of y, z")
 
+    def write_particles(self):
+        """A column of particles with velocities, so that axes and components are told apart."""
+        rows = [f"0.1,0.2,{0.25 * i},1,{i},3" for i in range(8)]
+        (self.folder / "in.csv").write_text("\n".join(["x,y,z,v:0,v:1,v:2", *rows]) + "\n")
+
+    def by_another_program(self, name):
+        """Takes away what a glTF or OBJ file says of who wrote it, and how it is placed."""
+        path = self.folder / name
+        if name.endswith(".obj"):
+            lines = path.read_text().splitlines(keepends=True)
+            path.write_text("".join(line for line in lines if not line.startswith("#")))
+            return
+        model = json.loads(path.read_text())
+        model["asset"] = {"version": "2.0"}
+        path.write_text(json.dumps(model))
+
+    def test_up_that_is_given_holds_against_what_a_file_says(self):
+        """A vector attribute gives a mesh a record of its placement, with an axis that nobody asked for."""
+        self.write_particles()
+        surface = ("in.csv", "--radius", "0.3")
+        self.convert(*surface, "-o", "plain.ply")
+        self.convert(*surface, "--attribute", "v", "-o", "record.ply")
+        self.convert(*surface, "--up", "y", "-o", "other.gltf")  # the same coordinates
+        self.by_another_program("other.gltf")
+        for ours in ("record.ply", "plain.ply"):
+            report = self.json(ours, "other.gltf", "--up", "y", "--max-distance", 0)
+            self.assertEqual([report[side]["undone"] for side in "ab"], [None, None], ours)
+            for up in ((), ("--up", "z")):
+                run = self.run_program("compare", ours, "other.gltf", *up, "--max-distance", "0.1")
+                self.assertEqual(run.code, 6, ours)
+                self.assertIn("turned from z up to y up", run.text)
+                self.assertEqual("--up y leaves it as it is in its file" in run.err, not up, ours)
+
+    def test_up_of_a_mesh_of_another_program(self):
+        """glTF of ours that says how it was turned, and a mesh of another program that lies as --up says."""
+        self.write_particles()
+        for world in ((), ("--up", "y")):
+            self.convert("in.csv", "--radius", "0.3", "--attribute", "v", *world, "-o", "record.gltf")
+            self.convert("in.csv", "--radius", "0.3", *world, "--up-out", "y", "-o", "y.obj")
+            self.convert("in.csv", "--radius", "0.3", *world, "--up-out", "z", "-o", "z.obj")
+            for up in "yz":
+                self.by_another_program(f"{up}.obj")
+                report = self.json("record.gltf", f"{up}.obj", "--up", up, "--max-distance", 0)
+                self.assertEqual([report[side]["undone"] for side in "ab"] == [None, None], up == "y", (world, up))
+
+    def test_up_against_a_mesh_that_was_turned_is_refused(self):
+        self.convert("demo:torus?size=24", "--iso", 0, "--up-out", "y", "-o", "turned.ply")
+        self.convert("demo:torus?size=24", "--iso", 0, "-o", "other.gltf")
+        self.by_another_program("other.gltf")
+        self.json("turned.ply", "other.gltf", "--up", "y", "--max-distance", 0)
+        run = self.run_program("compare", "turned.ply", "other.gltf", "--up", "z")
+        self.assert_fails(1, run, "turned.ply says that it was turned from z up to y up, and --up z was given",
+                          "leave --up out")
+
     def test_a_mesh_and_itself_far_away(self):
         for name in ("far.glb", "far.ply", "far.obj"):
             self.convert(SPHERE, "--iso", 0, "--origin", "1e7,-3e6,0.1", "-o", name)

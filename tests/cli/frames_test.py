@@ -4,6 +4,7 @@ import gzip
 import json
 import struct
 
+from attribute_kinds_test import bgeo
 from support import DATA, SPHERE, ProgramTest, main, needs_data, read_glb, read_ply
 
 DIMS = (3, 4, 5)
@@ -336,6 +337,23 @@ class CreatorTest(ProgramTest):
         self.assertIn("add --up y", (self.folder / "a.html").read_text())
         for options in (("-o", "a.ply"), ("--space", "index", "-o", "a.glb")):
             self.assertNotIn("made it", self.convert(*coarse, *options).err)
+
+    def test_particles_in_houdinis_format(self):
+        """Geometry files are Houdini's as well, whoever wrote them."""
+        for name in ("p.bgeo", "p_1.bgeo", "p_2.bgeo"):
+            (self.folder / name).write_bytes(bgeo([]))
+        text = self.convert("info", "p.bgeo").text
+        self.assertIn("creator       Houdini's format; y points up in it: add --up y\n", text)
+        self.assertRegex(text, r"\n  isoextract p\.bgeo --up y --iso \S+ -o p\.glb\n")
+        advice = r"note: {}: it has Houdini's format, where y points up, and z is taken: {}; add --up y\n"
+        run = self.convert("p.bgeo", "--radius", "0.3", "-o", "p.glb")
+        self.assertRegex(run.err, advice.format(r"p\.bgeo", "the mesh lies on its side"))
+        run = self.convert("p_{}.bgeo", "--radius", "0.3", "-o", "p_{}.glb")
+        self.assertEqual(run.err.count("add --up y"), 1)
+        run = self.convert("render", "p.bgeo", "--iso", "0.6", "--tf", "none", "--size", "48x32", "-o", "a.png")
+        self.assertRegex(run.err, advice.format(r"p\.bgeo", "the picture shows it on its side"))
+        for options in (("--up", "y", "-o", "p.glb"), ("--up", "z", "-o", "p.glb"), ("-o", "p.ply")):
+            self.assertNotIn("add --up", self.convert("p.bgeo", "--radius", "0.3", *options).err)
 
     @needs_data("vdb/smoke.vdb")
     def test_a_batch_tells_it_once(self):

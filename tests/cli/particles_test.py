@@ -56,6 +56,23 @@ class ParticlesTest(ProgramTest):
             self.assertAlmostEqual(low[axis], at[axis] - STEP / 2, delta=STEP / 2)
             self.assertAlmostEqual(high[axis], at[axis] + STEP * (n - 0.5), delta=STEP / 2)
 
+    def test_names_of_houdinis_spreadsheet(self):
+        """Brackets with a letter count components: a velocity is a vector, and P is where the particles are."""
+        header = "P[x],P[y],P[z],v[x],v[y],v[z]"
+        self.write_csv("a.csv", block(), header, more=lambda p: (1, 5, 9))
+        self.write_csv("b.csv", block(), "x,y,z,v[x],v[y],v[z]", more=lambda p: (1, 5, 9))
+        for name in ("a.csv", "b.csv"):
+            self.convert(name, "--radius", STEP / 2, "--attribute", "v", "--ascii", "-o", "a.ply")
+            text = (self.folder / "a.ply").read_text()
+            for c in range(3):
+                self.assertIn(f"property float v_{c}\n", text, name)
+            run = self.convert(name, "--radius", STEP / 2, "--color-by", "v", "-o", "b.ply")
+            self.assertRegex(run.err, "viridis from 10.34")  # the length
+            self.check_block(self.mesh("b.ply"))
+        by_name = self.convert("a.csv", "--columns", "x=P[x],y=P[y],z=P[z]", "--radius", STEP / 2, "-o", "c.ply")
+        self.assertNotIn("column", by_name.err)
+        self.assertEqual(self.mesh("c.ply").vertices, self.mesh("b.ply").vertices)
+
     def test_every_method_and_every_text_format(self):
         self.write_csv("a.csv", block())
         self.write_ply("a.ply", block())

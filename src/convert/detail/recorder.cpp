@@ -59,6 +59,13 @@ void Recorder::read_attributes(const StageTime& time) {
   listener_.read_attributes(time);
 }
 
+void Recorder::lacked(const std::string& attribute) {
+  // The same one may be asked for twice: as it is, and for colours.
+  std::vector<std::string>& lacked = outcome_.lacked_attributes;
+  if (std::ranges::find(lacked, attribute) == lacked.end()) lacked.push_back(attribute);
+  listener_.lacked(attribute);
+}
+
 void Recorder::resampled(const field::ScalarField& grid, const WorkFact& fact, const StageTime& time) {
   outcome_.stages.push_back({StageName::resample, std::nullopt, time});
   if (again_) return;

@@ -143,6 +143,7 @@ class BgeoParticles final : public ParticleFormat {
     ParticleFile result;
     result.particles = make_particles(file.context(), file.name(), bgeo.points, choice);
     read_records(content, bgeo.layout, bgeo.points, sinks_of(result.particles, choice));
+    result.creator = kHoudiniFormat;
     result.notes = std::move(bgeo.notes);
     result.notes.insert(result.notes.end(), choice.notes.begin(), choice.notes.end());
     return result;

@@ -139,9 +139,8 @@ std::optional<char> find_delimiter(std::string_view first, const std::optional<s
 }
 
 void name_columns(CsvFile& csv, std::span<const std::string_view> names) {
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    NameAndUnit name = split_unit(names[i]);
-    if (name.name.empty()) name.name = fmt::format("column {}", i + 1);
+  for (NameAndUnit& name : split_units(names)) {
+    if (name.name.empty()) name.name = fmt::format("column {}", csv.table.columns.size() + 1);
     csv.table.columns.push_back({std::move(name.name), std::move(name.unit), "number", true});
   }
 }

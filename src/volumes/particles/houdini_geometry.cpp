@@ -320,6 +320,11 @@ HoudiniFile walk_houdini(ContentReader& content, const SecondWalk* second) {
       has_count = true;
     } else if (name == "primitivecount") {
       found.primitives = whole_of(json, value, "the number of primitives", kMost);
+    } else if (name == "info" && value.kind == JsonToken::Kind::begin) {
+      each_pair(json, value, [&](const std::string& key, const JsonToken& text) {
+        if (key == "software" && text.kind == JsonToken::Kind::text) found.software = printable(text.text, 200);
+        json.skip_value(text);
+      });
     } else if (name == "attributes") {
       each_pair(json, value, [&](const std::string& owner, const JsonToken& list) {
         if (owner == "pointattributes") {
@@ -390,6 +395,7 @@ ParticleFile read_houdini(const files::InputFile& file, const HoudiniFile& surve
     walk_houdini(content, &second);
     must(files::check_unchanged(file, surveyed.version));
   }
+  result.creator = surveyed.software.starts_with("Houdini") ? surveyed.software : kHoudiniFormat;
   result.notes = surveyed.notes;
   result.notes.insert(result.notes.end(), choice.notes.begin(), choice.notes.end());
   return result;

@@ -10,6 +10,9 @@
 
 namespace isoextract::volumes {
 
+// ScalarField::creator of files in Houdini's formats that do not say that Houdini made them.
+inline constexpr const char* kHoudiniFormat = "Houdini's format";
+
 struct HoudiniAttribute {
   std::string name;
   std::string type;  // "numeric", "string", ...
@@ -23,6 +26,7 @@ struct HoudiniAttribute {
 struct HoudiniFile {
   std::uint64_t points = 0;
   std::uint64_t primitives = 0;
+  std::string software;                      // that wrote it: "Houdini 18.0.499"; may be empty
   std::vector<HoudiniAttribute> attributes;  // of points
   std::vector<std::string> notes;
   files::FileVersion version;

@@ -64,10 +64,13 @@ std::size_t named_column(const ParticleTable& table, const std::string& name) {
                          fmt::format("it has {}: {}", table.columns.size(), column_list(table)));
 }
 
+// In this case only: px, py and pz are momenta.
+constexpr std::string_view kHoudiniPosition = "P";
+
 // The names of a position, the surest first.
-constexpr std::array<std::string_view, 13> kPositionNames{"x y z",    "position",    "positions",  "pos",    "points",
-                                                          "point",    "coordinates", "coordinate", "coords", "coord",
-                                                          "location", "centre",      "center"};
+constexpr std::array<std::string_view, 14> kPositionNames{
+    "x y z",      "position", "positions", "pos",      "points", "point",  "coordinates",
+    "coordinate", "coords",   "coord",     "location", "centre", "center", kHoudiniPosition};
 
 std::array<std::size_t, 3> find_position(const ParticleTable& table, const ParticleReadOptions& options) {
   if (options.columns) {
@@ -79,7 +82,8 @@ std::array<std::size_t, 3> find_position(const ParticleTable& table, const Parti
   if (table.position) return *table.position;
   for (const std::string_view name : kPositionNames) {
     for (const ColumnGroup& group : table.groups) {
-      if (group.columns.size() != 3 || lower_case(group.name) != name) continue;
+      const bool is_called_so = name == kHoudiniPosition ? group.name == name : lower_case(group.name) == name;
+      if (group.columns.size() != 3 || !is_called_so) continue;
       return {group.columns[0], group.columns[1], group.columns[2]};
     }
   }
@@ -115,31 +119,74 @@ void add_attribute(const ParticleTable& table, const ColumnGroup& attribute, Col
   choice.attributes.push_back(attribute);
 }
 
-// "vx" -> "v" and 0; "Points:2" -> "Points" and 2. An empty stem is one of x, y and z alone.
+// "x [mm]" -> "x " and "mm"; also "x (mm)".
+struct Bracketed {
+  std::string_view before;
+  std::string_view inside;
+};
+std::optional<Bracketed> split_brackets(std::string_view header) {
+  const char close = header.empty() ? ' ' : header.back();
+  const std::size_t open = close == ']' ? header.rfind('[') : close == ')' ? header.rfind('(') : std::string_view::npos;
+  if (open == std::string_view::npos || open == 0) return std::nullopt;
+  return Bracketed{header.substr(0, open), header.substr(open + 1, header.size() - open - 2)};
+}
+
+std::string_view without_spaces_behind(std::string_view text) {
+  while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
+  return text;
+}
+
+// Names of components: digits, and the letters of these. Colours are only named so in brackets: "Cd[r]".
+enum class ComponentNames { digits, axes, colours };
+constexpr std::string_view kAxes = "xyz";
+constexpr std::string_view kColours = "rgba";
+
+// "vx" -> "v" and 0; "Points:2" -> "Points" and 2; "v[y]" -> "v" and 1. An empty stem is one of x, y and z alone.
 struct Component {
   std::string_view stem;
   std::size_t index;
-  bool is_letter;
+  ComponentNames names;
 };
 std::optional<Component> component_of(std::string_view name) {
   constexpr std::string_view kBetween = ":_.- ";
   if (name.empty()) return std::nullopt;
-  std::string_view stem = name;
-  if (name.back() == ']') {
-    const std::size_t open = name.rfind('[');
-    if (open == 0 || open + 3 != name.size()) return std::nullopt;
-    stem = name.substr(0, open);
-    name.remove_suffix(1);
-  } else {
+  const auto brackets = split_brackets(name);
+  std::string_view stem = name.substr(0, name.size() - 1);
+  char last = name.back();
+  if (brackets) {
+    if (brackets->inside.size() != 1) return std::nullopt;
+    stem = without_spaces_behind(brackets->before);
+    last = brackets->inside.front();
+  } else if (!stem.empty() && kBetween.find(stem.back()) != std::string_view::npos) {
     stem.remove_suffix(1);
-    if (!stem.empty() && kBetween.find(stem.back()) != std::string_view::npos) stem.remove_suffix(1);
   }
-  const char last = name.back();
-  if (const std::size_t axis = std::string_view("xyzXYZ").find(last); axis != std::string_view::npos) {
-    return Component{stem, axis % 3, true};
+  const std::string letter = lower_case({&last, 1});
+  if (const std::size_t axis = kAxes.find(letter); axis != std::string_view::npos) {
+    return Component{stem, axis, ComponentNames::axes};
   }
-  if (last >= '0' && last <= '9' && !stem.empty()) return Component{stem, static_cast<std::size_t>(last - '0'), false};
+  if (const std::size_t channel = kColours.find(letter); brackets && channel != std::string_view::npos) {
+    return Component{stem, channel, ComponentNames::colours};
+  }
+  if (is_digit(last) && !stem.empty()) {
+    return Component{stem, static_cast<std::size_t>(last - '0'), ComponentNames::digits};
+  }
   return std::nullopt;
+}
+
+// How many components of one quantity start with the column `first`; 1 where that is no part of a tuple. `name_of`
+// gives the name of a column, empty behind the last.
+template <class NameOf>
+std::size_t count_components(std::size_t first, const NameOf& name_of) {
+  const auto start = component_of(name_of(first));
+  if (!start || start->index != 0) return 1;
+  const std::size_t most = start->names == ComponentNames::digits ? 10 : kColours.size();
+  std::size_t count = 1;
+  while (count < most) {
+    const auto next = component_of(name_of(first + count));
+    if (!next || next->stem != start->stem || next->index != count || next->names != start->names) break;
+    ++count;
+  }
+  return count >= 3 || start->names == ComponentNames::digits ? count : 1;
 }
 
 }  // namespace
@@ -157,22 +204,15 @@ void add_tuple(ParticleTable& table, const std::string& name, const std::string&
 void group_by_names(ParticleTable& table) {
   const std::vector<ParticleColumn>& columns = table.columns;
   for (std::size_t first = 0; first < columns.size();) {
-    const auto start = component_of(columns[first].name);
-    std::size_t count = 1;
-    const auto follows = [&] {
-      const std::size_t next = first + count;
-      if (next == columns.size() || columns[next].numeric != columns[first].numeric) return false;
-      const auto component = component_of(columns[next].name);
-      return component && component->stem == start->stem && component->index == count &&
-             component->is_letter == start->is_letter;
-    };
-    if (start && start->index == 0) {
-      while (count < 10 && follows()) ++count;
-    }
-    const bool together = count > 1 && (count == 3 || !start->is_letter);
-    if (!together) count = 1;
+    const std::size_t count = count_components(first, [&](std::size_t column) -> std::string_view {
+      if (column >= columns.size() || columns[column].numeric != columns[first].numeric) return {};
+      return columns[column].name;
+    });
     ColumnGroup group{columns[first].name, {}};
-    if (together) group.name = start->stem.empty() ? "x y z" : std::string(start->stem);
+    if (count > 1) {
+      const std::string_view stem = component_of(columns[first].name)->stem;
+      group.name = stem.empty() ? "x y z" : std::string(stem);
+    }
     for (std::size_t i = 0; i < count; ++i) group.columns.push_back(first + i);
     table.groups.push_back(std::move(group));
     first += count;
@@ -189,16 +229,27 @@ void make_group_names_unique(ParticleTable& table) {
   }
 }
 
-NameAndUnit split_unit(std::string_view header) {
-  const char close = header.empty() ? ' ' : header.back();
-  const std::size_t open = close == ']' ? header.rfind('[') : close == ')' ? header.rfind('(') : std::string_view::npos;
-  if (open == std::string_view::npos || open == 0) return {std::string(header), {}};
-  const std::string_view unit = header.substr(open + 1, header.size() - open - 2);
-  // A number in brackets counts components.
-  if (unit.find_first_not_of("0123456789") == std::string_view::npos) return {std::string(header), {}};
-  std::string_view name = header.substr(0, open);
-  while (!name.empty() && name.back() == ' ') name.remove_suffix(1);
-  return {std::string(name), std::string(unit)};
+std::vector<NameAndUnit> split_units(std::span<const std::string_view> headers) {
+  std::vector<NameAndUnit> split;
+  std::size_t components = 0;  // that are still to come of a tuple
+  for (std::size_t i = 0; i < headers.size(); ++i) {
+    if (components == 0) {
+      const std::size_t count = count_components(
+          i, [&](std::size_t column) { return column < headers.size() ? headers[column] : std::string_view(); });
+      if (count > 1) components = count;
+    }
+    const bool is_component = components > 0;
+    if (is_component) --components;
+    const auto brackets = split_brackets(headers[i]);
+    // A number in brackets counts components, and so does an axis: neither is a unit.
+    if (is_component || !brackets || brackets->inside.find_first_not_of("0123456789") == std::string_view::npos ||
+        (brackets->inside.size() == 1 && kAxes.find(lower_case(brackets->inside)) != std::string_view::npos)) {
+      split.push_back({std::string(headers[i]), {}});
+    } else {
+      split.push_back({std::string(without_spaces_behind(brackets->before)), std::string(brackets->inside)});
+    }
+  }
+  return split;
 }
 
 void check_numbers(const ParticleTable& table, std::span<const std::size_t> wanted, std::string_view what,

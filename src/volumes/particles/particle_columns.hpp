@@ -46,8 +46,9 @@ struct ParticleTable {
 void add_tuple(ParticleTable& table, const std::string& name, const std::string& type, std::size_t components,
                bool numeric = true, std::optional<AttributeKind> kind = {});
 // Makes the groups of columns that only have names: those that follow each other and are named NAME:0, NAME:1, ... or
-// NAMEx, NAMEy, NAMEz belong together, with one of ": _ . -" or a space between or nothing, or the number in brackets.
-// NAME is the group's, "x y z" the one of the columns x, y and z.
+// NAMEx, NAMEy, NAMEz belong together, with one of ": _ . -" or a space between or nothing, or the number or the letter
+// in brackets; NAME[r], NAME[g], NAME[b] and perhaps NAME[a] as well. NAME is the group's, "x y z" the one of the
+// columns x, y and z.
 void group_by_names(ParticleTable& table);
 // Makes names of groups that are not the first of their kind NAME[1], NAME[2], ...
 void make_group_names_unique(ParticleTable& table);
@@ -57,7 +58,10 @@ struct NameAndUnit {
   std::string name;
   std::string unit;
 };
-[[nodiscard]] NameAndUnit split_unit(std::string_view header);
+// Splits the headers of a table's columns, in their order. What counts components in brackets, as group_by_names()
+// takes it, is no unit and stays in the name: "v[x]". A letter that may be either is a unit where the others do not
+// follow: "mass [g]".
+[[nodiscard]] std::vector<NameAndUnit> split_units(std::span<const std::string_view> headers);
 
 // Which columns are wanted.
 struct ColumnChoice {

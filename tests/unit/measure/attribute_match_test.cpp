@@ -79,5 +79,25 @@ TEST(AttributeMatch, OtherVerticesHaveNamesOnly) {
   EXPECT_FALSE(moved.both[0].difference);
 }
 
+TEST(AttributeMatch, PlacesMayDifferByTheToleranceThatIsGiven) {
+  mesh::Mesh a = three_vertices();
+  mesh::Mesh b = mesh::copy(a);
+  b.positions[2].x += 0.25F;
+  EXPECT_TRUE(match_attributes(a, b, true, 0.25).same_vertices);
+  EXPECT_FALSE(match_attributes(a, b, true, 0.2).same_vertices);
+  b.positions[2].x = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_FALSE(match_attributes(a, b, true, 0.25).same_vertices);
+}
+
+TEST(AttributeMatch, RoundingIsThatOfTheNumbersInTheFile) {
+  constexpr double kEpsilon = std::numeric_limits<float>::epsilon();
+  mesh::Mesh mesh = three_vertices();
+  mesh.positions[1] = {0.5F, -3, 0};
+  mesh.origin = {0, 0, 1024};  // every place is one of float32
+  EXPECT_EQ(coordinate_rounding(mesh), 1024 * kEpsilon);
+  mesh.origin.z += 0x1p-40;
+  EXPECT_EQ(coordinate_rounding(mesh), 3 * kEpsilon);
+}
+
 }  // namespace
 }  // namespace isoextract::measure

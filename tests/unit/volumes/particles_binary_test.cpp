@@ -168,6 +168,18 @@ TEST(ParticlesBgeo, NewOnes) {
   }
 }
 
+TEST(ParticlesBgeo, WhoMadeThemOrWhoseFormatItIs) {
+  EXPECT_EQ(must_read_particles({"a.bgeo", bgeo_classic()}).creator, "Houdini's format");
+  EXPECT_EQ(must_read_particles({"a.bgeo", houdini_geometry()}).creator, "Houdini's format");
+  for (const auto& [software, creator] :
+       {std::pair{"Houdini 18.0.499", "Houdini 18.0.499"}, std::pair{"partio", "Houdini's format"}}) {
+    std::string bytes = houdini_geometry();
+    const std::size_t first_entry = bytes.find("info{") + 5;
+    bytes.insert(first_entry, HoudiniBytes().text("software").text(software).bytes().substr(5));
+    EXPECT_EQ(must_read_particles({"a.bgeo", bytes}).creator, creator);
+  }
+}
+
 TEST(ParticlesBgeo, WrongNewOnesAreRefused) {
   const std::string good = houdini_geometry();
   const auto replaced = [&](const std::string& from, const std::string& to) {

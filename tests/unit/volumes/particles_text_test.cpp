@@ -53,6 +53,41 @@ TEST(ParticlesCsv, UnitsAttributesAndText) {
   expect_in(missing.hint.text, "id, Velocity, v, id[1]");
 }
 
+// As in the geometry spreadsheet of Houdini.
+TEST(ParticlesCsv, LettersInBracketsCountComponents) {
+  const ParticleInput input{
+      "a.csv",
+      "id,P[x],P[y],P[z],v[X],v[Y],v[Z],Cd[r],Cd[g],Cd[b],uv[0],uv[1],N [x] [m],N [y] [m],N [z] [m]\n"
+      "0,1,2,3,0.5,-1,2,0.1,0.2,0.3,7,8,0,0,1\n1,4,5,6,4,5,6,0.4,0.5,0.6,9,10,0,1,0\n"};
+  EXPECT_EQ(quantities_of(must_inform(input)),
+            (std::vector<std::string>{"id:1 number", "v:3 number", "Cd:3 number", "uv:2 number", "N:3 number in m"}));
+  const volumes::ParticleFile all = must_read_particles(input, with_all());
+  expect_positions(all.particles, {{1, 2, 3}, {4, 5, 6}});
+  EXPECT_EQ(all.length_unit, "");
+  expect_attribute(all.particles, "v", 3, {0.5F, -1, 2, 4, 5, 6});
+  expect_attribute(all.particles, "Cd", 3, {0.1F, 0.2F, 0.3F, 0.4F, 0.5F, 0.6F});
+  expect_attribute(must_read_particles(input, with_attributes({"v[Y]"})).particles, "v[Y]", 1, {-1, 5});
+  volumes::ParticleReadOptions options;
+  options.columns = {"v[X]", "v[Y]", "p[z]"};
+  expect_positions(must_read_particles(input, options).particles, {{0.5, -1, 3}, {4, 5, 6}});
+}
+
+TEST(ParticlesCsv, UnitsInBracketsStayUnits) {
+  const ParticleInput input{"a.csv",
+                            "x [mm],y [mm],z [mm],mass [g],age [a],v[x] [m/s],v[y] [m/s],v[z] [m/s],Cd[r],Cd[g],Cd[b],"
+                            "Cd[a],T [K],load[b],px,py,pz\n1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17\n"};
+  const volumes::ParticleInfo info = must_inform(input);
+  EXPECT_EQ(info.length_unit, "mm");
+  EXPECT_EQ(quantities_of(info),
+            (std::vector<std::string>{"mass:1 number in g", "age:1 number in a", "v:3 number in m/s", "Cd:4 number",
+                                      "T:1 number in K", "load:1 number in b", "p:3 number"}));
+}
+
+// A vector p is a momentum, P a position.
+TEST(ParticlesCsv, MomentaAreNoPositions) {
+  expect_in(particle_refusal({"a.csv", "px,py,pz,t\n1,2,3,4\n"}).message, "expected columns x, y and z");
+}
+
 TEST(ParticlesCsv, ColumnsByNameAndNumber) {
   const ParticleInput input{"a.csv", "a,b,c,d\n1,2,3,4\n5,6,7,8\n"};
   expect_in(particle_refusal(input).message, "expected columns x, y and z, found 4: a, b, c, d");
