@@ -46,7 +46,31 @@ bool is_input_file(const std::string& file, const std::string& input) {
   return file.empty() || file == input || std::filesystem::equivalent(file, input, none);
 }
 
-// Whether the file has no such grid, nor one of vectors of which that would be a part. False where it cannot be read.
+using GridList = std::vector<volumes::GridInfo>;
+
+bool is_vector(const volumes::GridInfo& grid) { return grid.type.starts_with("vec3"); }
+
+bool is_called(const volumes::GridInfo& grid, std::string_view name) { return grid.label == name || grid.name == name; }
+
+// The labels of three scalar grids that are the components of `name`: "vel.x", "vel.y" and "vel.z", as volumes of
+// Houdini are called that were not merged; also with "_" or nothing between. Nothing where they are not all there.
+std::optional<std::array<std::string, 3>> grids_of_axes(const GridList& grids, const std::string& name) {
+  for (const std::string_view between : {".", "_", ""}) {
+    std::array<std::string, 3> labels;
+    for (std::size_t axis = 0; axis < labels.size(); ++axis) {
+      const std::string wanted = lower_case(fmt::format("{}{}{}", name, between, "xyz"[axis]));
+      const auto is_meant = [&](const volumes::GridInfo& grid) {
+        return !is_vector(grid) && lower_case(grid.name) == wanted && grid.name.starts_with(name);
+      };
+      if (std::ranges::count_if(grids, is_meant) == 1) labels[axis] = std::ranges::find_if(grids, is_meant)->label;
+    }
+    if (std::ranges::none_of(labels, &std::string::empty)) return labels;
+  }
+  return std::nullopt;
+}
+
+// Whether the file has no such grid, nor one of vectors of which that would be a part, nor those of its axes. False
+// where it cannot be read.
 bool lacks_grid(const SourceOptions& options, const AttributePlace& place, const Context& context) {
   if (!place.grid) return false;
   const bool of_input = is_input_file(place.file, options.input);
@@ -54,9 +78,9 @@ bool lacks_grid(const SourceOptions& options, const AttributePlace& place, const
                                           of_input ? options.read : volumes::ReadOptions(), context);
   const std::string whole = place.grid->substr(0, place.grid->rfind('['));
   const auto is_meant = [&](const volumes::GridInfo& grid) {
-    return grid.label == *place.grid || grid.name == *place.grid || grid.label == whole || grid.name == whole;
+    return is_called(grid, *place.grid) || is_called(grid, whole);
   };
-  return listed && std::ranges::none_of(*listed, is_meant);
+  return listed && std::ranges::none_of(*listed, is_meant) && !grids_of_axes(*listed, *place.grid);
 }
 
 // How a place is read, and what messages call it.
@@ -134,17 +158,32 @@ void move_to_world_of(const field::ScalarField& input, VolumeAttribute& attribut
   for (field::ScalarField& field : attribute.components) field.index_to_world = map->after(field.index_to_world);
 }
 
-// The grid of vectors that is meant as a whole; nothing where a scalar one is.
-Result<std::optional<volumes::GridInfo>> vector_grid(const Reading& reading, const Context& context) {
-  auto listed = volumes::list_grids(reading.input, reading.read, context);
-  if (!listed) return tl::unexpected(std::move(listed.error()));
-  const auto is_vector = [](const volumes::GridInfo& grid) { return grid.type.starts_with("vec3"); };
+// What a vector is read from.
+struct VectorGrids {
+  std::array<std::string, 3> components;
+  std::optional<AttributeKind> stated_kind;
+  bool in_voxels = false;
+};
+
+// The grid of vectors that is meant as a whole, or else those of its axes; nothing where a scalar grid is meant.
+Result<std::optional<VectorGrids>> vector_grids(const Reading& reading, const Context& context) {
+  const auto listed = volumes::list_grids(reading.input, reading.read, context);
+  if (!listed) return tl::unexpected(listed.error());
   const std::optional<std::string>& wanted = reading.read.grid;
   if (!wanted && listed->size() != 1) return std::nullopt;
-  for (volumes::GridInfo& grid : *listed) {
-    if (is_vector(grid) && (!wanted || grid.label == *wanted || grid.name == *wanted)) return std::move(grid);
+  bool is_there = !wanted;
+  for (const volumes::GridInfo& grid : *listed) {
+    if (wanted && !is_called(grid, *wanted)) continue;
+    is_there = true;
+    if (!is_vector(grid)) continue;
+    VectorGrids vectors{{}, grid.kind_of_vectors, grid.vectors_in_voxels};
+    std::ranges::transform(kAxes, vectors.components.begin(),
+                           [&](std::string_view axis) { return grid.label + std::string(axis); });
+    return vectors;
   }
-  return std::nullopt;
+  auto of_axes = is_there ? std::nullopt : grids_of_axes(*listed, *wanted);
+  if (!of_axes) return std::nullopt;
+  return VectorGrids{std::move(*of_axes), std::nullopt, false};
 }
 
 Result<VolumeAttribute> read_volume_attribute(const SourceOptions& options, const AttributeChoice& choice,
@@ -158,18 +197,18 @@ Result<VolumeAttribute> read_volume_attribute(const SourceOptions& options, cons
   }
   auto reading = reading_of(options, choice, place, input, context);
   if (!reading) return tl::unexpected(std::move(reading.error()));
-  const auto vectors = vector_grid(*reading, context);
+  const auto vectors = vector_grids(*reading, context);
   if (!vectors) return tl::unexpected(vectors.error());
   VolumeAttribute attribute;
   attribute.choice = choice;
-  const std::optional<volumes::GridInfo>& whole = *vectors;
+  const std::optional<VectorGrids>& whole = *vectors;
   const std::size_t count = whole ? kAxes.size() : 1;
   if (whole) {
-    attribute.stated_kind = whole->kind_of_vectors;
-    attribute.in_voxels = whole->vectors_in_voxels;
+    attribute.stated_kind = whole->stated_kind;
+    attribute.in_voxels = whole->in_voxels;
   }
   for (std::size_t c = 0; c < count; ++c) {
-    if (whole) reading->read.grid = whole->label + std::string(kAxes[c]);
+    if (whole) reading->read.grid = whole->components[c];
     auto field = volumes::read_volume(reading->input, reading->read, context);
     if (!field) return tl::unexpected(std::move(field.error()));
     field->name = reading->shown;

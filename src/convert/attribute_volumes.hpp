@@ -3,7 +3,8 @@
 // What AttributeChoice::from says of a volume is
 //
 //   GRID         a grid of the input, for formats that name their grids: "temperature", or "velocity[x]" and
-//                "velocity[length]" of one of vectors. A grid of vectors as a whole, "velocity", has three components
+//                "velocity[length]" of one of vectors. A grid of vectors as a whole, "velocity", has three components,
+//                and so have scalar grids velocity.x, velocity.y and velocity.z together
 //   FILE         another file with one volume or one scalar grid
 //   FILE[GRID]   a grid of another file
 //

@@ -8,7 +8,7 @@ import struct
 import unittest
 import zipfile
 
-from attributes_test import columns
+from attributes_test import Glb, columns
 from support import PROGRAM, ProgramTest, main
 
 DIMS = (9, 8, 7)
@@ -302,6 +302,25 @@ class MissingTest(FilesTest):
         self.assert_fails(2, self.run_program("a_2.npz", "--grid", "d", "--iso", "0.5", "--attribute", "T?=bad.npy", "-o", "o.ply"),
                           "bad.npy")
         self.assert_fails(1, self.run_program("a_2.npz", "--grid", "d", "--iso", "0.5", "--attribute", "a=T?", "-o", "o.ply"), "a?=T")
+
+    def test_grids_of_axes_are_one_vector(self):
+        """As volumes of Houdini that were not merged: vel.x, vel.y and vel.z."""
+        for names in (("vel.x", "vel.y", "vel.z"), ("vel_X", "vel_Y", "vel_Z"), ("velx", "vely", "velz")):
+            with self.subTest(names=names):
+                parts = {name: (lambda i, j, k, c=c: c + 1.0) for c, name in enumerate(names)}
+                self.archive("v.npz", d=ball, **parts)
+                found = self.ply("v.npz", "--grid", "d", "--attribute", "vel", "--attribute", f"s={names[1]}")
+                self.assertEqual([set(found[name]) for name in ("vel_0", "vel_1", "vel_2", "s")], [{1}, {2}, {3}, {2}])
+                self.convert("v.npz", "--grid", "d", "--iso", "0.5", "--attribute", "w=vel", "-o", "v.glb")
+                self.assertEqual(set(Glb((self.folder / "v.glb").read_bytes()).values("_w")), {(1, 3, -2)})
+                del parts[names[2]]
+                self.archive("v.npz", d=ball, **parts)
+                run = self.run_program("v.npz", "--grid", "d", "--iso", "0.5", "--attribute", "vel", "-o", "no.ply")
+                self.assert_fails(2, run, "there is no grid 'vel'")
+                self.assertIn("without the optional attribute 'vel'",
+                              self.convert("v.npz", "--grid", "d", "--iso", "0.5", "--attribute", "vel?", "-o", "b.ply").err)
+        self.archive("v.npz", d=ball, vel=linear, **{f"vel.{axis}": linear for axis in "xyz"})
+        self.assertIn("vel", self.ply("v.npz", "--grid", "d", "--attribute", "vel"))  # the grid of that name, a scalar
 
     def test_optional_attributes_of_particles(self):
         head = "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n"
