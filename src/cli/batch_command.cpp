@@ -94,7 +94,7 @@ class FrameKeeper final : public batch::FrameEvents {
     row.status = batch::FrameStatus::kept;
     if (record != nullptr) {
       row.figures = record->figures;
-      for (const std::string& name : row.figures.lacked_attributes) progress_.lacks(row.frame, name);
+      remark_lacking(row);
       for (const batch::FileRecord& file : record->outputs) row.outputs.push_back(file.path);
     }
     progress_.over(row);
@@ -126,7 +126,8 @@ class FrameKeeper final : public batch::FrameEvents {
       kept = kept && !unkept_;
     }
     row.figures = batch::figures_of(outcome);
-    for (const std::string& name : row.figures.lacked_attributes) progress_.lacks(job.number, name);
+    remark_lacking(row);
+    if (outcome.empty_picture) progress_.remark(job.number, "in whose picture the camera sees nothing of the surfaces");
     for (const meshes::WrittenFile& file : outcome.files) row.outputs.push_back(file.path);
     row.status = error ? batch::FrameStatus::failed : done_or_empty(outcome, row.figures);
     if (plan_.common.pages.html) {
@@ -189,6 +190,12 @@ class FrameKeeper final : public batch::FrameEvents {
                                                  const batch::FrameFigures& figures) const {
     const bool nothing = animation_ == nullptr && figures.surfaces.empty() && outcome.files.empty();
     return nothing || batch::is_empty(figures) ? batch::FrameStatus::empty : batch::FrameStatus::done;
+  }
+
+  void remark_lacking(const batch::FrameRow& row) {
+    for (const std::string& name : row.figures.lacked_attributes) {
+      progress_.remark(row.frame, fmt::format("without the optional attribute '{}'", printable(name)));
+    }
   }
 
   // A mesh of an earlier run must not pass for that of a frame that has failed. What there is to say of it.

@@ -278,6 +278,10 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
         "--center: each frame is moved by the middle of its own samples; of sparse volumes and particles, whose box "
         "changes, the frames move against each other, which --roi prevents");
   }
+  if (plan.common.job.picture_file && sources->size() > 1) {
+    std::string note = note_of_cameras(*plan.common.job.picture_file);
+    if (!note.empty()) plan.common.notes.push_back(std::move(note));
+  }
   if (auto reported = plan_report(flags, plan); !reported) return tl::unexpected(reported.error());
   if (auto planned = plan_tables(flags.batch, plan); !planned) return tl::unexpected(planned.error());
   plan.others = other_files(flags, *sources, plan.report);

@@ -89,16 +89,16 @@ void BatchProgress::note_once(const std::string& text) {
   bar_->above([&] { messages_.note(text); });
 }
 
-void BatchProgress::lacks(std::int64_t frame, const std::string& attribute) {
+void BatchProgress::remark(std::int64_t frame, const std::string& text) {
   const std::lock_guard lock(mutex_);
-  lacking_[attribute].insert(frame);
+  remarks_[text].insert(frame);
 }
 
-void BatchProgress::tell_lacking() {
-  for (const auto& [attribute, frames] : lacking_) {
+void BatchProgress::tell_remarks() {
+  for (const auto& [text, frames] : remarks_) {
     const std::vector<std::int64_t> numbers(frames.begin(), frames.end());
-    messages_.note(fmt::format("{} of {} frames without the optional attribute '{}': {}", numbers.size(), frames_,
-                               printable(attribute), batch::text_of(batch::runs_of(numbers), kShownFrameRuns)));
+    messages_.note(fmt::format("{} of {} frames {}: {}", numbers.size(), frames_, text,
+                               batch::text_of(batch::runs_of(numbers), kShownFrameRuns)));
   }
 }
 
@@ -128,7 +128,7 @@ void BatchProgress::end(std::uint64_t done, std::uint64_t failed, std::uint64_t 
     return;
   }
   tell_folded();
-  tell_lacking();
+  tell_remarks();
   std::string text = fmt::format("{} of {} frames done", done, frames_);
   if (kept > 0) text += fmt::format(", {} kept from an earlier run", kept);
   if (failed > 0) text += fmt::format(", {} failed", failed);

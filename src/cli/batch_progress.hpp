@@ -36,8 +36,8 @@ class BatchProgress {
   void detail(const std::string& text);
   // Tells the first note that it is called with; other frames have the same.
   void note_once(const std::string& text);
-  // A frame was converted without an optional attribute. end() tells of all such frames at once.
-  void lacks(std::int64_t frame, const std::string& attribute);
+  // Something that is so of some frames: end() notes them all at once, as "2 of 3 frames TEXT: 1-2".
+  void remark(std::int64_t frame, const std::string& text);
   // A frame that is over, however it ended.
   void over(const batch::FrameRow& row);
   // What there was in all. Call once, last. Frames that were not there count in none of the others.
@@ -54,7 +54,7 @@ class BatchProgress {
 
   void line(const convert::Json& event);
   void tell_folded();
-  void tell_lacking();
+  void tell_remarks();
 
   ProgressStyle style_;
   const Messages& messages_;
@@ -65,7 +65,7 @@ class BatchProgress {
   Progress progress_;
   std::mutex mutex_;
   std::map<std::string, Reason> reasons_;                  // why frames failed
-  std::map<std::string, std::set<std::int64_t>> lacking_;  // frames, by the attribute that they lack
+  std::map<std::string, std::set<std::int64_t>> remarks_;  // frames, by what is so of them
   std::optional<ProgressBar> bar_;                         // after what it reads
 };
 

@@ -192,6 +192,9 @@ void declare_output(CLI::App& app, ConvertFlags& flags) {
       "--camera", "AZ,EL[,DISTANCE]", flags.camera, render::parse_view_angles,
       "Where a picture is drawn from: degrees around the up axis from the front, degrees above the ground, and how far "
       "from the middle of the surfaces (default: 35,20, and so far that all of them are seen).");
+  group.value("--look-at", "X,Y,Z", flags.look_at, parse_vector,
+              "What the camera of a picture looks at, in the coordinates of the surfaces, in place of their middle. "
+              "With the distance of --camera all frames of a sequence have one camera.");
   group.flag("--half", flags.half, "Store a field with values of 16 bits: files of half the size or less.");
   group.value<std::string>("--report", "FILE", flags.report, parse_text,
                            "Write a JSON report of the conversion: options, input, stages with time and memory, what "

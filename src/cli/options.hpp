@@ -217,6 +217,7 @@ struct ConvertFlags {
   bool half = false;
   std::optional<render::PictureSize> size;
   std::optional<render::ViewAngles> camera;
+  std::optional<glm::dvec3> look_at;
   bool ascii = false;
   // Of --draco: its bits, or nothing in it where the voxel says.
   std::optional<std::optional<std::uint64_t>> draco;
@@ -279,6 +280,7 @@ struct RenderFlags {
   std::optional<std::array<double, 2>> transfer_range;
   std::optional<double> unit_length;
   std::optional<render::ViewAngles> camera;
+  std::optional<glm::dvec3> look_at;
   std::optional<double> field_of_view;
   std::optional<convert::UpAxis> up;
   std::optional<render::PictureSize> size;

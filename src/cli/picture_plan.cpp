@@ -23,8 +23,9 @@ Result<std::optional<convert::PictureFileOptions>> plan_picture(const ConvertFla
     return found == options.end() ? std::string_view() : found->second;
   };
   if (!writes_picture(flags)) {
-    const std::array<Given, 2> of_pictures{
-        {{flags.size.has_value(), "--size"}, {flags.camera.has_value(), "--camera"}}};
+    const std::array<Given, 3> of_pictures{{{flags.size.has_value(), "--size"},
+                                            {flags.camera.has_value(), "--camera"},
+                                            {flags.look_at.has_value(), "--look-at"}}};
     const std::string_view option = first_given(of_pictures);
     if (option.empty()) return std::nullopt;
     return refuse_usage(fmt::format("{} is about a picture, and none is drawn", option), "name the output .png");
@@ -46,7 +47,17 @@ Result<std::optional<convert::PictureFileOptions>> plan_picture(const ConvertFla
     picture.height = flags.size->height;
   }
   picture.angles = flags.camera.value_or(picture.angles);
+  picture.angles.look_at = flags.look_at;
   return picture;
+}
+
+std::string note_of_cameras(const convert::PictureFileOptions& picture) {
+  if (picture.angles.is_fixed()) return {};
+  return fmt::format(
+      "each picture {} its own surfaces, so it does not show how they {}: for one camera give --camera "
+      "AZ,EL,DISTANCE and --look-at X,Y,Z",
+      picture.angles.look_at ? "is taken from as far as needs" : "looks at the middle of",
+      picture.angles.look_at ? "grow" : "move");
 }
 
 std::string_view other_extension(const ConvertFlags& flags) {

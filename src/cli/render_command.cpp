@@ -1,5 +1,6 @@
 #include "cli/render_command.hpp"
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -91,6 +92,15 @@ convert::Json json_of(const PicturePlan& plan, const render::Rendered& rendered,
           {"fragments", statistics.fragments}};
 }
 
+// Whether the background is seen in every pixel.
+bool shows_nothing(const render::Picture& picture, const glm::dvec4& background) {
+  constexpr float kUnseen = 1.0F / 1024;
+  const glm::vec4 behind(glm::dvec3(background) * background.a, background.a);
+  return std::ranges::all_of(picture.colour, [&](const glm::vec4& colour) {
+    return glm::all(glm::lessThan(glm::abs(colour - behind), glm::vec4(kUnseen)));
+  });
+}
+
 // Lets a renderer keep what it makes of a volume for as long as that is there.
 class KeptVolume {
  public:
@@ -140,7 +150,7 @@ class Pictures {
  private:
   Result<void> draw(const SceneSource& source, const PicturePlan& picture, const StageTime& reading, ProgressBar& bar) {
     const render::Scene scene = source.scene();
-    if (!box_) {
+    if (!box_ || plan_.camera.is_fixed()) {  // then it says only what is near and far
       const auto box = render::box_of(scene);
       if (!box) return tl::unexpected(box.error());
       box_ = *box;
@@ -156,6 +166,7 @@ class Pictures {
     const Stopwatch write_watch;
     if (auto written = write_picture(rendered->picture, picture.output, context_); !written) return written;
     const StageTime writing = write_watch.elapsed();
+    const bool is_empty = shows_nothing(rendered->picture, plan_.background);
     const render::RenderStatistics& statistics = rendered->statistics;
     const std::string name = files::shown_output_name(picture.output);
     bar.above([&] {
@@ -163,6 +174,8 @@ class Pictures {
           "{} -> {}: {} x {} pixels; drawn in {:.2f} s",
           picture.input ? files::shown_input_name(*picture.input) : files::shown_input_name(plan_.meshes.front()), name,
           rendered->picture.width, rendered->picture.height, drawing.wall_seconds));
+      if (is_empty)
+        messages_.note(fmt::format("{}: the picture is empty: the camera sees nothing of what is drawn", name));
       messages_.detail(fmt::format(
           "{}: {} rays, {} samples, {} left out in empty bricks ({} of {} bricks), {} behind what hides them; {} "
           "fragments of surfaces; read in {:.2f} s, written in {:.2f} s; {}; peak memory {}",

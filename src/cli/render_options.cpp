@@ -84,6 +84,8 @@ void declare_picture(const Group& group, RenderFlags& flags) {
       "--camera", "AZ,EL[,DISTANCE]", flags.camera, render::parse_view_angles,
       "Where the camera is, seen from the middle: azimuth and elevation in degrees, and how far (default: 35,20, "
       "so far that all is seen).");
+  group.value("--look-at", "X,Y,Z", flags.look_at, parse_vector,
+              "What the camera looks at, in the world, in place of the middle of what is drawn first.");
   group.value("--fov", "DEGREES", flags.field_of_view, parse_field_of_view,
               "Vertical field of view (default: 45, that is 0.785 radians).");
   group.choice("--up", flags.up,

@@ -236,6 +236,7 @@ Result<RenderPlan> plan_render(const RenderFlags& flags) {
   plan.transfer_range = flags.transfer_range;
   plan.unit_length = flags.unit_length;
   plan.camera = flags.camera.value_or(plan.camera);
+  plan.camera.look_at = flags.look_at;
   if (flags.field_of_view) plan.fovy = *flags.field_of_view * std::numbers::pi / 180;
   if (flags.up) plan.up = convert::shown_up(*flags.up);
   plan.options.size = flags.size.value_or(plan.options.size);
@@ -258,6 +259,12 @@ Result<RenderPlan> plan_render(const RenderFlags& flags) {
   auto pictures = plan_frames(flags, inputs, plan.notes);
   if (!pictures) return tl::unexpected(std::move(pictures.error()));
   plan.pictures = std::move(*pictures);
+  const bool is_sequence = plan.pictures.size() > 1 && plan.pictures[1].input != plan.pictures[0].input;
+  if (is_sequence && !plan.camera.is_fixed()) {
+    plan.notes.emplace_back(
+        "the camera is placed by the first picture: what moves or grows out of its view is not seen in the others; "
+        "--camera AZ,EL,DISTANCE and --look-at X,Y,Z place it otherwise");
+  }
   if (auto named = name_pictures(flags, inputs, plan.pictures); !named) return tl::unexpected(std::move(named.error()));
   return plan;
 }

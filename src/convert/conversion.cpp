@@ -375,8 +375,12 @@ class Conversion {
   }
 
   Result<meshes::MeshWriteResult> complete(OutputFile& file) {
-    if (sink_ == nullptr && job_.picture_file)
-      return write_picture(file.held, job_, source_.placement.placement, file.written.job, context_);
+    if (sink_ == nullptr && job_.picture_file) {
+      auto picture = write_picture(file.held, job_, source_.placement.placement, file.written.job, context_);
+      if (!picture) return tl::unexpected(std::move(picture.error()));
+      if (picture->misses_surfaces) events_.drew_nothing();
+      return std::move(picture->written);
+    }
     if (sink_ == nullptr) return file.writer.finish();
     meshes::MeshWriteOptions options = write_options();
     auto taken = sink_->take(

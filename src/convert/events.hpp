@@ -99,6 +99,7 @@ class Events {
   virtual void coloured(const ColourRecord&) {}                              // and after it
   virtual void shaded(double /*iso*/, const WorkFact&, const StageTime&) {}  // where normals were made to fit triangles
   virtual void measured(const MeshError&, const StageTime&) {}
+  virtual void drew_nothing() {}                    // of surfaces that are there; a note tells
   virtual void packed(const MeshPackingRecord&) {}  // before its file is written
   virtual void written(const WrittenOutput&) {}
   virtual void wrote_field(const WrittenField&) {}

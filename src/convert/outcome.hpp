@@ -187,6 +187,7 @@ struct Outcome {
   std::vector<MeshRecord> meshes;
   std::vector<WrittenSurface> written;
   std::vector<meshes::WrittenFile> files;
+  bool empty_picture = false;  // there are surfaces, and a picture shows none of them
   std::vector<std::string> notes;
   std::optional<Error> error;  // why the conversion failed
 

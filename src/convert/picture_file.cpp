@@ -1,9 +1,13 @@
 #include "convert/picture_file.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+
+#include "base/printable.hpp"
 #include "files/output_file.hpp"
 #include "images/png_writer.hpp"
 #include "render/preview.hpp"
@@ -42,9 +46,8 @@ Result<std::uint64_t> write_png(const std::string& path, const render::Picture& 
   return bytes;
 }
 
-Result<meshes::MeshWriteResult> write_picture(std::span<const mesh::Mesh> meshes, const ConversionJob& job,
-                                              const Placement& placement, const OutputFileJob& output,
-                                              const Context& context) {
+Result<WrittenPicture> write_picture(std::span<const mesh::Mesh> meshes, const ConversionJob& job,
+                                     const Placement& placement, const OutputFileJob& output, const Context& context) {
   std::vector<render::Surface> surfaces;
   for (const mesh::Mesh& mesh : meshes) surfaces.push_back(surface_of(mesh));
   render::PreviewOptions options;
@@ -60,7 +63,15 @@ Result<meshes::MeshWriteResult> write_picture(std::span<const mesh::Mesh> meshes
   if (!drawn) return tl::unexpected(std::move(drawn.error()));
   const auto bytes = write_png(output.path, drawn->picture, context);
   if (!bytes) return tl::unexpected(bytes.error());
-  return meshes::MeshWriteResult{{{output.path, *bytes}}, {}};
+  WrittenPicture done{{{{output.path, *bytes}}, {}, {}}, false};
+  const auto is_there = [](const mesh::Mesh& mesh) { return !mesh.triangles.empty(); };
+  const auto is_seen = [](float depth) { return std::isfinite(depth); };
+  done.misses_surfaces = std::ranges::any_of(meshes, is_there) && std::ranges::none_of(drawn->picture.depth, is_seen);
+  if (done.misses_surfaces) {
+    done.written.notes.push_back(
+        fmt::format("{}: the picture is empty: the camera sees nothing of the surfaces", printable(output.path)));
+  }
+  return done;
 }
 
 }  // namespace isoextract::convert

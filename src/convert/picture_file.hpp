@@ -29,10 +29,16 @@ namespace isoextract::convert {
 [[nodiscard]] Result<std::uint64_t> write_png(const std::string& path, const render::Picture& picture,
                                               const Context& context);
 
+struct WrittenPicture {
+  meshes::MeshWriteResult written;
+  bool misses_surfaces = false;  // there are some, and the camera sees none of them
+};
+
 // Draws `meshes`, which are placed so, on the processor, the same picture for any number of threads, and writes it to
-// `output`, whole or not at all. Fails as render::draw_preview() does, and with ErrorKind::output.
-[[nodiscard]] Result<meshes::MeshWriteResult> write_picture(std::span<const mesh::Mesh> meshes,
-                                                            const ConversionJob& job, const Placement& placement,
-                                                            const OutputFileJob& output, const Context& context);
+// `output`, whole or not at all. A note tells where it misses all surfaces. Fails as render::draw_preview() does, and
+// with ErrorKind::output.
+[[nodiscard]] Result<WrittenPicture> write_picture(std::span<const mesh::Mesh> meshes, const ConversionJob& job,
+                                                   const Placement& placement, const OutputFileJob& output,
+                                                   const Context& context);
 
 }  // namespace isoextract::convert

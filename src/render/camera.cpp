@@ -147,8 +147,8 @@ Camera framing(const field::Box& box, const ViewAngles& angles, UpAxis up, const
   const glm::dvec3 around = std::cos(azimuth) * front + std::sin(azimuth) * side;
   const glm::dvec3 away = std::cos(elevation) * around + std::sin(elevation) * upwards;
 
-  const glm::dvec3 middle = box.min + (box.max - box.min) / 2.0;
-  const double radius = glm::length(box.max - middle);
+  const glm::dvec3 middle = angles.look_at.value_or(box.min + (box.max - box.min) / 2.0);
+  const double radius = glm::length(glm::max(glm::abs(box.max - middle), glm::abs(box.min - middle)));
   const double across = 2 * std::atan(std::tan(fovy / 2) * std::min(1.0, aspect_of(size)));
   const double fitting = radius > 0 ? kMargin * radius / std::sin(across / 2) : 1;
 

@@ -81,8 +81,12 @@ struct PixelBox {
 // distance from the target in world units.
 struct ViewAngles {
   double azimuth = 35;
-  double elevation = 20;             // from -90 to 90
-  std::optional<double> distance{};  // nothing: so far that all of the box is seen
+  double elevation = 20;                // from -90 to 90
+  std::optional<double> distance{};     // nothing: so far that all of the box is seen
+  std::optional<glm::dvec3> look_at{};  // the target, in the world; nothing: the middle of the box
+
+  // Whether the camera is the same for every box.
+  [[nodiscard]] bool is_fixed() const { return distance && look_at; }
 
   friend bool operator==(const ViewAngles&, const ViewAngles&) = default;
 };
@@ -95,10 +99,11 @@ constexpr auto words_of(UpAxis /*type*/) {
   return std::array{Word{UpAxis::x, "x"}, Word{UpAxis::y, "y"}, Word{UpAxis::z, "z"}};
 }
 
-// A camera that looks at the middle of `box`. Azimuth 0 is in front: at -y where z is up, at +z where x or y is; it
-// grows counter-clockwise as seen from above, so that 90 is at +x where y or z is up and at -y where x is. Without a
-// distance the sphere around the box fits into the narrower side of the picture. Near and far contain that sphere
-// wherever it is in front of the eye. A box of one point is looked at from a distance of 1.
+// A camera that looks at `angles.look_at`, or else at the middle of `box`. Azimuth 0 is in front: at -y where z is up,
+// at +z where x or y is; it grows counter-clockwise as seen from above, so that 90 is at +x where y or z is up and at
+// -y where x is. Without a distance the sphere around the box, with the target as its middle, fits into the narrower
+// side of the picture. Near and far contain that sphere wherever it is in front of the eye. A box of one point is
+// looked at from a distance of 1.
 [[nodiscard]] Camera framing(const field::Box& box, const ViewAngles& angles, UpAxis up, const PictureSize& size,
                              double fovy = Camera::kDefaultFovy);
 

@@ -2,6 +2,8 @@
 
 import base64
 import html.parser
+import json
+import math
 import re
 import shutil
 
@@ -87,6 +89,49 @@ class PictureTest(PicturesTest):
         # The long side, and then the short one, from so near that either fits.
         self.assertLess(widths[0], 0.6 * widths[90])
 
+    def moving(self):
+        """A ball that goes along x."""
+        for frame, at in ((1, 4), (2, 10), (3, 16)):
+            self.write_raw(f"m_{frame}.raw", (20, 8, 8), lambda x, y, z, at=at: 2.6 - math.dist((x, y, z), (at, 4, 4)))
+        return "m_{}.raw", "--dims", "20x8x8", "--dtype", "f32", "--iso", "0", "--size", "80x60"
+
+    def middle(self, name):
+        """Where the surface is in a picture, across it; the scale bar is below."""
+        png = self.png(name)
+        seen = [x for x in range(80) for y in range(38) if max(abs(a - b) for a, b in zip(png.pixel(x, y), GROUND)) > 12]
+        return sum(seen) / len(seen)
+
+    def test_frames_that_are_framed_each_by_itself_are_told(self):
+        moving = self.moving()
+        note = "note: each picture looks at the middle of its own surfaces, so it does not show how they move: "
+        for more in ((), ("--camera", "0,0"), ("--camera", "0,0,30")):
+            run = self.convert(*moving, *more, "-o", "p_{}.png")
+            self.assertEqual(run.err.count(note + "for one camera give --camera AZ,EL,DISTANCE and --look-at X,Y,Z\n"), 1, more)
+        for name in ("p_1.png", "p_3.png"):
+            self.assertAlmostEqual(self.middle(name), 40, delta=4)
+        run = self.convert(*moving, "--look-at", "10,4,4", "-o", "p_{}.png")
+        self.assertIn("note: each picture is taken from as far as needs its own surfaces, so it does not show how they grow", run.err)
+        run = self.convert("m_1.raw", *moving[1:], "-o", "one.png")
+        self.assertNotIn("note: each picture", run.err)
+
+    def test_one_camera_for_a_sequence(self):
+        moving = self.moving()
+        run = self.convert(*moving, "--camera", "0,0,30", "--look-at", "10,4,4", "-o", "p_{}.png")
+        self.assertNotIn("note:", run.err)
+        left, middle, right = (self.middle(f"p_{k}.png") for k in (1, 2, 3))
+        self.assertAlmostEqual(middle, 40, delta=2)
+        self.assertLess(left, middle - 10)
+        self.assertAlmostEqual(right - middle, middle - left, delta=2)
+
+    def test_a_camera_that_sees_nothing_is_told(self):
+        away = ("--camera", "0,0,30", "--look-at", "30,4,4")
+        run = self.convert(*self.moving(), *away, "-o", "p_{}.png", "--report", "r_{}.json")
+        self.assertIn("note: 2 of 3 frames in whose picture the camera sees nothing of the surfaces: 1-2\n", run.err)
+        report = json.loads((self.folder / "r_1.json").read_text())
+        self.assertEqual(report["options"]["picture_file"]["look_at"], [30, 4, 4])
+        run = self.convert("m_1.raw", *self.moving()[1:], *away, "-o", "one.png")
+        self.assertIn("note: one.png: the picture is empty: the camera sees nothing of the surfaces\n", run.err)
+
     def test_colours_of_vertices_are_seen(self):
         self.convert(SPHERE, "--iso", "0", "--color-by", "height=demo:sphere?size=24", "-o", "c.png", "--size", "60x45")
         self.assertEqual(self.convert(SPHERE, "--iso", "0", "--color-by", "iso", "-o", "i.png", "--size", "60x45").code, 0)
@@ -101,6 +146,7 @@ class PictureTest(PicturesTest):
                                  (("-o", "a.png", "--draco"), "--draco is about the file of a mesh"),
                                  (("-o", "a.glb", "--size", "9x9"), "--size is about a picture"),
                                  (("-o", "a.glb", "--camera", "1,2"), "--camera is about a picture"),
+                                 (("-o", "a.glb", "--look-at", "1,2,3"), "--look-at is about a picture"),
                                  (("-o", "a.png", "--size", "0x9"), "--size: expected a width and a height"),
                                  (("-o", "a.png", "--size", "99999x9"), "--size: expected a width and a height"),
                                  (("-o", "a.png", "--camera", "x"), "--camera: expected")):

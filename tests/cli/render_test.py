@@ -129,6 +129,22 @@ class RenderTest(ProgramTest):
         self.convert("render", "f_{}.raw", "--dims", "16,16,16", "--dtype", "f32", *SMALL, "-o", "p_{:03}.png", "--frames", "2")
         self.assertEqual([name for name in self.files() if name.startswith("p_")], ["p_002.png"])
 
+    def test_a_sequence_that_leaves_the_picture_is_told(self):
+        for frame, at in ((1, 4), (2, 60)):
+            self.write_raw(f"f_{frame}.raw", (64, 8, 8), lambda x, y, z, at=at: 1 if max(abs(x - at), abs(y - 4), abs(z - 4)) < 3 else 0)
+        sequence = ("render", "f_{}.raw", "--dims", "64,8,8", "--dtype", "f32", *SMALL, "--tf", "none", "--iso", "0.5", "-o", "p_{}.png")
+        for more in ((), ("--background", "white"), ("--camera", "0,0,40")):
+            run = self.convert(*sequence, *more)
+            self.assertEqual(run.err.count("note: the camera is placed by the first picture: "), 1)
+            self.assertNotIn("p_1.png: the picture is empty", run.err)
+            self.assertIn("note: p_2.png: the picture is empty: the camera sees nothing of what is drawn\n", run.err)
+        run = self.convert(*sequence, "--camera", "0,0,100", "--look-at", "32,4,4")
+        self.assertNotIn("note:", run.err)
+        seen = [Png((self.folder / name).read_bytes()).alpha() for name in ("p_1.png", "p_2.png")]
+        self.assertGreater(min(seen), 0)
+        self.assertAlmostEqual(seen[1] / seen[0], 1, delta=0.2)
+        self.assertNotIn("the picture is empty", self.convert("render", "f_1.raw", *sequence[2:-1], "a.png").err)
+
     def test_transfer_functions_of_files(self):
         (self.folder / "a.tf").write_text("# red inside\n-1 0 0 0 0\n0 0 0 0 0\n0 1 0 0 1\n1 1 0 0 1\n")
         picture = self.picture(SPHERE, "--tf", "a.tf", "--unit-length", "0.01")

@@ -322,6 +322,7 @@ class JobJson {
       each("azimuth", value.angles.azimuth);
       each("elevation", value.angles.elevation);
       each("distance", value.angles.distance);
+      each("look_at", value.angles.look_at);
     } else if constexpr (std::same_as<Structure, OutputFileJob>) {
       each("path", value.path);
       each("iso", value.isos);

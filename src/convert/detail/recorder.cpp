@@ -66,6 +66,11 @@ void Recorder::lacked(const std::string& attribute) {
   listener_.lacked(attribute);
 }
 
+void Recorder::drew_nothing() {
+  outcome_.empty_picture = true;
+  listener_.drew_nothing();
+}
+
 void Recorder::resampled(const field::ScalarField& grid, const WorkFact& fact, const StageTime& time) {
   outcome_.stages.push_back({StageName::resample, std::nullopt, time});
   if (again_) return;

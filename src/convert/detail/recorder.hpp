@@ -22,6 +22,7 @@ class Recorder final : public Events {
   void resolved(const std::vector<ResolvedIso>& isos, const std::optional<StageTime>& time) override;
   void read_attributes(const StageTime& time) override;
   void lacked(const std::string& attribute) override;
+  void drew_nothing() override;
   void resampled(const field::ScalarField& grid, const WorkFact& fact, const StageTime& time) override;
   void worked(const WorkFact& fact) override;
   void placed(const PlacedField& placed) override;
