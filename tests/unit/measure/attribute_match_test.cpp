@@ -93,7 +93,7 @@ TEST(AttributeMatch, RoundingIsThatOfTheNumbersInTheFile) {
   constexpr double kEpsilon = std::numeric_limits<float>::epsilon();
   mesh::Mesh mesh = three_vertices();
   mesh.positions[1] = {0.5F, -3, 0};
-  mesh.origin = {0, 0, 1024};  // every place is one of float32
+  mesh.origin = {0, 0, 1024};                             // every place is one of float32
   EXPECT_EQ(coordinate_rounding(mesh), 1025 * kEpsilon);  // of the vertices at z = 1
   mesh.origin.z += 0x1p-40;
   EXPECT_EQ(coordinate_rounding(mesh), 3 * kEpsilon);
