@@ -55,20 +55,21 @@ Json json_of(const measure::SurfaceCoverage& coverage, int parts) {
 Result<MeshError> measure_mesh_error(const mesh::Mesh& mesh, const field::ScalarField& field,
                                      const extract::ExtractOptions& extracted, field::Interpolation interpolation,
                                      const field::ScalarField* grid, std::span<const mesh::HalfSpace> clipped,
-                                     bool moved, const Context& context) {
+                                     const MeshChanges& changes, const Context& context) {
   MeshError error;
   error.iso = extracted.iso;
   measure::FieldErrorOptions options;
   options.interpolation = interpolation;
   options.grid = grid;
-  if (extracted.cap) options.cuts = clipped;
+  if (extracted.cap) options.caps.cuts = clipped;
   options.vertices_on_edges = extract::method_info(extracted.method).traits.vertices_on_edges;
-  if (moved) options.vertices_on_edges = false;
+  if (changes.off_edges) options.vertices_on_edges = false;
+  options.caps.moved = changes.simplified_by;
   options.clipped = clipped;
   auto measured = measure::measure_field_error(mesh, field, extracted, options, context);
   if (!measured) return tl::unexpected(std::move(measured.error()));
   error.field = *measured;
-  auto analytic = measure::measure_analytic_error(mesh, field, extracted, grid, options.cuts, context);
+  auto analytic = measure::measure_analytic_error(mesh, field, extracted, grid, options.caps, context);
   if (!analytic) return tl::unexpected(std::move(analytic.error()));
   error.analytic = *analytic;
   if (error.analytic && field.kind == field::FieldKind::density) {

@@ -19,13 +19,18 @@ struct MeshError {
   bool of_part = false;                     // then: a region or a clip may have left some of it out
 };
 
-// `extracted` is how the mesh was extracted from `field`, or
-// from `grid` if there is one, which was made of it by resample() or by blurring. `clipped` is what of it was kept
-// since. `moved`: vertices are no longer where they were extracted. Fails as measure_field_error() does.
+// What was done to a mesh since it was extracted.
+struct MeshChanges {
+  bool off_edges = false;    // its vertices may have left the edges between samples
+  double simplified_by = 0;  // voxels: how far simplification moved it at most, caps as well
+};
+
+// `extracted` is how the mesh was extracted from `field`, or from `grid` if there is one, which was made of it by
+// resample() or by blurring. `clipped` is what of it was kept since. Fails as measure_field_error() does.
 [[nodiscard]] Result<MeshError> measure_mesh_error(const mesh::Mesh& mesh, const field::ScalarField& field,
                                                    const extract::ExtractOptions& extracted,
                                                    field::Interpolation interpolation, const field::ScalarField* grid,
-                                                   std::span<const mesh::HalfSpace> clipped, bool moved,
+                                                   std::span<const mesh::HalfSpace> clipped, const MeshChanges& changes,
                                                    const Context& context);
 
 // "error" of a mesh in docs/report.schema.json.

@@ -93,6 +93,7 @@ class SurfaceStages {
     auto simplified = simplify_mesh(surface.mesh, surface.iso, *job_.simplify, source_.output_from_index, context_);
     if (!simplified) return tl::unexpected(std::move(simplified.error()));
     events_.simplified(*simplified);
+    surface.simplified_by = simplified->voxels.upper;
     const auto strays = edit::count_strays(surface.mesh, context_);
     if (!strays) return tl::unexpected(strays.error());
     if (!job_.pieces.split) edit::remove_marks(surface.mesh);
@@ -152,9 +153,9 @@ class SurfaceStages {
     }
     const Stopwatch watch;
     const field::ScalarField& data = source_.data ? *source_.data : source_.field;
-    auto measured =
-        measure_mesh_error(surface.mesh, data, extract_options_of(job_, source_, surface.iso), *job_.error,
-                           source_.data ? &source_.field : nullptr, source_.clip, job_.smooth.has_value(), context_);
+    auto measured = measure_mesh_error(surface.mesh, data, extract_options_of(job_, source_, surface.iso), *job_.error,
+                                       source_.data ? &source_.field : nullptr, source_.clip,
+                                       {job_.smooth.has_value(), surface.simplified_by}, context_);
     if (!measured) return tl::unexpected(std::move(measured.error()));
     surface.error = *measured;
     if (auto whole = volumes::check_not_lost(data); !whole) return whole;

@@ -23,6 +23,7 @@ struct Surface {
   StageTime recording;                      // what that took
   bool counts_open_edges = false;           // only a look at the mesh says whether it is closed
   std::optional<std::uint64_t> open_edges;  // then, before vertices were copied
+  double simplified_by = 0;                 // voxels: how far simplification moved it at most
 };
 
 // What is known of all surfaces, and of the one at hand.

@@ -76,8 +76,8 @@ void for_each_sample(const glm::ivec3& first, int size, const F& take) {
 
 }  // namespace
 
-Interpolant::Interpolant(const ScalarField& field, Interpolation interpolation)
-    : field_(field), interpolation_(interpolation) {
+Interpolant::Interpolant(const ScalarField& field, Interpolation interpolation, double base)
+    : field_(field), interpolation_(interpolation), base_(base) {
   if (const auto* sparse = std::get_if<SparseSamples>(&field.samples)) lookup_.emplace(*sparse);
 }
 
@@ -94,7 +94,7 @@ bool Interpolant::load(const glm::ivec3& cell, std::span<double> values, SampleR
   bool finite = true;
   range = {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
   const auto put = [&](double stored, int slot) {
-    const double value = field_.scale(stored);
+    const double value = field_.scale(stored) - base_;
     finite = finite && std::isfinite(value);
     range.low = std::min(range.low, value);
     range.high = std::max(range.high, value);
@@ -157,7 +157,9 @@ std::optional<double> Interpolant::Cursor::greatest_bend(const glm::ivec3& cell)
     return greatest;
   };
   const glm::dvec3 all(mixed(2, 4, 1), mixed(1, 4, 2), mixed(1, 2, 4));
-  return std::sqrt(2 * glm::dot(all, all));
+  // Squares of very large or very small ones leave the range of double.
+  const double largest = std::max({all.x, all.y, all.z});
+  return largest > 0 ? largest * std::sqrt(2 * glm::dot(all / largest, all / largest)) : 0;
 }
 
 Interpolated Interpolant::Cursor::operator()(const glm::dvec3& index) {

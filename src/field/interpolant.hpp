@@ -26,7 +26,7 @@ constexpr auto words_of(Interpolation /*type*/) {
 }
 
 struct Interpolated {
-  double value = 0;          // in the field's own values; NaN where a sample it depends on is not finite
+  double value = 0;          // in the field's own values, less the base; NaN where a sample it depends on is not finite
   glm::dvec3 gradient{0.0};  // of those values, per index step
 };
 
@@ -37,8 +37,9 @@ struct SampleRange {
 
 class Interpolant {
  public:
-  // `field` must outlive this; dense ones need two samples along each axis.
-  Interpolant(const ScalarField& field, Interpolation interpolation);
+  // `field` must outlive this; dense ones need two samples along each axis. `base` is taken off each sample before they
+  // are summed up: differences from it keep their digits where it is large and they are small.
+  Interpolant(const ScalarField& field, Interpolation interpolation, double base = 0);
 
   // The lowest sample of the cell whose polynomial a position has.
   [[nodiscard]] glm::ivec3 cell_of(const glm::dvec3& index) const;
@@ -81,6 +82,7 @@ class Interpolant {
 
   const ScalarField& field_;
   Interpolation interpolation_;
+  double base_;
   std::optional<SparseLookup> lookup_;
 };
 

@@ -297,13 +297,12 @@ class AnalyticMeasurement {
 
 Result<std::optional<AnalyticError>> measure_analytic_error(const mesh::Mesh& mesh, const field::ScalarField& field,
                                                             const extract::ExtractOptions& extracted,
-                                                            const field::ScalarField* grid,
-                                                            std::span<const mesh::HalfSpace> cuts,
+                                                            const field::ScalarField* grid, const CapPlaces& caps,
                                                             const Context& context) {
   const field::AnalyticField* formula = field::formula_of(field);
   if (formula == nullptr) return std::nullopt;
   IndexMesh placed(mesh, field, extracted, grid);
-  placed.add_capped_cuts(cuts);
+  placed.add_caps(caps);
   if (!is_similarity(placed.output_from_index().linear)) return std::nullopt;
   std::optional<FormulaMesh> formula_mesh;
   if (!formula->is_distance || !formula->size(extracted.iso)) {

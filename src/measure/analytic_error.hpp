@@ -8,8 +8,8 @@
 #include "base/error.hpp"
 #include "extract/extractor.hpp"
 #include "field/analytic_field.hpp"
+#include "measure/cap_places.hpp"
 #include "measure/error_statistics.hpp"
-#include "mesh/half_space.hpp"
 
 namespace isoextract::measure {
 
@@ -40,13 +40,10 @@ struct AnalyticError {
 
 // `extracted` is how `mesh` was extracted from `field`, which must be a demo field, or from `grid` if there is one,
 // which resample() made of it. Nothing where there is no formula, or where the placement is more than a turn, a scale
-// and a shift, so that it stretches distances. `cuts` are those that are capped: what lies in their planes is a cap,
-// too. Memory is reserved; fails where it runs out. The same answer for any number of threads.
-[[nodiscard]] Result<std::optional<AnalyticError>> measure_analytic_error(const mesh::Mesh& mesh,
-                                                                          const field::ScalarField& field,
-                                                                          const extract::ExtractOptions& extracted,
-                                                                          const field::ScalarField* grid = nullptr,
-                                                                          std::span<const mesh::HalfSpace> cuts = {},
-                                                                          const Context& context = Context());
+// and a shift, so that it stretches distances. Memory is reserved; fails where it runs out. The same answer for any
+// number of threads.
+[[nodiscard]] Result<std::optional<AnalyticError>> measure_analytic_error(
+    const mesh::Mesh& mesh, const field::ScalarField& field, const extract::ExtractOptions& extracted,
+    const field::ScalarField* grid = nullptr, const CapPlaces& caps = {}, const Context& context = Context());
 
 }  // namespace isoextract::measure

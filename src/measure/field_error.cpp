@@ -87,12 +87,12 @@ class FieldMeasurement {
         extracted_(extracted),
         options_(options),
         context_(context),
-        chosen_(field, options.interpolation),
-        trilinear_(field, field::Interpolation::trilinear),
+        chosen_(field, options.interpolation, extracted.iso),
+        trilinear_(field, field::Interpolation::trilinear, extracted.iso),
         placed_(mesh, field, extracted, options.grid),
         linear_(placed_.output_from_index().linear),
         index_from_step_(glm::inverse(linear_)) {
-    placed_.add_capped_cuts(options.cuts);
+    placed_.add_caps(options.caps);
     if (const auto* dense = std::get_if<field::DenseSamples>(&field.samples)) last_cell_ = dense->dims - 2;
     shortest_ = shortest_step(linear_);
     const glm::dmat3 rows = glm::transpose(index_from_step_);
@@ -236,8 +236,8 @@ class FieldMeasurement {
       low = glm::dvec3(0);
       high = glm::dvec3(*last_cell_ + 1);
     }
-    FieldFoot foot(field::Interpolant::Cursor(chosen_), extracted_.iso, linear_, low, high);
-    const Subdivision how{extracted_.iso, field_.kind, linear_, parts_};
+    FieldFoot foot(field::Interpolant::Cursor(chosen_), 0, linear_, low, high);
+    const Subdivision how{0, field_.kind, linear_, parts_};
     // Another brick must not start on this thread while this one waits for its own loops: each holds memory.
     auto made = tbb::this_task_arena::isolate([&] { return SubdividedSurface::make(foot.function(), cells, how); });
     if (!made) {
@@ -254,7 +254,7 @@ class FieldMeasurement {
   }
 
   [[nodiscard]] GradientSearch search_in(const field::Interpolant& interpolant) const {
-    return {interpolant, field_, linear_, shortest_, extracted_.iso};
+    return {interpolant, field_, linear_, shortest_, 0};
   }
 
   // From `index` to the nearest point of the isosurface in the brick's cells, and all others where it may be beyond.

@@ -15,6 +15,7 @@
 #include "base/error.hpp"
 #include "extract/extractor.hpp"
 #include "field/interpolant.hpp"
+#include "measure/cap_places.hpp"
 #include "measure/error_statistics.hpp"
 #include "measure/surface_coverage.hpp"
 #include "mesh/half_space.hpp"
@@ -23,9 +24,9 @@ namespace isoextract::measure {
 
 struct FieldErrorOptions {
   field::Interpolation interpolation = field::Interpolation::trilinear;  // whose isosurface is the truth
-  const field::ScalarField* grid = nullptr;    // that the mesh was extracted from, if resample() made it of the field
-  bool vertices_on_edges = true;               // MethodTraits::vertices_on_edges: else there is no `storage` error
-  std::span<const mesh::HalfSpace> cuts = {};  // that are capped: triangles in their planes are caps, too
+  const field::ScalarField* grid = nullptr;  // that the mesh was extracted from, if resample() made it of the field
+  bool vertices_on_edges = true;             // MethodTraits::vertices_on_edges: else there is no `storage` error
+  CapPlaces caps = {};
   std::span<const mesh::HalfSpace> clipped = {};  // what was kept of the mesh: no other part of the isosurface counts
 };
 

@@ -38,6 +38,15 @@ glm::dvec2 spread(std::uint64_t n) {
   return {fraction(k / kPlastic), fraction(k / (kPlastic * kPlastic))};
 }
 
+// For one triangle of so many: what all of them may take together, and enough for one to come to an end where its own
+// surroundings alone matter.
+std::size_t most_leaves(std::size_t triangles) {
+  constexpr std::size_t kTogether = std::size_t{1} << 31;
+  constexpr std::size_t kLeast = std::size_t{1} << 18;
+  constexpr std::size_t kMost = std::size_t{1} << 25;
+  return std::clamp(kTogether / std::max<std::size_t>(triangles, 1), kLeast, kMost);
+}
+
 // A's side of the comparison: its points in the frame of B's tree.
 class Direction {
  public:
@@ -50,7 +59,11 @@ class Direction {
         shift_(a.origin - b.origin),
         in_both_(triangles_in_both(a, b, shift_)),
         search_({a.positions.span(), a.triangles.span(), in_both_, shift_}, tree,
-                {.tolerance = options.tolerance, .floor = floor, .enough = options.enough}, context) {}
+                {.tolerance = options.tolerance,
+                 .floor = floor,
+                 .enough = options.enough,
+                 .most_leaves = most_leaves(a.triangles.size())},
+                context) {}
 
   // What it takes at most, with the tree of B, and the samples that outlive it.
   [[nodiscard]] static std::uint64_t bytes(const mesh::Mesh& a, const mesh::Mesh& b, const DistanceOptions& options) {

@@ -143,13 +143,65 @@ glm::vec3 inside_material(const mesh::Mesh& mesh, std::uint32_t triangle) {
   return glm::vec3((a + b + c) / 3.0 + kDepth * inward);
 }
 
+// The boxes of components, in a tree: which of them hold a point.
+class ComponentBoxes {
+ public:
+  ComponentBoxes(const mesh::Mesh& mesh, const mesh::Components& components, const std::vector<bool>& chosen)
+      : corners_(2 * components.count()), diagonals_(components.count()), numbers_(chosen_of(chosen)) {
+    constexpr float kFar = std::numeric_limits<float>::infinity();
+    for (std::uint32_t c = 0; c < diagonals_.size(); ++c) {
+      corners_[2 * c] = glm::vec3(kFar);
+      corners_[2 * c + 1] = glm::vec3(-kFar);
+      diagonals_[c] = {2 * c, 2 * c + 1, 2 * c + 1};
+    }
+    for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) {
+      const std::uint32_t c = components.of_vertex(v);
+      if (c == mesh::Components::kNone) continue;
+      corners_[2 * c] = glm::min(corners_[2 * c], mesh.positions[v]);
+      corners_[2 * c + 1] = glm::max(corners_[2 * c + 1], mesh.positions[v]);
+    }
+    tree_.emplace(corners_, diagonals_, numbers_);
+  }
+
+  [[nodiscard]] static std::uint64_t bytes(std::uint64_t components) {
+    return components * (2 * sizeof(glm::vec3) + sizeof(glm::uvec3) + sizeof(std::uint32_t)) +
+           TriangleBoxes::bytes(components);
+  }
+
+  // The greatest x of the components but `own` whose boxes hold the point: no other is around it. Nothing if none does.
+  [[nodiscard]] std::optional<float> end_of_ray(const glm::vec3& p, std::uint32_t own) const {
+    std::optional<float> end;
+    tree_->for_each_near({p, p}, [&](std::uint32_t c) {
+      if (c != own) end = std::max(end.value_or(p.x), corners_[2 * c + 1].x);
+    });
+    return end;
+  }
+
+ private:
+  static std::vector<std::uint32_t> chosen_of(const std::vector<bool>& chosen) {
+    std::vector<std::uint32_t> numbers;
+    for (std::uint32_t c = 0; c < chosen.size(); ++c) {
+      if (chosen[c]) numbers.push_back(c);
+    }
+    return numbers;
+  }
+
+  std::vector<glm::vec3> corners_;
+  std::vector<glm::uvec3> diagonals_;
+  std::vector<std::uint32_t> numbers_;
+  std::optional<TriangleBoxes> tree_;
+};
+
 // In how many other components of `boxes` a point of component `own` lies. Nothing where it is on one of them.
 std::optional<std::uint32_t> count_around(const glm::vec3& start, std::uint32_t own, const mesh::Mesh& mesh,
-                                          const mesh::Components& components, const TriangleBoxes& boxes) {
+                                          const mesh::Components& components, const ComponentBoxes& around,
+                                          const TriangleBoxes& boxes) {
+  const auto end = around.end_of_ray(start, own);
+  if (!end) return 0;
   std::vector<std::uint32_t> passed;
   bool touches = false;
   const glm::dvec3 p(start);
-  const FloatBox ray{start, {std::numeric_limits<float>::infinity(), start.y, start.z}};
+  const FloatBox ray{start, {*end, start.y, start.z}};
   boxes.for_each_near(ray, [&](std::uint32_t t) {
     const glm::uvec3& triangle = mesh.triangles[t];
     const std::uint32_t other = components.of_vertex(triangle.x);
@@ -188,22 +240,25 @@ Result<std::vector<std::uint32_t>> count_surrounding_shells(const mesh::Mesh& me
   const std::string what = fmt::format("{}: its shells within shells", mesh.name);
   const std::uint64_t triangles = mesh.triangles.size();
   const auto memory = context.reserve(components.count() * (3 * sizeof(std::uint32_t) + sizeof(double)) +
-                                          2 * triangles * sizeof(std::uint32_t) + TriangleBoxes::bytes(triangles),
+                                          2 * triangles * sizeof(std::uint32_t) + TriangleBoxes::bytes(triangles) +
+                                          ComponentBoxes::bytes(components.count()),
                                       what);
   if (!memory) return tl::unexpected(memory.error());
   try {
     const std::vector<std::uint32_t> rightmost = rightmost_vertices(mesh, components);
     const Buffer<std::uint32_t> chosen = triangles_of(mesh, components, closed);
     const TriangleBoxes boxes(mesh.positions.span(), mesh.triangles.span(), chosen.span());
+    const ComponentBoxes around(mesh, components, closed);
     const std::vector<std::uint32_t> beside = triangles_at(rightmost, mesh, components);
     std::vector<std::uint32_t> within(components.count(), 0);
     context.progress().begin("looking for shells within shells", components.count());
     tbb::parallel_for(std::uint32_t{0}, static_cast<std::uint32_t>(components.count()), [&](std::uint32_t c) {
       context.progress().advance(1);
       if (!asked[c] || context.cancelled()) return;
-      const auto count = count_around(mesh.positions[rightmost[c]], c, mesh, components, boxes);
-      within[c] =
-          count ? *count : count_around(inside_material(mesh, beside[c]), c, mesh, components, boxes).value_or(0);
+      const auto count = count_around(mesh.positions[rightmost[c]], c, mesh, components, around, boxes);
+      within[c] = count
+                      ? *count
+                      : count_around(inside_material(mesh, beside[c]), c, mesh, components, around, boxes).value_or(0);
     });
     if (auto wanted = context.check(); !wanted) return tl::unexpected(wanted.error());
     return within;

@@ -107,6 +107,7 @@ TriangleBound bound_distance(const std::array<glm::dvec3, 3>& corners, const Tri
                              const DistanceLimits& limits, double known, std::uint32_t hint) {
   TriangleBound bound;
   double lower = known;
+  std::size_t leaves = 0;
   std::vector<Polygon> waiting(1);
   for (const glm::dvec3& corner : corners) waiting[0].add(corner);
   waiting[0].hint = hint;
@@ -144,7 +145,11 @@ TriangleBound bound_distance(const std::array<glm::dvec3, 3>& corners, const Tri
       bound.upper = std::max(bound.upper, upper);
       continue;
     }
-    const bool too_many = parts + waiting.size() > limits.most_parts;
+    constexpr std::size_t kLookAgain = 64;  // parts
+    if (parts % kLookAgain == 0 && limits.most_leaves < std::numeric_limits<std::size_t>::max()) {
+      leaves += kLookAgain * tree.leaves_within(centre, nearest.distance_squared);
+    }
+    const bool too_many = parts + waiting.size() > limits.most_parts || leaves > limits.most_leaves;
     if (lower > limits.refuse || (too_many && std::isfinite(limits.refuse))) {
       bound.upper = std::numeric_limits<double>::infinity();
       bound.unfinished = true;

@@ -23,7 +23,10 @@ struct DistanceLimits {
   double floor = 0;         // and this wide in any case
   double enough = 0;        // upper ends up to this need no cutting
   double refuse = std::numeric_limits<double>::infinity();  // a lower end above this ends the search: upper is infinite
-  std::size_t most_parts = std::size_t{1} << 22;            // so many parts of one triangle end it, too
+  std::size_t most_parts = std::size_t{1} << 22;            // so many parts of one triangle end it, too,
+  // and so many leaves of the tree that were looked at for them, about. Where a surface is as far everywhere, each part
+  // looks at all.
+  std::size_t most_leaves = std::numeric_limits<std::size_t>::max();
 
   // Upper ends up to this need no cutting where distances up to `lower` are known.
   [[nodiscard]] double good_upper(double lower) const {

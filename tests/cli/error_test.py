@@ -110,6 +110,13 @@ class ErrorTest(ProgramTest):
                           "--memory-limit SIZE")
         self.assertEqual(json.loads((self.folder / "r.json").read_text())["extractions"], [], "nothing was extracted")
 
+    def test_caps_that_simplification_moved_are_left_out(self):
+        self.write_raw("ball.raw", (32, 32, 32), lambda x, y, z: 10 - math.dist((x, y, z), (15.3, 15.7, 15.1)))
+        ball = ("ball.raw", "--dims", "32,32,32", "--dtype", "f32", "--iso", "0", "--simplify", "0.1", "--error", "-o", "a.ply")
+        for part in (("--roi", "7,7,7,10.5,20,20"), ("--clip", "1,1,1,40")):
+            rms, worst = self.rms_and_max(self.convert(*ball, *part, "--cap").err)
+            self.assertTrue(0.02 < rms < 0.06 and rms < worst < 0.13, (part, rms, worst))
+
     def test_other_values_are_refused(self):
         run = self.run_program(SPHERE, "--iso", "0", "--error=cubic", "-o", "a.ply")
         self.assert_fails(1, run, "--error", "trilinear, tricubic", "cubic")

@@ -98,7 +98,9 @@ class GradientSearch {
     }
     const auto bend = field_.greatest_bend(cell);
     if (!bend) return 0;
-    const double slope = std::sqrt(glm::dot(here.gradient, metric_ * here.gradient));
+    const double largest = max_abs(here.gradient);
+    const glm::dvec3 scaled = largest > 0 ? here.gradient / largest : glm::dvec3(0);
+    const double slope = largest * std::sqrt(glm::dot(scaled, metric_ * scaled));
     return std::abs(here.value - iso_) / (slope + *bend * reach / (shortest_ * shortest_));
   }
 

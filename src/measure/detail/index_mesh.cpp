@@ -39,7 +39,7 @@ IndexMesh::IndexMesh(const mesh::Mesh& mesh, const field::ScalarField& field, co
 }
 
 std::vector<std::uint8_t> IndexMesh::surface_vertices() const {
-  const bool may_have_caps = cap_ || closed_around_ || !cuts_.empty();
+  const bool may_have_caps = cap_ || closed_around_ || !caps_.cuts.empty();
   std::vector<std::uint8_t> used(mesh_.positions.size(), may_have_caps ? 0 : 1);
   if (!may_have_caps) return used;
   for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {

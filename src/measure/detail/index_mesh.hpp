@@ -12,7 +12,7 @@
 #include <glm/glm.hpp>
 
 #include "extract/extractor.hpp"
-#include "mesh/half_space.hpp"
+#include "measure/cap_places.hpp"
 
 namespace isoextract::measure {
 
@@ -42,7 +42,7 @@ class IndexMesh {
   }
 
   // Caps lie in the planes of these as well, which are in the mesh's coordinates. They must outlive this.
-  void add_capped_cuts(std::span<const mesh::HalfSpace> cuts) { cuts_ = cuts; }
+  void add_caps(const CapPlaces& caps) { caps_ = caps; }
 
   // Beyond the outermost samples that the mesh is of, where a method that always closes the surface puts some of it.
   [[nodiscard]] bool is_outside(const glm::dvec3& index) const {
@@ -57,10 +57,11 @@ class IndexMesh {
     if (closed_around_ && is_beyond(corners, *closed_around_)) return true;
     if (!cap_) return false;
     for (int axis = 0; axis < 3; ++axis) {
+      glm::dvec3 along(0);
+      along[axis] = 1;
       for (const double face : {cap_->min[axis], cap_->max[axis]}) {
-        if (std::ranges::all_of(corners, [&](const glm::dvec3& p) { return std::abs(p[axis] - face) < tolerance_; })) {
-          return true;
-        }
+        const auto in_face = [&](const glm::dvec3& p) { return std::abs(p[axis] - face) < tolerance_ + caps_.moved; };
+        if (std::ranges::all_of(corners, in_face) && (caps_.moved == 0 || is_along(corners, along))) return true;
       }
     }
     return false;
@@ -97,10 +98,19 @@ class IndexMesh {
     return glm::any(glm::lessThan(high, box.min - tolerance_)) || glm::any(glm::greaterThan(low, box.max + tolerance_));
   }
   [[nodiscard]] bool is_in_cut(const std::array<glm::dvec3, 3>& corners) const {
-    return std::ranges::any_of(cuts_, [&](const mesh::HalfSpace& cut) {
-      return std::ranges::all_of(
-          corners, [&](const glm::dvec3& p) { return std::abs(cut.depth(output_from_index_(p))) <= rounding(); });
+    if (caps_.cuts.empty()) return false;
+    std::array<glm::dvec3, 3> placed;
+    std::ranges::transform(corners, placed.begin(), [&](const glm::dvec3& p) { return output_from_index_(p); });
+    const double allowed = rounding() + caps_.moved * voxel();
+    return std::ranges::any_of(caps_.cuts, [&](const mesh::HalfSpace& cut) {
+      const auto in_plane = [&](const glm::dvec3& p) { return std::abs(cut.depth(p)) <= allowed; };
+      return std::ranges::all_of(placed, in_plane) && (caps_.moved == 0 || is_along(placed, cut.normal));
     });
+  }
+  // Whether the triangle faces along the unit vector, or against it, but for 25 degrees.
+  [[nodiscard]] static bool is_along(const std::array<glm::dvec3, 3>& corners, const glm::dvec3& direction) {
+    const glm::dvec3 vector = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
+    return std::abs(glm::dot(vector, direction)) >= 0.9 * glm::length(vector);
   }
 
   const mesh::Mesh& mesh_;
@@ -110,7 +120,7 @@ class IndexMesh {
   double tolerance_;  // how far from its place rounding may bring a vertex, in voxels
   std::optional<field::Box> cap_;
   std::optional<field::Box> closed_around_;  // of methods that always close the surface: the outermost samples
-  std::span<const mesh::HalfSpace> cuts_;
+  CapPlaces caps_;
 };
 
 }  // namespace isoextract::measure

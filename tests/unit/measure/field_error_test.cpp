@@ -81,6 +81,27 @@ TEST(FieldError, DoesNotTakeASurfaceBeyondTheDataForOneWithin) {
   EXPECT_NEAR(error.interior.max.voxels, std::sqrt(3.0) * low, 0.005);
 }
 
+// Values with a large offset that leaves them their digits, and ones so small that their squares are none.
+TEST(FieldError, KeepsItsDigitsWhereValuesAreLargeOrSmall) {
+  constexpr double kOffset = 1e15;
+  const auto ball = [](int i, int j, int k) {
+    return (8 - glm::distance(glm::dvec3(i, j, k), glm::dvec3(11.3, 11.7, 11.1)) + kOffset) - kOffset;
+  };
+  const auto error_at = [&](double factor, double offset) {
+    const field::ScalarField field =
+        test::dense_field<double>({24, 24, 24}, [&](int i, int j, int k) { return factor * ball(i, j, k) + offset; });
+    const OfField made = extract_at(field, offset);
+    return error_of(made.mesh, field, made.options, {});
+  };
+  const FieldError plain = error_at(1, 0);
+  for (const FieldError& other : {error_at(1, kOffset), error_at(0x1p-1030, 0), error_at(0x1p1000, 0)}) {
+    EXPECT_NEAR(other.interior.rms.voxels, plain.interior.rms.voxels, 1e-3 * plain.interior.rms.voxels);
+    EXPECT_NEAR(other.interior.max.voxels, plain.interior.max.voxels, 1e-2 * plain.interior.max.voxels);
+    EXPECT_NEAR(other.coverage->distances.rms.voxels, plain.coverage->distances.rms.voxels,
+                1e-2 * plain.coverage->distances.rms.voxels);
+  }
+}
+
 // The greatest distance between a trilinear sphere and its triangles is where and what geometry says.
 TEST(FieldError, OfASphereIsTheSagittaOfItsTriangles) {
   const field::ScalarField field = field::make_demo_field("demo:sphere?size=65").value();

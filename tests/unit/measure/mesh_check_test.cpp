@@ -186,6 +186,17 @@ TEST(MeshCheckTest, ShellsWithinShells) {
   }
 }
 
+// A row of bodies along the rays: each ray would pass all that come after it.
+TEST(MeshCheckTest, ShellsInARowAreNotLookedAtTwoByTwo) {
+  constexpr int kBodies = 60'000;
+  std::vector<mesh::Mesh> row;
+  for (int i = 0; i < kBodies; ++i) row.push_back(centred_cube(0.5F, false, {3.0F * static_cast<float>(i), 0, 0}));
+  row.push_back(centred_cube(0.25F, true));
+  const MeshCheck found = check(together(std::move(row)));
+  EXPECT_EQ(found.count(Shell::body), static_cast<std::uint64_t>(kBodies));
+  EXPECT_EQ(found.count(Shell::hollow), 1U);
+}
+
 // Two halves side by side, and a body that fills the cavity of another: walls that are shared, point by point.
 TEST(MeshCheckTest, ShellsThatShareWallsAreNotWithinEachOther) {
   const glm::vec3 beside(2, 0, 0);

@@ -204,6 +204,15 @@ TEST(MeshDistance, ConcentricSpheres) {
   EXPECT_NEAR(glm::length(d.b_to_a.place - d.b_to_a.nearest), d.b_to_a.max_lower, 1e-12);
 }
 
+// From near the centre all of a sphere is as far, and every search looks at all of it: what that may take has an end,
+// and the interval holds.
+TEST(MeshDistance, OfACentreEnds) {
+  const mesh::Mesh speck = make_mesh("speck", {{0, 0, 0}, {0.1F, 0, 0}, {0, 0.1F, 0}}, {{0, 1, 2}});
+  const MeshDistance d = distance(speck, test::sphere(60, false));
+  // The farthest point of the sphere is opposite to the speck, the nearest facets are less than 0.0004 within it.
+  expect_interval(d, 1, 2e-3);
+}
+
 TEST(MeshDistance, OneSurfaceInTwoTessellations) {
   for (const unsigned n : {1U, 2U, 3U, 10U, 33U}) {
     const MeshDistance d = distance(cube(1), cube(n));
