@@ -292,6 +292,7 @@ Json report_of(const ConversionJob* job, const Outcome& report, const std::vecto
   if (job != nullptr && job->verify) json["verification"] = array_of(report.verifications);
   if (job != nullptr && !job->source.attributes.empty()) json["attributes"] = array_of(report.attributes);
   if (job != nullptr && job->pieces.drops()) json["pieces"] = array_of(report.pieces);
+  if (job != nullptr && job->surface.relaxes()) json["relaxations"] = array_of(report.relaxations);
   if (job != nullptr && job->smooth) json["smoothings"] = array_of(report.smoothings);
   json["simplifications"] = array_of(report.simplifications);
   if (job != nullptr && job->colour && job->colour->attribute) json["colours"] = array_of(report.colours);

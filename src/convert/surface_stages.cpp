@@ -12,6 +12,7 @@
 #include "convert/mesh_normals.hpp"
 #include "convert/mesh_packing.hpp"
 #include "convert/mesh_pieces.hpp"
+#include "convert/mesh_relax.hpp"
 #include "convert/mesh_simplify.hpp"
 #include "convert/mesh_smooth.hpp"
 #include "convert/vertex_colours.hpp"
@@ -69,6 +70,19 @@ class SurfaceStages {
                                 fmt::format("{}: none of the {} components at {} is as large as asked for",
                                             source_.label, record->facts.before.components, text_of(surface)),
                                 Remedy::allow_empty, Reason::no_surface});
+  }
+
+  // While all vertices are where relaxing left them. Open meshes have no volume.
+  Result<void> tell_relaxed(const Surface& surface) {
+    const bool is_open = !source_.clip.empty() && !job_.surface.cap;
+    if (!job_.surface.relaxes() || is_open) return {};
+    const auto sites = voxel_sites(surface.mesh, source_, job_.surface, context_);
+    if (!sites) return tl::unexpected(sites.error());
+    auto record = relax_record(surface.mesh, surface.iso, fmt::format("{} {}", source_.label, text_of(surface)), *sites,
+                               context_);
+    if (!record) return tl::unexpected(std::move(record.error()));
+    events_.relaxed(*record);
+    return {};
   }
 
   // While shells are where the field puts them: later stages may move them through each other.
@@ -224,6 +238,7 @@ Result<void> finish_surface(const ConversionJob& job, const Source& source, cons
   SurfaceStages stages(job, source, context, events);
   if (auto carried = stages.carry_attributes(surface); !carried) return carried;
   if (auto dropped = stages.drop_pieces(surface); !dropped) return dropped;
+  if (auto told = stages.tell_relaxed(surface); !told) return told;
   if (auto marked = stages.mark_bodies(surface); !marked) return marked;
   if (auto smoothed = stages.smooth(surface); !smoothed) return smoothed;
   if (auto simplified = stages.simplify(surface); !simplified) return simplified;

@@ -345,6 +345,46 @@ class LabelsTest(ProgramTest):
             self.assertEqual(meshes["gaps label 3"].vertices, expected["gaps label 3"].vertices)
             self.assertIn("144 of 1728 samples are 255", told)
 
+    def test_what_relaxing_takes_of_thin_parts_is_told(self):
+        def write(label):
+            self.write_raw("thin.raw", (40, 40, 40), label, "B")
+
+        def relaxed(*options, labels="all"):
+            run = self.convert("thin.raw", "--dims", "40,40,40", "--labels", labels, *options, "-o", "t.glb",
+                               "--report", "r.json")
+            return run.err, json.loads((self.folder / "r.json").read_text())
+
+        write(lambda x, y, z: 1 if x == y == 20 and 5 <= z < 35 else 0)
+        for rounds, volume, share in ((10, 3.29, "89"), (30, 0.083, "99.7")):
+            told, report = relaxed("--relax", rounds)
+            (record,) = report["relaxations"]
+            self.assertAlmostEqual(record["volume"]["before"], 30, delta=1e-4)
+            self.assertAlmostEqual(record["volume"]["after"] / volume, 1, delta=0.01)
+            self.assertAlmostEqual(record["volume"]["after"], report["meshes"][0]["volume"], delta=1e-4)
+            self.assertEqual((record["components"], record["changed_components"]), (1, 1))
+            self.assertIn("relaxing changed the volume of thin.raw label 1 from 30 to", told)
+            self.assertIn(f"({share} % less): --relax 0 keeps the volumes of the voxels", told)
+        told, report = relaxed("--relax", "0")
+        self.assertNotIn("relaxing changed", told)
+        self.assertNotIn("relaxations", report)
+        # A ball keeps its volume; the bar beside it, of the same label, does not.
+        def ball(x, y, z):
+            return (x - 15) ** 2 + (y - 15) ** 2 + (z - 20) ** 2 < 144
+
+        write(lambda x, y, z: 5 if ball(x, y, z) else 0)
+        told, report = relaxed()
+        self.assertNotIn("relaxing changed", told)
+        self.assertLess(abs(report["relaxations"][0]["volume"]["after"] / report["relaxations"][0]["volume"]["before"] - 1), 0.02)
+        write(lambda x, y, z: 5 if ball(x, y, z) or (x == y == 35 and 5 <= z < 35) else 0)
+        told, report = relaxed()
+        self.assertIn("relaxing changed the volume of 1 of 2 components by more than 5 %, most in thin.raw label 5, from 30 to", told)
+        self.assertNotIn("relaxing changed", relaxed("--largest")[0])
+        write(lambda x, y, z: 5 if ball(x, y, z) else 2 if x == y == 35 else 3 if x == y == 33 and z < 20 else 0)
+        told, _ = relaxed()
+        self.assertRegex(told, r"relaxing changed the volume of thin.raw label [23] from .* that of 1 others by more than 5 %: --relax")
+        self.assertNotIn("relaxing changed", relaxed("--clip", "1,0,0,10")[0])
+        self.assertIn("relaxing changed", relaxed("--clip", "1,0,0,10", "--cap")[0])
+
     def test_threads_change_no_byte(self):
         files = set()
         for threads in (1, 2, 5):
