@@ -146,7 +146,7 @@ Result<Reservation> MemoryBudget::reserve(std::uint64_t bytes, const std::string
   const std::uint64_t used = top.reserved;
   if (bytes > top.limit || used > top.limit - bytes) {
     std::string message =
-        fmt::format("{} need {}, the limit is {}", what, format_byte_size(bytes), format_byte_size(top.limit));
+        fmt::format("{} would take {}, the limit is {}", what, format_byte_size(bytes), format_byte_size(top.limit));
     if (used > 0) message += fmt::format(", of which {} are in use", format_byte_size(used));
     return fail(ErrorKind::input, std::move(message), Remedy::raise_memory_limit);
   }

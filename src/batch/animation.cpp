@@ -122,7 +122,8 @@ std::optional<std::vector<FrameRecord>> kept_animation(const Manifest& manifest,
   std::vector<FrameRecord> frames;
   for (const FrameJob& frame : batch.frames) {
     const FrameRecord* const record = manifest.find(key_of(key, frame));
-    if (record == nullptr || !knows_inputs(*record, frame) || !what_changed(*record).empty()) return std::nullopt;
+    if (record == nullptr || !knows_inputs(*record, frame)) return std::nullopt;
+    if (!what_changed(*record).empty() || !what_came(*record, frame).empty()) return std::nullopt;
     frames.push_back(*record);
     frames.back().outputs = whole->outputs;
   }

@@ -38,6 +38,18 @@ std::string changed_one(const std::vector<FileRecord>& before, bool with_times) 
 
 bool is_demo(const FrameJob& frame) { return frame.job.source.input.starts_with(field::kDemoPrefix); }
 
+// Sorted, each once; none of a demo field.
+Result<std::vector<std::string>> input_paths(const FrameJob& frame) {
+  std::vector<std::string> paths;
+  if (is_demo(frame)) return paths;
+  const auto files = convert::list_source_files(frame.job.source);
+  if (!files) return tl::unexpected(files.error());
+  for (const std::filesystem::path& file : *files) paths.push_back(file.string());
+  std::ranges::sort(paths);
+  paths.erase(std::unique(paths.begin(), paths.end()), paths.end());
+  return paths;
+}
+
 template <class T>
 std::optional<T> optional_of(const Json& json, const char* key) {
   return json.at(key).is_null() ? std::nullopt : std::optional(json.at(key).get<T>());
@@ -80,9 +92,9 @@ std::vector<FileRecord> files_of(const Json& json) {
   return files;
 }
 
-Json json_of(const FrameFigures& figures) {
+Json json_of(const std::vector<SurfaceFigures>& list) {
   Json surfaces = Json::array();
-  for (const SurfaceFigures& surface : figures.surfaces) {
+  for (const SurfaceFigures& surface : list) {
     surfaces.push_back({{"iso", surface.iso},
                         {"asked", surface.asked},
                         {"triangles", surface.triangles},
@@ -98,8 +110,13 @@ Json json_of(const FrameFigures& figures) {
                         {"coverage_rms", convert::optional_json(surface.coverage_rms)},
                         {"coverage_max", convert::optional_json(surface.coverage_max)}});
     if (!surface.grid.empty()) surfaces.back()["grid"] = bytes_json(surface.grid);
+    if (!surface.files.empty()) surfaces.back()["files"] = json_of(surface.files);
   }
-  return {{"surfaces", std::move(surfaces)},
+  return surfaces;
+}
+
+Json json_of(const FrameFigures& figures) {
+  return {{"surfaces", json_of(figures.surfaces)},
           {"time_step", figures.time_step},
           {"lacked_attributes", figures.lacked_attributes},
           {"bytes", figures.bytes},
@@ -107,19 +124,25 @@ Json json_of(const FrameFigures& figures) {
           {"memory", figures.memory}};
 }
 
+std::vector<SurfaceFigures> surfaces_of(const Json& json) {
+  std::vector<SurfaceFigures> surfaces;
+  for (const Json& surface : json) {
+    surfaces.push_back({surface.at("iso").get<double>(), surface.value("asked", std::string()),
+                        surface.at("triangles").get<std::uint64_t>(), optional_of<std::uint64_t>(surface, "vertices"),
+                        optional_of<std::uint64_t>(surface, "components"), optional_of<bool>(surface, "closed"),
+                        optional_of<double>(surface, "area"), optional_of<double>(surface, "volume"),
+                        bytes_of(surface.at("output")), optional_of<std::uint64_t>(surface, "bytes"),
+                        optional_of<double>(surface, "error_rms"), optional_of<double>(surface, "error_max"),
+                        optional_of<double>(surface, "coverage_rms"), optional_of<double>(surface, "coverage_max"),
+                        surface.contains("grid") ? bytes_of(surface.at("grid")) : std::string(),
+                        surface.contains("files") ? surfaces_of(surface.at("files")) : std::vector<SurfaceFigures>()});
+  }
+  return surfaces;
+}
+
 FrameFigures figures_of(const Json& json) {
   FrameFigures figures;
-  for (const Json& surface : json.at("surfaces")) {
-    figures.surfaces.push_back(
-        {surface.at("iso").get<double>(), surface.value("asked", std::string()),
-         surface.at("triangles").get<std::uint64_t>(), optional_of<std::uint64_t>(surface, "vertices"),
-         optional_of<std::uint64_t>(surface, "components"), optional_of<bool>(surface, "closed"),
-         optional_of<double>(surface, "area"), optional_of<double>(surface, "volume"), bytes_of(surface.at("output")),
-         optional_of<std::uint64_t>(surface, "bytes"), optional_of<double>(surface, "error_rms"),
-         optional_of<double>(surface, "error_max"), optional_of<double>(surface, "coverage_rms"),
-         optional_of<double>(surface, "coverage_max"),
-         surface.contains("grid") ? bytes_of(surface.at("grid")) : std::string()});
-  }
+  figures.surfaces = surfaces_of(json.at("surfaces"));
   figures.time_step = json.at("time_step").get<std::string>();
   figures.lacked_attributes = json.value("lacked_attributes", std::vector<std::string>());
   figures.bytes = json.at("bytes").get<std::uint64_t>();
@@ -163,22 +186,53 @@ void add_error(const convert::Outcome& outcome, SurfaceFigures& figures) {
   if (error->field.coverage) take(error->field.coverage->distances, figures.coverage_rms, figures.coverage_max);
 }
 
+void add_mesh(const convert::MeshRecord& mesh, SurfaceFigures& surface) {
+  surface.vertices = surface.vertices.value_or(0) + mesh.vertices;
+  surface.components = surface.components.value_or(0) + mesh.topology.components;
+  surface.closed = surface.closed.value_or(true) && mesh.topology.is_closed_oriented_manifold();
+  surface.area = surface.area.value_or(0) + mesh.size.area;
+  surface.volume = surface.volume.value_or(0) + mesh.size.volume;
+}
+
 // What is known of the meshes that a surface was written as: several where its pieces are meshes of their own.
 void add_meshes(const convert::Outcome& outcome, SurfaceFigures& surface) {
-  if (std::ranges::none_of(outcome.meshes, [&](const auto& mesh) { return is_of(mesh, surface); })) return;
-  double volume = 0;
   // The same surface may be in a second file, and pieces with names of their own may each have a file.
   std::unordered_map<std::string_view, std::string_view> file_of_name;
   for (const convert::MeshRecord& mesh : outcome.meshes) {
     if (!is_of(mesh, surface)) continue;
     if (file_of_name.try_emplace(mesh.name, mesh.file).first->second != mesh.file) continue;
-    surface.vertices = surface.vertices.value_or(0) + mesh.vertices;
-    surface.components = surface.components.value_or(0) + mesh.topology.components;
-    surface.closed = surface.closed.value_or(true) && mesh.topology.is_closed_oriented_manifold();
-    surface.area = surface.area.value_or(0) + mesh.size.area;
-    volume += mesh.size.volume;
+    add_mesh(mesh, surface);
   }
-  if (surface.closed.value_or(false)) surface.volume = volume;
+  if (!surface.closed.value_or(false)) surface.volume.reset();
+}
+
+// Of a surface whose pieces went to files of their own: what each of them is.
+void add_files(const convert::Outcome& outcome, SurfaceFigures& surface) {
+  const auto first =
+      std::ranges::find_if(outcome.written, [&](const auto& written) { return is_of(written, surface); });
+  std::unordered_map<std::string_view, const convert::MeshRecord*> mesh_of_file;
+  for (const convert::MeshRecord& mesh : outcome.meshes) mesh_of_file.emplace(mesh.file, &mesh);
+  std::vector<SurfaceFigures> files;
+  std::size_t end = 0;  // of the files so far
+  for (auto piece = first; piece != outcome.written.end(); ++piece) {
+    if (!is_of(*piece, surface) || piece->output != first->output) continue;
+    if (piece->files == 0 || piece->first_file + piece->files > outcome.files.size()) continue;
+    if (!files.empty() && piece->first_file < end) return;  // pieces that share a file
+    end = piece->first_file + piece->files;
+    SurfaceFigures& file = files.emplace_back(surface);
+    file.triangles = piece->triangles;
+    file.output = outcome.files[piece->first_file].path;
+    file.bytes = 0;
+    for (std::size_t i = piece->first_file; i < end; ++i) *file.bytes += outcome.files[i].bytes;
+    file.vertices.reset();
+    file.components.reset();
+    file.closed.reset();
+    file.area.reset();
+    file.volume.reset();
+    if (const auto mesh = mesh_of_file.find(file.output); mesh != mesh_of_file.end()) add_mesh(*mesh->second, file);
+    if (!file.closed.value_or(false)) file.volume.reset();
+  }
+  if (files.size() > 1) surface.files = std::move(files);
 }
 
 }  // namespace
@@ -193,6 +247,7 @@ FrameFigures figures_of(const convert::Outcome& outcome) {
     add_written(outcome, surface);
     add_meshes(outcome, surface);
     add_error(outcome, surface);
+    add_files(outcome, surface);
   }
   if (outcome.particles) figures.time_step = outcome.particles->time_step;
   figures.lacked_attributes = outcome.lacked_attributes;
@@ -202,16 +257,19 @@ FrameFigures figures_of(const convert::Outcome& outcome) {
   return figures;
 }
 
+std::vector<const SurfaceFigures*> rows_of(const FrameFigures& figures) {
+  std::vector<const SurfaceFigures*> rows;
+  for (const SurfaceFigures& surface : figures.surfaces) {
+    if (surface.files.empty()) rows.push_back(&surface);
+    for (const SurfaceFigures& file : surface.files) rows.push_back(&file);
+  }
+  return rows;
+}
+
 Result<std::vector<FileRecord>> input_states(const FrameJob& frame) {
-  if (is_demo(frame)) return std::vector<FileRecord>();
-  const convert::SourceOptions& source = frame.job.source;
-  const auto files = convert::list_source_files(source);
-  if (!files) return tl::unexpected(files.error());
-  std::vector<std::string> paths;
-  for (const std::filesystem::path& file : *files) paths.push_back(file.string());
-  std::ranges::sort(paths);
-  paths.erase(std::unique(paths.begin(), paths.end()), paths.end());
-  return states_of(paths);
+  const auto paths = input_paths(frame);
+  if (!paths) return tl::unexpected(paths.error());
+  return states_of(*paths);
 }
 
 Result<FrameRecord> record_of(const FrameJob& frame, std::vector<FileRecord> inputs, const convert::Outcome& outcome) {
@@ -230,9 +288,21 @@ std::string what_changed(const FrameRecord& record) {
   return changed.empty() ? changed_one(record.outputs, false) : changed;
 }
 
+std::string what_came(const FrameRecord& record, const FrameJob& frame) {
+  const auto paths = input_paths(frame);
+  if (!paths) return "its inputs cannot be listed";
+  for (const std::string& path : *paths) {
+    if (std::ranges::find(record.inputs, path, &FileRecord::path) == record.inputs.end())
+      return fmt::format("{} was not there", path);
+  }
+  return {};
+}
+
 std::string why_again(const FrameRecord& record, const FrameJob& frame) {
   if (record.job != convert::hash_of(frame.job)) return "its options have changed";
-  return knows_inputs(record, frame) ? what_changed(record) : "its inputs are not known";
+  if (!knows_inputs(record, frame)) return "its inputs are not known";
+  std::string changed = what_changed(record);
+  return changed.empty() ? what_came(record, frame) : changed;
 }
 
 convert::Json json_of(const FrameRecord& record) {

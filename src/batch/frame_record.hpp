@@ -33,6 +33,8 @@ struct SurfaceFigures {
   std::optional<double> coverage_rms;
   std::optional<double> coverage_max;
   std::string grid = {};  // whose surface it is, where the conversion has several
+  // Where its pieces went to several files: the figures of each file, whose errors are those of the whole surface.
+  std::vector<SurfaceFigures> files = {};
 
   friend bool operator==(const SurfaceFigures&, const SurfaceFigures&) = default;
 };
@@ -49,6 +51,9 @@ struct FrameFigures {
 };
 
 [[nodiscard]] FrameFigures figures_of(const convert::Outcome& outcome);
+
+// What tables have a row of: the surfaces, and instead of one whose pieces went to several files each of these.
+[[nodiscard]] std::vector<const SurfaceFigures*> rows_of(const FrameFigures& figures);
 
 struct FileRecord {
   std::string path;
@@ -75,6 +80,10 @@ struct FrameRecord {
 [[nodiscard]] Result<FrameRecord> record_of(const FrameJob& frame, std::vector<FileRecord> inputs,
                                             const convert::Outcome& outcome);
 
+// An input of the frame that is there now and was not when the record was made, such as the file of an optional
+// attribute: "h_03.npy was not there"; empty where there is none.
+[[nodiscard]] std::string what_came(const FrameRecord& record, const FrameJob& frame);
+
 // False where the inputs could not be read when the frame was begun, and could when it was converted: nobody knows what
 // it was made of.
 [[nodiscard]] bool knows_inputs(const FrameRecord& record, const FrameJob& frame);
@@ -83,7 +92,8 @@ struct FrameRecord {
 [[nodiscard]] std::string what_changed(const FrameRecord& record);
 
 // Why the frame has to be done again although there is a record of its job: "in.vdb has changed"; empty where all
-// inputs and outputs are what they were, byte by byte. A file's record without inputs is not believed.
+// inputs and outputs are what they were, byte by byte, and no input has come. A file's record without inputs is not
+// believed.
 [[nodiscard]] std::string why_again(const FrameRecord& record, const FrameJob& frame);
 
 [[nodiscard]] convert::Json json_of(const FrameRecord& record);

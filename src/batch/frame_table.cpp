@@ -75,7 +75,7 @@ std::string table_csv(std::span<const FrameRow> rows) {
       text += fmt::format("{}\r\n", fmt::join(cells, ","));
     };
     if (row.figures.surfaces.empty()) line(nullptr);
-    for (const SurfaceFigures& surface : row.figures.surfaces) line(&surface);
+    for (const SurfaceFigures* surface : rows_of(row.figures)) line(surface);
   }
   return text;
 }
@@ -84,7 +84,8 @@ Json table_json(std::span<const FrameRow> rows) {
   Json list = Json::array();
   for (const FrameRow& row : rows) {
     Json surfaces = Json::array();
-    for (const SurfaceFigures& surface : row.figures.surfaces) {
+    for (const SurfaceFigures* figures : rows_of(row.figures)) {
+      const SurfaceFigures& surface = *figures;
       surfaces.push_back({{"iso", surface.iso},
                           {"asked", surface.asked.empty() ? Json(nullptr) : Json(surface.asked)},
                           {"triangles", surface.triangles},

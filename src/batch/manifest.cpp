@@ -16,6 +16,7 @@
 #include <fmt/format.h>
 
 #include "base/version.hpp"
+#include "batch/frame_range.hpp"
 #include "files/output_file.hpp"
 #include "files/text_file.hpp"
 
@@ -57,7 +58,9 @@ Json json_of(const ManifestHeader& header) {
           {"batch", header.batch},
           {"frames", header.frames},
           {"shard", {header.shard.number, header.shard.count}},
-          {"arguments", header.arguments}};
+          {"arguments", header.arguments},
+          {"numbers", header.numbers},
+          {"absent", header.absent}};
 }
 
 std::optional<ManifestHeader> header_of(const Json& json) {
@@ -67,7 +70,9 @@ std::optional<ManifestHeader> header_of(const Json& json) {
                           json.at("batch").get<std::string>(),
                           json.at("frames").get<std::uint64_t>(),
                           {json.at("shard").at(0).get<int>(), json.at("shard").at(1).get<int>()},
-                          json.at("arguments").get<std::vector<std::string>>()};
+                          json.at("arguments").get<std::vector<std::string>>(),
+                          json.value("numbers", std::string()),
+                          json.value("absent", std::string())};
   } catch (const Json::exception&) {
     return std::nullopt;
   }
@@ -107,6 +112,28 @@ bool may_be_torn(std::string_view text) {
   return text.substr(0, kHashDigits).find_first_not_of("0123456789abcdef") == std::string_view::npos;
 }
 
+// What other runs in the folder did of these jobs: the joined manifest, and those of other numbers of shards.
+void add_records_of_others(const fs::path& folder, const fs::path& own, const ManifestHeader& header,
+                           const std::unordered_set<std::string>& jobs, std::vector<FrameRecord>& records) {
+  std::unordered_set<std::string> known;
+  for (const FrameRecord& record : records) known.insert(record.job);
+  std::vector<fs::path> paths;
+  std::error_code none;
+  for (fs::directory_iterator entry(folder.empty() ? "." : folder, none); !none && entry != fs::directory_iterator();
+       entry.increment(none)) {
+    const fs::path name = entry->path().filename();
+    if (is_manifest_name(name.string()) && name != own.filename()) paths.push_back(entry->path());
+  }
+  std::ranges::sort(paths);
+  for (const fs::path& path : paths) {
+    auto other = read_manifest(path);  // one that is no manifest has no records
+    if (!other || other->header.program != header.program) continue;
+    for (FrameRecord& record : other->records) {
+      if (jobs.contains(record.job) && known.insert(record.job).second) records.push_back(std::move(record));
+    }
+  }
+}
+
 Result<std::string> text_of_file(const fs::path& path) {
   return files::read_text_file(path, "the manifest of a batch", kMostBytes);
 }
@@ -114,7 +141,9 @@ Result<std::string> text_of_file(const fs::path& path) {
 }  // namespace
 
 ManifestHeader header_of(const BatchJob& batch, const Shard& shard, const std::vector<std::string>& arguments) {
-  return {std::string(generator()), hash_of(batch), batch.frames.size(), shard, arguments};
+  std::vector<std::int64_t> numbers;
+  for (const FrameJob& frame : batch.frames) numbers.push_back(frame.number);
+  return {std::string(generator()), hash_of(batch), batch.frames.size(), shard, arguments, text_of(runs_of(numbers))};
 }
 
 std::string manifest_name(const Shard& shard) {
@@ -216,8 +245,11 @@ Result<Manifest> Manifest::open(const fs::path& folder, const ManifestHeader& he
       return header.shard.is_all() || old->header.batch == header.batch || jobs.contains(record.job);
     });
   }
+  if (resume && !header.shard.is_all()) add_records_of_others(folder, state->path, header, jobs, kept);
   const bool goes_on = trusted && resume && old->header.batch == header.batch;
-  std::string content = line_of(json_of(goes_on ? old->header : header));
+  ManifestHeader own = header;
+  if (goes_on) own.arguments = old->header.arguments;
+  std::string content = line_of(json_of(own));
   for (const FrameRecord& record : kept) content += line_of(batch::json_of(record));
   if (content != *text) {
     // At once or not at all, whatever ends the run.

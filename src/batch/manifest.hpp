@@ -26,6 +26,9 @@ struct ManifestHeader {
   std::uint64_t frames = 0;  // of the batch
   Shard shard;
   std::vector<std::string> arguments;  // of the run that began it, for readers
+  // As FrameRange reads them; empty in manifests of shards that know nothing of it.
+  std::string numbers = {};  // of the batch's frames
+  std::string absent = {};   // of frames that were asked for and have no input, where that is an error
 
   friend bool operator==(const ManifestHeader&, const ManifestHeader&) = default;
 };
@@ -52,8 +55,9 @@ class Manifest {
  public:
   // Opens or makes the file in `folder` and locks it, and the folder against a run with other shards. Records of the
   // same program stay until their frame is begun anew; in a shard's manifest, which is of one batch, only those of
-  // `jobs`, the hashes of the shard's. Fails with ErrorKind::output where that is not possible, or another run has the
-  // lock.
+  // `jobs`, the hashes of the shard's. With `resume` a shard takes over what the folder's other manifests have of
+  // these, so that another number of shards goes on where the first one was ended. Fails with ErrorKind::output where
+  // that is not possible, or another run has the lock.
   [[nodiscard]] static Result<Manifest> open(const std::filesystem::path& folder, const ManifestHeader& header,
                                              bool resume, const std::unordered_set<std::string>& jobs);
 

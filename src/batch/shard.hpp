@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -43,16 +42,5 @@ struct ShardChoice {
 
 // The shard's frames, by index, in their order.
 [[nodiscard]] std::vector<std::size_t> frames_of(const BatchJob& batch, const Shard& shard);
-
-struct MergedShards {
-  std::filesystem::path manifest;
-  int shards = 0;
-  std::uint64_t frames = 0;
-};
-
-// Joins the manifests of all shards in `folder` to one, as a run of one process would have written it. Fails with
-// ErrorKind::input where a shard or a frame is missing or there twice, where they are not of one batch and one version
-// of the program, or where an output is not what its record says; then nothing is written.
-[[nodiscard]] Result<MergedShards> merge_shards(const std::filesystem::path& folder);
 
 }  // namespace isoextract::batch

@@ -129,16 +129,19 @@ class FrameKeeper final : public batch::FrameEvents {
     remark_lacking(row);
     if (outcome.empty_picture) progress_.remark(job.number, "in whose picture the camera sees nothing of the surfaces");
     for (const meshes::WrittenFile& file : outcome.files) row.outputs.push_back(file.path);
-    row.status = error ? batch::FrameStatus::failed : done_or_empty(outcome, row.figures);
+    const bool was_cancelled = error && error->kind == ErrorKind::cancelled;
+    row.status = was_cancelled ? batch::FrameStatus::cancelled
+                 : error       ? batch::FrameStatus::failed
+                               : done_or_empty(outcome, row.figures);
     if (plan_.common.pages.html) {
       const std::lock_guard lock(mutex_);
       page_.add(job.number, outcome);
     }
-    if (error) {
+    if (error && !was_cancelled) {
       row.error = printable(error->message);
       progress_.failed(job.number, *error, reason_of(job.job, *error));
       if (!outcome.done()) row.error += set_aside(job.job, outcome);
-    } else {
+    } else if (!error) {
       for (const std::string& note : outcome.notes) progress_.detail(fmt::format("frame {}: {}", job.number, note));
       progress_.detail(fmt::format("frame {}: {}: {:.2f} s, {}", job.number, printable(job.job.source.input),
                                    row.figures.wall_seconds, format_byte_size(row.figures.bytes)));
@@ -361,7 +364,7 @@ Result<meshes::MeshWriteResult> finish_animation(const BatchPlan& plan, batch::A
   const std::size_t failed = keeper.count(batch::FrameStatus::failed);
   const std::vector<std::int64_t> missing = keeper.missing();
   if (missing.size() == plan.frames.size() || keeper.count(batch::FrameStatus::not_started) > 0 ||
-      (plan.flags.fail_fast && failed > 0)) {
+      keeper.count(batch::FrameStatus::cancelled) > 0 || (plan.flags.fail_fast && failed > 0)) {
     return meshes::MeshWriteResult{{}, {fmt::format("{} was not written", path)}};
   }
   auto written = animation.finish();
@@ -400,8 +403,9 @@ Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& 
   }
   std::unordered_set<std::string> jobs;
   for (const std::size_t i : plan.frames) jobs.insert(convert::hash_of(plan.batch.frames[i].job));
-  auto manifest =
-      batch::Manifest::open(plan.folder, batch::header_of(plan.batch, plan.shard, arguments), plan.flags.resume, jobs);
+  batch::ManifestHeader header = batch::header_of(plan.batch, plan.shard, arguments);
+  if (plan.needs_all) header.absent = batch::text_of(plan.gaps);
+  auto manifest = batch::Manifest::open(plan.folder, header, plan.flags.resume, jobs);
   if (!manifest) return tl::unexpected(manifest.error());
   const auto tell = [&](const std::string& note) {
     if (plan.progress != ProgressStyle::json) messages.note(note);
@@ -443,8 +447,13 @@ Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& 
   }
   const std::size_t failed = keeper.count(batch::FrameStatus::failed);
   const std::uint64_t missing = plan.needs_all ? count_of(plan.gaps) : 0;
-  progress.end(keeper.count(batch::FrameStatus::done) + keeper.count(batch::FrameStatus::empty), failed, kept,
-               counts.not_started, missing);
+  const std::size_t cancelled = keeper.count(batch::FrameStatus::cancelled);
+  progress.end({.done = keeper.count(batch::FrameStatus::done) + keeper.count(batch::FrameStatus::empty),
+                .failed = failed,
+                .cancelled = cancelled,
+                .kept = kept,
+                .not_started = counts.not_started,
+                .missing = missing});
   if (const auto& old = keeper.set_aside(); !old.empty()) {
     tell(fmt::format("{} of an earlier run, of frames that failed, {} renamed: {}{}",
                      old.size() == 1 ? "a mesh" : fmt::format("{} meshes", old.size()),
@@ -461,8 +470,9 @@ Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& 
     if (!written) return written;
   }
   if (unkept) return tl::unexpected(*unkept);
-  if (failed == 0 && counts.not_started == 0) return missing == 0 ? Result<void>() : fail_missing(plan.gaps);
+  if (failed + cancelled + counts.not_started == 0) return missing == 0 ? Result<void>() : fail_missing(plan.gaps);
   std::string text = fmt::format("{} of {} frames failed", failed, plan.frames.size());
+  if (cancelled > 0) text += fmt::format(", {} {} cancelled", cancelled, cancelled == 1 ? "was" : "were");
   if (counts.not_started > 0) text += fmt::format(", and {} were not started", counts.not_started);
   if (missing > 0) text += fmt::format("; {}", missing_text(plan.gaps));
   return fail(ErrorKind::frames, text, "--resume does what is not done yet, once that is mended");
@@ -474,18 +484,6 @@ Result<void> run_batch(const ConvertFlags& flags, const std::vector<std::string>
   const auto plan = plan_batch(flags, [](const char* name) -> const char* { return std::getenv(name); });
   if (!plan) return tl::unexpected(plan.error());
   return run_planned(*plan, arguments, Messages(plan->common.verbosity));
-}
-
-Result<void> run_merge(const MergeFlags& flags) {
-  if (!flags.folder || flags.folder->empty()) {
-    return fail(ErrorKind::usage, "merge needs the folder of the shards' outputs", "isoextract merge FOLDER");
-  }
-  const auto merged = batch::merge_shards(*flags.folder);
-  if (!merged) return tl::unexpected(merged.error());
-  Messages(flags.quiet ? Verbosity::quiet : Verbosity::normal)
-      .summary(fmt::format("{}: {} frames of {} shards, all there", merged->manifest.string(), merged->frames,
-                           merged->shards));
-  return {};
 }
 
 }  // namespace isoextract::cli

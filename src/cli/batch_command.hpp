@@ -13,7 +13,4 @@ namespace isoextract::cli {
 // line, for the manifest and the reports.
 [[nodiscard]] Result<void> run_batch(const ConvertFlags& flags, const std::vector<std::string>& arguments);
 
-// Joins the manifests of shards.
-[[nodiscard]] Result<void> run_merge(const MergeFlags& flags);
-
 }  // namespace isoextract::cli

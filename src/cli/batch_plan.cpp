@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 #include <tbb/task_arena.h>
 
+#include "base/printable.hpp"
 #include "batch/find_frames.hpp"
 #include "batch/frame_pattern.hpp"
 #include "batch/iso_table.hpp"
@@ -220,6 +221,24 @@ Result<batch::Shard> plan_shard(const BatchFlags& flags, const char* (*environme
       "convert the shards to files of their own, or use one machine without --shard");
 }
 
+// Names what a shard writes of its frames after the shard: t.csv becomes t.2-of-3.csv. The note that says so, or nothing.
+std::string name_after_shard(const batch::Shard& shard, ConvertFlags& flags) {
+  if (shard.is_all()) return {};
+  std::vector<std::string> names;
+  for (auto* path : {&flags.batch.table, &flags.batch.plot, &flags.html, &flags.contact_sheet}) {
+    if (!*path || (*path)->empty() || **path == "-") continue;  // which is refused
+    const fs::path whole = **path;
+    *path = whole.parent_path() / fmt::format("{}.{}-of-{}{}", whole.stem().string(), shard.number, shard.count,
+                                              whole.extension().string());
+    names.push_back(printable(**path));
+  }
+  if (names.empty()) return {};
+  return fmt::format(
+      "{}: of the frames of this shard; after isoextract merge, a run of the same without --shard and with --resume "
+      "writes it of all frames",
+      fmt::join(names, ", "));
+}
+
 }  // namespace
 
 bool is_batch(const ConvertFlags& flags) {
@@ -252,6 +271,10 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
     return refuse_usage("--fps is how fast an animation plays, and none is made", "--animate makes one");
   }
   BatchPlan plan;
+  std::string of_environment;
+  const auto shard = plan_shard(flags.batch, environment, of_environment);
+  if (!shard) return tl::unexpected(shard.error());
+  const std::string of_shard = name_after_shard(*shard, flags);
   ConvertFlags one = flags;  // of one frame
   if (wants_all_volumes(flags)) one.input.volume.reset();
   const auto read = plan_read(one.input);
@@ -305,10 +328,8 @@ Result<BatchPlan> plan_batch(const ConvertFlags& given, const char* (*environmen
                    MissingPolicy::error;
   plan.folder = common_folder(plan.batch);
 
-  std::string of_environment;
-  const auto shard = plan_shard(flags.batch, environment, of_environment);
-  if (!shard) return tl::unexpected(shard.error());
   if (!of_environment.empty()) plan.common.notes.push_back(std::move(of_environment));
+  if (!of_shard.empty()) plan.common.notes.push_back(of_shard);
   plan.shard = *shard;
   plan.frames = batch::frames_of(plan.batch, plan.shard);
 

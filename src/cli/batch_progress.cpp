@@ -112,29 +112,31 @@ void BatchProgress::over(const batch::FrameRow& row) {
   line(event);
 }
 
-void BatchProgress::end(std::uint64_t done, std::uint64_t failed, std::uint64_t kept, std::uint64_t not_started,
-                        std::uint64_t missing) {
+void BatchProgress::end(const FrameCounts& counts) {
   const std::lock_guard lock(mutex_);
   bar_.reset();
   if (style_ == ProgressStyle::json) {
     line({{"event", "end"},
           {"frames", frames_},
-          {"done", done},
-          {"failed", failed},
-          {"kept", kept},
-          {"not_started", not_started},
-          {"missing", missing},
+          {"done", counts.done},
+          {"failed", counts.failed},
+          {"cancelled", counts.cancelled},
+          {"kept", counts.kept},
+          {"not_started", counts.not_started},
+          {"missing", counts.missing},
           {"seconds", seconds()}});
     return;
   }
   tell_folded();
   tell_remarks();
-  std::string text = fmt::format("{} of {} frames done", done, frames_);
-  if (kept > 0) text += fmt::format(", {} kept from an earlier run", kept);
-  if (failed > 0) text += fmt::format(", {} failed", failed);
-  if (not_started > 0) text += fmt::format(", {} not started", not_started);
-  if (missing > 0) text += fmt::format(", and {} not there", missing);
-  const std::string speed = speed_text(done + failed, done + failed, seconds());
+  std::string text = fmt::format("{} of {} frames done", counts.done, frames_);
+  if (counts.kept > 0) text += fmt::format(", {} kept from an earlier run", counts.kept);
+  if (counts.failed > 0) text += fmt::format(", {} failed", counts.failed);
+  if (counts.cancelled > 0) text += fmt::format(", {} cancelled", counts.cancelled);
+  if (counts.not_started > 0) text += fmt::format(", {} not started", counts.not_started);
+  if (counts.missing > 0) text += fmt::format(", and {} not there", counts.missing);
+  const std::uint64_t tried = counts.done + counts.failed;
+  const std::string speed = speed_text(tried, tried, seconds());
   messages_.summary(fmt::format("{}; {:.2f} s{}{}", text, seconds(), speed.empty() ? "" : ", ", speed));
 }
 

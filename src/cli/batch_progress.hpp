@@ -25,6 +25,16 @@ inline constexpr std::size_t kShownFrameRuns = 20;
 // "12.3 frames/s, 0:09 left", "4.2 s a frame, 1:02:11 left"
 [[nodiscard]] std::string speed_text(std::uint64_t done, std::uint64_t total, double seconds);
 
+// How the frames of a batch ended. Those that were not there count in none of the others.
+struct FrameCounts {
+  std::uint64_t done = 0;
+  std::uint64_t failed = 0;
+  std::uint64_t cancelled = 0;
+  std::uint64_t kept = 0;
+  std::uint64_t not_started = 0;
+  std::uint64_t missing = 0;
+};
+
 // Used by several threads at once.
 class BatchProgress {
  public:
@@ -40,9 +50,8 @@ class BatchProgress {
   void remark(std::int64_t frame, const std::string& text);
   // A frame that is over, however it ended.
   void over(const batch::FrameRow& row);
-  // What there was in all. Call once, last. Frames that were not there count in none of the others.
-  void end(std::uint64_t done, std::uint64_t failed, std::uint64_t kept, std::uint64_t not_started,
-           std::uint64_t missing);
+  // Call once, last.
+  void end(const FrameCounts& counts);
 
   [[nodiscard]] double seconds() const { return watch_.elapsed().wall_seconds; }
 

@@ -30,6 +30,7 @@
 #include "cli/info_command.hpp"
 #include "cli/jet_command.hpp"
 #include "cli/jet_plan.hpp"
+#include "cli/merge_command.hpp"
 #include "cli/messages.hpp"
 #include "cli/plan.hpp"
 #include "cli/remedies.hpp"

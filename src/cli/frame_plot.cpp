@@ -41,7 +41,8 @@ struct Ended {
   batch::FrameStatus status;
   std::string_view colour;
 };
-constexpr std::array<Ended, 2> kEnded{Ended{batch::FrameStatus::failed, "#a61b1b"},
+constexpr std::array<Ended, 3> kEnded{Ended{batch::FrameStatus::failed, "#a61b1b"},
+                                      Ended{batch::FrameStatus::cancelled, "#b08030"},
                                       Ended{batch::FrameStatus::not_started, "#808080"}};
 
 template <class T>

@@ -90,10 +90,12 @@ std::string frames_section(std::span<const batch::FrameRow> rows) {
     const std::string status = row.error.empty() ? std::string(word_of(row.status))
                                                  : fmt::format("<span class=\"failed\">{}: {}</span>",
                                                                word_of(row.status), escaped(row.error));
-    std::vector<batch::SurfaceFigures> surfaces = row.figures.surfaces;
+    std::vector<const batch::SurfaceFigures*> surfaces = batch::rows_of(row.figures);
     const bool none = surfaces.empty();
-    if (none) surfaces.emplace_back();
-    for (const batch::SurfaceFigures& surface : surfaces) {
+    const batch::SurfaceFigures no_surface;
+    if (none) surfaces.push_back(&no_surface);
+    for (const batch::SurfaceFigures* figures : surfaces) {
+      const batch::SurfaceFigures& surface = *figures;
       const std::string value = surface.asked.empty() ? fmt::format("{:.6g}", surface.iso)
                                                       : fmt::format("{:.6g} ({})", surface.iso, escaped(surface.asked));
       const std::string iso = with_grid(surface.grid, value);

@@ -195,6 +195,27 @@ class PlacementTest(FilesTest):
             found["a"] = [value - 100 * k for value in found["a"]]
             self.assert_linear(found, lambda p: [c / 0.1 for c in p])
 
+    def test_the_file_of_an_optional_attribute_that_comes_later(self):
+        for k in (1, 2):
+            self.write(f"ball_{k}.npy", npy(ball))
+        self.write("heat_1.npy", npy(linear))
+        batch = ("ball_{}.npy", "--iso", "0.5", "--attribute", "a?=heat_{}.npy", "--ascii", "--resume")
+        frames = (*batch, "-o", "out_{}.ply")
+        self.convert(*frames)
+        self.assertIn("0 of 2 frames done, 2 kept", self.convert(*frames).err)
+        self.write("heat_2.npy", npy(linear))
+        self.assertIn("1 of 2 frames done, 1 kept", self.convert(*frames).err)
+        self.assert_linear(columns(self.folder / "out_2.ply"), lambda p: p)
+        self.assertIn("0 of 2 frames done, 2 kept", self.convert(*frames).err)
+        (self.folder / "heat_2.npy").unlink()
+        self.assertIn("1 of 2 frames done, 1 kept", self.convert(*frames).err)
+        self.assertNotIn("a", columns(self.folder / "out_2.ply"))
+        animation = (*batch[:-2], "--resume", "--animate", "-o", "all.glb")
+        self.convert(*animation)
+        self.assertIn("2 kept", self.convert(*animation).err)
+        self.write("heat_2.npy", npy(linear))
+        self.assertIn("2 of 2 frames done", self.convert(*animation).err)
+
     @unittest.skipUnless(PLUGIN.exists(), "the plug-ins around OpenVDB were not built")
     def test_sparse_inputs_have_no_shape(self):
         self.convert("ball.npy", "-o", "ball.vdb")

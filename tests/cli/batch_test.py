@@ -92,6 +92,21 @@ class BatchTest(ProgramTest):
         self.assertIn("1 of 5 frames failed, and 3 were not started", run.err)
         self.assertEqual(sorted(self.content("out")), ["001.ply"])
 
+    def test_frames_in_work_when_another_one_fails_have_not_failed(self):
+        side = 100
+        for number in (1, 2, 3, 4):
+            (self.folder / f"in_{number:03}.raw").write_bytes(random.Random(number).randbytes(side**3) if number != 2 else b"short")
+        (self.folder / "out").mkdir()
+        (self.folder / "out/m_1.ply").write_bytes(b"old")
+        run = self.run_program("in_{:03}.raw", "--dims", f"{side},{side},{side}", "--iso", "127.5", "-o", "out/m_{}.ply",
+                               "--fail-fast", "--jobs", "2", "--threads", "2", "--table", "t.csv")
+        self.assertEqual(run.code, 5, run.err)
+        self.assertIn("1 of 4 frames failed, 1 was cancelled, and 2 were not started", run.err)
+        self.assertIn("0 of 4 frames done, 1 failed, 1 cancelled, 2 not started", run.err)
+        self.assertEqual(run.err.count("isoextract: error: frame"), 1, run.err)
+        self.assertEqual([row["status"] for row in self.table("t.csv")], ["cancelled", "failed", "not started", "not started"])
+        self.assertEqual(self.content("out"), {"m_1.ply": b"old"})
+
     def test_what_is_there_can_be_left_alone(self):
         self.write_frames((1, 2))
         (self.folder / "out").mkdir()

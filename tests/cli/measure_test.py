@@ -1,6 +1,9 @@
-"""scripts/measure with the program: trial runs of what needs no other program, and the pages that come of them."""
+"""scripts/measure with the program: trial runs of what needs no other program, and the pages that come of them. What a dry
+run tells of memory, against the measured peak."""
 
 import json
+import os
+import re
 import subprocess
 import sys
 
@@ -31,6 +34,24 @@ class MeasureTest(ProgramTest):
         for row in records["simplify"]["figures"]["rows"]:
             self.assertLess(row["after"], row["before"])
             self.assertLessEqual(row["measured_voxels"]["upper"], 0.1)
+
+    def peak_mebibytes(self, arguments):
+        with open(os.devnull, "wb") as nothing:
+            process = subprocess.Popen([PROGRAM, *arguments], cwd=self.folder, stderr=nothing)
+            _, status, usage = os.wait4(process.pid, 0)
+            process.returncode = status
+        self.assertEqual(status, 0, arguments)
+        return usage.ru_maxrss / 1024
+
+    def test_a_dry_run_tells_the_memory_of_what_is_done_with_the_mesh(self):
+        for size in (64, 96):
+            for options in ((), ("--simplify", "0.1"), ("--triangles", "5%"), ("--draco",), ("--quantize",), ("--error",),
+                            ("--simplify", "0.1", "--error"), ("--simplify", "0.1", "--draco")):
+                arguments = [f"demo:gyroid?size={size}&time=0.{{:02}}", "--frames", "1-1", "--iso", "0", "--threads", "1",
+                             "-o", "m{}.glb", *options]
+                told = int(re.search(r"memory: about (\d+) MiB", self.convert(*arguments, "--dry-run").text)[1])
+                peak = self.peak_mebibytes(arguments)
+                self.assertTrue(peak <= told <= 2 * peak, (size, options, told, peak))
 
     @needs_program("gnuplot")
     def test_error(self):

@@ -144,7 +144,7 @@ class ParticleLimitsTest(ProgramTest):
             with self.subTest(name=name):
                 self.write_packed(name, head, part, count // 1000)
                 self.refused_within(16 * MIB + OVERHEAD, 2, (name, "--radius", 1, "--memory-limit", "16M"),
-                                    f"{count} particles need", "--memory-limit")
+                                    f"{count} particles would take", "--memory-limit")
 
     def test_a_packed_line_without_an_end(self):
         self.write_packed("line.csv.gz", b"", b"1" * MIB, 64)

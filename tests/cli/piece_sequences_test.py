@@ -4,7 +4,7 @@ import csv
 import json
 import math
 
-from support import ProgramTest, main
+from support import ProgramTest, main, read_ply
 
 SIDE = 20
 BALLS = (((5.1, 5.2, 5.3), 3), ((14.2, 14.1, 14.3), 4), ((5.2, 14.3, 5.1), 2.5))
@@ -37,18 +37,51 @@ class PieceSequencesTest(ProgramTest):
         run = self.batch("--table", "t.csv")
         self.assertEqual(run.code, 0, run.err)
         self.assertEqual(self.meshes(), ["11_1.ply", "1_1.ply", "1_2.ply", "1_3.ply", "2_1.ply", "2_2.ply"])
-        rows = {row["frame"]: row for row in self.table()}
-        self.assertEqual([rows[frame]["components"] for frame in ("1", "2", "11")], ["3", "2", "1"])
-        triangles = sum(int(line.split()[-1]) for n in (1, 2, 3)
-                        for line in (self.folder / f"out/1_{n}.ply").read_bytes().split(b"\n") if
-                        line.startswith(b"element face"))
-        self.assertEqual(int(rows["1"]["triangles"]), triangles)
+        self.assert_a_row_a_file(self.table())
         alone = self.convert("p_1.raw", *OPTIONS, "-o", "alone_{piece}.ply", "--report", "r.json")
         for n in (1, 2, 3):
             self.assertEqual((self.folder / f"alone_{n}.ply").read_bytes(),
                              (self.folder / f"out/1_{n}.ply").read_bytes(), alone.err)
         areas = [mesh["area"] for mesh in json.loads((self.folder / "r.json").read_text())["meshes"]]
-        self.assertAlmostEqual(float(rows["1"]["area"]), sum(areas), places=3)
+        self.assertEqual([float(row["area"]) for row in self.table() if row["frame"] == "1"], areas)
+
+    def assert_a_row_a_file(self, rows):
+        """Each with the figures of its file. Frame 3 has none."""
+        rows = [row for row in rows if row["output"]]
+        self.assertEqual([row["output"] for row in rows],
+                         [f"out/{name}.ply" for name in ("1_1", "1_2", "1_3", "2_1", "2_2", "11_1")])
+        for row in rows:
+            content = (self.folder / row["output"]).read_bytes()
+            mesh = read_ply(content)
+            self.assertEqual([int(row[name]) for name in ("bytes", "triangles", "vertices", "components")],
+                             [len(content), len(mesh.triangles), len(mesh.vertices), 1], row["output"])
+            self.assertGreater(float(row["volume"]), 0)
+            self.assertIn(row["closed"], ("1", True))
+
+    def test_tables_and_progress_have_a_row_for_each_file(self):
+        run = self.batch("--table", "t.json", "--progress", "json")
+        self.assertEqual(run.code, 0, run.err)
+        frames = json.loads((self.folder / "t.json").read_text())
+        self.assert_a_row_a_file([surface for frame in frames for surface in frame["surfaces"]])
+        events = [json.loads(line) for line in run.err.splitlines()]
+        told = {event["frame"]: event["surfaces"] for event in events if event["event"] == "frame"}
+        self.assert_a_row_a_file([surface for frame in (1, 2, 11) for surface in told[frame]])
+        self.batch("--resume", "--table", "t.csv")
+        self.assert_a_row_a_file(self.table())
+        self.assertEqual({row["status"] for row in self.table()}, {"kept", "empty"})
+
+    def test_a_pair_of_files_is_one_row(self):
+        run = self.batch("--table", "t.csv", name="out/{frame}_{piece}.gltf")
+        self.assertEqual(run.code, 0, run.err)
+        rows = [row for row in self.table() if row["output"]]
+        self.assertEqual([row["output"] for row in rows if row["frame"] == "2"], ["out/2_1.gltf", "out/2_2.gltf"])
+        for row in rows:
+            pair = (self.folder / row["output"], (self.folder / row["output"]).with_suffix(".bin"))
+            self.assertEqual(int(row["bytes"]), sum(path.stat().st_size for path in pair))
+
+    def test_a_plot_has_the_whole_surface(self):
+        self.assertEqual(self.batch("--plot", "p.svg").code, 0)
+        self.assertNotIn("surface 2", (self.folder / "p.svg").read_text())
 
     def test_resume_does_frames_again_whose_pieces_changed(self):
         self.assertEqual(self.batch().code, 0)
@@ -56,7 +89,7 @@ class PieceSequencesTest(ProgramTest):
         (self.folder / "out/1_2.ply").unlink()
         (self.folder / "out/2_1.ply").write_bytes(b"damaged")
         run = self.batch("--resume", "--table", "t.csv")
-        self.assertEqual([row["frame"] for row in self.table() if row["status"] == "done"], ["1", "2"], run.err)
+        self.assertEqual({row["frame"] for row in self.table() if row["status"] == "done"}, {"1", "2"}, run.err)
         self.assertEqual(len(self.meshes()), 6)
 
     def test_pieces_of_an_earlier_run_go(self):

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "batch/manifest.hpp"
+#include "batch/merge_shards.hpp"
 #include "support/temp_folder.hpp"
 
 namespace isoextract::batch {
@@ -47,6 +48,9 @@ TEST(Shard, IsTakenFromJobSchedulers) {
             (Shard{3, 3}));
   EXPECT_EQ(shard_told_by({{"JOB_COMPLETION_INDEX", "0"}, {"JOB_COMPLETIONS", "2"}}).value(), (Shard{1, 2}));
   EXPECT_FALSE(shard_told_by({{"SLURM_ARRAY_TASK_ID", "3"}})) << "of how many is not said";
+  const auto without_count = shard_told_by({{"JOB_COMPLETION_INDEX", "0"}});
+  ASSERT_FALSE(without_count);
+  EXPECT_NE(without_count.error().hint.text.find("spec.completions"), std::string::npos);
   EXPECT_FALSE(shard_told_by({{"JOB_COMPLETION_INDEX", "2"}, {"JOB_COMPLETIONS", "2"}}));
   EXPECT_FALSE(shard_told_by({{"JOB_COMPLETION_INDEX", "x"}, {"JOB_COMPLETIONS", "2"}}));
   EXPECT_FALSE(shard_told_by({{"SLURM_ARRAY_TASK_ID", "21"},
@@ -125,7 +129,7 @@ TEST_F(Merge, WhatIsMissingOrThereTwiceOrAnotherIsRefused) {
   write_shard({3, 3});
   expect_refused("shard 2 of 3 is missing");
   write_shard({2, 3}, 4);
-  expect_refused("expected 6 frames, found 5");
+  expect_refused("expected 6 frames, found 5: 1 is missing: 4");
   write_shard({2, 3});
   std::filesystem::copy_file(folder_ / "isoextract.2-of-3.manifest", folder_ / "isoextract.copy.manifest");
   expect_refused("there twice");

@@ -1,0 +1,32 @@
+#include "cli/merge_command.hpp"
+
+#include <fmt/format.h>
+
+#include "base/printable.hpp"
+#include "batch/frame_range.hpp"
+#include "batch/merge_shards.hpp"
+#include "cli/batch_progress.hpp"
+#include "cli/messages.hpp"
+
+namespace isoextract::cli {
+
+Result<void> run_merge(const MergeFlags& flags) {
+  if (!flags.folder || flags.folder->empty()) {
+    return fail(ErrorKind::usage, "merge needs the folder of the shards' outputs", "isoextract merge FOLDER");
+  }
+  const auto merged = batch::merge_shards(*flags.folder);
+  if (!merged) return tl::unexpected(merged.error());
+  Messages(flags.quiet ? Verbosity::quiet : Verbosity::normal)
+      .summary(fmt::format("{}: {} frames of {} shards{}", printable(merged->manifest.string()), merged->frames,
+                           merged->shards, merged->absent.empty() ? ", all there" : ""));
+  if (merged->absent.empty()) return {};
+  const auto absent = batch::FrameRange::parse(merged->absent);
+  if (!absent) return tl::unexpected(absent.error());
+  const bool is_one = absent->count() == 1;
+  return fail(ErrorKind::frames,
+              fmt::format("{} frame{} asked for and {} no input: {}", absent->count(), is_one ? " was" : "s were",
+                          is_one ? "has" : "have", batch::text_of(absent->runs(), kShownFrameRuns)),
+              "once their files are there, run the shards again with --resume; with --missing note they are no error");
+}
+
+}  // namespace isoextract::cli
