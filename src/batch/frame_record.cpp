@@ -116,12 +116,9 @@ Json json_of(const std::vector<SurfaceFigures>& list) {
 }
 
 Json json_of(const FrameFigures& figures) {
-  return {{"surfaces", json_of(figures.surfaces)},
-          {"time_step", figures.time_step},
-          {"lacked_attributes", figures.lacked_attributes},
-          {"bytes", figures.bytes},
-          {"wall_seconds", figures.wall_seconds},
-          {"memory", figures.memory}};
+  return {{"surfaces", json_of(figures.surfaces)},          {"time_step", figures.time_step},
+          {"lacked_attributes", figures.lacked_attributes}, {"bytes", figures.bytes},
+          {"wall_seconds", figures.wall_seconds},           {"memory", figures.memory}};
 }
 
 std::vector<SurfaceFigures> surfaces_of(const Json& json) {

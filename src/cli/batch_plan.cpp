@@ -221,15 +221,16 @@ Result<batch::Shard> plan_shard(const BatchFlags& flags, const char* (*environme
       "convert the shards to files of their own, or use one machine without --shard");
 }
 
-// Names what a shard writes of its frames after the shard: t.csv becomes t.2-of-3.csv. The note that says so, or nothing.
+// Names what a shard writes of its frames after the shard: t.csv becomes t.2-of-3.csv. The note that says so, or
+// nothing.
 std::string name_after_shard(const batch::Shard& shard, ConvertFlags& flags) {
   if (shard.is_all()) return {};
   std::vector<std::string> names;
   for (auto* path : {&flags.batch.table, &flags.batch.plot, &flags.html, &flags.contact_sheet}) {
     if (!*path || (*path)->empty() || **path == "-") continue;  // which is refused
     const fs::path whole = **path;
-    *path = whole.parent_path() / fmt::format("{}.{}-of-{}{}", whole.stem().string(), shard.number, shard.count,
-                                              whole.extension().string());
+    *path = whole.parent_path() /
+            fmt::format("{}.{}-of-{}{}", whole.stem().string(), shard.number, shard.count, whole.extension().string());
     names.push_back(printable(**path));
   }
   if (names.empty()) return {};

@@ -20,7 +20,8 @@ TEST(MemoryBudget, IsSharedByAllThatIsReserved) {
   const auto refused = budget.reserve(41, "in.raw: 41 samples");
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().kind, ErrorKind::input);
-  EXPECT_EQ(refused.error().message, "in.raw: 41 samples would take 41 B, the limit is 100 B, of which 60 B are in use");
+  EXPECT_EQ(refused.error().message,
+            "in.raw: 41 samples would take 41 B, the limit is 100 B, of which 60 B are in use");
   EXPECT_EQ(refused.error().hint.remedy, Remedy::raise_memory_limit);
   EXPECT_TRUE(budget.reserve(40, "b"));
   first->release();
