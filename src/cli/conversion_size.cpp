@@ -100,8 +100,8 @@ std::uint64_t estimated_triangles(const ConversionSize& size) { return 2 * size.
 std::uint64_t estimated_bytes(const ConversionSize& size) {
   constexpr std::uint64_t kVertexBytes = 2 * sizeof(glm::vec3);  // position and normal
   constexpr std::uint64_t kPlaceBytes = 400;                     // how to find it, and the numbers of its vertices
-  return kProgramBytes + size.sample_bytes + size.samples / 4 + size.lookup_bytes + size.places * kPlaceBytes +
-         size.vertices * kVertexBytes + estimated_triangles(size) * sizeof(glm::uvec3);
+  return kProgramBytes + kConversionBytes + size.sample_bytes + size.samples / 4 + size.lookup_bytes +
+         size.places * kPlaceBytes + size.vertices * kVertexBytes + estimated_triangles(size) * sizeof(glm::uvec3);
 }
 
 Result<std::uint64_t> estimated_memory(const convert::ConversionJob& job, const MemoryBudget& memory) {

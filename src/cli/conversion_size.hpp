@@ -20,7 +20,9 @@ struct ConversionSize {
 };
 
 // The program itself, on a few threads and without the libraries that plug-ins load.
-inline constexpr std::uint64_t kProgramBytes = std::uint64_t{17} << 20U;
+inline constexpr std::uint64_t kProgramBytes = std::uint64_t{14} << 20U;
+// What the conversion of a field touches of it besides: extraction, writers.
+inline constexpr std::uint64_t kConversionBytes = std::uint64_t{3} << 20U;
 
 // Only of the samples.
 [[nodiscard]] ConversionSize size_of_samples(const field::ScalarField& field);

@@ -145,7 +145,7 @@ class ResolutionTest(ProgramTest):
                           "at least 2 samples along each axis, found 4 x 4 x 1")
         for resolution, size in (("1000", "3.73 GiB"), ("2147483647", "")):
             run = self.run_program(SPHERE, "--iso", "0", "--resolution", resolution, "--memory-limit", "1G", "-o", "a.ply")
-            self.assert_fails(2, run, f"{resolution} x {resolution} x {resolution} samples of f32 need", size,
+            self.assert_fails(2, run, f"{resolution} x {resolution} x {resolution} samples of f32 would take", size,
                               "--memory-limit")
         # A ball that falls between the samples.
         run = self.run_program(SPHERE, "--iso", "0.6", "--resolution", "2", "-o", "a.ply")

@@ -364,7 +364,7 @@ TEST(VdbReaderLimits, MemoryIsCheckedBeforeTheLeavesAreFilled) {
   const TempFolder folder;
   write_vdb(folder / "v.vdb", {ball("density")});
   const Error error = refusal(folder / "v.vdb", {}, with_memory(56 * 512 * sizeof(float)));
-  expect_in(error.message, "the 56 leaf nodes of grid 'density' need");
+  expect_in(error.message, "the 56 leaf nodes of grid 'density' would take");
   EXPECT_EQ(error.hint.remedy, Remedy::raise_memory_limit);
 }
 
