@@ -41,9 +41,9 @@ glm::dvec2 spread(std::uint64_t n) {
 // For one triangle of so many: what all of them may take together, and enough for one to come to an end where its own
 // surroundings alone matter.
 std::size_t most_leaves(std::size_t triangles) {
-  constexpr std::size_t kTogether = std::size_t{1} << 31;
-  constexpr std::size_t kLeast = std::size_t{1} << 18;
-  constexpr std::size_t kMost = std::size_t{1} << 25;
+  constexpr std::size_t kTogether = std::size_t{1} << 26;
+  constexpr std::size_t kLeast = std::size_t{1} << 16;
+  constexpr std::size_t kMost = std::size_t{1} << 22;
   return std::clamp(kTogether / std::max<std::size_t>(triangles, 1), kLeast, kMost);
 }
 
