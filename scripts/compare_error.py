@@ -399,14 +399,14 @@ def main():
     parser.add_argument("--json")
     options = parser.parse_args()
     chosen = options.fields.split(",")
+    program = str(pathlib.Path(options.isoextract).resolve())
     wrong, lines = 0, []
     print(f"{'field':<16}{'size':>5} {'method':<13}{'direction':<17}{'rms told':>10}{'true':>10}{'max told':>10}{'true':>10}"
           f"{'at most':>10}")
     with tempfile.TemporaryDirectory(prefix="isoextract-error-") as folder:
         for field in (field for field in FIELDS if field.name in chosen):
             for size in map(int, options.sizes.split(",")):
-                for row in rows_of(str(pathlib.Path(options.isoextract).resolve()), field, size, options.methods.split(","), pathlib.Path(folder),
-                                   options.points):
+                for row in rows_of(program, field, size, options.methods.split(","), pathlib.Path(folder), options.points):
                     direction, method, *figures = row
                     right = is_true(row)
                     wrong += not right

@@ -17,7 +17,6 @@ namespace isoextract::batch {
 namespace {
 
 constexpr int kNodeDigits = 4;
-constexpr std::size_t kShownRuns = 20;  // of frames, in a note
 
 // Records of an animation go by other names than those of jobs, which write files of their own.
 std::string key_of(const BatchJob& batch) { return files::content_hash("animation " + hash_of(batch)); }
@@ -85,7 +84,7 @@ Result<meshes::MeshWriteResult> Animation::finish() {
 std::string left_out_text(const BatchJob& batch, std::span<const std::int64_t> missing) {
   std::size_t leading = 0;  // failed before any frame that is there
   while (leading < missing.size() && missing[leading] == batch.frames[leading].number) ++leading;
-  const auto list = [](std::span<const std::int64_t> frames) { return text_of(runs_of(frames), kShownRuns); };
+  const auto list = [](std::span<const std::int64_t> frames) { return text_of(runs_of(frames), kShownFrameRuns); };
   std::string shown = "the frame before is shown in their time";
   if (leading == missing.size()) {
     shown = "nothing is shown in their time, as no frame is before them";

@@ -29,6 +29,9 @@ struct FrameRun {
 // As few runs as one pass finds. `numbers` rise.
 [[nodiscard]] std::vector<FrameRun> runs_of(std::span<const std::int64_t> numbers);
 
+// How many of them a message lists.
+inline constexpr std::size_t kShownFrameRuns = 20;
+
 // As parse() reads it; of more than `max_runs`, "..." stands for the rest.
 [[nodiscard]] std::string text_of(std::span<const FrameRun> runs, std::size_t max_runs = std::string::npos);
 

@@ -117,15 +117,10 @@ void add_records_of_others(const fs::path& folder, const fs::path& own, const Ma
                            const std::unordered_set<std::string>& jobs, std::vector<FrameRecord>& records) {
   std::unordered_set<std::string> known;
   for (const FrameRecord& record : records) known.insert(record.job);
-  std::vector<fs::path> paths;
-  std::error_code none;
-  for (fs::directory_iterator entry(folder.empty() ? "." : folder, none); !none && entry != fs::directory_iterator();
-       entry.increment(none)) {
-    const fs::path name = entry->path().filename();
-    if (is_manifest_name(name.string()) && name != own.filename()) paths.push_back(entry->path());
-  }
-  std::ranges::sort(paths);
-  for (const fs::path& path : paths) {
+  const auto paths = manifest_paths(folder);
+  if (!paths) return;
+  for (const fs::path& path : *paths) {
+    if (path.filename() == own.filename()) continue;
     auto other = read_manifest(path);  // one that is no manifest has no records
     if (!other || other->header.program != header.program) continue;
     for (FrameRecord& record : other->records) {
@@ -156,6 +151,20 @@ bool is_manifest_name(std::string_view name) {
   constexpr std::string_view kEnd = ".manifest";
   return name == manifest_name({}) ||
          (name.size() > kStart.size() + kEnd.size() && name.starts_with(kStart) && name.ends_with(kEnd));
+}
+
+Result<std::vector<fs::path>> manifest_paths(const fs::path& folder) {
+  std::vector<fs::path> paths;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder.empty() ? "." : folder, error); !error && entry != fs::directory_iterator();
+       entry.increment(error)) {
+    if (is_manifest_name(entry->path().filename().string())) paths.push_back(entry->path());
+  }
+  if (error) {
+    return fail(ErrorKind::input, fmt::format("{}: the folder cannot be read: {}", folder.string(), error.message()));
+  }
+  std::ranges::sort(paths);
+  return paths;
 }
 
 Result<ManifestContent> read_manifest(const fs::path& path) {

@@ -51,6 +51,10 @@ struct ManifestContent {
 // Whether a run keeps its records under such a name: that of the whole batch or of one of its shards.
 [[nodiscard]] bool is_manifest_name(std::string_view name);
 
+// The manifests in a folder, of whole batches and of shards, by name. Fails with ErrorKind::input where the folder
+// cannot be read.
+[[nodiscard]] Result<std::vector<std::filesystem::path>> manifest_paths(const std::filesystem::path& folder);
+
 class Manifest {
  public:
   // Opens or makes the file in `folder` and locks it, and the folder against a run with other shards. Records of the

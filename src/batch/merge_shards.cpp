@@ -18,8 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kShownRuns = 20;
-
 tl::unexpected<Error> bad(const fs::path& path, const std::string& what, Hint hint = {}) {
   return fail(ErrorKind::input, fmt::format("{}: {}", path.string(), what), std::move(hint));
 }
@@ -54,16 +52,10 @@ struct ShardGroup {
 };
 
 Result<std::vector<fs::path>> shard_paths(const fs::path& folder) {
-  std::vector<fs::path> paths;
-  std::error_code error;
-  for (fs::directory_iterator entry(folder, error); !error && entry != fs::directory_iterator();
-       entry.increment(error)) {
-    const std::string name = entry->path().filename().string();
-    if (is_manifest_name(name) && name != manifest_name({})) paths.push_back(entry->path());
-  }
-  if (error) return bad(folder, fmt::format("the folder cannot be read: {}", error.message()));
-  if (paths.empty()) return bad(folder, "there is no manifest of a shard in this folder");
-  std::ranges::sort(paths);
+  auto paths = manifest_paths(folder);
+  if (!paths) return paths;
+  std::erase_if(*paths, [](const fs::path& path) { return path.filename() == manifest_name({}); });
+  if (paths->empty()) return bad(folder, "there is no manifest of a shard in this folder");
   return paths;
 }
 
@@ -144,7 +136,7 @@ Result<ShardGroup> choose_group(const fs::path& folder) {
                          fmt::join(open.back()->paths(), " ")));
 }
 
-// "3 of 12 frames are missing: 2, 5, 8"
+// "3 are missing: 2, 5, 8"
 std::string missing_text(const ManifestHeader& header, const std::unordered_set<std::int64_t>& found) {
   std::vector<std::int64_t> missing;
   if (const auto range = FrameRange::parse(header.numbers)) {
@@ -154,7 +146,7 @@ std::string missing_text(const ManifestHeader& header, const std::unordered_set<
   }
   const std::uint64_t count = header.frames - std::min<std::uint64_t>(header.frames, found.size());
   std::string text = fmt::format("{} {} missing", count, count == 1 ? "is" : "are");
-  if (!missing.empty()) text += ": " + text_of(runs_of(missing), kShownRuns);
+  if (!missing.empty()) text += ": " + text_of(runs_of(missing), kShownFrameRuns);
   return text;
 }
 

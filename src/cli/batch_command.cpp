@@ -14,6 +14,7 @@
 #include "base/byte_size.hpp"
 #include "base/printable.hpp"
 #include "batch/animation.hpp"
+#include "batch/frame_range.hpp"
 #include "batch/frame_table.hpp"
 #include "batch/manifest.hpp"
 #include "batch/output_names.hpp"
@@ -279,7 +280,7 @@ std::uint64_t count_of(std::span<const batch::FrameRun> runs) {
 std::string missing_text(std::span<const batch::FrameRun> gaps) {
   const std::uint64_t count = count_of(gaps);
   return fmt::format("{} frame{} not there: {}", count, count == 1 ? " is" : "s are",
-                     batch::text_of(gaps, kShownFrameRuns));
+                     batch::text_of(gaps, batch::kShownFrameRuns));
 }
 
 tl::unexpected<Error> fail_missing(std::span<const batch::FrameRun> gaps) {
@@ -309,8 +310,9 @@ Result<void> print_plan(const BatchPlan& plan, const Messages& messages) {
                           is_there(output.path) ? ", which is there" : "");
     }
   }
-  text += fmt::format("frames: {}, {} of inputs; {}\n", plan.frames.size(), format_byte_size(bytes),
-                      plan.gaps.empty() ? "no gaps" : fmt::format("not there: {}", batch::text_of(plan.gaps, 20)));
+  text += fmt::format(
+      "frames: {}, {} of inputs; {}\n", plan.frames.size(), format_byte_size(bytes),
+      plan.gaps.empty() ? "no gaps" : fmt::format("not there: {}", batch::text_of(plan.gaps, batch::kShownFrameRuns)));
   if (plan.batch.animation) {
     text += fmt::format("animation: {}, {} frames per second\n", printable(plan.batch.animation->path),
                         plan.batch.animation->frames_per_second);
@@ -412,7 +414,7 @@ Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& 
   };
   for (const std::string& note : plan.common.notes) tell(note);
   if (!plan.gaps.empty())
-    tell(fmt::format("frames that are not there: {}", batch::text_of(plan.gaps, kShownFrameRuns)));
+    tell(fmt::format("frames that are not there: {}", batch::text_of(plan.gaps, batch::kShownFrameRuns)));
 
   BatchProgress progress(plan.progress, messages, plan.frames.size());
   HtmlPage page;

@@ -71,10 +71,11 @@ void BatchProgress::tell_folded() {
     if (reason.untold.empty()) continue;
     std::ranges::sort(reason.untold);
     const std::size_t count = reason.untold.size();
-    messages_.error({ErrorKind::frames,
-                     fmt::format("{} more frame{} failed for the reason of frame {}: {}", count, count == 1 ? "" : "s",
-                                 reason.told.front(), batch::text_of(batch::runs_of(reason.untold), kShownFrameRuns)),
-                     {}});
+    messages_.error(
+        {ErrorKind::frames,
+         fmt::format("{} more frame{} failed for the reason of frame {}: {}", count, count == 1 ? "" : "s",
+                     reason.told.front(), batch::text_of(batch::runs_of(reason.untold), batch::kShownFrameRuns)),
+         {}});
   }
 }
 
@@ -98,7 +99,7 @@ void BatchProgress::tell_remarks() {
   for (const auto& [text, frames] : remarks_) {
     const std::vector<std::int64_t> numbers(frames.begin(), frames.end());
     messages_.note(fmt::format("{} of {} frames {}: {}", numbers.size(), frames_, text,
-                               batch::text_of(batch::runs_of(numbers), kShownFrameRuns)));
+                               batch::text_of(batch::runs_of(numbers), batch::kShownFrameRuns)));
   }
 }
 

@@ -19,9 +19,6 @@
 
 namespace isoextract::cli {
 
-// Of a list of frames so many runs are shown: 1-4, 7.
-inline constexpr std::size_t kShownFrameRuns = 20;
-
 // "12.3 frames/s, 0:09 left", "4.2 s a frame, 1:02:11 left"
 [[nodiscard]] std::string speed_text(std::uint64_t done, std::uint64_t total, double seconds);
 

@@ -44,7 +44,7 @@ std::uint64_t edit_bytes(const convert::ConversionJob& job, std::uint64_t vertic
   return most;
 }
 
-// Of the surfaces of one grid.
+// Estimates the memory that the surfaces of one grid take.
 Result<std::uint64_t> memory_of_grid(const convert::ConversionJob& job, const std::optional<std::string>& grid,
                                      const MemoryBudget& memory) {
   convert::Events unheard;

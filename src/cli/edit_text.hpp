@@ -1,4 +1,4 @@
-// How pieces, relaxing and smoothing are told.
+// Texts about pieces, relaxing and smoothing.
 #pragma once
 
 #include <optional>

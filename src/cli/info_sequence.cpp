@@ -7,9 +7,9 @@
 
 #include "base/printable.hpp"
 #include "batch/frame_pattern.hpp"
+#include "batch/frame_range.hpp"
 #include "batch/output_names.hpp"
 #include "batch/output_template.hpp"
-#include "cli/batch_progress.hpp"
 #include "cli/layout.hpp"
 #include "cli/remedies.hpp"
 #include "cli/values.hpp"
@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t kShownFrames = 12;  // with a line of their own, from either end
 
-std::string runs_text(const std::vector<batch::FrameRun>& runs) { return batch::text_of(runs, kShownFrameRuns); }
+std::string runs_text(const std::vector<batch::FrameRun>& runs) { return batch::text_of(runs, batch::kShownFrameRuns); }
 
 std::vector<batch::FrameRun> runs_of(const SequenceReport& report) {
   std::vector<std::int64_t> numbers;

@@ -5,7 +5,6 @@
 #include "base/printable.hpp"
 #include "batch/frame_range.hpp"
 #include "batch/merge_shards.hpp"
-#include "cli/batch_progress.hpp"
 #include "cli/messages.hpp"
 
 namespace isoextract::cli {
@@ -25,7 +24,7 @@ Result<void> run_merge(const MergeFlags& flags) {
   const bool is_one = absent->count() == 1;
   return fail(ErrorKind::frames,
               fmt::format("{} frame{} asked for and {} no input: {}", absent->count(), is_one ? " was" : "s were",
-                          is_one ? "has" : "have", batch::text_of(absent->runs(), kShownFrameRuns)),
+                          is_one ? "has" : "have", batch::text_of(absent->runs(), batch::kShownFrameRuns)),
               "once their files are there, run the shards again with --resume; with --missing note they are no error");
 }
 

@@ -28,7 +28,7 @@ std::string packing_summary(const convert::MeshPackingRecord& record) {
     if (facts.flattened_triangles > 0) {
       text += fmt::format("; {} triangles have lost their area", facts.flattened_triangles);
     }
-    text += "; error, area, volume and bounds are told of the mesh before packing";
+    text += "; the error, area, volume and bounds given are those of the mesh before packing";
   } else {
     text += "; nothing is lost";
   }

@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "batch/find_frames.hpp"
+#include "batch/frame_range.hpp"
 #include "batch/output_names.hpp"
 #include "cli/batch_plan.hpp"
 #include "cli/output_folders.hpp"
@@ -88,7 +89,8 @@ Result<std::vector<PicturePlan>> plan_frames(const RenderFlags& flags, const Inp
   auto found = batch::find_frames(inputs.volumes, range);
   if (!found) return tl::unexpected(std::move(found.error()));
   for (std::string& note : found->notes) notes.push_back(std::move(note));
-  if (!found->gaps.empty()) notes.push_back(fmt::format("no input for frames {}", batch::text_of(found->gaps, 20)));
+  if (!found->gaps.empty())
+    notes.push_back(fmt::format("no input for frames {}", batch::text_of(found->gaps, batch::kShownFrameRuns)));
   for (batch::Frame& frame : found->frames) {
     if (frame.step) {
       return refuse_usage(fmt::format("{}: its time steps cannot be drawn as frames", frame.input),

@@ -50,8 +50,6 @@ using GridList = std::vector<volumes::GridInfo>;
 
 bool is_vector(const volumes::GridInfo& grid) { return grid.type.starts_with("vec3"); }
 
-bool is_called(const volumes::GridInfo& grid, std::string_view name) { return grid.label == name || grid.name == name; }
-
 // The labels of three scalar grids that are the components of `name`: "vel.x", "vel.y" and "vel.z", as volumes of
 // Houdini are called that were not merged; also with "_" or nothing between. Nothing where they are not all there.
 std::optional<std::array<std::string, 3>> grids_of_axes(const GridList& grids, const std::string& name) {
@@ -78,7 +76,7 @@ bool lacks_grid(const SourceOptions& options, const AttributePlace& place, const
                                           of_input ? options.read : volumes::ReadOptions(), context);
   const std::string whole = place.grid->substr(0, place.grid->rfind('['));
   const auto is_meant = [&](const volumes::GridInfo& grid) {
-    return is_called(grid, *place.grid) || is_called(grid, whole);
+    return grid.is_called(*place.grid) || grid.is_called(whole);
   };
   return listed && std::ranges::none_of(*listed, is_meant) && !grids_of_axes(*listed, *place.grid);
 }
@@ -158,7 +156,7 @@ void move_to_world_of(const field::ScalarField& input, VolumeAttribute& attribut
   for (field::ScalarField& field : attribute.components) field.index_to_world = map->after(field.index_to_world);
 }
 
-// What a vector is read from.
+// The grids that hold the components of a vector.
 struct VectorGrids {
   std::array<std::string, 3> components;
   std::optional<AttributeKind> stated_kind;
@@ -173,7 +171,7 @@ Result<std::optional<VectorGrids>> vector_grids(const Reading& reading, const Co
   if (!wanted && listed->size() != 1) return std::nullopt;
   bool is_there = !wanted;
   for (const volumes::GridInfo& grid : *listed) {
-    if (wanted && !is_called(grid, *wanted)) continue;
+    if (wanted && !grid.is_called(*wanted)) continue;
     is_there = true;
     if (!is_vector(grid)) continue;
     VectorGrids vectors{{}, grid.kind_of_vectors, grid.vectors_in_voxels};

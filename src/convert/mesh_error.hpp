@@ -19,7 +19,7 @@ struct MeshError {
   bool of_part = false;                     // then: a region or a clip may have left some of it out
 };
 
-// What was done to a mesh since it was extracted.
+// Changes of a mesh since its extraction.
 struct MeshChanges {
   bool off_edges = false;    // its vertices may have left the edges between samples
   double simplified_by = 0;  // voxels: how far simplification moved it at most, caps as well

@@ -73,24 +73,26 @@ class SurfaceStages {
   }
 
   // While all vertices are where relaxing left them. Open meshes have no volume.
-  Result<void> tell_relaxed(const Surface& surface) {
-    const bool is_open = !source_.clip.empty() && !job_.surface.cap;
-    if (!job_.surface.relaxes() || is_open) return {};
-    const auto sites = voxel_sites(surface.mesh, source_, job_.surface, context_);
-    if (!sites) return tl::unexpected(sites.error());
-    auto record = relax_record(surface.mesh, surface.iso, fmt::format("{} {}", source_.label, text_of(surface)), *sites,
-                               context_);
+  Result<void> tell_relaxed(const Surface& surface, const edit::Sites& sites) {
+    auto record =
+        relax_record(surface.mesh, surface.iso, fmt::format("{} {}", source_.label, text_of(surface)), sites, context_);
     if (!record) return tl::unexpected(std::move(record.error()));
     events_.relaxed(*record);
     return {};
   }
 
   // While shells are where the field puts them: later stages may move them through each other.
-  Result<void> mark_bodies(Surface& surface) {
-    if (!job_.pieces.split && !job_.simplify) return {};
+  Result<void> look_at_bodies(Surface& surface) {
+    const bool is_open = !source_.clip.empty() && !job_.surface.cap;
+    const bool tells = job_.surface.relaxes() && !is_open;
+    const bool marks = job_.pieces.split || job_.simplify;
+    if (!tells && !marks) return {};
     auto sites = voxel_sites(surface.mesh, source_, job_.surface, context_);
     if (!sites) return tl::unexpected(std::move(sites.error()));
-    return edit::mark_bodies(surface.mesh, context_, std::move(*sites));
+    if (tells) {
+      if (auto told = tell_relaxed(surface, *sites); !told) return told;
+    }
+    return marks ? edit::mark_bodies(surface.mesh, context_, std::move(*sites)) : Result<void>();
   }
 
   Result<void> smooth(Surface& surface) {
@@ -238,8 +240,7 @@ Result<void> finish_surface(const ConversionJob& job, const Source& source, cons
   SurfaceStages stages(job, source, context, events);
   if (auto carried = stages.carry_attributes(surface); !carried) return carried;
   if (auto dropped = stages.drop_pieces(surface); !dropped) return dropped;
-  if (auto told = stages.tell_relaxed(surface); !told) return told;
-  if (auto marked = stages.mark_bodies(surface); !marked) return marked;
+  if (auto looked = stages.look_at_bodies(surface); !looked) return looked;
   if (auto smoothed = stages.smooth(surface); !smoothed) return smoothed;
   if (auto simplified = stages.simplify(surface); !simplified) return simplified;
   if (auto coloured = stages.colour(facts, surface); !coloured) return coloured;

@@ -112,10 +112,8 @@ double measured(const ComponentFacts& facts, PieceMeasure measure, double roundi
 // the margin at the ends of edges, which is eight times that.
 double rounding_of(const mesh::Mesh& mesh, const glm::dmat3& to_metric) {
   constexpr double kMarginAndRounding = 9;
-  float largest = 0;
-  for (const glm::vec3& p : mesh.positions) largest = std::max({largest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
   const double stretch = glm::length(to_metric[0]) + glm::length(to_metric[1]) + glm::length(to_metric[2]);
-  return kMarginAndRounding * stretch * largest * std::numeric_limits<float>::epsilon();
+  return kMarginAndRounding * stretch * mesh::float32_resolution(mesh.positions.span());
 }
 
 // Bodies by their area, the largest first.
@@ -210,7 +208,8 @@ Result<KeptPieces> keep(mesh::Mesh mesh, const PieceOptions& options, const Cont
   const Stopwatch watch;
   auto shells = Shells::find_at(std::move(sites), mesh, options.to_metric, context);
   if (!shells) return tl::unexpected(std::move(shells.error()));
-  const std::vector<bool> stays = choose(*shells, options, rounding_of(mesh, options.to_metric));
+  const double rounding = options.least ? rounding_of(mesh, options.to_metric) : 0;
+  const std::vector<bool> stays = choose(*shells, options, rounding);
   PieceFacts facts;
   facts.before = counts_of(*shells, std::vector<bool>(shells->count(), true));
   facts.after = counts_of(*shells, stays);

@@ -237,7 +237,7 @@ class FieldMeasurement {
       high = glm::dvec3(*last_cell_ + 1);
     }
     FieldFoot foot(field::Interpolant::Cursor(chosen_), 0, linear_, low, high);
-    const Subdivision how{0, field_.kind, linear_, parts_};
+    const Subdivision how{field_.kind, linear_, parts_};
     // Another brick must not start on this thread while this one waits for its own loops: each holds memory.
     auto made = tbb::this_task_arena::isolate([&] { return SubdividedSurface::make(foot.function(), cells, how); });
     if (!made) {
@@ -254,7 +254,7 @@ class FieldMeasurement {
   }
 
   [[nodiscard]] GradientSearch search_in(const field::Interpolant& interpolant) const {
-    return {interpolant, field_, linear_, shortest_, 0};
+    return {interpolant, field_, linear_, shortest_};
   }
 
   // From `index` to the nearest point of the isosurface in the brick's cells, and all others where it may be beyond.

@@ -146,7 +146,7 @@ TriangleBound bound_distance(const std::array<glm::dvec3, 3>& corners, const Tri
       continue;
     }
     constexpr std::size_t kLookAgain = 64;  // parts
-    if (parts % kLookAgain == 0 && limits.most_leaves < std::numeric_limits<std::size_t>::max()) {
+    if (parts % kLookAgain == kLookAgain - 1 && limits.most_leaves < std::numeric_limits<std::size_t>::max()) {
       leaves += kLookAgain * tree.leaves_within(centre, nearest.distance_squared);
     }
     const bool too_many = parts + waiting.size() > limits.most_parts || leaves > limits.most_leaves;

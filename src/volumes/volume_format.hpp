@@ -99,6 +99,8 @@ struct GridInfo {
   bool plugin_is_missing = false;  // it is in none of the folders
   std::vector<std::string> parts;  // of vectors: the labels of the scalar grids that are made of them
 
+  [[nodiscard]] bool is_called(std::string_view wanted) const { return label == wanted || name == wanted; }
+
   // Whether read_volume reads it, or one of its parts, as far as its header tells.
   [[nodiscard]] bool is_readable() const {
     if (!plugin.empty()) return !plugin_is_missing;

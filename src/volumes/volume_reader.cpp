@@ -116,7 +116,7 @@ Result<std::string> grid_label(const std::string& input, const ReadOptions& opti
   for (const GridInfo& grid : *grids) {
     if (grid.plugin.empty()) continue;
     const bool is_part = std::ranges::find(grid.parts, *options.grid) != grid.parts.end();
-    if (!is_part && grid.label != *options.grid && grid.name != *options.grid) continue;
+    if (!is_part && !grid.is_called(*options.grid)) continue;
     if (grid.plugin_is_missing) {
       return fail(ErrorKind::unavailable,
                   fmt::format("{}: the grid '{}' holds {}, which the plug-in for {} reads; it is not there",

@@ -42,8 +42,8 @@ class Recorder final : public Events {
   void wrote_field(const WrittenField& field) override;
   void recorded(const std::vector<MeshRecord>& meshes, const StageTime& time) override;
 
-  // Of a job with several grids, before one of them is read: records of surfaces name it from then on. Where it was
-  // read before, only the times of reading it are recorded until end_reading(): all else is told already.
+  // Call it in jobs with several grids before one is read: records of surfaces name that grid from then on. If the grid
+  // was read before, what is reported until end_reading() was reported then: only times are recorded.
   void begin_grid(const std::optional<std::string>& grid);
   void end_reading() { again_ = false; }
   // The label of that grid; empty where the job has one.

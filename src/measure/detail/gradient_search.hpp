@@ -1,6 +1,6 @@
-// A point of the isosurface near a position, found along the gradient.
+// A point of the surface where an interpolant is 0, near a position, found along the gradient.
 //
-// At a point with residual r = f - iso the first-order distance is |r| / |grad f|, with the gradient taken in the
+// At a point with the value r the first-order distance is |r| / |grad f|, with the gradient taken in the
 // mesh's coordinates: a covector, mapped by the inverse transpose of the transform. It is the first guess of a search
 // for the crossing itself along the gradient's line, no further than a voxel, and where that line leaves dense data,
 // along the data boundary from there. Where that finds nothing, or a point twice as far, the search goes also towards
@@ -15,6 +15,7 @@
 
 #include "field/interpolant.hpp"
 #include "measure/detail/crossing.hpp"
+#include "measure/detail/largest_component.hpp"
 
 namespace isoextract::measure {
 
@@ -28,8 +29,8 @@ class GradientSearch {
 
   // `shortest`: the least length of a step of one voxel in the mesh's coordinates.
   GradientSearch(const field::Interpolant& interpolant, const field::ScalarField& field, const glm::dmat3& linear,
-                 double shortest, double iso)
-      : interpolant_(interpolant), field_(interpolant), linear_(linear), shortest_(shortest), iso_(iso) {
+                 double shortest)
+      : interpolant_(interpolant), field_(interpolant), linear_(linear), shortest_(shortest) {
     if (const auto* dense = std::get_if<field::DenseSamples>(&field.samples)) {
       last_cell_ = dense->dims - 2;
       low_ = glm::dvec3(0);
@@ -62,19 +63,19 @@ class GradientSearch {
   };
 
   [[nodiscard]] FirstOrder first_order(const field::Interpolated& here) const {
-    const double largest = max_abs(here.gradient);
+    const double largest = largest_component(here.gradient);
     if (!(largest > 0)) return {};
     // The gradient is scaled first: squares of very large or very small ones leave the range of double.
     const glm::dvec3 gradient = here.gradient / largest;
-    const double residual = here.value - iso_;
+    const double residual = here.value;
     const glm::dvec3 direction = glm::normalize(metric_ * gradient) * (residual > 0 ? -1.0 : 1.0);
     return {direction, std::abs(residual / largest / glm::dot(gradient, direction))};
   }
 
   std::optional<Found> search_from(const glm::dvec3& index) {
     const field::Interpolated here = field_(index);
-    const double residual = here.value - iso_;
-    if (!std::isfinite(residual) || !std::isfinite(max_abs(here.gradient))) return std::nullopt;
+    const double residual = here.value;
+    if (!std::isfinite(residual) || !std::isfinite(largest_component(here.gradient))) return std::nullopt;
     if (residual == 0) return Found{glm::dvec3(0), 0, true};
     std::optional<glm::dvec3> found;
     const FirstOrder first = first_order(here);
@@ -86,8 +87,6 @@ class GradientSearch {
     return Found{found, first.distance, nearest};
   }
 
-  static double max_abs(const glm::dvec3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
-
   // No point of the surface within `reach` is nearer than that: the residual over the greatest slope there, which is
   // that here and what second derivatives add. 0 where the other cells within that reach have their say.
   [[nodiscard]] double least_distance(const glm::dvec3& index, const field::Interpolated& here, double reach) {
@@ -98,10 +97,10 @@ class GradientSearch {
     }
     const auto bend = field_.greatest_bend(cell);
     if (!bend) return 0;
-    const double largest = max_abs(here.gradient);
+    const double largest = largest_component(here.gradient);
     const glm::dvec3 scaled = largest > 0 ? here.gradient / largest : glm::dvec3(0);
     const double slope = largest * std::sqrt(glm::dot(scaled, metric_ * scaled));
-    return std::abs(here.value - iso_) / (slope + *bend * reach / (shortest_ * shortest_));
+    return std::abs(here.value) / (slope + *bend * reach / (shortest_ * shortest_));
   }
 
   // How far along `step` the faces of the data are, the nearest of those that it leads to.
@@ -144,7 +143,7 @@ class GradientSearch {
     for (int corner = 0; corner < 8; ++corner) {
       const glm::dvec3 way = cell + glm::dvec3(corner & 1, corner >> 1 & 1, corner >> 2 & 1) - index;
       const double length = glm::length(way);
-      const double value = field_(index + way).value - iso_;
+      const double value = field_(index + way).value;
       if (length == 0 || !std::isfinite(value) || (value != 0 && (value > 0) == (residual > 0))) continue;
       const auto distance = search(index, way / length, residual, length, length, length);
       const glm::dvec3 found = way * (distance.value_or(length) / length);
@@ -156,7 +155,7 @@ class GradientSearch {
   // an eighth of the reach further, and so on. Nothing if there is none within `limit`, or a sample is not finite.
   std::optional<double> search(const glm::dvec3& index, const glm::dvec3& step, double residual, double guess,
                                double reach, double limit) {
-    const auto at = [&](double s) { return field_(index + s * step).value - iso_; };
+    const auto at = [&](double s) { return field_(index + s * step).value; };
     double near = 0;
     double near_value = residual;
     double far = std::min({1.25 * guess, reach / 8, limit});
@@ -179,7 +178,6 @@ class GradientSearch {
   double shortest_;
   glm::dvec3 width_{0.0};  // of a cell between two opposite faces, in the mesh's coordinates
   glm::dmat3 metric_;      // from gradients in index space to index-space steps along the world's gradient
-  double iso_;
   std::optional<glm::ivec3> last_cell_;  // dense data only; sparse data have no border
   glm::dvec3 low_{-kInfinity};
   glm::dvec3 high_{kInfinity};

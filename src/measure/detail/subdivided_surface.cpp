@@ -37,7 +37,7 @@ std::vector<double> sample_parts(field::Interpolant::Cursor& field, const field:
     for (int y = cells.min.y; y <= cells.max.y; ++y) {
       for (int x = cells.min.x; x <= cells.max.x; ++x) {
         const auto range = field.range({x, y, z});
-        if (range && range->low <= how.iso && range->high >= how.iso && range->low < range->high) fill({x, y, z});
+        if (range && range->low <= 0 && range->high >= 0 && range->low < range->high) fill({x, y, z});
       }
     }
   }
@@ -56,7 +56,7 @@ Result<SubdividedSurface> SubdividedSurface::make(field::Interpolant::Cursor& fi
   parts.kind = how.kind;
   parts.samples = field::DenseSamples{field::SampleType::f64, dims, nullptr, values.data()};
   extract::ExtractOptions options;
-  options.iso = how.iso;
+  options.iso = 0;
   options.nan = extract::NanPolicy::hole;
   options.output_from_index.linear = how.linear / static_cast<double>(how.parts);
   auto extraction = extract::make_cpu_extractor()->extract(parts, options);

@@ -1,4 +1,4 @@
-// The isosurface of an interpolant within a box of cells, as triangles that are small beside the cells.
+// The surface where an interpolant is 0, within a box of cells, as triangles that are small beside the cells.
 //
 // Each cell that the surface may cross is divided into equal parts, and marching cubes on the interpolant's values at
 // their corners gives the triangles. A trilinear interpolant is linear along the axes, so their vertices are on its
@@ -18,7 +18,6 @@
 namespace isoextract::measure {
 
 struct Subdivision {
-  double iso = 0;
   field::FieldKind kind = field::FieldKind::density;
   glm::dmat3 linear{1.0};  // index steps to steps in the mesh's coordinates
   int parts = 2;           // of a cell along an axis; at least 2

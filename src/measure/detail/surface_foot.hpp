@@ -9,6 +9,8 @@
 
 #include <glm/glm.hpp>
 
+#include "measure/detail/largest_component.hpp"
+
 namespace isoextract::measure {
 
 // `Function` gives `value` and `gradient` at a point in its own coordinates, and may keep what it looked at last.
@@ -34,7 +36,7 @@ class SurfaceFoot {
       const auto here = function_(point);
       const double residual = here.value - iso_;
       if (residual == 0) return point;
-      const double largest = largest_of(here.gradient);
+      const double largest = largest_component(here.gradient);
       if (!std::isfinite(residual) || !(largest > 0)) return std::nullopt;
       // Scaled first: squares of very large or very small gradients leave the range of double.
       const glm::dvec3 gradient = here.gradient / largest;
@@ -57,7 +59,7 @@ class SurfaceFoot {
     double distance = length(p - point);
     for (int step = 0; step < kMaxSteps; ++step) {
       const glm::dvec3 gradient = function_(point).gradient;
-      const double largest = largest_of(gradient);
+      const double largest = largest_component(gradient);
       if (!(largest > 0)) break;
       const glm::dvec3 scaled = gradient / largest;
       const glm::dvec3 along = metric_ * scaled;
@@ -83,8 +85,6 @@ class SurfaceFoot {
   Function& function() { return function_; }
 
  private:
-  static double largest_of(const glm::dvec3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
-
   Function function_;
   double iso_;
   glm::dmat3 linear_;

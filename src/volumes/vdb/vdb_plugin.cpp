@@ -49,8 +49,6 @@ void place_staggered(const std::string& part, const VdbGridRecord& record, field
   }
 }
 
-bool is_called(const GridInfo& grid, std::string_view wanted) { return grid.label == wanted || grid.name == wanted; }
-
 // Of trees whose form is known, which are all that the plug-in is asked for.
 void check_tree_ends(VdbCursor& cursor, const VdbGridRecord& record) {
   if (!record.instance_parent.empty()) return;
@@ -91,7 +89,7 @@ std::optional<PluginGrid> grid_for_plugin(VdbCursor& cursor, const VdbHeader& he
     const VdbGridRecord& record = header.grids[i];
     if (grids[i].plugin.empty()) continue;
     const std::string wanted = options.grid.value_or("");
-    if (options.grid && !is_called(grids[i], wanted) && !is_called(grids[i], without_part(wanted))) continue;
+    if (options.grid && !grids[i].is_called(wanted) && !grids[i].is_called(without_part(wanted))) continue;
     check_tree_ends(cursor, record);
     if (!found) found = PluginGrid{options.grid, fmt::format("'{}' holds {}", grids[i].label, grids[i].type)};
   }
@@ -111,11 +109,11 @@ Result<field::ScalarField> read_by_plugin(const VolumeFormat& plugin, const std:
   }
   if (!field) return field;
   for (std::size_t i = 0; i < grids.size(); ++i) {
-    if (grids[i].label == field->grid) field->creator = grids[i].creator;
     const auto part = std::ranges::find(grids[i].parts, field->grid);
-    if (part == grids[i].parts.end()) continue;
+    const bool is_part = part != grids[i].parts.end();
+    if (!is_part && grids[i].label != field->grid) continue;
     field->creator = grids[i].creator;
-    if (header.grids[i].grid_class == kStaggeredClass) {
+    if (is_part && header.grids[i].grid_class == kStaggeredClass) {
       place_staggered(part->substr(grids[i].label.size()), header.grids[i], *field);
     }
   }
