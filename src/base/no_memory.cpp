@@ -18,8 +18,7 @@ Error no_memory(ErrorKind kind, std::string message, Hint hint) {
   const auto limit = address_space_limit();
   if (!limit) return {kind, std::move(message), std::move(hint)};
   return {kind, fmt::format("{}: the address space of the process is limited to {}", message, format_byte_size(*limit)),
-          Hint(Remedy::extract_part,
-               "raise that limit (ulimit -v unlimited; in a batch job, its limit of virtual memory)")};
+          Hint(Remedy::extract_part, kRaiseAddressSpace)};
 }
 
 }  // namespace isoextract

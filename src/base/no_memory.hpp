@@ -12,6 +12,10 @@ namespace isoextract {
 // The limit of this process's address space (RLIMIT_AS, "ulimit -v") in bytes; nothing where it is unlimited.
 [[nodiscard]] std::optional<std::uint64_t> address_space_limit();
 
+// What to do about such a limit.
+inline constexpr const char* kRaiseAddressSpace =
+    "raise that limit (ulimit -v unlimited; in a batch job, its limit of virtual memory)";
+
 // Returns the error of a failed allocation. Where the address space is limited, the message says so and the hint is to
 // raise that limit: the machine's memory and the memory budget have nothing to do with it.
 [[nodiscard]] Error no_memory(ErrorKind kind, std::string message, Hint hint = {});

@@ -13,6 +13,7 @@ namespace isoextract::sandbox {
 struct ChildWork {
   std::string greeting;          // what it tells the parent once; where it cannot work: why
   std::function<void(int)> run;  // the work of one worker, which speaks through that socket; empty where it cannot work
+  std::string advice;            // where it cannot work: what to do
 };
 
 // Called by main() before anything else, with its arguments. Where this process was started by Workers, it does what

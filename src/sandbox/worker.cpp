@@ -27,6 +27,7 @@ namespace {
 
 constexpr std::size_t kMostOutput = 4096;
 constexpr int kSliceMilliseconds = 50;  // after which the context is asked again
+constexpr int kSlicesToEnd = 40;        // that a process has to end in once it was told to; then it is killed
 
 bool socket_pair(int type, std::array<Descriptor, 2>& sockets) {
   std::array<int, 2> numbers{-1, -1};
@@ -47,12 +48,14 @@ std::string last_error() { return std::strerror(errno); }  // NOLINT(concurrency
 
 }  // namespace
 
-Worker::Worker(Descriptor socket, Descriptor status, Descriptor output, std::uint64_t seconds, Context context)
+Worker::Worker(Descriptor socket, Descriptor status, Descriptor output, std::uint64_t seconds, Context context,
+               std::function<void()> kill_server)
     : socket_(std::move(socket)),
       status_(std::move(status)),
       printed_(std::move(output)),
       microseconds_left_(static_cast<std::int64_t>(std::min<std::uint64_t>(seconds, 1U << 30U)) * 1'000'000),
-      context_(std::move(context)) {}
+      context_(std::move(context)),
+      kill_server_(std::move(kill_server)) {}
 
 Worker::~Worker() {
   if (ending_) return;
@@ -114,7 +117,11 @@ void Worker::wait_a_little(bool for_messages) {
   microseconds_left_ -= std::min<std::int64_t>(passed, 1000 * kSliceMilliseconds);
   if (awaited[1].revents != 0) read_output();
   if (awaited[0].revents != 0) read_status();
-  if (ending_ || wanted_end_) return;
+  if (ending_) return;
+  if (wanted_end_) {
+    if (++waited_for_end_ == kSlicesToEnd) kill_server_();  // as where somebody has stopped it (SIGSTOP)
+    return;
+  }
   if (context_.cancelled()) end_it(Ending::Reason::cancelled);
   if (microseconds_left_ <= 0) end_it(Ending::Reason::too_long);
 }
@@ -184,18 +191,57 @@ void Worker::read_status() {
 
 Workers::~Workers() { end_server(); }
 
-void Workers::end_server() {
+int Workers::end_server() {
   control_.close();
-  if (server_ > 0) {
-    while (::waitpid(server_, nullptr, 0) < 0 && errno == EINTR) {
-    }
+  int status = 0;
+  for (int slice = 0; server_ > 0; ++slice) {
+    if (slice == kSlicesToEnd) ::kill(server_, SIGKILL);
+    const pid_t ended = ::waitpid(server_, &status, slice < kSlicesToEnd ? WNOHANG : 0);
+    if (ended == server_ || (ended < 0 && errno != EINTR)) break;
+    if (ended == 0) ::poll(nullptr, 0, slice == 0 ? 1 : kSliceMilliseconds);
   }
   server_ = -1;
+  return status;
 }
 
-tl::expected<void, std::string> Workers::start_server() {
+void Workers::kill_server(pid_t server) {
+  const std::scoped_lock lock(mutex_);
+  if (server_ == server && server_ > 0) ::kill(server_, SIGKILL);
+}
+
+// What becomes of a library's loading: the child says so, ends, or is given up.
+tl::expected<void, Refusal> Workers::hear_greeting(const Limits& limits, const Context& context) {
+  std::uint64_t milliseconds_left = std::min<std::uint64_t>(limits.seconds, 1U << 30U) * 1000;
+  pollfd awaited{control_.get(), POLLIN, 0};
+  while (::poll(&awaited, 1, kSliceMilliseconds) <= 0) {
+    milliseconds_left -= std::min<std::uint64_t>(milliseconds_left, kSliceMilliseconds);
+    if (milliseconds_left > 0 && !context.cancelled()) continue;
+    ::kill(server_, SIGKILL);
+    end_server();
+    return tl::unexpected(Refusal{fmt::format("is not loaded after {} s", limits.seconds),
+                                  "try again; if it stays so, install the plug-in that belongs to this version"});
+  }
+  auto greeting = receive_message(control_.get());
+  if (!greeting) {
+    const int status = end_server();
+    if (WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL) {
+      return tl::unexpected(
+          Refusal{"is not loaded: the process that does so was killed, as systems do that lack memory",
+                  "try again, with more memory"});
+    }
+    return tl::unexpected(Refusal{"ends the process that loads it", {}});
+  }
+  const bool can_work = greeting->message.number() == 1;
+  greeting_ = greeting->message.text();
+  if (can_work) return {};
+  end_server();
+  return tl::unexpected(Refusal{greeting_, greeting->message.text()});
+}
+
+tl::expected<void, Refusal> Workers::start_server() {
+  const auto cannot_start = [] { return tl::unexpected(Refusal{"cannot be started: " + last_error(), {}}); };
   std::array<Descriptor, 2> control;
-  if (!socket_pair(SOCK_STREAM, control)) return tl::unexpected("cannot be started: " + last_error());
+  if (!socket_pair(SOCK_STREAM, control)) return cannot_start();
   const std::vector<std::string> words = words_to_start(words_);
   std::vector<char*> arguments;
   for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));  // NOLINT: posix_spawn's
@@ -219,19 +265,19 @@ tl::expected<void, std::string> Workers::start_server() {
   if (failed != 0) {
     server_ = -1;
     errno = failed;
-    return tl::unexpected("cannot be started: " + last_error());
+    return cannot_start();
   }
   control[1].close();
   control_ = std::move(control[0]);
   return {};
 }
 
-tl::expected<Workers::Started, std::string> Workers::start(const Limits& limits, const Context& context) {
+tl::expected<Workers::Started, Refusal> Workers::start(const Limits& limits, const Context& context) {
   std::array<Descriptor, 2> socket;
   std::array<Descriptor, 2> status;
   std::array<Descriptor, 2> output;
   if (!socket_pair(SOCK_STREAM, socket) || !socket_pair(SOCK_SEQPACKET, status) || !pipe_pair(output)) {
-    return tl::unexpected("cannot be started: " + last_error());
+    return tl::unexpected(Refusal{"cannot be started: " + last_error(), {}});
   }
   const std::array along{socket[1].get(), status[1].get(), output[1].get()};
   const std::scoped_lock lock(mutex_);
@@ -239,20 +285,14 @@ tl::expected<Workers::Started, std::string> Workers::start(const Limits& limits,
   if (!control_.is_open() || !send_descriptors(control_.get(), along)) {
     end_server();
     if (auto started = start_server(); !started) return tl::unexpected(started.error());
-    auto greeting = receive_message(control_.get());
-    if (!greeting) {
+    if (auto heard = hear_greeting(limits, context); !heard) return tl::unexpected(heard.error());
+    if (!send_descriptors(control_.get(), along)) {
       end_server();
-      return tl::unexpected<std::string>("ends the process that loads it");
-    }
-    const bool can_work = greeting->message.number() == 1;
-    greeting_ = greeting->message.text();
-    if (!can_work || !send_descriptors(control_.get(), along)) {
-      end_server();
-      return tl::unexpected(greeting_);
+      return tl::unexpected(Refusal{"ends the process that has loaded it", {}});
     }
   }
   Started started{std::make_unique<Worker>(std::move(socket[0]), std::move(status[0]), std::move(output[0]),
-                                           limits.seconds, context),
+                                           limits.seconds, context, [this, server = server_] { kill_server(server); }),
                   greeting_};
   started.worker->send(MessageWriter().number(limits.memory).number(limits.seconds).number(limits.threads));
   return started;

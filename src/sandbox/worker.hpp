@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -37,7 +38,10 @@ struct Ending {
 // One process, alive until it has ended or this goes. Used by one thread at a time.
 class Worker {
  public:
-  Worker(Descriptor socket, Descriptor status, Descriptor output, std::uint64_t seconds, Context context);
+  // `kill_server` ends the process that the worker was forked from, and the worker with it: it is called where that
+  // process does not end the worker when it is told to.
+  Worker(Descriptor socket, Descriptor status, Descriptor output, std::uint64_t seconds, Context context,
+         std::function<void()> kill_server);
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
   ~Worker();
@@ -67,10 +71,18 @@ class Worker {
   Descriptor printed_;
   std::int64_t microseconds_left_ = 0;
   Context context_;
+  std::function<void()> kill_server_;
+  int waited_for_end_ = 0;  // how often, since it was told to end
   std::vector<std::byte> received_;
   std::string output_;
   std::optional<Ending::Reason> wanted_end_;
   std::optional<Ending> ending_;
+};
+
+// Why there is no worker.
+struct Refusal {
+  std::string what;    // "has version 1 of the interface, expected 2"
+  std::string advice;  // what to do about it; may be empty
 };
 
 // The workers of one library, which is loaded in a process that all of them are forked from. That is started for the
@@ -87,12 +99,15 @@ class Workers {
     std::unique_ptr<Worker> worker;
     std::string greeting;  // of the child
   };
-  // Fails with why it cannot work. From any thread, several at once.
-  [[nodiscard]] tl::expected<Started, std::string> start(const Limits& limits, const Context& context);
+  // From any thread, several at once. Fails where the child cannot work, or does not greet within limits.seconds.
+  [[nodiscard]] tl::expected<Started, Refusal> start(const Limits& limits, const Context& context);
 
  private:
-  [[nodiscard]] tl::expected<void, std::string> start_server();
-  void end_server();
+  [[nodiscard]] tl::expected<void, Refusal> start_server();
+  [[nodiscard]] tl::expected<void, Refusal> hear_greeting(const Limits& limits, const Context& context);
+  // Waits for the server's end, kills it where it does not end, and returns its status as of waitpid.
+  int end_server();
+  void kill_server(pid_t server);
 
   std::vector<std::string> words_;
   std::mutex mutex_;

@@ -87,6 +87,32 @@ class ChildTest(ProgramTest):
                 self.assert_nothing_left("a.hostile")
         self.assert_fails(2, self.run_hostile("lie-length"), "a.hostile: ", "ended without an answer")
 
+    def test_what_is_not_loaded_in_time_is_ended(self):
+        """Somebody stops or kills the process that loads the plug-in: it is not the plug-in that is at fault then."""
+        for number, what in ((signal.SIGSTOP, "is not loaded after 1 s"),
+                             (signal.SIGKILL, "was killed, as systems do that lack memory"),
+                             (signal.SIGSEGV, "ends the process that loads it")):
+            with self.subTest(number):
+                self.environment["HOSTILE_LOADING"] = str(int(number))
+                run = self.run_hostile("nothing", seconds=1)
+                self.assert_fails(3, run, "a.hostile: ", what)
+                self.assertEqual("hint: try again" in run.err, number != signal.SIGSEGV, run.err)
+                self.assert_nothing_left("a.hostile")
+
+    def test_a_stopped_server_is_ended(self):
+        """The process that forks the readers is stopped, and so cannot end one whose time is over, nor itself."""
+        name = self.file("wait")
+        self.environment["ISOEXTRACT_PLUGIN_SECONDS"] = "3"
+        program = subprocess.Popen([PROGRAM, name, *ISO, "-o", "a.ply"], cwd=self.folder, env=self.environment,
+                                   stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(program.stderr.close)
+        self.assertTrue(wait_until(lambda: len(processes_in(self.folder)) == 2), processes_in(self.folder))
+        os.kill(min(processes_in(self.folder)), signal.SIGSTOP)
+        _, err = program.communicate(timeout=60)
+        self.assertEqual(program.returncode, 2, err)
+        self.assertIn("was stopped after 3 s", err)
+        self.assert_nothing_left("a.hostile")
+
     def test_the_time_is_a_number(self):
         self.assert_fails(1, self.run_hostile("nothing", seconds="soon"), "ISOEXTRACT_PLUGIN_SECONDS", "'soon'")
 

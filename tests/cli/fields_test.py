@@ -1,10 +1,12 @@
 """Fields made and written with OpenVDB: spheres of particles, filters of level sets, and fields in place of meshes."""
 
+import functools
 import json
 import math
 import os
 import pathlib
 import random
+import resource
 import shutil
 import subprocess
 import unittest
@@ -383,6 +385,22 @@ class PluginTest(FieldsTest):
                 self.assertEqual(run.returncode, 0, run.stderr)
                 (self.folder / command[-1]).unlink()
         self.assertEqual(self.files(), ["a.csv", "alone"])
+
+    @needs_plugin
+    def test_a_limited_address_space(self):
+        """OpenVDB's libraries, which are given too little of it as they are loaded, end the process or wait for ever."""
+        self.write_csv("p.csv", [(0, 0, 0), (0.3, 0, 0)])
+        refused = 0
+        for mebibytes in range(80, 181, 10):
+            with self.subTest(mebibytes):
+                limit = (mebibytes << 20,) * 2
+                run = self.run_program("p.csv", "--radius", "0.4", "--particles", "spheres", "-o", "v.vdb",
+                                       preexec_fn=functools.partial(resource.setrlimit, resource.RLIMIT_AS, limit))
+                self.assertIn(run.code, (0, 2, 3), run.err)
+                if run.code == 3:
+                    self.assertIn("raise that limit (ulimit -v unlimited", run.err)
+                    refused += 1
+        self.assertGreater(refused, 2)
 
 
 if __name__ == "__main__":

@@ -190,4 +190,8 @@ constexpr isoextract_volume_plugin_v3 kPlugin{
 
 }  // namespace
 
-const isoextract_volume_plugin_v3* isoextract_volume_plugin() { return &kPlugin; }
+// HOSTILE_LOADING is the number of a signal that ends or stops the process that loads this.
+const isoextract_volume_plugin_v3* isoextract_volume_plugin() {
+  if (const char* number = std::getenv("HOSTILE_LOADING")) std::raise(std::atoi(number));
+  return &kPlugin;
+}

@@ -190,7 +190,7 @@ void prepare_server() {
 
 int serve(const ChildWork& work) {
   MessageWriter greeting;
-  greeting.number(work.run ? 1 : 0).text(work.greeting);
+  greeting.number(work.run ? 1 : 0).text(work.greeting).text(work.advice);
   if (!send_message(kControlSocket, greeting) || !work.run) ::_exit(0);
   wait_for_other_threads();
   Server(work).run();

@@ -11,7 +11,11 @@
 #include <dlfcn.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <pthread.h>
+#include <sys/mman.h>
 
+#include "base/byte_size.hpp"
+#include "base/no_memory.hpp"
 #include "base/printable.hpp"
 
 namespace isoextract::volumes {
@@ -108,9 +112,41 @@ Result<std::string> PluginLibrary::found(const std::string& input) const {
 
 namespace {
 
-tl::unexpected<Error> refuse(const std::string& input, const std::string& path, const std::string& why) {
-  return fail(ErrorKind::unavailable, fmt::format("{}: the plug-in {} {}", input, path, why),
-              "install the plug-in that belongs to this version of isoextract");
+tl::unexpected<Error> refuse(const std::string& input, const std::string& path, const sandbox::Refusal& refusal) {
+  return fail(ErrorKind::unavailable, fmt::format("{}: the plug-in {} {}", input, path, printable(refusal.what, 400)),
+              refusal.advice.empty() ? "install the plug-in that belongs to this version of isoextract"
+                                     : printable(refusal.advice, 200));
+}
+
+// What OpenVDB's libraries take, the largest of any plug-in here: 60 MiB as they are mapped, and four threads that
+// log4cplus starts as it is loaded, which waits for ever, or ends the process, where it gets none.
+std::size_t room_to_load() {
+  constexpr std::size_t kLibraries = std::size_t{72} << 20;
+  constexpr std::size_t kThreads = 4;
+  std::size_t stack = 0;
+  pthread_attr_t attributes;
+  if (::pthread_getattr_default_np(&attributes) == 0) {
+    ::pthread_attr_getstacksize(&attributes, &stack);
+    ::pthread_attr_destroy(&attributes);
+  }
+  return kLibraries + kThreads * stack;
+}
+
+// What libraries do with less cannot be foreseen. One that is loaded already takes nothing.
+tl::expected<void, sandbox::Refusal> check_room(const std::string& path) {
+  const auto limit = address_space_limit();
+  if (!limit || ::dlopen(path.c_str(), RTLD_NOW | RTLD_NOLOAD) != nullptr) return {};
+  const std::size_t needed = room_to_load();
+  void* const room = ::mmap(nullptr, needed, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (room != MAP_FAILED) {
+    ::munmap(room, needed);
+    return {};
+  }
+  return tl::unexpected(sandbox::Refusal{
+      fmt::format("is not loaded: it may take {} of address space, and less than that is left of the {} that the "
+                  "process is limited to",
+                  format_byte_size(needed), format_byte_size(*limit)),
+      kRaiseAddressSpace});
 }
 
 }  // namespace
@@ -137,13 +173,14 @@ Result<sandbox::Workers::Started> PluginLibrary::start_worker(const std::string&
     }
   }
   auto started = workers_->start(limits, context);
-  if (!started) return refuse(input, *path, printable(started.error(), 400));
+  if (!started) return refuse(input, *path, started.error());
   return std::move(*started);
 }
 
-tl::expected<const void*, std::string> open_plugin(const PluginKind& kind, const std::string& id,
-                                                   const std::string& path) {
-  const auto wrong = [](std::string why) { return tl::unexpected<std::string>(std::move(why)); };
+tl::expected<const void*, sandbox::Refusal> open_plugin(const PluginKind& kind, const std::string& id,
+                                                        const std::string& path) {
+  const auto wrong = [](std::string why) { return tl::unexpected(sandbox::Refusal{std::move(why), {}}); };
+  if (auto room = check_room(path); !room) return tl::unexpected(room.error());
   // Not closed again: what it gave may outlive the format, and libraries seldom like it.
   void* library = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (library == nullptr) return wrong(fmt::format("cannot be opened: {}", ::dlerror()));

@@ -40,10 +40,10 @@ struct PluginKind {
   bool is_format = true;  // it reads one; else it is for work that messages name
 };
 
-// Opens a plug-in's file in this process. Fails with what is wrong with it: "has version 1 of the interface, expected
-// 2".
-[[nodiscard]] tl::expected<const void*, std::string> open_plugin(const PluginKind& kind, const std::string& id,
-                                                                 const std::string& path);
+// Opens a plug-in's file in this process. Fails with what is wrong with it, "has version 1 of the interface, expected
+// 2", and where too little of a limited address space is left for its libraries.
+[[nodiscard]] tl::expected<const void*, sandbox::Refusal> open_plugin(const PluginKind& kind, const std::string& id,
+                                                                      const std::string& path);
 
 // The shared object of one plug-in.
 class PluginLibrary {

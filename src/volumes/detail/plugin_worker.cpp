@@ -291,15 +291,15 @@ template <class Plugin>
 sandbox::ChildWork work_of(const PluginKind& kind, std::span<const std::string> words,
                            std::string (*greeting)(const Plugin&), void (*read)(const Plugin&, int)) {
   const auto opened = open_plugin(kind, words[1], words[2]);
-  if (!opened) return {opened.error(), {}};
+  if (!opened) return {opened.error().what, {}, opened.error().advice};
   const auto* plugin = static_cast<const Plugin*>(*opened);
-  return {greeting(*plugin), [plugin, read](int socket) { read(*plugin, socket); }};
+  return {greeting(*plugin), [plugin, read](int socket) { read(*plugin, socket); }, {}};
 }
 
 }  // namespace
 
 sandbox::ChildWork make_plugin_work(std::span<const std::string> words) {
-  if (words.size() != 3) return {"was called in a way that is not known", {}};
+  if (words.size() != 3) return {"was called in a way that is not known", {}, {}};
   if (words[0] == kVolumePlugins.function) {
     return work_of<VolumePlugin>(
         kVolumePlugins, words, [](const VolumePlugin& plugin) { return plugin_text(plugin.format); }, read_volume);
@@ -308,7 +308,7 @@ sandbox::ChildWork make_plugin_work(std::span<const std::string> words) {
     return work_of<ParticlePlugin>(
         kParticlePlugins, words, [](const ParticlePlugin&) { return std::string(); }, read_particles_of);
   }
-  return {"is of a kind that reads no files", {}};
+  return {"is of a kind that reads no files", {}, {}};
 }
 
 }  // namespace isoextract::volumes
