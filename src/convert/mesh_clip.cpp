@@ -34,9 +34,12 @@ Result<edit::ClipFacts> clip_mesh(mesh::Mesh& mesh, const ConversionJob& job, co
       events.note(fmt::format("{}: nothing was cut off, all {} triangles are left", label, facts->triangles_after));
     return facts;
   }
-  std::string text =
-      fmt::format("{}: {} of {} triangles are left", label, facts->triangles_after, facts->triangles_before);
-  text += facts->triangles_cut > 0 ? fmt::format(", after {} were cut", facts->triangles_cut) : ", and none was cut";
+  // Cut triangles may become several: there may be more than before.
+  std::string text = facts->triangles_cut > 0
+                         ? fmt::format("{}: {} triangles were cut; {} are left in place of {}", label,
+                                       facts->triangles_cut, facts->triangles_after, facts->triangles_before)
+                         : fmt::format("{}: {} of {} triangles are left, and none was cut", label,
+                                       facts->triangles_after, facts->triangles_before);
   if (facts->cap_triangles > 0) {
     text += fmt::format("; the surface is closed by {} triangles there", facts->cap_triangles);
   } else if (facts->triangles_cut > 0 && facts->triangles_after > 0) {

@@ -75,6 +75,22 @@ class BatchRulesTest(ProgramTest):
         self.convert("a.dump", "--volume", "all", "--radius", "1", "-o", "out/{}.ply", "--mkdir", "--table", "t.csv")
         self.assertEqual([(row["frame"], row["time_step"]) for row in self.table()], [("0", "0"), ("1", "2500")])
 
+    def test_a_dump_that_was_cut_off_in_its_last_frame(self):
+        """As where the simulation was ended: the frames before are converted, and the last one is told."""
+        lammps = "ITEM: TIMESTEP\n{0}\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS pp pp pp\n0 4\n0 4\n0 4\nITEM: ATOMS id x y z\n1 1 1 1\n2 2 2 2\n"
+        xyz = "2\nframe {0}\nH 1 1 1\nH 2 2 2\n"
+        for name, frame, cuts in (("a.dump", lammps, (8, 20, 60, 90)), ("a.xyz", xyz, (8, 16, 20))):
+            for cut in cuts:
+                with self.subTest(name=name, cut=cut):
+                    (self.folder / name).write_text(frame.format(0) + frame.format(1) + frame.format(2)[:-cut])
+                    self.assertRegex(self.run_program("info", name, "--volume", "0").out.decode(), "frames +3,")
+                    run = self.run_program(name, "--volume", "all", "--radius", "1", "-o", "out/{}.ply", "--mkdir")
+                    self.assertEqual(run.code, 5, run.err)
+                    self.assertIn("2 of 3 frames", run.err)
+                    self.assertIn(f"error: frame 2: {name}: ", run.err)
+                    for made in (self.folder / "out").iterdir():
+                        made.unlink()
+
     def test_empty_surfaces_are_told_as_empty(self):
         self.write_frames((1, 2))
         self.run_batch("--iso", "101.5", "-o", "out/{}_{iso}.ply", "--empty", "skip", "--table", "t.csv")

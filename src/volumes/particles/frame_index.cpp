@@ -5,8 +5,6 @@
 #include <utility>
 #include <vector>
 
-#include "volumes/particles/particle_source.hpp"
-
 namespace isoextract::volumes {
 namespace {
 

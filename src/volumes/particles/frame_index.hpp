@@ -8,6 +8,7 @@
 #include "files/file_bytes.hpp"
 #include "files/file_version.hpp"
 #include "volumes/particles/content_reader.hpp"
+#include "volumes/particles/particle_source.hpp"
 
 namespace isoextract::volumes {
 
@@ -30,5 +31,17 @@ class FrameIndex {
   files::FileVersion file_;
   bool is_settled_ = false;
 };
+
+// Goes through the frames from number `next` on and returns how many there are in all. `pass(number)` reads past one,
+// and is false where there is none. The last one counts where it is cut short: those before it can be read.
+template <class Pass>
+std::uint64_t count_frames(std::uint64_t next, Pass&& pass) {
+  try {
+    while (pass(next)) ++next;
+  } catch (const CutShort&) {
+    ++next;
+  }
+  return next;
+}
 
 }  // namespace isoextract::volumes

@@ -47,7 +47,7 @@ std::string_view length_unit_of(std::string_view units) {
 
 std::string_view line_of(ContentReader& content, std::string_view what) {
   const auto line = content.next_line();
-  if (!line) throw DamagedParticles(fmt::format("expected {}, found the end of the file", what));
+  if (!line) throw CutShort(fmt::format("expected {}, found the end of the file", what));
   return *line;
 }
 
@@ -129,7 +129,7 @@ bool next_lammps_frame(ContentReader& content, LammpsFrame& frame) {
   while (true) {
     const auto line = content.next_line();
     if (!line && !has_step && !has_atoms) return false;
-    if (!line) throw DamagedParticles("expected 'ITEM: ATOMS', found the end of the file");
+    if (!line) throw CutShort("expected 'ITEM: ATOMS', found the end of the file");
     split_words(*line, words);
     if (words.empty() && !has_step) continue;
     if (words.size() < 2 || words[0] != "ITEM:") content.expected("a line 'ITEM: ...'", *line);
@@ -185,11 +185,12 @@ LammpsFrame find_lammps_frame(ContentReader& content, const FrameIndex& index, c
 // Goes through the frames from number `next` on, and returns how many there are in all. `frame` is the one before it.
 std::uint64_t count_lammps_frames(ContentReader& content, const FrameIndex& index, std::uint64_t next,
                                   LammpsFrame frame) {
-  for (;; ++next) {
-    index.add(next, content, frame.units);
-    if (!next_lammps_frame(content, frame)) return next;
+  return count_frames(next, [&](std::uint64_t number) {
+    index.add(number, content, frame.units);
+    if (!next_lammps_frame(content, frame)) return false;
     skip_rows(content, frame.atoms);
-  }
+    return true;
+  });
 }
 
 void unscale(Buffer<glm::dvec3>& positions, const LammpsBox& box) {

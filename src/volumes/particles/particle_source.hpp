@@ -26,6 +26,11 @@ struct DamagedParticles : std::runtime_error {
   Hint hint;
 };
 
+// The file ends within a frame, as a dump does whose simulation was ended.
+struct CutShort : DamagedParticles {
+  using DamagedParticles::DamagedParticles;
+};
+
 // Any other error, whole as it is.
 struct Refused {
   Error error;

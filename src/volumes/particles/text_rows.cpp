@@ -13,8 +13,8 @@ namespace isoextract::volumes {
 namespace {
 
 [[noreturn]] void text_ends(const ContentReader& content, std::uint64_t found, std::uint64_t count) {
-  throw DamagedParticles(fmt::format("expected {} lines of particles, found {} before the end of the file at line {}",
-                                     count, found, content.line_number()));
+  throw CutShort(fmt::format("expected {} lines of particles, found {} before the end of the file at line {}", count,
+                             found, content.line_number()));
 }
 
 // Lines that a count in a text asks for: after how many of them the end of the work is asked about.

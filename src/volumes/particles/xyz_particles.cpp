@@ -72,6 +72,7 @@ ParticleTable extended_table(const ContentReader& content, std::string_view prop
 ParticleTable plain_table(ContentReader& content) {
   ParticleTable table;
   std::vector<std::string_view> words;
+  if (!content.peek_line()) throw CutShort("expected the line of an atom, found the end of the file");
   split_words(content.peek_line().value_or(""), words);
   if (words.size() < 3 || words.size() > kMostColumns) {
     throw DamagedParticles(fmt::format("line {}: expected the name of an element and x, y, z, found '{}'",
@@ -102,7 +103,7 @@ bool next_xyz_frame(ContentReader& content, XyzFrame& frame) {
   if (!count || words.size() != 1) content.expected("the number of atoms alone in a line", words.front());
   frame.atoms = *count;
   const auto comment = content.next_line();
-  if (!comment) throw DamagedParticles("expected a comment after the number of atoms, found the end of the file");
+  if (!comment) throw CutShort("expected a comment after the number of atoms, found the end of the file");
   const auto properties = value_of_key(*comment, kProperties);
   const auto time = value_of_key(*comment, "Time=");
   if (time) frame.name = fmt::format("time {}", printable(*time, 40));
@@ -128,11 +129,13 @@ XyzFrame find_xyz_frame(ContentReader& content, const FrameIndex& index, const P
 
 // Goes through the frames from number `next` on, and returns how many there are in all.
 std::uint64_t count_xyz_frames(ContentReader& content, const FrameIndex& index, std::uint64_t next) {
-  for (XyzFrame frame;; ++next) {
-    index.add(next, content, {});
-    if (!next_xyz_frame(content, frame)) return next;
+  XyzFrame frame;
+  return count_frames(next, [&](std::uint64_t number) {
+    index.add(number, content, {});
+    if (!next_xyz_frame(content, frame)) return false;
     skip_rows(content, frame.atoms);
-  }
+    return true;
+  });
 }
 
 class XyzParticles final : public ParticleFormat {
