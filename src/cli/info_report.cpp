@@ -106,9 +106,10 @@ void add_shape(NamedLines& lines, const FieldReport& report) {
   lines.add("kind", fmt::format("{}: {} the iso value is inside", convert::kind_name(field.kind), word_of(field.kind)));
   const field::IndexBox box = field.extents();
   if (const auto* sparse = std::get_if<field::SparseSamples>(&field.samples)) {
-    lines.add("samples", fmt::format("{}, sparse: {} active voxels in {} blocks and {} tiles, background {:.6g}",
-                                     field::sample_type_name(sparse->type), sparse->active_voxels,
-                                     sparse->blocks.size(), sparse->tiles.size(), field.scale(sparse->background)));
+    lines.add("samples",
+              fmt::format("{}, sparse: {} active voxels; {} blocks and {} tiles are stored; background {:.6g}",
+                          field::sample_type_name(sparse->type), sparse->active_voxels, sparse->blocks.size(),
+                          sparse->tiles.size(), field.scale(sparse->background)));
     lines.add("extents", box.empty() ? dims_text(box)
                                      : fmt::format("{} from ({}, {}, {}) to ({}, {}, {})", dims_text(box), box.min.x,
                                                    box.min.y, box.min.z, box.max.x, box.max.y, box.max.z));

@@ -76,6 +76,7 @@ FrameSummary summary_of(std::int64_t frame, const InputReport& report) {
   if (!report.field || report.field->statistics.samples == 0) return summary;
   summary.min = report.field->statistics.min;
   summary.max = report.field->statistics.max;
+  summary.passed = field::surface_range(report.field->field, report.field->statistics);
   if (report.field->suggestion.separates) {
     summary.iso = report.field->suggestion.iso;
     summary.method = report.field->suggestion.method;
@@ -91,9 +92,8 @@ std::optional<SequenceIso> iso_of(const SequenceReport& report) {
   if (isos.empty()) return std::nullopt;
   std::ranges::sort(isos);
   SequenceIso all{isos[(isos.size() - 1) / 2], 0};
-  all.separates = static_cast<std::size_t>(std::ranges::count_if(report.frames, [&](const FrameSummary& frame) {
-    return frame.min && frame.max && *frame.min <= all.iso && all.iso < *frame.max;
-  }));
+  all.separates = static_cast<std::size_t>(std::ranges::count_if(
+      report.frames, [&](const FrameSummary& frame) { return frame.passed && frame.passed->has_surface(all.iso); }));
   return all;
 }
 

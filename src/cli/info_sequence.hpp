@@ -19,6 +19,7 @@ struct FrameSummary {
   std::string input;
   std::optional<double> min;
   std::optional<double> max;
+  std::optional<field::SurfaceRange> passed;
   std::optional<double> iso;  // the suggestion, where it separates inside from outside
   std::string method;         // by which that was found
   std::optional<Error> error;

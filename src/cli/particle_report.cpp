@@ -142,7 +142,8 @@ void add_particles(NamedLines& lines, const ParticleReport& report) {
     lines.add("neighbours", fmt::format("{:.6g} .. {:.6g} to the nearest, median {:.6g}, of {} particles",
                                         neighbours->min, neighbours->max, neighbours->median, neighbours->asked));
     lines.add("radius",
-              fmt::format("{:.6g}: half that median; --radius R says another", *report.statistics.suggested_radius()));
+              fmt::format("{:.6g}: half that median; --radius R says another, and so do radii that the particles have",
+                          *report.statistics.suggested_radius()));
   }
   add_attributes(lines, report.attributes);
   add_field(lines, report);

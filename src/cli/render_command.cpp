@@ -127,30 +127,50 @@ class Pictures {
     RenderNotes notes(messages_, bar);
     auto source = SceneSource::open(plan_, context_, notes);
     if (!source) return tl::unexpected(std::move(source.error()));
-    KeptVolume kept(renderer_);      // goes before its volume
-    std::optional<std::string> now;  // the volume that was read last
+    KeptVolume kept(renderer_);               // goes before its volume
+    std::optional<std::string> now;           // the volume that was read last
+    std::optional<Error> nothing;             // of the first frame that shows nothing
+    std::vector<const PicturePlan*> waiting;  // frames that show nothing, before the first that says what is in view
     for (const PicturePlan& picture : plan_.pictures) {
       StageTime reading;
       if (picture.input && now != picture.input) {
         const Stopwatch watch;
         kept.forget();
         auto read = source->read_volume(*picture.input, picture.output, context_, notes);
-        if (!read) return read;
+        if (!read) {
+          if (!plan_.is_sequence || read.error().reason == Reason::other) return read;
+          notes.note(fmt::format("frame {}: {}: the picture shows none of it", picture.frame, read.error().message));
+          if (!nothing) nothing = read.error();
+          source->leave_volume_out();
+        }
         now = picture.input;
         kept.be(source->scene().volume);
         reading = watch.elapsed();
       }
-      if (auto drawn = draw(*source, picture, reading, bar); !drawn) return drawn;
+      const render::Scene scene = source->scene();
+      if (!box_ && scene.volume == nullptr && scene.surfaces.empty()) {
+        waiting.push_back(&picture);
+        continue;
+      }
+      if (auto drawn = draw(*source, scene, picture, reading, bar); !drawn) return drawn;
+      for (const PicturePlan* earlier : std::exchange(waiting, {})) {
+        render::Scene bare = scene;
+        bare.volume = nullptr;
+        bare.surfaces.clear();
+        if (auto drawn = draw(*source, bare, *earlier, {}, bar); !drawn) return drawn;
+      }
     }
+    if (!waiting.empty() && nothing) return tl::unexpected(std::move(*nothing));
     return {};
   }
 
   [[nodiscard]] const convert::Json& records() const { return records_; }
 
  private:
-  Result<void> draw(const SceneSource& source, const PicturePlan& picture, const StageTime& reading, ProgressBar& bar) {
-    const render::Scene scene = source.scene();
-    if (!box_ || plan_.camera.is_fixed()) {  // then it says only what is near and far
+  Result<void> draw(const SceneSource& source, const render::Scene& scene, const PicturePlan& picture,
+                    const StageTime& reading, ProgressBar& bar) {
+    const bool shows_something = scene.volume != nullptr || !scene.surfaces.empty();
+    if (!box_ || (plan_.camera.is_fixed() && shows_something)) {  // then it says only what is near and far
       const auto box = render::box_of(scene);
       if (!box) return tl::unexpected(box.error());
       box_ = *box;
@@ -166,7 +186,7 @@ class Pictures {
     const Stopwatch write_watch;
     if (auto written = write_picture(rendered->picture, picture.output, context_); !written) return written;
     const StageTime writing = write_watch.elapsed();
-    const bool is_empty = shows_nothing(rendered->picture, plan_.background);
+    const bool is_empty = shows_something && shows_nothing(rendered->picture, plan_.background);
     const render::RenderStatistics& statistics = rendered->statistics;
     const std::string name = files::shown_output_name(picture.output);
     bar.above([&] {
@@ -175,7 +195,10 @@ class Pictures {
           picture.input ? files::shown_input_name(*picture.input) : files::shown_input_name(plan_.meshes.front()), name,
           rendered->picture.width, rendered->picture.height, drawing.wall_seconds));
       if (is_empty)
-        messages_.note(fmt::format("{}: the picture is empty: the camera sees nothing of what is drawn", name));
+        messages_.note(
+            fmt::format("{}: the picture is empty: what is drawn is not before the camera, or the transfer function "
+                        "leaves it clear",
+                        name));
       messages_.detail(fmt::format(
           "{}: {} rays, {} samples, {} left out in empty bricks ({} of {} bricks), {} behind what hides them; {} "
           "fragments of surfaces; read in {:.2f} s, written in {:.2f} s; {}; peak memory {}",
@@ -230,9 +253,14 @@ Result<void> run_render(const RenderPlan& plan, const Messages& messages) {
   if (!renderer) return tl::unexpected(renderer.error());
   Pictures pictures(plan, messages, **renderer, context);
   if (auto drawn = pictures.draw_all(); !drawn) return drawn;
-  if (!plan.json) return {};
-  return files::write_file(*plan.json,
-                           convert::json_text({{"device", (*renderer)->device()}, {"pictures", pictures.records()}}));
+  if (plan.json) {
+    const convert::Json json{{"device", (*renderer)->device()}, {"pictures", pictures.records()}};
+    if (auto written = files::write_file(*plan.json, convert::json_text(json)); !written) return written;
+  }
+  if (plan.missing.empty()) return {};
+  return fail(ErrorKind::frames,
+              fmt::format("frames that are not there: {}", batch::text_of(plan.missing, batch::kShownFrameRuns)),
+              "name frames that are there with --frames");
 }
 
 }  // namespace isoextract::cli

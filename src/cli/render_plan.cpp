@@ -60,9 +60,9 @@ Result<int> turns_of(const std::string& text) {
   return count;
 }
 
-Result<std::vector<PicturePlan>> plan_frames(const RenderFlags& flags, const Inputs& inputs,
-                                             std::vector<std::string>& notes) {
-  std::vector<PicturePlan> pictures;
+// Into `plan`: its pictures, and which frames are not there.
+Result<void> plan_frames(const RenderFlags& flags, const Inputs& inputs, RenderPlan& plan) {
+  std::vector<PicturePlan>& pictures = plan.pictures;
   const bool sequence = inputs.volumes.size() > 1 || (inputs.volumes.size() == 1 && names_frames(inputs.volumes[0]));
   if (!sequence) {
     int count = 1;
@@ -78,7 +78,7 @@ Result<std::vector<PicturePlan>> plan_frames(const RenderFlags& flags, const Inp
       picture.turn = 360.0 * i / count;
       pictures.push_back(std::move(picture));
     }
-    return pictures;
+    return {};
   }
   std::optional<batch::FrameRange> range;
   if (flags.frames) {
@@ -88,9 +88,12 @@ Result<std::vector<PicturePlan>> plan_frames(const RenderFlags& flags, const Inp
   }
   auto found = batch::find_frames(inputs.volumes, range);
   if (!found) return tl::unexpected(std::move(found.error()));
-  for (std::string& note : found->notes) notes.push_back(std::move(note));
-  if (!found->gaps.empty())
-    notes.push_back(fmt::format("no input for frames {}", batch::text_of(found->gaps, batch::kShownFrameRuns)));
+  for (std::string& note : found->notes) plan.notes.push_back(std::move(note));
+  if (flags.frames) {
+    plan.missing = std::move(found->gaps);
+  } else if (!found->gaps.empty()) {
+    plan.notes.push_back(fmt::format("no input for frames {}", batch::text_of(found->gaps, batch::kShownFrameRuns)));
+  }
   for (batch::Frame& frame : found->frames) {
     if (frame.step) {
       return refuse_usage(fmt::format("{}: its time steps cannot be drawn as frames", frame.input),
@@ -101,7 +104,7 @@ Result<std::vector<PicturePlan>> plan_frames(const RenderFlags& flags, const Inp
     picture.input = std::move(frame.input);
     pictures.push_back(std::move(picture));
   }
-  return pictures;
+  return {};
 }
 
 Result<void> name_pictures(const RenderFlags& flags, const Inputs& inputs, std::vector<PicturePlan>& pictures) {
@@ -258,11 +261,9 @@ Result<RenderPlan> plan_render(const RenderFlags& flags) {
     return refuse_usage(fmt::format("--json needs the name of a file, found '{}'", *flags.json));
   }
   plan.json = flags.json;
-  auto pictures = plan_frames(flags, inputs, plan.notes);
-  if (!pictures) return tl::unexpected(std::move(pictures.error()));
-  plan.pictures = std::move(*pictures);
-  const bool is_sequence = plan.pictures.size() > 1 && plan.pictures[1].input != plan.pictures[0].input;
-  if (is_sequence && !plan.camera.is_fixed()) {
+  if (auto found = plan_frames(flags, inputs, plan); !found) return tl::unexpected(std::move(found.error()));
+  plan.is_sequence = plan.pictures.size() > 1 && plan.pictures[1].input != plan.pictures[0].input;
+  if (plan.is_sequence && !plan.camera.is_fixed()) {
     plan.notes.emplace_back(
         "the camera is placed by the first picture: what moves or grows out of its view is not seen in the others; "
         "--camera AZ,EL,DISTANCE and --look-at X,Y,Z place it otherwise");

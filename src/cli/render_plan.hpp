@@ -10,6 +10,7 @@
 
 #include "base/error.hpp"
 #include "base/memory_budget.hpp"
+#include "batch/frame_range.hpp"
 #include "cli/options.hpp"
 #include "convert/backends.hpp"
 #include "convert/conversion_job.hpp"
@@ -27,7 +28,9 @@ struct PicturePlan {
 
 struct RenderPlan {
   MemoryBudget memory;
-  std::vector<PicturePlan> pictures;  // at least one; those of a turn follow each other with one input
+  std::vector<PicturePlan> pictures;     // at least one; those of a turn follow each other with one input
+  bool is_sequence = false;              // of volumes, by their frames
+  std::vector<batch::FrameRun> missing;  // frames that were asked for and are not there
   // How volumes are read, and their surfaces extracted: without an input and without outputs.
   convert::ConversionJob job;
   std::vector<convert::IsoChoice> isos;

@@ -136,12 +136,15 @@ Result<void> SceneSource::choose_transfer(const field::ScalarField& field, const
   return {};
 }
 
-Result<void> SceneSource::read_volume(const std::string& input, const std::string& output, const Context& context,
-                                      convert::Events& events) {
-  const bool first = !source_.has_value();
+void SceneSource::leave_volume_out() {
   volume_.reset();
   source_.reset();
   surfaces_.clear();
+}
+
+Result<void> SceneSource::read_volume(const std::string& input, const std::string& output, const Context& context,
+                                      convert::Events& events) {
+  leave_volume_out();
   convert::ConversionJob job = plan_->job;
   job.source.input = input;
   const auto note_of_field = [&](const field::ScalarField& field) -> std::optional<std::string> {
@@ -154,10 +157,16 @@ Result<void> SceneSource::read_volume(const std::string& input, const std::strin
     KeptSurfaces kept(plan_->draws_volume);
     job.outputs = {{output, plan_->isos}};
     convert::Outcome outcome = convert::run(job, context, events, {.note_of_field = note_of_field}, nullptr, &kept);
-    if (outcome.error) return tl::unexpected(std::move(*outcome.error));
+    if (outcome.error) {  // of a sequence, frames without a surface show the volume
+      const bool shows_volume = plan_->is_sequence && plan_->draws_volume;
+      const bool goes_on = shows_volume && outcome.error->reason == Reason::no_surface;
+      if (!goes_on) return tl::unexpected(std::move(*outcome.error));
+      events.note(outcome.error->message);
+    }
     surfaces_ = std::move(kept.meshes);
     source_ = std::move(kept.source);
-  } else if (plan_->draws_volume) {
+  }
+  if (plan_->draws_volume && !source_) {
     auto source = convert::open_source(job.source, {}, context, events);
     if (!source) return tl::unexpected(std::move(source.error()));
     source_ = std::move(*source);
@@ -168,10 +177,10 @@ Result<void> SceneSource::read_volume(const std::string& input, const std::strin
       if (auto added = render::add_normals(mesh, input, context); !added) return added;
     }
   }
-  return plan_->draws_volume ? place_volume(first, context, events) : Result<void>();
+  return plan_->draws_volume ? place_volume(context, events) : Result<void>();
 }
 
-Result<void> SceneSource::place_volume(bool first, const Context& context, convert::Events& events) {
+Result<void> SceneSource::place_volume(const Context& context, convert::Events& events) {
   const auto box = render::box_of_volume(source_->field);
   if (!box) return tl::unexpected(box.error());
   const auto statistics = field::measure_statistics(source_->field, &context.progress(), field::WithPercentiles::no);
@@ -180,12 +189,12 @@ Result<void> SceneSource::place_volume(bool first, const Context& context, conve
                             source_->label, statistics.nan, statistics.samples + statistics.nan + statistics.infinite));
   }
   if (auto chosen = choose_transfer(source_->field, statistics); !chosen) return chosen;
-  if (first) {
+  if (!unit_length_) {
     const field::Box world = field::image_of(source_->output_from_index, *box);
     const glm::dvec3 sides = world.max - world.min;
     unit_length_ = plan_->unit_length.value_or(std::max({sides.x, sides.y, sides.z}) / 100);
   }
-  volume_ = render::Volume{&source_->field, source_->output_from_index, *transfer_, unit_length_};
+  volume_ = render::Volume{&source_->field, source_->output_from_index, *transfer_, *unit_length_};
   return {};
 }
 

@@ -28,6 +28,9 @@ class SceneSource {
   [[nodiscard]] Result<void> read_volume(const std::string& input, const std::string& output, const Context& context,
                                          convert::Events& events);
 
+  // In place of the volume before: none.
+  void leave_volume_out();
+
   // What there is now; it is lent until the next call of read_volume().
   [[nodiscard]] render::Scene scene() const;
   // As asked for, or as the meshes of files say.
@@ -39,7 +42,7 @@ class SceneSource {
   explicit SceneSource(const RenderPlan& plan) : plan_(&plan) {}
 
   // Of the source; the first one says what a unit of length is.
-  [[nodiscard]] Result<void> place_volume(bool first, const Context& context, convert::Events& events);
+  [[nodiscard]] Result<void> place_volume(const Context& context, convert::Events& events);
   [[nodiscard]] Result<void> choose_transfer(const field::ScalarField& field, const field::FieldStatistics& statistics);
   void add_surface(render::Scene& scene, const mesh::Mesh& mesh) const;
 
@@ -50,7 +53,7 @@ class SceneSource {
   std::optional<render::Volume> volume_;
   std::vector<mesh::Mesh> surfaces_;
   std::optional<render::TransferFunction> transfer_;
-  double unit_length_ = 1;
+  std::optional<double> unit_length_;
   bool told_up_axis_ = false;  // of a volume before
 };
 

@@ -272,10 +272,17 @@ Result<void> number_attributes(std::vector<convert::AttributeChoice>& attributes
 
 std::string note_of_frames(const convert::ConversionJob& job) {
   if (!job.colour || !job.colour->attribute || job.colour->range) return {};
+  // With what else was said of it, so that it can be given again.
+  std::string name = *job.colour->attribute;
+  const auto choice = std::ranges::find(job.source.attributes, name, &convert::AttributeChoice::name);
+  if (choice != job.source.attributes.end() && !choice->written) {
+    if (choice->optional) name += "?";
+    if (choice->from != choice->name) name += "=" + choice->from;
+  }
   return fmt::format(
-      "--color-by {0}: the colours of each frame have a range of their own; give --color-by {0}:{1}:MIN,MAX for a "
+      "--color-by {0}: the colours of each frame have a range of their own; give --color-by {1} for a "
       "sequence",
-      *job.colour->attribute, word_of(job.colour->map));
+      *job.colour->attribute, shell_quoted(fmt::format("{}:{}:MIN,MAX", name, word_of(job.colour->map))));
 }
 
 }  // namespace isoextract::cli

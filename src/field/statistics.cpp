@@ -312,12 +312,17 @@ std::optional<KnownIso> known_iso(const ScalarField& field) {
   return std::nullopt;
 }
 
+std::optional<SurfaceRange> surface_range(const ScalarField& field, const FieldStatistics& statistics) {
+  const Range range = whole_range(field, statistics);
+  if (range.finite == 0) return std::nullopt;
+  return SurfaceRange{range.min, range.max, field.kind};
+}
+
 IsoSuggestion suggest_iso(const ScalarField& field, const FieldStatistics& statistics) {
   const Range range = whole_range(field, statistics);
+  const auto passed = surface_range(field, statistics);
   const auto suggestion = [&](double iso, std::string method) {
-    const bool level_set = field.kind == FieldKind::level_set;  // a value equal to iso is outside
-    const bool separates = level_set ? range.min < iso && iso <= range.max : range.min <= iso && iso < range.max;
-    return IsoSuggestion{iso, std::move(method), separates};
+    return IsoSuggestion{iso, std::move(method), passed && passed->has_surface(iso)};
   };
   if (const auto known = known_iso(field)) return suggestion(known->iso, known->method);
   if (statistics.samples == 0 && range.finite > 0 && statistics.nan + statistics.infinite == 0) {

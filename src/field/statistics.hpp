@@ -39,6 +39,21 @@ enum class WithPercentiles { yes, no };
 [[nodiscard]] FieldStatistics measure_statistics(const ScalarField& field, Progress* progress = nullptr,
                                                  WithPercentiles percentiles = WithPercentiles::yes);
 
+// The values that a field's surface may pass: those of its samples, and the background of a sparse field, which
+// surrounds them.
+struct SurfaceRange {
+  double min = 0;
+  double max = 0;
+  FieldKind kind = FieldKind::density;
+
+  // Whether there are values on both sides of `iso`, and so a surface.
+  [[nodiscard]] bool has_surface(double iso) const {
+    return kind == FieldKind::level_set ? min < iso && iso <= max : min <= iso && iso < max;  // iso itself is outside
+  }
+};
+// `statistics` must be of `field`. Nothing where no value is finite.
+[[nodiscard]] std::optional<SurfaceRange> surface_range(const ScalarField& field, const FieldStatistics& statistics);
+
 struct IsoSuggestion {
   double iso;
   std::string method;      // "the zero of the level set", "Otsu's threshold (1979) of the histogram"

@@ -11,6 +11,7 @@
 #include <tbb/parallel_reduce.h>
 
 #include "field/detail/sample_passes.hpp"
+#include "field/sparse_lookup.hpp"
 
 namespace isoextract::field {
 namespace {
@@ -118,6 +119,82 @@ std::uint64_t count_in_blocks(const ScalarField& field, double iso) {
   });
 }
 
+// Where the surface passes along the faces of tiles.
+struct TileFaces {
+  std::uint64_t crossings = 0;
+  std::uint64_t places = 0;  // faces of block size that it passes
+};
+
+// The samples of a block that lie at a face: those whose place along `axis` is 0, or 7.
+BlockBits face_of_block(int axis, bool first) {
+  BlockBits face{};
+  const unsigned place = first ? 0 : SparseBlock::kSize - 1;
+  for (std::size_t x = 0; x < face.size(); ++x) {
+    if (axis == 0) face[x] = x == place ? ~std::uint64_t{0} : 0;
+    if (axis == 1) face[x] = kFirstAlongY << (SparseBlock::kSize * place);
+    if (axis == 2) face[x] = kFirstAlongZ << place;
+  }
+  return face;
+}
+
+template <class T>
+TileFaces faces_of_tile(const SparseTile& tile, const SparseSamples& samples, const SparseLookup& lookup,
+                        const ScalarField& field, double iso) {
+  constexpr int kSize = SparseBlock::kSize;
+  TileFaces faces;
+  const bool inside = is_inside(field, iso, tile.value);
+  const auto pass_face = [&](const glm::ivec3& beside, int axis, bool rising) {
+    const std::int32_t place = lookup.place(beside);
+    std::uint64_t crossings = 0;
+    if (place >= 0) {
+      const BlockBits off = off_background(
+          std::span(static_cast<const T*>(samples.blocks[static_cast<std::size_t>(place)].values), kBlockSamples),
+          field, iso, inside);
+      const BlockBits at = face_of_block(axis, rising);
+      for (std::size_t x = 0; x < off.size(); ++x) crossings += std::popcount(off[x] & at[x]);
+    } else if (is_inside(field, iso, lookup.constant_of(place)) != inside) {
+      // Of two tiles the one inside counts what is between them.
+      if (place == SparseLookup::kBackground || inside) crossings = std::uint64_t{kSize} * kSize;
+    }
+    faces.crossings += crossings;
+    faces.places += crossings > 0 ? 1 : 0;
+  };
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int u = 0; u < tile.size; u += kSize) {
+      for (int v = 0; v < tile.size; v += kSize) {
+        glm::ivec3 at = tile.origin;
+        at[(axis + 1) % 3] += u;
+        at[(axis + 2) % 3] += v;
+        glm::ivec3 before = at;
+        before[axis] -= kSize;
+        at[axis] += tile.size;
+        pass_face(before, axis, false);
+        pass_face(at, axis, true);
+      }
+    }
+  }
+  return faces;
+}
+
+template <class T>
+TileFaces faces_of_tiles(const SparseSamples& samples, const ScalarField& field, double iso) {
+  if (samples.tiles.empty()) return {};
+  const SparseLookup lookup(samples);
+  return tbb::parallel_deterministic_reduce(
+      tbb::blocked_range<std::size_t>(0, samples.tiles.size(), 16), TileFaces{},
+      [&](const tbb::blocked_range<std::size_t>& range, TileFaces faces) {
+        for (std::size_t t = range.begin(); t != range.end(); ++t) {
+          const TileFaces more = faces_of_tile<T>(samples.tiles[t], samples, lookup, field, iso);
+          faces.crossings += more.crossings;
+          faces.places += more.places;
+        }
+        return faces;
+      },
+      [](TileFaces a, const TileFaces& b) {
+        return TileFaces{a.crossings + b.crossings, a.places + b.places};
+      });
+}
+
 }  // namespace
 
 std::uint64_t count_vertices(const ScalarField& field, double iso, const std::optional<IndexBox>& box) {
@@ -158,7 +235,8 @@ std::uint64_t estimate_vertices(const ScalarField& field, double iso) {
     }
     // A liquid at rest faces one axis alone.
     constexpr std::uint64_t kSide = SparseBlock::kSize;
-    return count_in_blocks(field, iso) * kSide / (kSide - 1);  // one edge in eight leaves its block
+    const std::uint64_t of_blocks = count_in_blocks(field, iso) * kSide / (kSide - 1);  // one edge in eight leaves one
+    return of_blocks + faces_of_tiles<T>(std::get<SparseSamples>(field.samples), field, iso).crossings;
   });
 }
 
@@ -168,7 +246,7 @@ std::uint64_t estimate_places(const ScalarField& field, double iso) {
   const bool background = is_inside(field, iso, sparse->background);
   return visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) -> std::uint64_t {
     return tbb::parallel_deterministic_reduce(
-        tbb::blocked_range<std::size_t>(0, sparse->blocks.size(), 64), std::uint64_t{0},
+        tbb::blocked_range<std::size_t>(0, sparse->blocks.size(), 64), faces_of_tiles<T>(*sparse, field, iso).places,
         [&](const tbb::blocked_range<std::size_t>& range, std::uint64_t places) {
           for (std::size_t b = range.begin(); b != range.end(); ++b) {
             places += places_at<T>(sparse->blocks[b], *sparse, field, iso, background);

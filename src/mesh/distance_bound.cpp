@@ -39,6 +39,12 @@ struct Plane {
 std::optional<Plane> side_to_cut(const Polygon& polygon, const TriangleTree::Corners& triangle) {
   const std::array<glm::dvec3, 3> corners{triangle.a, triangle.b, triangle.c};
   const glm::dvec3 normal = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
+  // A polygon in the plane is no part thicker than what rounding makes of it, and cutting that would not end.
+  double coordinate = 0;
+  for (const glm::dvec3& corner : polygon.points()) {
+    coordinate = std::max({coordinate, std::abs(corner.x), std::abs(corner.y), std::abs(corner.z)});
+  }
+  const double rounding = 64 * std::numeric_limits<double>::epsilon() * coordinate;
   std::optional<Plane> best;
   double farthest = 0;
   for (std::size_t edge = 0; edge < 3; ++edge) {
@@ -55,7 +61,7 @@ std::optional<Plane> side_to_cut(const Polygon& polygon, const TriangleTree::Cor
     }
     // A sliver would be cut off otherwise, and nothing be won.
     constexpr double kSliver = 1e-3;
-    if (std::min(high, -low) > kSliver * (high - low) && high > farthest) {
+    if (std::min(high, -low) > kSliver * (high - low) && high - low > rounding && high > farthest) {
       farthest = high;
       best = plane;
     }

@@ -213,6 +213,9 @@ class AttributesTest(ProgramTest):
             self.particles(f"in_{k}.ply", 3 + k)
         run = self.convert("in_{}.ply", "--radius", "0.25", "--color-by", "pressure", "--animate", "-o", "all.glb")
         self.assertIn("give --color-by pressure:viridis:MIN,MAX for a sequence", run.err)
+        other = self.convert("in_{}.ply", "--radius", "0.25", "--color-by", "p?=pressure:gray", "-o", "out_{}.glb")
+        self.assertIn("give --color-by 'p?=pressure:gray:MIN,MAX' for a sequence", other.err)
+        self.convert("in_{}.ply", "--radius", "0.25", "--color-by", "p?=pressure:gray:0,2", "-o", "out_{}.glb")
         self.assertNotIn("MIN,MAX", self.convert("in_{}.ply", "--radius", "0.25", "--color-by", "pressure:0,2", "-o",
                                                  "out_{}.glb").err)
         self.validate("all.glb", *(f"out_{k}.glb" for k in range(3)))

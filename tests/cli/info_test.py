@@ -8,6 +8,8 @@ import sys
 
 from support import DATA, INSTALL, PROGRAM, SOURCE, SPHERE, ProgramTest, main, needs_data
 
+from vdb_files import grid, vdb
+
 try:
     import jsonschema
 except ImportError:
@@ -75,6 +77,16 @@ class InfoTest(ProgramTest):
             run = subprocess.run(["bash", "-c", command], cwd=self.folder, capture_output=True, check=False, timeout=60)
             self.assertEqual(run.returncode, 0, run.stderr)
             self.assertTrue(set(made) <= {path.name for path in self.folder.iterdir()}, command)
+
+    def test_a_sequence_of_sparse_grids_has_its_background_around_it(self):
+        """Constant fog, and fog without a sample that is as thin as the iso value: both have a surface."""
+        for frame, values in ((1, (1, 1)), (2, (1, 1)), (3, (5, 6))):
+            voxels = {(x, y, z): float(values[(x + y + z) % 2]) for x in range(4) for y in range(4) for z in range(4)}
+            (self.folder / f"fog_{frame}.vdb").write_bytes(vdb(grid(voxels=voxels)))
+        (report,) = self.json("fog_{}.vdb")
+        self.assertEqual((report["suggestion"]["iso"], report["suggestion"]["frames"]), (0.5, 3))
+        self.convert("fog_{}.vdb", "--iso", "0.5", "-o", "m_{}.ply")
+        self.assertEqual(sum(name.endswith(".ply") for name in self.files()), 3)
 
     def test_a_sequence_with_a_frame_that_cannot_be_read(self):
         self.write_frames((1, 2, 3))

@@ -70,6 +70,13 @@ class MemoryTest(ProgramTest):
         (self.folder / "map.raw").write_bytes(b"".join(layers))
         self.check("map.raw", "--dims", f"{size},{size},{size}", "--labels", "all", "-o", "a.glb")
 
+    def test_the_distance_of_a_simplified_mesh(self):
+        """Faces that lie in planes at right angles to others: rounding made parts of triangles without end, 1.6 GiB."""
+        for demo, share in (("sphere?size=24", "50%"), ("torus?size=16", "50%"), ("metaballs?size=20", "25%")):
+            run, report = self.report(f"demo:{demo}", "--iso", "0", "--method", "voxels", "--triangles", share, "-o", "a.ply")
+            self.assertEqual(run.code, 0, run.err)
+            self.assertLess(report["peak_memory_bytes"], report["reserved_memory_bytes"] + OVERHEAD, demo)
+
     def test_another_resolution(self):
         self.check("demo:gyroid?size=160", "--iso", "0", "--resolution", "256", "-o", "a.ply")
 

@@ -360,7 +360,7 @@ class ParticlesTest(ProgramTest):
         text = self.convert("info", "a.ply").text
         self.assertIn("125", text)
         self.assertIn("0.5 .. 0.5 to the nearest, median 0.5", text)
-        self.assertIn("0.25: half that median; --radius R says another", text)
+        self.assertIn("0.25: half that median; --radius R says another, and so do radii that the particles have", text)
         self.assertRegex(text, r"pressure +\S+ +0 \.\. 2")
         command = re.search(r"isoextract (a\.ply --iso 0\.6 -o \S+)", text)
         self.assertIsNotNone(command, text)

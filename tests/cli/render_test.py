@@ -4,6 +4,7 @@ import json
 import struct
 
 from support import NO_GPU, SPHERE, Png, ProgramTest, main
+from vdb_files import grid, vdb
 
 SMALL = ("--size", "48x32", "--backend", "cpu")
 
@@ -129,6 +130,32 @@ class RenderTest(ProgramTest):
         self.convert("render", "f_{}.raw", "--dims", "16,16,16", "--dtype", "f32", *SMALL, "-o", "p_{:03}.png", "--frames", "2")
         self.assertEqual([name for name in self.files() if name.startswith("p_")], ["p_002.png"])
 
+    def test_frames_that_show_nothing(self):
+        """Smoke begins with an empty grid: its frames are drawn, with the camera of the first that shows something."""
+        voxels = {(x, y, z): 1.0 for x in range(6) for y in range(6) for z in range(6)}
+        for frame, there in ((1, {}), (2, voxels), (3, {})):
+            (self.folder / f"f_{frame}.vdb").write_bytes(vdb(grid(voxels=there)))
+        for more in (("--tf-range", "0,1"), ("--iso", "0.5"), ("--iso", "0.5", "--tf", "none")):
+            with self.subTest(more):
+                run = self.convert("render", "f_{}.vdb", *SMALL, *more, "-o", "p_{}.png", "--json", "all.json")
+                self.assertEqual(run.err.count(": the picture shows none of it\n"), 2, run.err)
+                alpha = [Png((self.folder / f"p_{i}.png").read_bytes()).alpha() for i in (1, 2, 3)]
+                self.assertEqual((alpha[0], alpha[2]), (0, 0))
+                self.assertGreater(alpha[1], 0)
+                pictures = json.loads((self.folder / "all.json").read_text())["pictures"]
+                self.assertEqual(sorted(picture["frame"] for picture in pictures), [1, 2, 3])
+        self.assert_fails(2, self.run_program("render", "f_1.vdb", *SMALL, "-o", "a.png"), "f_1.vdb: the grid has no voxels")
+
+    def test_frames_that_are_not_there(self):
+        for frame in (1, 2):
+            self.write_raw(f"f_{frame}.raw", (8, 8, 8), lambda x, y, z: x)
+        sequence = ("render", "f_{}.raw", "--dims", "8,8,8", "--dtype", "f32", *SMALL, "-o", "p_{}.png")
+        run = self.run_program(*sequence, "--frames", "1-4")
+        self.assertEqual(run.code, 5, run.err)
+        self.assertIn("isoextract: error: frames that are not there: 3-4\n", run.err)
+        self.assertEqual(sum(name.endswith(".png") for name in self.files()), 2)
+        self.convert(*sequence, "--frames", "1-2")
+
     def test_a_sequence_that_leaves_the_picture_is_told(self):
         for frame, at in ((1, 4), (2, 60)):
             self.write_raw(f"f_{frame}.raw", (64, 8, 8), lambda x, y, z, at=at: 1 if max(abs(x - at), abs(y - 4), abs(z - 4)) < 3 else 0)
@@ -137,7 +164,7 @@ class RenderTest(ProgramTest):
             run = self.convert(*sequence, *more)
             self.assertEqual(run.err.count("note: the camera is placed by the first picture: "), 1)
             self.assertNotIn("p_1.png: the picture is empty", run.err)
-            self.assertIn("note: p_2.png: the picture is empty: the camera sees nothing of what is drawn\n", run.err)
+            self.assertIn("note: p_2.png: the picture is empty: what is drawn is not before the camera, or the transfer function leaves it clear\n", run.err)
         run = self.convert(*sequence, "--camera", "0,0,100", "--look-at", "32,4,4")
         self.assertNotIn("note:", run.err)
         seen = [Png((self.folder / name).read_bytes()).alpha() for name in ("p_1.png", "p_2.png")]

@@ -74,6 +74,38 @@ TEST(EstimateVertices, OfBlocksLooksAlongEveryAxis) {
   EXPECT_EQ(estimate_vertices(blocks_with({{glm::ivec3(0), {}}}), 0.5), 0U);
 }
 
+// Tiles of 1 in a background of 0: what lies within them has no edge that crosses, their faces have all.
+TEST(EstimateVertices, CountsTheFacesOfTiles) {
+  ScalarField field = blocks_with({});
+  auto& sparse = std::get<SparseSamples>(field.samples);
+  sparse.tiles = {{glm::ivec3(0), 128, 1}};
+  EXPECT_EQ(estimate_vertices(field, 0.5), 6U * 128 * 128);
+  EXPECT_EQ(estimate_places(field, 0.5), 6U * 16 * 16);
+  EXPECT_EQ(estimate_vertices(field, 2), 0U);
+  sparse.tiles.push_back({glm::ivec3(128, 0, 0), 8, 1});  // shares a face
+  EXPECT_EQ(estimate_vertices(field, 0.5), 6U * 128 * 128 + 4U * 8 * 8);
+  sparse.tiles.back().value = -1;  // outside, as the background is
+  EXPECT_EQ(estimate_vertices(field, 0.5), 6U * 128 * 128);
+  field.kind = FieldKind::level_set;  // the one of -1 alone is inside below -0.5
+  EXPECT_EQ(estimate_vertices(field, -0.5), 6U * 8 * 8);
+}
+
+// A block beside the tile whose samples at the shared face are inside but for one.
+TEST(EstimateVertices, CountsWhereTilesMeetBlocks) {
+  std::vector<glm::ivec3> ones;
+  for (int x = 0; x < 8; ++x) {
+    for (int y = 0; y < 8; ++y) {
+      for (int z = 0; z < 8; ++z) {
+        if (glm::ivec3(x, y, z) != glm::ivec3(0, 3, 4)) ones.emplace_back(x, y, z);
+      }
+    }
+  }
+  ScalarField field = blocks_with({{glm::ivec3(8, 0, 0), ones}});
+  std::get<SparseSamples>(field.samples).tiles = {{glm::ivec3(0), 8, 1}};
+  // Five edges of that sample lie in the block, five faces of the tile are bare, and one edge lies between them.
+  EXPECT_EQ(estimate_vertices(field, 0.5), 5U * 8 / 7 + 5U * 64 + 1);
+}
+
 TEST(EstimatePlaces, CountsBlocksAndWhatLiesBesideThem) {
   EXPECT_EQ(estimate_places(dense_field({0, 1}, {2, 1, 1}), 0.5), 0U);
   EXPECT_EQ(estimate_places(blocks_with({{glm::ivec3(0), {}}}), 0.5), 0U);
