@@ -19,7 +19,7 @@ namespace {
 constexpr int kNodeDigits = 4;
 
 // Records of an animation go by other names than those of jobs, which write files of their own.
-std::string key_of(const BatchJob& batch) { return files::content_hash("animation " + hash_of(batch)); }
+std::string key_of(const BatchJob& batch) { return animation_key(hash_of(batch)); }
 
 std::string key_of(const std::string& animation, const FrameJob& frame) {
   return files::content_hash(fmt::format("{} frame {}", animation, frame.number));
@@ -94,6 +94,8 @@ std::string left_out_text(const BatchJob& batch, std::span<const std::int64_t> m
   }
   return fmt::format("{} is without frames that failed: {}; {}", batch.animation->path, list(missing), shown);
 }
+
+std::string animation_key(const std::string& batch) { return files::content_hash("animation " + batch); }
 
 Result<void> keep_animation(Manifest& manifest, const BatchJob& batch, std::vector<FrameRecord> frames,
                             const meshes::MeshWriteResult& written) {

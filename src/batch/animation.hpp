@@ -52,6 +52,9 @@ class Animation final : public FrameReceiver {
 // what is shown in their time.
 [[nodiscard]] std::string left_out_text(const BatchJob& batch, std::span<const std::int64_t> missing);
 
+// What the record of a whole animation has as its job, by the hash of its batch.
+[[nodiscard]] std::string animation_key(const std::string& batch);
+
 // Keeps in the manifest what a whole animation was made of: `frames` are the records of all its frames, in their order.
 // A run that ends within leaves it as if nothing was kept.
 [[nodiscard]] Result<void> keep_animation(Manifest& manifest, const BatchJob& batch, std::vector<FrameRecord> frames,

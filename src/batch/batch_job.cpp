@@ -6,10 +6,22 @@
 
 namespace isoextract::batch {
 
+namespace {
+
+std::string text_of(const FrameHash& frame) { return fmt::format("{} {}\n", frame.number, frame.job); }
+
+}  // namespace
+
 std::string hash_of(const BatchJob& batch) {
   std::string text;
-  for (const FrameJob& frame : batch.frames) text += fmt::format("{} {}\n", frame.number, convert::hash_of(frame.job));
+  for (const FrameJob& frame : batch.frames) text += text_of(FrameHash{frame.number, convert::hash_of(frame.job)});
   if (batch.animation) text += fmt::format("{} {}\n", batch.animation->frames_per_second, batch.animation->path);
+  return files::content_hash(text);
+}
+
+std::string hash_of(std::span<const FrameHash> frames) {
+  std::string text;
+  for (const FrameHash& frame : frames) text += text_of(frame);
   return files::content_hash(text);
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -34,5 +35,12 @@ struct BatchJob {
 
 // 32 hexadecimal digits that stand for all frames and what is done with them, as convert::hash_of() does for one.
 [[nodiscard]] std::string hash_of(const BatchJob& batch);
+
+// The same, of a batch without an animation, from the number and convert::hash_of() of each frame, in their order.
+struct FrameHash {
+  std::int64_t number = 0;
+  std::string job;
+};
+[[nodiscard]] std::string hash_of(std::span<const FrameHash> frames);
 
 }  // namespace isoextract::batch

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "base/printable.hpp"
+#include "batch/detail/decimal_names.hpp"
 #include "batch/detail/folder_names.hpp"
 #include "batch/detail/input_names.hpp"
 #include "batch/detail/sequences.hpp"
@@ -106,11 +107,42 @@ EntryPattern entry_pattern(const FramePattern& pattern) {
           suffix.substr(rest)};
 }
 
+// What the pattern's number is in the names that it matches.
+FractionKind judge_numbers(const FramePattern& pattern, std::span<const std::string> names) {
+  const std::string& prefix = pattern.prefix();
+  if (names.size() < 2 || !ends_within_decimal(prefix)) return FractionKind::whole_numbers;
+  if (ends_in_exponent(prefix)) return FractionKind::fractions;
+  std::vector<std::string_view> digits;
+  for (const std::string& name : names) {
+    digits.push_back(
+        std::string_view(name).substr(prefix.size(), name.size() - prefix.size() - pattern.suffix().size()));
+  }
+  return judge_fractions(digits);
+}
+
+// Tells that digits after a point may be whole numbers or not. Nothing where they can only be whole numbers.
+void add_note_of_unclear(const FramePattern& pattern, std::span<const std::string> names, FoundFrames& found) {
+  if (judge_numbers(pattern, names) != FractionKind::unclear) return;
+  found.notes.push_back(fmt::format("{}: the digits after the point are taken as whole numbers, in which 10 follows 9",
+                                    printable(pattern.text())));
+}
+
+tl::unexpected<Error> fail_decimals(const std::string& input, const EntryPattern& entries,
+                                    std::span<const std::string> names) {
+  return fail(ErrorKind::usage,
+              fmt::format("{}: expected whole numbers of frames, found parts of decimal numbers: {} and {}",
+                          printable(input), printable(names.front()), printable(names.back())),
+              fmt::format("list the files, without quotes: {}*{}; they are ordered by their decimal numbers",
+                          printable(entries.folder + entries.pattern.prefix()),
+                          printable(entries.pattern.suffix() + entries.rest)));
+}
+
 Result<FoundFrames> matching_files(const FramePattern& pattern, const std::optional<FrameRange>& range,
                                    const std::string& input) {
   const EntryPattern entries = entry_pattern(pattern);
   const FramePattern any_width(entries.pattern.prefix(), 0, entries.pattern.suffix());
   FoundFrames found;
+  std::vector<std::string> matched;
   std::string other_width;  // a name that another width would match
   const auto visited = visit_folder(entries.folder, [&](const std::string& name, const fs::directory_entry& entry) {
     const auto number = entries.pattern.match(name);
@@ -118,14 +150,18 @@ Result<FoundFrames> matching_files(const FramePattern& pattern, const std::optio
       if (any_width.match(name) && (other_width.empty() || name < other_width)) other_width = name;
       return;
     }
-    if (range && !range->contains(*number)) return;
     std::error_code none;
     std::string path = entries.folder + name + entries.rest;
     const bool is_file =
         entries.rest.empty() ? !entry.is_directory(none) : fs::exists(path, none) && !fs::is_directory(path, none);
-    if (is_file) found.frames.push_back({*number, std::move(path), {}});
+    if (!is_file) return;
+    matched.push_back(name);
+    if (!range || range->contains(*number)) found.frames.push_back({*number, std::move(path), {}});
   });
   if (!visited) return tl::unexpected(visited.error());
+  std::ranges::sort(matched);
+  if (judge_numbers(entries.pattern, matched) == FractionKind::fractions) return fail_decimals(input, entries, matched);
+  add_note_of_unclear(entries.pattern, matched, found);
   if (!found.frames.empty()) return found;
   std::string message = fmt::format("{}: no file has such a name", printable(input));
   if (range) message += fmt::format(" with a number of {}", text_of(range->runs(), kShownRuns));
@@ -133,21 +169,36 @@ Result<FoundFrames> matching_files(const FramePattern& pattern, const std::optio
               other_width.empty() ? "" : fmt::format("{{}} would match {}", printable(other_width)));
 }
 
-// Members of one sequence, or all of several names by their position.
-FoundFrames numbered_frames(std::span<const std::string> names, const std::string& folder) {
-  const std::vector<Sequence> sequences = sequences_of(names);
-  FoundFrames found;
-  found.numbered = sequences.size() == 1;
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const std::int64_t number = found.numbered ? sequences.front().members[i].number : static_cast<std::int64_t>(i) + 1;
-    found.frames.push_back({number, folder + names[i], {}});
-  }
-  return found;
-}
-
 std::string note_by_position(std::size_t count) {
   return fmt::format("the names do not differ in one number alone: the frames are numbered 1 to {} by their order",
                      count);
+}
+
+std::string note_by_decimals(const std::string& first, const std::string& last, std::size_t count) {
+  return fmt::format(
+      "the names differ in a decimal number: the frames are numbered 1 to {} by its value, from {} to {}", count,
+      printable(first), printable(last));
+}
+
+// Members of one sequence, or all of several names by their decimal number or by their position.
+FoundFrames numbered_frames(std::span<const std::string> names, std::span<const Sequence> sequences,
+                            const std::optional<DecimalOrder>& decimals, const std::string& folder) {
+  FoundFrames found;
+  found.numbered = sequences.size() == 1 && !decimals;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const std::size_t name = decimals ? decimals->names[i] : i;
+    const std::int64_t number = found.numbered ? sequences.front().members[i].number : static_cast<std::int64_t>(i) + 1;
+    found.frames.push_back({number, folder + names[name], {}});
+  }
+  if (decimals) {
+    found.notes.push_back(
+        note_by_decimals(names[decimals->names.front()], names[decimals->names.back()], names.size()));
+  } else if (!found.numbered) {
+    found.notes.push_back(note_by_position(names.size()));
+  } else if (const auto pattern = FramePattern::parse(sequences.front().pattern); pattern && *pattern) {
+    add_note_of_unclear(**pattern, names, found);
+  }
+  return found;
 }
 
 tl::unexpected<Error> fail_several(const std::string& folder, std::span<const Sequence> sequences) {
@@ -204,9 +255,10 @@ Result<FoundFrames> files_of_folder(const std::string& folder) {
   std::ranges::sort(names, NaturalLess());
   const std::vector<Sequence> sequences = sequences_of(names);
   const auto is_several = [](const Sequence& sequence) { return sequence.members.size() > 1; };
-  if (sequences.size() > 1 && std::ranges::any_of(sequences, is_several)) return fail_several(folder, sequences);
-  FoundFrames found = numbered_frames(names, folder.ends_with('/') ? folder : folder + '/');
-  if (!found.numbered) found.notes.push_back(note_by_position(names.size()));
+  const auto decimals = order_by_decimals(names);
+  const bool is_one = sequences.size() == 1 || (decimals && !decimals->may_be_two_numbers);
+  if (!is_one && std::ranges::any_of(sequences, is_several)) return fail_several(folder, sequences);
+  FoundFrames found = numbered_frames(names, sequences, decimals, folder.ends_with('/') ? folder : folder + '/');
   if (others > 0) {
     found.notes.push_back(fmt::format("{}: {} other file{} not named like {}", printable(folder), others,
                                       others == 1 ? " is" : "s are", are_particles ? "particles" : "a volume"));
@@ -240,11 +292,7 @@ Result<FoundFrames> listed_files(std::span<const std::string> inputs) {
                             fs::is_directory(status) ? "folder" : "pattern", inputs.size()),
                 "give it alone");
   }
-  if (all_files) {
-    FoundFrames found = numbered_frames(inputs, {});
-    if (!found.numbered) found.notes.push_back(note_by_position(inputs.size()));
-    return found;
-  }
+  if (all_files) return numbered_frames(inputs, sequences_of(inputs), order_by_decimals(inputs), {});
   FoundFrames found{{}, false, {note_by_position(inputs.size())}};
   for (const std::string& input : inputs) {
     found.frames.push_back({static_cast<std::int64_t>(found.frames.size()) + 1, input, {}});

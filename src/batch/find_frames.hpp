@@ -38,14 +38,16 @@ struct Frames {
 //   other files   as shells expand them; one that does not exist is a frame all the same, and fails when it is read
 //
 // Files are numbered by the one group of digits in which their names differ (detail/sequences.hpp), or else, with a
-// note, 1 to n in their order; a single one by the last digits of its name, or else 1. Where frames are two or more
+// note, 1 to n: by the value of the one decimal number in which they differ (detail/decimal_names.hpp), or in their
+// order; a single one by the last digits of its name, or else 1. Where frames are two or more
 // apart throughout (1, 3, 7), only multiples of that count as gaps (5). Without `range` all frames are taken, with it
 // those that it has.
 //
 // Fails with ErrorKind::input where a folder cannot be read, where no frame is found, and where two files have one
 // number (f_1.vdb and f_01.vdb); with ErrorKind::usage where a folder holds several sequences, which are listed, where
-// one file is given twice, where a pattern or a folder is one of several inputs, for a range of a single file, and for
-// more than kMaxFrames frames.
+// one file is given twice, where a pattern or a folder is one of several inputs, where the number of a pattern is a
+// part of decimal numbers (t_0.{}.vdb with t_0.25.vdb and t_0.5.vdb), for a range of a single file, and for more than
+// kMaxFrames frames.
 [[nodiscard]] Result<Frames> find_frames(std::span<const std::string> inputs, const std::optional<FrameRange>& range);
 
 }  // namespace isoextract::batch

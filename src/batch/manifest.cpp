@@ -254,7 +254,9 @@ Result<Manifest> Manifest::open(const fs::path& folder, const ManifestHeader& he
       return header.shard.is_all() || old->header.batch == header.batch || jobs.contains(record.job);
     });
   }
-  if (resume && !header.shard.is_all()) add_records_of_others(folder, state->path, header, jobs, kept);
+  if (resume) add_records_of_others(folder, state->path, header, jobs, kept);
+  // Those of this batch last, so that merge_shards() knows them from those of others.
+  std::ranges::stable_partition(kept, [&](const FrameRecord& record) { return !jobs.contains(record.job); });
   const bool goes_on = trusted && resume && old->header.batch == header.batch;
   ManifestHeader own = header;
   if (goes_on) own.arguments = old->header.arguments;

@@ -59,8 +59,8 @@ class Manifest {
  public:
   // Opens or makes the file in `folder` and locks it, and the folder against a run with other shards. Records of the
   // same program stay until their frame is begun anew; in a shard's manifest, which is of one batch, only those of
-  // `jobs`, the hashes of the shard's. With `resume` a shard takes over what the folder's other manifests have of
-  // these, so that another number of shards goes on where the first one was ended. Fails with ErrorKind::output where
+  // `jobs`, the hashes of the run's. With `resume` the run takes over what the folder's other manifests have of these,
+  // so that another number of shards goes on where the first one was ended. Fails with ErrorKind::output where
   // that is not possible, or another run has the lock.
   [[nodiscard]] static Result<Manifest> open(const std::filesystem::path& folder, const ManifestHeader& header,
                                              bool resume, const std::unordered_set<std::string>& jobs);

@@ -1,6 +1,9 @@
 #include "batch/merge_shards.hpp"
 
 #include <algorithm>
+#include <cstdint>
+#include <map>
+#include <optional>
 #include <system_error>
 #include <unordered_map>
 #include <unordered_set>
@@ -10,6 +13,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "base/version.hpp"
+#include "batch/animation.hpp"
 #include "batch/frame_range.hpp"
 #include "batch/manifest.hpp"
 
@@ -51,17 +56,68 @@ struct ShardGroup {
   }
 };
 
-Result<std::vector<fs::path>> shard_paths(const fs::path& folder) {
-  auto paths = manifest_paths(folder);
-  if (!paths) return paths;
-  std::erase_if(*paths, [](const fs::path& path) { return path.filename() == manifest_name({}); });
-  if (paths->empty()) return bad(folder, "there is no manifest of a shard in this folder");
-  return paths;
+// The manifest of runs without shards and of earlier merges.
+class JoinedManifest {
+ public:
+  explicit JoinedManifest(const fs::path& folder) : path_(folder / manifest_name({})) {
+    auto content = read_manifest(path_);  // one that is damaged fails where it is opened
+    if (!content || content->header.program != generator()) return;
+    content_ = std::move(*content);
+    for (const FrameRecord& record : content_.records) {
+      by_job_[record.job] = &record;
+      by_frame_[record.frame] = &record;
+    }
+  }
+  JoinedManifest(const JoinedManifest&) = delete;
+  JoinedManifest& operator=(const JoinedManifest&) = delete;
+
+  [[nodiscard]] const fs::path& path() const { return path_; }
+  // Of the last run or merge; without a batch where there is no such manifest.
+  [[nodiscard]] const ManifestHeader& header() const { return content_.header; }
+  [[nodiscard]] bool is_there() const { return !content_.header.batch.empty(); }
+  [[nodiscard]] const FrameRecord* find(const std::string& job) const {
+    const auto place = by_job_.find(job);
+    return place == by_job_.end() ? nullptr : place->second;
+  }
+  // The last record of a frame, of whatever batch.
+  [[nodiscard]] const FrameRecord* last_of(std::int64_t frame) const {
+    const auto place = by_frame_.find(frame);
+    return place == by_frame_.end() ? nullptr : place->second;
+  }
+
+ private:
+  fs::path path_;
+  ManifestContent content_;
+  std::unordered_map<std::string, const FrameRecord*> by_job_;
+  std::unordered_map<std::int64_t, const FrameRecord*> by_frame_;
+};
+
+// Which records count: all, or those whose inputs and outputs are what they were.
+enum class Wanted { all, unchanged };
+
+// Adds records of the joined manifest for the frames of the batch that `found` lacks. The joined manifest has records
+// of other batches as well: adds none where the outcome is another batch, or a part of one that another one followed.
+void add_joined_records(const ManifestHeader& header, const JoinedManifest& joined, Wanted wanted,
+                        std::map<std::int64_t, FrameRecord>& found) {
+  const auto range = FrameRange::parse(header.numbers);
+  if (!joined.is_there() || !range) return;
+  std::map<std::int64_t, FrameRecord> filled = found;
+  for (const std::int64_t number : range->numbers()) {
+    const FrameRecord* const record = filled.contains(number) ? nullptr : joined.last_of(number);
+    if (record == nullptr || (wanted == Wanted::unchanged && !what_changed(*record).empty())) continue;
+    filled.emplace(number, *record);
+  }
+  std::vector<FrameHash> frames;
+  for (const auto& [number, record] : filled) frames.push_back({number, record.job});
+  const bool is_whole = frames.size() == header.frames;
+  const bool is_of_batch = is_whole ? hash_of(frames) == header.batch : joined.header().batch == header.batch;
+  if (is_of_batch) found = std::move(filled);
 }
 
 Result<std::vector<ShardGroup>> read_groups(const fs::path& folder) {
-  const auto paths = shard_paths(folder);
+  auto paths = manifest_paths(folder);
   if (!paths) return tl::unexpected(paths.error());
+  std::erase_if(*paths, [](const fs::path& path) { return path.filename() == manifest_name({}); });
   std::vector<ShardGroup> groups;
   for (const fs::path& path : *paths) {
     auto content = read_manifest(path);
@@ -93,35 +149,29 @@ std::vector<ShardGroup> one_of_each_batch(std::vector<ShardGroup> groups) {
   return chosen;
 }
 
-// Whether the joined manifest has all of the group's records.
-bool is_joined(const ShardGroup& group, const std::unordered_map<std::string, FrameRecord>& joined) {
-  return group.is_complete() && std::ranges::all_of(group.shards, [&](const ShardManifest& shard) {
-           return std::ranges::all_of(shard.content.records, [&](const FrameRecord& record) {
-             const auto known = joined.find(record.job);
-             return known != joined.end() && known->second == record;
-           });
-         });
-}
-
-std::unordered_map<std::string, FrameRecord> joined_records(const fs::path& folder) {
-  std::unordered_map<std::string, FrameRecord> records;
-  auto content = read_manifest(folder / manifest_name({}));
-  if (!content) return records;  // none yet; one that is damaged fails where it is opened
-  for (FrameRecord& record : content->records) {
-    std::string job = record.job;
-    records.emplace(std::move(job), std::move(record));
+// Whether the joined manifest has all records of the group's batch.
+bool is_joined(const ShardGroup& group, const JoinedManifest& joined) {
+  std::map<std::int64_t, FrameRecord> found;
+  for (const ShardManifest& shard : group.shards) {
+    for (const FrameRecord& record : shard.content.records) {
+      const FrameRecord* const known = joined.find(record.job);
+      if (known == nullptr) return false;
+      found.emplace(record.frame, *known);
+    }
   }
-  return records;
+  add_joined_records(group.header(), joined, Wanted::unchanged, found);
+  return found.size() == group.header().frames;
 }
 
-// The group to join: of the batch that is not joined yet. Where all are, the newest, whose files are checked again.
-Result<ShardGroup> choose_group(const fs::path& folder) {
+// The group to join: of the batch that is not joined yet. Where all are, the newest, whose files are checked again;
+// nothing where there is none.
+Result<std::optional<ShardGroup>> choose_group(const fs::path& folder, const JoinedManifest& joined) {
   auto read = read_groups(folder);
   if (!read) return tl::unexpected(std::move(read.error()));
   std::vector<ShardGroup> groups = one_of_each_batch(std::move(*read));
+  if (groups.empty()) return std::nullopt;
   std::ranges::stable_sort(groups, std::ranges::greater(), &ShardGroup::written);
   if (groups.size() == 1) return std::move(groups.front());
-  const auto joined = joined_records(folder);
   std::vector<ShardGroup*> open;
   for (ShardGroup& group : groups) {
     if (!is_joined(group, joined)) open.push_back(&group);
@@ -137,7 +187,7 @@ Result<ShardGroup> choose_group(const fs::path& folder) {
 }
 
 // "3 are missing: 2, 5, 8"
-std::string missing_text(const ManifestHeader& header, const std::unordered_set<std::int64_t>& found) {
+std::string missing_text(const ManifestHeader& header, const std::map<std::int64_t, FrameRecord>& found) {
   std::vector<std::int64_t> missing;
   if (const auto range = FrameRange::parse(header.numbers)) {
     for (const std::int64_t number : range->numbers()) {
@@ -150,53 +200,120 @@ std::string missing_text(const ManifestHeader& header, const std::unordered_set<
   return text;
 }
 
+Result<void> check_outputs(const FrameRecord& record) {
+  for (const FileRecord& output : record.outputs) {
+    const auto now = files::state_of_file(output.path);
+    if (!now) return tl::unexpected(now.error());
+    if (now->hash != output.state.hash) return bad(output.path, "it is not what its shard has written");
+  }
+  return {};
+}
+
+std::string absent_text(const ManifestHeader& header) {
+  return header.absent.empty() ? "" : fmt::format("; frames that were asked for and have no input: {}", header.absent);
+}
+
+tl::unexpected<Error> fail_missing(const fs::path& folder, const ManifestHeader& header,
+                                   const std::map<std::int64_t, FrameRecord>& found) {
+  return bad(folder, fmt::format("expected {} frames, found {}: {}{}", header.frames, found.size(),
+                                 missing_text(header, found), absent_text(header)));
+}
+
+// Checks what a run without shards has done: shard 1 of 1, which needs no joining.
+Result<MergedShards> check_whole(const fs::path& folder, const JoinedManifest& joined) {
+  if (!joined.is_there()) return bad(folder, "there is no manifest of a shard in this folder");
+  const ManifestHeader& header = joined.header();
+  MergedShards merged{joined.path(), 1, header.frames, header.absent};
+  if (const FrameRecord* const animation = joined.find(animation_key(header.batch))) {
+    if (auto checked = check_outputs(*animation); !checked) return tl::unexpected(std::move(checked.error()));
+    return merged;
+  }
+  std::map<std::int64_t, FrameRecord> found;
+  add_joined_records(header, joined, Wanted::all, found);
+  if (found.size() != header.frames) return fail_missing(folder, header, found);
+  for (const auto& [number, record] : found) {
+    if (auto checked = check_outputs(record); !checked) return tl::unexpected(std::move(checked.error()));
+  }
+  return merged;
+}
+
 }  // namespace
 
 Result<MergedShards> merge_shards(const fs::path& folder) {
-  auto group = choose_group(folder);
+  const JoinedManifest joined(folder);
+  auto group = choose_group(folder, joined);
   if (!group) return tl::unexpected(std::move(group.error()));
-  ManifestHeader header = group->header();
-  MergedShards merged{{}, header.shard.count, header.frames, {}};
-  std::vector<FrameRecord> records;
+  const bool is_done = *group && is_joined(**group, joined);
+  if (!*group || (is_done && joined.header().batch != (*group)->header().batch)) {
+    return check_whole(folder, joined);
+  }
+  ManifestHeader header = (*group)->header();
   std::vector<bool> seen(static_cast<std::size_t>(header.shard.count));
-  std::unordered_set<std::string> jobs;
-  std::unordered_set<std::int64_t> found;
-  for (auto& [path, content] : group->shards) {
+  std::map<std::int64_t, FrameRecord> found;
+  for (auto& [path, content] : (*group)->shards) {
     const auto place = static_cast<std::size_t>(content.header.shard.number - 1);
     if (seen[place]) return bad(path, fmt::format("shard {} is there twice", content.header.shard.number));
     seen[place] = true;
-    if (merged.absent.empty()) merged.absent = content.header.absent;
+    if (header.absent.empty()) header.absent = content.header.absent;
     for (FrameRecord& record : content.records) {
-      if (!jobs.insert(record.job).second) return bad(path, fmt::format("frame {} is there twice", record.frame));
-      for (const FileRecord& output : record.outputs) {
-        const auto now = files::state_of_file(output.path);
-        if (!now) return tl::unexpected(now.error());
-        if (now->hash != output.state.hash) return bad(output.path, "it is not what its shard has written");
+      // A later run without shards may have made the frame anew.
+      const FrameRecord* const other = joined.find(record.job);
+      const bool is_old = other != nullptr && *other != record && !what_changed(record).empty();
+      if (is_old && what_changed(*other).empty()) record = *other;
+      if (auto checked = check_outputs(record); !checked) return tl::unexpected(std::move(checked.error()));
+      const std::int64_t frame = record.frame;
+      if (!found.emplace(frame, std::move(record)).second) {
+        return bad(path, fmt::format("frame {} is there twice", frame));
       }
-      found.insert(record.frame);
-      records.push_back(std::move(record));
     }
   }
-  const std::string absent =
-      merged.absent.empty() ? "" : fmt::format("; frames that were asked for and have no input: {}", merged.absent);
-  for (std::size_t place = 0; place < seen.size(); ++place) {
-    if (!seen[place]) return bad(folder, fmt::format("shard {} of {} is missing{}", place + 1, seen.size(), absent));
+  if (found.size() < header.frames) add_joined_records(header, joined, Wanted::unchanged, found);
+  if (found.size() != header.frames) {
+    const auto missing = std::ranges::find(seen, false);
+    if (missing != seen.end()) {
+      return bad(folder, fmt::format("shard {} of {} is missing{}", missing - seen.begin() + 1, seen.size(),
+                                     absent_text(header)));
+    }
+    return fail_missing(folder, header, found);
   }
-  if (records.size() != header.frames) {
-    return bad(folder, fmt::format("expected {} frames, found {}: {}{}", header.frames, records.size(),
-                                   missing_text(header, found), absent));
-  }
-  std::ranges::stable_sort(records, {}, &FrameRecord::frame);
+  MergedShards merged{{}, header.shard.count, header.frames, header.absent};
   header.shard = {};
   auto manifest = Manifest::open(folder, header, true, {});
   if (!manifest) return tl::unexpected(manifest.error());
-  for (const FrameRecord& record : records) {
+  for (const auto& [number, record] : found) {
     const FrameRecord* old = manifest->find(record.job);
     if (old != nullptr && *old == record) continue;
     if (auto added = manifest->add(record); !added) return tl::unexpected(added.error());
   }
   merged.manifest = manifest->path();
   return merged;
+}
+
+Result<void> check_replaced_shard(const fs::path& folder, const BatchJob& batch, const Shard& shard,
+                                  const std::unordered_set<std::string>& files) {
+  if (shard.is_all()) return {};
+  const fs::path path = folder / manifest_name(shard);
+  auto old = read_manifest(path);
+  if (!old || old->header.program != generator() || old->header.batch == hash_of(batch)) return {};
+  const JoinedManifest joined(folder);
+  std::unordered_set<std::string> jobs;
+  for (const FrameJob& frame : batch.frames) jobs.insert(convert::hash_of(frame.job));
+  const auto is_replaced = [&](const FileRecord& output) {
+    std::error_code none;
+    return files.contains(fs::path(output.path).lexically_normal().string()) || !fs::exists(output.path, none);
+  };
+  const auto lost = std::ranges::count_if(old->records, [&](const FrameRecord& record) {
+    return !jobs.contains(record.job) && joined.find(record.job) == nullptr &&
+           !std::ranges::all_of(record.outputs, is_replaced);
+  });
+  if (lost == 0) return {};
+  return fail(
+      ErrorKind::output,
+      fmt::format("{}: it has {} frame{} of another batch that is not joined yet, and this run would replace it",
+                  path.string(), lost, lost == 1 ? "" : "s"),
+      fmt::format("join that batch first: isoextract merge {}; or give it up by removing its manifests, or "
+                  "choose another folder",
+                  folder.empty() ? "." : folder.string()));
 }
 
 }  // namespace isoextract::batch

@@ -19,10 +19,10 @@
 #include "batch/manifest.hpp"
 #include "batch/output_names.hpp"
 #include "batch/scheduler.hpp"
+#include "cli/batch_dry_run.hpp"
 #include "cli/batch_files.hpp"
 #include "cli/batch_plan.hpp"
 #include "cli/batch_progress.hpp"
-#include "cli/conversion_size.hpp"
 #include "cli/edit_text.hpp"
 #include "cli/frame_plot.hpp"
 #include "cli/gnuplot.hpp"
@@ -287,51 +287,6 @@ tl::unexpected<Error> fail_missing(std::span<const batch::FrameRun> gaps) {
   return fail(ErrorKind::frames, missing_text(gaps), "--missing note makes this no error");
 }
 
-// What would be done, on stdout.
-Result<void> print_plan(const BatchPlan& plan, const Messages& messages) {
-  std::string text;
-  std::uint64_t bytes = 0;
-  std::uint64_t largest = 0;
-  std::size_t largest_frame = 0;
-  for (const std::size_t i : plan.frames) {
-    const batch::FrameJob& frame = plan.batch.frames[i];
-    std::error_code none;
-    const std::uintmax_t size = fs::file_size(frame.job.source.input, none);
-    if (!none) {
-      bytes += size;
-      if (size > largest) {
-        largest = size;
-        largest_frame = i;
-      }
-    }
-    for (const convert::OutputFileJob& output : frame.job.outputs) {
-      text += fmt::format("frame {}: {}{} -> {}{}\n", frame.number, printable(frame.job.source.input),
-                          none ? "" : fmt::format(" ({})", format_byte_size(size)), printable(output.path),
-                          is_there(output.path) ? ", which is there" : "");
-    }
-  }
-  text += fmt::format(
-      "frames: {}, {} of inputs; {}\n", plan.frames.size(), format_byte_size(bytes),
-      plan.gaps.empty() ? "no gaps" : fmt::format("not there: {}", batch::text_of(plan.gaps, batch::kShownFrameRuns)));
-  if (plan.batch.animation) {
-    text += fmt::format("animation: {}, {} frames per second\n", printable(plan.batch.animation->path),
-                        plan.batch.animation->frames_per_second);
-  }
-  text += fmt::format("jobs: {} at a time\n", plan.jobs);
-  text += fmt::format("manifest: {}\n", printable((plan.folder / batch::manifest_name(plan.shard)).string()));
-  if (!plan.frames.empty()) {
-    const std::size_t sample = largest > 0 ? largest_frame : plan.frames.front();
-    const auto memory = estimated_memory(plan.batch.frames[sample].job, plan.common.memory);
-    if (!memory) return tl::unexpected(memory.error());
-    constexpr std::uint64_t kMiB = 1 << 20;
-    const std::uint64_t at_once = std::min<std::uint64_t>(static_cast<std::uint64_t>(plan.jobs), plan.frames.size());
-    text += fmt::format("memory: about {} MiB ({} for frame {}, {} at a time)\n", (*memory * at_once + kMiB - 1) / kMiB,
-                        format_byte_size(*memory), plan.batch.frames[sample].number, at_once);
-  }
-  for (const std::string& note : plan.common.notes) messages.note(note);
-  return print_to_stdout(text);
-}
-
 // Tells the keeper of the frames that are done already, and returns the others.
 std::vector<std::size_t> keep_what_is_done(const BatchPlan& plan, const batch::Manifest& manifest,
                                            FrameKeeper& keeper) {
@@ -388,7 +343,7 @@ void tell_animation(const batch::AnimationJob& animation, const meshes::MeshWrit
 }
 
 Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& arguments, const Messages& messages) {
-  if (plan.flags.dry_run) return print_plan(plan, messages);
+  if (plan.flags.dry_run) return print_batch_plan(plan, messages);
   if (plan.flags.fail_fast && plan.needs_all && !plan.gaps.empty()) return fail_missing(plan.gaps);
   if (plan.flags.plot || (plan.common.pages.html && plan.frames.size() > 1)) {
     if (auto there = check_gnuplot(plan.flags.plot ? "--plot" : "--html"); !there) return there;

@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "batch/manifest.hpp"
 #include "cli/output_folders.hpp"
 #include "cli/output_plan.hpp"
 #include "convert/output_checks.hpp"
@@ -34,6 +35,8 @@ Result<void> make_folders(const BatchPlan& plan) {
   for (const std::size_t i : plan.frames) {
     for (const fs::path& file : files_of(plan.batch.frames[i].job)) files.push_back(file);
   }
+  // A shard without frames has a manifest all the same.
+  if (plan.frames.empty()) files.push_back(plan.folder / batch::manifest_name(plan.shard));
   return see_to_folders(files, plan.make_folders);
 }
 

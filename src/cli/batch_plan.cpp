@@ -93,7 +93,15 @@ bool wants_all_volumes(const ConvertFlags& flags) {
 // The volumes of one file as frames, by their number.
 Result<batch::Frames> volumes_of(const ConvertFlags& flags, const volumes::ReadOptions& read) {
   const std::vector<std::string>& inputs = flags.input.inputs;
-  if (inputs.size() > 1) return refuse_usage("--volume all takes the volumes of one file, and several were given");
+  const char* const one_file = "give one file; of several, each in a run of its own";
+  if (inputs.size() > 1) {
+    return refuse_usage("--volume all takes the volumes of one file, and several were given", one_file);
+  }
+  if (names_frames(inputs.front())) {
+    return refuse_usage(
+        fmt::format("--volume all takes the volumes of one file, and {} stands for several", printable(inputs.front())),
+        one_file);
+  }
   auto particles = plan_particles(flags.particles, flags.surface.nan, has_attributes(flags));
   if (!particles) return tl::unexpected(particles.error());
   convert::SourceOptions source;

@@ -213,7 +213,7 @@ void declare_output(CLI::App& app, ConvertFlags& flags) {
 }  // namespace
 
 void declare_convert(CLI::App& app, ConvertFlags& flags) {
-  declare_input(app, flags.input, "INPUT", "The volume or particles to convert");
+  declare_input(app, flags.input, "INPUT", "The volume or particles to convert", VolumesTaken::all);
   declare_particles(app, flags.particles);
   declare_convert_surface(app, flags);
   declare_edits(app, flags.edits);

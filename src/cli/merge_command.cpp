@@ -16,8 +16,9 @@ Result<void> run_merge(const MergeFlags& flags) {
   const auto merged = batch::merge_shards(*flags.folder);
   if (!merged) return tl::unexpected(merged.error());
   Messages(flags.quiet ? Verbosity::quiet : Verbosity::normal)
-      .summary(fmt::format("{}: {} frames of {} shards{}", printable(merged->manifest.string()), merged->frames,
-                           merged->shards, merged->absent.empty() ? ", all there" : ""));
+      .summary(fmt::format("{}: {} frame{} of {} shard{}{}", printable(merged->manifest.string()), merged->frames,
+                           merged->frames == 1 ? "" : "s", merged->shards, merged->shards == 1 ? "" : "s",
+                           merged->absent.empty() ? ", all there" : ""));
   if (merged->absent.empty()) return {};
   const auto absent = batch::FrameRange::parse(merged->absent);
   if (!absent) return tl::unexpected(absent.error());

@@ -110,7 +110,8 @@ std::string all_words_of(const Hint& hint) {
       return "leave out --grid, --component, --dims, --dtype, --endian, --skip, --axis-order, --nodata, --spacing, "
              "--origin "
              "and --inside";
-    case Remedy::choose_frame: return "choose one of them with --volume K, or take each of them with --volume all";
+    case Remedy::choose_frame:
+      return "choose one of them with --volume K, or take each of them with --volume all, which goes with one file";
     case Remedy::choose_radius: return "give --radius R, in the units of the file" + text;
     case Remedy::skip_particles: return "use --nan outside to leave such particles out";
     case Remedy::fewer_attributes: return "leave --attribute out for it";

@@ -61,7 +61,8 @@ constexpr const char* kQuietText = "Say nothing but errors and, on stdout, resul
 
 }  // namespace
 
-void declare_input(CLI::App& app, InputFlags& flags, const std::string& metavar, const std::string& what) {
+void declare_input(CLI::App& app, InputFlags& flags, const std::string& metavar, const std::string& what,
+                   VolumesTaken volumes) {
   const Group group(app, "Input");
   group.values<std::string>(
       "INPUT", metavar, flags.inputs, parse_text,
@@ -71,9 +72,13 @@ void declare_input(CLI::App& app, InputFlags& flags, const std::string& metavar,
   group.values<std::string>("--grid", "NAME", flags.grids, parse_text,
                             "Grid of a VDB file or array of an .npz, as 'isoextract info' lists it: NAME, or NAME[k] "
                             "where names repeat. A conversion takes several: each has its own surfaces.");
-  group.value("--volume", "K|all", flags.volume, parse_volume,
-              "Volume of a NIfTI, NRRD, NPY or raw file that holds several, such as time steps, or frame of a file of "
-              "particles: its number, counted from 0, or each of them. 'isoextract info' tells how many there are.");
+  const bool takes_all = volumes == VolumesTaken::all;
+  group.value(
+      "--volume", takes_all ? "K|all" : "K", flags.volume, parse_volume,
+      fmt::format("Volume of a NIfTI, NRRD, NPY or raw file that holds several, such as time steps, or frame of "
+                  "a file of particles: its number, counted from 0{}. 'isoextract info' tells how many there "
+                  "are.",
+                  takes_all ? ", or each of them" : ""));
   group.value("--component", "K|length", flags.component, parse_component,
               "Of a NIfTI, NRRD or NumPy file with several numbers a sample, such as vectors, colours and complex "
               "numbers: one, counted from 0, or their length. A NumPy array of four axes is then [z, y, x, c].");

@@ -23,8 +23,11 @@ inline constexpr const char* kIsoText =
     "samples "
     "that are numbers, without the background of sparse grids, whatever --roi and --resolution leave of them.";
 
-// `what` says of the inputs what they are for.
-void declare_input(CLI::App& app, InputFlags& flags, const std::string& metavar, const std::string& what);
+// `what` says of the inputs what they are for. Only commands that work through all volumes of a file offer --volume
+// all.
+enum class VolumesTaken { one, all };
+void declare_input(CLI::App& app, InputFlags& flags, const std::string& metavar, const std::string& what,
+                   VolumesTaken volumes = VolumesTaken::one);
 void declare_particles(CLI::App& app, ParticleFlags& flags);
 void declare_surface(const Group& group, SurfaceFlags& flags);
 void declare_nan(const Group& group, std::optional<extract::NanPolicy>& policy);

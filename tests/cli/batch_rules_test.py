@@ -4,6 +4,8 @@ import csv
 import io
 import json
 import os
+import random
+import re
 import select
 import subprocess
 import time
@@ -36,6 +38,58 @@ class BatchRulesTest(ProgramTest):
         run = self.run_program(*FRAMES, *arguments, **options)
         self.assertEqual(run.code, code, run.err)
         return run
+
+    # Names with decimal numbers
+
+    def test_decimal_times_order_the_frames_by_their_value(self):
+        times = ("0.25", "0.5", "0.75")
+        for i, time_ in enumerate(times):
+            (self.folder / f"t_{time_}.raw").write_bytes(bytes(86) + bytes([101 + i]) + bytes(129))
+            (self.folder / f"s_1e-{3 - i}.raw").write_bytes(bytes(86) + bytes([101 + i]) + bytes(129))
+        (self.folder / "d").mkdir()
+        for time_ in times:
+            os.link(self.folder / f"t_{time_}.raw", self.folder / "d" / f"t_{time_}.raw")
+        names = [f"t_{time_}.raw" for time_ in times]
+        for inputs, expected in ((names, names), (("d",), [f"d/{name}" for name in names]),
+                                 (("s_1e-1.raw", "s_1e-2.raw", "s_1e-3.raw"), ["s_1e-3.raw", "s_1e-2.raw", "s_1e-1.raw"])):
+            with self.subTest(inputs=inputs):
+                run = self.convert(*inputs, *RAW, "-o", "o/a.glb", "--animate", "--table", "t.csv")
+                self.assertEqual([(row["frame"], row["input"]) for row in self.table()], [(str(i + 1), name) for i, name in enumerate(expected)])
+                self.assertIn(f"numbered 1 to 3 by its value, from {expected[0].split('/')[-1]} to {expected[2].split('/')[-1]}", run.err)
+                self.assertNotIn("not there", run.err)
+        for pattern, listed in (("t_0.{}.raw", "t_0.*.raw"), ("s_1e-{}.raw", "s_1e-*.raw")):
+            self.assert_fails(1, self.run_program(pattern, *RAW, "-o", "o/{}.ply"), "expected whole numbers of frames, found parts of decimal numbers",
+                              f"list the files, without quotes: {listed}")
+
+    # Dry runs, and the volumes of one file
+
+    def test_a_dry_runs_memory_is_that_of_the_largest_of_several_frames_of_one_size(self):
+        side = 64
+        noise = random.Random(1).randbytes(side**3)
+        volumes = [noise[:side * side * layers] + bytes(side * side * (side - layers)) for layers in (1, 2, 4, 64, 16, 20, 24)]
+        for number, volume in enumerate(volumes):
+            (self.folder / f"h_{number}.raw").write_bytes(volume)
+        (self.folder / "all.raw").write_bytes(b"".join(volumes))
+        dims = ("--iso", "127.5", "--threads", "1", "-o", "{}.ply", "--dry-run")
+        alone = self.convert("h_{}.raw", "--dims", "64,64,64", *dims, "--frames", "3").text
+        most = re.search(r"memory: about (\d+) MiB \((.*) for frame 3, 1 at a time\)\n", alone)
+        for inputs in (("h_{}.raw", "--dims", "64,64,64"), ("all.raw", "--dims", "64,64,64", "--volume", "all")):
+            text = self.convert(*inputs, *dims).text
+            self.assertIn(f"memory: about {most[1]} MiB ({most[2]} for frame 3, 1 at a time; the most of frames 0, 3, 6)\n", text)
+        self.assertIn("frames: 7, 1.75 MiB of inputs;", text)
+        (self.folder / "h_3.raw").unlink()
+        last = int(re.search(r"memory: about (\d+) MiB \(.* for frame 6, .* frames 0, 4, 6\)",
+                             self.convert("h_{}.raw", "--dims", "64,64,64", *dims).text)[1])
+        self.assertLess(last, int(most[1]))
+
+    def test_all_volumes_are_those_of_one_file(self):
+        for name in ("s_1.raw", "s_2.raw"):
+            (self.folder / name).write_bytes(bytes(432))
+        raw = ("--dims", "6,6,6", "--iso", "50", "--volume", "all", "-o", "{}.ply")
+        for inputs, what in ((("s_{}.raw",), "s_{}.raw stands for several"), ((".",), ". stands for several"),
+                             (("s_1.raw", "s_2.raw"), "several were given")):
+            self.assert_fails(1, self.run_program(*inputs, *raw), f"--volume all takes the volumes of one file, and {what}",
+                              "give one file; of several, each in a run of its own")
 
     # Tables
 

@@ -104,6 +104,9 @@ class SeriesTest(ProgramTest):
         for command in (("info", ), ("verify", )):
             iso = () if command == ("info", ) else ("--iso", "0")
             self.assert_fails(1, self.run_program(*command, "one.npy", *iso, "--volume", "all"), "--volume all")
+        for command in ("info", "verify", "bench", "render"):  # which the help does not promise either
+            self.assertRegex(self.convert(command, "--help").text, r"--volume K\s")
+        self.assertIn("--volume K|all", self.convert("convert", "--help").text)
 
     def test_info_counts_and_describes_one(self):
         for name, _ in self.series():

@@ -208,6 +208,27 @@ class NamesTest(ProgramTest):
             self.assertEqual(run.returncode, 1, options)
             self.assertIn("expected a number of processors", run.stderr)
 
+    def test_submit_gives_the_joining_job_what_says_where_it_may_run(self):
+        environment = self.fakes("sbatch")
+        frames = ("demo:gyroid?size=24&time=0.{:02}", "--frames", "1-2", "--iso", "0", "-o", "f_{}.ply")
+        for options in (("--account=proj", "--partition=short"), ("-A", "proj", "-p", "short"), ("-Aproj", "-pshort"),
+                        ("--account", "proj", "--qos", "low", "--clusters=a", "--reservation=r"), ("-M", "a", "-q", "low", "--time=1:00:00")):
+            run = self.run_script("cluster/submit", "2", *options, "-c", "2", "--", *frames, environment=environment)
+            self.assertEqual(run.returncode, 0, run.stderr)
+            array, joining = self.calls()
+            self.assertEqual(joining[-len(options) - 1:-1], list(options))
+            self.assertNotIn("-c", joining)
+            self.assertEqual(array[4:4 + len(options)], list(options))
+
+    def test_submit_tells_where_only_the_joining_job_is_refused(self):
+        environment = self.fakes("sbatch")
+        with open(self.folder / "fakes/sbatch", "a") as fake:
+            fake.write("sys.exit(any(word.startswith('--wrap=') for word in sys.argv))\n")
+        run = self.run_script("cluster/submit", "2", "--", "demo:gyroid?size=24&time=0.{:02}", "--frames", "1-2", "--iso", "0", "-o", "f_{}.ply",
+                              environment=environment)
+        self.assertEqual(run.returncode, 1)
+        self.assertIn("array 42 is submitted, the joining job is not: run isoextract merge . after it", run.stderr)
+
     def test_a_task_of_an_array_takes_its_part(self):
         self.write_frames(range(1, 6))
         environment = dict(self.fakes(), SLURM_ARRAY_TASK_ID="2", SLURM_ARRAY_TASK_MIN="1", SLURM_ARRAY_TASK_COUNT="5")

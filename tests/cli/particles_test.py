@@ -56,6 +56,19 @@ class ParticlesTest(ProgramTest):
             self.assertAlmostEqual(low[axis], at[axis] - STEP / 2, delta=STEP / 2)
             self.assertAlmostEqual(high[axis], at[axis] + STEP * (n - 0.5), delta=STEP / 2)
 
+    def test_chosen_columns_of_lammps_are_scaled_as_what_they_are(self):
+        """Fractions along a box of 4 x 4 x 4 from (2, 10, -3), whichever axis they become."""
+        points = [(0.25 + 0.1 * i, 0.5, 0.75) for i in range(5)]
+        head = "ITEM: TIMESTEP\n7\nITEM: NUMBER OF ATOMS\n5\nITEM: BOX BOUNDS pp pp pp\n2 6\n10 14\n-3 1\nITEM: ATOMS "
+        rows = "".join("{} {} {}\n".format(*p) for p in points)
+        (self.folder / "s.dump").write_text(head + "xs ys zs\n" + rows)
+        (self.folder / "m.dump").write_text(head + "xs y zs\n" + rows)
+        for name, columns, low in (("s.dump", "x=zs,y=xs,z=ys", (0, 3, 12)), ("s.dump", "x=1,y=2,z=3", (3, 12, 0)),
+                                   ("s.dump", "x=ys,y=xs,z=zs", (12, 3, 0)), ("m.dump", "x=xs,y=y,z=zs", (3, 0.5, 0))):
+            (told,) = json.loads(self.convert("info", "--json", name, "--columns", columns, "--radius", "0.2").text)
+            for found, wanted in zip(told["particles"]["bounds"]["min"], low):
+                self.assertAlmostEqual(found, wanted, places=6, msg=columns)
+
     def test_names_of_houdinis_spreadsheet(self):
         """Brackets with a letter count components: a velocity is a vector, and P is where the particles are."""
         header = "P[x],P[y],P[z],v[x],v[y],v[z]"

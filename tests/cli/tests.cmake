@@ -2,7 +2,7 @@
 # the time that passes meanwhile is limited only so that a test that hangs ends.
 set(hanging_seconds 1500)
 foreach(name
-    animate attributes attribute_files attribute_kinds batch batch_faults batch_rules shards names spreadsheets iso particles particle_limits particle_sequences config startup usage
+    animate attributes attribute_files attribute_kinds batch batch_faults batch_rules shards merge names spreadsheets iso particles particle_limits particle_sequences config startup usage
     surface placement true_error frames output overwrite interrupted streams inputs lost_input plugin openvdb fields memory info grids compare
     support hostile_names several_grids simplify compression resolution error bench documents report simulate jet stability far verify verify_edits gpu readme render
     render_gpu voxels child damaged_libraries pictures pieces piece_sequences check normals labels arrays region told net_sides)

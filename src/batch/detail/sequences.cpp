@@ -12,8 +12,6 @@
 namespace isoextract::batch {
 namespace {
 
-constexpr char kNumberMark = '\0';  // no path holds it
-
 // A group of digits in a name, and the sign before it, if there is one.
 struct DigitGroup {
   std::string_view digits;
@@ -33,9 +31,6 @@ struct SplitName {
   std::string skeleton;  // a mark in place of each number, sign and all
   std::vector<DigitGroup> groups;
 };
-
-// Of other scripts every letter.
-bool is_part_of_word(char c) { return is_digit(c) || is_letter(c) || static_cast<unsigned char>(c) >= 0x80; }
 
 SplitName split(std::string_view name) {
   SplitName result;
@@ -151,6 +146,8 @@ std::vector<Sequence> sequences_of(std::span<const std::string> names) {
   std::ranges::sort(sequences, {}, [](const Sequence& sequence) { return sequence.members.front().name; });
   return sequences;
 }
+
+bool is_part_of_word(char c) { return is_digit(c) || is_letter(c) || static_cast<unsigned char>(c) >= 0x80; }
 
 std::optional<std::int64_t> single_number(std::string_view path) {
   std::string_view name = path.substr(path.find_last_of('/') + 1);

@@ -11,6 +11,12 @@
 
 namespace isoextract::batch {
 
+// Stands for a number in the skeleton of a name; no path holds it.
+inline constexpr char kNumberMark = '\0';
+
+// Whether `c` is a letter or a digit. Bytes of other scripts are letters.
+[[nodiscard]] bool is_part_of_word(char c);
+
 struct SequenceMember {
   std::size_t name = 0;  // which of the names
   std::int64_t number = 0;

@@ -3,6 +3,7 @@
 // ys zs (xsu ysu zsu), in boxes that may be triclinic (LAMMPS documentation, "dump" and "Howto triclinic").
 #include <algorithm>
 #include <limits>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -27,8 +28,7 @@ struct LammpsFrame {
   std::uint64_t atoms = 0;
   LammpsBox box;
   ParticleTable table;
-  bool is_scaled = false;  // the position is a fraction of the box
-  std::string unit;        // of lengths
+  std::string unit;  // of lengths
 };
 
 std::string_view length_unit_of(std::string_view units) {
@@ -92,28 +92,24 @@ LammpsBox read_lammps_box(ContentReader& content, std::span<const std::string_vi
   return box;
 }
 
+using AxisNames = std::array<std::string_view, 3>;
+// Positions that are fractions of the box's edges.
+constexpr std::array<AxisNames, 2> kScaledNames{{{"xs", "ys", "zs"}, {"xsu", "ysu", "zsu"}}};
+
 // Which columns are the position.
 void find_lammps_position(LammpsFrame& frame) {
-  struct Names {
-    std::array<std::string_view, 3> axes;
-    bool is_scaled;
-  };
-  constexpr std::array<Names, 4> kNames{{{{"x", "y", "z"}, false},
-                                         {{"xu", "yu", "zu"}, false},
-                                         {{"xs", "ys", "zs"}, true},
-                                         {{"xsu", "ysu", "zsu"}, true}}};
-  for (const Names& names : kNames) {
+  constexpr std::array<AxisNames, 4> kNames{{{"x", "y", "z"}, {"xu", "yu", "zu"}, kScaledNames[0], kScaledNames[1]}};
+  for (const AxisNames& names : kNames) {
     std::array<std::size_t, 3> position{};
     std::size_t found = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto column = std::ranges::find(frame.table.columns, names.axes[axis], &ParticleColumn::name);
+      const auto column = std::ranges::find(frame.table.columns, names[axis], &ParticleColumn::name);
       if (column == frame.table.columns.end()) continue;
       position[axis] = static_cast<std::size_t>(column - frame.table.columns.begin());
       ++found;
     }
     if (found < 3) continue;
     frame.table.position = position;
-    frame.is_scaled = names.is_scaled;
     return;
   }
 }
@@ -193,11 +189,52 @@ std::uint64_t count_lammps_frames(ContentReader& content, const FrameIndex& inde
   });
 }
 
-void unscale(Buffer<glm::dvec3>& positions, const LammpsBox& box) {
+// Which edge of the box the column's numbers are fractions of; nothing for other columns.
+std::optional<std::size_t> scaled_axis(const ParticleColumn& column) {
+  for (const AxisNames& names : kScaledNames) {
+    const auto name = std::ranges::find(names, column.name);
+    if (name != names.end()) return static_cast<std::size_t>(name - names.begin());
+  }
+  return std::nullopt;
+}
+
+// Makes lengths of coordinates that are fractions of the box, whichever of its edges `columns` take as x, y and z.
+void unscale(Buffer<glm::dvec3>& positions, const LammpsFrame& frame, const std::array<std::size_t, 3>& columns) {
+  std::array<std::optional<std::size_t>, 3> axes;
+  std::array<int, 3> times{};  // that each edge is taken
+  for (std::size_t k = 0; k < 3; ++k) {
+    axes[k] = scaled_axis(frame.table.columns[columns[k]]);
+    if (axes[k]) ++times[*axes[k]];
+  }
+  if (times == std::array{0, 0, 0}) return;
+  const LammpsBox& box = frame.box;
   if (!box.is_known) throw DamagedParticles("expected 'ITEM: BOX BOUNDS' before positions that are fractions of it");
+  const auto axis_of = [&](std::size_t k) { return static_cast<glm::length_t>(*axes[k]); };
+  if (times == std::array{1, 1, 1}) {
+    for (glm::dvec3& p : positions) {
+      glm::dvec3 f(0);
+      for (glm::length_t k = 0; k < 3; ++k) f[axis_of(static_cast<std::size_t>(k))] = p[k];
+      const glm::dvec3 offset = box.edges[0] * f.x + box.edges[1] * f.y + box.edges[2] * f.z;
+      const glm::dvec3 place = box.low + offset;
+      for (glm::length_t k = 0; k < 3; ++k) p[k] = place[axis_of(static_cast<std::size_t>(k))];
+    }
+    return;
+  }
+  const glm::dmat3& edges = box.edges;
+  const glm::dmat3 upright(edges[0][0], 0, 0, 0, edges[1][1], 0, 0, 0, edges[2][2]);
+  if (edges != upright) {
+    std::string names;
+    for (const std::size_t column : columns) names += ' ' + printable(frame.table.columns[column].name, 80);
+    throw DamagedParticles(
+        fmt::format("expected fractions of all three edges of the triclinic box as x, y and z, found{}", names),
+        "take xs, ys and zs, each once, or three columns of lengths");
+  }
   for (glm::dvec3& p : positions) {
-    const glm::dvec3 offset = box.edges[0] * p.x + box.edges[1] * p.y + box.edges[2] * p.z;
-    p = box.low + offset;
+    for (glm::length_t k = 0; k < 3; ++k) {
+      if (!axes[static_cast<std::size_t>(k)]) continue;
+      const glm::length_t axis = axis_of(static_cast<std::size_t>(k));
+      p[k] = box.low[axis] + edges[axis][axis] * p[k];
+    }
   }
 }
 
@@ -244,7 +281,7 @@ class LammpsParticles final : public ParticleFormat {
       const std::uint64_t frames = count_lammps_frames(content, index, 1, frame);
       if (frames > 1) refuse_frame(options, frames);
     }
-    if (frame.is_scaled && choice.position == frame.table.position) unscale(result.particles.positions, frame.box);
+    unscale(result.particles.positions, frame, choice.position);
     result.length_unit = frame.unit;
     result.time_step = frame.step;
     result.notes = choice.notes;

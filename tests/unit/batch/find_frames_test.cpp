@@ -135,6 +135,52 @@ TEST_F(FindFrames, OtherListedFilesAreNumberedByPosition) {
   EXPECT_TRUE(find({"c1_1.vdb", "c1_2.vdb"})->notes.empty());
 }
 
+TEST_F(FindFrames, DecimalNumbersOrderFramesByTheirValue) {
+  EXPECT_EQ(found({"t_0.25.npy", "t_0.5.npy", "t_0.75.npy"}), "1=t_0.25.npy 2=t_0.5.npy 3=t_0.75.npy");
+  EXPECT_EQ(found({"t_1e-1.npy", "t_1e-2.npy", "t_1e+0.npy", "t_2.5e-02.npy"}),
+            "1=t_1e-2.npy 2=t_2.5e-02.npy 3=t_1e-1.npy 4=t_1e+0.npy");
+  EXPECT_EQ(found({"t_0.5.npy", "t_10.0.npy", "t_2.0.npy"}), "1=t_0.5.npy 2=t_2.0.npy 3=t_10.0.npy");
+  EXPECT_EQ(found({"t_0.npy", "t_0.5.npy", "t_1.npy", "t_1.25.npy"}), "1=t_0.npy 2=t_0.5.npy 3=t_1.npy 4=t_1.25.npy");
+  EXPECT_EQ(found({"t_-0.5.npy", "t_0.5.npy", "t_-1.5.npy"}), "1=t_-1.5.npy 2=t_-0.5.npy 3=t_0.5.npy");
+  EXPECT_EQ(found({"run-0.5.npy", "run-0.25.npy"}), "1=run-0.25.npy 2=run-0.5.npy");
+  EXPECT_EQ(found({"0.05/p.npy", "0.1/p.npy", "0.5/p.npy"}), "1=0.05/p.npy 2=0.1/p.npy 3=0.5/p.npy");
+  EXPECT_EQ(found({"t_0.5.npy", "t_0.75.npy", "t_0.25.npy"}, "2-3"), "2=t_0.5.npy 3=t_0.75.npy");
+  EXPECT_EQ(find({"t_0.5.npy", "t_0.25.npy"})->notes,
+            std::vector<std::string>{"the names differ in a decimal number: the frames are numbered 1 to 2 by its "
+                                     "value, from t_0.25.npy to t_0.5.npy"});
+  make({"d/t_0.5.npy", "d/t_0.25.npy", "d/t_0.75.npy", "d/t_1.npy"});
+  EXPECT_EQ(found({"d"}), "1=d/t_0.25.npy 2=d/t_0.5.npy 3=d/t_0.75.npy 4=d/t_1.npy");
+}
+
+TEST_F(FindFrames, DigitsBehindAVersionAreFrames) {
+  EXPECT_EQ(found({"f_v2.8.vdb", "f_v2.9.vdb", "f_v2.10.vdb"}), "8=f_v2.8.vdb 9=f_v2.9.vdb 10=f_v2.10.vdb");
+  EXPECT_EQ(found({"f_v2.7.vdb", "f_v2.9.vdb", "f_v2.11.vdb"}), "7=f_v2.7.vdb 9=f_v2.9.vdb 11=f_v2.11.vdb");
+  EXPECT_EQ(found({"t_0.10.npy", "t_0.25.npy"}), "10=t_0.10.npy 25=t_0.25.npy");
+  EXPECT_TRUE(find({"f_v2.8.vdb", "f_v2.9.vdb", "f_v2.10.vdb"})->notes.empty());
+  EXPECT_EQ(found({"f_v2.5.vdb", "f_v2.9.vdb", "f_v2.10.vdb"}), "5=f_v2.5.vdb 9=f_v2.9.vdb 10=f_v2.10.vdb | gaps 6-8");
+  EXPECT_EQ(find({"f_v2.5.vdb", "f_v2.9.vdb", "f_v2.10.vdb"})->notes,
+            std::vector<std::string>{
+                "f_v2.{}.vdb: the digits after the point are taken as whole numbers, in which 10 follows 9"});
+  make({"d/shot_1.0001.vdb", "d/shot_1.0002.vdb", "d/shot_2.0001.vdb"});
+  EXPECT_EQ(found({"d"}),
+            "1: d: expected one sequence in the folder, found 2: shot_1.{:04}.vdb (2 files), shot_2.0001.vdb");
+  make({"v_2.8.vdb", "v_2.9.vdb", "v_2.10.vdb", "v_2.11.vdb"});
+  EXPECT_EQ(found({"v_2.{}.vdb"}, "9-11"), "9=v_2.9.vdb 10=v_2.10.vdb 11=v_2.11.vdb");
+}
+
+TEST_F(FindFrames, APatternDoesNotTakePartsOfDecimalNumbers) {
+  make({"t_0.25.npy", "t_0.5.npy", "t_0.75.npy", "t_1e-1.npy", "t_1e-2.npy"});
+  EXPECT_EQ(found({"t_0.{}.npy"}),
+            "1: t_0.{}.npy: expected whole numbers of frames, found parts of decimal numbers: t_0.25.npy and "
+            "t_0.75.npy");
+  EXPECT_EQ(find({"t_0.{}.npy"}, "5-25").error().hint.text,
+            "list the files, without quotes: t_0.*.npy; they are ordered by their decimal numbers");
+  EXPECT_EQ(found({"t_1e-{}.npy"}),
+            "1: t_1e-{}.npy: expected whole numbers of frames, found parts of decimal numbers: t_1e-1.npy and "
+            "t_1e-2.npy");
+  EXPECT_EQ(found({"t_0.{:02}.npy"}), "25=t_0.25.npy 75=t_0.75.npy");
+}
+
 TEST_F(FindFrames, ListsAreOfFiles) {
   make({"a.vdb", "b####.vdb", "s/a.vdb"});
   EXPECT_EQ(found({"a.vdb", "b####.vdb"}), "1=a.vdb 2=b####.vdb");

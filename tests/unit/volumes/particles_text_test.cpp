@@ -270,6 +270,31 @@ TEST(ParticlesLammps, TriclinicBoxesAndOtherColumns) {
                    {{1, 2, 3}});
 }
 
+TEST(ParticlesLammps, ColumnsThatAreChosenAreScaledAsWhatTheyAre) {
+  const std::string head = "ITEM: TIMESTEP\n7\nITEM: NUMBER OF ATOMS\n1\n";
+  const std::string upright = head + "ITEM: BOX BOUNDS pp pp pp\n2 6\n10 14\n-3 1\n";
+  const std::string tilted = head + "ITEM: BOX BOUNDS xy xz yz pp pp pp\n7 14 -1\n20 25.5 -2\n30 36 0.5\n";
+  const auto place = [](const std::string& text, const std::array<std::string, 3>& columns) {
+    ParticleReadOptions options;
+    options.columns = columns;
+    const volumes::ParticleFile file = must_read_particles({"a.dump", text}, options);
+    return file.particles.positions[0];
+  };
+  const std::string scaled = "ITEM: ATOMS id xs ys zs\n1 0.25 0.5 0.75\n";
+  EXPECT_EQ(place(upright + scaled, {"zs", "xs", "ys"}), glm::dvec3(0, 3, 12));
+  EXPECT_EQ(place(upright + scaled, {"4", "xs", "3"}), glm::dvec3(0, 3, 12));
+  EXPECT_EQ(place(upright + scaled, {"xs", "xs", "id"}), glm::dvec3(3, 3, 1));
+  EXPECT_EQ(place(upright + "ITEM: ATOMS xs y zs\n0.25 11 0.75\n", {"xs", "y", "zs"}), glm::dvec3(3, 11, 0));
+  EXPECT_EQ(place(upright + "ITEM: ATOMS x y z xsu ysu zsu\n1 2 3 2 0.5 0.75\n", {"xsu", "ysu", "zsu"}),
+            glm::dvec3(10, 12, 0));
+  const glm::dvec3 whole = place(tilted + scaled, {"xs", "ys", "zs"});
+  EXPECT_EQ(place(tilted + scaled, {"zs", "xs", "ys"}), glm::dvec3(whole.z, whole.x, whole.y));
+  ParticleReadOptions mixed;
+  mixed.columns = {"xs", "ys", "id"};
+  expect_in(particle_refusal({"a.dump", tilted + scaled}, mixed).message,
+            "expected fractions of all three edges of the triclinic box as x, y and z, found xs ys id");
+}
+
 TEST(ParticlesLammps, WrongDumpsAreRefused) {
   const std::string head = "ITEM: TIMESTEP\n7\nITEM: NUMBER OF ATOMS\n";
   const struct {

@@ -1,0 +1,114 @@
+#include "cli/batch_dry_run.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <unordered_set>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "base/byte_size.hpp"
+#include "base/printable.hpp"
+#include "batch/frame_range.hpp"
+#include "batch/manifest.hpp"
+#include "cli/conversion_size.hpp"
+#include "cli/output_folders.hpp"
+
+namespace isoextract::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// 0 where the input is no file.
+std::uint64_t size_of_input(const batch::FrameJob& frame) {
+  std::error_code none;
+  const std::uintmax_t size = fs::file_size(frame.job.source.input, none);
+  return none ? 0 : size;
+}
+
+// The frames whose memory is estimated, by index: among those with the largest inputs the first, the middle and the
+// last.
+std::vector<std::size_t> sampled_frames(const BatchPlan& plan) {
+  std::uint64_t largest = 0;
+  std::vector<std::size_t> of_largest;
+  for (const std::size_t i : plan.frames) {
+    const std::uint64_t size = size_of_input(plan.batch.frames[i]);
+    if (size > largest) of_largest.clear();
+    largest = std::max(largest, size);
+    if (size == largest) of_largest.push_back(i);
+  }
+  if (of_largest.size() <= 3) return of_largest;
+  return {of_largest.front(), of_largest[of_largest.size() / 2], of_largest.back()};
+}
+
+struct FrameMemory {
+  std::int64_t frame = 0;
+  std::uint64_t bytes = 0;
+};
+
+// "memory: about 118 MiB (117 MiB for frame 3, 1 at a time; the most of frames 0, 2, 3)"
+Result<std::string> memory_text(const BatchPlan& plan, const Messages& messages) {
+  std::vector<std::int64_t> estimated;
+  std::optional<FrameMemory> most;
+  std::optional<Error> failed;
+  for (const std::size_t i : sampled_frames(plan)) {
+    const batch::FrameJob& frame = plan.batch.frames[i];
+    const auto bytes = estimated_memory(frame.job, plan.common.memory);
+    if (!bytes) {
+      if (!failed) failed = bytes.error();
+      messages.note(fmt::format("frame {}: its memory cannot be estimated: {}", frame.number, bytes.error().message));
+      continue;
+    }
+    estimated.push_back(frame.number);
+    if (!most || *bytes > most->bytes) most = FrameMemory{frame.number, *bytes};
+  }
+  if (!most) return tl::unexpected(std::move(*failed));
+  constexpr std::uint64_t kMiB = 1 << 20;
+  const std::uint64_t at_once = std::min<std::uint64_t>(static_cast<std::uint64_t>(plan.jobs), plan.frames.size());
+  const std::string sampled = fmt::format("; the most of frames {}", fmt::join(estimated, ", "));
+  return fmt::format("memory: about {} MiB ({} for frame {}, {} at a time{})\n",
+                     (most->bytes * at_once + kMiB - 1) / kMiB, format_byte_size(most->bytes), most->frame, at_once,
+                     estimated.size() > 1 ? sampled : "");
+}
+
+}  // namespace
+
+Result<void> print_batch_plan(const BatchPlan& plan, const Messages& messages) {
+  std::string text;
+  std::uint64_t bytes = 0;
+  std::unordered_set<std::string> counted;  // the volumes of one file are many frames
+  for (const std::size_t i : plan.frames) {
+    const batch::FrameJob& frame = plan.batch.frames[i];
+    const std::string& input = frame.job.source.input;
+    std::error_code none;
+    const std::uintmax_t size = fs::file_size(input, none);
+    if (!none && counted.insert(input).second) bytes += size;
+    for (const convert::OutputFileJob& output : frame.job.outputs) {
+      text += fmt::format("frame {}: {}{} -> {}{}\n", frame.number, printable(input),
+                          none ? "" : fmt::format(" ({})", format_byte_size(size)), printable(output.path),
+                          is_there(output.path) ? ", which is there" : "");
+    }
+  }
+  text += fmt::format(
+      "frames: {}, {} of inputs; {}\n", plan.frames.size(), format_byte_size(bytes),
+      plan.gaps.empty() ? "no gaps" : fmt::format("not there: {}", batch::text_of(plan.gaps, batch::kShownFrameRuns)));
+  if (plan.batch.animation) {
+    text += fmt::format("animation: {}, {} frames per second\n", printable(plan.batch.animation->path),
+                        plan.batch.animation->frames_per_second);
+  }
+  text += fmt::format("jobs: {} at a time\n", plan.jobs);
+  text += fmt::format("manifest: {}\n", printable((plan.folder / batch::manifest_name(plan.shard)).string()));
+  if (!plan.frames.empty()) {
+    const auto memory = memory_text(plan, messages);
+    if (!memory) return tl::unexpected(memory.error());
+    text += *memory;
+  }
+  for (const std::string& note : plan.common.notes) messages.note(note);
+  return print_to_stdout(text);
+}
+
+}  // namespace isoextract::cli
