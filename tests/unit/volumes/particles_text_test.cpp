@@ -275,7 +275,7 @@ TEST(ParticlesLammps, ColumnsThatAreChosenAreScaledAsWhatTheyAre) {
   const std::string upright = head + "ITEM: BOX BOUNDS pp pp pp\n2 6\n10 14\n-3 1\n";
   const std::string tilted = head + "ITEM: BOX BOUNDS xy xz yz pp pp pp\n7 14 -1\n20 25.5 -2\n30 36 0.5\n";
   const auto place = [](const std::string& text, const std::array<std::string, 3>& columns) {
-    ParticleReadOptions options;
+    volumes::ParticleReadOptions options;
     options.columns = columns;
     const volumes::ParticleFile file = must_read_particles({"a.dump", text}, options);
     return file.particles.positions[0];
@@ -289,7 +289,7 @@ TEST(ParticlesLammps, ColumnsThatAreChosenAreScaledAsWhatTheyAre) {
             glm::dvec3(10, 12, 0));
   const glm::dvec3 whole = place(tilted + scaled, {"xs", "ys", "zs"});
   EXPECT_EQ(place(tilted + scaled, {"zs", "xs", "ys"}), glm::dvec3(whole.z, whole.x, whole.y));
-  ParticleReadOptions mixed;
+  volumes::ParticleReadOptions mixed;
   mixed.columns = {"xs", "ys", "id"};
   expect_in(particle_refusal({"a.dump", tilted + scaled}, mixed).message,
             "expected fractions of all three edges of the triclinic box as x, y and z, found xs ys id");
