@@ -148,6 +148,9 @@ class Conversion {
     if (const auto text = note_of ? note_of(source_.field) : std::nullopt) events_.note(*text);
     events_.end_reading();
     if (auto found = find_labels(); !found) return found;
+    all_isos_.clear();
+    for (const ResolvedIso& iso : labels_ ? each_label(source_.isos, labels_->labels()) : source_.isos)
+      all_isos_.push_back(iso.value);
     return check_error_memory(job_, source_, context_);
   }
 
@@ -280,10 +283,7 @@ class Conversion {
       return std::optional<Surface>();
     }
     Surface surface{asked.value, std::move(*mesh), {}, {}, {}, counts_open_edges_, {}};
-    std::vector<double> isos;
-    for (const ResolvedIso& iso : labels_ ? each_label(source_.isos, labels_->labels()) : source_.isos)
-      isos.push_back(iso.value);
-    const SurfaceFacts facts{isos, open_, extras_.mesh_facts, labels_ ? &looks_ : nullptr};
+    const SurfaceFacts facts{all_isos_, open_, extras_.mesh_facts, labels_ ? &looks_ : nullptr};
     if (auto made = finish_surface(job_, source_, facts, context_, events_, surface); !made)
       return tl::unexpected(std::move(made.error()));
     if (!surface.mesh.triangles.empty() || job_.empty == EmptyPolicy::write) return surface;
@@ -458,6 +458,7 @@ class Conversion {
   // The grid that source_ was read from; its inner value is empty where none was chosen.
   std::optional<std::optional<std::string>> opened_;
   std::optional<extract::LabelVoxels> labels_;  // where those are what is asked for
+  std::vector<double> all_isos_;                // of the surfaces of this grid
   LabelLooks looks_;                            // likewise
   std::size_t output_ = 0;                      // of the job's, which is at hand
   StageTime recording_;                         // of the file at hand, what reports ask for

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 #include <string_view>
+#include <unordered_set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -131,9 +132,9 @@ bool is_repeated(const ResolvedIso& before, const ResolvedIso& iso) {
 
 std::vector<ResolvedIso> each_label(std::span<const ResolvedIso> asked, const std::vector<std::int64_t>& all) {
   std::vector<ResolvedIso> labels;
+  std::unordered_set<double> found;
   const auto add = [&](const IsoChoice& label) {
-    if (std::ranges::find(labels, label, &ResolvedIso::asked) == labels.end())
-      labels.push_back({label, label.number, {}});
+    if (found.insert(label.number).second) labels.push_back({label, label.number, {}});
   };
   for (const ResolvedIso& iso : asked) {
     if (iso.asked.kind == IsoChoice::Kind::label) add(iso.asked);

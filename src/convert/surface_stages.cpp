@@ -85,7 +85,7 @@ class SurfaceStages {
   Result<void> look_at_bodies(Surface& surface) {
     const bool is_open = !source_.clip.empty() && !job_.surface.cap;
     const bool tells = job_.surface.relaxes() && !is_open;
-    const bool marks = job_.pieces.split || job_.simplify;
+    const bool marks = job_.pieces.split;
     if (!tells && !marks) return {};
     auto sites = voxel_sites(surface.mesh, source_, job_.surface, context_);
     if (!sites) return tl::unexpected(std::move(sites.error()));
@@ -110,15 +110,6 @@ class SurfaceStages {
     if (!simplified) return tl::unexpected(std::move(simplified.error()));
     events_.simplified(*simplified);
     surface.simplified_by = simplified->voxels.upper;
-    const auto strays = edit::count_strays(surface.mesh, context_);
-    if (!strays) return tl::unexpected(strays.error());
-    if (!job_.pieces.split) edit::remove_marks(surface.mesh);
-    if (*strays > 0) {
-      events_.note(
-          fmt::format("{} {}: {} cavities are not inside their bodies any more: the surface moved past them; "
-                      "with a smaller distance or more triangles it does not",
-                      source_.label, text_of(surface), *strays));
-    }
     for (const std::string& text : notes_of(*simplified)) {
       events_.note(fmt::format("{} {}: {}", source_.label, text_of(surface), text));
     }

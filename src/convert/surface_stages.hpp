@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "base/context.hpp"
@@ -28,7 +29,7 @@ struct Surface {
 
 // What is known of all surfaces, and of the one at hand.
 struct SurfaceFacts {
-  std::vector<double> isos;            // of all surfaces of the job
+  std::span<const double> isos;        // of all surfaces of the job
   bool may_be_open = false;            // it may have a border
   bool recorded = false;               // a MeshRecord of it is asked for
   const LabelLooks* labels = nullptr;  // where the iso values are labels: how these look

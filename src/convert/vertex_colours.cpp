@@ -94,7 +94,7 @@ double depth_of(const std::vector<double>& isos, double iso, field::FieldKind ki
   return static_cast<double>(outer) / static_cast<double>(surfaces.size() - 1);
 }
 
-double opacity_of(const ConversionJob& job, const std::vector<double>& isos, double iso, field::FieldKind kind) {
+double opacity_of(const ConversionJob& job, std::span<const double> isos, double iso, field::FieldKind kind) {
   if (job.opacity.size() == 1) return job.opacity.front();
   if (!job.opacity.empty()) {
     const auto at = static_cast<std::size_t>(std::ranges::find(isos, iso) - isos.begin());
@@ -102,7 +102,7 @@ double opacity_of(const ConversionJob& job, const std::vector<double>& isos, dou
   }
   const bool by_iso = job.colour && !job.colour->attribute;
   if (!by_iso) return 1;
-  std::vector<double> around = isos;  // of the surfaces that may be around this one, or within it
+  std::vector<double> around(isos.begin(), isos.end());  // of the surfaces that may be around this one, or within it
   if (job.source.away_from_zero) {
     const bool above = kind == field::FieldKind::density;
     std::erase_if(around, [&](double other) { return other != iso && !(above ? other > 0 : other < 0); });
@@ -144,7 +144,7 @@ Result<ColourRecord> add_colours(const ColourChoice& choice, meshes::MeshFormat 
   return ColourRecord{0, *choice.attribute, choice.map, range[0], range[1], !choice.range, not_numbers.load()};
 }
 
-std::optional<mesh::Material> material_of(const ConversionJob& job, const std::vector<double>& isos, double iso,
+std::optional<mesh::Material> material_of(const ConversionJob& job, std::span<const double> isos, double iso,
                                           field::FieldKind kind, bool open) {
   const bool by_iso = job.colour && !job.colour->attribute;
   if (!by_iso && job.opacity.empty() && !open) return std::nullopt;

@@ -34,7 +34,7 @@ struct ColourRecord {
 // Of the surface at `iso`, one of `isos`, which the job's choices came to: the colour by its place between the least
 // and the greatest of them, or in the range that was given, and the opacity. `open`: its inside may be seen. Nothing
 // where none of this says anything.
-[[nodiscard]] std::optional<mesh::Material> material_of(const ConversionJob& job, const std::vector<double>& isos,
+[[nodiscard]] std::optional<mesh::Material> material_of(const ConversionJob& job, std::span<const double> isos,
                                                         double iso, field::FieldKind kind, bool open = false);
 
 }  // namespace isoextract::convert

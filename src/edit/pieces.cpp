@@ -297,7 +297,7 @@ Result<void> mark(mesh::Mesh& mesh, const Context& context, Sites sites) {
 Result<std::vector<mesh::Mesh>> split(mesh::Mesh mesh, std::uint64_t most, const Context& context) {
   auto shells = Shells::find(mesh, glm::dmat3(1.0), context, find_marks(mesh));
   if (!shells) return tl::unexpected(std::move(shells.error()));
-  remove_marks(mesh);
+  std::erase_if(mesh.attributes, [](const mesh::Attribute& attribute) { return attribute.name == kBodyMarks; });
   const auto bodies = bodies_by_area(*shells, std::vector<bool>(shells->count(), true));
   if (bodies.size() > most) {
     return fail(ErrorKind::input, fmt::format("{}: the surface has {} pieces, more than the {} that are split",
@@ -363,25 +363,6 @@ auto with_memory(const std::string& name, const Work& work) -> decltype(work()) 
 Result<KeptPieces> keep_pieces(mesh::Mesh mesh, const PieceOptions& options, const Context& context, Sites sites) {
   const std::string name = mesh.name;
   return with_memory(name, [&] { return keep(std::move(mesh), options, context, std::move(sites)); });
-}
-
-Result<std::uint64_t> count_strays(const mesh::Mesh& mesh, const Context& context) {
-  return with_memory(mesh.name, [&]() -> Result<std::uint64_t> {
-    const mesh::Attribute* marks = find_marks(mesh);
-    if (marks == nullptr) return 0;
-    const auto shells = Shells::find(mesh, glm::dmat3(1.0), context);
-    if (!shells) return tl::unexpected(shells.error());
-    const Nesting marked = Shells::marked_nesting(*marks, shells->components, mesh.positions.size());
-    std::uint64_t strays = 0;
-    for (std::size_t i = 0; i < shells->count(); ++i) {
-      strays += marked.body[i] != i && shells->nesting.body[i] != marked.body[i] ? 1 : 0;
-    }
-    return strays;
-  });
-}
-
-void remove_marks(mesh::Mesh& mesh) {
-  std::erase_if(mesh.attributes, [](const mesh::Attribute& attribute) { return attribute.name == kBodyMarks; });
 }
 
 Result<void> mark_bodies(mesh::Mesh& mesh, const Context& context, Sites sites) {

@@ -75,11 +75,6 @@ using Sites = Buffer<glm::vec3>;
 // join no components, may follow: cavities stay with their bodies. Fails where the memory for it is not there.
 [[nodiscard]] Result<void> mark_bodies(mesh::Mesh& mesh, const Context& context = Context(), Sites sites = {});
 
-// How many walls of cavities are not in their marked bodies any more, as later stages moved surfaces past each other.
-[[nodiscard]] Result<std::uint64_t> count_strays(const mesh::Mesh& mesh, const Context& context = Context());
-// Removes that attribute.
-void remove_marks(mesh::Mesh& mesh);
-
 // Each piece as a mesh, the largest area first, with all that belongs to its vertices but that attribute; none of a
 // mesh without triangles. Without the attribute the mesh as it is says which cavity is in which body. Names are the
 // mesh's. Fails where the memory is not there for all of them beside the mesh, and where there are more than `most`:

@@ -5,6 +5,7 @@ import io
 import json
 import os
 import random
+import struct
 import re
 import signal
 import subprocess
@@ -106,6 +107,18 @@ class BatchTest(ProgramTest):
         self.assertEqual(run.err.count("isoextract: error: frame"), 1, run.err)
         self.assertEqual([row["status"] for row in self.table("t.csv")], ["cancelled", "failed", "not started", "not started"])
         self.assertEqual(self.content("out"), {"m_1.ply": b"old"})
+
+    def test_a_frame_that_waits_for_its_turn_in_an_animation_is_cancelled_when_the_one_before_fails(self):
+        for number, side in ((1, 150), (2, 8), (3, 8)):
+            header = f"{{'descr': '|u1', 'fortran_order': False, 'shape': ({side}, {side}, {side}), }}".ljust(117) + "\n"
+            samples = bytearray(side**3)
+            if number > 1:
+                samples[292] = 100
+            (self.folder / f"f_{number}.npy").write_bytes(b"\x93NUMPY\1\0" + struct.pack("<H", 118) + header.encode() + samples)
+        run = self.run_program("f_{}.npy", "--iso", "50", "-o", "a.glb", "--animate", "--fail-fast", "--jobs", "2", "--threads", "2",
+                               "--table", "t.csv")
+        self.assertIn("1 of 3 frames failed, 1 was cancelled, and 1 were not started", run.err)
+        self.assertEqual([row["status"] for row in self.table("t.csv")], ["failed", "cancelled", "not started"])
 
     def test_what_is_there_can_be_left_alone(self):
         self.write_frames((1, 2))

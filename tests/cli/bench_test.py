@@ -94,6 +94,11 @@ class BenchTest(ProgramTest):
         self.assertTrue(errors[0] > 2 * errors[1] > 4 * errors[2], errors)
         self.assertEqual([row["area_error"] == "" for row in rows], [False, False, True])
         self.assertIn("16", self.bench(*raw, "--coarser", "2", "--methods", "mc"))
+        self.bench(*raw, "--coarser", "2", "--methods", "mc,voxels,surface-nets", "--csv", "b.csv")
+        rows = list(csv.DictReader(io.StringIO((self.folder / "b.csv").read_text())))
+        for row in rows:
+            voxels = float(row["rms_world"] or 0) / ((33 - 1) / (int(row["size"]) - 1))
+            self.assertTrue(voxels < 0.2 if row["method"] == "mc" else 0.02 < voxels < 0.5, row)
 
     @needs_program("gnuplot")
     def test_the_picture(self):

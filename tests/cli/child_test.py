@@ -198,6 +198,29 @@ class ChildTest(ProgramTest):
             program.kill()
             program.wait(timeout=60)
 
+    def test_a_loader_that_is_killed_takes_its_reader_along_and_is_buried(self):
+        """Frames after that have another one. (One that begins at once may be lost as well.)"""
+        for number in range(1, 6):
+            self.file("wait", name=f"f_{number}.hostile")
+        program = subprocess.Popen([PROGRAM, "f_{}.hostile", *ISO, "-o", "m_{}.ply", "--jobs", "1"], cwd=self.folder,
+                                   env=self.environment, stdin=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+        def loaders():
+            tasks = pathlib.Path(f"/proc/{program.pid}/task")
+            return {int(number) for task in tasks.iterdir() for number in (task / "children").read_text().split()}
+
+        try:
+            self.assertTrue(wait_until(lambda: len(processes_in(self.folder)) == 2), processes_in(self.folder))
+            (first,) = loaders()
+            (reader,) = set(processes_in(self.folder)) - {first}
+            os.kill(first, signal.SIGKILL)
+            self.assertTrue(wait_until(lambda: loaders() - {first}), "no further frame has one")
+            self.assertTrue(wait_until(lambda: reader not in processes_in(self.folder)), "its reader goes on")
+            self.assertNotIn(first, loaders(), "it was not waited for")
+        finally:
+            program.kill()
+            program.wait(timeout=60)
+
     def test_a_program_that_its_loader_starts(self):
         """As the portable folder's launcher does: /proc/self/exe is the loader then."""
         loader = next(path for path in ("/lib64/ld-linux-x86-64.so.2", "/lib/ld-linux-aarch64.so.1") if os.path.exists(path))

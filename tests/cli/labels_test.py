@@ -3,7 +3,9 @@
 import collections
 import gzip
 import json
+import resource
 import struct
+import unittest.mock
 
 from support import (
     DATA, NO_GPU, SOURCE, SPHERE, ProgramTest, main, needs_data, read_glb, read_obj, read_ply, read_stl)
@@ -384,6 +386,13 @@ class LabelsTest(ProgramTest):
         self.assertRegex(told, r"relaxing changed the volume of thin.raw label [23] from .* that of 1 others by more than 5 %: --relax")
         self.assertNotIn("relaxing changed", relaxed("--clip", "1,0,0,10")[0])
         self.assertIn("relaxing changed", relaxed("--clip", "1,0,0,10", "--cap")[0])
+
+    def test_work_grows_with_the_labels_and_not_with_its_cube(self):
+        """Cubes of 2 voxels, each with a label of its own: 8000 in 40 voxels along an axis."""
+        self.write_raw("many.raw", (40, 40, 40), lambda x, y, z: 1 + x // 2 + 20 * (y // 2) + 400 * (z // 2), "H")
+        many = ("many.raw", "--dims", "40,40,40", "--dtype", "u16", "--labels", "all", "--threads", "1", "-o", "x.glb")
+        with unittest.mock.patch("support.PROCESSOR_SECONDS", 20):
+            self.assertEqual(self.convert(*many, "-q").err, "")
 
     def test_threads_change_no_byte(self):
         files = set()

@@ -99,6 +99,14 @@ class ShardsTest(ProgramTest):
             self.convert("in_{:02}.raw", *RAW, "--normals", "flat", "-o", "out/n_{:02}.ply", "--shard", f"{number}/3")
         self.assertIn("4 frames of 3 shards, all there", self.convert("merge", "out").err)
 
+    def test_a_newer_group_of_shards_that_has_not_all_frames_is_passed_over(self):
+        self.write_frames(range(1, 9))
+        self.run_shards(3)
+        for number in (1, 2, 3):
+            os.utime(self.folder / f"out/isoextract.{number}-of-3.manifest", (1, 1))
+        self.run_shards(2, "--resume", which=(1,))
+        self.assertIn("8 frames of 3 shards, all there", self.convert("merge", "out").err)
+
     def test_two_batches_that_are_not_joined_are_told_with_a_hint(self):
         self.write_frames(range(1, 5))
         self.run_shards(2)

@@ -107,6 +107,21 @@ TEST(SurfaceCoverage, IsMeasuredInsideCells) {
   EXPECT_GE(coverage.max_at_most.voxels, 0.999 * farthest);
 }
 
+// A gap of two voxels, whose middle is no point that is measured: as far as it may be is not less than it is.
+TEST(SurfaceCoverage, TheBoundHoldsBetweenThePointsThatAreMeasured) {
+  const field::ScalarField field = test::dense_field<double>({9, 9, 9}, [](int, int, int k) { return 4.75 - k; });
+  const float left = 3.04F;
+  const float right = 5.04F;
+  const float z = 4.25F;
+  const mesh::Mesh mesh = test::make_mesh(
+      "gap", {{0, 0, z}, {left, 0, z}, {left, 8, z}, {0, 8, z}, {right, 0, z}, {8, 0, z}, {8, 8, z}, {right, 8, z}},
+      {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}, {4, 6, 7}});
+  const SurfaceCoverage coverage = coverage_of(mesh, field);
+  EXPECT_LT(coverage.distances.max.voxels, 0.99);
+  EXPECT_GE(coverage.max_at_most.voxels, 1 - 1e-5);
+  EXPECT_LT(coverage.max_at_most.voxels, 1.3);
+}
+
 TEST(SurfaceCoverage, OfNoMeshAllIsLostAndThereIsNoDistance) {
   const field::ScalarField field = three_balls();
   const SurfaceCoverage coverage = coverage_of(mesh::Mesh(), field);
