@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <string>
+#include <unordered_set>
 #include <utility>
 
 #include "batch/manifest.hpp"
+#include "batch/merge_shards.hpp"
 #include "cli/output_folders.hpp"
 #include "cli/output_plan.hpp"
 #include "convert/output_checks.hpp"
@@ -42,11 +44,15 @@ Result<void> make_folders(const BatchPlan& plan) {
 
 Result<std::optional<files::ReadFiles>> check_batch_files(const BatchPlan& plan) {
   std::vector<fs::path> there;  // of all that is written
+  std::unordered_set<std::string> meshes;
   for (const batch::FrameJob& frame : plan.batch.frames) {
     for (fs::path& file : files_of(frame.job)) {
+      meshes.insert(file.lexically_normal().string());
       if (is_there(file)) there.push_back(std::move(file));
     }
   }
+  auto replaced = batch::check_replaced_shard(plan.folder, plan.batch, plan.shard, meshes);
+  if (!replaced) return tl::unexpected(std::move(replaced.error()));
   for (const batch::NamedFile& file : plan.others.written) {
     if (is_there(file.path)) there.emplace_back(file.path);
   }

@@ -290,7 +290,7 @@ class BatchTest(ProgramTest):
         for iso in ("0.4", "0.5"):
             for shard in ("1/2", "2/2"):
                 self.four_frames(iso, "--shard", shard, "--resume")
-        self.assertIn("4 frames of 2 shards, all there", self.convert("merge", "out").err)
+            self.assertIn("4 frames of 2 shards, all there", self.convert("merge", "out").err)
 
     def test_records_hold_until_their_frame_is_begun_anew(self):
         self.write_frames((1, 2, 3, 4))

@@ -86,6 +86,26 @@ class MergeTest(ProgramTest):
         self.assert_fails(4, self.run_program("in_{:02}.raw", "--dims", "6,6,6", "--iso", "50", "-o", "no/{}.ply", "--shard", "3/3"),
                           "no: there is no such folder", "--mkdir")
 
+    def test_a_second_batch_does_not_replace_one_that_is_not_joined(self):
+        self.write_frames(range(1, 5))
+        self.run_shards(2)
+        before = (self.folder / "out/isoextract.1-of-2.manifest").read_bytes()
+        second = ("in_{:02}.raw", *RAW, "--normals", "flat", "-o", "out/n_{:02}.ply", "--shard", "1/2")
+        for resume in ((), ("--resume",)):
+            run = self.run_program(*second, *resume)
+            self.assert_fails(4, run, "out/isoextract.1-of-2.manifest: it has 2 frames of another batch that is not joined yet",
+                              "join that batch first: isoextract merge out;")
+        self.assertEqual((self.folder / "out/isoextract.1-of-2.manifest").read_bytes(), before)
+        self.convert("merge", "out")
+        self.assertIn("2 of 2 frames done", self.convert(*second).err)
+        self.assertIn("0 of 4 frames done, 4 kept", self.convert(*FRAMES, "--resume").err)
+
+    def test_a_second_batch_that_writes_the_same_files_replaces_the_first(self):
+        self.write_frames(range(1, 5))
+        self.run_shards(2)
+        self.run_shards(2, "--normals", "flat")
+        self.assertIn("4 frames of 2 shards, all there", self.convert("merge", "out").err)
+
 
 if __name__ == "__main__":
     main()
