@@ -85,7 +85,10 @@ uniform ivec3 last_sample;  // of the whole field
 
 double number_at(Site site, ivec3 p) { return stored_number(sample_bits(site, p)); }
 
-// Central differences; at the border of dense data one-sided ones of the same order.
+double infinity() { return packDouble2x32(uvec2(0u, 0x7FF00000u)); }
+
+// Central differences; at the border of dense data one-sided ones of the same order. NaN is left out, and differences of
+// infinities are infinite, as sample_derivative() and border_derivative() have it.
 double derivative(Site site, ivec3 p, int axis) {
   ivec3 unit = ivec3(0);
   unit[axis] = 1;
@@ -96,26 +99,48 @@ double derivative(Site site, ivec3 p, int axis) {
     double sign = low ? 1.0lf : -1.0lf;
     precise double near = number_at(site, p + inward);
     precise double here = number_at(site, p);
-    if (last_sample[axis] == 1) {
+    if (is_nan(near)) return near;
+    if (is_nan(here)) return here;
+    if (last_sample[axis] == 1 || is_nan(number_at(site, p + 2 * inward))) {
       precise double step = near - here;
-      return sign * step;
+      return is_nan(step) ? infinity() : sign * step;
     }
     precise double change = 4.0lf * near - 3.0lf * here;
     change = change - number_at(site, p + 2 * inward);
-    return sign * change / 2.0lf;
+    return is_nan(change) ? infinity() : sign * change / 2.0lf;
   }
 #endif
-  precise double change = number_at(site, p + unit) - number_at(site, p - unit);
-  return change / 2.0lf;
+  double low = number_at(site, p - unit);
+  double high = number_at(site, p + unit);
+  if (is_nan(low)) {
+    if (is_nan(high)) return high;
+    precise double step = high - number_at(site, p);
+    return step;
+  }
+  if (is_nan(high)) {
+    precise double step = number_at(site, p) - low;
+    return step;
+  }
+  precise double change = high - low;
+  return is_nan(change) ? infinity() : change / 2.0lf;
 }
 
 dvec3 gradient(Site site, ivec3 p) {
   return dvec3(derivative(site, p, 0), derivative(site, p, 1), derivative(site, p, 2));
 }
 
-// `out_step` leads outside; it decides where the gradient is zero or not finite.
+bool has_nan(dvec3 v) { return is_nan(v.x) || is_nan(v.y) || is_nan(v.z); }
+
+// `out_step` leads outside; it decides where the gradient is zero or not finite. Where NaN leaves no gradient, its
+// length of 2 tells the host to find a normal (OutputFrame::unknown_normal()).
 vec3 gradient_normal(Site site, ivec3 p, ivec3 step, double t, ivec3 out_step) {
-  dvec3 g = (1.0lf - t) * gradient(site, p) + t * gradient(site, p + step);
+  dvec3 along = local_x * double(out_step.x) + local_y * double(out_step.y) + local_z * double(out_step.z);
+  vec3 outward = vec3(along / sqrt(dot(along, along)));
+  dvec3 low_gradient = gradient(site, p);
+  dvec3 high_gradient = gradient(site, p + step);
+  bool beside_nan = is_nan(number_at(site, p)) || is_nan(number_at(site, p + step));
+  if (beside_nan || has_nan(low_gradient) || has_nan(high_gradient)) return 2.0 * outward;
+  dvec3 g = (1.0lf - t) * low_gradient + t * high_gradient;
   dvec3 mapped = covector_x * g.x + covector_y * g.y + covector_z * g.z;
   dvec3 size = abs(mapped);
   double largest = max(max(size.x, size.y), size.z);
@@ -123,8 +148,7 @@ vec3 gradient_normal(Site site, ivec3 p, ivec3 step, double t, ivec3 out_step) {
     dvec3 scaled = mapped / largest;
     return vec3(scaled / sqrt(dot(scaled, scaled)));
   }
-  dvec3 along = local_x * double(out_step.x) + local_y * double(out_step.y) + local_z * double(out_step.z);
-  return vec3(along / sqrt(dot(along, along)));
+  return outward;
 }
 #endif
 

@@ -13,8 +13,9 @@ namespace {
 // "from 30 to 3.29 (89 % less)"
 std::string text_of(const convert::RelaxedVolume& volume) {
   const double change = volume.change();
-  return fmt::format("from {:.4g} to {:.4g} ({:.3g} % {})", volume.before, volume.after, 100 * std::abs(change),
-                     change > 0 ? "more" : "less");
+  const double sign = volume.before < 0 ? -1 : 1;  // a cavity's are negative
+  return fmt::format("from {:.4g} to {:.4g} ({:.3g} % {})", sign * volume.before, sign * volume.after,
+                     100 * std::abs(change), change > 0 ? "more" : "less");
 }
 
 bool changed_less(const convert::RelaxedVolume& a, const convert::RelaxedVolume& b) {
@@ -69,8 +70,10 @@ std::optional<std::string> relaxing_note(std::span<const convert::RelaxRecord> r
   // Of a surface that is one component, or of many that all are, there is no more to tell.
   if (changed_components > changed.size()) {
     const auto worst = std::ranges::max_element(records, changed_less, &convert::RelaxRecord::worst_component);
-    text += fmt::format("{}{} of {} components by more than {} %, most in {}, {}", changed.empty() ? "" : ", and of ",
-                        changed_components, components, kPercent, worst->surface, text_of(worst->worst_component));
+    const convert::RelaxedVolume& volume = worst->worst_component;
+    text += fmt::format("{}{} of {} components by more than {} %, most in {}{}, {}", changed.empty() ? "" : ", and of ",
+                        changed_components, components, kPercent, volume.before < 0 ? "a cavity of " : "",
+                        worst->surface, text_of(volume));
   }
   return text + ": --relax 0 keeps the volumes of the voxels";
 }

@@ -132,8 +132,9 @@ HelpTopic coordinates_topic() {
         "where it lies without.",
         {}},
        {"--roi is a box in the input's world, before --up, --scale and --unit, or in voxel coordinates with "
-        "--space index. The surface is extracted from the samples inside it. Where the samples' axes are oblique "
-        "to the world's, the smallest box of samples that covers it is taken.",
+        "--space index. The triangles are cut at its faces, so that the surface ends there exactly, also where the "
+        "samples' axes are oblique to the world's. --roi-snap cuts nothing and ends the surface at the outermost "
+        "samples in the box, as labels and --method voxels always do.",
         {}}}};
 }
 

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "base/printable.hpp"
 #include "convert/field_blur.hpp"
@@ -12,6 +15,7 @@
 #include "convert/level_set_filter.hpp"
 #include "convert/mesh_clip.hpp"
 #include "convert/particle_field.hpp"
+#include "field/distinct.hpp"
 #include "field/resample.hpp"
 #include "files/file_bytes.hpp"
 
@@ -30,20 +34,41 @@ void tell_voxel_size(const glm::dvec3& asked, const field::ScalarField& grid, Ev
                   field_label(grid), made.x, made.y, made.z, asked.x, asked.y, asked.z));
 }
 
+// Where all labels of a map have meshes: tells those of which a coarser grid has no sample.
+void tell_lost_labels(const field::ScalarField& map, const field::ScalarField& grid, const Context& context,
+                      Events& events) {
+  std::vector<double> labels = field::distinct_values(map, &context.progress());
+  std::erase(labels, 0.0);
+  const std::vector<double> left = field::distinct_values(grid, &context.progress());
+  std::vector<double> lost;
+  std::ranges::set_difference(labels, left, std::back_inserter(lost));
+  if (lost.empty()) return;
+  constexpr std::size_t kMostTold = 10;
+  const std::span<const double> told = std::span(lost).first(std::min(lost.size(), kMostTold));
+  const std::string ids = fmt::format("{}{}", fmt::join(told, ", "), lost.size() > kMostTold ? ", ..." : "");
+  events.note(fmt::format("{}: no mesh for {} of {} labels ({}): the coarser grid has no sample of them",
+                          field_label(map), lost.size(), labels.size(), ids));
+  events.worked(
+      {WorkTopic::labels, WorkDone::left_out, lost.size(), labels.size(),
+       fmt::format("{} of {} labels, of which the coarser grid has no sample: {}", lost.size(), labels.size(), ids)});
+}
+
 // The grid of another resolution takes the place of the data.
-Result<void> change_resolution(const SourceOptions& options, bool keep_data, const Context& context, Events& events,
-                               Source& source) {
+Result<void> change_resolution(const SourceOptions& options, const SourceUse& use, const Context& context,
+                               Events& events, Source& source) {
   const Stopwatch watch;
   auto resolution = options.resolution ? Result<glm::ivec3>(*options.resolution)
                                        : field::resolution_of_voxel_size(source.field, *options.voxel_size);
   if (!resolution) return tl::unexpected(std::move(resolution.error()));
-  auto grid = field::resample(source.field, *resolution, options.kernel, context);
+  auto grid = field::resample(source.field, *resolution, options.kernel, use.nan, context);
   if (!grid) return tl::unexpected(std::move(grid.error()));
   const StageTime time = watch.elapsed();
   for (const std::string& text : grid->notes) events.note(text);
   events.resampled(*grid, resolution_fact(source.field, *grid), time);
+  const auto is_all = [](const IsoChoice& iso) { return iso.kind == IsoChoice::Kind::all_labels; };
+  if (std::ranges::any_of(use.isos, is_all)) tell_lost_labels(source.field, *grid, context, events);
   if (options.voxel_size) tell_voxel_size(*options.voxel_size, *grid, events);
-  if (keep_data && !source.data) source.data = std::move(source.field);
+  if (use.keep_data && !source.data) source.data = std::move(source.field);
   source.field = std::move(*grid);
   return context.check();
 }
@@ -195,6 +220,8 @@ SourceUse use_of(const ConversionJob& job) {
   use.keep_data = job.error.has_value();
   use.isos = job.isos();
   use.empty_is_fine = job.empty != EmptyPolicy::error;
+  // The extractor finds them then, within its region.
+  if (job.surface.nan == extract::NanPolicy::error && !job.field_file) use.nan = field::NanSamples::spread;
   // Voxels are whole: a part of one is no surface of the method.
   if (job.source.roi_snap || extract::method_info(job.surface.method).traits.always_closed)
     use.region_ends = RegionEnds::samples;
@@ -225,7 +252,7 @@ Result<Source> open_source(const SourceOptions& options, const SourceUse& use, c
     return tl::unexpected(std::move(blurred.error()));
   }
   if (options.resamples()) {
-    auto changed = change_resolution(options, use.keep_data, context, events, source);
+    auto changed = change_resolution(options, use, context, events, source);
     if (!changed) return tl::unexpected(std::move(changed.error()));
   }
   if (options.away_from_zero) source.kind_at_zero = source.field.kind;

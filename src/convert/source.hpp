@@ -57,6 +57,7 @@ struct SourceUse {
   std::vector<IsoChoice> isos;     // whose values are asked for
   bool empty_is_fine = false;      // as in resolve_isos()
   RegionEnds region_ends = RegionEnds::faces;
+  field::NanSamples nan = field::NanSamples::left_out;  // where the resolution changes
 };
 [[nodiscard]] SourceUse use_of(const ConversionJob& job);
 

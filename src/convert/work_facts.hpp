@@ -19,6 +19,7 @@ namespace isoextract::convert {
 enum class WorkTopic {
   grids,
   resolution,
+  labels,
   bricks,
   places,
   samples,
@@ -44,6 +45,7 @@ enum class WorkTopic {
 constexpr auto words_of(WorkTopic /*type*/) {
   return std::array{Word{WorkTopic::grids, "grids"},
                     Word{WorkTopic::resolution, "resolution"},
+                    Word{WorkTopic::labels, "labels"},
                     Word{WorkTopic::bricks, "bricks"},
                     Word{WorkTopic::places, "places"},
                     Word{WorkTopic::samples, "samples"},

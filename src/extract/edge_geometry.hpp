@@ -35,6 +35,23 @@ namespace isoextract::extract {
   return std::min(std::max(t, margin), 1 - margin);
 }
 
+// The derivative at a sample along one axis, from the samples `low` and `high` beside it: half their difference. Of a
+// sample that is NaN the difference to `here` takes the place; NaN where both are NaN, or `here` and one of them.
+[[nodiscard]] inline double sample_derivative(double low, double here, double high) {
+  const double change = high - low;
+  if (!std::isnan(change)) return change / 2;
+  if (!std::isnan(low) && !std::isnan(high)) return std::numeric_limits<double>::infinity();  // of two infinities
+  return std::isnan(low) ? high - here : here - low;
+}
+
+// The same at the border, towards the inside of the data: from the next two samples, or the next alone where `far` is
+// NaN, or not there. NaN where `here` or `near` is.
+[[nodiscard]] inline double border_derivative(double here, double near, double far) {
+  const double change = std::isnan(far) ? near - here : (4 * near - 3 * here - far) / 2;
+  const bool of_infinities = std::isnan(change) && !std::isnan(here) && !std::isnan(near);
+  return of_infinities ? std::numeric_limits<double>::infinity() : change;
+}
+
 // From index space to the float32 positions of a mesh.
 class OutputFrame {
  public:
@@ -64,6 +81,13 @@ class OutputFrame {
   // The outward unit normal for a gradient of the stored samples in index space. `out` is an index-space step that
   // leads outside; it decides where the gradient is zero or not finite.
   [[nodiscard]] glm::vec3 normal(const glm::dvec3& gradient, const glm::dvec3& out) const;
+
+  // Stands for the normal of a vertex at which NaN leaves no gradient, until fill_normals() (mesh_assembly.hpp) finds
+  // one: `out` in the output, of length 2, which no normal has.
+  [[nodiscard]] glm::vec3 unknown_normal(const glm::dvec3& out) const {
+    return 2.0 * glm::normalize(local_from_index_.linear * out);
+  }
+  [[nodiscard]] static bool is_unknown(const glm::vec3& normal) { return glm::dot(normal, normal) > 2; }
 
   // The unit normal of a plane whose index-space normal is `covector`.
   [[nodiscard]] glm::vec3 plane_normal(const glm::dvec3& covector) const {

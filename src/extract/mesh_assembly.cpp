@@ -1,7 +1,11 @@
 #include "extract/mesh_assembly.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -96,6 +100,44 @@ void allocate_mesh(mesh::Mesh& mesh, const MeshSizes& surface, const BorderCap& 
   if (options.smooth_normals) mesh.normals = Buffer<glm::vec3>(mesh.positions.size());
   if (options.edge_keys) mesh.edges = Buffer<mesh::EdgeKey>(mesh.positions.size());
   mesh.triangles = Buffer<glm::uvec3>(surface.triangles + cap.triangles.size());
+}
+
+Result<void> fill_normals(mesh::Mesh& mesh, const MeshSizes& surface, const field::ScalarField& field,
+                          const Context& context) {
+  struct Unknown {
+    std::uint32_t vertex;
+    glm::dvec3 sum{0.0};  // of vectors along the normals of triangles, twice as long as their areas are
+    double lengths = 0;
+  };
+  const std::span<glm::vec3> normals(mesh.normals.data(), surface.vertices);
+  const auto count = static_cast<std::uint64_t>(std::ranges::count_if(normals, OutputFrame::is_unknown));
+  if (count == 0) return {};
+  auto memory = context.reserve(count * sizeof(Unknown),
+                                fmt::format("{}: the normals of {} vertices beside NaN", field.source, count));
+  if (!memory) return tl::unexpected(std::move(memory.error()));
+  std::vector<Unknown> unknown;
+  unknown.reserve(count);
+  for (std::size_t v = 0; v < normals.size(); ++v) {
+    if (OutputFrame::is_unknown(normals[v])) unknown.push_back({static_cast<std::uint32_t>(v)});
+  }
+  for (const glm::uvec3& corners : std::span(mesh.triangles.data(), surface.triangles)) {
+    for (int corner = 0; corner < 3; ++corner) {
+      if (!OutputFrame::is_unknown(normals[corners[corner]])) continue;
+      const glm::dvec3 a(mesh.positions[corners.x]);
+      const glm::dvec3 area = glm::cross(glm::dvec3(mesh.positions[corners.y]) - a,  //
+                                         glm::dvec3(mesh.positions[corners.z]) - a);
+      Unknown& one = *std::ranges::lower_bound(unknown, corners[corner], {}, &Unknown::vertex);
+      one.sum += area;
+      one.lengths += glm::length(area);
+    }
+  }
+  constexpr double kCancels = 1e-6;  // what is left of the sum is rounding
+  for (const Unknown& one : unknown) {
+    glm::vec3& normal = normals[one.vertex];
+    const double length = glm::length(one.sum);
+    normal = length > kCancels * one.lengths ? glm::vec3(one.sum / length) : normal / 2.0F;
+  }
+  return {};
 }
 
 void append_cap(mesh::Mesh& mesh, const MeshSizes& surface, const BorderCap& cap, const field::IndexBox& box,

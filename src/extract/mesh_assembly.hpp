@@ -44,6 +44,11 @@ struct MeshSizes {
 // Room for the surface and the cap; nothing is initialised.
 void allocate_mesh(mesh::Mesh& mesh, const MeshSizes& surface, const BorderCap& cap, const ExtractOptions& options);
 
+// Gives the vertices of the surface whose normals are unknown (OutputFrame) the mean of the normals of their triangles,
+// weighted by area, and where these cancel out, or there are none, the direction of their edge. Before append_cap().
+[[nodiscard]] Result<void> fill_normals(mesh::Mesh& mesh, const MeshSizes& surface, const field::ScalarField& field,
+                                        const Context& context);
+
 // Writes the cap of `box` behind the surface.
 void append_cap(mesh::Mesh& mesh, const MeshSizes& surface, const BorderCap& cap, const field::IndexBox& box,
                 const OutputFrame& placement);

@@ -94,6 +94,9 @@ template <SurfacePasses Surface>
   watch.restart();
   allocate_mesh(result.mesh, *sizes, cap, options);
   if (auto done = surface.emit(result.mesh); !done) return tl::unexpected(done.error());
+  if (options.smooth_normals && result.stats.nan_samples != 0) {
+    if (auto filled = fill_normals(result.mesh, *sizes, field, context); !filled) return tl::unexpected(filled.error());
+  }
   if (capped) append_cap(result.mesh, *sizes, cap, *box, placement);
   cap = {};
   cap_memory.release();

@@ -8,6 +8,7 @@
 #include <limits>
 #include <span>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -60,6 +61,8 @@ class WeightedSum {
   [[nodiscard]] double mean() const { return std::clamp(sum_, low_, high_); }
 
  private:
+  friend class PartialMean;
+
   double sum_ = 0;
   double low_ = 0;
   double high_ = 0;
@@ -67,58 +70,199 @@ class WeightedSum {
   bool mean_;
 };
 
-// Rows of samples that become one. row(j) gives the old row j, and the last kMostOfKernel that it gave stay.
-template <class Row>
-void combine_rows(const AxisWeights& axis, const SampleWeights& use, const Row& row, std::vector<WeightedSum>& sums,
-                  std::span<double> out) {
-  if (use.weights.size() == 1) {
-    std::ranges::copy(row(use.first), out.begin());
-    return;
+// The mean of the samples that are numbers, and how much of the weight of all of them they have.
+struct Part {
+  double value = 0;
+  double share = 1;
+};
+
+// The mean of parts, where some of their weight is that of NaN and left out.
+class PartialMean {
+ public:
+  PartialMean() = default;
+  // Of numbers whose weights add up to `share`.
+  PartialMean(const WeightedSum& sum, double share) : sum_(sum.sum_), low_(sum.low_), high_(sum.high_), share_(share) {}
+
+  void add(double weight, const Part& part) {
+    const double share = weight * part.share;
+    if (!(share > 0)) return;
+    sum_ += share * part.value;
+    low_ = share_ > 0 ? std::min(low_, part.value) : part.value;
+    high_ = share_ > 0 ? std::max(high_, part.value) : part.value;
+    share_ += share;
   }
+  [[nodiscard]] Part result() const {
+    constexpr double kAll = 1 - 1e-12;  // weights are rounded
+    if (share_ == 0) return {std::numeric_limits<double>::quiet_NaN(), 0};
+    return {std::clamp(sum_ / share_, low_, high_), share_ > kAll ? 1 : share_};
+  }
+
+ private:
+  double sum_ = 0;
+  double low_ = 0;
+  double high_ = 0;
+  double share_ = 0;
+};
+
+// A row of numbers. `shares` says how much of each number's weight samples had that are numbers, and `values` are means
+// of these; it is empty where NaN is left in, or where none is in the row.
+struct Row {
+  std::span<const double> values;
+  std::span<const double> shares;
+
+  [[nodiscard]] Part at(std::size_t i) const { return {values[i], shares.empty() ? 1 : shares[i]}; }
+};
+
+// The same, to be written.
+struct RowBuffer {
+  explicit RowBuffer(std::size_t width) : values(width) {}
+
+  [[nodiscard]] Row row() const {
+    return {values, masked ? std::span<const double>(shares) : std::span<const double>()};
+  }
+  void set_masked(bool is_masked) {
+    masked = is_masked;
+    if (masked) shares.resize(values.size());
+  }
+
+  std::vector<double> values;
+  std::vector<double> shares;
+  bool masked = false;
+};
+
+// part(j) is the old sample j.
+template <class PartAt>
+Part combine_parts(const AxisWeights& axis, const SampleWeights& use, const PartAt& part) {
+  if (use.weights.size() == 1) return part(use.first);
+  WeightedSum sum(axis);
+  bool whole = true;
+  for (std::size_t k = 0; k < use.weights.size(); ++k) {
+    const Part one = part(use.first + static_cast<int>(k));
+    whole = whole && one.share == 1;
+    k == 0 ? sum.start(use.weights[k], one.value) : sum.add(use.weights[k], one.value);
+  }
+  if (whole && axis.is_mean()) return {sum.mean(), 1};
+  PartialMean mean;
   if (axis.is_mean()) {
     for (std::size_t k = 0; k < use.weights.size(); ++k) {
-      const std::span<const double> values = row(use.first + static_cast<int>(k));
-      for (std::size_t i = 0; i < out.size(); ++i) {
-        k == 0 ? sums[i].start(use.weights[k], values[i]) : sums[i].add(use.weights[k], values[i]);
+      mean.add(use.weights[k], part(use.first + static_cast<int>(k)));
+    }
+    return mean.result();
+  }
+  const Part a = part(use.below);
+  const Part b = use.t == 0 ? a : part(use.below + 1);
+  if (whole) return {sum.result(a.value, b.value, use.t), 1};
+  mean.add(1 - use.t, a);
+  mean.add(use.t, b);
+  return mean.result();
+}
+
+// What combining rows takes, for each sample of a row.
+struct RowSums {
+  RowSums(const AxisWeights& axis, std::size_t width) : sums(width, WeightedSum(axis)), means(width) {}
+
+  std::vector<WeightedSum> sums;
+  std::vector<PartialMean> means;
+};
+
+// The mean of rows. Those of which all is a number are added up in one way, and in another from the first that is not.
+template <class GetRow>
+void mean_of_rows(const SampleWeights& use, const GetRow& row, RowSums& room, RowBuffer& out) {
+  std::vector<WeightedSum>& sums = room.sums;
+  std::vector<PartialMean>& means = room.means;
+  bool masked = false;
+  double before = 0;
+  for (std::size_t k = 0; k < use.weights.size(); ++k) {
+    const Row one = row(use.first + static_cast<int>(k));
+    if (!masked && !one.shares.empty()) {
+      masked = true;
+      for (std::size_t i = 0; i < means.size(); ++i) {
+        means[i] = k == 0 ? PartialMean() : PartialMean(sums[i], before);
       }
     }
-    for (std::size_t i = 0; i < out.size(); ++i) out[i] = sums[i].mean();
-    return;
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+      if (masked) {
+        means[i].add(use.weights[k], one.at(i));
+      } else {
+        k == 0 ? sums[i].start(use.weights[k], one.values[i]) : sums[i].add(use.weights[k], one.values[i]);
+      }
+    }
+    before += use.weights[k];
   }
-  std::array<std::span<const double>, AxisWeights::kMostOfKernel> rows;
-  for (std::size_t k = 0; k < use.weights.size(); ++k) rows[k] = row(use.first + static_cast<int>(k));
-  const std::span<const double> a = rows[static_cast<std::size_t>(use.below - use.first)];
-  const std::span<const double> b = use.t == 0 ? a : rows[static_cast<std::size_t>(use.below + 1 - use.first)];
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    WeightedSum& sum = sums[i];
-    sum.start(use.weights[0], rows[0][i]);
-    for (std::size_t k = 1; k < use.weights.size(); ++k) sum.add(use.weights[k], rows[k][i]);
-    out[i] = sum.result(a[i], b[i], use.t);
+  out.set_masked(masked);
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    const Part part = masked ? means[i].result() : Part{sums[i].mean(), 1};
+    out.values[i] = part.value;
+    if (masked) out.shares[i] = part.share;
   }
 }
 
-// The same within one row.
-double combine_samples(const AxisWeights& axis, const SampleWeights& use, std::span<const double> row) {
-  const double* const values = row.data() + use.first;
-  if (use.weights.size() == 1) return values[0];
-  WeightedSum sum(axis);
-  sum.start(use.weights[0], values[0]);
-  for (std::size_t k = 1; k < use.weights.size(); ++k) sum.add(use.weights[k], values[k]);
-  if (axis.is_mean()) return sum.mean();
-  const double a = row[static_cast<std::size_t>(use.below)];
-  return sum.result(a, use.t == 0 ? a : row[static_cast<std::size_t>(use.below) + 1], use.t);
+// Rows of samples that become one. row(j) gives the old row j, and the last kMostOfKernel that it gave stay.
+template <class GetRow>
+void combine_rows(const AxisWeights& axis, const SampleWeights& use, const GetRow& row, RowSums& room, RowBuffer& out) {
+  if (use.weights.size() > 1 && axis.is_mean()) {
+    mean_of_rows(use, row, room, out);
+    return;
+  }
+  std::array<Row, AxisWeights::kMostOfKernel> rows;
+  bool masked = false;
+  for (std::size_t k = 0; k < use.weights.size(); ++k) {
+    rows[k] = row(use.first + static_cast<int>(k));
+    masked = masked || !rows[k].shares.empty();
+  }
+  out.set_masked(masked);
+  if (masked) {
+    for (std::size_t i = 0; i < out.values.size(); ++i) {
+      const Part part =
+          combine_parts(axis, use, [&](int j) { return rows[static_cast<std::size_t>(j - use.first)].at(i); });
+      out.values[i] = part.value;
+      out.shares[i] = part.share;
+    }
+    return;
+  }
+  if (use.weights.size() == 1) {
+    std::ranges::copy(rows[0].values, out.values.begin());
+    return;
+  }
+  const std::span<const double> a = rows[static_cast<std::size_t>(use.below - use.first)].values;
+  const std::span<const double> b = use.t == 0 ? a : rows[static_cast<std::size_t>(use.below + 1 - use.first)].values;
+  for (std::size_t i = 0; i < out.values.size(); ++i) {
+    WeightedSum& sum = room.sums[i];
+    sum.start(use.weights[0], rows[0].values[i]);
+    for (std::size_t k = 1; k < use.weights.size(); ++k) sum.add(use.weights[k], rows[k].values[i]);
+    out.values[i] = sum.result(a[i], b[i], use.t);
+  }
+}
+
+// The new sample of a row: NaN where more than half of its weight is that of NaN.
+double combine_samples(const AxisWeights& axis, const SampleWeights& use, const Row& row) {
+  constexpr double kHalf = 0.5 - 1e-9;  // weights are rounded
+  const Part part = combine_parts(axis, use, [&](int j) { return row.at(static_cast<std::size_t>(j)); });
+  return part.share >= kHalf || std::isnan(part.value) ? part.value : std::numeric_limits<double>::quiet_NaN();
 }
 
 // Rows of a field's samples along x. y and z count from the low corner of the box.
 template <class T>
 class SourceRows {
  public:
-  SourceRows(const Samples& samples, const IndexBox& box)
-      : dense_(std::get_if<DenseSamples>(&samples)), sparse_(std::get_if<SparseSamples>(&samples)), box_(box) {
+  SourceRows(const Samples& samples, const IndexBox& box, NanSamples nan)
+      : leaves_nan_out_(nan == NanSamples::left_out),
+        dense_(std::get_if<DenseSamples>(&samples)),
+        sparse_(std::get_if<SparseSamples>(&samples)),
+        box_(box) {
     if (sparse_ != nullptr) lookup_.emplace(*sparse_);
   }
 
-  void read(int y, int z, double* row) const {
+  void read(int y, int z, RowBuffer& row) const {
+    read_values(y, z, row.values.data());
+    if constexpr (!is_floating_sample<T>) return;
+    row.set_masked(leaves_nan_out_ && std::ranges::any_of(row.values, [](double value) { return std::isnan(value); }));
+    if (!row.masked) return;
+    std::ranges::transform(row.values, row.shares.begin(), [](double value) { return std::isnan(value) ? 0.0 : 1.0; });
+  }
+
+ private:
+  void read_values(int y, int z, double* row) const {
     if (dense_ != nullptr) {
       const glm::i64vec3 dims(dense_->dims);
       const T* from = static_cast<const T*>(dense_->data) + dims.x * (y + dims.y * z);
@@ -140,7 +284,7 @@ class SourceRows {
     }
   }
 
- private:
+  bool leaves_nan_out_;
   const DenseSamples* dense_;
   const SparseSamples* sparse_;
   std::optional<SparseLookup> lookup_;
@@ -150,31 +294,24 @@ class SourceRows {
 // The last rows that were asked for, by their numbers: rows next to each other do not drive each other out.
 class RowCache {
  public:
-  explicit RowCache(std::size_t width) {
-    for (Row& row : rows_) row.values.resize(width);
-  }
+  explicit RowCache(std::size_t width) : rows_(AxisWeights::kMostOfKernel, {-1, RowBuffer(width)}) {}
 
-  // make(values) fills them where they are not there.
+  // make(buffer) fills it where the row is not there.
   template <class Make>
-  std::span<const double> get(int number, const Make& make) {
-    Row& row = rows_[static_cast<std::size_t>(number) % rows_.size()];
-    if (row.number != number) {
-      row.number = number;
-      make(std::span(row.values));
+  Row get(int number, const Make& make) {
+    auto& [held, buffer] = rows_[static_cast<std::size_t>(number) % rows_.size()];
+    if (held != number) {
+      held = number;
+      make(buffer);
     }
-    return row.values;
+    return buffer.row();
   }
   void forget() {
-    for (Row& row : rows_) row.number = -1;
+    for (auto& [held, buffer] : rows_) held = -1;
   }
 
  private:
-  struct Row {
-    int number = -1;
-    std::vector<double> values;
-  };
-
-  std::array<Row, AxisWeights::kMostOfKernel> rows_;
+  std::vector<std::pair<int, RowBuffer>> rows_;
 };
 
 // The weights along x, y and z.
@@ -197,23 +334,22 @@ void fill(const SourceRows<T>& source, const glm::ivec3& old_dims, const glm::iv
     const SampleWeights z = along_z.of(k);
     RowCache read(width);
     RowCache plane(width);  // old rows, combined along z
-    std::vector<WeightedSum> z_sums(width, WeightedSum(along_z));
-    std::vector<WeightedSum> y_sums(width, WeightedSum(along_y));
+    RowSums z_sums(along_z, width);
+    RowSums y_sums(along_y, width);
     const auto plane_row = [&](int y) {
-      return plane.get(y, [&](std::span<double> out) {
+      return plane.get(y, [&](RowBuffer& out) {
         read.forget();
         combine_rows(
-            along_z, z,
-            [&](int at) { return read.get(at, [&](std::span<double> row) { source.read(y, at, row.data()); }); },
-            z_sums, out);
+            along_z, z, [&](int at) { return read.get(at, [&](RowBuffer& row) { source.read(y, at, row); }); }, z_sums,
+            out);
       });
     };
-    std::vector<double> row(width);
+    RowBuffer row(width);
     Value* out = values + static_cast<std::int64_t>(dims.x) * (first + static_cast<std::int64_t>(dims.y) * k);
     for (int j = first; j < end; ++j) {
       combine_rows(along_y, along_y.of(j), plane_row, y_sums, row);
       for (int i = 0; i < dims.x; ++i) {
-        *out++ = sample_from<Value>(combine_samples(along_x, along_x.of(i), row));
+        *out++ = sample_from<Value>(combine_samples(along_x, along_x.of(i), row.row()));
       }
     }
     context.progress().advance(1);
@@ -270,7 +406,7 @@ Result<void> check_has_steps(const ScalarField& field, std::string_view what) {
 
 template <class T, class Value>
 Result<ScalarField> resampled(const ScalarField& field, const glm::ivec3& resolution, ResampleKernel kernel,
-                              const Context& context) {
+                              NanSamples nan, const Context& context) {
   const auto* sparse = std::get_if<SparseSamples>(&field.samples);
   const IndexBox box = covered_box(field);
   const glm::ivec3 old_dims(box.dims());
@@ -306,7 +442,7 @@ Result<ScalarField> resampled(const ScalarField& field, const glm::ivec3& resolu
   if (!weight_memory) return tl::unexpected(std::move(weight_memory.error()));
   const auto along = [&](int axis) { return AxisWeights(old_dims[axis], resolution[axis], kernel, means); };
   const Weights weights{along(0), along(1), along(2)};
-  fill(SourceRows<T>(field.samples, box), old_dims, resolution, weights, (*values)->values.data(), context);
+  fill(SourceRows<T>(field.samples, box, nan), old_dims, resolution, weights, (*values)->values.data(), context);
   samples.data = (*values)->values.data();
   samples.owner = std::move(*values);
 
@@ -321,7 +457,7 @@ Result<ScalarField> resampled(const ScalarField& field, const glm::ivec3& resolu
 }  // namespace
 
 Result<ScalarField> resample(const ScalarField& field, const glm::ivec3& resolution, ResampleKernel kernel,
-                             const Context& context) {
+                             NanSamples nan, const Context& context) {
   if (glm::any(glm::lessThan(resolution, glm::ivec3(2)))) {
     return fail(ErrorKind::usage,
                 fmt::format("a resolution needs at least 2 samples along each axis, found {}", dims_text(resolution)));
@@ -330,8 +466,8 @@ Result<ScalarField> resample(const ScalarField& field, const glm::ivec3& resolut
     return tl::unexpected(std::move(checked.error()));
   }
   return visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) {
-    return kernel == ResampleKernel::nearest ? resampled<T, T>(field, resolution, kernel, context)
-                                             : resampled<T, Resampled<T>>(field, resolution, kernel, context);
+    return kernel == ResampleKernel::nearest ? resampled<T, T>(field, resolution, kernel, nan, context)
+                                             : resampled<T, Resampled<T>>(field, resolution, kernel, nan, context);
   });
 }
 

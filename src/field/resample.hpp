@@ -24,6 +24,12 @@ constexpr auto words_of(ResampleKernel /*type*/) {
                     Word{ResampleKernel::bspline, "bspline"}, Word{ResampleKernel::nearest, "nearest"}};
 }
 
+// What becomes of samples that are NaN, where others are averaged with them.
+enum class NanSamples {
+  left_out,  // the others have all the weight; a new sample is NaN where more than half of its weight is that of NaN
+  spread,    // every new sample that has weight of a NaN is NaN: for who takes NaN for an error
+};
+
 // `field` on a dense grid of `resolution` samples that covers the same box: along each axis its first sample is the
 // field's first and its last the field's last. `index_to_world` and `index_to_file` follow. The same answer for any
 // number of threads.
@@ -43,8 +49,8 @@ constexpr auto words_of(ResampleKernel /*type*/) {
 // is bspline.
 //
 // Only samples that count have a say. But for cubic, a value lies between the least and the greatest of them, also
-// where their difference leaves the range of numbers. NaN among them gives NaN, infinity gives that infinity, and both
-// infinities give NaN; beside such samples all kernels are linear.
+// where their difference leaves the range of numbers. NaN among them is treated as `nan` says, infinity gives that
+// infinity, and both infinities give NaN; beside such samples all kernels are linear.
 //
 // With ResampleKernel::nearest each new sample is one of the field's and has its type, whatever the resolution.
 //
@@ -57,7 +63,7 @@ constexpr auto words_of(ResampleKernel /*type*/) {
 // where the memory for it is not there.
 [[nodiscard]] Result<ScalarField> resample(const ScalarField& field, const glm::ivec3& resolution,
                                            ResampleKernel kernel = ResampleKernel::linear,
-                                           const Context& context = Context());
+                                           NanSamples nan = NanSamples::left_out, const Context& context = Context());
 
 // The resolution whose steps are as near to `voxel_size`, the lengths of a voxel's edges in world units, as steps can
 // be that divide the box that resample() covers: so that nothing of it is left out. They are those of the field where

@@ -394,6 +394,31 @@ class LabelsTest(ProgramTest):
         with unittest.mock.patch("support.PROCESSOR_SECONDS", 20):
             self.assertEqual(self.convert(*many, "-q").err, "")
 
+    def test_relaxing_names_a_cavity(self):
+        hole = lambda x, y, z: 14 <= min(x, y, z) and max(x, y, z) < 16  # noqa: E731
+        self.write_raw("box.raw", (30, 30, 30), lambda *p: 5 <= min(p) and max(p) < 25 and not hole(*p), "B")
+        told = self.convert("box.raw", "--dims", "30,30,30", "--labels", "1", "-o", "x.glb").err
+        self.assertRegex(told, r"1 of 2 components by more than 5 %, most in a cavity of box.raw label 1, from 8 to 4\.6\d* \(\S+ % less\)")
+
+    def test_labels_that_a_coarser_grid_loses_are_told(self):
+        def label(*p):
+            return 2 if all(14 <= a < 16 for a in p) else 3 if all(2 <= a < 4 for a in p) else int(all(5 <= a < 25 for a in p))
+
+        self.write_raw("l.raw", (30, 30, 30), label, "B")
+        raw = ("l.raw", "--dims", "30,30,30")
+        for coarse in (("--voxel-size", "6"), ("--resolution", "6")):
+            run = self.convert(*raw, "--labels", "all", *coarse, "-o", "x.glb", "--report", "r.json")
+            self.assertIn("note: l.raw: no mesh for 2 of 3 labels (2, 3): the coarser grid has no sample of them", run.err)
+            (fact,) = (fact for fact in json.loads((self.folder / "r.json").read_text())["work"] if fact["what"] == "labels")
+            self.assertEqual((fact["done"], fact["count"], fact["total"]), ("left out", 2, 3))
+            self.assertIn(": 2, 3", fact["text"])
+        for fine in ((), ("--voxel-size", "0.5")):
+            self.assertNotIn("no mesh for", self.convert(*raw, "--labels", "all", *fine, "-o", "x.glb").err)
+        # The first few of many.
+        self.write_raw("many.raw", (30, 30, 30), lambda x, y, z: x + 1 if y == z == 14 else 0, "B")
+        run = self.run_program("many.raw", "--dims", "30,30,30", "--labels", "all", "--resolution", "6", "--empty", "skip", "-o", "x.glb")
+        self.assertIn("no mesh for 30 of 30 labels (1, 2, 3, 4, 5, 6, 7, 8, 9, 10, ...)", run.err)
+
     def test_threads_change_no_byte(self):
         files = set()
         for threads in (1, 2, 5):

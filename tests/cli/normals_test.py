@@ -36,6 +36,12 @@ def against(mesh):
     return wrong / count
 
 
+def degrees_off(mesh, centre):
+    """The angles between the normals and those of a ball around `centre`."""
+    return [math.degrees(math.acos(max(-1, min(1, dot(normal, minus(place, centre)) / math.dist(place, centre)))))
+            for place, normal in zip(mesh.vertices, mesh.normals)]
+
+
 def places(mesh):
     return len(set(mesh.vertices))
 
@@ -201,6 +207,41 @@ class NormalsTest(ProgramTest):
                                  else 4 - math.dist((x, y, z), (5.5, 5.5, 5.5)))
         self.convert(numbers, "--dims", "12,12,12", "--dtype", "f32", "--iso", "0", "--nan", "hole", "-o", "a.glb")
         self.assertTrue(self.gltf("a.glb")["materials"][0]["doubleSided"])
+
+    def test_smooth_normals_beside_samples_that_are_no_numbers(self):
+        """They are the field's where it has a gradient, else those of the triangles; never a direction of the grid."""
+        centre = (23.5, 23.5, 23.5)
+        raw = ("--dims", "48,48,48", "--dtype", "f32", "--normals", "smooth")
+
+        def angles(iso, *options):
+            self.convert("a.raw", *raw, "--iso", iso, *options, "-o", "a.ply")
+            mesh = self.read("a.ply")
+            self.assertTrue(all(abs(math.hypot(*normal) - 1) < 1e-5 for normal in mesh.normals))
+            self.assertEqual(against(mesh), 0)
+            found = degrees_off(mesh, centre)
+            return sum(found) / len(found), max(found)
+
+        # A scan whose background is masked: the surface is that of the mask, whatever the values in it.
+        for value in (lambda *p: 100, lambda x, y, z: 100 + x + 2 * y):
+            inside = lambda *p: math.dist(p, centre) < 16  # noqa: E731
+            self.write_raw("a.raw", (48, 48, 48), lambda *p: value(*p) if inside(*p) else math.nan)
+            mean, most = angles("50", "--nan", "outside")
+            self.assertLess(mean, 15)
+            self.assertLess(most, 45)
+            self.assertLess(angles("50", "--nan", "outside", "--method", "mt")[0], 30)  # its triangles are rougher
+        self.write_raw("a.raw", (48, 48, 48), lambda *p: 100 if inside(*p) else 0)
+        self.assertLess(angles("50", "--nodata", "0")[0], 15)
+        # The field's own surface, with NaN from its far side on, and with NaN here and there.
+        self.write_raw("a.raw", (48, 48, 48), lambda *p: 16 - math.dist(p, centre) if math.dist(p, centre) < 17.8 else math.nan)
+        for policy in ("outside", "hole"):
+            mean, most = angles("0", "--nan", policy)
+            self.assertLess(mean, 0.1)
+            self.assertLess(most, 1)
+        numbers = random.Random(3)
+        self.write_raw("a.raw", (48, 48, 48), lambda *p: math.nan if numbers.random() < 0.001 else 16 - math.dist(p, centre))
+        mean, _ = angles("0", "--nan", "hole")
+        self.assertLess(mean, 1)
+
 
 
 class SidesTest(ProgramTest):

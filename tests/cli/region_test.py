@@ -5,7 +5,7 @@ import json
 import math
 import struct
 
-from support import SPHERE, ProgramTest, main, read_glb, read_ply
+from support import SOURCE, SPHERE, ProgramTest, main, read_glb, read_ply
 
 WHOLE = "-2,-2,-2,2,2,2"
 # No face on a sample of demo:sphere?size=24, whose spacing is 2.5 / 23.
@@ -176,6 +176,12 @@ class RegionTest(ProgramTest):
         edited = (SPHERE, "--iso", "0", *roi, "--cap", "--simplify", "0.2")
         self.convert(*edited, "-o", "a.ply")
         self.convert("verify", *edited, "a.ply")
+
+    def test_help_says_where_the_surface_of_a_part_ends(self):
+        for told in (self.convert("help", "coordinates").out.decode(), (SOURCE / "man/isoextract.1").read_text()):
+            told = " ".join(told.replace("\\", "").split())
+            self.assertIn("The triangles are cut at its faces, so that the surface ends there exactly", told)
+            self.assertNotIn("the smallest box of samples that covers it", told)
 
     def test_error_of_a_part_is_that_of_its_triangles(self):
         errors = []

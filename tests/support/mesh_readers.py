@@ -3,6 +3,7 @@ readers. As much of each format as isoextract, MeshLab and what it is compared w
 
 import io
 import json
+import math
 import pathlib
 import struct
 import urllib.parse
@@ -31,6 +32,14 @@ class Mesh:
                     raise AssertionError(f"edge {edge} is used twice in one direction")
                 edges.add(edge)
         return sum(1 for (a, b) in edges if (b, a) not in edges)
+
+    def area(self):
+        total = 0
+        for triangle in self.triangles:
+            a, b, c = (self.vertices[v] for v in triangle)
+            u, v = ([q - p for p, q in zip(a, end)] for end in (b, c))
+            total += math.hypot(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]) / 2
+        return total
 
     def volume(self):
         total = 0.0

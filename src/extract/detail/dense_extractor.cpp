@@ -330,7 +330,7 @@ class DenseExtraction final : private CellDecider {
   }
 
   // Of the stored numbers, at a sample of the whole field: central differences; at the border of the data one-sided
-  // ones of the same order.
+  // ones of the same order (sample_derivative(), border_derivative()).
   [[nodiscard]] glm::dvec3 sample_gradient(const glm::ivec3& p) const {
     const T* centre = whole_.row(p.y, p.z) + p.x;
     return {axis_derivative(centre, 1, p.x, whole_.dims.x),
@@ -340,10 +340,10 @@ class DenseExtraction final : private CellDecider {
 
   static double axis_derivative(const T* centre, std::int64_t stride, int index, int size) {
     const auto at = [&](int steps) { return static_cast<double>(centre[steps * stride]); };
-    if (index > 0 && index + 1 < size) return (at(1) - at(-1)) / 2;
+    if (index > 0 && index + 1 < size) return sample_derivative(at(-1), at(0), at(1));
     const int inward = index == 0 ? 1 : -1;
-    if (size == 2) return inward * (at(inward) - at(0));
-    return inward * (4 * at(inward) - 3 * at(0) - at(2 * inward)) / 2;
+    const double far = size == 2 ? std::numeric_limits<double>::quiet_NaN() : at(2 * inward);
+    return inward * border_derivative(at(0), at(inward), far);
   }
 
   void emit_triangles(mesh::Mesh& mesh, int j, int k) {

@@ -172,12 +172,12 @@ class SparseExtraction final : private CellDecider {
     writer.flush();
   }
 
-  // Of the stored numbers, by central differences.
+  // Of the stored numbers, by central differences; beside NaN as sample_derivative() says.
   static void put_gradient(VertexBatch& batch, int end, int i, const Neighbourhood<T>& stored, const glm::ivec3& p) {
     for (int axis = 0; axis < 3; ++axis) {
       glm::ivec3 step(0);
       step[axis] = 1;
-      batch.gradient[end][axis][i] = (stored(p + step) - stored(p - step)) / 2;
+      batch.gradient[end][axis][i] = sample_derivative(stored(p - step), stored(p), stored(p + step));
     }
   }
 

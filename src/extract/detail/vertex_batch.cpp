@@ -157,7 +157,14 @@ void place_plainly(const VertexBatch& batch, int i, const VertexRules& rules, gl
   const auto gradient = [&](int end) {
     return glm::dvec3(batch.gradient[end][0][i], batch.gradient[end][1][i], batch.gradient[end][2][i]);
   };
-  *normal = rules.placement.normal((1 - t) * gradient(0) + t * gradient(1), (rules.inside(f0) ? 1.0 : -1.0) * step);
+  const glm::dvec3 out = (rules.inside(f0) ? 1.0 : -1.0) * step;
+  // A vertex beside NaN is halfway to it, wherever the field's gradient points.
+  const bool beside_nan = std::isnan(batch.value[0][i]) || std::isnan(batch.value[1][i]);
+  if (beside_nan || glm::any(glm::isnan(gradient(0))) || glm::any(glm::isnan(gradient(1)))) {
+    *normal = rules.placement.unknown_normal(out);
+  } else {
+    *normal = rules.placement.normal((1 - t) * gradient(0) + t * gradient(1), out);
+  }
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <random>
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -21,8 +22,9 @@ const DenseSamples& dense_samples(const ScalarField& field) { return std::get<De
 
 constexpr ResampleKernel kLinear = ResampleKernel::linear;
 
-ScalarField resampled(const ScalarField& field, const glm::ivec3& resolution, ResampleKernel kernel = kLinear) {
-  ScalarField result = resample(field, resolution, kernel).value();
+ScalarField resampled(const ScalarField& field, const glm::ivec3& resolution, ResampleKernel kernel = kLinear,
+                      NanSamples nan = NanSamples::left_out) {
+  ScalarField result = resample(field, resolution, kernel, nan).value();
   EXPECT_EQ(dense_samples(result).dims, resolution);
   return result;
 }
@@ -46,10 +48,11 @@ void for_each_sample(const glm::ivec3& dims, const F& visit) {
 }
 
 // A row of four samples along x, in a field that is constant along y and z, at another resolution along x.
-std::vector<double> row_of(const std::vector<double>& samples, int count, ResampleKernel kernel = kLinear) {
+std::vector<double> row_of(const std::vector<double>& samples, int count, ResampleKernel kernel = kLinear,
+                           NanSamples nan = NanSamples::left_out) {
   const ScalarField field = test::dense_field<double>(
       {static_cast<int>(samples.size()), 2, 2}, [&](int i, int, int) { return samples[static_cast<std::size_t>(i)]; });
-  const ScalarField result = resampled(field, {count, 3, 5}, kernel);
+  const ScalarField result = resampled(field, {count, 3, 5}, kernel, nan);
   std::vector<double> row;
   for (int i = 0; i < count; ++i) row.push_back(sample_at(result, {i, 1, 3}));
   return row;
@@ -170,14 +173,16 @@ TEST(Resample, CoarserIsTheMeanOverAStep) {
     for (const double value : row_of(spike, 5 * count)) sum += value;
     EXPECT_NEAR(sum * step, 1, 1e-12) << count;
   }
-  // What is finer than the new grid goes, and what is not a number stays that.
+  // What is finer than the new grid goes, and what is not a number is left out, or spreads.
   std::vector<double> stripes;
   for (int i = 0; i < 65; ++i) stripes.push_back(i % 2 == 0 ? 1 : -1);
   const std::vector<double> flat = row_of(stripes, 17);
   for (std::size_t i = 1; i < 16; ++i) EXPECT_LT(std::abs(flat[i]), 0.01);
   stripes[32] = test::kNaN;
-  EXPECT_TRUE(std::isnan(row_of(stripes, 17)[8]));
-  EXPECT_EQ(row_of(stripes, 17)[10], flat[10]);
+  EXPECT_TRUE(std::isnan(row_of(stripes, 17, kLinear, NanSamples::spread)[8]));
+  const std::vector<double> holed = row_of(stripes, 17);
+  EXPECT_NEAR(holed[8], -1.0 / 3, 1e-12) << "(1/2 - 1 - 1 + 1/2) of a weight of 3";
+  EXPECT_EQ(holed[10], flat[10]);
   for (const double value : row_of(std::vector<double>(50, 0.1), 7)) EXPECT_EQ(value, 0.1);
   // A step that is hardly longer than a voxel hardly changes anything.
   std::vector<double> spike(101, 0.0);
@@ -244,10 +249,16 @@ TEST(Resample, NearestSamplesStayAsTheyAre) {
 TEST(Resample, KernelsAreLinearBesideWhatIsNotFinite) {
   const std::vector<double> samples{1, 2, 5, test::kNaN, 5, 2, 1, 0};
   for (const ResampleKernel kernel : {ResampleKernel::cubic, ResampleKernel::bspline}) {
-    const std::vector<double> row = row_of(samples, 15, kernel);
-    EXPECT_EQ(row[3], 3.5);
-    for (std::size_t i = 0; i < row.size(); ++i) {
-      EXPECT_EQ(std::isnan(row[i]), i >= 5 && i <= 7) << i;
+    for (const NanSamples nan : {NanSamples::left_out, NanSamples::spread}) {
+      const std::vector<double> row = row_of(samples, 15, kernel, nan);
+      EXPECT_EQ(row[3], 3.5);
+      for (std::size_t i = 0; i < row.size(); ++i) {
+        EXPECT_EQ(std::isnan(row[i]), nan == NanSamples::spread ? i >= 5 && i <= 7 : i == 6) << i;
+      }
+      if (nan == NanSamples::left_out) {
+        EXPECT_EQ(row[5], 5);
+        EXPECT_EQ(row[7], 5);
+      }
     }
     EXPECT_EQ(row_of({1, 2, kInfinity, 2, 1, 0}, 11, kernel)[2 * 2], kInfinity);
   }
@@ -263,11 +274,47 @@ TEST(Resample, OnlyNeighboursThatCountHaveASay) {
   EXPECT_EQ(row[4], 3);
   EXPECT_EQ(row[5], -kInfinity);
   EXPECT_EQ(row[6], -kInfinity);
-  for (const int nan : {7, 8, 9}) EXPECT_TRUE(std::isnan(row[static_cast<std::size_t>(nan)]));
+  EXPECT_EQ(row[7], -kInfinity) << "NaN has half of the weight";
+  EXPECT_TRUE(std::isnan(row[8]));
+  EXPECT_EQ(row[9], 6);
   EXPECT_EQ(row[10], 6);
   EXPECT_EQ(row[11], 6.5);
   EXPECT_EQ(row[12], 7) << "nothing lies beyond the last sample";
   EXPECT_TRUE(std::isnan(row_of({-kInfinity, kInfinity}, 3)[1])) << "no value lies between both infinities";
+}
+
+// Against sums over all weights: the three axes together, NaN in every row and in none.
+TEST(Resample, MeansLeaveNanOut) {
+  const glm::ivec3 dims(11, 9, 10);
+  const glm::ivec3 coarse(4, 5, 3);
+  for (const double share : {0.02, 0.3, 0.6}) {
+    std::mt19937 engine(7);
+    const ScalarField holed = test::dense_field<double>(dims, [&](int, int, int) {
+      const double value = std::uniform_real_distribution<double>(1, 2)(engine);
+      return std::uniform_real_distribution<double>(0, 1)(engine) < share ? test::kNaN : value;
+    });
+    const auto made_of = [&](const auto& value_of) {
+      return resampled(test::dense_field<double>(dims,
+                                                 [&](int i, int j, int k) {
+                                                   return value_of(sample_at(holed, {i, j, k}));
+                                                 }),
+                       coarse);
+    };
+    const ScalarField weights = made_of([](double value) { return std::isnan(value) ? 0.0 : 1.0; });
+    const ScalarField sums = made_of([](double value) { return std::isnan(value) ? 0.0 : value; });
+    const ScalarField found = resampled(holed, coarse);
+    int numbers = 0;
+    for_each_sample(coarse, [&](const glm::ivec3& p) {
+      const double weight = sample_at(weights, p);
+      const double value = sample_at(found, p);
+      EXPECT_EQ(std::isnan(value), weight < 0.5) << share;
+      if (weight < 0.5) return;
+      ++numbers;
+      EXPECT_NEAR(value, sample_at(sums, p) / weight, 1e-12);
+    });
+    EXPECT_EQ(numbers<coarse.x * coarse.y * coarse.z, share> 0.1);
+    EXPECT_GT(numbers, 0);
+  }
 }
 
 TEST(Resample, StaysBetweenItsNeighboursAtTheEdgesOfTheRange) {
@@ -341,14 +388,17 @@ TEST(Resample, SaysWhatItCannotDo) {
   EXPECT_EQ(resample(field, {4, 1, 4}).error().kind, ErrorKind::usage);
   const ScalarField flat = test::dense_field<float>({4, 4, 1}, [](int i, int, int) { return i; });
   EXPECT_EQ(resample(flat, {4, 4, 4}).error().kind, ErrorKind::input);
-  const Error large = resample(field, {100, 100, 100}, kLinear, Context(MemoryBudget(4'000'000 - 1))).error();
+  const Error large =
+      resample(field, {100, 100, 100}, kLinear, NanSamples::left_out, Context(MemoryBudget(4'000'000 - 1))).error();
   EXPECT_EQ(large.kind, ErrorKind::input);
   EXPECT_EQ(large.hint.remedy, Remedy::raise_memory_limit);
-  EXPECT_TRUE(resample(field, {100, 100, 100}, kLinear, Context(MemoryBudget(4'000'000))));
-  EXPECT_TRUE(resample(field, {4, 4, 4}, kLinear, Context(MemoryBudget(0)))) << "nothing is allocated";
+  EXPECT_TRUE(resample(field, {100, 100, 100}, kLinear, NanSamples::left_out, Context(MemoryBudget(4'000'000))));
+  EXPECT_TRUE(resample(field, {4, 4, 4}, kLinear, NanSamples::left_out, Context(MemoryBudget(0))))
+      << "nothing is allocated";
   const int most = std::numeric_limits<int>::max();
-  EXPECT_EQ(resample(field, glm::ivec3(most), kLinear, Context(MemoryBudget(1ULL << 62))).error().kind,
-            ErrorKind::input);
+  EXPECT_EQ(
+      resample(field, glm::ivec3(most), kLinear, NanSamples::left_out, Context(MemoryBudget(1ULL << 62))).error().kind,
+      ErrorKind::input);
 }
 
 TEST(Resample, IsTheSameForAnyNumberOfThreads) {
