@@ -116,9 +116,13 @@ Json json_of(const std::vector<SurfaceFigures>& list) {
 }
 
 Json json_of(const FrameFigures& figures) {
-  return {{"surfaces", json_of(figures.surfaces)},          {"time_step", figures.time_step},
-          {"lacked_attributes", figures.lacked_attributes}, {"bytes", figures.bytes},
-          {"wall_seconds", figures.wall_seconds},           {"memory", figures.memory}};
+  return {{"surfaces", json_of(figures.surfaces)},
+          {"time_step", figures.time_step},
+          {"lacked_attributes", figures.lacked_attributes},
+          {"bytes", figures.bytes},
+          {"wall_seconds", figures.wall_seconds},
+          {"memory", figures.memory},
+          {"unit", figures.unit}};
 }
 
 std::vector<SurfaceFigures> surfaces_of(const Json& json) {
@@ -142,6 +146,7 @@ FrameFigures figures_of(const Json& json) {
   figures.surfaces = surfaces_of(json.at("surfaces"));
   figures.time_step = json.at("time_step").get<std::string>();
   figures.lacked_attributes = json.value("lacked_attributes", std::vector<std::string>());
+  figures.unit = json.value("unit", std::string());
   figures.bytes = json.at("bytes").get<std::uint64_t>();
   figures.wall_seconds = json.at("wall_seconds").get<double>();
   figures.memory = json.at("memory").get<std::uint64_t>();
@@ -152,6 +157,16 @@ FrameFigures figures_of(const Json& json) {
 template <class Record>
 bool is_of(const Record& record, const SurfaceFigures& surface) {
   return record.iso == surface.iso && record.grid == surface.grid;
+}
+
+// The unit that was asked for, else that of the input where the mesh has its lengths.
+std::string unit_of(const convert::Outcome& outcome) {
+  if (!outcome.placed) return {};
+  const convert::Placement& placement = outcome.placed->placement.placement;
+  if (!placement.to_unit.empty()) return placement.to_unit;
+  const bool as_in_file = placement.space == convert::Space::world && placement.unit.empty() && placement.scale == 1;
+  const auto unit = as_in_file && outcome.input ? convert::find_length_unit(outcome.input->length_unit) : std::nullopt;
+  return unit ? std::string(unit->name) : placement.unit;
 }
 
 // What was written of a surface. The same one may be in a second output, which does not count.
@@ -248,6 +263,7 @@ FrameFigures figures_of(const convert::Outcome& outcome) {
   }
   if (outcome.particles) figures.time_step = outcome.particles->time_step;
   figures.lacked_attributes = outcome.lacked_attributes;
+  figures.unit = unit_of(outcome);
   for (const meshes::WrittenFile& file : outcome.files) figures.bytes += file.bytes;
   figures.wall_seconds = outcome.total.wall_seconds;
   figures.memory = outcome.reserved_memory;

@@ -46,6 +46,7 @@ struct FrameFigures {
   std::uint64_t memory = 0;                    // the most that was reserved
   std::string time_step;                       // the number that the input gives the frame; empty where it has none
   std::vector<std::string> lacked_attributes;  // optional ones that the input does not have
+  std::string unit = {};                       // of lengths in the meshes: "mm"; empty where nothing says it
 
   friend bool operator==(const FrameFigures&, const FrameFigures&) = default;
 };

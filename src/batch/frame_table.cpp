@@ -41,7 +41,7 @@ bool is_empty(const FrameFigures& figures) {
 std::string table_csv(std::span<const FrameRow> rows) {
   std::string text =
       "frame,input,output,status,iso,asked,triangles,vertices,area,volume,closed,components,seconds,memory,bytes,"
-      "error,time_step,error_rms,error_max,coverage_rms,coverage_max,grid,lacked_attributes\r\n";
+      "error,time_step,error_rms,error_max,coverage_rms,coverage_max,grid,lacked_attributes,unit\r\n";
   for (const FrameRow& row : rows) {
     const bool known = has_figures(row);
     const auto line = [&](const SurfaceFigures* surface) {
@@ -71,7 +71,8 @@ std::string table_csv(std::span<const FrameRow> rows) {
           cell(figures.coverage_rms),
           cell(figures.coverage_max),
           csv_cell(figures.grid),
-          csv_cell(fmt::format("{}", fmt::join(row.figures.lacked_attributes, " ")))};
+          csv_cell(fmt::format("{}", fmt::join(row.figures.lacked_attributes, " "))),
+          csv_cell(row.figures.unit)};
       text += fmt::format("{}\r\n", fmt::join(cells, ","));
     };
     if (row.figures.surfaces.empty()) line(nullptr);
@@ -110,6 +111,7 @@ Json table_json(std::span<const FrameRow> rows) {
                     {"surfaces", std::move(surfaces)},
                     {"time_step", row.figures.time_step.empty() ? Json(nullptr) : Json(row.figures.time_step)},
                     {"lacked_attributes", row.figures.lacked_attributes},
+                    {"unit", row.figures.unit.empty() ? Json(nullptr) : Json(row.figures.unit)},
                     {"seconds", known ? Json(row.figures.wall_seconds) : Json(nullptr)},
                     {"memory", known ? Json(row.figures.memory) : Json(nullptr)},
                     {"bytes", known ? Json(row.figures.bytes) : Json(nullptr)},

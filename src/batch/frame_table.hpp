@@ -47,9 +47,10 @@ struct FrameRow {
 // input, output (the first file of the row), status (`empty` for a surface without a triangle), iso, asked (auto,
 // p99, ...; empty where that was the number), triangles, vertices, area, volume, closed, components, seconds, memory,
 // bytes (of the row's files), error, time_step, and in voxels error_rms, error_max (from the mesh to the surface of
-// the data), coverage_rms, coverage_max (from that to the mesh), grid where there are several, and lacked_attributes
-// (the optional ones that the input does not have, a space between two). Cells of what is not known are empty. Seconds,
-// memory, time step and attributes are the frame's and stand in each of its rows.
+// the data), coverage_rms, coverage_max (from that to the mesh), grid where there are several, lacked_attributes
+// (the optional ones that the input does not have, a space between two), and unit (of the lengths that area and volume
+// are made of). Cells of what is not known are empty. Seconds, memory, time step, attributes and unit are the frame's
+// and stand in each of its rows.
 [[nodiscard]] std::string table_csv(std::span<const FrameRow> rows);
 
 // A list of the frames, each with the list of its surfaces, or of the files of their pieces; what is not known is null.

@@ -418,6 +418,9 @@ Result<void> run_planned(const BatchPlan& plan, const std::vector<std::string>& 
                      old.size() == 1 ? "" : fmt::format(" to {}", old.back())));
   }
   if (animation && plan.progress != ProgressStyle::json) tell_animation(*plan.batch.animation, animated, messages);
+  if (plan.flags.table || plan.flags.plot || plan.common.pages.html) {
+    if (const std::string note = note_of_units(keeper.rows()); !note.empty()) tell(note);
+  }
   if (plan.flags.table || plan.flags.plot) {
     if (auto written = write_tables(plan, keeper.rows()); !written) return written;
   }

@@ -1,9 +1,15 @@
 #include "cli/batch_files.hpp"
 
 #include <algorithm>
+#include <cstddef>
+#include <map>
 #include <string>
 #include <unordered_set>
 #include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "batch/manifest.hpp"
 #include "batch/merge_shards.hpp"
@@ -68,6 +74,21 @@ Result<std::optional<files::ReadFiles>> check_batch_files(const BatchPlan& plan)
     if (!checked) return tl::unexpected(std::move(checked.error()));
   }
   return read;
+}
+
+std::string note_of_units(std::span<const batch::FrameRow> rows) {
+  std::map<std::string, std::size_t> frames;
+  for (const batch::FrameRow& row : rows) {
+    if (!row.figures.surfaces.empty()) ++frames[row.figures.unit.empty() ? "unknown" : row.figures.unit];
+  }
+  if (frames.size() < 2) return {};
+  std::vector<std::string> texts;
+  for (const auto& [unit, count] : frames) texts.push_back(fmt::format("{} in {} of them", unit, count));
+  return fmt::format(
+      "the frames have lengths in unlike units ({}): their areas and volumes compare only where the column 'unit' is "
+      "the "
+      "same; --unit file --to-unit mm writes all in one",
+      fmt::join(texts, ", "));
 }
 
 }  // namespace isoextract::cli

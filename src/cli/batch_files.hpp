@@ -3,10 +3,11 @@
 
 #include <filesystem>
 #include <optional>
-#include <vector>
+#include <span>
+#include <string>
 
 #include "base/error.hpp"
-#include "batch/output_names.hpp"
+#include "batch/frame_table.hpp"
 #include "cli/batch_plan.hpp"
 #include "files/read_files.hpp"
 
@@ -19,5 +20,8 @@ namespace isoextract::cli {
 // already, or names are known late (pieces): nothing else could be replaced. Fails with ErrorKind::usage where a file
 // that would be written is read, and as convert::check_output_file() for those besides the frames.
 [[nodiscard]] Result<std::optional<files::ReadFiles>> check_batch_files(const BatchPlan& plan);
+
+// Whether lengths of the frames that have meshes are in more than one unit: a sentence with all of them, else empty.
+[[nodiscard]] std::string note_of_units(std::span<const batch::FrameRow> rows);
 
 }  // namespace isoextract::cli

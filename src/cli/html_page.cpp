@@ -83,8 +83,8 @@ std::string with_grid(const std::string& grid, const std::string& iso) {
 }
 
 std::string frames_section(std::span<const batch::FrameRow> rows) {
-  const std::array<std::string, 12> heads{"frame",    "input", "output", "status",     "iso",     "triangles",
-                                          "vertices", "area",  "volume", "components", "seconds", "bytes"};
+  const std::array<std::string, 13> heads{"frame", "input",  "output", "status",     "iso",     "triangles", "vertices",
+                                          "area",  "volume", "unit",   "components", "seconds", "bytes"};
   std::string html = "<h2>Frames</h2>\n" + std::string(kTable) + "<thead>" + row_of(heads, "th", 4) + "</thead>\n";
   for (const batch::FrameRow& row : rows) {
     const std::string status = row.error.empty() ? std::string(word_of(row.status))
@@ -99,14 +99,15 @@ std::string frames_section(std::span<const batch::FrameRow> rows) {
       const std::string value = surface.asked.empty() ? fmt::format("{:.6g}", surface.iso)
                                                       : fmt::format("{:.6g} ({})", surface.iso, escaped(surface.asked));
       const std::string iso = with_grid(surface.grid, value);
-      html += row_of(std::array<std::string, 12>{fmt::format("{}", row.frame), escaped(row.input),
-                                                 escaped(batch::output_of(row, none ? nullptr : &surface)), status,
-                                                 none ? "" : iso, none ? "" : fmt::format("{}", surface.triangles),
-                                                 count_text(surface.vertices), optional_text(surface.area),
-                                                 optional_text(surface.volume), count_text(surface.components),
-                                                 fmt::format("{:.3f}", row.figures.wall_seconds),
-                                                 fmt::format("{}", surface.bytes.value_or(row.figures.bytes))},
-                     "td", 4);
+      html += row_of(
+          std::array<std::string, 13>{fmt::format("{}", row.frame), escaped(row.input),
+                                      escaped(batch::output_of(row, none ? nullptr : &surface)), status,
+                                      none ? "" : iso, none ? "" : fmt::format("{}", surface.triangles),
+                                      count_text(surface.vertices), optional_text(surface.area),
+                                      optional_text(surface.volume), escaped(row.figures.unit),
+                                      count_text(surface.components), fmt::format("{:.3f}", row.figures.wall_seconds),
+                                      fmt::format("{}", surface.bytes.value_or(row.figures.bytes))},
+          "td", 4);
     }
   }
   return html + std::string(kTableEnd);

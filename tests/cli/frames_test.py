@@ -1,5 +1,6 @@
 """Units, axes and the origin: what input files state, what meshes say of it, and undoing it."""
 
+import csv
 import gzip
 import json
 import struct
@@ -81,6 +82,31 @@ class FramesTest(ProgramTest):
             self.assert_near(self.bounds("out.ply"), (*LOW, *HIGH))
             self.convert(name, "--iso", 0.5, "--unit", "file", "--to-unit", "cm", "-o", "out.ply")
             self.assert_near(self.bounds("out.ply"), [100 * metres * x for x in (*LOW, *HIGH)])
+
+    def test_tables_say_the_unit_of_lengths(self):
+        for number, (unit, step) in enumerate((("mm", 1), ("m", 0.001))):
+            axes = "spacings: {0} {0} {0}\nunits: \"{1}\" \"{1}\" \"{1}\"\n".format(step, unit)
+            self.write(f"p_{number}.nrrd", nrrd(axes))
+        batch = ("p_{}.nrrd", "--iso", 0.5, "-o", "p_{}.ply")
+
+        def units(*options):
+            run = self.convert(*batch, *options, "--table", "t.csv")
+            with (self.folder / "t.csv").open(newline="") as table:
+                found = [row["unit"] for row in csv.DictReader(table)]
+            self.convert(*batch, *options, "--table", "t.json")
+            self.assertEqual([row["unit"] or "" for row in json.loads((self.folder / "t.json").read_text())], found)
+            return found, "unlike units" in run.err, run.err
+
+        found, told, said = units("--unit", "file")
+        self.assertEqual((found, told), (["mm", "m"], True))
+        self.assertIn("(m in 1 of them, mm in 1 of them)", said)
+        self.assertIn("--unit file --to-unit mm", said)
+        self.assertEqual(units()[:2], (["mm", "m"], True))
+        self.assertEqual(units("--resume")[:2], (["mm", "m"], True))
+        self.assertEqual(units("--unit", "file", "--to-unit", "cm")[:2], (["cm", "cm"], False))
+        self.assertEqual(units("--unit", "in")[:2], (["in", "in"], False))
+        self.assertEqual(units("--scale", "2")[:2], (["", ""], False))
+        self.assertEqual(units("--space", "index")[:2], (["", ""], False))
 
     def test_a_file_that_does_not_say_its_unit(self):
         files = {self.write("unknown.nii", nifti(0)): "states none", self.write("odd.nii", nifti(7)): "states 'code 7'",
