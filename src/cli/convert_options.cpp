@@ -86,7 +86,7 @@ void declare_vertices(CLI::App& app, ConvertFlags& flags) {
       "that lacks it is converted without it. KIND is scalar, color, vector, point or normal (default: as the file "
       "says, else by the name: v, velocity, N, Cd, P, ...): vectors, points and normals turn and scale with the mesh. "
       "KEY is spacing or origin, for a file that states none and has not the input's shape, or nodata, in place of "
-      "--nodata. For glb, gltf, ply and drc.");
+      "--nodata, or volume or component, of a file of several. For glb, gltf, ply and drc.");
   std::vector<std::string_view> maps;
   for (const auto& word : words_of(convert::Colormap{})) maps.push_back(word.word);
   group.value(

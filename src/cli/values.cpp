@@ -354,8 +354,14 @@ Result<field::Box> parse_box(std::string_view text) {
 
 Result<VolumeChoice> parse_volume(std::string_view text) {
   if (text == "all") return AllVolumes{};
+  const auto number = parse_volume_number(text);
+  if (!number) return expected_found("the number of a volume, counted from 0, or all", text);
+  return *number;
+}
+
+Result<std::int64_t> parse_volume_number(std::string_view text) {
   const auto number = whole_text_as<std::int64_t>(text);
-  if (!number || *number < 0) return expected_found("the number of a volume, counted from 0, or all", text);
+  if (!number || *number < 0) return expected_found("the number of a volume, counted from 0", text);
   return *number;
 }
 

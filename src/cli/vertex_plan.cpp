@@ -35,7 +35,7 @@ std::optional<std::array<double, 2>> parse_range(std::string_view text) {
 }
 
 // The settings of an attribute, which stand behind its name as KEY=VALUE.
-constexpr std::array<std::string_view, 3> kSettings{"spacing", "origin", "nodata"};
+constexpr std::array<std::string_view, 5> kSettings{"spacing", "origin", "nodata", "volume", "component"};
 
 template <class T>
 Result<void> put_setting(std::string_view key, std::string_view text, Result<T> (*parse)(std::string_view),
@@ -80,6 +80,10 @@ Result<bool> take_setting(std::string_view word, convert::AttributeChoice& choic
     put = put_setting(key, value, parse_vector, choice.origin);
   } else if (key == kSettings[2]) {
     put = put_setting(key, value, parse_number, choice.no_data);
+  } else if (key == kSettings[3]) {
+    put = put_setting(key, value, parse_volume_number, choice.volume);
+  } else if (key == kSettings[4]) {
+    put = put_setting(key, value, parse_component, choice.component);
   } else {
     const std::string near = nearest_name(key, {kSettings.begin(), kSettings.end()});
     if (near.empty()) return false;

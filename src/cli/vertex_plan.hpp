@@ -13,7 +13,8 @@
 
 namespace isoextract::cli {
 
-// NAME[?][=FROM], and behind it in any order :KIND, :spacing=SX,SY,SZ, :origin=X,Y,Z and :nodata=V.
+// NAME[?][=FROM], and behind it in any order :KIND, :spacing=SX,SY,SZ, :origin=X,Y,Z, :nodata=V, :volume=K and
+// :component=N.
 [[nodiscard]] Result<convert::AttributeChoice> parse_attribute(std::string_view text);
 // Likewise without a kind, and with :MAP and then :MIN,MAX among these.
 [[nodiscard]] Result<ColourFlag> parse_colour(std::string_view text);

@@ -104,7 +104,6 @@ Result<Reading> reading_of(const SourceOptions& options, const AttributeChoice& 
   if (is_input_file(place.file, options.input)) {
     reading.input = options.input;
     reading.read = options.read;
-    reading.read.component.reset();  // says what the samples of the surface are
   } else {
     reading.input = place.file;
     const auto format = volumes::format_of(place.file, {}, context);
@@ -117,12 +116,15 @@ Result<Reading> reading_of(const SourceOptions& options, const AttributeChoice& 
     }
   }
   reading.read.grid = place.grid;
+  if (choice.volume) reading.read.volume = choice.volume;
+  reading.read.component = choice.component;
   if (choice.spacing) reading.read.spacing = choice.spacing;
   if (choice.origin) reading.read.origin = choice.origin;
   reading.read.beside = beside(input, choice);
   reading.read.no_data = choice.no_data ? choice.no_data : options.read.no_data;
   reading.read.no_data_if_dense = true;
   reading.shown = files::shown_input_name(reading.input);
+  if (choice.volume) reading.shown += fmt::format(":volume={}", *choice.volume);
   if (place.grid) reading.shown += fmt::format(": {}", printable(*place.grid));
   return reading;
 }
@@ -221,11 +223,23 @@ Result<VolumeAttribute> read_volume_attribute(const SourceOptions& options, cons
 
 // Options say what is read of the input. Hints at them mislead where it is about an attribute, which has its own.
 Hint hint_of_attribute(Hint hint) {
+  // "{component N}", as rooms name the option of the input, is a setting of the attribute.
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kSettings{
+      {{"{component N}", "NAME=FILE:component=N"},
+       {"{component length}", "NAME=FILE:component=length"},
+       {"{component}", ":component="}}};
+  for (const auto& [mark, setting] : kSettings) {
+    for (std::size_t at = hint.text.find(mark); at != std::string::npos; at = hint.text.find(mark)) {
+      hint.text.replace(at, mark.size(), setting);
+    }
+  }
   switch (hint.remedy) {
     case Remedy::choose_grid:
     case Remedy::choose_grid_number: return "an attribute is one of the file's grids" + hint.text;
     case Remedy::leave_out_grid: return "leave the name of a grid out: there is one volume in the file";
     case Remedy::place_by_hand: return "state its place behind its name: NAME=FILE:spacing=SX,SY,SZ:origin=X,Y,Z";
+    case Remedy::choose_volume: return "choose one of them with NAME=FILE:volume=K, K " + hint.text;
+    case Remedy::leave_out_volume: return "leave :volume= out: there is one volume in the file";
     case Remedy::describe_raw: return "attributes are read from files that say what is in them";
     default: return hint;
   }

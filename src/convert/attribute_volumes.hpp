@@ -13,9 +13,9 @@
 // the attribute's name is a grid of the input whatever files there are.
 //
 // A grid of the input's own file is read with the options of the input, another file with the number of the volume, if
-// it has several, with the order of axes, if it is an array, and with the value for no data. A file that states no
-// spacing and no origin lies on the grid of the input, if it has its shape (volumes::VolumeBeside). Raw files, which do
-// not say what is in them, and standard input are no other files.
+// it has several and the choice names none, with the order of axes, if it is an array, and with the value for no data.
+// A file that states no spacing and no origin lies on the grid of the input, if it has its shape
+// (volumes::VolumeBeside). Raw files, which do not say what is in them, and standard input are no other files.
 #pragma once
 
 #include <filesystem>

@@ -123,10 +123,10 @@ Result<FoundAttributes> find_attributes(const points::ParticleSet& particles,
                                         const std::vector<AttributeChoice>& choices, bool missing_is_fine) {
   FoundAttributes found;
   for (const AttributeChoice& choice : choices) {
-    if (choice.spacing || choice.origin || choice.no_data) {
+    if (choice.says_how_to_read()) {
       return fail(ErrorKind::usage,
-                  fmt::format("{}: the attribute '{}' was given a spacing, an origin or a value for no data, which "
-                              "volumes have; this is read as particles",
+                  fmt::format("{}: the attribute '{}' was given a spacing, an origin, a value for no data, a volume "
+                              "or a component, which volumes have; this is read as particles",
                               particles.label, printable(choice.name)),
                   "leave them out");
     }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "base/attribute_kind.hpp"
 #include "base/error.hpp"
 #include "convert/colormap.hpp"
+#include "volumes/volume_format.hpp"
 
 namespace isoextract::convert {
 
@@ -27,6 +29,11 @@ struct AttributeChoice {
   std::optional<glm::dvec3> spacing = {};
   std::optional<glm::dvec3> origin = {};
   std::optional<double> no_data = {};
+  // Of volumes: which one of a file of several, and of several numbers a sample.
+  std::optional<std::int64_t> volume = {};
+  std::optional<volumes::ComponentChoice> component = {};
+
+  [[nodiscard]] bool says_how_to_read() const { return spacing || origin || no_data || volume || component; }
 
   friend bool operator==(const AttributeChoice&, const AttributeChoice&) = default;
 };

@@ -233,6 +233,61 @@ class PlacementTest(FilesTest):
                                               "a=linear.npy:spacing=1", "-o", "a.ply"), "other settings")
 
 
+class PartTest(FilesTest):
+    """One volume of several, and one number of several, of a file beside the input."""
+
+    SPACE = ("space: right-anterior-superior", "space directions: (1,0,0) (0,1,0) (0,0,1)", "space origin: (0,0,0)")
+
+    def setUp(self):
+        super().setUp()
+        self.write("ct.nrrd", nrrd(ball, *self.SPACE))
+        scaled = lambda times: (lambda *index: times * linear(*index))  # noqa: E731
+        several = [nrrd(scaled(1 + n))[-4 * math.prod(DIMS):] for n in range(3)]
+        head = ["NRRD0004", "type: float", "dimension: 4", "encoding: raw", "endian: little", self.SPACE[0], self.SPACE[2]]
+        dims = "{} {} {}".format(*DIMS)
+        axes = "(1,0,0) (0,1,0) (0,0,1)"
+        self.write("pet.nrrd", "\n".join([*head, f"sizes: {dims} 3", f"space directions: {axes} none",
+                                          "kinds: domain domain domain time", "", ""]).encode() + b"".join(several))
+        turned = b"".join(n for voxel in zip(*(struct.iter_unpack("4s", one) for one in several)) for (n,) in voxel)
+        self.write("disp.nrrd", "\n".join([*head, f"sizes: 3 {dims}", f"space directions: none {axes}",
+                                           "kinds: vector domain domain domain", "", ""]).encode() + turned)
+
+    def test_one_of_several_volumes_and_components(self):
+        for number in range(3):
+            for setting in (f"pet.nrrd:volume={number}", f"disp.nrrd:component={number}"):
+                found = self.ply("ct.nrrd", "--attribute", f"a={setting}")
+                found["a"] = [value / (1 + number) for value in found["a"]]
+                self.assert_linear(found, lambda place: place)
+        lengths = self.ply("ct.nrrd", "--attribute", "a=disp.nrrd:component=0", "--attribute", "all=disp.nrrd:component=length")
+        for one, length in zip(lengths["a"], lengths["all"]):
+            # Lengths are taken of the samples: where the number changes its sign among them, they are larger.
+            self.assertGreater(length, math.sqrt(14) * abs(one) - 1e-3)
+            if abs(one) > 6:
+                self.assertAlmostEqual(length, math.sqrt(14) * abs(one), delta=1e-3)
+        # In place of the input's --volume; colours take it as well, and the report has it.
+        found = self.ply("pet.nrrd", "--volume", "0", "--attribute", "a=pet.nrrd:volume=2", "--report", "r.json")
+        self.assertAlmostEqual(min(found["a"]), 1.5, delta=1e-4)
+        (choice,) = json.loads((self.folder / "r.json").read_text())["options"]["attributes"]
+        self.assertEqual((choice["volume"], choice["component"]), (2, None))
+        self.convert("ct.nrrd", "--iso", "0.5", "--color-by", "a=pet.nrrd:volume=1:viridis:0,9", "-o", "c.glb")
+
+    def test_hints_name_what_works(self):
+        for setting, message, hint in (
+                ("pet.nrrd", "there are 3 volumes", "choose one of them with NAME=FILE:volume=K, K from 0 to 2"),
+                ("pet.nrrd:volume=3", "there is no volume 3", "NAME=FILE:volume=K, K from 0 to 2"),
+                ("ct.nrrd:volume=1", "there is no volume 1", "leave :volume= out"),
+                ("disp.nrrd", "found 3 components", "NAME=FILE:component=N, N from 0 to 2, or the length of all with NAME=FILE:component=length"),
+                ("disp.nrrd:component=3", "there is no component 3", "NAME=FILE:component=N"),
+                ("ct.nrrd:component=1", "expected several numbers", "leave :component= out")):
+            run = self.run_program("ct.nrrd", "--iso", "0.5", "--attribute", f"a={setting}", "-o", "no.ply")
+            self.assert_fails(2, run, message, hint)
+            self.assertNotIn("--", run.err.split("hint:")[1])
+        for setting, said in (("volume=-1", "volume: expected the number of a volume"), ("volume=all", "volume: expected"),
+                              ("component=x", "component: expected the number"), ("volume=0:volume=1", "volume= was given twice"),
+                              ("volumes=1", "did you mean 'volume'?")):
+            self.assert_fails(1, self.run_program("ct.nrrd", "--iso", "0", "--attribute", f"a=pet.nrrd:{setting}", "-o", "o.ply"), said)
+
+
 class NoDataTest(FilesTest):
     def test_samples_of_no_data_are_no_values(self):
         self.write("ball.npy", npy(ball))

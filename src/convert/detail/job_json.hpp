@@ -275,6 +275,8 @@ class JobJson {
       each("spacing", value.spacing);
       each("origin", value.origin);
       each("no_data", value.no_data);
+      each("volume", value.volume);
+      each("component", value.component);
     } else if constexpr (std::same_as<Structure, ColourChoice>) {
       each("attribute", value.attribute);
       each("map", value.map);
