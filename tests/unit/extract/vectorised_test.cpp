@@ -1,4 +1,5 @@
 // The vectorised loops against plain ones, bit for bit, for every instruction set of the machine that runs this.
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <random>
@@ -129,7 +130,11 @@ TEST_P(VertexBatches, AreWhatOneVertexAtATimeGives) {
     const auto gradient = [&](int end) {
       return glm::dvec3(batch_.gradient[end][0][i], batch_.gradient[end][1][i], batch_.gradient[end][2][i]);
     };
-    normals.push_back(placement.normal((1 - t) * gradient(0) + t * gradient(1), (rule(f0) ? 1.0 : -1.0) * step));
+    const glm::dvec3 out = (rule(f0) ? 1.0 : -1.0) * step;
+    const bool unknown = std::isnan(batch_.value[0][i]) || std::isnan(batch_.value[1][i]) ||
+                         glm::any(glm::isnan(gradient(0))) || glm::any(glm::isnan(gradient(1)));
+    normals.push_back(unknown ? placement.unknown_normal(out)
+                              : placement.normal((1 - t) * gradient(0) + t * gradient(1), out));
   }
   for_each_target([&] {
     for (const bool with_normals : {false, true}) {

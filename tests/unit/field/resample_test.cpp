@@ -312,7 +312,9 @@ TEST(Resample, MeansLeaveNanOut) {
       ++numbers;
       EXPECT_NEAR(value, sample_at(sums, p) / weight, 1e-12);
     });
-    EXPECT_EQ(numbers<coarse.x * coarse.y * coarse.z, share> 0.1);
+    if (share > 0.1) {
+      EXPECT_LT(numbers, coarse.x * coarse.y * coarse.z) << share;
+    }
     EXPECT_GT(numbers, 0);
   }
 }
