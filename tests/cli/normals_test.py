@@ -241,7 +241,13 @@ class NormalsTest(ProgramTest):
         self.write_raw("a.raw", (48, 48, 48), lambda *p: math.nan if numbers.random() < 0.001 else 16 - math.dist(p, centre))
         mean, _ = angles("0", "--nan", "hole")
         self.assertLess(mean, 1)
-
+        # A lone one in a ramp: the normals of its walls lead into it, not along the ramp.
+        self.write_raw("a.raw", (48, 48, 48), lambda *p: math.nan if p == (24, 24, 24) else 100 + p[0])
+        self.convert("a.raw", *raw, "--iso", "50", "--nan", "outside", "-o", "a.ply")
+        walls = self.read("a.ply")
+        self.assertEqual(len(walls.vertices), 6)
+        for place, normal in zip(walls.vertices, walls.normals):
+            self.assertGreater(sum(n * (24 - p) for n, p in zip(normal, place)), 0)
 
 
 class SidesTest(ProgramTest):
