@@ -256,7 +256,8 @@ Result<Manifest> Manifest::open(const fs::path& folder, const ManifestHeader& he
   }
   if (resume) add_records_of_others(folder, state->path, header, jobs, kept);
   // Those of this batch last, so that merge_shards() knows them from those of others.
-  std::ranges::stable_partition(kept, [&](const FrameRecord& record) { return !jobs.contains(record.job); });
+  std::stable_partition(kept.begin(), kept.end(),
+                        [&](const FrameRecord& record) { return !jobs.contains(record.job); });
   const bool goes_on = trusted && resume && old->header.batch == header.batch;
   ManifestHeader own = header;
   if (goes_on) own.arguments = old->header.arguments;
