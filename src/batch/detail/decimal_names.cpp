@@ -100,17 +100,30 @@ std::vector<Decimal> differing_numbers(std::span<const std::string> names) {
   return numbers;
 }
 
-bool is_in_equal_steps(std::span<const std::string_view> digits) {
+enum class Steps {
+  equal,
+  with_gaps,  // multiples of the least one, and half of what that leads through is there
+  unequal,
+};
+
+Steps steps_of(std::span<const std::string_view> digits) {
   std::vector<std::int64_t> numbers;
   for (const std::string_view text : digits) {
-    if (text.size() > kMaxFrameDigits) return false;
+    if (text.size() > kMaxFrameDigits) return Steps::unequal;
     std::from_chars(text.data(), text.data() + text.size(), numbers.emplace_back());
   }
+  if (numbers.size() < 3) return Steps::unequal;
   std::ranges::sort(numbers);
-  for (std::size_t i = 2; i < numbers.size(); ++i) {
-    if (numbers[i] - numbers[i - 1] != numbers[1] - numbers[0]) return false;
+  std::int64_t least = numbers[1] - numbers[0];
+  for (std::size_t i = 2; i < numbers.size(); ++i) least = std::min(least, numbers[i] - numbers[i - 1]);
+  if (least == 0) return Steps::unequal;
+  for (std::size_t i = 1; i < numbers.size(); ++i) {
+    if ((numbers[i] - numbers[i - 1]) % least != 0) return Steps::unequal;
   }
-  return numbers.size() > 2 && numbers[1] > numbers[0];
+  const auto count = static_cast<std::int64_t>(numbers.size());
+  const std::int64_t whole = (numbers.back() - numbers.front()) / least + 1;
+  if (whole == count) return Steps::equal;
+  return whole <= 2 * count ? Steps::with_gaps : Steps::unequal;
 }
 
 template <class Part>
@@ -154,8 +167,9 @@ FractionKind judge_fractions(std::span<const std::string_view> digits) {
   if (shortest >= longest) return FractionKind::whole_numbers;
   // Numbers filled to a length are never shorter.
   if (longest_filled > shortest) return FractionKind::fractions;
-  if (is_in_equal_steps(digits)) return FractionKind::whole_numbers;
-  return has_last_zero ? FractionKind::unclear : FractionKind::fractions;
+  const Steps steps = steps_of(digits);
+  if (steps == Steps::equal) return FractionKind::whole_numbers;
+  return has_last_zero || steps == Steps::with_gaps ? FractionKind::unclear : FractionKind::fractions;
 }
 
 bool ends_in_exponent(std::string_view prefix) {

@@ -26,7 +26,7 @@ struct DecimalOrder {
 enum class FractionKind {
   whole_numbers,  // of one length, or without zeros to fill them and in equal steps: 8, 9, 10
   fractions,      // 25, 5, 75
-  unclear,        // of several lengths, and at least one ends in 0: 5, 10, 25
+  unclear,  // of several lengths, and at least one ends in 0, or steps are equal but for gaps: 5, 10, 25; 98, 99, 101
 };
 [[nodiscard]] FractionKind judge_fractions(std::span<const std::string_view> digits);
 

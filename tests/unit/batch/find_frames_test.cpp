@@ -161,6 +161,13 @@ TEST_F(FindFrames, DigitsBehindAVersionAreFrames) {
   EXPECT_EQ(find({"f_v2.5.vdb", "f_v2.9.vdb", "f_v2.10.vdb"})->notes,
             std::vector<std::string>{
                 "f_v2.{}.vdb: the digits after the point are taken as whole numbers, in which 10 follows 9"});
+  make({"s_v2.97.vdb", "s_v2.98.vdb", "s_v2.99.vdb", "s_v2.101.vdb"});  // 100 is lost, or not yet written
+  EXPECT_EQ(found({"s_v2.{}.vdb"}, "97-101"),
+            "97=s_v2.97.vdb 98=s_v2.98.vdb 99=s_v2.99.vdb 101=s_v2.101.vdb | gaps 100");
+  EXPECT_EQ(found({"s_v2.97.vdb", "s_v2.98.vdb", "s_v2.99.vdb", "s_v2.101.vdb"}),
+            "97=s_v2.97.vdb 98=s_v2.98.vdb 99=s_v2.99.vdb 101=s_v2.101.vdb | gaps 100");
+  EXPECT_EQ(found({"t_0.1.npy", "t_0.2.npy", "t_0.25.npy", "t_0.3.npy"}),
+            "1=t_0.1.npy 2=t_0.2.npy 3=t_0.25.npy 4=t_0.3.npy");
   make({"d/shot_1.0001.vdb", "d/shot_1.0002.vdb", "d/shot_2.0001.vdb"});
   EXPECT_EQ(found({"d"}),
             "1: d: expected one sequence in the folder, found 2: shot_1.{:04}.vdb (2 files), shot_2.0001.vdb");
