@@ -12,7 +12,7 @@ namespace isoextract {
 // The limit of this process's address space (RLIMIT_AS, "ulimit -v") in bytes; nothing where it is unlimited.
 [[nodiscard]] std::optional<std::uint64_t> address_space_limit();
 
-// What to do about such a limit.
+// Tells how to raise that limit.
 inline constexpr const char* kRaiseAddressSpace =
     "raise that limit (ulimit -v unlimited; in a batch job, its limit of virtual memory)";
 

@@ -119,7 +119,7 @@ std::uint64_t count_in_blocks(const ScalarField& field, double iso) {
   });
 }
 
-// Where the surface passes along the faces of tiles.
+// Counts what the surface passes at the faces of tiles.
 struct TileFaces {
   std::uint64_t crossings = 0;
   std::uint64_t places = 0;  // faces of block size that it passes
@@ -153,7 +153,7 @@ TileFaces faces_of_tile(const SparseTile& tile, const SparseSamples& samples, co
       const BlockBits at = face_of_block(axis, rising);
       for (std::size_t x = 0; x < off.size(); ++x) crossings += std::popcount(off[x] & at[x]);
     } else if (is_inside(field, iso, lookup.constant_of(place)) != inside) {
-      // Of two tiles the one inside counts what is between them.
+      // Between two tiles only the one that is inside counts crossings.
       if (place == SparseLookup::kBackground || inside) crossings = std::uint64_t{kSize} * kSize;
     }
     faces.crossings += crossings;

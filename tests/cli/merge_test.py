@@ -1,28 +1,10 @@
 """merge and runs without shards: what one keeps of the other, one shard alone, shards without frames."""
 
-from support import ProgramTest, main
-
-RAW = ("--dims", "6,6,6", "--iso", "50", "--mkdir")
-FRAMES = ("in_{:02}.raw", *RAW, "-o", "out/m_{:02}.ply")
+from support import main
+from sharded_frames import FRAMES, RAW, ShardedFramesTest
 
 
-class MergeTest(ProgramTest):
-    def write_frames(self, numbers):
-        """Raw files of 6 x 6 x 6 bytes with one voxel that is inside: a closed mesh each."""
-        for number in numbers:
-            samples = bytearray(216)
-            samples[86] = 100 + number
-            (self.folder / f"in_{number:02}.raw").write_bytes(bytes(samples))
-
-    def run_shards(self, count, *arguments, code=0, which=None):
-        """The messages of the shards' runs, each of which must end with the code."""
-        runs = []
-        for number in which or range(1, count + 1):
-            run = self.run_program(*FRAMES, "--shard", f"{number}/{count}", *arguments)
-            self.assertEqual(run.code, code, run.err)
-            runs.append(run.err)
-        return runs
-
+class MergeTest(ShardedFramesTest):
     def test_a_run_without_shards_keeps_what_shards_made_and_merge_sees_it(self):
         for rest in ((), ("--shard", "1/1")):
             with self.subTest(rest=rest):

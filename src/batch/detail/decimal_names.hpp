@@ -22,7 +22,7 @@ struct DecimalOrder {
 // those that differ are whole numbers by judge_fractions().
 [[nodiscard]] std::optional<DecimalOrder> order_by_decimals(std::span<const std::string> names);
 
-// What digits after a point are.
+// Says how to read the digits after a point.
 enum class FractionKind {
   whole_numbers,  // of one length, or without zeros to fill them and in equal steps: 8, 9, 10
   fractions,      // 25, 5, 75
