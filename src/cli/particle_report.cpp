@@ -83,34 +83,29 @@ Result<MeasuredParticles> measure_particles(const convert::SourceOptions& source
   convert::SourceOptions asked = source;
   MeasuredParticles measured;
   ParticleReport& report = measured.report;
-  volumes::ParticleReadOptions read = convert::particle_read_options(asked);
-  auto info = volumes::particle_info(asked.input, read, context);
-  if (!info) return tl::unexpected(std::move(info.error()));
-  report.info = std::move(*info);
+  Stopwatch reading;
+  auto described = volumes::describe_particles(asked.input, convert::particle_read_options(asked), context);
+  report.read_seconds = reading.elapsed().wall_seconds;
+  if (!described) return tl::unexpected(std::move(described.error()));
+  report.info = std::move(described->info);
+  report.frame = described->frame;
   for (const volumes::ParticleFormatDescription& about : volumes::particle_format_descriptions()) {
     if (about.id == report.info.format) report.title = about.title;
   }
-  if (report.info.frames > 1 && !read.frame) read.frame = 0;
-  report.frame = read.frame;
-  read.attributes.clear();
-  read.all_attributes = true;
-  Stopwatch reading;
-  auto file = volumes::read_particles(asked.input, read, context);
-  report.read_seconds = reading.elapsed().wall_seconds;
-  if (!file) return tl::unexpected(std::move(file.error()));
-  report.notes = file->notes;
-  report.particles = file->particles.size();
-  report.attributes = ranges_of(report.info.quantities, file->particles);
-  std::erase_if(file->particles.attributes, [](const points::ParticleAttribute& attribute) {
+  volumes::ParticleFile& file = described->file;
+  report.notes = file.notes;
+  report.particles = file.particles.size();
+  report.attributes = ranges_of(report.info.quantities, file.particles);
+  std::erase_if(file.particles.attributes, [](const points::ParticleAttribute& attribute) {
     return std::ranges::find(points::kRadiusAttributes, attribute.name) == points::kRadiusAttributes.end();
   });
-  auto statistics = points::measure_statistics(file->particles, context);
+  auto statistics = points::measure_statistics(file.particles, context);
   if (!statistics) return tl::unexpected(std::move(statistics.error()));
   report.statistics = *statistics;
   report.method = asked.particles.method;
   asked.particles.bad = points::BadParticles::skip;
   Stopwatch making;
-  auto made = convert::make_particle_field(file->particles, asked.particles, std::nullopt, context);
+  auto made = convert::make_particle_field(file.particles, asked.particles, std::nullopt, context);
   if (!made) {
     if (made.error().kind == ErrorKind::cancelled) return tl::unexpected(std::move(made.error()));
     report.no_field = std::move(made.error());
@@ -118,7 +113,7 @@ Result<MeasuredParticles> measure_particles(const convert::SourceOptions& source
   }
   report.field_seconds = making.elapsed().wall_seconds;
   report.figures = made->figures;
-  made->field.creator = file->creator;
+  made->field.creator = file.creator;
   for (const std::string& note : made->field.notes) report.notes.push_back(note);
   if (made->figures.particles > 0) measured.field = std::move(made->field);
   return measured;

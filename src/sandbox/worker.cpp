@@ -28,6 +28,7 @@ namespace {
 constexpr std::size_t kMostOutput = 4096;
 constexpr int kSliceMilliseconds = 50;  // after which the context is asked again
 constexpr int kSlicesToEnd = 40;        // that a process has to end in once it was told to; then it is killed
+constexpr int kShortWaits = 50;         // of a millisecond each, in which a server usually ends
 
 bool socket_pair(int type, std::array<Descriptor, 2>& sockets) {
   std::array<int, 2> numbers{-1, -1};
@@ -194,11 +195,12 @@ Workers::~Workers() { end_server(); }
 int Workers::end_server() {
   control_.close();
   int status = 0;
-  for (int slice = 0; server_ > 0; ++slice) {
-    if (slice == kSlicesToEnd) ::kill(server_, SIGKILL);
-    const pid_t ended = ::waitpid(server_, &status, slice < kSlicesToEnd ? WNOHANG : 0);
+  constexpr int kWaits = kShortWaits + kSlicesToEnd;
+  for (int wait = 0; server_ > 0; ++wait) {
+    if (wait == kWaits) ::kill(server_, SIGKILL);
+    const pid_t ended = ::waitpid(server_, &status, wait < kWaits ? WNOHANG : 0);
     if (ended == server_ || (ended < 0 && errno != EINTR)) break;
-    if (ended == 0) ::poll(nullptr, 0, slice == 0 ? 1 : kSliceMilliseconds);
+    if (ended == 0) ::poll(nullptr, 0, wait < kShortWaits ? 1 : kSliceMilliseconds);
   }
   server_ = -1;
   return status;

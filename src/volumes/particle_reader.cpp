@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <exception>
+#include <functional>
 #include <new>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -116,7 +118,25 @@ const ParticleFormat& checked_format(const files::InputFile& file, const Particl
   return *format;
 }
 
+void complete(ParticleFile& read, const ParticleFormat& format, const files::InputFile& file) {
+  read.format = format.about().id;
+  if (read.particles.label.empty()) read.particles.label = file.name();
+}
+
 }  // namespace
+
+DescribedParticles ParticleFormat::describe(const files::InputFile& file, const ParticleReadOptions& options) const {
+  return describe_with(info(file, options), options, [&](const ParticleReadOptions& all) { return read(file, all); });
+}
+
+DescribedParticles describe_with(ParticleInfo info, const ParticleReadOptions& options,
+                                 const std::function<ParticleFile(const ParticleReadOptions&)>& read) {
+  ParticleReadOptions all = options;
+  if (info.frames > 1 && !all.frame) all.frame = 0;
+  all.attributes.clear();
+  all.all_attributes = true;
+  return {std::move(info), all.frame, read(all)};
+}
 
 std::uint64_t wanted_frame(const ParticleReadOptions& options) {
   const std::int64_t frame = options.frame.value_or(0);
@@ -159,9 +179,19 @@ Result<ParticleFile> read_particles(const std::string& input, const ParticleRead
   return with_input(input, context, [&](const files::InputFile& file) {
     const ParticleFormat& format = checked_format(file, options);
     ParticleFile read = format.read(file, options);
-    read.format = format.about().id;
-    if (read.particles.label.empty()) read.particles.label = file.name();
+    complete(read, format, file);
     return read;
+  });
+}
+
+Result<DescribedParticles> describe_particles(const std::string& input, const ParticleReadOptions& options,
+                                              const Context& context) {
+  return with_input(input, context, [&](const files::InputFile& file) {
+    const ParticleFormat& format = checked_format(file, options);
+    DescribedParticles described = format.describe(file, options);
+    described.info.format = format.about().id;
+    complete(described.file, format, file);
+    return described;
   });
 }
 

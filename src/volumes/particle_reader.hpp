@@ -1,6 +1,7 @@
 // The one door to files of particles: which format an input is, what is in it, and reading it.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -40,5 +41,17 @@ struct ParticleFile {
 // and blocks of the file are on the way: never the file as a whole.
 [[nodiscard]] Result<ParticleFile> read_particles(const std::string& input, const ParticleReadOptions& options,
                                                   const Context& context = Context());
+
+struct DescribedParticles {
+  ParticleInfo info;
+  std::optional<std::int64_t> frame;  // that was read, where the file has several or one was asked for
+  ParticleFile file;
+};
+
+// Both at once, with one opening of the file: what is in it, and a frame with all attributes. It is the first one where
+// the options choose none.
+[[nodiscard]] Result<DescribedParticles> describe_particles(const std::string& input,
+                                                            const ParticleReadOptions& options,
+                                                            const Context& context = Context());
 
 }  // namespace isoextract::volumes

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -68,10 +69,17 @@ class ParticleFormat {
   [[nodiscard]] virtual ParticleInfo info(const files::InputFile& file, const ParticleReadOptions& options) const = 0;
   // All but ParticleFile::format. Its set is labelled where the file's name is not enough.
   [[nodiscard]] virtual ParticleFile read(const files::InputFile& file, const ParticleReadOptions& options) const = 0;
+  // Both, without those two; the frame and the attributes as describe_particles() has them.
+  [[nodiscard]] virtual DescribedParticles describe(const files::InputFile& file,
+                                                    const ParticleReadOptions& options) const;
 
  private:
   ParticleFormatDescription about_;
 };
+
+// What describe() gives, where `read` gives a frame as read() does.
+[[nodiscard]] DescribedParticles describe_with(ParticleInfo info, const ParticleReadOptions& options,
+                                               const std::function<ParticleFile(const ParticleReadOptions&)>& read);
 
 [[nodiscard]] const ParticleFormat& ply_particles();
 [[nodiscard]] const ParticleFormat& lammps_particles();

@@ -40,29 +40,21 @@ class PluginParticles : public ParticleFormat {
       : ParticleFormat(std::move(described)), library_(kParticlePlugins, about().id, std::move(folders)) {}
 
   [[nodiscard]] ParticleInfo info(const files::InputFile& file, const ParticleReadOptions& options) const override {
-    const OpenedFile opened(*this, file, options);
-    ParticleInfo info;
-    info.frames = opened.value().frames;
-    info.particles = opened.value().particles;
-    info.frame_name = plain_text(opened.value().frame_name, 80);
-    describe_table(opened.table(), options, info);
-    info.length_unit = plain_text(opened.value().length_unit, 80);
-    return info;
+    return OpenedFile(*this, file, options).info(options);
   }
 
   [[nodiscard]] ParticleFile read(const files::InputFile& file, const ParticleReadOptions& options) const override {
     const OpenedFile opened(*this, file, options);
     if (!options.frame && opened.value().frames > 1) refuse_frame(options, opened.value().frames);
-    const ColumnChoice choice = choose_columns(opened.table(), options);
-    std::string label = file.name();
-    if (options.frame) label += fmt::format(", frame {}", *options.frame);
-    ParticleFile result;
-    result.particles = make_particles(file.context(), label, opened.value().particles, choice);
-    if (result.particles.size() > 0) opened.fill(result.particles, choice);
-    result.length_unit = plain_text(opened.value().length_unit, 80);
-    result.notes = choice.notes;
-    if (std::string printed = opened.finish(); !printed.empty()) result.notes.push_back(std::move(printed));
-    return result;
+    return opened.read(options);
+  }
+
+  // With one worker.
+  [[nodiscard]] DescribedParticles describe(const files::InputFile& file,
+                                            const ParticleReadOptions& options) const override {
+    const OpenedFile opened(*this, file, options);
+    return describe_with(opened.info(options), options,
+                         [&](const ParticleReadOptions& all) { return opened.read(all); });
   }
 
  private:
@@ -70,7 +62,7 @@ class PluginParticles : public ParticleFormat {
   class OpenedFile {
    public:
     OpenedFile(const PluginParticles& format, const files::InputFile& file, const ParticleReadOptions& options)
-        : id_(format.about().id) {
+        : id_(format.about().id), name_(file.name()), context_(file.context()) {
       if (files::is_standard_input(file.path())) {
         throw DamagedParticles(fmt::format("plug-ins, such as the one for {}, read files by their paths", id_),
                                "write the data to a file first");
@@ -89,8 +81,32 @@ class PluginParticles : public ParticleFormat {
     }
 
     [[nodiscard]] const isoextract_particle_file& value() const { return visit_->file(); }
-    [[nodiscard]] const ParticleTable& table() const { return table_; }
 
+    [[nodiscard]] ParticleInfo info(const ParticleReadOptions& options) const {
+      ParticleInfo info;
+      info.frames = value().frames;
+      info.particles = value().particles;
+      info.frame_name = plain_text(value().frame_name, 80);
+      describe_table(table_, options, info);
+      info.length_unit = plain_text(value().length_unit, 80);
+      return info;
+    }
+
+    // Once.
+    [[nodiscard]] ParticleFile read(const ParticleReadOptions& options) const {
+      const ColumnChoice choice = choose_columns(table_, options);
+      std::string label = name_;
+      if (options.frame) label += fmt::format(", frame {}", *options.frame);
+      ParticleFile result;
+      result.particles = make_particles(context_, label, value().particles, choice);
+      if (result.particles.size() > 0) fill(result.particles, choice);
+      result.length_unit = plain_text(value().length_unit, 80);
+      result.notes = choice.notes;
+      if (std::string printed = finish(); !printed.empty()) result.notes.push_back(std::move(printed));
+      return result;
+    }
+
+   private:
     void fill(points::ParticleSet& set, const ColumnChoice& choice) const {
       static_assert(sizeof(glm::dvec3) == 3 * sizeof(double));
       must(visit_->positions({&set.positions[0].x, 3 * set.positions.size()}));
@@ -121,7 +137,6 @@ class PluginParticles : public ParticleFormat {
       return printed.empty() ? printed : fmt::format("the plug-in for {} printed: {}", id_, printed);
     }
 
-   private:
     void check(const ParticleReadOptions& options) const {
       const auto refused = [&](std::string_view what) {
         throw DamagedParticles(fmt::format("the plug-in for {} gives {}", id_, what));
@@ -150,6 +165,8 @@ class PluginParticles : public ParticleFormat {
     }
 
     std::string id_;
+    std::string name_;
+    Context context_;
     Reservation memory_;
     std::unique_ptr<ParticleVisit> visit_;
     ParticleTable table_;
