@@ -90,8 +90,9 @@ ConversionSize size_of_samples(const field::ScalarField& field) {
 
 ConversionSize size_of(const field::ScalarField& field, double iso) {
   ConversionSize size = size_of_samples(field);
-  size.vertices = field::estimate_vertices(field, iso);
-  size.places = field::estimate_places(field, iso);
+  const field::SurfaceEstimate surface = field::estimate_surface(field, iso);
+  size.vertices = surface.vertices;
+  size.places = surface.places;
   return size;
 }
 

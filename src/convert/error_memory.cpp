@@ -39,9 +39,9 @@ Result<void> check_error_memory(const ConversionJob& job, const Source& source, 
 }
 
 std::uint64_t estimated_error_bytes(const Source& source, double iso) {
-  const std::uint64_t triangles = 2 * field::estimate_vertices(source.field, iso);
+  const std::uint64_t triangles = 2 * field::estimate_surface(source.field, iso).vertices;
   return measure::field_error_bytes(triangles,
-                                    source.data ? 2 * field::estimate_vertices(*source.data, iso) : triangles);
+                                    source.data ? 2 * field::estimate_surface(*source.data, iso).vertices : triangles);
 }
 
 }  // namespace isoextract::convert

@@ -40,10 +40,10 @@ void add_values(Values& known, std::span<const T> samples) {
 std::vector<double> distinct_values(const ScalarField& field, Progress* progress) {
   Values values = visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) {
     return reduce_samples<T>(
-        field.samples, Values(), [](Values& known, std::span<const T> samples) { add_values(known, samples); }, united,
+        field, Values(), [](Values& known, std::span<const T> samples) { add_values(known, samples); }, united,
         progress);
   });
-  for_each_tile(field.samples, [&](double value, std::uint64_t) { values.push_back(value); });
+  for_each_tile(field, [&](double value, std::uint64_t) { values.push_back(value); });
   sort_out(values);
   return values;
 }

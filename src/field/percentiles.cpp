@@ -66,13 +66,12 @@ std::vector<double> samples_of_ranks(const ScalarField& field, std::vector<std::
       }
     };
     std::vector<std::uint64_t> counts = count_samples<T>(
-        field.samples, prefixes.size() * kDigits,
+        field, prefixes.size() * kDigits,
         [&](std::vector<std::uint64_t>& part, std::span<const T> values) {
           for (const T stored : values) add(part, stored, 1);
         },
         progress);
-    for_each_tile(field.samples,
-                  [&](double stored, std::uint64_t voxels) { add(counts, static_cast<T>(stored), voxels); });
+    for_each_tile(field, [&](double stored, std::uint64_t voxels) { add(counts, static_cast<T>(stored), voxels); });
     for (std::size_t p = 0; p < ranks.size(); ++p) {
       const auto slot = static_cast<std::size_t>(std::ranges::find(prefixes, found[p]) - prefixes.begin());
       // Samples of a file that somebody writes to may have become others since they were counted.
@@ -95,13 +94,13 @@ template <class T>
 std::uint64_t count_finite(const ScalarField& field, Progress* progress) {
   const auto is_finite = [scale = field.scale](double stored) { return std::isfinite(scale(stored)); };
   std::uint64_t count = reduce_samples<T>(
-      field.samples, std::uint64_t{0},
+      field, std::uint64_t{0},
       [&](std::uint64_t& part, std::span<const T> values) {
         part += static_cast<std::uint64_t>(
             std::ranges::count_if(values, [&](T stored) { return is_finite(static_cast<double>(stored)); }));
       },
       std::plus<>{}, progress);
-  for_each_tile(field.samples, [&](double stored, std::uint64_t voxels) { count += is_finite(stored) ? voxels : 0; });
+  for_each_tile(field, [&](double stored, std::uint64_t voxels) { count += is_finite(stored) ? voxels : 0; });
   return count;
 }
 
@@ -174,7 +173,7 @@ std::optional<std::vector<double>> measure_percentiles(const ScalarField& field,
   const std::vector<double> found = visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) {
     std::vector<double> all(rising.size());
     if constexpr (kCountable<T>) {
-      std::vector<CountedValue> values = Tally<T>(field.samples, progress).values(field.scale);
+      std::vector<CountedValue> values = Tally<T>(field, progress).values(field.scale);
       order_finite(values);
       for (const auto& [value, count] : values) samples += count;
       if (samples > 0) all = percentiles_of(values, samples, rising);

@@ -88,7 +88,7 @@ template <class T>
 Range measure_range(const ScalarField& field, Progress* progress) {
   const ValueScale scale = field.scale;
   Range range = reduce_samples<T>(
-      field.samples, Range{},
+      field, Range{},
       [&](Range& partial, std::span<const T> values) {
         if (scale.is_identity()) {
           add_range_unscaled(partial, values);
@@ -97,7 +97,7 @@ Range measure_range(const ScalarField& field, Progress* progress) {
         }
       },
       join_ranges, progress);
-  for_each_tile(field.samples, [&](double value, std::uint64_t voxels) { range.add(scale(value), voxels); });
+  for_each_tile(field, [&](double value, std::uint64_t voxels) { range.add(scale(value), voxels); });
   return range;
 }
 
@@ -141,7 +141,7 @@ Histogram measure_histogram(const ScalarField& field, const Range& range, Progre
   const ValueScale scale = field.scale;
   const RangeMap position_of(range.min, range.max);
   Histogram histogram = reduce_samples<T>(
-      field.samples, Histogram{},
+      field, Histogram{},
       [&](Histogram& partial, std::span<const T> values) {
         double sum = 0;
         for (const T stored : values) {
@@ -158,7 +158,7 @@ Histogram measure_histogram(const ScalarField& field, const Range& range, Progre
         return a;
       },
       progress);
-  for_each_tile(field.samples, [&](double stored, std::uint64_t voxels) {
+  for_each_tile(field, [&](double stored, std::uint64_t voxels) {
     const double value = scale(stored);
     if (!std::isfinite(value)) return;
     histogram.add(position_of(value), voxels);
@@ -175,12 +175,12 @@ std::vector<CountedValue> count_values(const ScalarField& field, const Range& ra
   const auto size = static_cast<std::size_t>(range.max - range.min) + 1;
   const auto place = [&](double value) { return static_cast<std::size_t>(value - range.min); };
   std::vector<std::uint64_t> counts = count_samples<T>(
-      field.samples, size,
+      field, size,
       [&](std::vector<std::uint64_t>& part, std::span<const T> values) {
         for (const T value : values) ++part[place(static_cast<double>(value))];
       },
       progress);
-  for_each_tile(field.samples, [&](double value, std::uint64_t voxels) { counts[place(value)] += voxels; });
+  for_each_tile(field, [&](double value, std::uint64_t voxels) { counts[place(value)] += voxels; });
   std::vector<CountedValue> values;
   for (std::size_t n = 0; n < size; ++n) {
     if (counts[n] > 0) values.emplace_back(range.min + static_cast<double>(n), counts[n]);
@@ -277,7 +277,7 @@ Range whole_range(const ScalarField& field, const FieldStatistics& statistics) {
 FieldStatistics measure_statistics(const ScalarField& field, Progress* progress, WithPercentiles percentiles) {
   return visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) {
     if constexpr (kCountable<T>) {
-      return statistics_of(Tally<T>(field.samples, progress).values(field.scale), std::is_integral_v<T>);
+      return statistics_of(Tally<T>(field, progress).values(field.scale), std::is_integral_v<T>);
     } else {
       FieldStatistics statistics;
       const Range range = measure_range<T>(field, progress);

@@ -14,7 +14,8 @@
 namespace isoextract::field {
 
 // Dense: over all samples. Sparse: over the samples of blocks and tiles (a tile counts as all its voxels) that are not
-// the background. Values are scaled (ValueScale); NaN and infinities are counted and otherwise left out.
+// the background, nor its negative in a level set. Values are scaled (ValueScale); NaN and infinities are counted and
+// otherwise left out.
 struct FieldStatistics {
   std::uint64_t samples = 0;  // finite ones
   std::uint64_t nan = 0;

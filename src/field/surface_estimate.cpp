@@ -4,8 +4,9 @@
 #include <array>
 #include <bit>
 #include <functional>
+#include <optional>
 #include <span>
-#include <tuple>
+#include <variant>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
@@ -15,8 +16,6 @@
 
 namespace isoextract::field {
 namespace {
-
-constexpr std::size_t kBlockSamples = std::size_t{SparseBlock::kSize} * SparseBlock::kSize * SparseBlock::kSize;
 
 bool is_inside(const ScalarField& field, double iso, double stored) {
   const double value = field.scale(stored);
@@ -62,34 +61,6 @@ std::uint64_t count_crossings(const BlockBits& bits) {
   return static_cast<std::uint64_t>(crossings);
 }
 
-bool is_stored(const SparseSamples& samples, const glm::ivec3& origin) {
-  const auto order = [](const glm::ivec3& p) { return std::tuple(p.x, p.y, p.z); };
-  return std::ranges::binary_search(samples.blocks, order(origin), {},
-                                    [&](const SparseBlock& block) { return order(block.origin); });
-}
-
-// What a block adds: itself, and the places before it that its samples at their side have an edge to. Where it is
-// wholly off the background's side, the surface passes it only if nothing is stored beside it.
-template <class T>
-std::uint64_t places_at(const SparseBlock& block, const SparseSamples& samples, const ScalarField& field, double iso,
-                        bool background) {
-  const BlockBits off =
-      off_background(std::span(static_cast<const T*>(block.values), kBlockSamples), field, iso, background);
-  if (std::ranges::all_of(off, [](std::uint64_t word) { return word == 0; })) return 0;
-  bool passes = std::ranges::any_of(off, [](std::uint64_t word) { return ~word != 0; });
-  std::uint64_t places = 0;
-  for (int c = 1; c < 8; ++c) {
-    const glm::ivec3 away = SparseBlock::kSize * glm::ivec3(c & 1, c >> 1 & 1, c >> 2);
-    passes = passes || !is_stored(samples, block.origin + away);
-    std::uint64_t facing = 0;
-    for (std::size_t x = 0; x < ((c & 1) != 0 ? 1U : off.size()); ++x) facing |= off[x];
-    if ((c & 2) != 0) facing &= kFirstAlongY;
-    if ((c & 4) != 0) facing &= kFirstAlongZ;
-    if (facing != 0 && !is_stored(samples, block.origin - away)) ++places;
-  }
-  return places + (passes ? 1 : 0);
-}
-
 // Edges from the samples of one row in rising directions whose ends are on different sides. `box` is of dense samples.
 template <class T>
 std::uint64_t count_from_row(const ScalarField& field, const DenseSamples& dense, const IndexBox& box, double iso,
@@ -119,13 +90,45 @@ std::uint64_t count_in_blocks(const ScalarField& field, double iso) {
   });
 }
 
-// Counts what the surface passes at the faces of tiles.
-struct TileFaces {
-  std::uint64_t crossings = 0;
-  std::uint64_t places = 0;  // faces of block size that it passes
+// What the surface at an iso value passes of sparse samples.
+struct Passed {
+  std::uint64_t edges = 0;   // of the grid
+  std::uint64_t places = 0;  // of block size
+
+  Passed& operator+=(const Passed& more) {
+    edges += more.edges;
+    places += more.places;
+    return *this;
+  }
 };
 
-// The samples of a block that lie at a face: those whose place along `axis` is 0, or 7.
+// Finds what is stored at a place. Without tiles it takes no more memory than a few bytes a block.
+class StoredPlaces {
+ public:
+  explicit StoredPlaces(const SparseSamples& samples) {
+    if (!samples.tiles.empty()) {
+      lookup_.emplace(samples);
+      return;
+    }
+    blocks_ = OriginIndex(samples.blocks.size());
+    for (std::size_t b = 0; b < samples.blocks.size(); ++b) {
+      blocks_.insert(samples.blocks[b].origin, static_cast<std::int32_t>(b));
+    }
+  }
+
+  // As SparseLookup::place().
+  [[nodiscard]] std::int32_t place(const glm::ivec3& origin) const {
+    return lookup_ ? lookup_->place(origin) : blocks_.find(origin);
+  }
+  // Of a place that is a tile's.
+  [[nodiscard]] double tile_value(std::int32_t place) const { return lookup_->constant_of(place); }
+
+ private:
+  std::optional<SparseLookup> lookup_;
+  OriginIndex blocks_;
+};
+
+// Where an axis has its first plane of samples in a block, or its last.
 BlockBits face_of_block(int axis, bool first) {
   BlockBits face{};
   const unsigned place = first ? 0 : SparseBlock::kSize - 1;
@@ -137,62 +140,154 @@ BlockBits face_of_block(int axis, bool first) {
   return face;
 }
 
-template <class T>
-TileFaces faces_of_tile(const SparseTile& tile, const SparseSamples& samples, const SparseLookup& lookup,
-                        const ScalarField& field, double iso) {
-  constexpr int kSize = SparseBlock::kSize;
-  TileFaces faces;
-  const bool inside = is_inside(field, iso, tile.value);
-  const auto pass_face = [&](const glm::ivec3& beside, int axis, bool rising) {
-    const std::int32_t place = lookup.place(beside);
-    std::uint64_t crossings = 0;
-    if (place >= 0) {
-      const BlockBits off = off_background(
-          std::span(static_cast<const T*>(samples.blocks[static_cast<std::size_t>(place)].values), kBlockSamples),
-          field, iso, inside);
-      const BlockBits at = face_of_block(axis, rising);
-      for (std::size_t x = 0; x < off.size(); ++x) crossings += std::popcount(off[x] & at[x]);
-    } else if (is_inside(field, iso, lookup.constant_of(place)) != inside) {
-      // Between two tiles only the one that is inside counts crossings.
-      if (place == SparseLookup::kBackground || inside) crossings = std::uint64_t{kSize} * kSize;
-    }
-    faces.crossings += crossings;
-    faces.places += crossings > 0 ? 1 : 0;
-  };
-  for (int axis = 0; axis < 3; ++axis) {
-    for (int u = 0; u < tile.size; u += kSize) {
-      for (int v = 0; v < tile.size; v += kSize) {
-        glm::ivec3 at = tile.origin;
-        at[(axis + 1) % 3] += u;
-        at[(axis + 2) % 3] += v;
-        glm::ivec3 before = at;
-        before[axis] -= kSize;
-        at[axis] += tile.size;
-        pass_face(before, axis, false);
-        pass_face(at, axis, true);
-      }
-    }
+std::uint64_t count_bits(const BlockBits& bits, const BlockBits& mask) {
+  int count = 0;
+  for (std::size_t x = 0; x < bits.size(); ++x) count += std::popcount(bits[x] & mask[x]);
+  return static_cast<std::uint64_t>(count);
+}
+
+// The bits of the first plane along `axis`, where the last one's are.
+BlockBits first_to_last(const BlockBits& bits, int axis) {
+  BlockBits moved{};
+  for (std::size_t x = 0; x < bits.size(); ++x) {
+    if (axis == 0) moved[x] = x == 7 ? bits[0] : 0;
+    if (axis == 1) moved[x] = (bits[x] & kFirstAlongY) << 56U;
+    if (axis == 2) moved[x] = (bits[x] & kFirstAlongZ) << 7U;
   }
-  return faces;
+  return moved;
 }
 
 template <class T>
-TileFaces faces_of_tiles(const SparseSamples& samples, const ScalarField& field, double iso) {
-  if (samples.tiles.empty()) return {};
-  const SparseLookup lookup(samples);
-  return tbb::parallel_deterministic_reduce(
-      tbb::blocked_range<std::size_t>(0, samples.tiles.size(), 16), TileFaces{},
-      [&](const tbb::blocked_range<std::size_t>& range, TileFaces faces) {
-        for (std::size_t t = range.begin(); t != range.end(); ++t) {
-          const TileFaces more = faces_of_tile<T>(samples.tiles[t], samples, lookup, field, iso);
-          faces.crossings += more.crossings;
-          faces.places += more.places;
+class PassedCounter {
+ public:
+  PassedCounter(const ScalarField& field, const SparseSamples& samples, double iso)
+      : field_(field),
+        samples_(samples),
+        iso_(iso),
+        background_(is_inside(field, iso, samples.background)),
+        stored_(samples) {}
+
+  [[nodiscard]] Passed count() const {
+    const auto sum = [](Passed a, const Passed& b) { return a += b; };
+    Passed passed = tbb::parallel_deterministic_reduce(
+        tbb::blocked_range<std::size_t>(0, samples_.tiles.size(), 16), Passed{},
+        [&](const tbb::blocked_range<std::size_t>& range, Passed part) {
+          for (std::size_t t = range.begin(); t != range.end(); ++t) part += of_tile(samples_.tiles[t]);
+          return part;
+        },
+        sum);
+    return passed += tbb::parallel_deterministic_reduce(
+               tbb::blocked_range<std::size_t>(0, samples_.blocks.size(), 64), Passed{},
+               [&](const tbb::blocked_range<std::size_t>& range, Passed part) {
+                 for (std::size_t b = range.begin(); b != range.end(); ++b) part += of_block(samples_.blocks[b]);
+                 return part;
+               },
+               sum);
+  }
+
+ private:
+  // The samples of a block that are on the other side than `inside`.
+  [[nodiscard]] BlockBits off_side(std::int32_t block, bool inside) const {
+    const auto* values = static_cast<const T*>(samples_.blocks[static_cast<std::size_t>(block)].values);
+    return off_background(std::span(values, kBlockSamples), field_, iso_, inside);
+  }
+
+  // Edges within the block, to the blocks after it, and to the background; those to tiles count with the tiles. Places:
+  // the block, and those before it that its samples at their side have an edge to. Where it is wholly off the
+  // background's side, the surface passes it only if no block is beside it.
+  [[nodiscard]] Passed of_block(const SparseBlock& block) const {
+    const BlockBits off =
+        off_background(std::span(static_cast<const T*>(block.values), kBlockSamples), field_, iso_, background_);
+    Passed passed{count_crossings(off), 0};
+    for (int axis = 0; axis < 3; ++axis) passed.edges += edges_along(block, off, axis);
+    if (std::ranges::all_of(off, [](std::uint64_t word) { return word == 0; })) return passed;
+    bool passes = std::ranges::any_of(off, [](std::uint64_t word) { return ~word != 0; });
+    for (int c = 1; c < 8; ++c) {
+      const glm::ivec3 away = SparseBlock::kSize * glm::ivec3(c & 1, c >> 1 & 1, c >> 2);
+      passes = passes || stored_.place(block.origin + away) < 0;
+      std::uint64_t facing = 0;
+      for (std::size_t x = 0; x < ((c & 1) != 0 ? 1U : off.size()); ++x) facing |= off[x];
+      if ((c & 2) != 0) facing &= kFirstAlongY;
+      if ((c & 4) != 0) facing &= kFirstAlongZ;
+      if (facing != 0 && stored_.place(block.origin - away) < 0) ++passed.places;
+    }
+    passed.places += passes ? 1 : 0;
+    return passed;
+  }
+
+  // `off` are the block's samples off the background's side.
+  [[nodiscard]] std::uint64_t edges_along(const SparseBlock& block, const BlockBits& off, int axis) const {
+    glm::ivec3 away(0);
+    away[axis] = SparseBlock::kSize;
+    std::uint64_t edges = 0;
+    if (stored_.place(block.origin - away) == SparseLookup::kBackground) {
+      edges += count_bits(off, face_of_block(axis, true));
+    }
+    const std::int32_t after = stored_.place(block.origin + away);
+    if (after == SparseLookup::kBackground) edges += count_bits(off, face_of_block(axis, false));
+    if (after >= 0) {
+      const BlockBits beside = first_to_last(off_side(after, background_), axis);
+      BlockBits differ{};
+      for (std::size_t x = 0; x < off.size(); ++x) differ[x] = off[x] ^ beside[x];
+      edges += count_bits(differ, face_of_block(axis, false));
+    }
+    return edges;
+  }
+
+  // Edges at its faces; faces of block size that the surface passes.
+  [[nodiscard]] Passed of_tile(const SparseTile& tile) const {
+    constexpr int kSize = SparseBlock::kSize;
+    Passed passed;
+    for (int axis = 0; axis < 3; ++axis) {
+      for (int u = 0; u < tile.size; u += kSize) {
+        for (int v = 0; v < tile.size; v += kSize) {
+          glm::ivec3 at = tile.origin;
+          at[(axis + 1) % 3] += u;
+          at[(axis + 2) % 3] += v;
+          glm::ivec3 before = at;
+          before[axis] -= kSize;
+          at[axis] += tile.size;
+          for (const bool rising : {false, true}) {
+            const std::uint64_t edges = edges_to(rising ? at : before, axis, rising, tile.value);
+            passed += {edges, edges > 0 ? std::uint64_t{1} : 0};
+          }
         }
-        return faces;
+      }
+    }
+    return passed;
+  }
+
+  // From a face of a tile to the place beside it.
+  [[nodiscard]] std::uint64_t edges_to(const glm::ivec3& beside, int axis, bool rising, double tile_value) const {
+    const bool inside = is_inside(field_, iso_, tile_value);
+    const std::int32_t place = stored_.place(beside);
+    if (place >= 0) return count_bits(off_side(place, inside), face_of_block(axis, rising));
+    const bool is_background = place == SparseLookup::kBackground;
+    const bool other = is_background ? background_ : is_inside(field_, iso_, stored_.tile_value(place));
+    // Between two tiles only the one that is inside counts.
+    return other != inside && (is_background || inside) ? std::uint64_t{SparseBlock::kSize} * SparseBlock::kSize : 0;
+  }
+
+  const ScalarField& field_;
+  const SparseSamples& samples_;
+  double iso_;
+  bool background_;
+  StoredPlaces stored_;
+};
+
+template <class T>
+std::uint64_t crossings_along_rows(const DenseSamples& dense, const ScalarField& field, double iso) {
+  const auto row_length = static_cast<std::size_t>(dense.dims.x);
+  const std::span<const T> all(static_cast<const T*>(dense.data), dense.count());
+  return tbb::parallel_deterministic_reduce(
+      tbb::blocked_range<std::size_t>(0, all.size() / row_length, 64), std::uint64_t{0},
+      [&](const tbb::blocked_range<std::size_t>& rows, std::uint64_t crossings) {
+        for (std::size_t row = rows.begin(); row != rows.end(); ++row) {
+          crossings += count_crossings(all.subspan(row * row_length, row_length), field, iso);
+        }
+        return crossings;
       },
-      [](TileFaces a, const TileFaces& b) {
-        return TileFaces{a.crossings + b.crossings, a.places + b.places};
-      });
+      std::plus<>{});
 }
 
 }  // namespace
@@ -218,42 +313,13 @@ std::uint64_t count_vertices(const ScalarField& field, double iso, const std::op
   });
 }
 
-std::uint64_t estimate_vertices(const ScalarField& field, double iso) {
-  return visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) -> std::uint64_t {
+SurfaceEstimate estimate_surface(const ScalarField& field, double iso) {
+  return visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) -> SurfaceEstimate {
     if (const auto* dense = std::get_if<DenseSamples>(&field.samples)) {
-      const auto row_length = static_cast<std::size_t>(dense->dims.x);
-      const std::span<const T> all(static_cast<const T*>(dense->data), dense->count());
-      return 3 * tbb::parallel_deterministic_reduce(
-                     tbb::blocked_range<std::size_t>(0, all.size() / row_length, 64), std::uint64_t{0},
-                     [&](const tbb::blocked_range<std::size_t>& rows, std::uint64_t crossings) {
-                       for (std::size_t row = rows.begin(); row != rows.end(); ++row) {
-                         crossings += count_crossings(all.subspan(row * row_length, row_length), field, iso);
-                       }
-                       return crossings;
-                     },
-                     std::plus<>{});
+      return {3 * crossings_along_rows<T>(*dense, field, iso), 0};
     }
-    // A liquid at rest faces one axis alone.
-    constexpr std::uint64_t kSide = SparseBlock::kSize;
-    const std::uint64_t of_blocks = count_in_blocks(field, iso) * kSide / (kSide - 1);  // one edge in eight leaves one
-    return of_blocks + faces_of_tiles<T>(std::get<SparseSamples>(field.samples), field, iso).crossings;
-  });
-}
-
-std::uint64_t estimate_places(const ScalarField& field, double iso) {
-  const auto* sparse = std::get_if<SparseSamples>(&field.samples);
-  if (sparse == nullptr) return 0;
-  const bool background = is_inside(field, iso, sparse->background);
-  return visit_sample_type(field.type(), [&]<class T>(std::type_identity<T>) -> std::uint64_t {
-    return tbb::parallel_deterministic_reduce(
-        tbb::blocked_range<std::size_t>(0, sparse->blocks.size(), 64), faces_of_tiles<T>(*sparse, field, iso).places,
-        [&](const tbb::blocked_range<std::size_t>& range, std::uint64_t places) {
-          for (std::size_t b = range.begin(); b != range.end(); ++b) {
-            places += places_at<T>(sparse->blocks[b], *sparse, field, iso, background);
-          }
-          return places;
-        },
-        std::plus<>{});
+    const Passed passed = PassedCounter<T>(field, std::get<SparseSamples>(field.samples), iso).count();
+    return {passed.edges, passed.places};
   });
 }
 

@@ -77,7 +77,7 @@ Found go(const Way& way, std::size_t threads) {
   const field::FieldStatistics statistics = field::measure_statistics(field);
   found.emplace_back("statistics", told(statistics));
   found.emplace_back("suggestion", fmt::format("{}", field::suggest_iso(field, statistics).iso));
-  found.emplace_back("estimate", fmt::format("{}", field::estimate_vertices(field, way.iso)));
+  found.emplace_back("estimate", fmt::format("{}", field::estimate_surface(field, way.iso).vertices));
   const auto resampled = must(field::resample(field, {40, 31, 52}));
   const auto coarser = must(field::coarsen(field, 2));
   add_surface(resampled, way, extract::Method::mt, "resampled", found);

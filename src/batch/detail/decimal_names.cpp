@@ -17,7 +17,7 @@ namespace isoextract::batch {
 namespace {
 
 struct Decimal {
-  std::string_view whole;
+  std::string_view whole;  // may be empty: .25
   std::string_view fraction;
   std::string_view exponent;  // with its sign
   bool minus = false;
@@ -51,11 +51,21 @@ std::string_view digits_at(std::string_view name, std::size_t at) {
   return at >= name.size() ? std::string_view() : name.substr(at, name.find_first_not_of(kDigits, at) - at);
 }
 
+// Whether a decimal point may stand at `at`: 0.25, 0,25, 0p25, and .25 behind a word.
+bool is_decimal_point(std::string_view name, std::size_t at) {
+  constexpr std::string_view kPoints(".,p");
+  constexpr std::string_view kEndsOfWords("_-= ");
+  if (at == 0 || at >= name.size()) return false;
+  if (is_digit(name[at - 1])) return kPoints.find(name[at]) != std::string_view::npos;
+  return name[at] == '.' && kEndsOfWords.find(name[at - 1]) != std::string_view::npos;
+}
+
 DecimalName split_decimals(std::string_view name) {
   DecimalName result;
   for (std::size_t at = 0; at < name.size();) {
     const std::string_view whole = digits_at(name, at);
-    if (whole.empty()) {
+    const bool starts_with_point = whole.empty() && is_decimal_point(name, at) && !digits_at(name, at + 1).empty();
+    if (whole.empty() && !starts_with_point) {
       result.skeleton += name[at++];
       continue;
     }
@@ -66,7 +76,7 @@ DecimalName split_decimals(std::string_view name) {
       number.glued = at > 1 && is_part_of_word(name[at - 2]);
     }
     at += whole.size();
-    if (at < name.size() && name[at] == '.') number.fraction = digits_at(name, at + 1);
+    if (is_decimal_point(name, at)) number.fraction = digits_at(name, at + 1);
     if (!number.fraction.empty()) at += number.fraction.size() + 1;
     if (ends_in_exponent(name.substr(0, std::min(at + 2, name.size())))) {
       const std::string_view digits = digits_at(name, at + 2);
@@ -101,6 +111,7 @@ std::vector<Decimal> differing_numbers(std::span<const std::string> names) {
 }
 
 enum class Steps {
+  of_one,
   equal,
   with_gaps,  // multiples of the least one, and half of what that leads through is there
   unequal,
@@ -122,7 +133,7 @@ Steps steps_of(std::span<const std::string_view> digits) {
   }
   const auto count = static_cast<std::int64_t>(numbers.size());
   const std::int64_t whole = (numbers.back() - numbers.front()) / least + 1;
-  if (whole == count) return Steps::equal;
+  if (whole == count) return least == 1 ? Steps::of_one : Steps::equal;
   return whole <= 2 * count ? Steps::with_gaps : Steps::unequal;
 }
 
@@ -168,8 +179,8 @@ FractionKind judge_fractions(std::span<const std::string_view> digits) {
   // Numbers filled to a length are never shorter.
   if (longest_filled > shortest) return FractionKind::fractions;
   const Steps steps = steps_of(digits);
-  if (steps == Steps::equal) return FractionKind::whole_numbers;
-  return has_last_zero || steps == Steps::with_gaps ? FractionKind::unclear : FractionKind::fractions;
+  if (steps == Steps::of_one) return FractionKind::whole_numbers;
+  return has_last_zero || steps != Steps::unequal ? FractionKind::unclear : FractionKind::fractions;
 }
 
 bool ends_in_exponent(std::string_view prefix) {
@@ -179,8 +190,7 @@ bool ends_in_exponent(std::string_view prefix) {
 }
 
 bool ends_within_decimal(std::string_view prefix) {
-  const std::size_t size = prefix.size();
-  return ends_in_exponent(prefix) || (size > 1 && prefix[size - 1] == '.' && is_digit(prefix[size - 2]));
+  return ends_in_exponent(prefix) || (!prefix.empty() && is_decimal_point(prefix, prefix.size() - 1));
 }
 
 std::optional<DecimalOrder> order_by_decimals(std::span<const std::string> names) {

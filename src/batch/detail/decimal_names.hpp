@@ -1,4 +1,5 @@
-// Names that differ in a decimal number, as solvers write times: t_0.25.npy, t_0.5.npy, t_1e-3.npy.
+// Names that differ in a decimal number, as solvers write times: t_0.25.npy, t_0.5.npy, t_1e-3.npy. The point may be a
+// comma or a p as well (t_0,25, t_0p25), and needs no digit before it (t_.25).
 #pragma once
 
 #include <cstddef>
@@ -24,13 +25,14 @@ struct DecimalOrder {
 
 // Says how to read the digits after a point.
 enum class FractionKind {
-  whole_numbers,  // of one length, or without zeros to fill them and in equal steps: 8, 9, 10
+  whole_numbers,  // of one length, or without zeros to fill them and each one more than the last: 8, 9, 10
   fractions,      // 25, 5, 75
-  unclear,  // of several lengths, and at least one ends in 0, or steps are equal but for gaps: 5, 10, 25; 98, 99, 101
+  // Of several lengths, and at least one ends in 0, or steps are equal, gaps apart: 5, 10, 25; 5, 25, 45; 98, 99, 101.
+  unclear,
 };
 [[nodiscard]] FractionKind judge_fractions(std::span<const std::string_view> digits);
 
-// Whether a number that follows `prefix` is a part of a decimal number: after "0." or "1e-".
+// Whether a number that follows `prefix` is a part of a decimal number: after "0.", "0p" or "1e-".
 [[nodiscard]] bool ends_within_decimal(std::string_view prefix);
 [[nodiscard]] bool ends_in_exponent(std::string_view prefix);
 

@@ -15,6 +15,7 @@
 
 #include "base/progress.hpp"
 #include "field/samples.hpp"
+#include "field/scalar_field.hpp"
 
 namespace isoextract::field {
 
@@ -52,24 +53,35 @@ template <class T, class Partial, class Body, class Join>
       join);
 }
 
-// The same without the background of sparse samples: how much of that is stored depends on where their blocks begin,
-// and says nothing of the field.
+// The values of sparse samples that say no more than on which side they are: the background, and of level sets its
+// negative, far inside. How many of them are stored depends on where blocks begin, and says nothing of the field.
+struct FarValues {
+  double background = 0;
+  double inside = 0;
+
+  FarValues(const ScalarField& field, const SparseSamples& samples)
+      : background(samples.background),
+        inside(field.kind == FieldKind::level_set ? -samples.background : samples.background) {}
+  [[nodiscard]] bool has(double stored) const { return stored == background || stored == inside; }
+};
+
+// The same without far values.
 template <class T, class Partial, class Body, class Join>
-[[nodiscard]] Partial reduce_samples(const Samples& samples, const Partial& identity, const Body& body,
+[[nodiscard]] Partial reduce_samples(const ScalarField& field, const Partial& identity, const Body& body,
                                      const Join& join, Progress* progress) {
-  const auto* sparse = std::get_if<SparseSamples>(&samples);
-  if (sparse == nullptr) return reduce_stored<T>(samples, identity, body, join, progress);
-  const double background = sparse->background;
-  const auto without_background = [&](Partial& partial, std::span<const T> block) {
+  const auto* sparse = std::get_if<SparseSamples>(&field.samples);
+  if (sparse == nullptr) return reduce_stored<T>(field.samples, identity, body, join, progress);
+  const FarValues far(field, *sparse);
+  const auto without_far = [&](Partial& partial, std::span<const T> block) {
     std::array<T, kBlockSamples> kept;
     std::size_t count = 0;
     for (const T value : block) {
       kept[count] = value;
-      count += static_cast<double>(value) == background ? 0 : 1;
+      count += far.has(static_cast<double>(value)) ? 0 : 1;
     }
     body(partial, std::span<const T>(kept.data(), count));
   };
-  return reduce_stored<T>(samples, identity, without_background, join, progress);
+  return reduce_stored<T>(field.samples, identity, without_far, join, progress);
 }
 
 inline std::uint64_t tile_voxels(const SparseTile& tile) {
@@ -77,21 +89,25 @@ inline std::uint64_t tile_voxels(const SparseTile& tile) {
   return side * side * side;
 }
 
+// Without tiles of far values.
 template <class Function>
-void for_each_tile(const Samples& samples, const Function& function) {
-  if (const auto* sparse = std::get_if<SparseSamples>(&samples)) {
-    for (const SparseTile& tile : sparse->tiles) function(tile.value, tile_voxels(tile));
+void for_each_tile(const ScalarField& field, const Function& function) {
+  const auto* sparse = std::get_if<SparseSamples>(&field.samples);
+  if (sparse == nullptr) return;
+  const FarValues far(field, *sparse);
+  for (const SparseTile& tile : sparse->tiles) {
+    if (!far.has(tile.value)) function(tile.value, tile_voxels(tile));
   }
 }
 
 // Runs body(counts, values) over what reduce_samples() does, with counts of its own for each thread: vectors of `size`
 // zeros at first. Returns their sums.
 template <class T, class Body>
-[[nodiscard]] std::vector<std::uint64_t> count_samples(const Samples& samples, std::size_t size, const Body& body,
+[[nodiscard]] std::vector<std::uint64_t> count_samples(const ScalarField& field, std::size_t size, const Body& body,
                                                        Progress* progress) {
   tbb::enumerable_thread_specific<std::vector<std::uint64_t>> parts([&] { return std::vector<std::uint64_t>(size); });
   static_cast<void>(reduce_samples<T>(
-      samples, std::uint64_t{0}, [&](std::uint64_t&, std::span<const T> values) { body(parts.local(), values); },
+      field, std::uint64_t{0}, [&](std::uint64_t&, std::span<const T> values) { body(parts.local(), values); },
       std::plus<>{}, progress));
   std::vector<std::uint64_t> sums(size);
   for (const auto& part : parts) std::ranges::transform(part, sums, sums.begin(), std::plus<>{});

@@ -25,14 +25,14 @@ using CountedValue = std::pair<double, std::uint64_t>;
 template <class T>
 class Tally {
  public:
-  Tally(const Samples& samples, Progress* progress) {
+  Tally(const ScalarField& field, Progress* progress) {
     counts_ = count_samples<T>(
-        samples, kNumbers,
+        field, kNumbers,
         [](std::vector<std::uint64_t>& counts, std::span<const T> values) {
           for (const T value : values) ++counts[std::bit_cast<Bits>(value)];
         },
         progress);
-    for_each_tile(samples, [&](double value, std::uint64_t voxels) {
+    for_each_tile(field, [&](double value, std::uint64_t voxels) {
       counts_[std::bit_cast<Bits>(static_cast<T>(static_cast<WorkOf>(value)))] += voxels;
     });
   }

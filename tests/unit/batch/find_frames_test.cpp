@@ -152,6 +152,34 @@ TEST_F(FindFrames, DecimalNumbersOrderFramesByTheirValue) {
   EXPECT_EQ(found({"d"}), "1=d/t_0.25.npy 2=d/t_0.5.npy 3=d/t_0.75.npy 4=d/t_1.npy");
 }
 
+TEST_F(FindFrames, ADecimalPointMayBeACommaOrAPAndNeedsNoDigitBeforeIt) {
+  EXPECT_EQ(found({"t_.25.npy", "t_.5.npy", "t_.75.npy"}), "1=t_.25.npy 2=t_.5.npy 3=t_.75.npy");
+  EXPECT_EQ(found({"t_.5.npy", "t_.25.npy", "t_1.npy", "t_-.5.npy"}), "1=t_-.5.npy 2=t_.25.npy 3=t_.5.npy 4=t_1.npy");
+  EXPECT_EQ(found({"t_0p25.npy", "t_0p5.npy", "t_0p75.npy"}), "1=t_0p25.npy 2=t_0p5.npy 3=t_0p75.npy");
+  EXPECT_EQ(found({"t_0,25.npy", "t_0,5.npy", "t_0,75.npy"}), "1=t_0,25.npy 2=t_0,5.npy 3=t_0,75.npy");
+  EXPECT_EQ(found({"f_.8.npy", "f_.9.npy", "f_.10.npy"}), "8=f_.8.npy 9=f_.9.npy 10=f_.10.npy");
+  EXPECT_EQ(found({"f.25.npy", "f.5.npy", "f.75.npy"}), "5=f.5.npy 25=f.25.npy 75=f.75.npy | gaps 15,35-65x10");
+  make({"p/t_0p25.npy", "p/t_0p5.npy", "p/t_0p75.npy", "p/t_.25.npy", "p/t_.5.npy", "p/t_.75.npy"});
+  EXPECT_EQ(found({"p/t_0p{}.npy"}),
+            "1: p/t_0p{}.npy: expected whole numbers of frames, found parts of decimal numbers: t_0p25.npy and "
+            "t_0p75.npy");
+  EXPECT_EQ(found({"p/t_.{}.npy"}),
+            "1: p/t_.{}.npy: expected whole numbers of frames, found parts of decimal numbers: t_.25.npy and "
+            "t_.75.npy");
+}
+
+TEST_F(FindFrames, TellsThatDigitsInEqualStepsMayBeFractions) {
+  const auto note = [&](std::vector<std::string> names) {
+    const auto frames = find(std::move(names));
+    return frames && !frames->notes.empty() ? frames->notes.front() : "none";
+  };
+  const std::string_view taken = "the digits after the point are taken as whole numbers, in which 10 follows 9";
+  EXPECT_EQ(note({"t_1.25.npy", "t_1.45.npy", "t_1.5.npy"}), fmt::format("t_1.{{}}.npy: {}", taken));
+  EXPECT_EQ(note({"t_0.2.npy", "t_0.4.npy", "t_0.6.npy", "t_0.8.npy", "t_0.10.npy"}),
+            fmt::format("t_0.{{}}.npy: {}", taken));
+  EXPECT_EQ(note({"t_0.8.npy", "t_0.9.npy", "t_0.10.npy"}), "none");
+}
+
 TEST_F(FindFrames, DigitsBehindAVersionAreFrames) {
   EXPECT_EQ(found({"f_v2.8.vdb", "f_v2.9.vdb", "f_v2.10.vdb"}), "8=f_v2.8.vdb 9=f_v2.9.vdb 10=f_v2.10.vdb");
   EXPECT_EQ(found({"f_v2.7.vdb", "f_v2.9.vdb", "f_v2.11.vdb"}), "7=f_v2.7.vdb 9=f_v2.9.vdb 11=f_v2.11.vdb");

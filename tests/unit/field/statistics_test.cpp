@@ -268,6 +268,30 @@ TEST(Statistics, DoNotDependOnWhereSparseBlocksBegin) {
   }
 }
 
+// Far inside and far outside, a level set says no more than that: how much of it is stored is no matter of the field.
+TEST(Statistics, OfALevelSetAreThoseOfItsBand) {
+  auto block = std::make_shared<std::vector<float>>(512, 3.0F);
+  std::fill_n(block->begin(), 200, -3.0F);
+  for (int i = 0; i < 5; ++i) (*block)[static_cast<std::size_t>(i) * 100] = static_cast<float>(i) - 2.0F;
+  SparseSamples sparse;
+  sparse.blocks = {SparseBlock{glm::ivec3(0), block->data()}};
+  sparse.tiles = {SparseTile{glm::ivec3(8, 0, 0), 8, -3.0}, SparseTile{glm::ivec3(4096, 0, 0), 4096, -3.0}};
+  sparse.background = 3;
+  sparse.owner = block;
+  ScalarField field;
+  field.kind = FieldKind::level_set;
+  field.samples = sparse;
+  const FieldStatistics statistics = measure_statistics(field);
+  EXPECT_EQ(statistics.samples, 5U);
+  EXPECT_EQ(statistics.min, -2);
+  EXPECT_EQ(statistics.max, 2);
+  EXPECT_EQ(statistics.percentiles[3], 0);
+  EXPECT_EQ(measure_percentiles(field, std::array{Percent(25)})->front(), -1);
+  EXPECT_TRUE(suggest_iso(field, statistics).separates);
+  field.kind = FieldKind::density;  // there -3 is a value as others are
+  EXPECT_GT(measure_statistics(field).samples, std::uint64_t{1} << 36U);
+}
+
 TEST(Statistics, TheSameForAnyNumberOfThreads) {
   std::vector<float> values(1'000'000);
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = std::sin(static_cast<float>(i) * 0.37F) * 1e3F;

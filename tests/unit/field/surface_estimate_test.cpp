@@ -1,11 +1,15 @@
 #include "field/surface_estimate.hpp"
 
+#include <array>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "field/sparse_lookup.hpp"
 
 namespace isoextract::field {
 namespace {
@@ -20,8 +24,8 @@ ScalarField dense_field(std::vector<float> values, glm::ivec3 dims) {
 TEST(EstimateVertices, CountsCrossingsWithinRowsOnly) {
   // Two rows of four: inside runs end at the rows' borders, which is no crossing.
   const ScalarField field = dense_field({0, 0, 1, 1, 0, 1, 1, 0}, {4, 2, 1});
-  EXPECT_EQ(estimate_vertices(field, 0.5), 3U * 3U);
-  EXPECT_EQ(estimate_vertices(field, 1), 0U);  // a value equal to iso is outside
+  EXPECT_EQ(estimate_surface(field, 0.5).vertices, 3U * 3U);
+  EXPECT_EQ(estimate_surface(field, 1).vertices, 0U);  // a value equal to iso is outside
 }
 
 TEST(EstimateVertices, IsCloseForABall) {
@@ -36,8 +40,8 @@ TEST(EstimateVertices, IsCloseForABall) {
     }
   }
   // Every line along an axis that meets the ball crosses it twice: 3 * 2 * pi * r^2.
-  EXPECT_NEAR(static_cast<double>(estimate_vertices(dense_field(values, glm::ivec3(kSize)), 0)), 6 * 3.14159 * 400,
-              6 * 3.14159 * 400 * 0.02);
+  EXPECT_NEAR(static_cast<double>(estimate_surface(dense_field(values, glm::ivec3(kSize)), 0).vertices),
+              6 * 3.14159 * 400, 6 * 3.14159 * 400 * 0.02);
 }
 
 // Blocks of zeros but for some samples that are 1; the background is 0.
@@ -57,7 +61,7 @@ ScalarField blocks_with(const std::vector<std::pair<glm::ivec3, std::vector<glm:
   return field;
 }
 
-// A sheet that faces one axis, whichever: 64 edges of a block cross it, and as many more leave the block.
+// A sheet at a side of a block, whichever: 64 edges lead into the block, 64 and those at its rim out of it.
 TEST(EstimateVertices, OfBlocksLooksAlongEveryAxis) {
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<glm::ivec3> sheet;
@@ -68,10 +72,10 @@ TEST(EstimateVertices, OfBlocksLooksAlongEveryAxis) {
         sheet.push_back(p);
       }
     }
-    EXPECT_EQ(estimate_vertices(blocks_with({{glm::ivec3(0), sheet}}), 0.5), 64U * 8 / 7) << axis;
+    EXPECT_EQ(estimate_surface(blocks_with({{glm::ivec3(0), sheet}}), 0.5).vertices, 64U + 64 + 4 * 8) << axis;
   }
-  EXPECT_EQ(estimate_vertices(blocks_with({{glm::ivec3(0), {glm::ivec3(3)}}}), 0.5), 6U * 8 / 7);
-  EXPECT_EQ(estimate_vertices(blocks_with({{glm::ivec3(0), {}}}), 0.5), 0U);
+  EXPECT_EQ(estimate_surface(blocks_with({{glm::ivec3(0), {glm::ivec3(3)}}}), 0.5).vertices, 6U);
+  EXPECT_EQ(estimate_surface(blocks_with({{glm::ivec3(0), {}}}), 0.5).vertices, 0U);
 }
 
 // Tiles of 1 in a background of 0: what lies within them has no edge that crosses, their faces have all.
@@ -79,15 +83,15 @@ TEST(EstimateVertices, CountsTheFacesOfTiles) {
   ScalarField field = blocks_with({});
   auto& sparse = std::get<SparseSamples>(field.samples);
   sparse.tiles = {{glm::ivec3(0), 128, 1}};
-  EXPECT_EQ(estimate_vertices(field, 0.5), 6U * 128 * 128);
-  EXPECT_EQ(estimate_places(field, 0.5), 6U * 16 * 16);
-  EXPECT_EQ(estimate_vertices(field, 2), 0U);
+  EXPECT_EQ(estimate_surface(field, 0.5).vertices, 6U * 128 * 128);
+  EXPECT_EQ(estimate_surface(field, 0.5).places, 6U * 16 * 16);
+  EXPECT_EQ(estimate_surface(field, 2).vertices, 0U);
   sparse.tiles.push_back({glm::ivec3(128, 0, 0), 8, 1});  // shares a face
-  EXPECT_EQ(estimate_vertices(field, 0.5), 6U * 128 * 128 + 4U * 8 * 8);
+  EXPECT_EQ(estimate_surface(field, 0.5).vertices, 6U * 128 * 128 + 4U * 8 * 8);
   sparse.tiles.back().value = -1;  // outside, as the background is
-  EXPECT_EQ(estimate_vertices(field, 0.5), 6U * 128 * 128);
+  EXPECT_EQ(estimate_surface(field, 0.5).vertices, 6U * 128 * 128);
   field.kind = FieldKind::level_set;  // the one of -1 alone is inside below -0.5
-  EXPECT_EQ(estimate_vertices(field, -0.5), 6U * 8 * 8);
+  EXPECT_EQ(estimate_surface(field, -0.5).vertices, 6U * 8 * 8);
 }
 
 // A block beside the tile whose samples at the shared face are inside but for one.
@@ -102,20 +106,36 @@ TEST(EstimateVertices, CountsWhereTilesMeetBlocks) {
   }
   ScalarField field = blocks_with({{glm::ivec3(8, 0, 0), ones}});
   std::get<SparseSamples>(field.samples).tiles = {{glm::ivec3(0), 8, 1}};
-  // Five edges of that sample lie in the block, five faces of the tile are bare, and one edge lies between them.
-  EXPECT_EQ(estimate_vertices(field, 0.5), 5U * 8 / 7 + 5U * 64 + 1);
+  // Five edges of that sample lie in the block and one leads to the tile; five faces of each are bare.
+  EXPECT_EQ(estimate_surface(field, 0.5).vertices, 5U + 1 + 10U * 64);
+}
+
+// The surface of voxels has as many vertices as sides of theirs are bare, wherever blocks begin.
+TEST(EstimateVertices, DoesNotDependOnWhereBlocksBegin) {
+  for (int start = 0; start < 8; ++start) {
+    std::map<std::array<int, 3>, std::vector<glm::ivec3>> blocks;
+    for (int n = 0; n < 6 * 6 * 6; ++n) {
+      const glm::ivec3 p = start + glm::ivec3(n % 6, n / 6 % 6, n / 36);
+      const glm::ivec3 origin = block_origin(p);
+      blocks[{origin.x, origin.y, origin.z}].push_back(p - origin);
+    }
+    std::vector<std::pair<glm::ivec3, std::vector<glm::ivec3>>> listed;
+    for (auto& [origin, ones] : blocks) listed.emplace_back(glm::ivec3(origin[0], origin[1], origin[2]), ones);
+    EXPECT_EQ(estimate_surface(blocks_with(listed), 0.5).vertices, 6U * 36) << start;
+  }
 }
 
 TEST(EstimatePlaces, CountsBlocksAndWhatLiesBesideThem) {
-  EXPECT_EQ(estimate_places(dense_field({0, 1}, {2, 1, 1}), 0.5), 0U);
-  EXPECT_EQ(estimate_places(blocks_with({{glm::ivec3(0), {}}}), 0.5), 0U);
-  EXPECT_EQ(estimate_places(blocks_with({{glm::ivec3(0), {glm::ivec3(3)}}}), 0.5), 1U);
-  EXPECT_EQ(estimate_places(blocks_with({{glm::ivec3(0), {{0, 3, 3}}}}), 0.5), 2U) << "itself, and one before along x";
-  EXPECT_EQ(estimate_places(blocks_with({{glm::ivec3(0), {{3, 0, 0}}}}), 0.5), 4U);
-  EXPECT_EQ(estimate_places(blocks_with({{glm::ivec3(0), {glm::ivec3(0)}}}), 0.5), 8U);
-  EXPECT_EQ(estimate_places(blocks_with({{glm::ivec3(0), {}}, {glm::ivec3(8, 0, 0), {{0, 3, 3}}}}), 0.5), 1U)
+  EXPECT_EQ(estimate_surface(dense_field({0, 1}, {2, 1, 1}), 0.5).places, 0U);
+  EXPECT_EQ(estimate_surface(blocks_with({{glm::ivec3(0), {}}}), 0.5).places, 0U);
+  EXPECT_EQ(estimate_surface(blocks_with({{glm::ivec3(0), {glm::ivec3(3)}}}), 0.5).places, 1U);
+  EXPECT_EQ(estimate_surface(blocks_with({{glm::ivec3(0), {{0, 3, 3}}}}), 0.5).places, 2U)
+      << "itself, and one before along x";
+  EXPECT_EQ(estimate_surface(blocks_with({{glm::ivec3(0), {{3, 0, 0}}}}), 0.5).places, 4U);
+  EXPECT_EQ(estimate_surface(blocks_with({{glm::ivec3(0), {glm::ivec3(0)}}}), 0.5).places, 8U);
+  EXPECT_EQ(estimate_surface(blocks_with({{glm::ivec3(0), {}}, {glm::ivec3(8, 0, 0), {{0, 3, 3}}}}), 0.5).places, 1U)
       << "what lies before is stored, and has nothing of its own";
-  EXPECT_EQ(estimate_places(blocks_with({{glm::ivec3(0), {glm::ivec3(3)}}}), 5), 0U);
+  EXPECT_EQ(estimate_surface(blocks_with({{glm::ivec3(0), {glm::ivec3(3)}}}), 5).places, 0U);
 }
 
 }  // namespace
