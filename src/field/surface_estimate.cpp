@@ -90,7 +90,7 @@ std::uint64_t count_in_blocks(const ScalarField& field, double iso) {
   });
 }
 
-// What the surface at an iso value passes of sparse samples.
+// Counts what the surface passes of sparse samples.
 struct Passed {
   std::uint64_t edges = 0;   // of the grid
   std::uint64_t places = 0;  // of block size
@@ -120,7 +120,7 @@ class StoredPlaces {
   [[nodiscard]] std::int32_t place(const glm::ivec3& origin) const {
     return lookup_ ? lookup_->place(origin) : blocks_.find(origin);
   }
-  // Of a place that is a tile's.
+  // Returns the value of a tile, by its place.
   [[nodiscard]] double tile_value(std::int32_t place) const { return lookup_->constant_of(place); }
 
  private:
@@ -146,15 +146,12 @@ std::uint64_t count_bits(const BlockBits& bits, const BlockBits& mask) {
   return static_cast<std::uint64_t>(count);
 }
 
-// The bits of the first plane along `axis`, where the last one's are.
-BlockBits first_to_last(const BlockBits& bits, int axis) {
-  BlockBits moved{};
-  for (std::size_t x = 0; x < bits.size(); ++x) {
-    if (axis == 0) moved[x] = x == 7 ? bits[0] : 0;
-    if (axis == 1) moved[x] = (bits[x] & kFirstAlongY) << 56U;
-    if (axis == 2) moved[x] = (bits[x] & kFirstAlongZ) << 7U;
-  }
-  return moved;
+// The place in a block's values of a sample of its first plane along `axis`, or of its last.
+std::size_t place_at_face(int axis, bool first, int u, int v) {
+  glm::ivec3 p(first ? 0 : SparseBlock::kSize - 1);
+  p[(axis + 1) % 3] = u;
+  p[(axis + 2) % 3] = v;
+  return static_cast<std::size_t>(block_offset(p));
 }
 
 template <class T>
@@ -225,11 +222,23 @@ class PassedCounter {
     }
     const std::int32_t after = stored_.place(block.origin + away);
     if (after == SparseLookup::kBackground) edges += count_bits(off, face_of_block(axis, false));
-    if (after >= 0) {
-      const BlockBits beside = first_to_last(off_side(after, background_), axis);
-      BlockBits differ{};
-      for (std::size_t x = 0; x < off.size(); ++x) differ[x] = off[x] ^ beside[x];
-      edges += count_bits(differ, face_of_block(axis, false));
+    if (after >= 0) edges += edges_between(off, after, axis);
+    return edges;
+  }
+
+  // Counts edges from a block, by its bits off the background's side, to the block after it. Only the planes that face
+  // each other are looked at.
+  [[nodiscard]] std::uint64_t edges_between(const BlockBits& off, std::int32_t after, int axis) const {
+    const auto* beside = static_cast<const T*>(samples_.blocks[static_cast<std::size_t>(after)].values);
+    std::uint64_t edges = 0;
+    for (int u = 0; u < SparseBlock::kSize; ++u) {
+      for (int v = 0; v < SparseBlock::kSize; ++v) {
+        const std::size_t last = place_at_face(axis, false, u, v);
+        const bool is_off = (off[last >> 6] >> (last & 63) & 1) != 0;
+        const auto stored = static_cast<double>(beside[place_at_face(axis, true, u, v)]);
+        const bool other_is_off = is_inside(field_, iso_, stored) != background_;
+        edges += is_off != other_is_off ? 1 : 0;
+      }
     }
     return edges;
   }
