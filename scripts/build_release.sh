@@ -6,13 +6,39 @@ build=$root/build/release
 
 say() { printf 'isoextract: %s\n' "$*" >&2; }
 
-# On a terminal a command's output shows as it comes, elsewhere only if the command fails.
+# Passes on what a build prints, and says on stderr how far it is: a line every so many seconds, also within a long step.
+progress_seconds=10
+tell_progress() {
+  local start=$SECONDS told=$SECONDS begun='' line wait steps=
+  while :; do
+    wait=$((told + progress_seconds - SECONDS))
+    if IFS= read -r -t $((wait > 0 ? wait : 1)) line; then
+      printf '%s\n' "$begun$line"
+      [[ ! $begun$line =~ ^\[([0-9]+)/([0-9]+)\] ]] || steps="${BASH_REMATCH[1]} of ${BASH_REMATCH[2]} steps, "
+      begun=
+    elif [ $? -gt 128 ]; then
+      begun+=$line
+    else
+      [ -z "$begun$line" ] || printf '%s\n' "$begun$line"
+      return 0
+    fi
+    if [ $((SECONDS - told)) -ge $progress_seconds ]; then
+      told=$SECONDS
+      say "build: $steps$((told - start)) s"
+    fi
+  done
+}
+
+# On a terminal a command's output shows as it comes, elsewhere how far it is, and its output only if it fails.
 quietly() {
   if [ -t 2 ]; then
     "$@" >&2
-  elif ! "$@" >"$build/build.log" 2>&1; then
-    tail -n 60 "$build/build.log" >&2
-    return 1
+  else
+    "$@" 2>&1 | tell_progress >"$build/build.log"
+    [ "${PIPESTATUS[0]}" -eq 0 ] || {
+      tail -n 60 "$build/build.log" >&2
+      return 1
+    }
   fi
 }
 

@@ -1,5 +1,6 @@
 """What the command-line tests share: running the program, and reading what it wrote."""
 
+import contextlib
 import ctypes
 import errno
 import functools
@@ -46,6 +47,20 @@ def run_limited(command, preexec_fn=None, **options):
     if finished.returncode in (-signal.SIGXCPU, -signal.SIGKILL):
         raise AssertionError(f"more than {PROCESSOR_SECONDS} s of processor time: {command}")
     return finished
+
+
+@contextlib.contextmanager
+def processor_time_below(seconds, told):
+    """What runs meanwhile takes no more processor time: how long it waits on a busy machine says nothing of its work."""
+
+    def used():
+        usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+        return usage.ru_utime + usage.ru_stime
+
+    before = used()
+    yield
+    if used() - before >= seconds:
+        raise AssertionError(f"{used() - before:.1f} s of processor time, not less than {seconds}: {told}")
 
 
 class Run:

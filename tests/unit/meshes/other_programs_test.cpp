@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <chrono>
 #include <cmath>
+#include <ctime>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -41,12 +41,12 @@ class OtherProgramsTest : public test::MeshReaderTest {
     EXPECT_NE(read.notes[0].find(part), std::string::npos) << read.notes[0];
   }
 
-  // What is quadratic takes minutes.
+  // What is quadratic takes minutes of the processor's time; how long it waits for a busy processor says nothing.
   template <class Work>
   static void expect_soon(const Work& work) {
-    const auto start = std::chrono::steady_clock::now();
+    const std::clock_t start = std::clock();
     work();
-    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(15));
+    EXPECT_LT((std::clock() - start) / CLOCKS_PER_SEC, 15);
   }
 };
 
